@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from dray.messages import OrderItem, Phase, Production, TakenOver, Transport
+from dray.messages import CommandRefusal, OrderItem, Phase, Production, Reason, TakenOver, Transport
 from dray.messages.base import Part
 
 
@@ -36,8 +36,10 @@ class CommandMemory(Part, frozen=True):
     person: str
     """On whose behalf it was given; another's command may have the same name."""
     valid_until_s: float
-    refused: str = ""
-    """Why; empty when it was obeyed."""
+    refused: CommandRefusal | None = None
+    """Why; None when it was obeyed."""
+    detail: str = ""
+    """What its sensors reported, where that was why."""
 
 
 class Contract(Part, frozen=True):
@@ -51,8 +53,8 @@ class Contract(Part, frozen=True):
     promised_s: float
     deadline_s: float
     phase: Phase = Phase.APPROACHING
-    cancelled: str = ""
-    """Why it is to end as soon as the load is off; empty while it holds."""
+    cancelled: Reason | None = None
+    """Why it is to end as soon as the load is off; None while it holds."""
     number: int = 0
     """Of the award by which it was given; 0 for a takeover."""
     claim: TakenOver | None = None

@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from dray.messages import CommandRefusal
+
 sys.path.insert(0, str(Path(__file__).parents[1] / "gateway/kits"))
 
 from gateway_kit import House
@@ -67,15 +69,15 @@ class Puppet:
         if self.deaf:
             return
         refused = self._refusal(message.kind)
-        self.house.bus.tell(self.atv, sender, CommandAnswered(message.command, not refused, refused))
-        if not refused:
+        self.house.bus.tell(self.atv, sender, CommandAnswered(message.command, refused is None, refused))
+        if refused is None:
             self._obey(message)
 
-    def _refusal(self, kind: CommandKind) -> str:
+    def _refusal(self, kind: CommandKind) -> CommandRefusal | None:
         stopped = self.state.get("status") is AtvStatus.STOPPED
         if kind is CommandKind.RESUME and not self.state.get("acknowledged"):
-            return "acknowledge the stop first"
-        return "it is not stopped" if kind is CommandKind.ACKNOWLEDGE and not stopped else ""
+            return CommandRefusal.NOT_ACKNOWLEDGED
+        return CommandRefusal.NOT_STOPPED if kind is CommandKind.ACKNOWLEDGE and not stopped else None
 
     def _obey(self, command: VehicleCommand) -> None:
         match command.kind:

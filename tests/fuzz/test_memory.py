@@ -75,6 +75,8 @@ def _value(hint: Any, name: str, number: int) -> Any:
         return _value(args[number % len(args)], name, number)
     if origin is tuple:
         return (_value(args[0], name, number),)
+    if origin is typing.Literal:
+        return args[number % len(args)]
     if hint is type(None):
         return None
     if hint is bool:

@@ -27,6 +27,7 @@ from dray.messages import (
     Handover,
     HandoverAccepted,
     Message,
+    Reason,
     Refusal,
     Release,
     Resigned,
@@ -59,7 +60,7 @@ def words() -> Iterator[Message]:
         yield Confirmed(task=task, epoch=epoch, arrived=24)
         yield HandoverAccepted(task=task, epoch=epoch)
         yield Superseded(task=task, epoch=epoch)
-        yield Withdrawn(task=task, epoch=epoch, reason="not needed")
+        yield Withdrawn(task=task, epoch=epoch, reason=Reason.NOT_NEEDED)
         yield GoalClosed(goal=task)
         yield Handover(task=task, epoch=epoch, quantity=24)
         for primary in ("ATV1", "ATV2"):
@@ -71,9 +72,9 @@ def words() -> Iterator[Message]:
             yield DockOpened(task=task, epoch=epoch, station=station)
             yield DockHeld(task=task, epoch=epoch, station=station, reason="no room")
         for role in Role:
-            yield Resigned(task=task, epoch=epoch, role=role, reason="no more")
+            yield Resigned(task=task, epoch=epoch, role=role, reason=Reason.STOPPED)
             for number in NUMBERS:
-                yield Release(task=task, epoch=epoch, role=role, reason="no answer", number=number)
+                yield Release(task=task, epoch=epoch, role=role, reason=Reason.NO_ANSWER, number=number)
                 yield Accepted(task=task, epoch=epoch, role=role, finish_s=100.0, number=number)
                 yield Declined(task=task, epoch=epoch, role=role, reason=Refusal.BUSY, number=number)
 

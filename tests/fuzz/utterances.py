@@ -71,6 +71,8 @@ class Utterances:
             return st.one_of([self._value(arg, name) for arg in args])
         if origin is tuple:
             return st.lists(self._value(args[0], name), max_size=3).map(tuple)
+        if origin is typing.Literal:
+            return st.sampled_from(args)
         if hint is type(None):
             return st.none()
         if hint is bool:

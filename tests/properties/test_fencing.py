@@ -29,6 +29,7 @@ from dray.messages import (
     Handover,
     HandoverAccepted,
     Message,
+    Reason,
     Release,
     Resigned,
     Role,
@@ -158,7 +159,7 @@ class Coordinating(RuleBasedStateMachine):
 
     @rule(atv=st.sampled_from(ATVS), task=st.sampled_from(TASKS), role=st.sampled_from(Role), epoch=EPOCHS)
     def resigns(self, atv: str, task: str, role: Role, epoch: int) -> None:
-        self.told(atv, Resigned(task=task, epoch=epoch, role=role, reason="as it likes"))
+        self.told(atv, Resigned(task=task, epoch=epoch, role=role, reason=Reason.PROBLEM))
 
     @rule(down_s=st.sampled_from([0.0, 2.0, 30.0]))
     def crashes_and_starts(self, down_s: float) -> None:
@@ -257,9 +258,7 @@ class Watching(RuleBasedStateMachine):
     @rule(who=st.sampled_from(["M8", "M7"]))
     def is_released(self, who: str) -> None:
         self.watches = self.watches and who != "M8"
-        self.told(
-            who, Release(task="M8-1", epoch=1, role=Role.SECONDARY, reason="the task has ended", number=1)
-        )
+        self.told(who, Release(task="M8-1", epoch=1, role=Role.SECONDARY, reason=Reason.TASK_ENDED, number=1))
 
     @precondition(lambda self: self.took_over and not self.answered)
     @rule(kind=st.sampled_from(["confirmed", "released", "superseded"]))
@@ -267,7 +266,7 @@ class Watching(RuleBasedStateMachine):
         self.answered = True
         answers: dict[str, Message] = {
             "confirmed": Confirmed(task="M8-1", epoch=2),
-            "released": Release(task="M8-1", epoch=2, role=Role.PRIMARY, reason="ATV2 is heard"),
+            "released": Release(task="M8-1", epoch=2, role=Role.PRIMARY, reason=Reason.IS_HEARD),
             "superseded": Superseded(task="M8-1", epoch=3),
         }
         self.told("M8", answers[kind])

@@ -14,7 +14,7 @@ import pytest
 from spoken import rhb
 from transports_rig import TransportsRig
 
-from dray.messages import Phase, Resigned, Role, TakenOver, Transport
+from dray.messages import Phase, Reason, Resigned, Role, TakenOver, Transport
 from dray.protocol.contract_net.task import OpenTask
 from dray.protocol.contract_net.task_state import TRANSITIONS, TaskState
 from dray.protocol.liveness.failure_detector import UNNAMED_S
@@ -137,12 +137,14 @@ class Walk(TransportsRig):
 
     def primary_gives_back(self) -> None:
         if self.task.primary:
-            said = Resigned(task="T1", epoch=self.task.epoch, role=Role.PRIMARY, reason="leaves")
+            said = Resigned(
+                task="T1", epoch=self.task.epoch, role=Role.PRIMARY, reason=Reason.GRACEFUL_SHUTDOWN
+            )
             self.transports.on_resigned(self.task.primary, said, self.now_s)
 
     def secondary_gives_back(self) -> None:
         if self.task.secondary:
-            said = Resigned(task="T1", epoch=self.task.epoch, role=Role.SECONDARY, reason="busy")
+            said = Resigned(task="T1", epoch=self.task.epoch, role=Role.SECONDARY, reason=Reason.HAS_WORK)
             self.transports.on_resigned(self.task.secondary, said, self.now_s)
 
     def primary_has_forgotten(self) -> None:

@@ -27,6 +27,7 @@ from dray.messages import (
     HandoverAccepted,
     Message,
     Phase,
+    Reason,
     Release,
     Role,
     Superseded,
@@ -51,9 +52,9 @@ ENDS_WITHIN_S = 1500.0
 """Every way, every retry and every question, several times over."""
 
 OVER = {
-    "released": lambda: Release(task=TASK, epoch=1, role=Role.PRIMARY, reason="not needed"),
+    "released": lambda: Release(task=TASK, epoch=1, role=Role.PRIMARY, reason=Reason.NOT_NEEDED),
     "superseded": lambda: Superseded(task=TASK, epoch=2),
-    "withdrawn": lambda: Withdrawn(task=TASK, epoch=1, reason="not needed"),
+    "withdrawn": lambda: Withdrawn(task=TASK, epoch=1, reason=Reason.NOT_NEEDED),
 }
 
 STALE: tuple[Callable[[], Message], ...] = (
@@ -63,8 +64,8 @@ STALE: tuple[Callable[[], Message], ...] = (
     lambda: HandoverAccepted(task=TASK, epoch=0),
     lambda: HandoverAccepted(task="M8-9", epoch=1),
     lambda: Superseded(task="M8-9", epoch=2),
-    lambda: Withdrawn(task=TASK, epoch=0, reason="not needed"),
-    lambda: Release(task=TASK, epoch=0, role=Role.PRIMARY, reason="not needed"),
+    lambda: Withdrawn(task=TASK, epoch=0, reason=Reason.NOT_NEEDED),
+    lambda: Release(task=TASK, epoch=0, role=Role.PRIMARY, reason=Reason.NOT_NEEDED),
 )
 """Never true of this contract, whenever they come."""
 

@@ -14,13 +14,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from spoken import accepted, bid, declined, rhb, transport
 
-from dray.messages import AtvHeartbeat, AtvStatus, Bid, HelpWanted, Role
+from dray.messages import AtvHeartbeat, AtvStatus, Bid, HelpWanted, Reason, Role
 from dray.messages.command import PROMISE_MAX_S
 from dray.messages.fact import AwardGiven
 from dray.protocol.contract_net.auction import Auction
 from dray.protocol.contract_net.auction_rules import AuctionRules
 from dray.protocol.contract_net.terms import Place, Terms
-from dray.protocol.liveness.failure_detector import IN_ERROR, SILENT, FailureDetector
+from dray.protocol.liveness.failure_detector import FailureDetector
 from dray.protocol.liveness.suspicion import (
     DEVIATIONS,
     FALSE_ALARM,
@@ -203,15 +203,15 @@ class NaiveFailureDetector:
         ear.notes = self.prior + self.notes()
         news = self.news()
         if not news:
-            return SILENT if now_s >= self.began_s + ear.bound_s(WORKING_INTERVAL_S) else ""
+            return Reason.SILENT if now_s >= self.began_s + ear.bound_s(WORKING_INTERVAL_S) else ""
         heard_s, beat = news[-1]
         interval_s = WORKING_INTERVAL_S if beat.task is not None else IDLE_INTERVAL_S
         if now_s >= heard_s + ear.bound_s(interval_s):
-            return SILENT
+            return Reason.SILENT
         if beat.help is not None:
             left_s = min(beat.help.until_s - beat.at_s, PROMISE_MAX_S)
-            return IN_ERROR if now_s >= heard_s + left_s else ""
-        return IN_ERROR if beat.status is AtvStatus.ERROR else ""
+            return Reason.IN_ERROR if now_s >= heard_s + left_s else ""
+        return Reason.IN_ERROR if beat.status is AtvStatus.ERROR else ""
 
 
 @given(before=BEATS, beats=BEATS, looks=st.lists(st.floats(0.0, 30.0), max_size=5))

@@ -82,8 +82,12 @@ def of_type(hint: Any) -> st.SearchStrategy[Any]:
         return _bounded(args[0], args[1])
     if origin in (typing.Union, types.UnionType):
         return st.one_of([of_type(arg) for arg in args])
+    if origin is typing.Literal:
+        return st.sampled_from(args)
     if origin is tuple:
         return st.lists(of_type(args[0]), max_size=3).map(tuple)
+    if origin is typing.Literal:
+        return st.sampled_from(args)
     if hint is type(None):
         return st.none()
     if issubclass(hint, enum.Enum):

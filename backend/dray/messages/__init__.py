@@ -72,6 +72,7 @@ from dray.messages.order import (
     OrderTaken,
     RevocationTaken,
 )
+from dray.messages.reason import CommandRefusal, Implausible, Reason
 from dray.messages.shutout import ShutOut
 from dray.messages.stock import StockAsked, StockFreed, StockReserved, StockShort
 
@@ -135,6 +136,7 @@ __all__ = [
     "CancellationTaken",
     "CommandAnswered",
     "CommandKind",
+    "CommandRefusal",
     "Confirmed",
     "Cost",
     "Declined",
@@ -154,6 +156,7 @@ __all__ = [
     "HandoverAccepted",
     "Heartbeat",
     "HelpWanted",
+    "Implausible",
     "JoiningMachine",
     "Link",
     "MachineHeartbeat",
@@ -171,6 +174,7 @@ __all__ = [
     "ProbationBrief",
     "Production",
     "ProductionCost",
+    "Reason",
     "Refusal",
     "Release",
     "Resigned",

@@ -15,6 +15,7 @@ import msgspec
 from msgspec import Meta
 
 from dray.messages.base import Fraction, Id, Message, Part, Seconds, Text
+from dray.messages.reason import CommandRefusal
 
 MAX_AREAS = 64
 """Areas that one grant can name: more than anybody answers for who is not given the whole plant."""
@@ -85,7 +86,10 @@ class CommandAnswered(Message, frozen=True):
 
     command: Id
     done: bool
-    reason: Text = ""
+    reason: CommandRefusal | None = None
+    """None when it was done."""
+    detail: Text = ""
+    """What its sensors still report, where that is the reason."""
 
 
 def signed_words(atv: str, command: VehicleCommand, grant: Grant) -> bytes:

@@ -14,6 +14,7 @@ from msgspec import Meta
 
 from dray.messages.base import Count, Id, IdOrNone, Message, Metres, Part, Seconds, Text
 from dray.messages.heartbeat import Role
+from dray.messages.reason import Implausible, Reason
 
 
 class Transport(Part, tag_field="kind", tag="transport", frozen=True):
@@ -234,7 +235,7 @@ class Release(Message, frozen=True):
     task: Id
     epoch: Count
     role: Role
-    reason: Text
+    reason: Reason
     number: Count = 0
     """Of the award that binds no more; 0 where none was given, as for a takeover."""
 
@@ -245,7 +246,9 @@ class Resigned(Message, frozen=True):
     task: Id
     epoch: Count
     role: Role
-    reason: Text
+    reason: Reason
+    detail: Text = ""
+    """In the words of whoever has held it up, for people."""
     short: IdOrNone = ""
     """The storage that did not give it what it was to fetch, though it has waited as long as its promise allowed."""
 
@@ -261,7 +264,7 @@ class TakenOver(Message, frozen=True):
     epoch: Count
     primary: Id
     """Whom it replaces."""
-    reason: Text = ""
+    reason: Reason = Reason.SILENT
     finish_s: Seconds = 0.0
     """When it promises to be done (plant clock)."""
     source: IdOrNone = ""
@@ -278,9 +281,9 @@ class Disbelieved(Message, frozen=True):
 
     task: Id
     epoch: Count
-    reason: Text
+    reason: Implausible
     clock_ahead_s: Seconds = 0.0
-    """How far the receiver's clock is ahead of the sender's, behind if negative; 0 where that is not the reason."""
+    """How far the receiver's clock is ahead of the sender's, behind if negative; 0 where `reason` is another one."""
 
 
 class Docked(Message, frozen=True):
@@ -343,7 +346,7 @@ class Withdrawn(Message, frozen=True):
 
     task: Id
     epoch: Count
-    reason: Text
+    reason: Reason = Reason.NOT_NEEDED
 
 
 class GoalClosed(Message, frozen=True):

@@ -22,6 +22,7 @@ from dray.messages.base import (
     Seconds,
     Text,
 )
+from dray.messages.reason import Reason
 
 
 class AtvStatus(StrEnum):
@@ -199,8 +200,11 @@ class TaskBrief(Part, frozen=True):
     secondary: IdOrNone = ""
     round: Count = 1
     """The bidding round it is in or was contracted in: a high one means that the machine waits."""
-    trouble: Text = ""
-    """Why it does not go on, in words: its carrier is silent, say; empty when all is well."""
+    trouble: Reason | None = None
+    """Why it does not go on; None when all is well. `PROBLEM` of its carrier; or the carrier has failed with goods on board, and
+    is waited for."""
+    detail: Text = ""
+    """Which problem its carrier reports."""
 
 
 class GoalBrief(Part, frozen=True):

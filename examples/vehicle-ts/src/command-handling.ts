@@ -35,21 +35,21 @@ export class CommandHandling {
     return this.#notes.kept.acknowledged;
   }
 
-  /** Carry it out or refuse it; why it was refused, empty when it was not. One that comes again is answered as before. */
+  /** Carry it out or refuse it; the reason of the refusal, empty when it was not. One that comes again is answered as before. */
   onCommand(command: VehicleCommand, now_s: number): string {
     const grant = command.grant;
-    if (!grant) return 'nobody has granted it: it carries no grant';
+    if (!grant) return 'not_granted';
     const words = signedWords(this.#atv, command, grant);
     const signature = Buffer.from(grant.signature, 'base64');
     if (!this.#trusted.some((key) => verify(null, words, key, signature)))
-      return 'its grant is not signed by anybody whom this vehicle trusts, or not for these words';
+      return 'not_trusted';
     const { commands } = this.#notes.kept;
     const before = commands.find(({ person, command: name }) => person === grant.person && name === command.command);
     if (before) return before.refused;
-    if (now_s > grant.valid_until_s) return 'its grant has expired; give the command again';
+    if (now_s > grant.valid_until_s) return 'expired';
     const here = this.#body.state.pose;
     const covered = grant.everywhere || this.#plant.isIn(grant.areas ?? [], here, command.kind === 'stop');
-    const refused = covered ? this.#try(command) : 'the vehicle is outside of the areas that its grant names';
+    const refused = covered ? this.#try(command) : 'not_here';
     const noted = { person: grant.person, command: command.command, refused };
     this.#notes.write({ commands: [...commands, noted].slice(-COMMANDS_KEPT) });
     return refused;
@@ -69,19 +69,19 @@ export class CommandHandling {
     }
     if (command.kind === 'set_speed') {
       const speed_frac = command.speed_frac ?? 0;
-      if (!(speed_frac > 0 && speed_frac <= 1)) return "a speed is above 0 and at most 1 of the vehicle's own";
+      if (!(speed_frac > 0 && speed_frac <= 1)) return 'speed_out_of_range';
       this.#notes.write({ speed_frac });
       this.#body.instruct({ kind: 'LimitSpeed', speed_frac });
       return '';
     }
-    if (command.kind === 'promise') return 'nothing that it waits for help with';
-    if (!this.stopped) return 'it is not stopped';
+    if (command.kind === 'promise') return 'not_waiting';
+    if (!this.stopped) return 'not_stopped';
     if (command.kind === 'acknowledge') {
-      if (this.#body.state.problem) return `its sensors still report: ${this.#body.state.problem}`;
+      if (this.#body.state.problem) return 'faulty';
       this.#notes.write({ acknowledged: true });
       return '';
     }
-    if (!this.acknowledged) return 'acknowledge the stop first';
+    if (!this.acknowledged) return 'not_acknowledged';
     this.stopped = false;
     this.#notes.write({ acknowledged: false });
     this.#body.instruct({ kind: 'Unhold' });

@@ -119,7 +119,7 @@ export type Message =
   | VehicleCommand
   | { readonly type: 'ShutOut'; readonly number: number; readonly agents: readonly string[] }
   | (OfTask & { readonly type: 'Release'; readonly role: Role; readonly reason: string; readonly number: number })
-  | (OfTask & { readonly type: 'Resigned'; readonly role: Role; readonly reason: string; readonly short?: string })
+  | (OfTask & { readonly type: 'Resigned'; readonly role: Role; readonly reason: string; readonly detail?: string; readonly short?: string })
   | (OfTask & {
       readonly type: 'Bid';
       readonly role: Role;
@@ -137,7 +137,7 @@ export type Message =
       readonly quantity?: number;
     })
   | (OfTask & { readonly type: 'Handover'; readonly quantity: number })
-  | { readonly type: 'CommandAnswered'; readonly command: string; readonly done: boolean; readonly reason: string }
+  | { readonly type: 'CommandAnswered'; readonly command: string; readonly done: boolean; readonly reason: string | null }
   | { readonly type: 'EventsAsked'; readonly incarnation: number; readonly first: number; readonly last: number }
   | {
       readonly type: 'EventsKept';

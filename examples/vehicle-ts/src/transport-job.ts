@@ -48,7 +48,7 @@ export class TransportJob {
   /** When to ask again (plant clock). */
   #wakes_s = Infinity;
   #givenBack = false;
-  #why = { reason: '', short: '' };
+  #why = { reason: '', short: '', detail: '' };
   /** Since when it stands at its source (plant clock). */
   #stands_s = Infinity;
 
@@ -82,7 +82,7 @@ export class TransportJob {
     if (cancelled) this.#giveUp();
     else if (this.#loaded) this.#carry();
     else if (phase === 'unloading' || phase === 'handing_over') this.#handOver();
-    else if (phase === 'carrying') this.#resign('its load is gone');
+    else if (phase === 'carrying') this.#resign('load_gone');
     else this.begin();
   }
 
@@ -131,7 +131,7 @@ export class TransportJob {
     else if (phase === 'returning') {
       this.#full.add(this.#station);
       this.#return();
-    } else if (phase === 'unloading' && this.#isGated) this.#resign(`refused: ${reason}`);
+    } else if (phase === 'unloading' && this.#isGated) this.#resign('gate_refused', reason);
     else this.#wakeIn(RETRY_S);
   }
 
@@ -162,11 +162,11 @@ export class TransportJob {
   }
 
   /** Stand, and ask the coordinator to let another one carry it; in vain once the load is on board. */
-  giveBack(reason = 'leaves', short = ''): void {
+  giveBack(reason = 'graceful_shutdown', short = '', detail = ''): void {
     const { phase, cancelled } = this.contract;
     if (this.#givenBack || cancelled || this.#action || (phase !== 'approaching' && phase !== 'loading')) return;
     this.#givenBack = true;
-    this.#why = { reason, short };
+    this.#why = { reason, short, detail };
     this.#asked = 0;
     this.#hands.driver.halt(this.#hands.now_s());
     this.#sayGivenBack();
@@ -180,14 +180,14 @@ export class TransportJob {
     if (this.#asked >= GIVE_UP_AFTER) {
       this.#asked = 0;
       if (phase === 'handing_over') this.#end('handed over to a silent machine');
-      else if (this.#fetches && !this.#givenBack) this.giveBack('no answer', this.#station);
-      else this.#resign('its machine is silent');
-    } else if (load && load !== this.contract.work.item) this.#resign(`${load} is on board`);
+      else if (this.#fetches && !this.#givenBack) this.giveBack('source_silent', this.#station);
+      else this.#resign('coordinator_silent');
+    } else if (load && load !== this.contract.work.item) this.#resign('other_load', load);
     else if (Boolean(load) !== this.#loaded) {
       // A person has taken the load off, or an action of an earlier life has ended.
       this.#loaded = Boolean(load);
       if (this.#loaded) this.#carry();
-      else if (this.contract.work.goal) this.#resign('its load was taken off');
+      else if (this.contract.work.goal) this.#resign('load_gone');
       else this.begin();
     } else if (this.#givenBack) this.#sayGivenBack();
     else if (phase === 'loading') this.#askToLoad();
@@ -258,7 +258,7 @@ export class TransportJob {
     const now_s = this.#hands.now_s();
     const loaded_s = driver.way(this.#dock(source), this.#dock(work.destination))?.duration_s ?? 0;
     const late = now_s + driver.type.load_s + loaded_s + driver.type.unload_s > promised_s;
-    if (this.#fetches && late && now_s >= this.#stands_s + WAITS_AT_LEAST_S) this.giveBack(reason, source);
+    if (this.#fetches && late && now_s >= this.#stands_s + WAITS_AT_LEAST_S) this.giveBack('dock_held', source, reason);
     else this.#wakeIn(HELD_ASK_AGAIN_S);
   }
 
@@ -322,10 +322,10 @@ export class TransportJob {
     this.#action = this.#hands.driver.act((order) => ({ kind: 'Drop', order, station, goal }));
   }
 
-  #resign(reason: string): void {
+  #resign(reason: string, detail = ''): void {
     const { task, epoch, coordinator, cancelled } = this.contract;
     if (!cancelled && !this.ended)
-      this.#hands.send(coordinator, { type: 'Resigned', task, epoch, role: 'primary', reason });
+      this.#hands.send(coordinator, { type: 'Resigned', task, epoch, role: 'primary', reason, detail });
     this.cancel(reason);
   }
 

@@ -149,7 +149,7 @@ export class Vehicle implements Bed {
       case 'VehicleCommand': {
         const refused = this.#commands.onCommand(message, this.now_s());
         const { command } = message;
-        this.send(sender, { type: 'CommandAnswered', command, done: !refused, reason: refused });
+        this.send(sender, { type: 'CommandAnswered', command, done: !refused, reason: refused || null });
         this.#tell(`${message.kind} ${command}: ${refused || 'done'}`);
         if (!this.#isStuck && !this.#job) this.#rest.soon();
         this.#beat();

@@ -1,20 +1,12 @@
 /** An alert in words. */
 import type { AlertView } from "../api/types";
 import { format, t } from "../text";
-import { disputeText } from "../text/dispute";
-import { failureText } from "../text/failure";
-import { shortageText } from "../text/shortage";
+import { causeText } from "../text/failure";
 
 /** @param speed factory seconds per real second */
 export function whatText(alert: AlertView, nowS: number, speed: number): string {
   const what = kindText(alert, nowS, speed);
-  return alert.problem === "" ? what : `${what}: ${problemText(alert)}`;
-}
-
-/** What agents have said of it, in the reader's language. */
-function problemText({ kind, problem }: AlertView): string {
-  if (kind === "handover_disputed" || kind === "word_disbelieved") return disputeText(problem);
-  return shortageText(problem) || failureText(problem);
+  return alert.cause === null ? what : `${what}: ${causeText(alert.cause)}`;
 }
 
 export function asksText(alert: AlertView): string {

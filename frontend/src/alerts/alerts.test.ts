@@ -1,11 +1,13 @@
 import { describe, expect, test } from "vitest";
-import type { AlertView } from "../api/types";
+import type { AlertView, CauseView } from "../api/types";
 import { asksText, whatText } from "./alert-text";
 import { chosenOf, inOrder, isOfPlant } from "./alerts";
 
+const cause = (more: Partial<CauseView>): CauseView => ({ reason: "", detail: "", machines: [], lacks: [], not_made: [], handover: null, clock_ahead_s: 0, times: 1, text: "", ...more });
+
 const alert = (more: Partial<AlertView>): AlertView => ({
   id: `${more.kind ?? "machine_error"}-${more.agent ?? "M8"}`, kind: "machine_error", level: "alarm", response: "repair",
-  since_at_s: 100, agent: "M8", task: "", order: "", problem: "", by: "", seen_at_s: null, until_at_s: null,
+  since_at_s: 100, agent: "M8", task: "", order: "", cause: null, by: "", seen_at_s: null, until_at_s: null,
   battery_frac: null, behind_s: null, clock_ahead_s: null, waiting: null, carried_frac: null,
   acknowledged_by: "", acknowledged_at_s: null, ...more,
 });
@@ -37,23 +39,23 @@ describe("an alert says", () => {
   const said = (more: Partial<AlertView>, speed = 1): string => whatText(alert(more), 100, speed).replaceAll("\u202f", " ");
 
   test("what is wrong, in the agent's own words too", () => {
-    expect(said({ problem: "spindle" })).toBe("Stopped by a fault: spindle");
+    expect(said({ cause: cause({ detail: "spindle" }) })).toBe("Stopped by a fault: spindle");
   });
 
   test("for what a machine waits", () => {
-    const waits = { kind: "machine_starved", problem: "for Rotor (storage S3 has none)" } as const;
+    const waits = { kind: "machine_starved", cause: cause({ lacks: [{ material: "Rotor", short: ["S3"], silent: [] }] }) } as const;
     expect(said(waits)).toBe("Has waited long for material: Rotor (nothing in storage S3)");
   });
 
   test("what was said that is not believed, and how often", () => {
-    expect(said({ kind: "handover_disputed", problem: "says 20 of shaft to M1, counted 0 (2 times)" })).toBe(
+    expect(said({ kind: "handover_disputed", cause: cause({ handover: { said: 20, item: "shaft", where: "M1", counted: 0 }, times: 2 }) })).toBe(
       "Says that loads are down which were not counted: says 20 \u00d7 shaft to M1, 0 counted (2 times)",
     );
-    expect(said({ kind: "word_disbelieved", problem: "a bid with a negative part" })).toBe(
+    expect(said({ kind: "word_disbelieved", cause: cause({ reason: "negative" }) })).toBe(
       "Says what cannot be: a bid with a negative part",
     );
-    expect(said({ kind: "word_disbelieved", problem: "clock wrong by -400 s" })).toBe("Says what cannot be: Its clock is 6:40 min behind");
-    expect(said({ kind: "word_disbelieved", problem: "a later word (2 times)" })).toBe("Says what cannot be: a later word (2 times)");
+    expect(said({ kind: "word_disbelieved", cause: cause({ reason: "clock", clock_ahead_s: -400 }) })).toBe("Says what cannot be: Its clock is 6:40 min behind");
+    expect(said({ kind: "word_disbelieved", cause: cause({ reason: "a_later_word", times: 2 }) })).toBe("Says what cannot be: a later word (2 times)");
   });
 
   test("for how long nothing was heard", () => {
@@ -71,7 +73,7 @@ describe("an alert says", () => {
   });
 
   test("who has shut an agent out, and why", () => {
-    const out = { by: "Maria", problem: "does not move" };
+    const out = { by: "Maria", cause: cause({ detail: "does not move" }) };
     expect(said({ ...out, kind: "atv_shut_out" })).toBe("Shut out by Maria: does not move");
     expect(said({ ...out, kind: "machine_shut_out" })).toBe("Shut out by Maria: does not move");
     expect(said({ ...out, kind: "station_shut_out", agent: "S3" })).toBe("Shut out by Maria: does not move");

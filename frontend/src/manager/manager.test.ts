@@ -27,7 +27,7 @@ const plant = {
 
 const order = (more: Partial<OrderView>): OrderView => ({
   id: "O-1", customer: "c", reference: null, status: "released", items: [], created_at_s: 0, due_at_s: null,
-  delivered_at_s: null, releases: 1, revoked_at_s: null, waits: "", ...more,
+  delivered_at_s: null, releases: 1, revoked_at_s: null, waits: null, ...more,
 });
 
 describe("a draft", () => {

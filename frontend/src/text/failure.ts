@@ -1,15 +1,43 @@
-/** What agents say of what is wrong, in the reader's language; what this version does not know stays as it is. */
+/** Reasons in the reader's language. What this version does not know stays as it is. */
+import type { CauseView, LackView } from "../api/types";
 import { format, t, word } from "./index";
 
-/** As "M1 is silent": several of them say why an order waits. */
-const OF_AGENT = /^(\S+) is (.+)$/;
+/** What somebody reports in words of their own; some of them are known here. */
+export function failureText(said: string): string {
+  return word("failure", said);
+}
 
-const NOT_MADE = /^this plant does not make (.+)$/;
+/** One of the reasons of the wire. */
+export function reasonText(reason: string): string {
+  return word("reason.why", reason);
+}
 
-export function failureText(reason: string): string {
-  const products = NOT_MADE.exec(reason)?.[1];
-  if (products !== undefined) return t("failure.notMade", { products: format.list(products.split(" and ")) });
-  const parts = reason.split(", ").map((part) => OF_AGENT.exec(part));
-  if (!parts.every((part) => part !== null)) return word("failure", reason);
-  return format.list(parts.map(([, agent = "", what = ""]) => t("failure.of", { agent, what: word("failure", what) })));
+/** Why something does not go on. */
+export function causeText(cause: CauseView): string {
+  const said = [whatText(cause), cause.detail === "" ? "" : failureText(cause.detail)].filter((each) => each !== "");
+  const text = said.join("; ");
+  return cause.times === 1 ? text : t("cause.times", { what: text, times: format.count(cause.times) });
+}
+
+/** The material that somebody waits for, as "Rotor (nothing in storage S3)". */
+export function lacksText(lacks: readonly LackView[]): string {
+  return format.list(lacks.map(lackText));
+}
+
+function whatText({ clock_ahead_s: aheadS, detail, handover, lacks, machines, not_made: products, reason }: CauseView): string {
+  if (products.length > 0) return t("cause.notMade", { products: format.list(products) });
+  if (machines.length > 0) return format.list(machines.map((each) => t("cause.of", { agent: each.agent, what: reasonText(each.reason) })));
+  if (lacks.length > 0) return lacksText(lacks);
+  if (handover !== null) return t("cause.handover", { ...handover });
+  if (aheadS !== 0) return t(aheadS < 0 ? "alerts.what.clock_behind" : "alerts.what.clock_ahead", { by: format.duration(Math.abs(aheadS)) });
+  // What a vehicle reports says more than that it reports something.
+  return reason === "problem" && detail !== "" ? "" : reasonText(reason);
+}
+
+function lackText({ material, short, silent }: LackView): string {
+  const reasons = [
+    short.length > 0 ? t("cause.short", { storages: format.list(short) }) : "",
+    silent.length > 0 ? t("cause.silentStation", { storages: format.list(silent) }) : "",
+  ].filter((each) => each !== "");
+  return reasons.length === 0 ? material : t("cause.lack", { material, reasons: format.list(reasons) });
 }

@@ -1,6 +1,7 @@
 import { describe, expect, test } from "vitest";
 import type { Table } from "./catalogue";
-import { failureText } from "./failure";
+import type { CauseView } from "../api/types";
+import { causeText, failureText } from "./failure";
 import { formatsFor } from "./format";
 import { languageOf, localeFor } from "./language";
 import { n, t, word } from "./manager";
@@ -65,14 +66,32 @@ describe("texts", () => {
     expect(n("alerts.alarm", 2)).toBe("2 alarms");
   });
 
+  const cause = (more: Partial<CauseView>): CauseView => ({ reason: "", detail: "", machines: [], lacks: [], not_made: [], handover: null, clock_ahead_s: 0, times: 1, text: "", ...more });
+
   test("know what agents say of what is wrong, one or several of them", () => {
     speak("de", managerDe, "de-DE");
     expect(failureText("the load has shifted")).toBe("die Ladung ist verrutscht");
-    expect(failureText("M1 is silent, M2 is broken")).toBe("M1 ist stumm, M2 ist ausgefallen");
-    expect(failureText("this plant does not make P8 and P9")).toBe("dieses Werk fertigt P8, P9 nicht");
+    const machines = [{ agent: "M1", reason: "silent" }, { agent: "M2", reason: "broken" }];
+    expect(causeText(cause({ machines }))).toBe("M1 ist stumm, M2 ist ausgefallen");
+    expect(causeText(cause({ not_made: ["P8", "P9"] }))).toBe("dieses Werk fertigt P8, P9 nicht");
     speak("en", managerEn, "en-GB");
-    expect(failureText("M1 is silent")).toBe("M1 is silent");
-    expect(failureText("the bridge is up")).toBe("the bridge is up");
+    expect(causeText(cause({ machines: machines.slice(0, 1) }))).toBe("M1 is silent");
+    expect(causeText(cause({ reason: "problem", detail: "the bridge is up" }))).toBe("the bridge is up");
+    expect(causeText(cause({ reason: "dock_held", detail: "no room" }))).toBe("waited too long at the source; no room");
+  });
+
+  test.each([
+    [["S3"], [], "Rotor (nothing in storage S3)"],
+    [["S3", "S4"], ["S5"], "Rotor (nothing in storage S3, S4, no answer from storage S5)"],
+    [[], [], "Rotor"],
+  ])("tell which storages have none and which do not answer", (short, silent, text) => {
+    expect(causeText(cause({ lacks: [{ material: "Rotor", short, silent }] }))).toBe(text);
+  });
+
+  test("tell every reason of the wire that is shown, in every language", () => {
+    const reasons = Object.keys(managerEn).filter((key) => key.startsWith("reason.why."));
+    expect(reasons.length).toBeGreaterThan(30);
+    for (const table of [managerDe, managerEs] as Table[]) for (const reason of reasons) expect(table[reason]).toBeTruthy();
   });
 
   test("leave a word of a newer server readable", () => {

@@ -12,10 +12,9 @@ from collections.abc import Container, Iterator
 from fnmatch import fnmatchcase
 from typing import NamedTuple
 
-from dray.messages import AtvStatus, Event, Message
+from dray.messages import AtvStatus, Event, Message, Reason
 from dray.messages.fact import AtvStatusChanged, CarrierChanged, GoalLost
 from dray.messages.keys import STRATEGIST
-from dray.protocol.runtime.shutdown import GRACEFUL_SHUTDOWN
 from dray_sim.checks.broken import InvariantBroken
 from dray_sim.faults import (
     ClockSet,
@@ -166,7 +165,7 @@ class FaultAttribution:
                 self._touched_s[sender] = at_s
         elif type(fact) is CarrierChanged:
             concerned: tuple[str, ...] = (sender, _away(sender), fact.replaced, fact.carrier)
-            if fact.reason == GRACEFUL_SHUTDOWN:
+            if fact.reason == Reason.GRACEFUL_SHUTDOWN:
                 concerned = (_away(fact.replaced),)
             if not self.in_trouble(at_s, *concerned):
                 seen = f"{fact.replaced} lost {fact.task} ({fact.reason}), and nothing was wrong with it"

@@ -18,11 +18,11 @@ from dray.messages import (
     HandoverAccepted,
     MachineHeartbeat,
     Message,
+    Reason,
     Role,
     StationHeartbeat,
 )
 from dray.messages.fact import (
-    HANDED_OVER,
     AtvStatusChanged,
     AwardAnswered,
     CarrierChanged,
@@ -110,7 +110,7 @@ class HandedOverOnce:
         elif type(message) is Event:
             fact = message.fact
             if type(fact) is ContractEnded:
-                if fact.reason == HANDED_OVER:
+                if fact.reason == Reason.HANDED_OVER:
                     self._note_carrier(fact.task, sender, at_s)
             elif type(fact) is TaskClosed and fact.outcome == "delivered":
                 self._note_delivered(fact.task, at_s)

@@ -7,12 +7,12 @@ for that, whoever was restarted and in whatever order.
 
 from __future__ import annotations
 
-from dray.messages import Event, MachineHeartbeat, Message, Role
+from dray.messages import Event, MachineHeartbeat, Message, Reason, Role
 from dray.messages.fact import CarrierChanged, ContractEnded, MemoryLost, TaskClosed
 from dray_sim.checks.broken import InvariantBroken
 from dray_sim.checks.fault_attribution import FaultAttribution
 
-LET_GO = ("released", "superseded")
+LET_GO = (Reason.RELEASED, Reason.SUPERSEDED)
 """How a carrier's contract ends that others have ended."""
 
 

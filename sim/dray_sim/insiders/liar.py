@@ -23,6 +23,7 @@ from dray.messages import (
     Message,
     Phase,
     Pose,
+    Reason,
     Refusal,
     Release,
     Resigned,
@@ -186,9 +187,7 @@ class Liar:
         )
         self._out.append(Send(sender, accepted))
         if answers is Answer.RESIGN:
-            resigned = Resigned(
-                task=award.task, epoch=award.epoch, role=award.role, reason="changed its mind"
-            )
+            resigned = Resigned(task=award.task, epoch=award.epoch, role=award.role, reason=Reason.HAS_WORK)
             self._out.append(Send(sender, resigned))
             return
         self._held[award.task] = Held(award.task, award.epoch, award.role, sender, work, source, now_s)

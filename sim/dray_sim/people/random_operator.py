@@ -12,9 +12,8 @@ from hashlib import sha256
 from random import Random
 
 from dray.adapters.security.signing import SigningKey
-from dray.messages import CommandAnswered, CommandKind, Message, VehicleCommand
+from dray.messages import CommandAnswered, CommandKind, CommandRefusal, Message, VehicleCommand
 from dray.ports import Bus, Clock
-from dray.protocol.vehicle.command_handling import NOT_STOPPED
 from dray_sim.people.answers import Answers
 
 NAME = "passerby"
@@ -96,7 +95,7 @@ class RandomOperator:
         while True:
             await self._repeat_until_answered(atv, CommandKind.ACKNOWLEDGE)
             resumed = await self._repeat_until_answered(atv, CommandKind.RESUME)
-            if resumed.done or resumed.reason == NOT_STOPPED:
+            if resumed.done or resumed.reason == CommandRefusal.NOT_STOPPED:
                 return
             # What is broken refuses to be acknowledged until it was mended.
             await asyncio.sleep(AGAIN_S)

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 from msgspec import structs
 
-from dray.messages import Bid, Role
-from dray.messages.fact import HANDED_OVER, ContractEnded
+from dray.messages import Bid, Reason, Role
+from dray.messages.fact import ContractEnded
 from dray.plant import Plant, VehicleSpec, default_plant
 from dray_sim.run.evidence import Check, Table
 from dray_sim.run.observer import percentile
@@ -118,7 +118,9 @@ def _disturbed(stage: Stage) -> tuple[str, ...]:
     return tuple(
         f"{ended.said.task} {ended.said.reason}"
         for ended in stage.witness.all(ContractEnded)
-        if ended.agent in FIRST_FLEET and ended.said.role is Role.PRIMARY and ended.said.reason != HANDED_OVER
+        if ended.agent in FIRST_FLEET
+        and ended.said.role is Role.PRIMARY
+        and ended.said.reason != Reason.HANDED_OVER
     )
 
 

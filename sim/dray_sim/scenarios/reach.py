@@ -5,9 +5,8 @@ from __future__ import annotations
 import asyncio
 from math import hypot
 
-from dray.messages import Link
+from dray.messages import Link, Reason
 from dray.messages.fact import CarrierChanged, TookOver
-from dray.protocol.liveness.failure_detector import SILENT
 from dray.protocol.runtime.events import NEVER_S
 from dray_sim.network.radio import RADIO
 from dray_sim.run.stage import Stage
@@ -49,13 +48,13 @@ class Reach:
     async def _judge_takeovers(self) -> None:
         while True:
             took = await self._stage.witness.first(TookOver, within_s=NEVER_S)
-            if took is not None and took.said.reason == SILENT:
+            if took is not None and took.said.reason == Reason.SILENT:
                 self._judge(took.said.task, took.said.epoch, took.said.primary, took.at_s)
 
     async def _judge_auctions(self) -> None:
         while True:
             changed = await self._stage.witness.first(CarrierChanged, within_s=NEVER_S)
-            if changed is not None and changed.said.reason == SILENT:
+            if changed is not None and changed.said.reason == Reason.SILENT:
                 self._judge(changed.said.task, changed.said.epoch, changed.said.replaced, changed.at_s)
 
     def _judge(self, task: str, epoch: int, replaced: str, at_s: float) -> None:

@@ -13,11 +13,11 @@ from dray.adapters.telemetry.fact_log import FACTS, LoggedBus
 from dray.cli.runtime.telemetry.logs import JsonFormatter
 from dray.cli.runtime.telemetry.traces import traced, watched
 from dray.errors import SettingsError
-from dray.messages import Event, Handover, Message
+from dray.messages import Event, Handover, Message, Reason
 from dray.messages.fact import TookOver
 from dray.settings import Settings
 
-TOOK = TookOver(task="M8-17", epoch=2, primary="ATV3", silent_s=3.5, reason="silent")
+TOOK = TookOver(task="M8-17", epoch=2, primary="ATV3", silent_s=3.5, reason=Reason.SILENT)
 
 
 class Bus:

@@ -41,7 +41,7 @@ async def test_who_did_what_is_written_down_with_what_came_of_it(house: House) -
     assert len({row.session for row in rows}) == 1
     told = (await boss.get("/api/audit", params={"target": "ATV1"})).json()["items"][0]
     assert told["detail"]["kind"] == "resume"
-    assert told["detail"]["reason"] == "acknowledge first"
+    assert told["detail"]["detail"] == "acknowledge first"
     assert (told["who"], told["who_kind"], told["from_ip"]) == ("boss", "person", "127.0.0.1")
 
 

@@ -23,11 +23,12 @@ from dray.messages import (
     MachineStatus,
     MaterialWait,
     Phase,
+    Reason,
     Role,
     TaskBrief,
     Transport,
 )
-from dray.messages.fact import GoalWaits, PhaseEntered, TaskOpened
+from dray.messages.fact import GoalWaits, MachineFailure, PhaseEntered, TaskOpened
 from dray.store.factory.acknowledgements import Acknowledgement
 from dray.store.factory.exclusions import Exclusion
 from dray.store.orders.orders import Item, Order
@@ -54,7 +55,11 @@ def test_what_is_as_it_should_be_makes_no_alert(projection: Projection) -> None:
 def test_a_machine_with_a_fault_is_told_in_its_own_words(projection: Projection) -> None:
     projection.fold(machine_heartbeat("M8", status=MachineStatus.ERROR, problem="spindle"))
     alert = the_alert(projection)
-    assert (alert.kind, alert.agent, alert.problem) == ("machine_error", "M8", "spindle")
+    assert (alert.kind, alert.agent, (alert.cause.text if alert.cause else "")) == (
+        "machine_error",
+        "M8",
+        "spindle",
+    )
 
 
 @pytest.mark.parametrize(
@@ -78,7 +83,7 @@ def test_a_machine_that_starves_tells_for_what_it_waits(projection: Projection) 
             machine_heartbeat("M8", int(at_s), at_s=at_s, status=MachineStatus.STARVED, waits=(wait,))
         )
     alert = the_alert(projection, PATIENCE_S + 3)
-    assert alert.problem == f"for {material.name} (storage S3 has none)"
+    assert (alert.cause.text if alert.cause else "") == f"for {material.name} (storage S3 has none)"
 
 
 @pytest.mark.parametrize(
@@ -167,7 +172,11 @@ def test_a_vehicle_that_a_person_has_stopped_asks_for_no_help_though_its_task_wa
     stopped = atv_heartbeat("ATV1", 1, status=AtvStatus.STOPPED, problem="load", help=help_)
     projection.fold(stopped)
     alert = the_alert(projection)
-    assert (alert.kind, alert.level, alert.problem) == ("atv_stopped", "warning", "load")
+    assert (alert.kind, alert.level, (alert.cause.text if alert.cause else "")) == (
+        "atv_stopped",
+        "warning",
+        "load",
+    )
 
 
 def transport(projection: Projection) -> None:
@@ -188,7 +197,7 @@ def transport(projection: Projection) -> None:
         projection.fold(event)
 
 
-def in_trouble(projection: Projection, trouble: str, machine_seq: int) -> None:
+def in_trouble(projection: Projection, detail: str, machine_seq: int) -> None:
     """M1's transport T1 does not go on, says M1."""
     brief = TaskBrief(
         task="T1",
@@ -199,7 +208,8 @@ def in_trouble(projection: Projection, trouble: str, machine_seq: int) -> None:
         destination="M1",
         deadline_s=400.0,
         primary="ATV1",
-        trouble=trouble,
+        trouble=Reason.PROBLEM if detail else Reason.SILENT,
+        detail=detail,
     )
     projection.fold(machine_heartbeat("M1", machine_seq, tasks=(brief,)))
 
@@ -208,9 +218,13 @@ def test_a_transport_that_does_not_go_on_is_told_unless_its_carrier_tells_of_it(
     projection: Projection,
 ) -> None:
     transport(projection)
-    in_trouble(projection, "its carrier is silent", 1)
+    in_trouble(projection, "", 1)
     alert = the_alert(projection)
-    assert (alert.kind, alert.task, alert.problem) == ("task_trouble", "T1", "its carrier is silent")
+    assert (alert.kind, alert.task, (alert.cause.text if alert.cause else "")) == (
+        "task_trouble",
+        "T1",
+        "silent",
+    )
     assert alert.id == "task_trouble-T1"
 
 
@@ -244,11 +258,11 @@ def test_an_order_is_late_until_it_is_delivered(projection: Projection) -> None:
 
 def test_an_order_that_waits_says_why_rather_than_that_it_is_late(projection: Projection) -> None:
     projection.orders.put(order(wall_s(100.0)))
-    waits = GoalWaits(goal="G1", order="O-1", reason="M1 is silent")
+    waits = GoalWaits(goal="G1", order="O-1", machines=(MachineFailure("M1", Reason.SILENT),))
     for event in events("strategist", waits, at_s=1.0):
         projection.fold(event)
     alert = the_alert(projection, 101.0)
-    assert (alert.kind, alert.problem) == ("order_waits", "M1 is silent")
+    assert (alert.kind, (alert.cause.text if alert.cause else "")) == ("order_waits", "M1 is silent")
 
 
 def test_an_order_for_what_this_plant_does_not_make_asks_for_its_end(projection: Projection) -> None:
@@ -257,9 +271,9 @@ def test_an_order_for_what_this_plant_does_not_make_asks_for_its_end(projection:
     projection.orders.put(strange)
     alert = the_alert(projection, 101.0)
     assert (alert.kind, alert.response) == ("order_impossible", "cancel_order")
-    assert alert.problem == "this plant does not make P8 and P9"
+    assert (alert.cause.text if alert.cause else "") == "this plant does not make P8 and P9"
     (view,) = projection.orders.views()
-    assert view.waits == alert.problem
+    assert view.waits == alert.cause
     projection.orders.put(order(wall_s(100.0), OrderStatus.CANCELLED))
     assert alerts(projection, 102.0) == []
 

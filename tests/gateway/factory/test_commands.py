@@ -16,7 +16,7 @@ from dray.adapters.security.signing import TrustedKeys
 from dray.gateway.factory.commands import STOP_VALID_S
 from dray.gateway.live.projection.recent_commands import RecentCommands
 from dray.gateway.live.views import CommandView
-from dray.messages import CommandAnswered, CommandKind, VehicleCommand, signed_words
+from dray.messages import CommandAnswered, CommandKind, CommandRefusal, VehicleCommand, signed_words
 from dray.messages.base import CLOCKS_AGREE_S
 
 pytestmark = pytest.mark.anyio
@@ -44,7 +44,13 @@ async def test_a_command_is_answered_with_the_vehicles_word(house: House, body: 
     answer = await ask(house, body)
     assert answer.status_code == 200
     (command,) = heard
-    assert answer.json() == {"command": command.command, "done": True, "reason": ""}
+    assert answer.json() == {
+        "command": command.command,
+        "done": True,
+        "reason": None,
+        "detail": "",
+        "text": "",
+    }
     assert command.kind is CommandKind(body["kind"])
     assert (command.speed_frac, command.wait_s) == (body.get("speed_frac"), body.get("wait_s"))
     assert command.issued_by == "Administrator"
@@ -81,7 +87,7 @@ async def test_a_refused_command_is_answered_with_the_vehicles_reason(house: Hou
     answer = await ask(house, {"kind": "resume"})
     assert answer.status_code == 200
     assert answer.json()["done"] is False
-    assert answer.json()["reason"] == "acknowledge first"
+    assert answer.json()["detail"] == "acknowledge first"
 
 
 async def test_a_command_that_is_not_answered_is_not_confirmed_and_not_sent_again(url: str) -> None:
@@ -110,10 +116,16 @@ async def test_panels_see_a_command_as_soon_as_it_is_sent_and_then_what_became_o
     (shown,) = house.projection.commands.views()
     assert (shown.id, shown.atv, shown.kind, shown.speed_frac) == ("4711", "ATV1", "set_speed", 0.5)
     assert (shown.by, shown.at_s, shown.state, shown.reason) == ("Administrator", NOW_S, "sent", "")
-    house.bus.tell("ATV1", "gateway", CommandAnswered("4711", done=False, reason="no"))
-    assert (await asked).json() == {"command": "4711", "done": False, "reason": "no"}
+    house.bus.tell("ATV1", "gateway", CommandAnswered("4711", False, CommandRefusal.FAULTY, "wheel"))
+    assert (await asked).json() == {
+        "command": "4711",
+        "done": False,
+        "reason": "faulty",
+        "detail": "wheel",
+        "text": "its sensors still report a problem: wheel",
+    }
     (shown,) = house.projection.commands.views()
-    assert (shown.state, shown.reason) == ("refused", "no")
+    assert (shown.state, shown.reason, shown.detail) == ("refused", "faulty", "wheel")
 
 
 async def test_a_command_that_is_sent_again_by_its_name_is_given_once(house: House) -> None:
@@ -165,9 +177,9 @@ async def test_only_the_vehicle_itself_can_answer_and_only_once(house: House) ->
     command = (await house.bus.next_to("ATV1", VehicleCommand)).command
     house.bus.tell("ATV2", "gateway", CommandAnswered(command=command, done=True))
     house.bus.tell("ATV1", "gateway", CommandAnswered(command="gateway.1-99", done=True))
-    house.bus.tell("ATV1", "gateway", CommandAnswered(command=command, done=False, reason="mine"))
-    house.bus.tell("ATV1", "gateway", CommandAnswered(command=command, done=True, reason="doubled"))
-    assert (await asked).json()["reason"] == "mine"
+    house.bus.tell("ATV1", "gateway", CommandAnswered(command=command, done=False, detail="mine"))
+    house.bus.tell("ATV1", "gateway", CommandAnswered(command=command, done=True, detail="doubled"))
+    assert (await asked).json()["detail"] == "mine"
     assert house.peer.ignored == 3
 
 
@@ -177,9 +189,9 @@ async def test_commands_at_the_same_time_get_their_own_answers(house: House) -> 
     third = await house.bus.next_to("ATV1", VehicleCommand, after=1)
     second = await house.bus.next_to("ATV2", VehicleCommand)
     for atv, command in (("ATV1", third), ("ATV2", second), ("ATV1", first)):
-        house.bus.tell(atv, "gateway", CommandAnswered(command.command, done=True, reason=command.command))
+        house.bus.tell(atv, "gateway", CommandAnswered(command.command, done=True, detail=command.command))
     answers = [(await one).json() for one in asked]
-    assert all(answer["reason"] == answer["command"] for answer in answers)
+    assert all(answer["detail"] == answer["command"] for answer in answers)
     assert len({answer["command"] for answer in answers}) == 3
 
 

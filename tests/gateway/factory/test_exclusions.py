@@ -204,7 +204,7 @@ async def test_nobody_waits_for_the_word_of_a_vehicle_that_is_shut_out(house: Ho
     await shut_out(house)
     answer = (await asked).json()
     assert answer["done"] is False
-    assert answer["reason"] == "Administrator has shut ATV3 out: whether it obeys is not known, look at it"
+    assert answer["detail"] == "Administrator has shut ATV3 out: whether it obeys is not known, look at it"
 
 
 async def test_a_vehicle_that_is_shut_out_can_be_stopped_and_nothing_else(house: House) -> None:
@@ -230,7 +230,10 @@ async def test_it_is_an_alert_and_not_said_to_be_lost(house: House) -> None:
     await shut_out(house, "M8", reason="spindle")
     house.wall.now_s += 3600.0
     house.projection.look(house.wall())
-    told = [(each.kind, each.agent, each.by, each.problem) for each in house.projection.alerts.views()]
+    told = [
+        (each.kind, each.agent, each.by, each.cause and each.cause.detail)
+        for each in house.projection.alerts.views()
+    ]
     assert told == [
         ("machine_shut_out", "M8", "Administrator", "spindle"),
         ("atv_shut_out", "ATV3", "Administrator", WHY["reason"]),
@@ -261,7 +264,14 @@ async def test_operators_and_keys_without_the_scope_shut_nobody_out(house: House
 
 
 @pytest.mark.parametrize(
-    "body", [{}, {"reason": ""}, {"reason": "   "}, {"reason": "a\nb"}, {"reason": "x" * 201}]
+    "body",
+    [
+        {},
+        {"reason": None, "detail": "", "text": ""},
+        {"reason": "   "},
+        {"reason": "a\nb"},
+        {"reason": "x" * 201},
+    ],
 )
 async def test_without_a_reason_nobody_is_shut_out(house: House, body: dict[str, str]) -> None:
     problem(await house.client.post("/api/agents/ATV3/shut-out", json=body), 422, "unusable-fields")

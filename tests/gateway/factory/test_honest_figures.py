@@ -11,7 +11,7 @@ from wall_clock import NOW_S
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.projection.auctions.tasks import MAX_OPEN_EACH
 from dray.gateway.live.timescale import TimeScale
-from dray.messages import Event, Transport
+from dray.messages import Event, Implausible, Transport
 from dray.messages.fact import HandoverDisputed, HelpAsked, TaskClosed, TaskOpened, WordDisbelieved
 from dray.messages.heartbeat import Role
 
@@ -37,7 +37,10 @@ class Watch:
 
     def alerts(self) -> dict[str, tuple[str, str]]:
         self.projection.look(self.now_s)
-        return {alert.kind: (alert.agent, alert.problem) for alert in self.projection.alerts.views()}
+        return {
+            alert.kind: (alert.agent, "" if alert.cause is None else alert.cause.text)
+            for alert in self.projection.alerts.views()
+        }
 
 
 @pytest.mark.parametrize("ahead_s", [-1.8e9, 3600.0, 60.0])
@@ -119,7 +122,7 @@ def test_a_vehicle_that_calls_for_help_all_the_time_is_counted_as_often_as_it_ca
 def test_what_coordinators_do_not_believe_is_an_alert_until_it_is_old() -> None:
     watch = Watch()
     disputed = HandoverDisputed("M1-1", 1, "ATV1", "shaft", 20, 0, "M1")
-    doubted = WordDisbelieved("ATV2", "M1-2", "a bid with a negative part")
+    doubted = WordDisbelieved("ATV2", "M1-2", Implausible.NEGATIVE)
     for number in range(2):
         for event in events("M1", disputed, doubted, first=2 * number + 1, at_s=0.0):
             watch.projection.fold(event)

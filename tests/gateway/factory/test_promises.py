@@ -11,7 +11,7 @@ from gateway_kit import House, gateway
 from heartbeats import events
 
 from dray.gateway.factory import promises as promises_module
-from dray.messages import Event
+from dray.messages import Event, Reason
 from dray.messages.fact import AnyFact, CarrierChanged, TaskClosed
 
 pytestmark = pytest.mark.anyio
@@ -68,7 +68,7 @@ async def test_what_was_not_promised_not_delivered_or_is_no_transport_does_not_c
 
 async def test_who_was_replaced_has_lost_a_transport_and_its_successor_made_the_promise(house: House) -> None:
     changed = CarrierChanged(
-        task="M1-1", epoch=2, replaced="ATV1", carrier="ATV2", reason="silent", silent_s=3.6
+        task="M1-1", epoch=2, replaced="ATV1", carrier="ATV2", reason=Reason.SILENT, silent_s=3.6
     )
     await house.say(at(150.0, "M1", 1, changed))
     await house.say(closed(2.0, "ATV2", 2, task="M1-1", epoch=2))

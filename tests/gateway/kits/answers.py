@@ -37,7 +37,7 @@ def vehicle(house: House, atv: str = "ATV1", *, done: bool = True, reason: str =
     def receive(sender: str, message: Message) -> None:
         if isinstance(message, VehicleCommand):
             heard.append(message)
-            house.bus.tell(atv, sender, CommandAnswered(command=message.command, done=done, reason=reason))
+            house.bus.tell(atv, sender, CommandAnswered(command=message.command, done=done, detail=reason))
 
     house.bus.join(atv, receive)
     return heard

@@ -25,6 +25,7 @@ from dray.messages import (
     Message,
     Phase,
     Pose,
+    Reason,
     Role,
     TaskBrief,
     Transport,
@@ -39,6 +40,7 @@ from dray.messages.fact import (
     GoalWaits,
     HelpAsked,
     LinkChanged,
+    MachineFailure,
     TaskOpened,
 )
 from dray.plant import default_plant
@@ -112,7 +114,8 @@ def making(area: str, *, seq: int = 1) -> Message:
         deadline_s=900.0,
         primary=ATV[area],
         secondary=ATV[after(area)],
-        trouble=f"{ATV[area]} waits for {ATV[after(area)]}.",
+        trouble=Reason.PROBLEM,
+        detail=f"{ATV[area]} waits for {ATV[after(area)]}.",
     )
     goal = GoalBrief(goal=GOAL, product="pump-p3", quantity=7, made=2, delivered=1)
     level = BufferLevel(item="shaft", level=3, capacity=9)
@@ -135,7 +138,7 @@ def happening(area: str) -> Iterable[Event]:
         ),
         AwardGiven(task, 1, primary, other, 1),
         AwardAnswered(task, 1, primary, other, "accepted"),
-        CarrierChanged(task, 2, other, atv, f"{other} is silent", 4.0),
+        CarrierChanged(task, 2, other, atv, Reason.SILENT, 4.0),
     ]
     yield from events(machine, *told)
     yield from events(atv, HelpAsked(task, f"blocked by {other}", 500.0), LinkChanged(Link.MESH))
@@ -143,7 +146,7 @@ def happening(area: str) -> Iterable[Event]:
 
 def orders_wait() -> Iterable[Event]:
     """The strategist cannot give a goal out."""
-    yield from events("strategist", GoalWaits(GOAL, ORDER, "nobody who lives can make it"))
+    yield from events("strategist", GoalWaits(GOAL, ORDER, (MachineFailure("M1", Reason.SILENT),)))
 
 
 def told_of(area: str) -> list[Message]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, cast
 
 from heartbeats import events
 from wall_clock import NOW_S
@@ -12,6 +12,7 @@ from dray.gateway.live.projection import Projection
 from dray.gateway.live.views import TaskView
 from dray.messages import Phase, Refusal, Role, Transport, TransportCost
 from dray.messages.fact import (
+    Answer,
     AnyFact,
     AwardAnswered,
     AwardGiven,
@@ -75,7 +76,9 @@ def award(bidder: str, epoch: int = 1, role: Role = Role.PRIMARY) -> AwardGiven:
 
 
 def answer(bidder: str, word: str = "accepted", epoch: int = 1, role: Role = Role.PRIMARY) -> AwardAnswered:
-    return AwardAnswered(task="T1", epoch=epoch, role=role, bidder=bidder, answer=word)
+    if word in ("accepted", "silent"):
+        return AwardAnswered("T1", epoch, role, bidder, cast(Answer, word))
+    return AwardAnswered("T1", epoch, role, bidder, "declined", Refusal(word))
 
 
 def refused(reason: Refusal = Refusal.BATTERY, epoch: int = 1, detail: str = "") -> BidRefused:

@@ -10,13 +10,14 @@ from gateway_kit import PRODUCT, House
 from heartbeats import events, machine_heartbeat
 from wall_clock import NOW_S
 
-from dray.messages import Event, MaterialWait, Phase, Role, Transport
+from dray.messages import Event, MaterialWait, Phase, Reason, Role, Transport
 from dray.messages.fact import (
     AnyFact,
     GoalContracted,
     GoalLost,
     GoalWaits,
     GoodsDelivered,
+    MachineFailure,
     OrderAccepted,
     PhaseEntered,
     PieceMade,
@@ -133,7 +134,11 @@ class Story:
 
     async def waiting(self, at_s: float) -> None:
         """Nobody can make it."""
-        fact = GoalWaits(GOAL, self.order["id"], f"{MACHINE} is broken, {OTHER_MACHINE} is silent")
+        fact = GoalWaits(
+            GOAL,
+            self.order["id"],
+            (MachineFailure(MACHINE, Reason.BROKEN), MachineFailure(OTHER_MACHINE, Reason.SILENT)),
+        )
         await self.tell("strategist", at_s, fact)
 
     async def tell(self, agent: str, at_s: float, *facts: AnyFact) -> None:

@@ -139,7 +139,7 @@ async def test_of_a_task_its_way_is_seen_and_nothing_of_its_auction() -> None:
     (machine,) = frame["machines"]
     (brief,) = machine["tasks"]
     assert (brief["primary"], brief["secondary"]) == (ATV[area], ELSEWHERE)
-    assert brief["trouble"] == f"{ATV[area]} waits for {ELSEWHERE}."
+    assert brief["trouble"]["detail"] == f"{ATV[area]} waits for {ELSEWHERE}."
     (goal,) = machine["goals"]
     assert (goal["goal"], goal["product"], goal["made"]) == ("1", "pump-p3", 2)
     (atv,) = frame["atvs"]

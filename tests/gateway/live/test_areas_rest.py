@@ -26,7 +26,7 @@ from heartbeats import atv_heartbeat
 from dray.gateway.access.principal import Role
 from dray.gateway.access.rules import RULES
 from dray.gateway.live.visibility import AreaVisibility
-from dray.messages import CommandAnswered, Message, Pose, VehicleCommand
+from dray.messages import CommandAnswered, CommandRefusal, Message, Pose, VehicleCommand
 
 pytestmark = pytest.mark.anyio
 
@@ -185,8 +185,8 @@ async def test_a_vehicles_refusal_names_none_that_stands_elsewhere(url: str) -> 
 
         def refuse(sender: str, message: Message) -> None:
             if isinstance(message, VehicleCommand):
-                why = f"its sensors still report: blocked by {other}"
-                house.bus.tell(ATV[area], sender, CommandAnswered(message.command, done=False, reason=why))
+                answer = CommandAnswered(message.command, False, CommandRefusal.FAULTY, f"blocked by {other}")
+                house.bus.tell(ATV[area], sender, answer)
 
         house.bus.join(ATV[area], refuse)
         client = await operator_of(house, area)
@@ -194,9 +194,10 @@ async def test_a_vehicles_refusal_names_none_that_stands_elsewhere(url: str) -> 
         shown = AreaVisibility(house.projection, frozenset({area}))
         (command,) = house.projection.commands.views()
         seen = shown.command(command)
-    assert other in command.reason
+    assert other in command.detail
     assert seen is not None
-    assert answer.json()["reason"] == seen.reason == "its sensors still report: blocked by *"
+    assert answer.json()["detail"] == seen.detail == "blocked by *"
+    assert answer.json()["text"] == seen.text == "its sensors still report a problem: blocked by *"
 
 
 @every_area
@@ -239,17 +240,19 @@ async def test_what_the_vehicle_says_to_a_stop_from_elsewhere_is_told(url: str) 
         def refuse(sender: str, message: Message) -> None:
             if isinstance(message, VehicleCommand):
                 house.bus.tell(
-                    ATV[there], sender, CommandAnswered(message.command, done=False, reason="not in AREA1")
+                    ATV[there],
+                    sender,
+                    CommandAnswered(message.command, done=False, reason=CommandRefusal.NOT_HERE),
                 )
 
         house.bus.join(ATV[there], refuse)
         client = await operator_of(house, home)
         answer = await client.post(f"/api/atvs/{ATV[there]}/commands", json={"kind": "stop"})
         assert (answer.status_code, answer.json()["done"]) == (200, False)
-        assert answer.json()["reason"] == "not in AREA1"
+        assert answer.json()["reason"] == CommandRefusal.NOT_HERE
         line = (await house.audit(action="vehicle.command"))[0]
         assert (line.target, line.result) == (ATV[there], "refused")
-        assert b"not in AREA1" in bytes(line.detail)
+        assert b"outside of the areas that its grant names" in bytes(line.detail)
 
 
 async def test_whoever_has_no_area_stops_nothing_and_nobody_stops_what_there_is_not(url: str) -> None:

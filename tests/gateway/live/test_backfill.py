@@ -7,7 +7,7 @@ from gateway_kit import gateway
 from heartbeats import events
 from wall_clock import NOW_S, Wall
 
-from dray.messages import Event, Link, Role
+from dray.messages import Event, Link, Reason, Role
 from dray.messages.fact import (
     CarrierChanged,
     ContractEnded,
@@ -19,8 +19,10 @@ from dray.messages.fact import (
 
 pytestmark = pytest.mark.anyio
 
-TOOK_OVER = TookOver(task="M8-3", epoch=2, primary="ATV3", silent_s=3.6, reason="silent")
-CHANGED = CarrierChanged(task="M8-3", epoch=2, replaced="ATV3", carrier="ATV1", reason="silent", silent_s=3.9)
+TOOK_OVER = TookOver(task="M8-3", epoch=2, primary="ATV3", silent_s=3.6, reason=Reason.SILENT)
+CHANGED = CarrierChanged(
+    task="M8-3", epoch=2, replaced="ATV3", carrier="ATV1", reason=Reason.SILENT, silent_s=3.9
+)
 
 
 def told() -> list[Event]:
@@ -42,7 +44,7 @@ async def test_the_news_is_the_same_after_a_restart(url: str) -> None:
 
 
 async def test_a_takeover_that_was_refused_is_recalled_as_refused(url: str) -> None:
-    ended = ContractEnded(task="M8-3", epoch=2, role=Role.PRIMARY, reason="released")
+    ended = ContractEnded(task="M8-3", epoch=2, role=Role.PRIMARY, reason=Reason.RELEASED)
     async with gateway(url) as house:
         await house.say(events("ATV1", TOOK_OVER, ended))
     async with gateway(url) as house:

@@ -10,7 +10,7 @@ from heartbeats import atv_heartbeat, events, machine_heartbeat
 from prometheus_client.parser import text_string_to_metric_families
 
 from dray.gateway.access.principal import ADMIN
-from dray.messages import AtvStatus, Link, Role, Transport, TransportCost
+from dray.messages import AtvStatus, Link, Reason, Role, Transport, TransportCost
 from dray.messages.contract import Refusal
 from dray.messages.fact import (
     AnyFact,
@@ -74,7 +74,7 @@ AUCTION: tuple[AnyFact, ...] = (
     bid("ATV2"),
     AwardAnswered(task="M1-1", epoch=1, role=Role.PRIMARY, bidder="ATV1", answer="accepted"),
     PrimarySuspected(task="M1-1", epoch=1, primary="ATV1", silent_s=3.5),
-    CarrierChanged(task="M1-1", epoch=2, replaced="ATV1", carrier="ATV2", reason="silent"),
+    CarrierChanged(task="M1-1", epoch=2, replaced="ATV1", carrier="ATV2", reason=Reason.SILENT),
     TaskClosed(task="M1-1", epoch=2, outcome="delivered", carrier="ATV2"),
 )
 """Two rounds, a takeover and a handover; one second between each and the next."""
@@ -83,7 +83,7 @@ AUCTION: tuple[AnyFact, ...] = (
 async def test_an_auction_is_measured_with_its_rounds_and_bids(house: House) -> None:
     house.bus.say(*events("M1", *AUCTION))
     house.bus.say(
-        *events("ATV2", TookOver(task="M1-1", epoch=2, primary="ATV1", silent_s=3.5, reason="silent"))
+        *events("ATV2", TookOver(task="M1-1", epoch=2, primary="ATV1", silent_s=3.5, reason=Reason.SILENT))
     )
     told = await scrape(house)
     assert told["dray_tasks_opened_total{work=transport}"] == 1

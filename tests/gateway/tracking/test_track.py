@@ -16,7 +16,6 @@ from tracking_kit import (
     MACHINE,
     OTHER_MACHINE,
     PACE_S,
-    VEHICLE,
     WAY_OUT,
     Story,
     assert_private,
@@ -25,7 +24,7 @@ from tracking_kit import (
 from wall_clock import NOW_S
 
 from dray.gateway.http.assets import Panels
-from dray.messages import GoalBrief, MachineHeartbeat, MaterialWait
+from dray.messages import GoalBrief, MachineHeartbeat, MaterialWait, Reason
 from dray.messages.heartbeat import MachineStatus, TaskBrief
 
 pytestmark = pytest.mark.anyio
@@ -284,9 +283,7 @@ async def test_goods_that_are_stuck_on_their_way_are_told(house: House) -> None:
     await story.planned()
     now_s = await story.making(40)
     await story.leaving(now_s)
-    brief = TaskBrief(
-        WAY_OUT, 1, PRODUCT, 4, MACHINE, "delivery", now_s + 300, trouble=f"{VEHICLE} cannot be reached"
-    )
+    brief = TaskBrief(WAY_OUT, 1, PRODUCT, 4, MACHINE, "delivery", now_s + 300, trouble=Reason.SILENT)
     house.bus.say(
         MachineHeartbeat(
             machine=MACHINE, incarnation=1, seq=99, at_s=now_s, status=MachineStatus.IDLE, tasks=(brief,)

@@ -9,6 +9,7 @@ from dray.body import Drop, Pick, Unhold
 from dray.messages import (
     CommandKind,
     HandoverAccepted,
+    Reason,
     Role,
     Transport,
     VehicleCommand,
@@ -18,9 +19,6 @@ from dray.protocol.runtime.events import Effect, Instruct, Record, Send
 
 if TYPE_CHECKING:
     from world import World
-
-SILENT_MACHINE = "handed over to a silent machine"
-"""How a transport ends whose machine has answered nothing after the load was down."""
 
 
 class Broken(AssertionError):
@@ -141,5 +139,5 @@ class Checks:
             return
         if self._primary_of.get(atv) == fact.task:
             del self._primary_of[atv]
-        if fact.reason == SILENT_MACHINE and fact.task in self._work:
+        if fact.reason == Reason.NOT_CONFIRMED and fact.task in self._work:
             self._unheard[self._work[fact.task].item] += self._work[fact.task].quantity

@@ -10,14 +10,24 @@ from m7 import NO_HOUSINGS, m7
 from msgspec.structs import replace
 from spoken import award, bid, rhb, transport
 
-from dray.messages import Accepted, Bid, Disbelieved, HelpWanted, Release, Role, TakenOver, TaskAnnounced
+from dray.messages import (
+    Accepted,
+    Bid,
+    Disbelieved,
+    HelpWanted,
+    Implausible,
+    Reason,
+    Release,
+    Role,
+    TakenOver,
+    TaskAnnounced,
+)
 from dray.messages.command import PROMISE_MAX_S
 from dray.messages.fact import CarrierChanged, NotBelieved, WordDisbelieved
 from dray.protocol.contract_net.task import StandbyContract
 from dray.protocol.contract_net.trust.assessment import Assessor
 from dray.protocol.contract_net.trust.disbelief import TOLD_EVERY_S
-from dray.protocol.contract_net.trust.plausibility import CLOCK
-from dray.protocol.liveness.failure_detector import IN_ERROR, FailureDetector
+from dray.protocol.liveness.failure_detector import FailureDetector
 from dray.protocol.runtime.events import Effect, Ignore
 
 NOW_S = 5000.0
@@ -27,18 +37,16 @@ def by_clock(ahead_s: float) -> Bid:
     return replace(bid(200.0, finish_s=NOW_S + ahead_s + 260.0), at_s=NOW_S + ahead_s)
 
 
-@pytest.mark.parametrize(("ahead_s", "words"), [(3600.0, "+3600"), (-1.9e9, "-1900000000")])
-def test_a_bid_by_a_wrong_clock_is_refused_and_its_bidder_hears_by_how_much(
-    ahead_s: float, words: str
-) -> None:
+@pytest.mark.parametrize("ahead_s", [3600.0, -1.9e9])
+def test_a_bid_by_a_wrong_clock_is_refused_and_its_bidder_hears_by_how_much(ahead_s: float) -> None:
     out: list[Effect] = []
     assert Assessor(PLANT, out).refuses("ATV1", transport(), by_clock(ahead_s), NOW_S)
     [told] = sent(out, Disbelieved, to="ATV1")
-    assert (told.task, told.reason) == ("T1", f"clock wrong by {words} s")
+    assert (told.task, told.reason) == ("T1", Implausible.CLOCK)
     assert told.clock_ahead_s == pytest.approx(ahead_s)
     [fact] = facts(out, WordDisbelieved)
     assert (fact.contractor, fact.task, fact.clock_ahead_s) == ("ATV1", "T1", told.clock_ahead_s)
-    assert [each.reason for each in out if isinstance(each, Ignore)] == [CLOCK]
+    assert [each.reason for each in out if isinstance(each, Ignore)] == [Implausible.CLOCK]
 
 
 def test_whoever_is_not_believed_is_told_once_a_minute() -> None:
@@ -64,7 +72,7 @@ def test_an_acceptance_by_a_wrong_clock_makes_no_contract_and_the_next_one_is_as
         "M7-1", 1, Role.PRIMARY, rig.now_s + 3660.0, asked.message.number, at_s=rig.now_s + 3600.0
     )
     effects = rig.on_message("ATV1", wrong)
-    assert [each.reason for each in sent(effects, Release, to="ATV1")] == [CLOCK]
+    assert [each.reason for each in sent(effects, Release, to="ATV1")] == [Reason.CLOCK_WRONG]
     assert len(sent(effects, Disbelieved, to="ATV1")) == 1
     assert [effect.to for effect in effects if getattr(getattr(effect, "message", None), "work", None)] == [
         "ATV2"
@@ -91,16 +99,16 @@ def test_a_takeover_by_a_wrong_clock_is_refused() -> None:
     [task] = [task for task in rig.agent._flow.tasks if task.id == "M7-1"]
     task.standby = StandbyContract("ATV2")
     rig.now_s += 60.0
-    said = TakenOver("M7-1", 2, "ATV1", "silent", rig.now_s - 3600.0 + 80.0, at_s=rig.now_s - 3600.0)
+    said = TakenOver("M7-1", 2, "ATV1", Reason.SILENT, rig.now_s - 3600.0 + 80.0, at_s=rig.now_s - 3600.0)
     effects = rig.on_message("ATV2", said)
-    assert [each.reason for each in sent(effects, Release, to="ATV2")] == [CLOCK]
+    assert [each.reason for each in sent(effects, Release, to="ATV2")] == [Reason.CLOCK_WRONG]
     assert facts(effects, CarrierChanged) == []
     assert task.primary == "ATV1"
 
 
 def test_a_vehicle_that_is_not_believed_writes_it_down_once_a_minute_and_goes_on() -> None:
     rig = parked()
-    said = Disbelieved(task="M8-1", epoch=1, reason="clock wrong by +3600 s", clock_ahead_s=3600.0)
+    said = Disbelieved(task="M8-1", epoch=1, reason=Implausible.CLOCK, clock_ahead_s=3600.0)
     effects = [each for _ in range(5) for each in rig.on_message("M8", said)]
     assert facts(effects, NotBelieved) == [NotBelieved(by="M8", task="M8-1", reason=said.reason)]
     assert len(facts(rig.on_message("M7", said), NotBelieved)) == 1
@@ -118,10 +126,10 @@ def test_the_time_for_help_is_what_its_own_clock_has_left(ahead_s: float) -> Non
     for second in range(59):
         beat = replace(rhb("ATV1", second + 1, 100.0 + second + ahead_s, task="T1"), help=wanted)
         detector.on_heartbeat(beat, 100.0 + second)
-        assert detector.failure(100.0 + second) == ""
+        assert detector.failure(100.0 + second) is None
     beat = replace(rhb("ATV1", 61, 161.0 + ahead_s, task="T1"), help=wanted)
     detector.on_heartbeat(beat, 161.0)
-    assert detector.failure(161.0) == IN_ERROR
+    assert detector.failure(161.0) == Reason.IN_ERROR
 
 
 def test_nobody_buys_time_with_a_call_for_help_that_never_ends() -> None:

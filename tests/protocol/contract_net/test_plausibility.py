@@ -9,21 +9,12 @@ from defaults import PLANT
 from msgspec.structs import replace
 from spoken import bid, goal_bid, production, transport
 
-from dray.messages import Bid, Transport
+from dray.messages import Bid, Implausible, Transport
 from dray.messages.base import CLOCK_WRONG_S
 from dray.plant import Plant
 from dray.protocol.contract_net.trust.plausibility import (
-    BEFORE_NOW,
-    CLOCK,
     LATE_S,
     LATEST_GOAL_S,
-    NEGATIVE,
-    NOT_A_NUMBER,
-    OTHER_SOURCE,
-    OTHER_WORK,
-    TOO_CHEAP,
-    TOO_LATE,
-    TOO_SOON,
     UNDER_WAY_S,
     Plausibility,
     by_our_clock,
@@ -58,7 +49,7 @@ def test_every_price_and_every_promise_of_an_honest_vehicle_is_believed(plant: P
                 if work.ability not in vehicle.abilities or isinstance(quote, Unable):
                     continue
                 offer = replace(bid(0.0), cost=quote.cost, finish_s=quote.finish_s, source=quote.source)
-                assert check.objection(work, offer, NOW_S + UNDER_WAY_S) == ""
+                assert check.objection(work, offer, NOW_S + UNDER_WAY_S) is None
                 assert check.believed_s(work, offer, quote.finish_s, NOW_S) == quote.finish_s
 
 
@@ -80,16 +71,16 @@ def transports_of(plant: Plant) -> list[Transport]:
 @pytest.mark.parametrize(
     ("offer", "reason"),
     [
-        (bid(0.0), TOO_CHEAP),
-        (with_cost(loaded_way_s=-1e11), NEGATIVE),
-        (with_cost(energy_s=-1.0), NEGATIVE),
-        (with_cost(suitability_s=math.nan), NOT_A_NUMBER),
-        (with_cost(empty_way_s=math.inf), NOT_A_NUMBER),
-        (bid(200.0, finish_s=math.nan), NOT_A_NUMBER),
-        (bid(200.0, finish_s=NOW_S), TOO_SOON),
-        (bid(200.0, finish_s=0.0), BEFORE_NOW),
-        (bid(200.0, source="S1"), OTHER_SOURCE),
-        (goal_bid("T1", 200.0), OTHER_WORK),
+        (bid(0.0), Implausible.TOO_CHEAP),
+        (with_cost(loaded_way_s=-1e11), Implausible.NEGATIVE),
+        (with_cost(energy_s=-1.0), Implausible.NEGATIVE),
+        (with_cost(suitability_s=math.nan), Implausible.NOT_A_NUMBER),
+        (with_cost(empty_way_s=math.inf), Implausible.NOT_A_NUMBER),
+        (bid(200.0, finish_s=math.nan), Implausible.NOT_A_NUMBER),
+        (bid(200.0, finish_s=NOW_S), Implausible.TOO_SOON),
+        (bid(200.0, finish_s=0.0), Implausible.BEFORE_NOW),
+        (bid(200.0, source="S1"), Implausible.OTHER_SOURCE),
+        (goal_bid("T1", 200.0), Implausible.OTHER_WORK),
     ],
 )
 def test_what_cannot_be_is_refused(offer: Bid, reason: str) -> None:
@@ -98,8 +89,8 @@ def test_what_cannot_be_is_refused(offer: Bid, reason: str) -> None:
 
 def test_a_machine_cannot_be_paid_for_a_goal() -> None:
     offer = goal_bid("G1", -1.0)
-    assert CHECK.objection(production(), replace(offer, finish_s=NOW_S), NOW_S) == NEGATIVE
-    assert CHECK.objection(production(), replace(goal_bid("G1", 90.0), finish_s=NOW_S), NOW_S) == ""
+    assert CHECK.objection(production(), replace(offer, finish_s=NOW_S), NOW_S) == Implausible.NEGATIVE
+    assert CHECK.objection(production(), replace(goal_bid("G1", 90.0), finish_s=NOW_S), NOW_S) is None
 
 
 def test_a_promise_beyond_the_longest_way_buys_no_time() -> None:
@@ -128,28 +119,29 @@ def test_what_a_link_and_an_honest_clock_explain_is_no_wrong_clock(ahead_s: floa
 def test_a_clock_that_is_a_little_wrong_is_made_up_for(ahead_s: float) -> None:
     righted = by_our_clock(by_clock(ahead_s), NOW_S)
     assert righted.finish_s == pytest.approx(NOW_S + 260.0)
-    assert CHECK.objection(transport(), righted, NOW_S) == ""
+    assert CHECK.objection(transport(), righted, NOW_S) is None
 
 
 @pytest.mark.parametrize("ahead_s", [3600.0, -3600.0, -1.9e9, 1e11, -(CLOCK_WRONG_S + 1.0)])
 def test_a_clock_that_is_wrong_is_not_believed_in_anything(ahead_s: float) -> None:
     offer = by_clock(ahead_s)
     assert by_our_clock(offer, NOW_S) == offer
-    assert CHECK.objection(transport(), offer, NOW_S) == CLOCK
+    assert CHECK.objection(transport(), offer, NOW_S) == Implausible.CLOCK
     assert clock_ahead_s(offer.at_s, NOW_S) == pytest.approx(ahead_s)
 
 
 def test_who_does_not_tell_when_it_was_said_is_judged_by_what_it_promises() -> None:
     honest = bid(200.0, finish_s=NOW_S + 260.0)
-    assert CHECK.objection(transport(), honest, NOW_S) == ""
+    assert CHECK.objection(transport(), honest, NOW_S) is None
     late = replace(honest, finish_s=NOW_S + 1.5 * 200.0 + 2.0 * CHECK.handling_max_s + LATE_S + 1.0)
-    assert CHECK.objection(transport(), late, NOW_S) == TOO_LATE
+    assert CHECK.objection(transport(), late, NOW_S) == Implausible.TOO_LATE
 
 
 def test_a_goal_may_take_weeks_and_is_believed_as_long_as_it_takes() -> None:
     goal = replace(goal_bid("G1", 1e6), finish_s=NOW_S + 1e6)
-    assert CHECK.objection(production(), goal, NOW_S) == ""
+    assert CHECK.objection(production(), goal, NOW_S) is None
     assert CHECK.believed_s(production(), goal, goal.finish_s, NOW_S) == goal.finish_s
     assert (
-        CHECK.objection(production(), replace(goal, finish_s=NOW_S + LATEST_GOAL_S + 1.0), NOW_S) == TOO_LATE
+        CHECK.objection(production(), replace(goal, finish_s=NOW_S + LATEST_GOAL_S + 1.0), NOW_S)
+        == Implausible.TOO_LATE
     )

@@ -6,6 +6,7 @@ from defaults import PLANT
 from effects import facts
 from spoken import bid, transport
 
+from dray.messages import Reason
 from dray.messages.fact import ContractorRated
 from dray.protocol.contract_net.trust.assessment import Assessor
 from dray.protocol.contract_net.trust.probation import PASSED_OVER_ROUNDS, SHORT_S
@@ -17,8 +18,6 @@ from dray.protocol.contract_net.trust.reliability import (
     KNOWN_MAX,
     Reliability,
 )
-from dray.protocol.liveness.failure_detector import IN_ERROR, SILENT
-from dray.protocol.liveness.progress import STALLED
 from dray.protocol.runtime.events import Effect
 
 
@@ -27,7 +26,7 @@ class School:
         self.out: list[Effect] = []
         self.reliability = Reliability(self.out)
 
-    def drops(self, times: int = 1, reason: str = SILENT, now_s: float = 0.0) -> None:
+    def drops(self, times: int = 1, reason: str = Reason.SILENT, now_s: float = 0.0) -> None:
         for _ in range(times):
             self.reliability.note_dropped("ATV9", "T1", reason, now_s)
 
@@ -50,7 +49,7 @@ def test_a_dropped_contract_costs_what_it_cost_and_is_told() -> None:
     school.drops()
     assert school.surcharge_s() == DROPPED_S
     [rated] = facts(school.out, ContractorRated)
-    assert (rated.contractor, rated.reason, rated.surcharge_s) == ("ATV9", SILENT, DROPPED_S)
+    assert (rated.contractor, rated.reason, rated.surcharge_s) == ("ATV9", Reason.SILENT, DROPPED_S)
 
 
 def test_half_of_it_is_forgiven_in_half_an_hour() -> None:
@@ -61,9 +60,9 @@ def test_half_of_it_is_forgiven_in_half_an_hour() -> None:
 
 def test_lies_weigh_more_than_misfortune_that_was_told() -> None:
     told, silent, stalled = School(), School(), School()
-    told.drops(reason=IN_ERROR)
-    silent.drops(reason=SILENT)
-    stalled.drops(reason=STALLED)
+    told.drops(reason=Reason.IN_ERROR)
+    silent.drops(reason=Reason.SILENT)
+    stalled.drops(reason=Reason.STALLED)
     assert told.surcharge_s() < silent.surcharge_s() < stalled.surcharge_s()
 
 
@@ -104,7 +103,7 @@ def test_a_breakdown_now_and_then_is_no_probation() -> None:
 def test_no_more_contractors_are_remembered_than_there_is_room_for() -> None:
     school = School()
     for number in range(KNOWN_MAX + 100):
-        school.reliability.note_dropped(f"X{number}", "T1", SILENT, 0.0)
+        school.reliability.note_dropped(f"X{number}", "T1", Reason.SILENT, 0.0)
     assert len(school.reliability._ratings) == KNOWN_MAX
 
 
@@ -112,8 +111,8 @@ def test_restricted_a_task_that_was_dropped_counts_as_long_however_short_its_bid
     assessor = Assessor(PLANT, [])
     for _ in range(3):
         assessor.reliability.note_given_back("ATV9", "T1", "changed its mind", 0.0)
-    assessor.reliability.note_dropped("ATV9", "T1", STALLED, 0.0)
-    assessor.reliability.note_dropped("ATV9", "T3", SILENT, 0.0)
+    assessor.reliability.note_dropped("ATV9", "T1", Reason.STALLED, 0.0)
+    assessor.reliability.note_dropped("ATV9", "T3", Reason.SILENT, 0.0)
 
     def is_refused(task: str, round_number: int) -> bool:
         short = bid(20.0, task=task, round=round_number, finish_s=SHORT_S)
@@ -129,6 +128,6 @@ def test_restricted_a_task_that_was_dropped_counts_as_long_however_short_its_bid
 def test_no_more_dropped_tasks_are_remembered_than_there_is_room_for() -> None:
     school = School()
     for number in range(DROPPED_KEPT + 10):
-        school.reliability.note_dropped("ATV9", f"T{number}", SILENT, 0.0)
+        school.reliability.note_dropped("ATV9", f"T{number}", Reason.SILENT, 0.0)
     assert not school.reliability.has_dropped("ATV9", "T0")
     assert school.reliability.has_dropped("ATV9", f"T{DROPPED_KEPT + 9}")

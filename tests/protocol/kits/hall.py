@@ -84,7 +84,7 @@ class Hall:
 
     @property
     def answers(self) -> list[str]:
-        return [fact.answer for fact in facts(self.out, AwardAnswered)]
+        return [fact.reason or fact.answer for fact in facts(self.out, AwardAnswered)]
 
     def released(self) -> list[str]:
         return [effect.to for effect in self.out if sent([effect], Release)]

@@ -11,6 +11,7 @@ from dray.messages import (
     Handover,
     MachineHeartbeat,
     MachineStatus,
+    Reason,
     Release,
     Role,
     TaskAnnounced,
@@ -22,7 +23,7 @@ from dray.protocol.runtime.events import Effect
 FULL = {"housing": 72, "impeller": 90, "seal-kit": 120}
 NO_HOUSINGS = FULL | {"housing": 0}
 
-RELEASE = Release(task="G1", epoch=1, role=Role.PRIMARY, reason="no answer", number=1)
+RELEASE = Release(task="G1", epoch=1, role=Role.PRIMARY, reason=Reason.NO_ANSWER, number=1)
 
 
 def m7(stock: dict[str, int] = FULL, *, goal: int = 0) -> MachineRig:

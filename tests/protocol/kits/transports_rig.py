@@ -14,6 +14,7 @@ from dray.messages import (
     AtvHeartbeat,
     Award,
     Brief,
+    Reason,
     Refusal,
     Release,
     Resigned,
@@ -103,7 +104,7 @@ class TransportsRig:
         self.transports.on_declined(atv, answer, self.now_s)
 
     def resigns(self, atv: str, task: str = "T1") -> None:
-        message = Resigned(task=task, epoch=1, role=Role.SECONDARY, reason="has work of its own")
+        message = Resigned(task=task, epoch=1, role=Role.SECONDARY, reason=Reason.HAS_WORK)
         self.transports.on_resigned(atv, message, self.now_s)
 
     def asked(self, role: Role = Role.SECONDARY) -> list[str]:

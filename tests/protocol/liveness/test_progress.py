@@ -5,8 +5,8 @@ from __future__ import annotations
 from msgspec.structs import replace
 from spoken import rhb
 
-from dray.messages import AtvHeartbeat, AtvStatus, HelpWanted, Phase, Pose
-from dray.protocol.liveness.progress import EXCUSED_MAX_S, OVERDUE, SLACK_MIN_S, STALL_S, STALLED, Progress
+from dray.messages import AtvHeartbeat, AtvStatus, HelpWanted, Phase, Pose, Reason
+from dray.protocol.liveness.progress import EXCUSED_MAX_S, SLACK_MIN_S, STALL_S, Progress
 
 PROMISED_S = 100.0
 
@@ -48,7 +48,7 @@ class Carrier:
 
 def test_who_never_moves_has_failed_soon() -> None:
     carrier = Carrier()
-    assert carrier.beats(1000) == STALLED
+    assert carrier.beats(1000) == Reason.STALLED
     assert carrier.now_s <= STALL_S + 3.0
 
 
@@ -62,7 +62,7 @@ def test_who_drives_and_keeps_its_promise_is_left_alone() -> None:
 
 def test_who_only_tells_of_ways_is_long_past_its_promise_in_the_end() -> None:
     carrier = Carrier()
-    assert carrier.beats(1000, speed_mps=1.0) == OVERDUE
+    assert carrier.beats(1000, speed_mps=1.0) == Reason.OVERDUE
     assert carrier.now_s <= PROMISED_S + SLACK_MIN_S + 2.0
 
 
@@ -71,7 +71,7 @@ def test_phases_that_go_round_buy_no_time() -> None:
     verdicts = [
         carrier.beats(20, phase=phase) for _ in range(20) for phase in (Phase.LOADING, Phase.APPROACHING)
     ]
-    assert STALLED in verdicts
+    assert Reason.STALLED in verdicts
 
 
 def test_who_waits_for_its_coordinator_is_not_to_blame() -> None:
@@ -90,10 +90,10 @@ def test_who_was_stopped_by_a_person_or_asks_for_help_is_not_to_blame() -> None:
 def test_who_was_told_to_drive_slowly_is_given_the_time() -> None:
     assert Carrier().beats(140, speed_mps=0.2, limit=0.5) == ""
     assert Carrier().beats(300, speed_mps=0.2, limit=0.5) == ""
-    assert Carrier().beats(300, speed_mps=0.2) == OVERDUE
+    assert Carrier().beats(300, speed_mps=0.2) == Reason.OVERDUE
 
 
 def test_excuses_end() -> None:
     carrier = Carrier()
-    assert carrier.beats(10_000, status=AtvStatus.STOPPED, help_s=1e11) == STALLED
+    assert carrier.beats(10_000, status=AtvStatus.STOPPED, help_s=1e11) == Reason.STALLED
     assert carrier.now_s <= EXCUSED_MAX_S + STALL_S + 3.0

@@ -19,6 +19,7 @@ from dray.messages import (
     HandoverAccepted,
     MachineHeartbeat,
     Phase,
+    Reason,
     Resigned,
     Role,
     Superseded,
@@ -107,7 +108,7 @@ def test_what_was_given_back_is_announced_with_all_the_time_that_its_rounds_had_
         rig.run(rig.agent.wake_at_s)
     offered_s = last_announced(rig).deadline_s - rig.now_s
     rig.hire("M7-1", "ATV2")
-    rig.on_message("ATV2", Resigned(task="M7-1", epoch=1, role=Role.PRIMARY, reason="no"))
+    rig.on_message("ATV2", Resigned(task="M7-1", epoch=1, role=Role.PRIMARY, reason=Reason.PROBLEM))
     while last_announced(rig).epoch == 1:
         rig.run(rig.agent.wake_at_s)
     assert (last_announced(rig).epoch, last_announced(rig).round) == (2, 1)

@@ -25,6 +25,7 @@ from dray.messages import (
     MachineHeartbeat,
     MachineStatus,
     Message,
+    Reason,
     Refusal,
     Release,
     Role,
@@ -137,7 +138,9 @@ def test_an_acceptance_is_repeated_until_it_is_confirmed() -> None:
 def test_an_acceptance_is_repeated_no_more_after_a_release() -> None:
     rig = m7()
     rig.award_goal("G1", production())
-    rig.on_message("STRATEGIST", Release(task="G1", epoch=1, role=Role.PRIMARY, reason="no answer", number=1))
+    rig.on_message(
+        "STRATEGIST", Release(task="G1", epoch=1, role=Role.PRIMARY, reason=Reason.NO_ANSWER, number=1)
+    )
     assert sent(rig.run(60.0), Accepted) == []
     assert rig.heartbeats(MachineHeartbeat)[-1].goals == ()
     assert deeds(rig.confirm_goal("G1")) == []
@@ -176,7 +179,7 @@ def test_a_goal_whose_promise_has_become_empty_is_declined() -> None:
     assert declined.task == "G1"
 
 
-WITHDRAWN = Withdrawn(task="G1", epoch=1, reason="not needed any more")
+WITHDRAWN = Withdrawn(task="G1", epoch=1, reason=Reason.NOT_NEEDED)
 
 
 @pytest.mark.parametrize("message", [RELEASE, WITHDRAWN], ids=["released", "withdrawn"])
@@ -203,7 +206,7 @@ def test_a_withdrawn_goal_is_made_no_further_and_its_pieces_serve_the_next_one()
     rig = m7(goal=24)
     rig.cycles(3)
     [ended] = facts(rig.on_message("STRATEGIST", WITHDRAWN), ContractEnded)
-    assert (ended.task, ended.reason) == ("G1", "not needed any more")
+    assert (ended.task, ended.reason) == ("G1", Reason.NOT_NEEDED)
     rig.cycle()  # The piece that was begun.
     assert not rig.is_cycling
     assert counted(rig) == []
@@ -286,7 +289,9 @@ def test_a_release_of_an_earlier_award_does_not_end_the_goal_of_a_later_one() ->
     rig.award_goal("G1", production(quantity=24))
     again = Award(task="G1", epoch=1, role=Role.PRIMARY, work=production(), deadline_s=3600.0, number=2)
     rig.on_message("STRATEGIST", again)
-    rig.on_message("STRATEGIST", Release(task="G1", epoch=1, role=Role.PRIMARY, reason="no answer", number=1))
+    rig.on_message(
+        "STRATEGIST", Release(task="G1", epoch=1, role=Role.PRIMARY, reason=Reason.NO_ANSWER, number=1)
+    )
     rig.confirm_goal("G1")
     assert rig.is_cycling
 
@@ -294,9 +299,9 @@ def test_a_release_of_an_earlier_award_does_not_end_the_goal_of_a_later_one() ->
 def test_what_its_strategist_alone_may_say_of_a_goal_is_taken_from_nobody_else() -> None:
     rig = m7(goal=24)
     words = (
-        Withdrawn(task="G1", epoch=1, reason="not needed"),
+        Withdrawn(task="G1", epoch=1, reason=Reason.NOT_NEEDED),
         GoalClosed(goal="G1"),
-        Release(task="G1", epoch=1, role=Role.PRIMARY, reason="no answer", number=1),
+        Release(task="G1", epoch=1, role=Role.PRIMARY, reason=Reason.NO_ANSWER, number=1),
         Confirmed(task="G1", epoch=1, arrived=24),
         Award(task="G1", epoch=2, role=Role.PRIMARY, work=production(), deadline_s=3600.0),
     )

@@ -27,6 +27,7 @@ from dray.messages import (
     GoalClosed,
     MachineHeartbeat,
     MachineStatus,
+    Reason,
     Release,
     Resigned,
     Role,
@@ -184,7 +185,7 @@ def lost_lot() -> MachineRig:
     rig.hire(task, "ATV2")
     rig.stocked("pump-p3", -24, "ATV2")
     rig.stock |= FULL
-    rig.on_message("ATV2", Resigned(task=task, epoch=1, role=Role.PRIMARY, reason="refused: not admitted"))
+    rig.on_message("ATV2", Resigned(task=task, epoch=1, role=Role.PRIMARY, reason=Reason.GATE_REFUSED))
     return rig
 
 
@@ -218,7 +219,7 @@ def test_a_goal_stays_in_the_heartbeat_until_the_strategist_has_closed_it() -> N
     [brief] = rig.heartbeats(MachineHeartbeat)[-1].goals
     assert (brief.made, brief.delivered, brief.quantity) == (24, 24, 24)
     [ended] = facts(rig.on_message("STRATEGIST", GoalClosed(goal="G1")), ContractEnded)
-    assert ended.reason == "delivered"
+    assert ended.reason == Reason.DELIVERED
     rig.on_message("STRATEGIST", GoalClosed(goal="G1"))
     rig.run(rig.now_s + 20.0)
     assert rig.heartbeats(MachineHeartbeat)[-1].goals == ()
@@ -233,7 +234,7 @@ def test_an_award_of_a_goal_that_is_delivered_already_begins_nothing() -> None:
     rig.on_message("STRATEGIST", GoalClosed(goal="G1"))
     rig.award_goal("G1", production(quantity=1))
     rig.on_message(
-        "STRATEGIST", Release(task="G1", epoch=1, role=Role.PRIMARY, reason="the task has ended", number=1)
+        "STRATEGIST", Release(task="G1", epoch=1, role=Role.PRIMARY, reason=Reason.TASK_ENDED, number=1)
     )
     rig.run(rig.now_s + 60.0)
     assert len(instructed(rig.all, StartCycle)) == 1

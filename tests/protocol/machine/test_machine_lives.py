@@ -34,6 +34,7 @@ from dray.messages import (
     MachineHeartbeat,
     MachineStatus,
     Phase,
+    Reason,
     Release,
     Resigned,
     Role,
@@ -258,7 +259,9 @@ def test_a_machine_that_has_lost_its_notes_takes_a_carrier_at_its_word_once_and_
     lost.on_message("ATV2", msgspec.structs.replace(named, task=carried))
     assert carrier(lost) == ("ATV2", 3)
     assert sent(lost.on_message("ATV2", claim), Confirmed, to="ATV2") == [Confirmed(task="M7-1", epoch=3)]
-    lost.on_message("ATV2", Resigned(task="M7-1", epoch=3, role=Role.PRIMARY, reason="leaves"))
+    lost.on_message(
+        "ATV2", Resigned(task="M7-1", epoch=3, role=Role.PRIMARY, reason=Reason.GRACEFUL_SHUTDOWN)
+    )
     assert [fact.outcome for fact in facts(lost.all, TaskClosed)] == ["withdrawn"]
     older = msgspec.structs.replace(named, atv="ATV3", task=msgspec.structs.replace(carried, epoch=2))
     lost.on_message("ATV3", older)

@@ -19,6 +19,7 @@ from dray.messages import (
     Declined,
     MachineHeartbeat,
     Phase,
+    Reason,
     Refusal,
     Resigned,
     Role,
@@ -27,13 +28,13 @@ from dray.messages import (
 )
 from dray.messages.fact import BidRefused, CarrierChanged
 from dray.protocol.liveness.suspicion import GOAL_SILENCE_S
-from dray.protocol.runtime.shutdown import COORDINATOR_LEAVES_WITHIN_S, GRACEFUL_SHUTDOWN
+from dray.protocol.runtime.shutdown import COORDINATOR_LEAVES_WITHIN_S
 
 # --- its coordinator --------------------------------------------------------------------------------
 
 
 def gives_back(rig: TransportsRig, atv: str = "ATV2", epoch: int = 1) -> None:
-    resigned = Resigned(task="T1", epoch=epoch, role=Role.PRIMARY, reason=GRACEFUL_SHUTDOWN)
+    resigned = Resigned(task="T1", epoch=epoch, role=Role.PRIMARY, reason=Reason.GRACEFUL_SHUTDOWN)
     rig.transports.on_resigned(atv, resigned, rig.now_s)
 
 
@@ -49,7 +50,7 @@ def test_in_a_planned_takeover_the_secondary_is_asked_and_nobody_else() -> None:
     announced = published(rig.out, TaskAnnounced)
     assert [said.epoch for said in announced if said.role is Role.PRIMARY] == [1]
     [changed] = facts(rig.out, CarrierChanged)
-    assert (changed.replaced, changed.carrier, changed.reason) == ("ATV2", "", GRACEFUL_SHUTDOWN)
+    assert (changed.replaced, changed.carrier, changed.reason) == ("ATV2", "", Reason.GRACEFUL_SHUTDOWN)
 
 
 def test_a_secondary_that_declines_lets_the_task_be_announced() -> None:
@@ -138,7 +139,7 @@ def test_it_takes_no_goals_any_more() -> None:
     goal = announcement(task="G2", coordinator="STRATEGIST", work=production())
     effects = rig.on_message("STRATEGIST", goal)
     assert not sent(effects, Bid)
-    assert [refused.detail for refused in facts(effects, BidRefused)] == [GRACEFUL_SHUTDOWN]
+    assert [refused.detail for refused in facts(effects, BidRefused)] == ["draining"]
     [declined] = sent(rig.award_goal("G2", production()), Declined)
     assert declined.reason is Refusal.NOT_FIT
 

@@ -19,11 +19,11 @@ from dray.messages import (
     Handover,
     HandoverAccepted,
     Phase,
+    Reason,
     Superseded,
     Withdrawn,
 )
 from dray.messages.fact import ContractorRated, HandoverDisputed, TaskClosed
-from dray.protocol.liveness.progress import NOT_COUNTED
 from dray.protocol.machine.transports.receiving import COUNT_S
 from dray.protocol.runtime.events import Effect
 
@@ -122,7 +122,7 @@ def test_what_is_missing_of_a_load_is_ordered_again_and_no_more() -> None:
     effects = says(rig, pieces)
     assert disputed(rig) == [("ATV2", pieces, pieces - 4)]
     assert sent(effects, HandoverAccepted, to="ATV2")
-    assert [each.reason for each in facts(effects, ContractorRated)][-1] == NOT_COUNTED
+    assert [each.reason for each in facts(effects, ContractorRated)][-1] == Reason.NOT_COUNTED
     [level] = [each for each in rig.agent._supply.levels() if each.item == "housing"]
     assert level.on_order == sum(
         each.work.quantity for each in rig.agent._flow.tasks if each.work.item == "housing"

@@ -17,6 +17,7 @@ from dray.messages import (
     MachineHeartbeat,
     MaterialWait,
     Phase,
+    Reason,
     Resigned,
     Role,
     StockAsked,
@@ -27,7 +28,7 @@ from dray.messages import (
     Withdrawn,
 )
 from dray.messages.fact import CarrierChanged, MachineStatusChanged, TaskClosed
-from dray.protocol.liveness.progress import EXCUSED_MAX_S, STALL_S, STALLED, Progress
+from dray.protocol.liveness.progress import EXCUSED_MAX_S, STALL_S, Progress
 from dray.protocol.machine.machine import Machine
 from dray.protocol.machine.sourcing import AGAIN_S, ANSWER_S, RENEW_S
 from dray.protocol.runtime.events import Effect
@@ -163,7 +164,7 @@ def test_what_comes_too_late_is_given_back() -> None:
 
 def test_a_task_that_is_withdrawn_gives_its_material_back() -> None:
     rig = hired("S2")
-    short_of = Resigned(task=TASK, epoch=1, role=Role.PRIMARY, reason="S2 has no housing", short="S2")
+    short_of = Resigned(task=TASK, epoch=1, role=Role.PRIMARY, reason=Reason.DOCK_HELD, short="S2")
     effects = rig.on_message("ATV2", short_of)
     assert len(sent(effects, Withdrawn, to="ATV2")) == 1
     assert [fact.outcome for fact in facts(effects, TaskClosed)] == ["withdrawn"]
@@ -173,7 +174,7 @@ def test_a_task_that_is_withdrawn_gives_its_material_back() -> None:
 
 
 def test_who_gives_back_what_its_station_has_promised_is_doubted_and_who_found_nothing_is_not() -> None:
-    short_of = Resigned(task=TASK, epoch=1, role=Role.PRIMARY, reason="S2 has no housing", short="S2")
+    short_of = Resigned(task=TASK, epoch=1, role=Role.PRIMARY, reason=Reason.DOCK_HELD, short="S2")
     rig = hired("S2")
     rig.on_message("ATV2", short_of)
     assert surcharge_s(rig) > 0.0
@@ -204,7 +205,7 @@ def test_what_is_not_needed_any_more_is_not_waited_for() -> None:
     rig = needing()
     for station in KEEPING:
         short(rig, station)
-    effects = rig.on_message("STRATEGIST", Withdrawn(task="G1", epoch=1, reason="cancelled"))
+    effects = rig.on_message("STRATEGIST", Withdrawn(task="G1", epoch=1, reason=Reason.NOT_NEEDED))
     assert freed(effects) == list(KEEPING)
     assert waits(rig) == ()
 
@@ -240,7 +241,9 @@ def test_who_stands_before_a_station_that_is_silent_is_not_to_blame() -> None:
 def test_who_stands_before_a_station_that_lives_is() -> None:
     rig = hired("S2")
     loading(rig, 300, answers=True)
-    assert [(fact.replaced, fact.reason) for fact in facts(rig.all, CarrierChanged)] == [("ATV2", STALLED)]
+    assert [(fact.replaced, fact.reason) for fact in facts(rig.all, CarrierChanged)] == [
+        ("ATV2", Reason.STALLED)
+    ]
 
 
 def test_a_silent_station_is_no_excuse_for_ever() -> None:

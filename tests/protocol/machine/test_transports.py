@@ -9,7 +9,7 @@ from defaults import KEYS
 from effects import deeds, facts, listening, published, sent
 from transports_rig import TransportsRig, contracted, watched
 
-from dray.messages import Phase, Role, TaskAnnounced, Transport, Withdrawn
+from dray.messages import Phase, Reason, Role, TaskAnnounced, Transport, Withdrawn
 from dray.messages.fact import PrimarySuspected, TaskClosed, WatchLost
 from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S, LATENESS_MAX_S, WORKING_INTERVAL_S, bound_s
 from dray.protocol.runtime.events import NEVER_S
@@ -69,7 +69,7 @@ def test_when_the_secondary_resigns_another_one_is_sought_at_once() -> None:
     assert rig.task.secondary == ""
     assert published(rig.out, TaskAnnounced)[-1].role is Role.SECONDARY
     [lost] = facts(rig.out, WatchLost)
-    assert (lost.secondary, lost.reason) == ("ATV1", "has work of its own")
+    assert (lost.secondary, lost.reason) == ("ATV1", Reason.HAS_WORK)
     rig.bids(ATV4=60.0, role=Role.SECONDARY)
     rig.run(2.5, "ATV2")
     rig.accepts("ATV4", Role.SECONDARY)

@@ -9,8 +9,16 @@ from effects import facts, instructed, sent
 from spoken import mhb
 
 from dray.body import Admit, GoodsArrived
-from dray.messages import MachineStatus, Withdrawn
-from dray.messages.fact import GoalContracted, GoalLost, GoalWaits, GoodsDelivered, OrderFulfilled, TaskClosed
+from dray.messages import MachineStatus, Reason, Withdrawn
+from dray.messages.fact import (
+    GoalContracted,
+    GoalLost,
+    GoalWaits,
+    GoodsDelivered,
+    MachineFailure,
+    OrderFulfilled,
+    TaskClosed,
+)
 from dray.protocol.liveness.suspicion import GOAL_SILENCE_S
 from dray.protocol.runtime.events import Woke
 from dray.protocol.strategist.machine_monitor import BREAKDOWN_S
@@ -96,7 +104,7 @@ def test_while_nobody_else_lives_the_goal_stays_and_its_order_says_that_it_waits
     rig.run(600.0)
     [waits] = facts(rig.all, GoalWaits)
     assert (waits.goal, waits.order) == (goal, "O1")
-    assert "M7 is silent" in waits.reason
+    assert MachineFailure("M7", Reason.SILENT) in waits.machines
     assert rig.admitted(goal) == 24
     beats(rig, 700.0, "M7", goals=(brief(goal),))
     assert facts(rig.all, GoalLost) == []

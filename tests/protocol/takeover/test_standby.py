@@ -8,7 +8,7 @@ from defaults import KEYS
 from effects import facts, listening, sent
 from spoken import award, rhb
 
-from dray.messages import Award, Release, Resigned, Role
+from dray.messages import Award, Reason, Release, Resigned, Role
 from dray.messages.fact import ContractEnded, ContractTaken, PrimarySuspected
 from dray.protocol.liveness.failure_detector import FailureDetector, HeartbeatSubscriptions
 from dray.protocol.liveness.suspicion import WORKING_INTERVAL_S, bound_s
@@ -165,14 +165,14 @@ def test_a_watch_is_released_by_the_number_of_the_award_that_has_asked_for_it(
 ) -> None:
     rig = StandbyRig()
     rig.watch(watch(epoch=2, number=2))
-    release = Release(task="M8-1", epoch=2, role=Role.SECONDARY, reason="the task has ended", number=number)
+    release = Release(task="M8-1", epoch=2, role=Role.SECONDARY, reason=Reason.TASK_ENDED, number=number)
     assert rig.standby.release(release) is let_go
     assert ("M8-1" in rig.standby) is not let_go
 
 
 def test_a_release_of_what_is_not_watched_is_noticed_and_changes_nothing() -> None:
     rig = StandbyRig()
-    release = Release(task="M8-1", epoch=1, role=Role.SECONDARY, reason="the task has ended")
+    release = Release(task="M8-1", epoch=1, role=Role.SECONDARY, reason=Reason.TASK_ENDED)
     assert not rig.standby.release(release)
     assert rig.out == []
 
@@ -181,7 +181,7 @@ def test_all_watches_are_given_back_to_their_coordinator() -> None:
     rig = StandbyRig()
     rig.watch(watch("M8-1", "ATV2"))
     rig.watch(watch("M8-2", "ATV3"))
-    rig.standby.resign("has work of its own")
+    rig.standby.resign(Reason.HAS_WORK)
     resigned = sent(rig.out, Resigned, to="M8")
     assert [(message.task, message.role) for message in resigned] == [
         ("M8-1", Role.SECONDARY),

@@ -16,6 +16,7 @@ from dray.messages import (
     Confirmed,
     Link,
     Phase,
+    Reason,
     Release,
     Resigned,
     Role,
@@ -34,7 +35,7 @@ def test_a_secondary_takes_over_as_soon_as_its_primary_has_been_silent_for_the_b
     [claim] = claims(rig)
     assert (claim.task, claim.epoch, claim.primary, claim.source) == ("M8-1", 2, "ATV2", "S3")
     [took] = facts(rig.all, TookOver)
-    assert (took.silent_s, took.reason) == (BOUND_S, "silent")
+    assert (took.silent_s, took.reason) == (BOUND_S, Reason.SILENT)
     assert rig.last(Drive).nodes[-1] == PLANT.node_of("S3")
     rig.run(rig.now_s)
     heartbeat = rig.heartbeats(AtvHeartbeat)[-1]
@@ -82,8 +83,8 @@ def test_its_next_life_says_so_too_until_the_machine_has_confirmed() -> None:
 def test_a_takeover_that_the_machine_refuses_ends() -> None:
     rig = guard()
     rig.run(BOUND_S)
-    rig.on_message("M8", Release(task="M8-1", epoch=2, role=Role.PRIMARY, reason="ATV2 is heard"))
-    assert facts(rig.all, ContractEnded)[-1].reason == "released"
+    rig.on_message("M8", Release(task="M8-1", epoch=2, role=Role.PRIMARY, reason=Reason.IS_HEARD))
+    assert facts(rig.all, ContractEnded)[-1].reason == Reason.RELEASED
     said = len(claims(rig))
     rig.run(rig.now_s + 10 * ASK_AGAIN_S)
     assert len(claims(rig)) == said

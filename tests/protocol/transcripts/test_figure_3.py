@@ -47,7 +47,7 @@ def test_the_cheapest_bidder_is_asked_first_and_the_next_best_wins() -> None:
         ("ATV1", Role.SECONDARY),
     ]
     answered = [fact for agent, fact in facts if agent == "M8" and isinstance(fact, AwardAnswered)]
-    assert [fact.answer for fact in answered] == ["busy", "accepted", "accepted"]
+    assert [fact.reason or fact.answer for fact in answered] == ["busy", "accepted", "accepted"]
 
 
 if __name__ == "__main__":

@@ -5,9 +5,8 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from dray.messages import Award, Confirmed, Production, Role
+from dray.messages import Award, Confirmed, Production, Reason, Role
 from dray.messages.fact import CarrierChanged, PrimarySuspected, TaskClosed
-from dray.protocol.runtime.shutdown import GRACEFUL_SHUTDOWN
 
 sys.path.insert(0, str(Path(__file__).parent))
 from stage import Stage, rewritten, without_shafts
@@ -34,7 +33,7 @@ def test_a_planned_takeover_is_played_message_by_message() -> None:
 def test_the_history_tells_why_the_carrier_changed_and_of_no_suspicion() -> None:
     facts = [fact for agent, fact in play().facts if agent == "M8"]
     [changed] = [fact for fact in facts if isinstance(fact, CarrierChanged)]
-    assert (changed.replaced, changed.epoch, changed.reason) == ("ATV2", 2, GRACEFUL_SHUTDOWN)
+    assert (changed.replaced, changed.epoch, changed.reason) == ("ATV2", 2, Reason.GRACEFUL_SHUTDOWN)
     assert not [fact for fact in facts if isinstance(fact, PrimarySuspected)]
     [closed] = [fact for fact in facts if isinstance(fact, TaskClosed)]
     assert (closed.task, closed.carrier, closed.outcome) == ("M8-1", "ATV1", "delivered")

@@ -21,6 +21,7 @@ from dray.messages import (
     HandoverAccepted,
     Message,
     Phase,
+    Reason,
     Refusal,
     Release,
     Role,
@@ -127,7 +128,7 @@ def test_a_whole_transport_ends_with_a_free_vehicle() -> None:
     assert [handover.task for handover in sent(rig.all, Handover, to="M8")] == ["M8-1"]
     effects = rig.on_message("M8", HandoverAccepted(task="M8-1", epoch=1))
     [ended] = facts(effects, ContractEnded)
-    assert ended.reason == "handed_over"
+    assert ended.reason == Reason.HANDED_OVER
     beat = last_beat(rig)
     assert (beat.status, beat.task, beat.load) == (AtvStatus.IDLE, None, "")
     assert sent(rig.on_message("M7", announcement(task="M7-1")), Bid)
@@ -155,8 +156,8 @@ def test_every_answer_may_come_twice() -> None:
         opened,
         HandoverAccepted(task="M8-1", epoch=1),
         Superseded(task="M8-1", epoch=2),
-        Release(task="M8-1", epoch=1, role=Role.PRIMARY, reason="no answer", number=1),
-        Withdrawn(task="M8-1", epoch=1, reason="not needed any more"),
+        Release(task="M8-1", epoch=1, role=Role.PRIMARY, reason=Reason.NO_ANSWER, number=1),
+        Withdrawn(task="M8-1", epoch=1, reason=Reason.NOT_NEEDED),
     ):
         rig.on_message("M8", message)
     assert len(deeds(rig.all)) == said
@@ -168,8 +169,8 @@ def test_answers_of_another_epoch_or_task_do_not_count() -> None:
         DockOpened(task="M8-1", epoch=2, station="M8"),
         DockOpened(task="M8-9", epoch=1, station="M8"),
         HandoverAccepted(task="M8-1", epoch=2),
-        Withdrawn(task="M8-1", epoch=2, reason="not needed any more"),
-        Withdrawn(task="M8-9", epoch=1, reason="not needed any more"),
+        Withdrawn(task="M8-1", epoch=2, reason=Reason.NOT_NEEDED),
+        Withdrawn(task="M8-9", epoch=1, reason=Reason.NOT_NEEDED),
         Superseded(task="M8-9", epoch=2),
     ):
         rig.on_message("M8", message)
@@ -188,9 +189,9 @@ def test_a_question_is_repeated_until_the_machine_answers() -> None:
 
 def test_a_released_vehicle_without_a_load_is_free_at_once() -> None:
     rig = contracted()
-    release = Release(task="M8-1", epoch=1, role=Role.PRIMARY, reason="no answer", number=1)
+    release = Release(task="M8-1", epoch=1, role=Role.PRIMARY, reason=Reason.NO_ANSWER, number=1)
     [ended] = facts(rig.on_message("M8", release), ContractEnded)
-    assert ended.reason == "released"
+    assert ended.reason == Reason.RELEASED
     assert deeds(rig.on_message("M8", release)) == []
     assert last_beat(rig).status is AtvStatus.IDLE
     assert sent(rig.on_message("M7", announcement(task="M7-1")), Bid)
@@ -202,24 +203,24 @@ def test_a_release_of_an_earlier_award_does_not_end_the_contract_of_a_later_one(
         rig.on_message("M8", award(number=2)), Accepted
     )  # Its first answer was lost, and it was asked once more.
     assert again.number == 2
-    late = Release(task="M8-1", epoch=1, role=Role.PRIMARY, reason="no answer", number=1)
+    late = Release(task="M8-1", epoch=1, role=Role.PRIMARY, reason=Reason.NO_ANSWER, number=1)
     assert deeds(rig.on_message("M8", late)) == []
     assert last_beat(rig).task is not None
-    release = Release(task="M8-1", epoch=1, role=Role.PRIMARY, reason="no answer", number=2)
+    release = Release(task="M8-1", epoch=1, role=Role.PRIMARY, reason=Reason.NO_ANSWER, number=2)
     assert facts(rig.on_message("M8", release), ContractEnded)
 
 
 def test_a_release_of_another_epoch_is_ignored() -> None:
     rig = contracted()
-    release = Release(task="M8-1", epoch=2, role=Role.PRIMARY, reason="no", number=1)
+    release = Release(task="M8-1", epoch=2, role=Role.PRIMARY, reason=Reason.NO_ANSWER, number=1)
     assert deeds(rig.on_message("M8", release)) == []
 
 
 @pytest.mark.parametrize(
     "message",
     [
-        Release(task="M8-1", epoch=1, role=Role.PRIMARY, reason="no answer", number=1),
-        Withdrawn(task="M8-1", epoch=1, reason="not needed any more"),
+        Release(task="M8-1", epoch=1, role=Role.PRIMARY, reason=Reason.NO_ANSWER, number=1),
+        Withdrawn(task="M8-1", epoch=1, reason=Reason.NOT_NEEDED),
         Superseded(task="M8-1", epoch=2),
         DockOpened(task="M8-1", epoch=1, station="M8"),
     ],
@@ -254,8 +255,8 @@ def test_an_answer_carries_the_number_of_its_award() -> None:
     "message",
     [
         Superseded(task="M8-1", epoch=2),
-        Withdrawn(task="M8-1", epoch=1, reason="not needed any more"),
-        Release(task="M8-1", epoch=1, role=Role.PRIMARY, reason="withdrawn", number=1),
+        Withdrawn(task="M8-1", epoch=1, reason=Reason.NOT_NEEDED),
+        Release(task="M8-1", epoch=1, role=Role.PRIMARY, reason=Reason.WITHDRAWN, number=1),
     ],
     ids=lambda message: type(message).__name__,
 )
@@ -295,7 +296,7 @@ def test_reports_of_older_ways_are_ignored() -> None:
     rig = contracted()
     old = rig.last(Drive)
     rig.report(NodePassed(order=old.order, node=old.nodes[1], index=1, battery_frac=0.9))
-    rig.on_message("M8", Release(task="M8-1", epoch=1, role=Role.PRIMARY, reason="no answer", number=1))
+    rig.on_message("M8", Release(task="M8-1", epoch=1, role=Role.PRIMARY, reason=Reason.NO_ANSWER, number=1))
     rig.on_message("M8", award(task="M8-2", work=transport(sources=("S8",))))
     assert rig.last(Drive).order > old.order
     rig.report(WayDone(order=old.order, node="s3"))

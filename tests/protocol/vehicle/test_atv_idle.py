@@ -15,6 +15,7 @@ from dray.messages import (
     DockOpened,
     DwellPointClaimed,
     HandoverAccepted,
+    Reason,
     Release,
     Role,
 )
@@ -265,7 +266,7 @@ def test_two_that_believe_to_stand_in_one_dwell_point_do_not_argue_for_ever() ->
 
 def test_a_vehicle_that_arrives_elsewhere_does_not_stand_in_the_dwell_point_that_it_has_claimed() -> None:
     rig = contracted()
-    rig.on_message("M8", Release(task="M8-1", epoch=1, role=Role.PRIMARY, reason="no answer", number=1))
+    rig.on_message("M8", Release(task="M8-1", epoch=1, role=Role.PRIMARY, reason=Reason.NO_ANSWER, number=1))
     claim = published(rig.run(rig.now_s + SETTLE_S), DwellPointClaimed)[-1]
     rig.arrive()
     assert rig.node == "s3"

@@ -10,7 +10,7 @@ from seals import granted
 from spoken import announcement, award
 
 from dray.body import Drive, Hold, LimitSpeed, Pick, ProblemCleared, ProblemRaised, Unhold
-from dray.messages import Accepted, AtvStatus, CommandKind, Declined, Refusal, VehicleCommand
+from dray.messages import Accepted, AtvStatus, CommandKind, CommandRefusal, Declined, Refusal, VehicleCommand
 from dray.messages.fact import BidRefused, CommandObeyed
 
 # --- people's commands ------------------------------------------------------------------------------
@@ -43,7 +43,7 @@ def test_a_stop_holds_until_an_acknowledge_and_then_a_resume() -> None:
     rig = contracted()
     command(rig, CommandKind.STOP)
     refused = command(rig, CommandKind.RESUME)
-    assert (refused.done, refused.reason) == (False, "acknowledge the stop first")
+    assert (refused.done, refused.reason) == (False, CommandRefusal.NOT_ACKNOWLEDGED)
     assert command(rig, CommandKind.ACKNOWLEDGE).done
     assert instructed(rig.all, Unhold) == []
     assert last_beat(rig).status is AtvStatus.STOPPED
@@ -97,7 +97,7 @@ def test_what_is_not_stopped_can_be_neither_acknowledged_nor_resumed() -> None:
     rig = contracted()
     for kind in (CommandKind.ACKNOWLEDGE, CommandKind.RESUME):
         answer = command(rig, kind)
-        assert (answer.done, answer.reason) == (False, "it is not stopped")
+        assert (answer.done, answer.reason) == (False, CommandRefusal.NOT_STOPPED)
     assert instructed(rig.all, Unhold) == []
 
 
@@ -106,7 +106,8 @@ def test_a_fault_that_is_still_there_cannot_be_acknowledged() -> None:
     rig.report(ProblemRaised(reason="the load has shifted"))
     command(rig, CommandKind.STOP)
     refused = command(rig, CommandKind.ACKNOWLEDGE)
-    assert (refused.done, refused.reason) == (False, "its sensors still report: the load has shifted")
+    assert (refused.done, refused.reason) == (False, CommandRefusal.FAULTY)
+    assert refused.detail == "the load has shifted"
     assert not command(rig, CommandKind.RESUME).done
     rig.report(ProblemCleared())
     assert command(rig, CommandKind.ACKNOWLEDGE).done
@@ -119,7 +120,7 @@ def test_a_fault_that_comes_after_the_acknowledge_takes_it_back() -> None:
         command(rig, kind)
     rig.report(ProblemRaised(reason="the load has shifted"))
     rig.report(ProblemCleared())
-    assert command(rig, CommandKind.RESUME).reason == "acknowledge the stop first"
+    assert command(rig, CommandKind.RESUME).reason == CommandRefusal.NOT_ACKNOWLEDGED
     assert instructed(rig.all, Unhold) == []
 
 
@@ -163,7 +164,7 @@ def test_a_speed_outside_of_0_to_1_is_refused(speed_frac: float | None) -> None:
     rig = parked()
     answer = command(rig, CommandKind.SET_SPEED, speed_frac)
     assert not answer.done
-    assert "above 0" in answer.reason
+    assert answer.reason is CommandRefusal.SPEED_OUT_OF_RANGE
     assert instructed(rig.all, LimitSpeed) == []
     assert last_beat(rig).speed_limit_frac == 1.0
 
@@ -180,7 +181,7 @@ def test_a_refused_command_is_a_fact_too() -> None:
     rig = parked()
     command(rig, CommandKind.RESUME)
     [obeyed] = facts(rig.all, CommandObeyed)
-    assert (obeyed.done, obeyed.reason) == (False, "it is not stopped")
+    assert (obeyed.done, obeyed.reason) == (False, CommandRefusal.NOT_STOPPED)
 
 
 # --- problems ---------------------------------------------------------------------------------------

@@ -8,7 +8,18 @@ from effects import deeds, facts, instructed, listening, sent
 from spoken import announcement, award, rhb
 
 from dray.body import Drive, ProblemRaised
-from dray.messages import Accepted, AtvStatus, Bid, CommandKind, Declined, Refusal, Release, Resigned, Role
+from dray.messages import (
+    Accepted,
+    AtvStatus,
+    Bid,
+    CommandKind,
+    Declined,
+    Reason,
+    Refusal,
+    Release,
+    Resigned,
+    Role,
+)
 from dray.messages.fact import ContractEnded, ContractTaken, PrimarySuspected
 from dray.protocol.liveness.suspicion import WORKING_INTERVAL_S, bound_s
 from dray.protocol.vehicle.bidding import MAX_WATCHES
@@ -77,7 +88,7 @@ def test_a_watch_that_its_coordinator_does_not_know_of_is_bid_for_and_taken_agai
     given = award(task="M8-2", role=Role.SECONDARY, primary="ATV2", number=7)
     [taken] = sent(rig.on_message("M8", given), Accepted, to="M8")
     assert taken.number == 7
-    old = Release(task="M8-2", epoch=1, role=Role.SECONDARY, reason="silent", number=1)
+    old = Release(task="M8-2", epoch=1, role=Role.SECONDARY, reason=Reason.SILENT, number=1)
     assert deeds(rig.on_message("M8", old)) == []
     assert len(last_beat(rig).watches) == 1
 
@@ -85,7 +96,7 @@ def test_a_watch_that_its_coordinator_does_not_know_of_is_bid_for_and_taken_agai
 def test_a_released_watch_is_over_and_releasing_it_twice_is_harmless() -> None:
     rig = parked()
     secondary(rig, "M8-2")
-    release = Release(task="M8-2", epoch=1, role=Role.SECONDARY, reason="the task has ended", number=1)
+    release = Release(task="M8-2", epoch=1, role=Role.SECONDARY, reason=Reason.TASK_ENDED, number=1)
     assert len(facts(rig.on_message("M8", release), ContractEnded)) == 1
     assert deeds(rig.on_message("M8", release)) == []
 
@@ -93,8 +104,8 @@ def test_a_released_watch_is_over_and_releasing_it_twice_is_harmless() -> None:
 def test_a_watch_is_released_by_its_coordinator_and_not_by_a_stale_word() -> None:
     rig = parked()
     rig.on_message("M8", award(role=Role.SECONDARY, primary="ATV2", epoch=2, number=2))
-    stale = Release(task="M8-1", epoch=1, role=Role.SECONDARY, reason="silent", number=1)
-    strange = Release(task="M8-1", epoch=2, role=Role.SECONDARY, reason="silent", number=2)
+    stale = Release(task="M8-1", epoch=1, role=Role.SECONDARY, reason=Reason.SILENT, number=1)
+    strange = Release(task="M8-1", epoch=2, role=Role.SECONDARY, reason=Reason.SILENT, number=2)
     for sender, release in (("M8", stale), ("M3", strange)):
         effects = rig.on_message(sender, release)
         assert deeds(effects) == []

@@ -10,13 +10,12 @@ from seals import granted, seal
 
 from dray.body import Hold, LimitSpeed, Unhold
 from dray.memory import WHOLE, AtvMemory
-from dray.messages import CommandAnswered, CommandKind, VehicleCommand, signed_words
+from dray.messages import CommandAnswered, CommandKind, CommandRefusal, VehicleCommand, signed_words
 from dray.messages.command import STOP_MARGIN_M
 from dray.messages.fact import CommandObeyed, HelpPromised
 from dray.plant import Plant
 from dray.protocol.runtime.events import Effect, Heard, Ignore
 from dray.protocol.vehicle.atv import Atv
-from dray.protocol.vehicle.command_authorisation import EXPIRED, NOT_GRANTED, NOT_HERE, NOT_TRUSTED
 from dray.protocol.vehicle.command_handling import COMMANDS_KEPT
 
 STOP = VehicleCommand(command="C1", kind=CommandKind.STOP, issued_by="shift lead")
@@ -68,7 +67,7 @@ def assert_refused(rig: VehicleRig, command: VehicleCommand, why: str) -> None:
 
 
 def test_a_bare_word_is_refused() -> None:
-    assert_refused(standing(), STOP, NOT_GRANTED)
+    assert_refused(standing(), STOP, CommandRefusal.NOT_GRANTED)
 
 
 def test_a_granted_command_is_obeyed() -> None:
@@ -81,11 +80,11 @@ def test_a_vehicle_that_trusts_nobody_obeys_nobody() -> None:
     rig = standing()
     rig.agent = Atv("ATV1", PLANT, vehicle_type="light")
     rig.start()
-    assert_refused(rig, granted("ATV1", STOP), NOT_TRUSTED)
+    assert_refused(rig, granted("ATV1", STOP), CommandRefusal.NOT_TRUSTED)
 
 
 def test_a_grant_for_another_vehicle_is_refused() -> None:
-    assert_refused(standing(), granted("ATV2", STOP), NOT_TRUSTED)
+    assert_refused(standing(), granted("ATV2", STOP), CommandRefusal.NOT_TRUSTED)
 
 
 def test_a_grant_counts_for_its_own_command_only() -> None:
@@ -97,7 +96,7 @@ def test_a_grant_counts_for_its_own_command_only() -> None:
         replace(STOP, wait_s=5.0),
         replace(STOP, speed_frac=0.5),
     ):
-        assert_refused(standing(), replace(other, grant=grant), NOT_TRUSTED)
+        assert_refused(standing(), replace(other, grant=grant), CommandRefusal.NOT_TRUSTED)
 
 
 def test_no_part_of_a_grant_can_be_changed() -> None:
@@ -110,7 +109,7 @@ def test_no_part_of_a_grant_can_be_changed() -> None:
         replace(grant, valid_until_s=grant.valid_until_s + 1.0),
         replace(grant, signature=bytes(64)),
     ):
-        assert_refused(standing(), replace(STOP, grant=other), NOT_TRUSTED)
+        assert_refused(standing(), replace(STOP, grant=other), CommandRefusal.NOT_TRUSTED)
 
 
 def test_no_two_commands_have_the_same_words() -> None:
@@ -137,7 +136,7 @@ def test_an_expired_grant_is_refused() -> None:
     rig = standing()
     command = granted("ATV1", STOP, valid_until_s=10.0)
     rig.now_s = 10.1
-    assert_refused(rig, command, EXPIRED)
+    assert_refused(rig, command, CommandRefusal.EXPIRED)
 
 
 def test_a_grant_counts_until_it_expires() -> None:
@@ -161,15 +160,15 @@ def test_a_grant_for_the_area_where_the_vehicle_is_counts() -> None:
 
 def test_a_grant_for_other_areas_is_refused() -> None:
     others = tuple(area for area in PLANT.areas if area != area_of(standing()))
-    assert_refused(standing(), granted("ATV1", STOP, areas=others), NOT_HERE)
-    assert_refused(standing(), granted("ATV1", SLOW, areas=others), NOT_HERE)
-    assert_refused(standing(), granted("ATV1", SLOW, areas=()), NOT_HERE)
+    assert_refused(standing(), granted("ATV1", STOP, areas=others), CommandRefusal.NOT_HERE)
+    assert_refused(standing(), granted("ATV1", SLOW, areas=others), CommandRefusal.NOT_HERE)
+    assert_refused(standing(), granted("ATV1", SLOW, areas=()), CommandRefusal.NOT_HERE)
 
 
 def test_a_promise_needs_a_grant_like_everything_else() -> None:
     promise = VehicleCommand(command="C3", kind=CommandKind.PROMISE, wait_s=60.0)
     rig = standing()
-    assert_refused(rig, promise, NOT_GRANTED)
+    assert_refused(rig, promise, CommandRefusal.NOT_GRANTED)
     assert facts(rig.all, HelpPromised) == []
 
 
@@ -185,12 +184,12 @@ def test_on_the_border_the_grants_of_both_areas_count() -> None:
 def test_a_vehicle_that_has_just_left_can_still_be_stopped_and_nothing_else() -> None:
     y_m = BORDER_Y_M + STOP_MARGIN_M - 0.1
     assert told(at(30.0, y_m), granted("ATV1", STOP, areas=("AREA2",))).done
-    assert_refused(at(30.0, y_m), granted("ATV1", SLOW, areas=("AREA2",)), NOT_HERE)
+    assert_refused(at(30.0, y_m), granted("ATV1", SLOW, areas=("AREA2",)), CommandRefusal.NOT_HERE)
 
 
 def test_a_vehicle_that_is_well_away_cannot_be_stopped() -> None:
     y_m = BORDER_Y_M + STOP_MARGIN_M + 0.1
-    assert_refused(at(30.0, y_m), granted("ATV1", STOP, areas=("AREA2",)), NOT_HERE)
+    assert_refused(at(30.0, y_m), granted("ATV1", STOP, areas=("AREA2",)), CommandRefusal.NOT_HERE)
 
 
 def test_what_counts_is_where_the_vehicle_is_when_it_hears_the_command() -> None:
@@ -208,7 +207,7 @@ def test_a_plant_without_areas_obeys_grants_for_everywhere_only() -> None:
         "ATV1", bare, vehicle_type="light", trusts=lambda words, signature: signature == seal(words)
     )
     rig.start()
-    assert_refused(rig, granted("ATV1", STOP, areas=("AREA1",)), NOT_HERE)
+    assert_refused(rig, granted("ATV1", STOP, areas=("AREA1",)), CommandRefusal.NOT_HERE)
     assert told(rig, granted("ATV1", replace(STOP, command="C9"))).done
 
 

@@ -13,6 +13,7 @@ from dray.messages import (
     Handover,
     HandoverAccepted,
     Phase,
+    Reason,
     Resigned,
     Role,
     Withdrawn,
@@ -34,7 +35,7 @@ def test_a_transport_goes_through_its_phases_and_ends_when_the_handover_is_accep
         Phase.UNLOADING,
         Phase.HANDING_OVER,
     ]
-    assert trip.job.ended == "handed_over"
+    assert trip.job.ended == Reason.HANDED_OVER
     assert trip.timers.next_s == NEVER_S
 
 
@@ -75,9 +76,10 @@ def test_a_storage_that_has_nothing_is_waited_at_as_long_as_was_promised_and_no_
     assert trip.now_s > 20.0 + WAITS_AT_LEAST_S
     trip.held("S3")
     [resigned] = sent(trip.out, Resigned, to="M8")
-    assert (resigned.short, resigned.reason) == ("S3", "the buffer is full")
-    trip.hears(Withdrawn(task="M8-1", epoch=1, reason="not needed any more"))
-    assert trip.job.ended == "the buffer is full"
+    assert (resigned.short, resigned.reason) == ("S3", Reason.DOCK_HELD)
+    assert resigned.detail == "the buffer is full"
+    trip.hears(Withdrawn(task="M8-1", epoch=1, reason=Reason.NOT_NEEDED))
+    assert trip.job.ended == Reason.DOCK_HELD
 
 
 def test_who_comes_late_to_a_storage_that_has_nothing_waits_a_moment() -> None:
@@ -97,7 +99,7 @@ def test_a_task_is_given_back_when_the_station_of_the_storage_does_not_answer() 
     for _ in range(GIVE_UP_AFTER):
         trip.waits()
     [resigned] = sent(trip.out, Resigned, to="M8")
-    assert (resigned.short, resigned.reason) == ("S3", "S3 does not answer")
+    assert (resigned.short, resigned.reason) == ("S3", Reason.SOURCE_SILENT)
 
 
 def test_nothing_is_put_down_before_the_coordinator_has_opened_the_dock() -> None:
@@ -140,7 +142,9 @@ def test_goods_that_the_gate_refuses_are_given_up_after_as_many_tries_over_all_l
     )
     trip.job.resume("pump-p3", trip.now_s)
     trip.fails(Drop)
-    assert [said.reason for said in sent(trip.out, Resigned)] == ["refused: no contact"]
+    assert [(said.reason, said.detail) for said in sent(trip.out, Resigned)] == [
+        (Reason.GATE_REFUSED, "no contact")
+    ]
 
 
 def test_the_heartbeat_names_the_phase_and_when_it_expects_to_be_done() -> None:
@@ -218,7 +222,7 @@ def test_an_opening_on_the_way_is_ignored() -> None:
 def test_an_acceptance_before_the_handover_is_ignored() -> None:
     trip = Trip().to_unloading()
     trip.hears(HandoverAccepted(task="M8-1", epoch=1))
-    assert trip.job.ended == ""
+    assert trip.job.ended is None
 
 
 def test_the_end_of_an_older_action_is_ignored() -> None:

@@ -12,6 +12,7 @@ from dray.messages import (
     Handover,
     Message,
     Phase,
+    Reason,
     Superseded,
     Withdrawn,
 )
@@ -24,7 +25,7 @@ from dray.protocol.vehicle.job.transport_job import TRIES
     ("message", "reason"),
     [
         (Superseded(task="M8-1", epoch=2), "superseded"),
-        (Withdrawn(task="M8-1", epoch=1, reason="not needed any more"), "withdrawn"),
+        (Withdrawn(task="M8-1", epoch=1, reason=Reason.NOT_NEEDED), "withdrawn"),
     ],
 )
 def test_without_a_load_a_void_contract_just_ends(message: Message, reason: str) -> None:
@@ -38,7 +39,7 @@ def test_a_superseded_primary_returns_its_load_to_the_nearest_storage_that_keeps
     trip = Trip().to_carrying()
     trip.superseded()
     assert trip.job.phase is Phase.RETURNING
-    assert trip.job.ended == ""
+    assert trip.job.ended is None
     here = trip.driver.next_node
     keeping = PLANT.storages_of("shaft")
     nearest = min(keeping, key=lambda each: ROUTES.duration_s(here, PLANT.node_of(each)))
@@ -46,7 +47,7 @@ def test_a_superseded_primary_returns_its_load_to_the_nearest_storage_that_keeps
     trip.arrives()
     assert instructed(trip.out, Drop)[-1].station == nearest
     trip.done(Drop)
-    assert trip.job.ended == "superseded"
+    assert trip.job.ended == Reason.SUPERSEDED
 
 
 def test_a_superseded_primary_at_the_dock_puts_nothing_down_there() -> None:
@@ -60,19 +61,19 @@ def test_a_superseded_primary_at_the_dock_puts_nothing_down_there() -> None:
 def test_a_contract_that_is_void_while_it_loads_ends_after_the_load_is_back() -> None:
     trip = Trip().to_loading()
     trip.superseded()
-    assert trip.job.ended == ""
+    assert trip.job.ended is None
     trip.done(Pick)
     assert trip.job.phase is Phase.RETURNING
     trip.arrives() if not instructed(trip.out, Drop) else None
     trip.done(Drop)
-    assert trip.job.ended == "superseded"
+    assert trip.job.ended == Reason.SUPERSEDED
 
 
 def test_a_contract_that_is_void_while_a_pick_fails_ends() -> None:
     trip = Trip().to_loading()
     trip.superseded()
     trip.fails(Pick)
-    assert trip.job.ended == "superseded"
+    assert trip.job.ended == Reason.SUPERSEDED
 
 
 def test_a_contract_that_is_void_while_a_drop_fails_ends_after_the_load_is_back() -> None:
@@ -82,15 +83,15 @@ def test_a_contract_that_is_void_while_a_drop_fails_ends_after_the_load_is_back(
     assert trip.job.phase is Phase.RETURNING
     trip.arrives()
     trip.done(Drop)
-    assert trip.job.ended == "superseded"
+    assert trip.job.ended == Reason.SUPERSEDED
 
 
 def test_a_contract_that_is_void_while_it_unloads_ends_without_a_handover() -> None:
     trip = Trip().to_dropping()
     trip.superseded()
-    assert trip.job.ended == ""
+    assert trip.job.ended is None
     trip.done(Drop)
-    assert trip.job.ended == "superseded"
+    assert trip.job.ended == Reason.SUPERSEDED
     assert sent(trip.out, Handover) == []
     assert trip.timers.next_s == NEVER_S
 
@@ -105,7 +106,7 @@ def test_goods_of_a_void_contract_are_set_aside_at_the_delivery_warehouse() -> N
     drop = instructed(trip.out, Drop)[-1]
     assert (drop.station, drop.goal) == ("DELIVERY", "")
     trip.done(Drop)
-    assert trip.job.ended == "superseded"
+    assert trip.job.ended == Reason.SUPERSEDED
 
 
 def test_material_for_which_no_storage_has_room_goes_back_to_where_it_came_from() -> None:
@@ -123,7 +124,7 @@ def test_material_for_which_no_storage_has_room_goes_back_to_where_it_came_from(
     trip.arrives()
     assert instructed(trip.out, Drop)[-1].station in PLANT.source_warehouses
     trip.done(Drop)
-    assert trip.job.ended == "superseded"
+    assert trip.job.ended == Reason.SUPERSEDED
 
 
 def test_a_load_that_could_not_be_put_back_is_tried_again_after_a_while() -> None:
@@ -136,7 +137,7 @@ def test_a_load_that_could_not_be_put_back_is_tried_again_after_a_while() -> Non
     assert trip.now_s == RETRY_S
     assert len(instructed(trip.out, Drop)) == 2
     trip.done(Drop)
-    assert trip.job.ended == "superseded"
+    assert trip.job.ended == Reason.SUPERSEDED
 
 
 @pytest.mark.parametrize(
@@ -154,18 +155,18 @@ def test_a_contract_is_superseded_by_its_own_epoch_a_later_one_or_the_end_of_the
 def test_a_contract_that_is_void_after_unloading_ends() -> None:
     trip = Trip().to_handing_over()
     trip.superseded()
-    assert trip.job.ended == "superseded"
+    assert trip.job.ended == Reason.SUPERSEDED
 
 
 def test_a_contract_becomes_void_once() -> None:
     trip = Trip().to_carrying()
     trip.superseded()
     trip.superseded()
-    trip.hears(Withdrawn(task="M8-1", epoch=1, reason="not needed any more"))
+    trip.hears(Withdrawn(task="M8-1", epoch=1, reason=Reason.NOT_NEEDED))
     assert trip.phases.count(Phase.RETURNING) == 1
     trip.arrives()
     trip.done(Drop)
-    assert trip.job.ended == "superseded"
+    assert trip.job.ended == Reason.SUPERSEDED
 
 
 def test_a_refused_way_back_is_asked_for_again() -> None:

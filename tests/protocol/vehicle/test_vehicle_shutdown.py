@@ -21,6 +21,7 @@ from dray.messages import (
     Declined,
     DockOpened,
     HandoverAccepted,
+    Reason,
     Refusal,
     Release,
     Resigned,
@@ -31,7 +32,7 @@ from dray.messages import (
 from dray.messages.fact import BidRefused, ContractEnded
 from dray.protocol.runtime.events import Leave
 from dray.protocol.runtime.retransmission import ASK_AGAIN_S
-from dray.protocol.runtime.shutdown import CARRIER_LEAVES_WITHIN_S, GRACEFUL_SHUTDOWN
+from dray.protocol.runtime.shutdown import CARRIER_LEAVES_WITHIN_S
 from dray.protocol.vehicle.job.job_messages import GIVE_UP_AFTER
 
 GOODS = transport(item="pump-p3", quantity=24, sources=("M8",), destination="DELIVERY", goal="G8")
@@ -109,7 +110,7 @@ def test_its_watches_are_given_back() -> None:
     rig = idle()
     rig.on_message("M8", award(role=Role.SECONDARY, primary="ATV2"))
     [resigned] = sent(rig.leave(), Resigned, to="M8")
-    assert (resigned.role, resigned.reason) == (Role.SECONDARY, GRACEFUL_SHUTDOWN)
+    assert (resigned.role, resigned.reason) == (Role.SECONDARY, Reason.GRACEFUL_SHUTDOWN)
 
 
 @pytest.mark.parametrize("role", Role)
@@ -131,7 +132,7 @@ def test_a_task_whose_load_is_not_on_board_is_given_back_and_it_waits_to_be_reli
         "M8-1",
         1,
         Role.PRIMARY,
-        GRACEFUL_SHUTDOWN,
+        Reason.GRACEFUL_SHUTDOWN,
     )
     assert rig.last(Drive).nodes == (rig.node,), "it stops"
     rig.arrive()
@@ -144,7 +145,7 @@ def test_a_task_whose_load_is_not_on_board_is_given_back_and_it_waits_to_be_reli
     assert rig.has_left
     assert newest(rig).task is None
     [ended] = facts(rig.all, ContractEnded)
-    assert (ended.task, ended.reason) == ("M8-1", GRACEFUL_SHUTDOWN)
+    assert (ended.task, ended.reason) == ("M8-1", Reason.GRACEFUL_SHUTDOWN)
     assert committed(rig.all[-8:]) == {WHOLE: AtvMemory()}
 
 
@@ -220,7 +221,7 @@ def test_after_a_pick_that_fails_the_task_is_given_back() -> None:
     rig.arrive()
     rig.leave()
     rig.failed(Pick)
-    assert [resigned.reason for resigned in sent(rig.all, Resigned)] == [GRACEFUL_SHUTDOWN]
+    assert [resigned.reason for resigned in sent(rig.all, Resigned)] == [Reason.GRACEFUL_SHUTDOWN]
     relieve(rig)
     assert rig.has_left
 
@@ -293,7 +294,7 @@ def test_asking_twice_changes_nothing() -> None:
 def test_a_watch_becomes_a_contract_when_its_vehicle_is_asked() -> None:
     rig = idle()
     rig.on_message("M8", award(role=Role.SECONDARY, primary="ATV2"))
-    rig.on_message("M8", Release(task="M8-1", epoch=1, role=Role.SECONDARY, reason=GRACEFUL_SHUTDOWN))
+    rig.on_message("M8", Release(task="M8-1", epoch=1, role=Role.SECONDARY, reason=Reason.GRACEFUL_SHUTDOWN))
     [answer] = sent(rig.on_message("M8", award(epoch=2, source="S3")), Accepted, to="M8")
     assert (answer.role, answer.epoch) == (Role.PRIMARY, 2)
     rig.run(rig.now_s)

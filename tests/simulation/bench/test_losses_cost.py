@@ -16,6 +16,7 @@ from dray.messages import (
     GoalBrief,
     Phase,
     Pose,
+    Reason,
     Role,
 )
 from dray.messages.fact import (
@@ -41,7 +42,7 @@ from dray_sim.bench.losses.works import Works
 
 
 def changed(carrier: str) -> CarrierChanged:
-    return CarrierChanged(task="M8-1", epoch=2, replaced="ATV2", carrier=carrier, reason="silent")
+    return CarrierChanged(task="M8-1", epoch=2, replaced="ATV2", carrier=carrier, reason=Reason.SILENT)
 
 
 # --- what it costs ----------------------------------------------------------------------------------
@@ -74,7 +75,7 @@ def test_a_vehicle_that_comes_back_in_time_keeps_its_task() -> None:
 
 def test_a_task_without_its_secondary_is_watched_anew() -> None:
     told = Told()
-    told.by("M8", opened("M8-1"), WatchLost(task="M8-1", epoch=1, secondary="ATV4", reason="silent"))
+    told.by("M8", opened("M8-1"), WatchLost(task="M8-1", epoch=1, secondary="ATV4", reason=Reason.SILENT))
     told.by("ATV5", taken("M8-1", Role.SECONDARY))
     assert fate_of(Kind.WATCHING, "ATV4", "M8-1", told) == [Fate(WATCHED_ANEW, 3.0)]
 

@@ -9,7 +9,7 @@ import pytest
 from check_kit import opened
 from losses_kit import GOAL, Told, closed, heartbeat, taken
 
-from dray.messages import Role
+from dray.messages import Reason, Role
 from dray.messages.fact import (
     AwardAnswered,
     CarrierChanged,
@@ -40,7 +40,7 @@ PIECES = Pieces(balance={"shaft": 100, "pump-p3": 0}, delivered={}, arrived={})
 
 
 def handed_over(task: str) -> ContractEnded:
-    return ContractEnded(task=task, epoch=1, role=Role.PRIMARY, reason="handed_over")
+    return ContractEnded(task=task, epoch=1, role=Role.PRIMARY, reason=Reason.HANDED_OVER)
 
 
 def arrived(goal: str, pieces: int) -> GoodsDelivered:
@@ -114,7 +114,7 @@ def test_a_vehicle_that_was_primary_of_two_tasks_is_found_over_its_lives() -> No
 
 def test_a_carrier_that_is_released_from_a_contract_that_it_had_is_found() -> None:
     accepted = AwardAnswered(task="M8-2", epoch=1, role=Role.PRIMARY, bidder="ATV2", answer="accepted")
-    released = ContractEnded(task="M8-2", epoch=1, role=Role.PRIMARY, reason="released")
+    released = ContractEnded(task="M8-2", epoch=1, role=Role.PRIMARY, reason=Reason.RELEASED)
     told = whole()
     told.by("M8", opened("M8-2"), accepted)
     told.by("ATV2", taken("M8-2"), released)
@@ -125,13 +125,13 @@ def test_a_carrier_that_is_released_from_a_contract_that_it_had_is_found() -> No
 @pytest.mark.parametrize("answer", ["silent", "accepted"])
 def test_a_carrier_is_released_for_a_reason_when_it_was_silent_or_replaced(answer: str) -> None:
     answered = AwardAnswered(task="M8-2", epoch=1, role=Role.PRIMARY, bidder="ATV2", answer=answer)
-    replaced = CarrierChanged(task="M8-2", epoch=2, replaced="ATV2", carrier="", reason="silent")
+    replaced = CarrierChanged(task="M8-2", epoch=2, replaced="ATV2", carrier="", reason=Reason.SILENT)
     told = whole()
     told.by("M8", opened("M8-2"), answered, *([replaced] if answer == "accepted" else []))
     told.by(
         "ATV2",
         taken("M8-2"),
-        ContractEnded(task="M8-2", epoch=1, role=Role.PRIMARY, reason="released"),
+        ContractEnded(task="M8-2", epoch=1, role=Role.PRIMARY, reason=Reason.RELEASED),
     )
     told.by("M8", closed("M8-2"))
     assert found(aftermath(told)) == set()
@@ -141,7 +141,7 @@ def test_a_carrier_that_was_silent_is_released_for_a_reason_though_it_is_asked_a
     def answered(answer: str) -> AwardAnswered:
         return AwardAnswered(task="M8-2", epoch=1, role=Role.PRIMARY, bidder="ATV2", answer=answer)
 
-    released = ContractEnded(task="M8-2", epoch=1, role=Role.PRIMARY, reason="released")
+    released = ContractEnded(task="M8-2", epoch=1, role=Role.PRIMARY, reason=Reason.RELEASED)
     told = whole()
     told.by("M8", opened("M8-2"), answered("silent"))
     told.by("ATV2", taken("M8-2"), released, taken("M8-2"))
@@ -156,7 +156,7 @@ def test_a_carrier_that_comes_back_when_its_task_was_withdrawn_is_released_for_a
     told.by(
         "ATV2",
         taken("M8-2"),
-        ContractEnded(task="M8-2", epoch=1, role=Role.PRIMARY, reason="released"),
+        ContractEnded(task="M8-2", epoch=1, role=Role.PRIMARY, reason=Reason.RELEASED),
     )
     assert found(aftermath(told)) == set()
 

@@ -5,9 +5,8 @@ from __future__ import annotations
 import pytest
 from check_kit import TASK, event
 
-from dray.messages import AtvStatus
+from dray.messages import AtvStatus, Reason
 from dray.messages.fact import AtvStatusChanged, CarrierChanged, GoalLost
-from dray.protocol.runtime.shutdown import GRACEFUL_SHUTDOWN
 from dray_sim.checks.broken import InvariantBroken
 from dray_sim.checks.fault_attribution import LATER_S, FaultAttribution
 from dray_sim.faults import (
@@ -22,7 +21,7 @@ from dray_sim.faults import (
 )
 from dray_sim.faults.chance import COORDINATOR_BACK_S, VEHICLE_BACK_S
 
-LOST = CarrierChanged(task=TASK, epoch=2, replaced="ATV3", carrier="ATV1", reason="silent")
+LOST = CarrierChanged(task=TASK, epoch=2, replaced="ATV3", carrier="ATV1", reason=Reason.SILENT)
 
 
 def test_a_contract_that_is_lost_for_nothing_is_noticed() -> None:
@@ -56,7 +55,7 @@ def test_a_stopped_vehicle_may_lose_its_contract() -> None:
     attribution.on_message(1001.0, "M8", "*", event("M8", LOST))
 
 
-GIVEN_BACK = CarrierChanged(task=TASK, epoch=2, replaced="ATV3", carrier="", reason=GRACEFUL_SHUTDOWN)
+GIVEN_BACK = CarrierChanged(task=TASK, epoch=2, replaced="ATV3", carrier="", reason=Reason.GRACEFUL_SHUTDOWN)
 
 
 def test_a_vehicle_that_was_asked_to_leave_may_give_its_task_back_and_need_not_be_missed() -> None:

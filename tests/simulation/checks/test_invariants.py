@@ -18,6 +18,7 @@ from dray.messages import (
     OrderReleased,
     OrderTaken,
     Production,
+    Reason,
     Role,
 )
 from dray.messages.fact import (
@@ -45,7 +46,7 @@ def test_a_whole_task_breaks_nothing(watched: Watched) -> None:
     watched.say("M8", HandoverAccepted(task="M8-1", epoch=1), ">ATV2")
     watched.say("M8", HandoverAccepted(task="M8-1", epoch=1), ">ATV2")
     watched.say("M8", CLOSED)
-    ended = ContractEnded(task="M8-1", epoch=1, role=Role.PRIMARY, reason="handed_over")
+    ended = ContractEnded(task="M8-1", epoch=1, role=Role.PRIMARY, reason=Reason.HANDED_OVER)
     watched.say("ATV2", ended)
     watched.say("M8", machine_heartbeat())
     assert watched.broken == 0
@@ -71,7 +72,7 @@ def test_a_handover_to_two_carriers_is_noticed(watched: Watched) -> None:
 
 
 def test_what_two_carriers_have_written_down_as_theirs_is_noticed(watched: Watched) -> None:
-    ended = ContractEnded(task="M8-1", epoch=1, role=Role.PRIMARY, reason="handed_over")
+    ended = ContractEnded(task="M8-1", epoch=1, role=Role.PRIMARY, reason=Reason.HANDED_OVER)
     watched.say("ATV2", ended)
     watched.say("M8", HandoverAccepted(task="M8-1", epoch=1), ">ATV2")
     assert watched.broken == 0
@@ -83,7 +84,7 @@ def test_a_task_that_changes_its_carrier_within_an_epoch_is_noticed(watched: Wat
     watched.say("M8", OPENED)
     answered = AwardAnswered(task="M8-1", epoch=1, role=Role.PRIMARY, bidder="ATV2", answer="accepted")
     watched.say("M8", answered)
-    changed = CarrierChanged(task="M8-1", epoch=2, replaced="ATV2", carrier="", reason="silent")
+    changed = CarrierChanged(task="M8-1", epoch=2, replaced="ATV2", carrier="", reason=Reason.SILENT)
     watched.say("M8", changed)
     watched.say("M8", replace(answered, epoch=2, bidder="ATV3"))
     assert watched.broken == 0

@@ -10,6 +10,7 @@ from dray.messages import (
     Event,
     Message,
     Phase,
+    Reason,
     Role,
     Transport,
 )
@@ -78,7 +79,7 @@ class Watched:
 
 
 def ended(task: str) -> ContractEnded:
-    return ContractEnded(task=task, epoch=1, role=Role.SECONDARY, reason="released")
+    return ContractEnded(task=task, epoch=1, role=Role.SECONDARY, reason=Reason.RELEASED)
 
 
 @pytest.fixture
@@ -111,7 +112,7 @@ def test_a_takeover_in_time_is_right(watched: Watched) -> None:
     watched.contract()
     watched.factory.crash("ATV3")
     watched.wait(4)
-    took_over = TookOver(task=TASK, epoch=2, primary="ATV3", silent_s=3.5, reason="silent")
+    took_over = TookOver(task=TASK, epoch=2, primary="ATV3", silent_s=3.5, reason=Reason.SILENT)
     watched.say("ATV1", took_over)
     watched.wait(60)
 
@@ -120,13 +121,13 @@ def test_so_is_a_new_auction(watched: Watched) -> None:
     watched.contract()
     watched.factory.crash("ATV3")
     watched.wait(4)
-    watched.say("M8", CarrierChanged(task=TASK, epoch=2, replaced="ATV3", carrier="", reason="silent"))
+    watched.say("M8", CarrierChanged(task=TASK, epoch=2, replaced="ATV3", carrier="", reason=Reason.SILENT))
     watched.wait(60)
 
 
 def test_a_second_primary_that_dies_is_noticed_too(watched: Watched) -> None:
     watched.contract()
-    taken = CarrierChanged(task=TASK, epoch=2, replaced="ATV3", carrier="ATV2", reason="silent")
+    taken = CarrierChanged(task=TASK, epoch=2, replaced="ATV3", carrier="ATV2", reason=Reason.SILENT)
     watched.say("M8", taken)
     watched.say("ATV1", ContractTaken(task=TASK, epoch=2, role=Role.SECONDARY, coordinator="M8"))
     watched.factory.crash("ATV2")
@@ -136,7 +137,7 @@ def test_a_second_primary_that_dies_is_noticed_too(watched: Watched) -> None:
 
 def test_a_secondary_of_an_earlier_epoch_watches_somebody_else(watched: Watched) -> None:
     watched.contract()
-    watched.say("ATV2", TookOver(task=TASK, epoch=2, primary="ATV3", silent_s=3.5, reason="silent"))
+    watched.say("ATV2", TookOver(task=TASK, epoch=2, primary="ATV3", silent_s=3.5, reason=Reason.SILENT))
     watched.factory.crash("ATV2")
     watched.wait(60)
 

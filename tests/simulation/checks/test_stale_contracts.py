@@ -6,7 +6,7 @@ import pytest
 from check_kit import PLANT, TASK, event, opened
 
 from dray.body import Hold, Unhold
-from dray.messages import Phase, Role
+from dray.messages import Phase, Reason, Role
 from dray.messages.fact import (
     AwardAnswered,
     AwardGiven,
@@ -52,7 +52,7 @@ def test_whoever_holds_on_to_an_award_that_was_given_up_is_noticed() -> None:
 
 def test_whoever_lets_go_is_free() -> None:
     bound = Bound()
-    ended = ContractEnded(task=TASK, epoch=1, role=Role.PRIMARY, reason="released")
+    ended = ContractEnded(task=TASK, epoch=1, role=Role.PRIMARY, reason=Reason.RELEASED)
     bound.say(1.0, "ATV2", ended)
     bound.wait()
 

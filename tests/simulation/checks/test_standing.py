@@ -5,14 +5,14 @@ from __future__ import annotations
 import pytest
 from check_kit import TASK, event
 
-from dray.messages import MachineHeartbeat, MachineStatus, Role, TaskBrief
+from dray.messages import MachineHeartbeat, MachineStatus, Reason, Role, TaskBrief
 from dray.messages.fact import CarrierChanged, ContractEnded, MemoryLost, TaskClosed
 from dray_sim.checks.broken import InvariantBroken
 from dray_sim.checks.fault_attribution import FaultAttribution
 from dray_sim.checks.standing import Standing
 from dray_sim.faults import Crashed, WlanCut
 
-RELEASED = ContractEnded(task=TASK, epoch=1, role=Role.PRIMARY, reason="released")
+RELEASED = ContractEnded(task=TASK, epoch=1, role=Role.PRIMARY, reason=Reason.RELEASED)
 
 
 def heartbeat(primary: str = "ATV3", epoch: int = 1) -> MachineHeartbeat:
@@ -64,7 +64,7 @@ def test_a_restart_that_was_over_soon_is_no_reason_and_a_cut_is_one() -> None:
     "fact",
     [
         TaskClosed(task=TASK, epoch=1, outcome="withdrawn", carrier="ATV3"),
-        CarrierChanged(task=TASK, epoch=2, replaced="ATV3", carrier="ATV1", reason="silent"),
+        CarrierChanged(task=TASK, epoch=2, replaced="ATV3", carrier="ATV1", reason=Reason.SILENT),
         MemoryLost(reason="the disk has failed"),
     ],
     ids=lambda fact: type(fact).__name__,
@@ -86,4 +86,4 @@ def test_another_carrier_or_another_epoch_is_another_contract(primary: str, epoc
 
 def test_who_ends_it_by_itself_loses_nothing() -> None:
     watched = Watched()
-    watched.ends(ContractEnded(task=TASK, epoch=1, role=Role.PRIMARY, reason="handed_over"))
+    watched.ends(ContractEnded(task=TASK, epoch=1, role=Role.PRIMARY, reason=Reason.HANDED_OVER))

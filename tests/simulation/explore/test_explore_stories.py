@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from check_kit import TASK, WORK, closed, event, heartbeat
 
-from dray.messages import Release, Role, TaskAnnounced
+from dray.messages import Reason, Release, Role, TaskAnnounced
 from dray_sim.explore.story import Story
 
 
 def test_a_story_goes_back_to_what_the_violation_names() -> None:
     story = Story()
-    story.on_message(1.0, "M8", ">ATV2", Release(task=TASK, epoch=1, role=Role.PRIMARY, reason="no answer"))
+    story.on_message(
+        1.0, "M8", ">ATV2", Release(task=TASK, epoch=1, role=Role.PRIMARY, reason=Reason.NO_ANSWER)
+    )
     story.note(2.0, "--- F1 begins: crashed (agent='ATV2')")
     for second in range(100):
         story.on_message(10.0 + second, "M2", "*", event("M2", closed(f"M2-{second}")))

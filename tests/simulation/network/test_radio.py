@@ -26,6 +26,7 @@ from dray.messages import (
     HandoverAccepted,
     Link,
     Message,
+    Reason,
     Refusal,
     Release,
     Resigned,
@@ -53,7 +54,7 @@ SAID = [
     Superseded("T", 2),
     Release("T", 1, Role.PRIMARY, "silence"),
     Resigned("T", 1, Role.SECONDARY, "no WLAN"),
-    Withdrawn("T", 1, "not needed"),
+    Withdrawn("T", 1, Reason.NOT_NEEDED),
     TakenOver("T", 2, "V1"),
     Confirmed("T", 2),
     SigningKey(bytes(32)).grant(
@@ -218,7 +219,7 @@ def test_publications_do_not_fall_to_a_vehicle_without_wlan() -> None:
         floor.sessions["V0"].subscribe("p/task/*")
         await floor.cut("V0")
         await floor.beat_and_wait("V0")
-        floor.sessions["M"].publish("p/task/0_0", Withdrawn("T", 1, "not needed"))
+        floor.sessions["M"].publish("p/task/0_0", Withdrawn("T", 1, Reason.NOT_NEEDED))
         await asyncio.sleep(SOON_S)
         assert floor.heard["V0"] == []
         assert floor.network.lost == {NO_WLAN: 1}

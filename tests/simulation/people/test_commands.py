@@ -8,9 +8,8 @@ from random import Random
 import pytest
 
 from dray.adapters.security.signing import SigningKey
-from dray.messages import CommandAnswered, CommandKind, Message, VehicleCommand
+from dray.messages import CommandAnswered, CommandKind, CommandRefusal, Message, VehicleCommand
 from dray.plant import default_plant
-from dray.protocol.vehicle.command_authorisation import NOT_GRANTED, NOT_HERE, NOT_TRUSTED
 from dray_sim.checks.invariants import Invariants
 from dray_sim.clock.loop import clock, run
 from dray_sim.factory.sim_factory import SimFactory
@@ -96,7 +95,7 @@ def test_a_speed_of_nothing_is_refused() -> None:
 
     answer = run(main())
     assert not answer.done
-    assert "above 0" in answer.reason
+    assert answer.reason is CommandRefusal.SPEED_OUT_OF_RANGE
 
 
 # --- past the gateway, on the bus itself -------------------------------------------------------------
@@ -136,10 +135,10 @@ def test_a_granted_command_needs_no_gateway() -> None:
 @pytest.mark.parametrize(
     ("areas", "key", "why"),
     [
-        (None, None, NOT_GRANTED),
-        (("AREA4",), None, NOT_HERE),
-        ((), None, NOT_HERE),
-        (("AREA2",), SigningKey(bytes(32)), NOT_TRUSTED),
+        (None, None, CommandRefusal.NOT_GRANTED),
+        (("AREA4",), None, CommandRefusal.NOT_HERE),
+        ((), None, CommandRefusal.NOT_HERE),
+        (("AREA2",), SigningKey(bytes(32)), CommandRefusal.NOT_TRUSTED),
     ],
     ids=["bare", "for another area", "for no area", "forged"],
 )

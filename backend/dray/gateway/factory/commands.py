@@ -157,9 +157,7 @@ class Commands:
         if sent is None or sent.answer.done() or sent.atv != sender:
             return False
         sent.answer.set_result(answer)
-        self._projection.commands.end(
-            answer.command, "confirmed" if answer.done else "refused", answer.reason
-        )
+        self._projection.commands.end(answer.command, "confirmed" if answer.done else "refused", answer)
         return True
 
     def part_with(self, atv: str, by: str) -> None:
@@ -175,8 +173,9 @@ class Commands:
             self._say(atv, stop, SHUTTING_OUT.id, replace(SHUTTING_OUT, name=by))
         for name, sent in self._sent.items():
             if sent.atv == atv and not sent.answer.done():
-                sent.answer.set_result(CommandAnswered(command=name, done=False, reason=why))
-                self._projection.commands.end(name, "not_confirmed", why)
+                unknown = CommandAnswered(command=name, done=False, detail=why)
+                sent.answer.set_result(unknown)
+                self._projection.commands.end(name, "not_confirmed", unknown)
 
     def _new_name(self) -> str:
         """A name that no command has: callers may have chosen one that looks like ours."""

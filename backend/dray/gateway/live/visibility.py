@@ -18,6 +18,7 @@ from dray.gateway.live.views import (
     AlertView,
     AtvView,
     BriefView,
+    CauseView,
     CommandView,
     MachineView,
     NewsView,
@@ -196,7 +197,7 @@ class AreaVisibility:
             secondary=self._who(view.secondary),
             order="",
             goal="",
-            trouble=self.words(view.trouble),
+            trouble=self._cause(view.trouble),
             carriers=(),
             bids=(),
             refusals=(),
@@ -210,7 +211,7 @@ class AreaVisibility:
         if view.kind in OF_TAKEOVERS:
             return self._takeover(view)
         if view.kind in OF_VEHICLES:
-            return replace(view, reason=self.words(view.reason))
+            return replace(view, cause=self._cause(view.cause))
         return None
 
     def alert(self, view: AlertView) -> AlertView | None:
@@ -221,15 +222,17 @@ class AreaVisibility:
             task = self._projection.tasks.view(view.task)
             if task is None or not self._concerns(task):
                 return None
-            return replace(view, agent=self._who(view.agent), problem=self.words(view.problem))
+            return replace(view, agent=self._who(view.agent), cause=self._cause(view.cause))
         if not view.agent or not self.has(view.agent):
             return None
-        return replace(view, problem=self.words(view.problem))
+        return replace(view, cause=self._cause(view.cause))
 
     def command(self, view: CommandView) -> CommandView | None:
         """A command to a vehicle that was there when it was given."""
         there = self._projection.commands.areas_of(view.id)
-        return None if there.isdisjoint(self._areas) else replace(view, reason=self.words(view.reason))
+        if there.isdisjoint(self._areas):
+            return None
+        return replace(view, detail=self.words(view.detail), text=self.words(view.text))
 
     def words(self, text: str) -> str:
         """Words for people, in which no vehicle is named that stands elsewhere."""
@@ -255,7 +258,7 @@ class AreaVisibility:
         task = self._projection.tasks.view(view.task)
         if task is None or not self._concerns(task):
             return None
-        return replace(view, other=self._who(view.other), reason=self.words(view.reason))
+        return replace(view, other=self._who(view.other))
 
     def _concerns(self, task: TaskView) -> bool:
         if task.kind != "transport":
@@ -272,8 +275,14 @@ class AreaVisibility:
             task,
             primary=self._who(task.primary),
             secondary=self._who(task.secondary),
-            trouble=self.words(task.trouble),
+            trouble=self._cause(task.trouble),
         )
+
+    def _cause(self, view: CauseView | None) -> CauseView | None:
+        """Vehicles are named in words only: its parts are of machines and storages."""
+        if view is None:
+            return None
+        return replace(view, detail=self.words(view.detail), text=self.words(view.text))
 
     def _shut_out(self, view: ShutOutView | None) -> ShutOutView | None:
         return None if view is None else replace(view, reason=self.words(view.reason))

@@ -28,6 +28,7 @@ from dray.gateway.access.principal import Scope as Right
 from dray.gateway.http.hosts import Hosts, authority_in, host_in, unknown_host
 from dray.gateway.http.problems import FieldError, Problem, unusable
 from dray.gateway.http.responses import Json
+from dray.gateway.live.reasons import refusal_text
 from dray.gateway.stop.sender import StopSender
 from dray.plant.model import ID_RULE, is_id
 
@@ -111,7 +112,15 @@ class StopEndpoint:
             raise unusable(FieldError("atv", ID_RULE))
         asked = _read(await _body(headers, receive))
         answer = await self._sender.stop(atv, by, address_of(scope), asked.command)
-        return Json({"command": answer.command, "done": answer.done, "reason": answer.reason})
+        return Json(
+            {
+                "command": answer.command,
+                "done": answer.done,
+                "reason": answer.reason,
+                "detail": answer.detail,
+                "text": refusal_text(answer),
+            }
+        )
 
     def _recognise(self, headers: Headers, address: str) -> Principal:
         credentials, cookie = headers.get("authorization", ""), _session_in(headers.get("cookie", ""))

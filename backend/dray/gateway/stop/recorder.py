@@ -6,6 +6,7 @@ from typing import Any
 
 from dray.gateway.access.audit_log import AuditLog, Line
 from dray.gateway.factory.commands import Commands
+from dray.gateway.live.reasons import refusal_text
 from dray.gateway.stop.sender import Stop
 from dray.messages import CommandAnswered
 
@@ -43,7 +44,7 @@ class StopRecorder:
         if answer is None:
             detail["status"] = 504
         elif not answer.done:
-            detail["reason"] = answer.reason
+            detail["reason"] = refusal_text(answer)
         self._audit_log.write_later(
             Line(
                 who=stop.by,

@@ -11,7 +11,6 @@ from dray.messages.fact.base import (
     MemoryLost,
 )
 from dray.messages.fact.contractor import (
-    HANDED_OVER,
     BidRefused,
     BidSent,
     ContractEnded,
@@ -20,12 +19,14 @@ from dray.messages.fact.contractor import (
     TookOver,
 )
 from dray.messages.fact.coordinator import (
+    Answer,
     AwardAnswered,
     AwardGiven,
     BidReceived,
     CarrierChanged,
     ContractorRated,
     HandoverDisputed,
+    Outcome,
     PrimarySuspected,
     RoundFailed,
     TaskClosed,
@@ -43,6 +44,7 @@ from dray.messages.fact.strategist import (
     GoalWaits,
     GoalWithdrawn,
     GoodsDelivered,
+    MachineFailure,
     OrderAccepted,
     OrderDropped,
     OrderFulfilled,
@@ -99,7 +101,7 @@ AnyFact = (
 )
 
 __all__ = [
-    "HANDED_OVER",
+    "Answer",
     "AnyFact",
     "AtvStatusChanged",
     "AwardAnswered",
@@ -122,6 +124,7 @@ __all__ = [
     "HelpAsked",
     "HelpPromised",
     "LinkChanged",
+    "MachineFailure",
     "MachineStatusChanged",
     "MemoryLost",
     "NotBelieved",
@@ -130,6 +133,7 @@ __all__ = [
     "OrderFulfilled",
     "OrderProgressed",
     "OrderReturned",
+    "Outcome",
     "PhaseEntered",
     "PieceMade",
     "PrimarySuspected",

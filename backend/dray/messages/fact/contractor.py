@@ -6,6 +6,7 @@ from dray.messages.base import Count, Id, Seconds, Text
 from dray.messages.contract import Refusal
 from dray.messages.fact.base import Fact
 from dray.messages.heartbeat import Role
+from dray.messages.reason import Implausible, Reason
 
 
 class BidSent(Fact, frozen=True):
@@ -36,17 +37,15 @@ class ContractTaken(Fact, frozen=True):
     coordinator: Id
 
 
-HANDED_OVER = "handed_over"
-"""Why a contract has ended (`ContractEnded.reason`) that was done well."""
-
-
 class ContractEnded(Fact, frozen=True):
-    """It is free of this contract: `handed_over`, `released`, `resigned`, `superseded`, `withdrawn`."""
+    """It is free of this contract."""
 
     task: Id
     epoch: Count
     role: Role
-    reason: Text
+    reason: Reason
+    detail: Text = ""
+    """In the words of whoever has held it up, for people."""
 
 
 class NotBelieved(Fact, frozen=True):
@@ -54,7 +53,7 @@ class NotBelieved(Fact, frozen=True):
 
     by: Id
     task: Id
-    reason: Text
+    reason: Implausible
 
 
 class TookOver(Fact, frozen=True):
@@ -66,4 +65,4 @@ class TookOver(Fact, frozen=True):
     primary: Id
     """Whom it replaces."""
     silent_s: Seconds
-    reason: Text
+    reason: Reason

@@ -2,10 +2,19 @@
 
 from __future__ import annotations
 
-from dray.messages.base import Count, Id, IdOrNone, Metres, Seconds, Text
-from dray.messages.contract import Cost, Work
+from typing import Literal
+
+from dray.messages.base import Count, Id, IdOrNone, Metres, Seconds
+from dray.messages.contract import Cost, Refusal, Work
 from dray.messages.fact.base import Fact
 from dray.messages.heartbeat import Role
+from dray.messages.reason import Implausible, Reason
+
+Outcome = Literal["delivered", "withdrawn"]
+"""How a task has ended."""
+
+Answer = Literal["accepted", "declined", "silent"]
+"""What became of an award."""
 
 
 class TaskOpened(Fact, frozen=True):
@@ -54,8 +63,9 @@ class AwardAnswered(Fact, frozen=True):
     epoch: Count
     role: Role
     bidder: Id
-    answer: Text
-    """`accepted`, `silent`, or the reason of the decline."""
+    answer: Answer
+    reason: Refusal | None = None
+    """Why it was declined."""
 
 
 class RoundFailed(Fact, frozen=True):
@@ -75,7 +85,7 @@ class WatchLost(Fact, frozen=True):
     task: Id
     epoch: Count
     secondary: IdOrNone
-    reason: Text
+    reason: Reason
 
 
 class TaskClosed(Fact, frozen=True):
@@ -83,7 +93,7 @@ class TaskClosed(Fact, frozen=True):
 
     task: Id
     epoch: Count
-    outcome: Text
+    outcome: Outcome
     carrier: IdOrNone
     promised_s: Seconds = 0.0
     """When the carrier had promised to be done (plant clock); 0 when nobody had."""
@@ -107,7 +117,7 @@ class CarrierChanged(Fact, frozen=True):
     replaced: Id
     carrier: IdOrNone
     """The secondary that has taken over; empty when the task is announced anew."""
-    reason: Text
+    reason: Reason
     silent_s: Seconds = 0.0
     """How long nothing had been heard of the one that was replaced."""
 
@@ -118,12 +128,14 @@ class ContractorRated(Fact, frozen=True):
     contractor: Id
     task: Id
     """What it was learned from."""
-    reason: Text
-    """`kept`, how late it was, or why it was dropped."""
+    reason: Reason
+    """`KEPT`, `LATE`, or why it was dropped."""
     surcharge_s: Seconds
     """Added to its bids from now on; half of it is forgotten in half an hour."""
     restricted: bool
     """It is given short tasks only."""
+    late_s: Seconds = 0.0
+    """How much later than promised it was done, where that is the reason."""
 
 
 class WordDisbelieved(Fact, frozen=True):
@@ -131,7 +143,7 @@ class WordDisbelieved(Fact, frozen=True):
 
     contractor: Id
     task: Id
-    reason: Text
+    reason: Implausible
     clock_ahead_s: Seconds = 0.0
     """How far the contractor's clock is ahead of the coordinator's, behind if negative; 0 where that is not the reason."""
 

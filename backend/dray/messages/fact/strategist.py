@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dray.messages.base import Count, Id, IdOrNone, Seconds, Text
+from dray.messages.base import Count, Id, IdOrNone, Part, Seconds
 from dray.messages.fact.base import Fact
+from dray.messages.reason import Reason
 
 
 class OrderAccepted(Fact, frozen=True):
@@ -58,12 +59,21 @@ class GoalWithdrawn(Fact, frozen=True):
     """Pieces that count, once."""
 
 
+class MachineFailure(Part, frozen=True):
+    """A machine that makes nothing now."""
+
+    machine: Id
+    reason: Reason
+    """`SILENT` or `BROKEN`."""
+
+
 class GoalWaits(Fact, frozen=True):
     """Nobody who lives can make this goal; only its order waits (paper, case 1)."""
 
     goal: Id
     order: Id
-    reason: Text
+    machines: tuple[MachineFailure, ...]
+    """All that could make it."""
 
 
 class OrderProgressed(Fact, frozen=True):

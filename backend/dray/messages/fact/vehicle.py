@@ -5,6 +5,7 @@ from __future__ import annotations
 from dray.messages.base import Count, Id, IdOrNone, Seconds, Text
 from dray.messages.fact.base import Fact
 from dray.messages.heartbeat import AtvStatus, Link, Phase
+from dray.messages.reason import CommandRefusal
 
 
 class LinkChanged(Fact, frozen=True):
@@ -50,5 +51,7 @@ class CommandObeyed(Fact, frozen=True):
     command: Id
     what: Text
     done: bool
-    reason: Text = ""
+    reason: CommandRefusal | None = None
+    detail: Text = ""
+    """What its sensors still report, where that is the reason."""
     issued_by: Text = ""

@@ -34,13 +34,15 @@ from dray.messages import (
     Award,
     Bid,
     Declined,
+    Reason,
+    Refusal,
     Release,
     TaskAnnounced,
     Transport,
     Wait,
     Work,
 )
-from dray.messages.fact import AwardAnswered, AwardGiven, BidReceived, RoundFailed, TaskOpened
+from dray.messages.fact import Answer, AwardAnswered, AwardGiven, BidReceived, RoundFailed, TaskOpened
 from dray.protocol.contract_net.auction_rules import AuctionRules
 from dray.protocol.contract_net.bids import Bids, Offer
 from dray.protocol.contract_net.terms import SPAN_MAX_S, SPANS_MAX, Place, Terms
@@ -225,7 +227,7 @@ class Auction:
             self._out.append(Ignore("accepted twice"))
             return
         if bidder != self._asked:
-            self._release(bidder, answer.number, "asked no more")
+            self._release(bidder, answer.number, Reason.NOT_ASKED)
             return
         if answer.number != self.number:
             self._out.append(Ignore("an answer to an earlier award"))
@@ -240,14 +242,14 @@ class Auction:
         if bidder != self._asked or answer.number != self.number:
             self._out.append(Ignore("declined without being asked"))
             return
-        self._note_answer(answer.reason.value)
+        self._note_answer("declined", answer.reason)
         self._asked = ""
         self._ask_next(now_s)
 
     def cancel(self) -> None:
         """End it without a winner; whoever was asked is released."""
         if self._asked:
-            self._release(self._asked, self.number, "withdrawn")
+            self._release(self._asked, self.number, Reason.WITHDRAWN)
             self._asked = ""
         self.stage, self.wake_at_s = Stage.DECIDED, NEVER_S
 
@@ -259,7 +261,7 @@ class Auction:
             self._close_window(now_s)
         elif self.stage is Stage.ASKING:
             self._note_answer("silent")
-            self._release(self._asked, self.number, "no answer")
+            self._release(self._asked, self.number, Reason.NO_ANSWER)
             self._asked = ""
             self._ask_next(now_s)
         elif self.stage is Stage.RESTING:
@@ -387,14 +389,19 @@ class Auction:
         )
         self._rank = 0
 
-    def _note_answer(self, answer: str) -> None:
+    def _note_answer(self, answer: Answer, reason: Refusal | None = None) -> None:
         terms = self.terms
         fact = AwardAnswered(
-            task=terms.task, epoch=terms.epoch, role=terms.role, bidder=self._asked, answer=answer
+            task=terms.task,
+            epoch=terms.epoch,
+            role=terms.role,
+            bidder=self._asked,
+            answer=answer,
+            reason=reason,
         )
         self._out.append(Record(fact))
 
-    def _release(self, bidder: str, number: int, reason: str) -> None:
+    def _release(self, bidder: str, number: int, reason: Reason) -> None:
         terms = self.terms
         release = Release(task=terms.task, epoch=terms.epoch, role=terms.role, reason=reason, number=number)
         self._out.append(Send(bidder, release))

@@ -16,6 +16,7 @@ from dray.messages import (
     Accepted,
     Bid,
     Declined,
+    Reason,
     Refusal,
     Release,
     Role,
@@ -24,15 +25,15 @@ from dray.messages import (
     Withdrawn,
     Work,
 )
-from dray.messages.fact import TaskClosed
+from dray.messages.fact import Outcome, TaskClosed
 from dray.protocol.contract_net.auction import Auction
 from dray.protocol.contract_net.auction_rules import AuctionRules
 from dray.protocol.contract_net.auctions import Auctions
-from dray.protocol.contract_net.task import CarrierContract, ClosedTask, OpenTask, Outcome
+from dray.protocol.contract_net.task import CarrierContract, ClosedTask, OpenTask
 from dray.protocol.contract_net.task_state import TaskState
 from dray.protocol.contract_net.terms import Place, Terms
 from dray.protocol.contract_net.trust.assessment import Assessor
-from dray.protocol.contract_net.trust.plausibility import CLOCK, by_our_clock
+from dray.protocol.contract_net.trust.plausibility import by_our_clock
 from dray.protocol.liveness.suspicion import ArrivalStatistics
 from dray.protocol.runtime.bounded_map import BoundedMap
 from dray.protocol.runtime.events import Effect, Ignore, Record, Send
@@ -119,9 +120,9 @@ class Coordinator:
         carrier = contract.primary
         task.auction.cancel()
         self._timers.clear((PRIMARY_AUCTION, task.id))
-        self._let_go(task, "the task has ended")
+        self._let_go(task, Reason.TASK_ENDED)
         if carrier and outcome == "withdrawn":
-            withdrawn = Withdrawn(task=task.id, epoch=task.epoch, reason="not needed any more")
+            withdrawn = Withdrawn(task=task.id, epoch=task.epoch, reason=Reason.NOT_NEEDED)
             self._out.append(Send(carrier, withdrawn))
         fact = TaskClosed(
             task=task.id,
@@ -148,16 +149,16 @@ class Coordinator:
     def on_accepted(self, sender: str, answer: Accepted, now_s: float) -> None:
         task = self._present(answer)
         if task is None:
-            self._release(sender, answer, "the task has ended")
+            self._release(sender, answer, Reason.TASK_ENDED)
         elif answer.role is not Role.PRIMARY:
             return
         elif task.primary == sender:
             # The contract stands, whichever life of either side has made it: a restarted carrier says so again.
             self._out.append(Ignore("accepted twice"))
         elif task.primary:
-            self._release(sender, answer, "another one carries it")
+            self._release(sender, answer, Reason.ANOTHER_CARRIES)
         elif self._assessor.refuses_clock(sender, answer, now_s):
-            self._release(sender, answer, CLOCK)
+            self._release(sender, answer, Reason.CLOCK_WRONG)
             declined = Declined(answer.task, answer.epoch, answer.role, Refusal.NOT_FIT, answer.number)
             self.on_declined(sender, declined, now_s)
         else:
@@ -179,7 +180,7 @@ class Coordinator:
     def _bound(self, task: OpenTask, runners_up: tuple[tuple[str, Bid], ...], now_s: float) -> None:
         """A task has got its contractor, for which `runners_up` have bid too, cheapest first."""
 
-    def _let_go(self, task: OpenTask, reason: str) -> None:
+    def _let_go(self, task: OpenTask, reason: Reason) -> None:
         """Release every contractor that is bound by a task."""
 
     # --- how it is done ---
@@ -227,7 +228,7 @@ class Coordinator:
         self._bound(task, auction.left_over, now_s)
         self._contracted(task, now_s)
 
-    def _release(self, to: str, said: Accepted | TakenOver, reason: str) -> None:
+    def _release(self, to: str, said: Accepted | TakenOver, reason: Reason) -> None:
         """Release a contractor from an award."""
         role, number = (said.role, said.number) if isinstance(said, Accepted) else (Role.PRIMARY, 0)
         release = Release(task=said.task, epoch=said.epoch, role=role, reason=reason, number=number)

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Literal, cast
+from typing import cast
 
 from dray.memory import TaskMemory
-from dray.messages import Bid, Phase, TaskBrief, Transport, Work
+from dray.messages import Bid, Phase, Reason, TaskBrief, Transport, Work
+from dray.messages.fact import Outcome
 from dray.protocol.contract_net.auction import Auction
 from dray.protocol.contract_net.task_state import TRANSITIONS, TaskState
 from dray.protocol.liveness.failure_detector import FailureDetector
 from dray.protocol.liveness.progress import Progress
 from dray.protocol.runtime.events import NEVER_S
 from dray.protocol.runtime.states import States
-
-Outcome = Literal["delivered", "withdrawn"]
 
 _AT_THE_END = frozenset({Phase.UNLOADING, Phase.HANDING_OVER})
 
@@ -113,6 +112,7 @@ class OpenTask:
     __slots__ = (
         "auction",
         "contract",
+        "detail",
         "due_s",
         "epoch",
         "id",
@@ -145,8 +145,14 @@ class OpenTask:
         another one. Without its carrier it is withdrawn, and what is still needed is announced under another name."""
         self.witnessed = True
         """This life of the coordinator has seen all of it: what a carrier says of the load is compared with that."""
-        self.trouble = ""
-        """Why it does not go on, in words."""
+        self.trouble: Reason | None = None
+        """Why it does not go on; None when all is well."""
+        self.detail = ""
+        """Which problem its carrier reports."""
+
+    def clear_trouble(self) -> None:
+        """It goes on."""
+        self.trouble, self.detail = None, ""
 
     def assign(self, contract: CarrierContract) -> None:
         """Bind a contractor to the task."""
@@ -213,6 +219,7 @@ class OpenTask:
             secondary=self.secondary,
             round=self.round,
             trouble=self.trouble,
+            detail=self.detail,
         )
 
     def memory(self) -> TaskMemory:

@@ -10,13 +10,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from dray.messages import AtvHeartbeat, AtvStatus
+from dray.messages import AtvHeartbeat, AtvStatus, Reason
 from dray.messages.command import PROMISE_MAX_S
 from dray.protocol.liveness.suspicion import LATENESS_MAX_S, ArrivalStatistics, bound_s, silence_bound_s
 from dray.protocol.runtime.events import NEVER_S, Effect, Subscribe, Unsubscribe
-
-SILENT = "silent"
-IN_ERROR = "in error, and not helped in time"
 
 UNNAMED_S = 5.0
 """Somebody who is contracted and does not say so for this long has lost the contract: many times the
@@ -100,11 +97,11 @@ class FailureDetector:
             self._help_until_s = now_s if heartbeat.status is AtvStatus.ERROR else NEVER_S
         return True
 
-    def failure(self, now_s: float) -> str:
-        """Why it has failed by now: `SILENT` or `IN_ERROR`; empty while it has not."""
+    def failure(self, now_s: float) -> Reason | None:
+        """Why it has failed by now: `SILENT` or `IN_ERROR`; None while it has not."""
         if now_s >= self._silent_at_s:
-            return SILENT
-        return IN_ERROR if now_s >= self._help_until_s else ""
+            return Reason.SILENT
+        return Reason.IN_ERROR if now_s >= self._help_until_s else None
 
     def heard_lately(self, now_s: float) -> bool:
         """Whether it was heard in the newer half of the bound: then its silence is somebody else's trouble."""

@@ -13,13 +13,9 @@ most of it is said by the carrier itself.
 
 from __future__ import annotations
 
-from dray.messages import AtvHeartbeat, AtvStatus, Phase, Pose
+from dray.messages import AtvHeartbeat, AtvStatus, Phase, Pose, Reason
 from dray.messages.command import PROMISE_MAX_S
 from dray.protocol.runtime.events import NEVER_S
-
-STALLED = "does not come nearer"
-OVERDUE = "long past its promise"
-NOT_COUNTED = "its load was not counted where it was to go"
 
 STALL_S = 30.0
 """Beside the longest handling: a question that is asked again three times, a manoeuvre that is tried again."""
@@ -75,7 +71,9 @@ class Progress:
         self.failed_s = NEVER_S
         self.blamed = False
 
-    def on_heartbeat(self, heartbeat: AtvHeartbeat, phase: Phase | None, held: bool, now_s: float) -> str:
+    def on_heartbeat(
+        self, heartbeat: AtvHeartbeat, phase: Phase | None, held: bool, now_s: float
+    ) -> Reason | None:
         """Note a heartbeat that names the task.
 
         Args:
@@ -85,18 +83,18 @@ class Progress:
             now_s: the present time.
 
         Returns:
-            `STALLED` or `OVERDUE`; empty while it comes nearer.
+            `STALLED` or `OVERDUE`; None while it comes nearer.
         """
         if held or heartbeat.help is not None or heartbeat.speed_limit_frac < 1.0:
             self._excuse(heartbeat, held, now_s - self.heard_s)
         self.heard_s = now_s
         if self._comes_nearer(heartbeat.pose, phase):
             self._moved_s = now_s
-        failure = ""
+        failure: Reason | None = None
         if now_s > self._moved_s + self._stall_s:
-            failure = STALLED
+            failure = Reason.STALLED
         elif now_s > self._due_s:
-            failure = OVERDUE
+            failure = Reason.OVERDUE
         if not failure:
             self.failed_s = NEVER_S
         elif self.failed_s == NEVER_S:

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from typing import cast
 
 from dray.body import StockChanged
-from dray.messages import BufferLevel, Transport
+from dray.messages import BufferLevel, Reason, Transport
 from dray.plant import Plant
 from dray.protocol.contract_net.task import OpenTask
 from dray.protocol.machine.production import Goal, GoalBook
@@ -182,7 +182,7 @@ class FinishedGoods:
         for task in list(self._tasks):
             work = cast(Transport, task.work)
             if task.is_loaded and work.item == report.item and work.quantity == report.change:
-                self._tasks.reopen(task, "its load was brought back", now_s)
+                self._tasks.reopen(task, Reason.BROUGHT_BACK, now_s)
                 return
         self._goals.add_spare(report.item, report.change)
 

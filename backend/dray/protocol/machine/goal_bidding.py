@@ -10,6 +10,7 @@ from dray.messages import (
     Confirmed,
     GoalClosed,
     Production,
+    Reason,
     Refusal,
     Release,
     Role,
@@ -172,9 +173,9 @@ class GoalBidder:
     def on_closed(self, message: GoalClosed) -> Goal | None:
         """All of a goal is delivered: the gate has counted it. Returns the goal, if it was known."""
         goal = self._goals.get(message.goal)
-        return None if goal is None else self._end(goal, "delivered")
+        return None if goal is None else self._end(goal, Reason.DELIVERED)
 
-    def _end(self, goal: Goal, reason: str) -> Goal:
+    def _end(self, goal: Goal, reason: Reason) -> Goal:
         self._goals.remove(goal.id)
         self._unconfirmed.settle(goal.id)
         self._commit()

@@ -61,7 +61,7 @@ from dray.protocol.runtime.events import (
     Subscribe,
 )
 from dray.protocol.runtime.heartbeat_timer import BEAT, HeartbeatTimer
-from dray.protocol.runtime.shutdown import COORDINATOR_LEAVES_WITHIN_S, GRACEFUL_SHUTDOWN
+from dray.protocol.runtime.shutdown import COORDINATOR_LEAVES_WITHIN_S
 
 
 class Machine(AgentBase):
@@ -329,7 +329,7 @@ class Machine(AgentBase):
 
     def _unfit(self) -> str:
         """Why it takes no goals at all; empty when it does."""
-        return self._problem or (GRACEFUL_SHUTDOWN if self._shutdown.begun else "")
+        return self._problem or ("draining" if self._shutdown.begun else "")
 
     def _on_award(self, sender: str, message: Award, now_s: float) -> None:
         if self._bidder.on_award(sender, message, self._unfit(), now_s):

@@ -31,10 +31,11 @@ from dray.messages import (
     Work,
     WorkSought,
 )
+from dray.messages.fact import Outcome
 from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.protocol.contract_net.auction_rules import AuctionRules
-from dray.protocol.contract_net.task import OpenTask, Outcome
+from dray.protocol.contract_net.task import OpenTask
 from dray.protocol.contract_net.terms import Place
 from dray.protocol.contract_net.trust.assessment import Assessor
 from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions

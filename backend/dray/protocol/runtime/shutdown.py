@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from dray.protocol.runtime.events import NEVER_S
 
-GRACEFUL_SHUTDOWN = "graceful shutdown"
 """What is told to whoever has to do without it, and stands in the history."""
 
 CARRIER_LEAVES_WITHIN_S = 300.0

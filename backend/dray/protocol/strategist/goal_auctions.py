@@ -10,12 +10,22 @@ from collections.abc import Callable
 from typing import cast
 
 from dray.errors import ProtocolViolation
-from dray.messages import Accepted, Brought, Confirmed, GoalBrief, GoalClosed, Production, Withdrawn, Work
-from dray.messages.fact import GoalContracted, GoalWaits, TaskClosed
+from dray.messages import (
+    Accepted,
+    Brought,
+    Confirmed,
+    GoalBrief,
+    GoalClosed,
+    Production,
+    Reason,
+    Withdrawn,
+    Work,
+)
+from dray.messages.fact import GoalContracted, GoalWaits, Outcome, TaskClosed
 from dray.messages.keys import Keys
 from dray.protocol.contract_net.auction_rules import AuctionRules
 from dray.protocol.contract_net.coordinator import Coordinator
-from dray.protocol.contract_net.task import OpenTask, Outcome
+from dray.protocol.contract_net.task import OpenTask
 from dray.protocol.contract_net.terms import Place
 from dray.protocol.contract_net.trust.assessment import Assessor
 from dray.protocol.liveness.suspicion import GOAL_SILENCE_S
@@ -31,7 +41,6 @@ GOAL_RULES = AuctionRules(window_s=0.5, rest_s=5.0, rest_growth=1.5, rest_aged_f
 NOWHERE = Place(x_m=0.0, y_m=0.0, reach_m=0.0)
 """A goal's audience has no place: whoever can make the product is asked."""
 
-NOT_NEEDED = "not needed any more"
 
 REASON_CHARS = 500
 """Words for people; a large plant has more machines than anybody reads."""
@@ -137,7 +146,7 @@ class GoalAuctions(Coordinator):
 
     def withdraw(self, machine: str, goal: str, epoch: int) -> None:
         """Tell a machine that a goal is not its own any more."""
-        self._out.append(Send(machine, Withdrawn(task=goal, epoch=epoch, reason=NOT_NEEDED)))
+        self._out.append(Send(machine, Withdrawn(task=goal, epoch=epoch, reason=Reason.NOT_NEEDED)))
 
     def say_over(self, machine: str, brief: GoalBrief) -> None:
         """Tell a machine that names a goal which has ended how it did."""
@@ -156,8 +165,8 @@ class GoalAuctions(Coordinator):
         if goal.waits:
             return
         goal.waits = True
-        reason = self._watch.troubles(goal.work.product, now_s)[:REASON_CHARS]
-        self._out.append(Record(GoalWaits(goal=goal.id, order=goal.work.order, reason=reason)))
+        machines = self._watch.failures(goal.work.product, now_s)
+        self._out.append(Record(GoalWaits(goal=goal.id, order=goal.work.order, machines=machines)))
 
     def _check_takers(self, product: str, now_s: float) -> None:
         """Say so when nobody lives who could take the goals of a product, and look again."""

@@ -6,7 +6,8 @@ Nothing is lost by a wrong verdict but work: the gate lets every piece in once, 
 
 from __future__ import annotations
 
-from dray.messages import JoiningMachine, MachineHeartbeat, MachineStatus
+from dray.messages import JoiningMachine, MachineHeartbeat, MachineStatus, Reason
+from dray.messages.fact import MachineFailure
 from dray.messages.heartbeat import JOINING_MACHINES_MAX
 from dray.plant import Plant
 from dray.protocol.liveness.suspicion import GOAL_SILENCE_S
@@ -74,20 +75,20 @@ class MachineMonitor:
 
     def anybody_fit(self, product: str, now_s: float) -> bool:
         """Whether anybody lives and works who can make a product."""
-        return any(not self.trouble(machine, now_s) for machine in self.machines_for(product))
+        return any(not self.failure(machine, now_s) for machine in self.machines_for(product))
 
-    def troubles(self, product: str, now_s: float) -> str:
-        """What is the matter with all that can make a product, in words."""
-        machines = self.machines_for(product)
-        return ", ".join(f"{machine} is {self.trouble(machine, now_s)}" for machine in machines)
+    def failures(self, product: str, now_s: float) -> tuple[MachineFailure, ...]:
+        """Those that can make a product and make nothing now."""
+        failures = ((machine, self.failure(machine, now_s)) for machine in self.machines_for(product))
+        return tuple(MachineFailure(machine, reason) for machine, reason in failures if reason is not None)
 
-    def trouble(self, machine: str, now_s: float) -> str:
-        """What is the matter with a machine, in words; empty when it lives and works."""
+    def failure(self, machine: str, now_s: float) -> Reason | None:
+        """Why a machine makes nothing; None when it lives and works."""
         heard = self._heard.get(machine)
         # A joining machine that took a goal in an earlier life of the strategist may never have been heard in this one.
         if heard is None or now_s >= heard.heard_s + GOAL_SILENCE_S:
-            return "silent"
-        return "broken" if heard.broken_s is not None else ""
+            return Reason.SILENT
+        return Reason.BROKEN if heard.broken_s is not None else None
 
     def is_broken_for_long(self, machine: str, now_s: float) -> bool:
         """Whether it has been broken for longer than anybody waits for."""

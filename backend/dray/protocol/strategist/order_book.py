@@ -14,7 +14,7 @@ from dray.memory import (
     ReturnedOrder,
     StrategistMemory,
 )
-from dray.messages import OrderItem, OrderReleased, Production
+from dray.messages import OrderItem, OrderReleased, Production, Reason
 from dray.plant import Plant
 from dray.protocol.runtime.events import Commit
 
@@ -63,7 +63,7 @@ class OpenGoal:
         """The same by vehicle, as far as this life has heard it."""
         self.named_s = 0.0
         """When its machine has last said that it has this goal (plant clock)."""
-        self.failure = ""
+        self.failure: Reason | None = None
         """Why it is being taken from its machine; the gate's last count is awaited."""
         self.waits = False
         """Whether it was said that nobody can make it."""

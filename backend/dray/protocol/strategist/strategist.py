@@ -39,6 +39,7 @@ from dray.messages import (
     OrderReleased,
     OrderRevoked,
     OrderTaken,
+    Reason,
     RevocationTaken,
 )
 from dray.messages.fact import (
@@ -49,10 +50,10 @@ from dray.messages.fact import (
     OrderDropped,
     OrderFulfilled,
     OrderReturned,
+    Outcome,
 )
 from dray.messages.keys import STRATEGIST, Keys
 from dray.plant import Plant
-from dray.protocol.contract_net.task import Outcome
 from dray.protocol.contract_net.trust.assessment import Assessor
 from dray.protocol.liveness.suspicion import GOAL_SILENCE_S
 from dray.protocol.runtime.agent import AgentBase
@@ -61,8 +62,6 @@ from dray.protocol.runtime.shutdown import COORDINATOR_LEAVES_WITHIN_S
 from dray.protocol.strategist.goal_auctions import GoalAuctions
 from dray.protocol.strategist.machine_monitor import MachineMonitor
 from dray.protocol.strategist.order_book import OpenGoal, OrderBook, OrderInWork
-
-TAKEN_BACK = "its order was taken back"
 
 GOAL_CHECK = "goal check"
 """The alarm for looking whether a goal is still made, by goal."""
@@ -214,7 +213,7 @@ class Strategist(AgentBase):
         """Withdraw what nobody makes yet, and shut the gate for the rest, whose last count is awaited."""
         for goal in list(order.goals.values()):
             if goal.machine:
-                goal.failure = goal.failure or TAKEN_BACK
+                goal.failure = goal.failure or Reason.WITHDRAWN
                 self._out.append(Instruct(Admit(goal=goal.id, quantity=0)))
             else:
                 self._end(goal, "withdrawn")
@@ -342,11 +341,11 @@ class Strategist(AgentBase):
         look_s = now_s if failure else goal.named_s
         self._timers.set((GOAL_CHECK, goal.id), look_s + GOAL_SILENCE_S)
 
-    def _failure(self, goal: OpenGoal, now_s: float) -> str:
-        """Why a goal is not made any more; empty while it is."""
+    def _failure(self, goal: OpenGoal, now_s: float) -> Reason | None:
+        """Why a goal is not made any more; None while it is."""
         if now_s >= goal.named_s + GOAL_SILENCE_S:
-            return self._monitor.trouble(goal.machine, now_s) or "has forgotten it"
-        return "broken" if self._monitor.is_broken_for_long(goal.machine, now_s) else ""
+            return self._monitor.failure(goal.machine, now_s) or Reason.FORGOTTEN
+        return Reason.BROKEN if self._monitor.is_broken_for_long(goal.machine, now_s) else None
 
     def _give_to_others(self, goal: OpenGoal, now_s: float) -> None:
         """The gate is shut and has counted: put up what has not arrived, under a name of its own."""

@@ -23,7 +23,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Protocol, cast
 
-from dray.messages import AtvHeartbeat, Phase, TakenOver
+from dray.messages import AtvHeartbeat, Phase, Reason, TakenOver
 from dray.messages.fact import CarrierChanged, PrimarySuspected
 from dray.messages.heartbeat import GOODS_ABOARD
 from dray.protocol.contract_net.task import OpenTask
@@ -51,15 +51,15 @@ PRIMARY_SILENCE = "primary silence"
 class Remedies(Protocol):
     """What a coordinator can do for a task that is without a carrier."""
 
-    def reopen(self, task: OpenTask, reason: str, now_s: float) -> None:
+    def reopen(self, task: OpenTask, reason: Reason, now_s: float) -> None:
         """Announce it anew, with a higher epoch."""
         ...
 
-    def pass_on(self, task: OpenTask, reason: str, now_s: float) -> None:
+    def pass_on(self, task: OpenTask, reason: Reason, now_s: float) -> None:
         """Ask its secondary to carry it, with a higher epoch."""
         ...
 
-    def wait(self, task: OpenTask, trouble: str, now_s: float) -> None:
+    def wait(self, task: OpenTask, trouble: Reason, now_s: float) -> None:
         """Say in the heartbeat why it does not go on."""
         ...
 
@@ -115,7 +115,7 @@ class Failover:
 
     def follow(self, task: OpenTask, interval_s: float, now_s: float) -> None:
         """A task has got its primary, which is expected to beat every `interval_s`."""
-        task.trouble = ""
+        task.clear_trouble()
         self._subscriptions.follow(task.primary)
         task.contract.detector = FailureDetector(
             task.primary, interval_s, now_s, self._subscriptions.arrivals
@@ -130,13 +130,13 @@ class Failover:
         if task.contract.detector is not None:
             self._subscriptions.unfollow(task.contract.detector.subject)
         self._timers.clear((PRIMARY_SILENCE, task.id))
-        task.trouble = ""
+        task.clear_trouble()
 
     def note_loaded(self, task: OpenTask) -> None:
         """Finished goods have left with their carrier: nobody else could fetch them, so nobody needs to watch."""
         if not task.is_loaded:
             task.states.enter(TaskState.IN_TRANSIT)
-            self._secondaries.drop(task, "the load is on board")
+            self._secondaries.drop(task, Reason.LOAD_ABOARD)
 
     def on_heartbeat(self, task: OpenTask, heartbeat: AtvHeartbeat, now_s: float) -> None:
         """The primary lives; it may have lost its contract."""
@@ -144,7 +144,8 @@ class Failover:
         if detector is None or not detector.on_heartbeat(heartbeat, now_s):
             return
         self._trust(task)
-        task.trouble = heartbeat.problem
+        task.trouble = Reason.PROBLEM if heartbeat.problem else None
+        task.detail = heartbeat.problem
         self._timers.set((PRIMARY_SILENCE, task.id), detector.fails_at_s)
         brief = heartbeat.task
         if brief is not None and brief.task == task.id and brief.epoch == task.epoch:
@@ -155,24 +156,24 @@ class Failover:
         elif task.contract.unnamed_s == NEVER_S:
             task.contract.unnamed_s = now_s
         elif now_s - task.contract.unnamed_s > UNNAMED_S:
-            self.replace(task, "does not carry it any more", now_s)
+            self.replace(task, Reason.FORGOTTEN, now_s)
 
-    def objection(self, task: OpenTask, sender: str, message: TakenOver, now_s: float) -> str:
-        """Why somebody may not take a task over; empty when it is right."""
+    def objection(self, task: OpenTask, sender: str, message: TakenOver, now_s: float) -> Reason | None:
+        """Why somebody may not take a task over; None when it is right."""
         if sender != task.secondary:
-            return "another one watches"
+            return Reason.ANOTHER_WATCHES
         if message.primary != task.primary:
-            return "another one carries it"
+            return Reason.ANOTHER_CARRIES
         if task.is_counted:
-            return f"{task.primary} has put the load down"
+            return Reason.LOAD_DOWN
         if task.is_loaded:
-            return f"the load is on board of {task.primary}"
+            return Reason.LOAD_ABOARD
         detector = task.contract.detector
         if detector is not None and detector.heard_lately(now_s) and not detector.failure(now_s):
-            return f"{task.primary} is heard"
-        return ""
+            return Reason.IS_HEARD
+        return None
 
-    def replace(self, task: OpenTask, reason: str, now_s: float) -> None:
+    def replace(self, task: OpenTask, reason: Reason, now_s: float) -> None:
         """The primary carries a task no more, and nobody has taken it over."""
         if task.is_counted:
             self._remedies.conclude(task, now_s)
@@ -183,11 +184,11 @@ class Failover:
         else:
             self._wait_for_goods(task, reason, now_s)
 
-    def note_given_back(self, task: OpenTask, reason: str, now_s: float) -> None:
+    def note_given_back(self, task: OpenTask, reason: Reason, now_s: float) -> None:
         """The primary has given a task back, and need not have."""
         self._assessor.reliability.note_given_back(task.primary, task.id, reason, now_s)
 
-    def give_back(self, task: OpenTask, reason: str, now_s: float) -> None:
+    def give_back(self, task: OpenTask, reason: Reason, now_s: float) -> None:
         """The primary has said that it carries a task no more: it is there to be relieved."""
         if task.is_counted or task.is_loaded:
             self.replace(task, reason, now_s)
@@ -195,13 +196,13 @@ class Failover:
             self.note_given_back(task, reason, now_s)
             self._remedies.pass_on(task, reason, now_s)
 
-    def blame(self, task: OpenTask, reason: str, now_s: float) -> None:
+    def blame(self, task: OpenTask, reason: Reason, now_s: float) -> None:
         """The primary has dropped its contract; that is noted once."""
         if task.contract.progress is not None and not task.contract.progress.blamed:
             task.contract.progress.blamed = True
             self._assessor.reliability.note_dropped(task.primary, task.id, reason, now_s)
 
-    def note_change(self, task: OpenTask, replaced: str, reason: str, silent_s: float) -> None:
+    def note_change(self, task: OpenTask, replaced: str, reason: Reason, silent_s: float) -> None:
         """Write down that a task has another carrier, or none for now."""
         changed = CarrierChanged(
             task=task.id,
@@ -269,7 +270,7 @@ class Failover:
         elif now_s >= progress.failed_s + LOST_IN_TRANSIT_S:
             self._remedies.give_up(task, now_s)
         else:
-            task.trouble = f"{task.primary} {failure}, with the load on board"
+            task.trouble, task.detail = failure, ""
 
     def _note_suspicion(self, task: OpenTask, now_s: float) -> None:
         if task.state is TaskState.SUSPECTED or task.trouble:
@@ -279,11 +280,11 @@ class Failover:
         )
         self._out.append(Record(suspected))
 
-    def _wait_for_goods(self, task: OpenTask, reason: str, now_s: float) -> None:
+    def _wait_for_goods(self, task: OpenTask, reason: Reason, now_s: float) -> None:
         detector = cast(FailureDetector, task.contract.detector)
         lost_at_s = detector.fails_at_s + LOST_IN_TRANSIT_S
         if detector.failure(now_s) and now_s < lost_at_s:
             self._timers.set((PRIMARY_SILENCE, task.id), lost_at_s)
-            self._remedies.wait(task, f"{task.primary} is {reason}, with the load on board", now_s)
+            self._remedies.wait(task, reason, now_s)
         else:
             self._remedies.give_up(task, now_s)

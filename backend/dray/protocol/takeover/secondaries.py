@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from dray.messages import Accepted, AtvHeartbeat, Bid, Declined, Release, Role
+from dray.messages import Accepted, AtvHeartbeat, Bid, Declined, Reason, Release, Role
 from dray.messages.fact import WatchLost
 from dray.protocol.contract_net.auction import Auction
 from dray.protocol.contract_net.auction_rules import AuctionRules
@@ -80,7 +80,7 @@ class Secondaries:
             task.watch.open(now_s)
         self._auctions.arm(WATCH_AUCTION, task.watch)
 
-    def drop(self, task: OpenTask, reason: str) -> None:
+    def drop(self, task: OpenTask, reason: Reason) -> None:
         """A task needs no secondary any more."""
         if task.watch is not None:
             task.watch.cancel()
@@ -90,7 +90,7 @@ class Secondaries:
             self._release(task, task.secondary, task.standby.number, reason)
             self.unfollow(task)
 
-    def lose(self, task: OpenTask, reason: str, now_s: float) -> None:
+    def lose(self, task: OpenTask, reason: Reason, now_s: float) -> None:
         """A secondary has resigned or failed: elect another."""
         fact = WatchLost(task=task.id, epoch=task.epoch, secondary=task.secondary, reason=reason)
         self._out.append(Record(fact))
@@ -121,7 +121,7 @@ class Secondaries:
             if task.watch.winner == sender:
                 self._bind(task, task.watch, now_s)
         elif sender != task.secondary:
-            self._release(task, sender, answer.number, "another one watches")
+            self._release(task, sender, answer.number, Reason.ANOTHER_WATCHES)
 
     def on_declined(self, task: OpenTask, sender: str, answer: Declined, now_s: float) -> None:
         if task.watch is not None:
@@ -139,7 +139,7 @@ class Secondaries:
         elif task.standby.unnamed_s == NEVER_S:
             task.standby.unnamed_s = now_s
         elif now_s - task.standby.unnamed_s > UNNAMED_S:
-            self.lose(task, "does not watch any more", now_s)
+            self.lose(task, Reason.FORGOTTEN, now_s)
 
     # --- time passes ---
 
@@ -182,6 +182,6 @@ class Secondaries:
         task.standby = StandbyContract(atv, number, bid, detector)
         self._timers.set((SECONDARY_SILENCE, task.id), detector.fails_at_s)
 
-    def _release(self, task: OpenTask, atv: str, number: int, reason: str) -> None:
+    def _release(self, task: OpenTask, atv: str, number: int, reason: Reason) -> None:
         release = Release(task=task.id, epoch=task.epoch, role=Role.SECONDARY, reason=reason, number=number)
         self._out.append(Send(atv, release))

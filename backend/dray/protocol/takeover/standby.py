@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from msgspec.structs import replace
 
-from dray.messages import AtvHeartbeat, Award, Brief, Release, Resigned, Role, Transport
+from dray.messages import AtvHeartbeat, Award, Brief, Reason, Release, Resigned, Role, Transport
 from dray.messages.fact import ContractEnded, ContractTaken, PrimarySuspected
 from dray.messages.heartbeat import GOODS_ABOARD
 from dray.protocol.liveness.failure_detector import FailureDetector, HeartbeatSubscriptions
@@ -96,7 +96,7 @@ class Standby:
     def watch(self, award: Award, coordinator: str, now_s: float) -> None:
         """Watch the primary of an award; a newer epoch of the same task replaces the older one."""
         if award.task in self._watches:
-            self.unwatch(award.task, "renewed")
+            self.unwatch(award.task, Reason.RENEWED)
         detector = FailureDetector(award.primary, WORKING_INTERVAL_S, now_s, self._subscriptions.arrivals)
         self._watches[award.task] = Watch(award, coordinator, detector, now_s)
         self._subscriptions.follow(award.primary)
@@ -119,7 +119,7 @@ class Standby:
         self.unwatch(message.task, message.reason)
         return True
 
-    def unwatch(self, task: str, reason: str) -> None:
+    def unwatch(self, task: str, reason: Reason) -> None:
         """End a watch; harmless when there is none for this task."""
         watch = self._watches.pop(task, None)
         if watch is None:
@@ -129,17 +129,19 @@ class Standby:
         ended = ContractEnded(task=task, epoch=watch.award.epoch, role=Role.SECONDARY, reason=reason)
         self._out.append(Record(ended))
 
-    def resign(self, reason: str) -> None:
+    def resign(self, reason: Reason) -> None:
         """Give every watch back to its coordinator, who elects another."""
         for task in list(self._watches):
             self.resign_from(task, reason)
 
-    def resign_from(self, task: str, reason: str) -> None:
-        """Give one watch back."""
+    def resign_from(self, task: str, reason: Reason, detail: str = "") -> None:
+        """Give one watch back; `detail` tells people more."""
         watch = self._watches[task]
-        resigned = Resigned(task=task, epoch=watch.award.epoch, role=Role.SECONDARY, reason=reason)
+        resigned = Resigned(
+            task=task, epoch=watch.award.epoch, role=Role.SECONDARY, reason=reason, detail=detail
+        )
         self._out.append(Send(watch.coordinator, resigned))
-        self.unwatch(task, "resigned")
+        self.unwatch(task, Reason.RESIGNED)
 
     def on_heartbeat(self, heartbeat: AtvHeartbeat, now_s: float) -> None:
         """Note a heartbeat of a primary that is watched."""
@@ -152,7 +154,7 @@ class Standby:
             if heartbeat.task is not None and heartbeat.task.task == task:
                 watch.named_s = now_s
             elif now_s - watch.named_s > OVER_AFTER_S:
-                self.unwatch(task, "over")
+                self.unwatch(task, Reason.OVER)
 
     def failed(self, task: str, now_s: float) -> Watch | None:
         """Look after a primary whose time may have come.

@@ -7,7 +7,7 @@ over. Who promises to come is waited for longer.
 
 from __future__ import annotations
 
-from dray.messages import HelpWanted
+from dray.messages import CommandRefusal, HelpWanted
 from dray.messages.command import PROMISE_MAX_S
 from dray.messages.fact import HelpAsked, HelpPromised
 from dray.protocol.runtime.events import Effect, Record
@@ -59,19 +59,19 @@ class Assistance:
             self._asked = True
             self._out.append(Record(HelpAsked(task=task, reason=reason, until_s=waits.until_s)))
 
-    def promise(self, by: str, wait_s: float | None, now_s: float) -> str:
+    def promise(self, by: str, wait_s: float | None, now_s: float) -> CommandRefusal | None:
         """A person has promised to come.
 
         Returns:
-            Why that changes nothing; empty when the task waits for them now.
+            Why that changes nothing; None when the task waits for them now.
         """
         if self.help is None:
-            return "it has no task that waits for help"
+            return CommandRefusal.NOT_WAITING
         if wait_s is None or not 0.0 < wait_s <= PROMISE_MAX_S:
-            return f"say when you are there: above 0 and at most {PROMISE_MAX_S:.0f} s from now"
+            return CommandRefusal.WAIT_OUT_OF_RANGE
         self.help = HelpWanted(until_s=now_s + wait_s, promised_by=by)
         self._out.append(Record(HelpPromised(until_s=self.help.until_s, promised_by=by)))
-        return ""
+        return None
 
     def over(self) -> None:
         """End the wait for a person: the problem is solved, or the task has ended."""

@@ -41,6 +41,7 @@ from dray.messages import (
     DwellPointClaimed,
     Link,
     Message,
+    Reason,
     VehicleCommand,
 )
 from dray.messages.fact import AtvStatusChanged, LinkChanged
@@ -52,7 +53,7 @@ from dray.protocol.liveness.suspicion import interval_s
 from dray.protocol.runtime.agent import AgentBase
 from dray.protocol.runtime.events import Publish, Record
 from dray.protocol.runtime.heartbeat_timer import BEAT, HeartbeatTimer
-from dray.protocol.runtime.shutdown import CARRIER_LEAVES_WITHIN_S, GRACEFUL_SHUTDOWN
+from dray.protocol.runtime.shutdown import CARRIER_LEAVES_WITHIN_S
 from dray.protocol.vehicle.assistance import Assistance
 from dray.protocol.vehicle.cell_subscription import CellSubscription
 from dray.protocol.vehicle.charging import Charging
@@ -219,11 +220,11 @@ class Atv(AgentBase):
     # --- the end ---
 
     def _prepare_to_leave(self, now_s: float) -> None:
-        self._contracts.standby.resign(GRACEFUL_SHUTDOWN)
+        self._contracts.standby.resign(Reason.GRACEFUL_SHUTDOWN)
         if self._contracts.job is None:
             self._idle.stay(now_s)
         else:
-            self._contracts.job.give_back(GRACEFUL_SHUTDOWN, now_s)
+            self._contracts.job.give_back(Reason.GRACEFUL_SHUTDOWN, now_s)
         self._heartbeat_timer.at_once(now_s)
 
     def _is_held(self) -> bool:
@@ -277,7 +278,7 @@ class Atv(AgentBase):
         job = self._contracts.job
         if job is not None:
             self._assistance.ask(report.reason, job.task, job.slack_s, now_s)
-        self._contracts.standby.resign("in error")
+        self._contracts.standby.resign(Reason.PROBLEM)
         self.update_status(now_s, report.reason)
         self._heartbeat_timer.at_once(now_s)
 
@@ -300,7 +301,7 @@ class Atv(AgentBase):
         self._link = report.link
         self._out.append(Record(LinkChanged(link=report.link)))
         if report.link is Link.MESH:
-            self._contracts.standby.resign("on the radio mesh")
+            self._contracts.standby.resign(Reason.ON_MESH)
         self._heartbeat_timer.at_once(now_s)
 
     # --- what its contracts ask and tell (`dray.protocol.vehicle.contracts.Owner`) ---
@@ -319,7 +320,7 @@ class Atv(AgentBase):
         if self._link is Link.MESH:
             return "on the radio mesh"
         if self._shutdown.begun:
-            return GRACEFUL_SHUTDOWN
+            return "draining"
         return "a load is on board" if self._contracts.job is None and self.load[0] else ""
 
     def stop_resting(self) -> None:
@@ -373,7 +374,7 @@ class Atv(AgentBase):
             if command.kind is CommandKind.STOP:
                 if self._contracts.job is not None:
                     self._assistance.wait(self._contracts.job.slack_s, now_s)
-                self._contracts.standby.resign("stopped by an operator")
+                self._contracts.standby.resign(Reason.STOPPED)
             elif command.kind is CommandKind.RESUME:
                 self._end_trouble(now_s)
         self.update_status(now_s, command.kind.value)

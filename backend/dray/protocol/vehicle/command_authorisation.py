@@ -14,11 +14,6 @@ from dray.plant import Plant
 Trusts = Callable[[bytes, bytes], bool]
 """Called with words and a signature: whether somebody who is trusted has signed them."""
 
-NOT_GRANTED = "nobody has granted it: it carries no grant"
-NOT_TRUSTED = "its grant is not signed by anybody whom this vehicle trusts, or not for these words"
-EXPIRED = "its grant has expired; give the command again"
-NOT_HERE = "the vehicle is outside of the areas that its grant names"
-
 
 def trusts_nobody(_words: bytes, _signature: bytes) -> bool:
     """Of a vehicle that was given no key: it obeys nobody."""

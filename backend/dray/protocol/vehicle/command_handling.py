@@ -10,26 +10,17 @@ from __future__ import annotations
 
 from dray.body import Hold, Unhold
 from dray.memory import AtvMemory, CommandMemory
-from dray.messages import CommandAnswered, CommandKind, Grant, VehicleCommand
+from dray.messages import CommandAnswered, CommandKind, CommandRefusal, Grant, VehicleCommand
 from dray.messages.fact import CommandObeyed
 from dray.protocol.runtime.bounded_map import BoundedMap
 from dray.protocol.runtime.events import Effect, Ignore, Instruct, Record, Send
 from dray.protocol.vehicle.assistance import Assistance
-from dray.protocol.vehicle.command_authorisation import (
-    EXPIRED,
-    NOT_GRANTED,
-    NOT_HERE,
-    NOT_TRUSTED,
-    CommandAuthorisation,
-)
+from dray.protocol.vehicle.command_authorisation import CommandAuthorisation
 from dray.protocol.vehicle.driving import Driver
 
 COMMANDS_KEPT = 32
 """Whoever gives a command repeats it until it is answered, and people give few: a command that comes
 again, or late, is among the last ones."""
-
-NOT_STOPPED = "it is not stopped"
-"""Why a vehicle refuses to be acknowledged or resumed: nothing holds it."""
 
 
 class CommandHandling:
@@ -78,26 +69,27 @@ class CommandHandling:
         """
         grant = command.grant
         if grant is None:
-            self._refuse(sender, command, NOT_GRANTED)
+            self._refuse(sender, command, CommandRefusal.NOT_GRANTED)
             return False
         if not self._authority.knows(command, grant):
-            self._refuse(sender, command, NOT_TRUSTED)
+            self._refuse(sender, command, CommandRefusal.NOT_TRUSTED)
             return False
         before = self._answered.get((grant.person, command.command))
         if before is not None:
-            self._out.append(Send(sender, _answer(command, before.refused)))
+            self._out.append(Send(sender, _answer(command, before.refused, before.detail)))
             return False
         if now_s > grant.valid_until_s:
-            self._refuse(sender, command, EXPIRED)
+            self._refuse(sender, command, CommandRefusal.EXPIRED)
             return False
         if self._authority.covers(command, grant, *place_m):
             refused = self._try(command, grant, now_s)
-            self._tell(sender, command, refused)
+            detail = self._assistance.problem if refused is CommandRefusal.FAULTY else ""
+            self._tell(sender, command, refused, detail)
         else:
-            refused = NOT_HERE
+            refused, detail = CommandRefusal.NOT_HERE, ""
             self._refuse(sender, command, refused)
-        self._note(CommandMemory(command.command, grant.person, grant.valid_until_s, refused), now_s)
-        return not refused
+        self._note(CommandMemory(command.command, grant.person, grant.valid_until_s, refused, detail), now_s)
+        return refused is None
 
     @property
     def answered(self) -> tuple[CommandMemory, ...]:
@@ -123,51 +115,54 @@ class CommandHandling:
         self._answered[command.person, command.command] = command
         self._asked_s = now_s
 
-    def _refuse(self, sender: str, command: VehicleCommand, why: str) -> None:
+    def _refuse(self, sender: str, command: VehicleCommand, why: CommandRefusal) -> None:
         """Somebody asks who may not: that is told as any refusal, and counted."""
         self._tell(sender, command, why)
         self._out.append(Ignore(f"a command that may not be given: {why}"))
 
-    def _tell(self, sender: str, command: VehicleCommand, refused: str) -> None:
+    def _tell(
+        self, sender: str, command: VehicleCommand, refused: CommandRefusal | None, detail: str = ""
+    ) -> None:
         """Say what became of a command; `refused` tells why not."""
         fact = CommandObeyed(
             command=command.command,
             what=command.kind.value,
-            done=not refused,
+            done=refused is None,
             reason=refused,
+            detail=detail,
             issued_by=command.issued_by,
         )
-        self._out += (Send(sender, _answer(command, refused)), Record(fact))
+        self._out += (Send(sender, _answer(command, refused, detail)), Record(fact))
 
-    def _try(self, command: VehicleCommand, grant: Grant, now_s: float) -> str:
-        """Why not, or nothing."""
+    def _try(self, command: VehicleCommand, grant: Grant, now_s: float) -> CommandRefusal | None:
+        """Carry it out, or say why not."""
         if command.kind is CommandKind.STOP:
             self.stopped, self.acknowledged = True, False
             self._out.append(Instruct(Hold()))
-            return ""
+            return None
         if command.kind is CommandKind.SET_SPEED:
             return self._limit_speed(command.speed_frac)
         if command.kind is CommandKind.PROMISE:
             return self._assistance.promise(command.issued_by or grant.person, command.wait_s, now_s)
         if not self.stopped:
-            return NOT_STOPPED
+            return CommandRefusal.NOT_STOPPED
         if command.kind is CommandKind.ACKNOWLEDGE:
             if self._assistance.problem:
-                return f"its sensors still report: {self._assistance.problem}"
+                return CommandRefusal.FAULTY
             self.acknowledged = True
-            return ""
+            return None
         if not self.acknowledged:
-            return "acknowledge the stop first"
+            return CommandRefusal.NOT_ACKNOWLEDGED
         self.stopped = self.acknowledged = False
         self._out.append(Instruct(Unhold()))
-        return ""
+        return None
 
-    def _limit_speed(self, speed_frac: float | None) -> str:
+    def _limit_speed(self, speed_frac: float | None) -> CommandRefusal | None:
         if speed_frac is None or not 0.0 < speed_frac <= 1.0:
-            return "a speed is above 0 and at most 1 of the vehicle's own; use stop to stop it"
+            return CommandRefusal.SPEED_OUT_OF_RANGE
         self._driver.limit_speed(speed_frac)
-        return ""
+        return None
 
 
-def _answer(command: VehicleCommand, refused: str) -> CommandAnswered:
-    return CommandAnswered(command=command.command, done=not refused, reason=refused)
+def _answer(command: VehicleCommand, refused: CommandRefusal | None, detail: str) -> CommandAnswered:
+    return CommandAnswered(command=command.command, done=refused is None, reason=refused, detail=detail)

@@ -21,6 +21,7 @@ from dray.messages import (
     HandoverAccepted,
     Message,
     Phase,
+    Reason,
     Release,
     Role,
     Superseded,
@@ -29,7 +30,7 @@ from dray.messages import (
     Transport,
     Withdrawn,
 )
-from dray.messages.fact import HANDED_OVER, ContractEnded, ContractTaken, TookOver
+from dray.messages.fact import ContractEnded, ContractTaken, TookOver
 from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.protocol.contract_net.parties import NO_PARTY
@@ -38,7 +39,6 @@ from dray.protocol.contract_net.trust.probation import Probation
 from dray.protocol.contract_net.waits import Waits
 from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
 from dray.protocol.runtime.events import Effect, Ignore, Record
-from dray.protocol.runtime.shutdown import GRACEFUL_SHUTDOWN
 from dray.protocol.runtime.timers import Timers
 from dray.protocol.takeover.standby import WATCHED_SILENCE, Standby
 from dray.protocol.vehicle.bidding import Bidder, Standing
@@ -164,9 +164,9 @@ class Contracts:
         plant = self._plant
         refuges = plant.storages_of(load) if load in plant.materials else tuple(plant.delivery_warehouses)
         work = Transport(item=load, quantity=quantity, sources=refuges, destination=refuges[0], ability="")
-        task, why = f"{self._atv}-found", "nobody knows of this load"
+        task, why = f"{self._atv}-found", Reason.LOAD_UNKNOWN
         contract = Contract(task, 0, work, self._atv, refuges[0], 0.0, 0.0, cancelled=why)
-        self.standby.resign("has a load to bring back")
+        self.standby.resign(Reason.HAS_WORK)
         self._owner.stop_resting()
         self.bind(contract)
         self.go_on(lambda job: job.resume(load, now_s), now_s)
@@ -266,9 +266,9 @@ class Contracts:
         award = watch.award
         quote = self._bidder.quote(award.work, self._standing(task, now_s), now_s)
         if isinstance(quote, Unable):
-            self.standby.resign_from(task, quote.detail or quote.reason.value)
+            self.standby.resign_from(task, Reason.UNABLE, quote.detail or quote.reason.value)
             return
-        epoch, reason = award.epoch + 1, watch.detector.failure(now_s)
+        epoch, reason = award.epoch + 1, cast(Reason, watch.detector.failure(now_s))
         silent_s = now_s - watch.detector.heard_s
         took = TookOver(task=task, epoch=epoch, primary=award.primary, silent_s=silent_s, reason=reason)
         claim = TakenOver(
@@ -279,7 +279,7 @@ class Contracts:
             finish_s=quote.finish_s,
             source=quote.source,
         )
-        self.standby.unwatch(task, "taken over")
+        self.standby.unwatch(task, Reason.TAKEN_OVER)
         contract = replace(_contract(award, watch.coordinator, quote), epoch=epoch, number=0, claim=claim)
         self._take(contract, Record(took), lambda job: job.take_over(now_s), now_s)
 
@@ -299,7 +299,7 @@ class Contracts:
             task=contract.task, epoch=contract.epoch, role=Role.PRIMARY, coordinator=contract.coordinator
         )
         self._out += (how, Record(taken))
-        self.standby.resign("has work of its own")
+        self.standby.resign(Reason.HAS_WORK)
         self._owner.stop_resting()
         self._work_search.stop()
         self._owner.update_status(now_s, contract.task)
@@ -318,7 +318,7 @@ class Contracts:
         if job is None or not job.is_meant_by(message) or message.number != job.number:
             self._out.append(Ignore("released from a contract that it does not have"))
             return
-        self.go_on(lambda job: job.cancel("released", now_s), now_s)
+        self.go_on(lambda job: job.cancel(Reason.RELEASED, now_s), now_s)
 
     def _on_of_contract(self, _sender: str, message: Any, now_s: float) -> None:
         job = self.job
@@ -357,7 +357,7 @@ class Contracts:
         if job.phase is not phase:
             self._note_wait(job, phase, now_s)
         if self._owner.is_draining:
-            job.give_back(GRACEFUL_SHUTDOWN, now_s)
+            job.give_back(Reason.GRACEFUL_SHUTDOWN, now_s)
         self._owner.beat_soon(now_s)
         if job.ended:
             self._end_job(job, now_s)
@@ -374,13 +374,16 @@ class Contracts:
             self._waits.note(job.work.destination, "", took_s - kind.unload_s, now_s)
 
     def _end_job(self, job: TransportJob, now_s: float) -> None:
-        ended = ContractEnded(task=job.task, epoch=job.epoch, role=Role.PRIMARY, reason=job.ended)
+        reason = cast(Reason, job.ended)
+        ended = ContractEnded(
+            task=job.task, epoch=job.epoch, role=Role.PRIMARY, reason=reason, detail=job.detail
+        )
         self._out.append(Record(ended))
         self.job = None
         self._owner.commit()
-        if job.ended == HANDED_OVER:
+        if reason is Reason.HANDED_OVER:
             self.probation.note_done()
-        self._owner.note_ended(job.ended, now_s)
+        self._owner.note_ended(reason, now_s)
         self.seek(now_s)
 
 

@@ -44,7 +44,7 @@ function OrderRow({ order }: { order: OrderView }) {
       <OrderProgress order={order} />
       <div class="order-line small muted">
         <span class="clip">{[order.reference, order.customer].filter(Boolean).join(" · ")}</span>
-        {order.waits !== "" ? <WaitsText order={order} /> : order.status === "stored" ? <OrderActions order={order} /> : <DueText order={order} />}
+        {order.waits !== null ? <WaitsText waits={order.waits} /> : order.status === "stored" ? <OrderActions order={order} /> : <DueText order={order} />}
       </div>
     </li>
   );

@@ -80,9 +80,9 @@ function Row({ order }: { order: OrderView }) {
       <td>{format.list(items)}</td>
       <td>
         {word("order", stateOf(order))}
-        {order.waits !== "" && (
+        {order.waits !== null && (
           <small class="line">
-            <WaitsText order={order} />
+            <WaitsText waits={order.waits} />
           </small>
         )}
       </td>

@@ -1,15 +1,13 @@
-import type { OrderView } from "../../api/types";
-import { failureText } from "../../text/failure";
+import type { CauseView } from "../../api/types";
+import { causeText, lacksText } from "../../text/failure";
 import { t } from "../../text/manager";
-import { shortageText } from "../../text/shortage";
 
-/** Why an order does not go on: for want of material, or in the strategist's words. */
-export function WaitsText({ order }: { order: OrderView }) {
-  const materials = shortageText(order.waits);
+/** Why an order does not go on: for want of material, or because nobody makes what is missing. */
+export function WaitsText({ waits }: { waits: CauseView }) {
   const text =
-    materials === ""
-      ? t("orders.waits", { reason: failureText(order.waits) })
-      : t("orders.waitsFor", { materials });
+    waits.lacks.length > 0
+      ? t("orders.waitsFor", { materials: lacksText(waits.lacks) })
+      : t("orders.waits", { reason: causeText(waits) });
   return (
     <span class="waits tone-warn" title={text}>
       {text}

@@ -22,7 +22,7 @@ export function CommandLine({ atv, stopped }: { atv: string; stopped: boolean })
       ))}
       {!isUnderway(command) && <time>{format.clock(command.atS)}</time>}
       {command.by !== "" && <span class="faint">{t("command.by", { by: command.by })}</span>}
-      {command.reason !== "" && <span class="command-why">{refusalText(command.reason)}</span>}
+      {refusalText(command) !== "" && <span class="command-why">{refusalText(command)}</span>}
     </p>
   );
 }

@@ -7,7 +7,7 @@ import { serverNowS, world } from "../../stream/stream";
 import { t } from "../../text/operator";
 import { problemText } from "../problem-text";
 import { me } from "../session/session";
-import { afterWord, type Command, fromPlant, type Word } from "./life";
+import { afterWord, type Command, fromPlant, type Why, type Word } from "./life";
 
 /** A card shows the last one of its vehicle: more than vehicles in an area are of no use. */
 const KEPT = 100;
@@ -48,12 +48,13 @@ function isLater(command: Command, than: Command | undefined): boolean {
 export async function give(atv: string, request: CommandRequest): Promise<void> {
   const id = newKey();
   const { kind, speed_frac: speedFrac = null } = request;
-  keep({ id, atv, kind, speedFrac, by: me.value?.name ?? "", stage: "sent", accepted: false, reason: "", atS: serverNowS() });
+  keep({ id, atv, kind, speedFrac, by: me.value?.name ?? "", stage: "sent", accepted: false, reason: "", detail: "", atS: serverNowS() });
   try {
     const answer = await commandAtv(atv, { ...request, command: id });
-    tell(id, answer.done ? "done" : "declined", answer.reason);
+    tell(id, answer.done ? "done" : "declined", answer);
   } catch (error) {
-    tell(id, ...wordOf(error));
+    const [word, detail] = wordOf(error);
+    tell(id, word, { reason: null, detail });
   }
 }
 
@@ -67,9 +68,9 @@ function wordOf(error: unknown): [Word, string] {
   return [error.status >= 500 ? "unanswered" : "rejected", problemText(error)];
 }
 
-function tell(id: string, word: Word, reason: string): void {
+function tell(id: string, word: Word, why: Why): void {
   const command = given.value.get(id);
-  if (command) keep(afterWord(command, word, serverNowS(), reason));
+  if (command) keep(afterWord(command, word, serverNowS(), why));
 }
 
 function keep(command: Command): void {

@@ -3,9 +3,9 @@ import type { CommandView } from "../../api/types";
 import { afterWord, type Command, fromPlant, isUnderway, type Stage, stagesOf, type Word } from "./life";
 
 const sent: Command = {
-  id: "1", atv: "ATV3", kind: "stop", speedFrac: null, by: "North", stage: "sent", accepted: false, reason: "", atS: 100,
+  id: "1", atv: "ATV3", kind: "stop", speedFrac: null, by: "North", stage: "sent", accepted: false, reason: "", detail: "", atS: 100,
 };
-const after = (...words: Word[]): Command => words.reduce((command, word, i) => afterWord(command, word, 101 + i, word), sent);
+const after = (...words: Word[]): Command => words.reduce((command, word, i) => afterWord(command, word, 101 + i, { reason: word, detail: "" }), sent);
 
 describe("a command", () => {
   test("is sent, accepted and confirmed", () => {
@@ -37,17 +37,17 @@ describe("a command", () => {
   );
 
   test("of another page is known by what the plant tells", () => {
-    const view = { id: "2", atv: "ATV4", kind: "set_speed", speed_frac: 0.5, by: "South", at_s: 90, reason: "" } as const;
+    const view = { id: "2", atv: "ATV4", kind: "set_speed", speed_frac: 0.5, by: "South", at_s: 90, reason: "", detail: "", text: "" } as const;
     expect(fromPlant({ ...view, state: "sent" }, undefined)).toMatchObject({
       id: "2", atv: "ATV4", speedFrac: 0.5, by: "South", stage: "accepted", atS: 90,
     });
   });
 
   test("of this page goes by whatever is heard first, the answer or the stream", () => {
-    const view = { id: "1", atv: "ATV3", kind: "stop", speed_frac: null, by: "North", at_s: 90, reason: "no" } as const;
+    const view = { id: "1", atv: "ATV3", kind: "stop", speed_frac: null, by: "North", at_s: 90, reason: "not_here", detail: "", text: "" } as const;
     const told = (state: CommandView["state"], own: Command) => fromPlant({ ...view, state }, own);
     expect(told("sent", sent)).toMatchObject({ stage: "accepted", atS: 100 });
-    expect(told("refused", sent)).toMatchObject({ stage: "refused", reason: "no" });
+    expect(told("refused", sent)).toMatchObject({ stage: "refused", reason: "not_here" });
     expect(told("confirmed", after("silence")).stage).toBe("confirmed");
     expect(told("sent", after("done")).stage).toBe("confirmed");
   });

@@ -63,7 +63,10 @@ export interface Command {
   /** Whether the plant has passed it on to the vehicle. */
   readonly accepted: boolean;
   /** Why it was refused, or why nobody knows; empty otherwise. */
+  /** Why the vehicle has refused it: one of the reasons of the wire. Empty where it has not. */
   readonly reason: string;
+  /** What stood in its way, in words. */
+  readonly detail: string;
   /** When the stage was reached, on the server's clock. */
   readonly atS: number;
 }
@@ -71,11 +74,17 @@ export interface Command {
 export type Kind = "stop" | "acknowledge" | "resume" | "set_speed" | "promise";
 
 /** The command after a word about it; the same one where the word is no news. */
-export function afterWord(command: Command, word: Word, atS: number, reason = ""): Command {
+/** What somebody has said of why not. */
+export interface Why {
+  readonly reason: string | null;
+  readonly detail: string;
+}
+
+export function afterWord(command: Command, word: Word, atS: number, why: Why = { reason: null, detail: "" }): Command {
   const stage = NEXT[command.stage][word];
   const accepted = command.accepted || AFTER_PASSING.has(word);
   if (stage === undefined) return accepted === command.accepted ? command : { ...command, accepted };
-  return { ...command, stage, accepted, reason, atS };
+  return { ...command, stage, accepted, reason: why.reason ?? "", detail: why.detail, atS };
 }
 
 const WORDS = { sent: "passed_on", confirmed: "done", refused: "declined", not_confirmed: "silence" } as const;
@@ -86,9 +95,9 @@ const WORDS = { sent: "passed_on", confirmed: "done", refused: "declined", not_c
  * @param own as this page knows it; undefined where another page gave it
  */
 export function fromPlant(view: CommandView, own: Command | undefined): Command {
-  const { atv, by, id, kind, reason, speed_frac: speedFrac, at_s: sentS, state } = view;
-  const given = own ?? { id, atv, kind, speedFrac, by, stage: "sent", accepted: false, reason: "", atS: sentS };
-  return afterWord(given, WORDS[state], given.atS, reason);
+  const { atv, by, id, kind, speed_frac: speedFrac, at_s: sentS, state } = view;
+  const given = own ?? { id, atv, kind, speedFrac, by, stage: "sent", accepted: false, reason: "", detail: "", atS: sentS };
+  return afterWord(given, WORDS[state], given.atS, view);
 }
 
 /** Whether somebody still waits for a word on it. */

@@ -30,7 +30,7 @@ function Worry({ command }: { command: Command }) {
         </b>{" "}
         <span class="num">{format.clock(command.atS)}</span>
         {!near && <span> · {t("stop.away")}</span>}
-        <small>{command.reason === "" ? t("worry.look") : refusalText(command.reason)}</small>
+        <small>{refusalText(command) || t("worry.look")}</small>
       </p>
       <button
         type="button"

@@ -3,7 +3,7 @@ import type { Command } from "../commands/life";
 import { isWorrying, openOf } from "./unconfirmed";
 
 const stop = (more: Partial<Command> = {}): Command => ({
-  id: "1", atv: "ATV3", kind: "stop", speedFrac: null, by: "North", stage: "not_confirmed", accepted: true, reason: "", atS: 100, ...more,
+  id: "1", atv: "ATV3", kind: "stop", speedFrac: null, by: "North", stage: "not_confirmed", accepted: true, reason: "", detail: "", atS: 100, ...more,
 });
 const open = (commands: Command[], atvs: Record<string, { status: "stopped" | "working"; seen_at_s: number }> = {}, seen: string[] = []) =>
   [...openOf(commands, new Map(Object.entries(atvs)), new Set(seen)).values()].map(({ id }) => id);

@@ -112,10 +112,14 @@ export const de: Catalogue<typeof en> = {
   "command.silent": "keine Antwort vom Fahrzeug: Vielleicht hat es gehört, vielleicht nicht. Sehen Sie nach.",
   "command.ended": "Ihre Sitzung ist abgelaufen.",
 
-  "refusal.acknowledge the stop first": "der Fehler ist noch nicht quittiert",
+  "refusal.not_acknowledged": "der Fehler ist noch nicht quittiert",
   "refusal.faulty": "seine Sensoren melden noch: {problem}",
-  "refusal.it is not stopped": "es ist nicht gestoppt",
-  "refusal.it has no task that waits for help": "keiner seiner Aufträge wartet auf Hilfe",
+  "refusal.not_stopped": "es ist nicht gestoppt",
+  "refusal.not_waiting": "keiner seiner Aufträge wartet auf Hilfe",
+  "refusal.not_granted": "niemand hat es erlaubt",
+  "refusal.not_trusted": "es traut der Erlaubnis nicht",
+  "refusal.expired": "die Erlaubnis ist abgelaufen: noch einmal geben",
+  "refusal.not_here": "es steht außerhalb Ihrer Bereiche",
 
   "station.title": "Material",
   "station.none": "Wählen Sie im Plan eine Maschine, um ihr Material zu sehen.",

@@ -110,10 +110,14 @@ export const en = {
   "command.silent": "no answer from the vehicle: it may or may not have heard. Look at it.",
   "command.ended": "your session has ended.",
 
-  "refusal.acknowledge the stop first": "the fault is not acknowledged yet",
+  "refusal.not_acknowledged": "the fault is not acknowledged yet",
   "refusal.faulty": "its sensors still report: {problem}",
-  "refusal.it is not stopped": "it is not stopped",
-  "refusal.it has no task that waits for help": "no task of it waits for help",
+  "refusal.not_stopped": "it is not stopped",
+  "refusal.not_waiting": "no task of it waits for help",
+  "refusal.not_granted": "nobody has granted it",
+  "refusal.not_trusted": "its grant is not trusted",
+  "refusal.expired": "its grant has expired: give it again",
+  "refusal.not_here": "it stands outside of your areas",
 
   "station.title": "Material",
   "station.none": "Choose a machine on the map to see its material.",

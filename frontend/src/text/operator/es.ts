@@ -112,10 +112,14 @@ export const es: Catalogue<typeof en> = {
   "command.silent": "el vehículo no responde: puede haberlo oído o no. Mírelo.",
   "command.ended": "su sesión ha terminado.",
 
-  "refusal.acknowledge the stop first": "el fallo aún no está confirmado",
+  "refusal.not_acknowledged": "el fallo aún no está confirmado",
   "refusal.faulty": "sus sensores aún comunican: {problem}",
-  "refusal.it is not stopped": "no está parado",
-  "refusal.it has no task that waits for help": "ninguna tarea suya espera ayuda",
+  "refusal.not_stopped": "no está parado",
+  "refusal.not_waiting": "ninguna tarea suya espera ayuda",
+  "refusal.not_granted": "nadie lo ha autorizado",
+  "refusal.not_trusted": "no confía en la autorización",
+  "refusal.expired": "la autorización ha caducado: déla otra vez",
+  "refusal.not_here": "está fuera de sus zonas",
 
   "station.title": "Material",
   "station.none": "Elija una máquina en el plano para ver su material.",

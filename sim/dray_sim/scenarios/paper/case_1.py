@@ -217,7 +217,10 @@ async def _alone(stage: Stage, *, failing: bool) -> Alone:
     else:
         before = ()
     await stage.settle(SETTLE_S)
-    waits = {seen.said.order: seen.said.reason for seen in stage.witness.all(GoalWaits)}
+    waits = {
+        seen.said.order: ", ".join(f"{each.machine} is {each.reason}" for each in seen.said.machines)
+        for seen in stage.witness.all(GoalWaits)
+    }
     return Alone(dict(stage.observer.fulfilled_s), before, waits, orders)
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import asyncio
 from dataclasses import dataclass
 
-from dray.messages import Bid, Role
-from dray.messages.fact import HANDED_OVER, ContractEnded, ContractTaken, TookOver
+from dray.messages import Bid, Reason, Role
+from dray.messages.fact import ContractEnded, ContractTaken, TookOver
 from dray.plant import VehicleSpec, default_plant
 from dray_sim.run.evidence import Check
 from dray_sim.run.scenario import Findings, Scenario
@@ -76,14 +76,14 @@ async def visit(stage: Stage, join_s: float = JOIN_S, leave_s: float = LEAVE_S) 
             first_s.setdefault(seen.agent, seen.at_s - join_s)
     return Guests(
         first_s=first_s,
-        carried=sum(seen.agent in guests and seen.said.reason == HANDED_OVER for seen in ended),
+        carried=sum(seen.agent in guests and seen.said.reason == Reason.HANDED_OVER for seen in ended),
         watched=sum(seen.said.role is Role.SECONDARY for seen in taken),
         disturbed=tuple(
             f"{seen.agent} {seen.said.task} {seen.said.reason}"
             for seen in ended
             if seen.agent in stage.plant.fleet
             and seen.said.role is Role.PRIMARY
-            and seen.said.reason != HANDED_OVER
+            and seen.said.reason != Reason.HANDED_OVER
         ),
         in_the_middle=task,
         taken_over=any(seen.said.task == task for seen in witness.all(TookOver, since_s=gone_s)),

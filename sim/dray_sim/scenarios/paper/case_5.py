@@ -123,7 +123,8 @@ async def shift(stage: Stage) -> tuple[Check, ...]:
         Check(
             "An acknowledge is refused as long as the fault is there, and a resume before it, whoever gives them",
             len(stranger.answers) == 2 and not any(answer.done for answer in stranger.answers),
-            "; ".join(answer.reason for answer in stranger.answers) or "no answer",
+            "; ".join(answer.reason for answer in stranger.answers if answer.reason is not None)
+            or "no answer",
         ),
         Check(
             f"Then it drives on with at most half its speed, {limit_mps:.2f} m/s, as it was told",

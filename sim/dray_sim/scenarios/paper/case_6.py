@@ -8,11 +8,10 @@ from dataclasses import dataclass
 from functools import partial
 from statistics import median
 
-from dray.messages import Phase
+from dray.messages import Phase, Reason
 from dray.messages.fact import CarrierChanged, GoalLost, PrimarySuspected, TaskClosed
 from dray.messages.keys import STRATEGIST
 from dray.plant import default_plant
-from dray.protocol.runtime.shutdown import GRACEFUL_SHUTDOWN
 from dray_sim.run.evidence import Check, Table
 from dray_sim.run.scenario import Findings, Scenario
 from dray_sim.run.stage import Shift, Stage, play
@@ -228,8 +227,8 @@ def case_6(seed: int) -> Findings:
             ),
             Check(
                 "Nobody is missed: nobody is suspected, and carriers change in planned takeovers only",
-                not told.suspected and set(told.changed) <= {GRACEFUL_SHUTDOWN},
-                f"suspected: {told.suspected}; planned takeovers: {told.changed.count(GRACEFUL_SHUTDOWN)} of {len(told.changed)}",
+                not told.suspected and set(told.changed) <= {Reason.GRACEFUL_SHUTDOWN},
+                f"suspected: {told.suspected}; planned takeovers: {told.changed.count(Reason.GRACEFUL_SHUTDOWN)} of {len(told.changed)}",
             ),
             Check(
                 "Nothing is lost: no machine loses a goal, and every task that ends is delivered",

@@ -15,11 +15,11 @@ from dray.messages import (
     MachineHeartbeat,
     MachineStatus,
     Pose,
+    Reason,
     Role,
     TransportCost,
 )
 from dray.messages.fact import (
-    HANDED_OVER,
     AwardAnswered,
     BidReceived,
     CarrierChanged,
@@ -31,7 +31,6 @@ from dray.messages.fact import (
     TaskClosed,
 )
 from dray.messages.keys import STRATEGIST
-from dray.protocol.liveness.failure_detector import IN_ERROR, SILENT
 
 NEW, LATE_S = "2.0", 10.0
 PROMISED_S = 100.0
@@ -101,25 +100,32 @@ def test_a_vehicle_passes_by_tasks_that_its_coordinators_closed_in_time() -> Non
 
 def test_its_own_word_counts_for_nothing() -> None:
     canary = vehicle()
-    ended = ContractEnded(task="M1-1", epoch=1, role=Role.PRIMARY, reason="handed_over")
+    ended = ContractEnded(task="M1-1", epoch=1, role=Role.PRIMARY, reason=Reason.HANDED_OVER)
     tell(canary, "ATV1", ended)
     assert canary.done == 0
 
 
 def test_what_others_do_and_what_its_last_life_had_begun_counts_for_nothing() -> None:
     canary = vehicle()
-    tell(canary, "M1", *hired(by="ATV2"), closed(carrier="ATV2"), closed("M1-7"), changed(SILENT, "M1-8"))
+    tell(
+        canary,
+        "M1",
+        *hired(by="ATV2"),
+        closed(carrier="ATV2"),
+        closed("M1-7"),
+        changed(Reason.SILENT, "M1-8"),
+    )
     assert (canary.done, canary.failure) == (0, "")
 
 
 def test_what_was_said_before_it_was_there_is_about_its_last_life() -> None:
     canary = AtvCanary("ATV1", NEW, 1, 1, LATE_S)
     canary.on_message("ATV1", beat(life=1, software="1.0"))
-    tell(canary, "M1", *hired(), changed(SILENT))
+    tell(canary, "M1", *hired(), changed(Reason.SILENT))
     assert (canary.joined, canary.failure) == (False, "")
 
 
-@pytest.mark.parametrize("reason", [SILENT, IN_ERROR, "its load was taken off"])
+@pytest.mark.parametrize("reason", [Reason.SILENT, Reason.IN_ERROR, "its load was taken off"])
 def test_a_task_that_had_to_be_taken_from_it_fails_it(reason: str) -> None:
     canary = vehicle()
     tell(canary, "M1", *hired(), changed(reason))
@@ -153,7 +159,7 @@ def test_a_persons_stop_is_no_fault_of_it() -> None:
     canary = vehicle()
     tell(canary, "M1", *hired())
     tell(canary, "ATV1", CommandObeyed(command="C1", what=CommandKind.STOP.value, done=True))
-    tell(canary, "M1", changed(IN_ERROR))
+    tell(canary, "M1", changed(Reason.IN_ERROR))
     canary.look(1e9)
     assert canary.failure == ""
 
@@ -162,13 +168,13 @@ def test_a_stop_that_it_refused_excuses_nothing() -> None:
     canary = vehicle()
     tell(canary, "M1", *hired())
     tell(canary, "ATV1", CommandObeyed(command="C1", what=CommandKind.STOP.value, done=False))
-    tell(canary, "M1", changed(SILENT))
+    tell(canary, "M1", changed(Reason.SILENT))
     assert canary.failure
 
 
 def test_a_task_that_it_takes_over_is_its_own_from_then_on() -> None:
     canary = vehicle()
-    taken = CarrierChanged(task="M1-1", epoch=2, replaced="ATV2", carrier="ATV1", reason=SILENT)
+    taken = CarrierChanged(task="M1-1", epoch=2, replaced="ATV2", carrier="ATV1", reason=Reason.SILENT)
     tell(canary, "M1", taken, closed())
     assert canary.passed
 
@@ -205,7 +211,7 @@ def machine(tasks: int = 1) -> MachineCanary:
 def test_a_machine_passes_by_what_the_vehicles_that_it_has_hired_hand_over() -> None:
     canary = machine(tasks=2)
     taken = ContractTaken(task="M1-1", epoch=1, role=Role.PRIMARY, coordinator="M1")
-    ended = ContractEnded(task="M1-1", epoch=1, role=Role.PRIMARY, reason="handed_over")
+    ended = ContractEnded(task="M1-1", epoch=1, role=Role.PRIMARY, reason=Reason.HANDED_OVER)
     tell(canary, "ATV1", taken, ended, ended)
     tell(canary, "ATV2", msgspec.structs.replace(ended, task="M2-1"))
     assert canary.done == 1
@@ -222,10 +228,10 @@ def test_what_a_successor_hands_over_counts_though_the_contract_before_ends_late
     first = ContractTaken(task="M1-1", epoch=1, role=Role.PRIMARY, coordinator="M1")
     tell(canary, "ATV1", first)
     tell(canary, "ATV2", msgspec.structs.replace(first, epoch=2))
-    ended = ContractEnded(task="M1-1", epoch=1, role=Role.PRIMARY, reason="superseded")
+    ended = ContractEnded(task="M1-1", epoch=1, role=Role.PRIMARY, reason=Reason.SUPERSEDED)
     tell(canary, "ATV1", ended)
     assert canary.done == 0
-    tell(canary, "ATV2", msgspec.structs.replace(ended, epoch=2, reason=HANDED_OVER))
+    tell(canary, "ATV2", msgspec.structs.replace(ended, epoch=2, reason=Reason.HANDED_OVER))
     assert canary.passed
 
 

@@ -5,7 +5,16 @@ from __future__ import annotations
 import pytest
 
 from dray.cli.fleet.rollout.history import WINDOW_S, History, Told
-from dray.messages import AnyFact, MachineHeartbeat, MachineStatus, Production, Role, TaskBrief, Transport
+from dray.messages import (
+    AnyFact,
+    MachineHeartbeat,
+    MachineStatus,
+    Production,
+    Reason,
+    Role,
+    TaskBrief,
+    Transport,
+)
 from dray.messages.fact import CarrierChanged, ContractEnded, TaskClosed, TaskOpened
 from dray.messages.keys import STRATEGIST
 
@@ -23,7 +32,7 @@ def closed(task: str, outcome: str = "delivered", carrier: str = "ATV1") -> Task
 
 
 def handed_over(task: str, role: Role = Role.PRIMARY) -> ContractEnded:
-    return ContractEnded(task=task, epoch=1, role=role, reason="handed_over")
+    return ContractEnded(task=task, epoch=1, role=role, reason=Reason.HANDED_OVER)
 
 
 def words(at_s: float, *tasks: str) -> dict[str, MachineHeartbeat]:
@@ -66,7 +75,9 @@ def test_what_is_delivered_or_handed_over_twice_is_told() -> None:
 
 
 def test_what_a_vehicle_passes_on_is_counted_within_its_time() -> None:
-    change = CarrierChanged(task="a", epoch=2, replaced="ATV1", carrier="ATV2", reason="graceful shutdown")
+    change = CarrierChanged(
+        task="a", epoch=2, replaced="ATV1", carrier="ATV2", reason=Reason.GRACEFUL_SHUTDOWN
+    )
     history = told(("M1", change), ("M1", change), ("M2", change))
     assert history.passed_on("ATV1", 1.0, 2.0) == 2
     assert history.passed_on("ATV2", 0.0, 9.0) == 0

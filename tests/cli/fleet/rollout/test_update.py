@@ -18,7 +18,7 @@ from dray.cli.fleet.rollout.report import Report, Step, Verdict
 from dray.cli.fleet.rollout.update import Plan, Update, proven_kinds, replaceable
 from dray.cli.fleet.software import Software
 from dray.errors import SettingsError, UnavailableError
-from dray.messages import MachineHeartbeat
+from dray.messages import MachineHeartbeat, Reason
 from dray.messages.fact import CarrierChanged, TaskClosed
 
 OLD, NEW = Software("/old/python", "1.0", 1), Software("/new/python", "2.0", 1)
@@ -230,7 +230,7 @@ def test_the_report_tells_what_it_has_cost() -> None:
         Told("M1", at_s, TaskClosed(task=f"t{at_s}", epoch=1, outcome="delivered", carrier="ATV1"))
         for at_s in moments_s
     ]
-    left = CarrierChanged(task="t", epoch=2, replaced="ATV1", carrier="ATV2", reason="graceful shutdown")
+    left = CarrierChanged(task="t", epoch=2, replaced="ATV1", carrier="ATV2", reason=Reason.GRACEFUL_SHUTDOWN)
     report = update(Scene({}), [member("ATV1")], OrderStatistics(History([*told, Told("M1", 4005.0, left)])))
     assert report.cost is not None
     assert report.cost.before.mean == pytest.approx(50 / 60)

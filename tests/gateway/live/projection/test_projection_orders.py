@@ -142,14 +142,16 @@ def test_an_order_tells_by_name_what_material_it_waits_for(projection: Projectio
     wait = MaterialWait(item=material, quantity=5, short=("S3",), silent=("S4", "S5"))
     projection.fold(lacking(MaterialWait(item=other, quantity=5, short=("S1",)), wait, seq=1))
     [view] = projection.orders.views()
-    assert view.waits == f"for {name} (storage S3 has none and storages S4, S5 do not answer)"
+    assert view.waits is not None
+    assert view.waits.text == f"for {name} (storage S3 has none and storages S4, S5 do not answer)"
     assert projection.orders.take_changed() == (view,)
     [machine] = projection.machines.views()
-    assert machine.waits.endswith(f"; {name} (storage S3 has none and storages S4, S5 do not answer)")
+    assert machine.waits is not None
+    assert machine.waits.text.endswith(f"; {name} (storage S3 has none and storages S4, S5 do not answer)")
     assert not projection.orders.waits("O-1"), "somebody can make it"
     projection.fold(lacking(wait, made_of=4, seq=2))
-    assert projection.orders.views()[0].waits == "", "what is made waits for nothing"
+    assert projection.orders.views()[0].waits is None, "what is made waits for nothing"
     projection.fold(lacking(wait, seq=3))
     projection.fold(lacking(seq=4))
-    assert projection.orders.views()[0].waits == ""
+    assert projection.orders.views()[0].waits is None
     assert len(projection.orders.take_changed()) == 1

@@ -10,8 +10,8 @@ from dray.gateway.live.projection.auctions import tasks as tasks_module
 from dray.gateway.live.projection.auctions.bids import MAX_BIDS
 from dray.gateway.live.projection.auctions.reorder_buffer import EARLY_KEPT
 from dray.gateway.live.projection.auctions.tasks import CLOSED_KEPT
-from dray.messages import OrderTaken, Phase, Production, ProductionCost, Role
-from dray.messages.fact import ContractTaken, GoalWaits, PieceMade, RoundFailed, WatchLost
+from dray.messages import OrderTaken, Phase, Production, ProductionCost, Reason, Role
+from dray.messages.fact import ContractTaken, GoalWaits, MachineFailure, PieceMade, RoundFailed, WatchLost
 
 # --- tasks ------------------------------------------------------------------------------------------
 
@@ -90,9 +90,9 @@ def test_an_accepted_award_names_the_carrier_its_source_and_its_promise(projecti
 def test_a_watch_is_elected_and_lost(projection: Projection) -> None:
     tell(projection, "M1", opened(), answer("ATV2"), answer("ATV1", role=Role.SECONDARY))
     assert (task(projection).primary, task(projection).secondary) == ("ATV2", "ATV1")
-    tell(projection, "M1", WatchLost(task="T1", epoch=1, secondary="ATV9", reason="silent"))
+    tell(projection, "M1", WatchLost(task="T1", epoch=1, secondary="ATV9", reason=Reason.SILENT))
     assert task(projection).secondary == "ATV1"
-    tell(projection, "M1", WatchLost(task="T1", epoch=1, secondary="ATV1", reason="silent"))
+    tell(projection, "M1", WatchLost(task="T1", epoch=1, secondary="ATV1", reason=Reason.SILENT))
     assert task(projection).secondary == ""
 
 
@@ -201,10 +201,16 @@ def test_what_contractors_say_before_the_announcement_is_kept(projection: Projec
 
 
 def test_that_nobody_can_make_a_goal_is_kept_until_its_announcement(projection: Projection) -> None:
-    tell(projection, "strategist", GoalWaits(goal="G1", order="O-1", reason="M1 is silent"))
+    tell(
+        projection,
+        "strategist",
+        GoalWaits(goal="G1", order="O-1", machines=(MachineFailure("M1", Reason.SILENT),)),
+    )
     work = Production(product="P1", quantity=4, order="O-1", item=0)
     tell(projection, "strategist", opened("G1", work=work))
-    assert task(projection, "G1").trouble == "M1 is silent"
+    trouble = task(projection, "G1").trouble
+    assert trouble is not None
+    assert trouble.text == "M1 is silent"
 
 
 def test_what_came_before_its_announcement_is_bounded(projection: Projection) -> None:
@@ -227,7 +233,7 @@ def test_a_new_epoch_forgets_the_carrier_and_its_promise(projection: Projection)
 def test_what_tells_of_an_older_epoch_is_ignored(projection: Projection) -> None:
     tell(projection, "M1", opened(epoch=2), bid("ATV1", epoch=2), answer("ATV1", epoch=2))
     delta(projection)
-    lost = WatchLost(task="T1", epoch=1, secondary="", reason="silent")
+    lost = WatchLost(task="T1", epoch=1, secondary="", reason=Reason.SILENT)
     failed = RoundFailed(task="T1", epoch=1, role=Role.PRIMARY, round=9, bids=0, next_round_s=1.0)
     tell(projection, "M1", opened(), bid("ATV2"), award("ATV1"), answer("ATV2"), lost, failed)
     tell(projection, "ATV2", phase(Phase.RETURNING), refused())

@@ -14,7 +14,7 @@ from dray.gateway.live.projection.figures.fleet import Fleet, doing
 from dray.gateway.live.projection.figures.interventions import Interventions
 from dray.gateway.live.projection.figures.time_use import SILENCE_S, SILENT, TimeUse
 from dray.gateway.live.projection.machines import doing as machine_doing
-from dray.messages import AtvHeartbeat, AtvStatus, GoalBrief, MachineStatus, Pose
+from dray.messages import AtvHeartbeat, AtvStatus, CommandRefusal, GoalBrief, MachineStatus, Pose
 from dray.messages.fact import CommandObeyed, HelpAsked
 
 GOALS = (GoalBrief(goal="G1", product="P1", quantity=4, made=0, delivered=0),)
@@ -151,7 +151,7 @@ def test_commands_that_were_obeyed_and_cries_for_help_are_counted_once_each() ->
     told = events(
         "ATV1",
         CommandObeyed(command="c1", what="stop", done=True),
-        CommandObeyed(command="c2", what="resume", done=False, reason="not acknowledged"),
+        CommandObeyed(command="c2", what="resume", done=False, reason=CommandRefusal.NOT_ACKNOWLEDGED),
         HelpAsked(task="T1", reason="the load has shifted", until_s=300.0),
     )
     assert [seen.fold(event) for event in [*told, *told]] == [True, False, True, False, False, False]

@@ -22,6 +22,7 @@ from dray.gateway.live.views import WhyView
 from dray.messages import (
     Production,
     ProductionCost,
+    Reason,
     Refusal,
     Role,
     TaskBrief,
@@ -155,7 +156,7 @@ def test_a_cheaper_one_that_its_own_coordinator_had_taken_is_named_so(tell: Tell
 
 def test_for_whom_a_busy_one_works_is_not_guessed(tell: Teller) -> None:
     tell(ContractTaken(task="T9", epoch=1, role=Role.PRIMARY, coordinator="M7"), by="ATV3")
-    tell(ContractEnded(task="T9", epoch=1, role=Role.PRIMARY, reason="handed_over"), by="ATV3")
+    tell(ContractEnded(task="T9", epoch=1, role=Role.PRIMARY, reason=Reason.HANDED_OVER), by="ATV3")
     tell(bid("ATV3", 50.0), bid("ATV2", 54.8), answered("ATV3", "busy"), answered("ATV2"))
     assert tell.why().passed[0].taken_for == ""
     assert "but was busy by then" in tell.why().text
@@ -252,26 +253,30 @@ def test_goals_are_explained_in_the_words_of_machines(projection: Projection) ->
 
 def test_a_takeover_tells_who_failed_and_how_long_nothing_was_heard(tell: Teller) -> None:
     tell(bid("ATV3", 50.0), answered("ATV3"), answered("ATV1", role=Role.SECONDARY))
-    tell(TookOver(task="T1", epoch=2, primary="ATV3", silent_s=3.6, reason="silent"), by="ATV1")
+    tell(TookOver(task="T1", epoch=2, primary="ATV3", silent_s=3.6, reason=Reason.SILENT), by="ATV1")
     assert (tell.why().kind, tell.why().confirmed) == ("took_over", False)
     assert tell.why().text == (
         "ATV1 watched over it and took it over because nothing had been heard of ATV3 for 3.6 s; "
         "M8 has not confirmed that yet."
     )
-    tell(CarrierChanged(task="T1", epoch=2, replaced="ATV3", carrier="ATV1", reason="silent", silent_s=3.9))
+    tell(
+        CarrierChanged(
+            task="T1", epoch=2, replaced="ATV3", carrier="ATV1", reason=Reason.SILENT, silent_s=3.9
+        )
+    )
     assert tell.why().text.endswith("nothing had been heard of ATV3 for 3.9 s.")
 
 
 def test_a_takeover_for_another_reason_than_silence_tells_it(tell: Teller) -> None:
     tell(bid("ATV3", 50.0), answered("ATV3"))
-    reason = "in error, and not helped in time"
+    reason = Reason.IN_ERROR
     tell(CarrierChanged(task="T1", epoch=2, replaced="ATV3", carrier="ATV1", reason=reason))
-    assert tell.why().text.endswith(f"because ATV3 had failed ({reason}).")
+    assert tell.why().text.endswith("because ATV3 had failed (in error, and not helped in time).")
 
 
 def test_who_won_a_task_that_was_announced_anew_won_it_from_the_bids_of_that_time(tell: Teller) -> None:
     tell(bid("ATV3", 50.0), answered("ATV3"))
-    tell(CarrierChanged(task="T1", epoch=2, replaced="ATV3", carrier="", reason="silent", silent_s=4.2))
+    tell(CarrierChanged(task="T1", epoch=2, replaced="ATV3", carrier="", reason=Reason.SILENT, silent_s=4.2))
     tell(opened(epoch=2))
     assert tell.why().text == (
         "Nobody has bid yet. It was announced anew because ATV3 could not go on with it (silent for 4.2 s)."

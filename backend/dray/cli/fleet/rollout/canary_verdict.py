@@ -25,10 +25,10 @@ from dray.messages import (
     Heartbeat,
     MachineHeartbeat,
     Message,
+    Reason,
     Role,
 )
 from dray.messages.fact import (
-    HANDED_OVER,
     AwardAnswered,
     BidReceived,
     CarrierChanged,
@@ -191,7 +191,7 @@ class MachineCanary(Canary):
         contract = (ended.task, ended.epoch)
         if ended.role is Role.PRIMARY and contract in self._hired:
             self._hired.remove(contract)
-            self.done += ended.reason == HANDED_OVER
+            self.done += ended.reason == Reason.HANDED_OVER
 
     def _note_goal(self, _sender: str, contracted: GoalContracted, _at_s: float) -> None:
         if contracted.machine == self.agent:

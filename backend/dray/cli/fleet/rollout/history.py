@@ -11,8 +11,8 @@ from collections.abc import Iterable, Mapping
 
 import msgspec
 
-from dray.messages import AnyFact, MachineHeartbeat, Role, Transport
-from dray.messages.fact import HANDED_OVER, CarrierChanged, ContractEnded, TaskClosed, TaskOpened
+from dray.messages import AnyFact, MachineHeartbeat, Reason, Role, Transport
+from dray.messages.fact import CarrierChanged, ContractEnded, TaskClosed, TaskOpened
 from dray.messages.keys import STRATEGIST
 
 WINDOW_S = 900.0
@@ -98,7 +98,11 @@ class History:
             self._note_closed(told.agent, fact, told.at_s)
         elif isinstance(fact, CarrierChanged):
             self._changes.append((told.at_s, fact.replaced))
-        elif isinstance(fact, ContractEnded) and fact.role is Role.PRIMARY and fact.reason == HANDED_OVER:
+        elif (
+            isinstance(fact, ContractEnded)
+            and fact.role is Role.PRIMARY
+            and fact.reason == Reason.HANDED_OVER
+        ):
             if self._carriers.setdefault(fact.task, told.agent) != told.agent:
                 self.twice.add(fact.task)
 

@@ -6,6 +6,8 @@ from collections.abc import Iterator
 
 import msgspec
 
+from dray.gateway.live.reasons import told
+from dray.gateway.live.views import CauseView, HandoverView
 from dray.messages import Event
 from dray.messages.fact import HandoverDisputed, WordDisbelieved
 from dray.protocol.contract_net.trust.reliability import HALF_LIFE_S
@@ -20,9 +22,9 @@ class Dispute(msgspec.Struct):
     agent: str
     by: str
     """Whose word it is: the last coordinator."""
-    what: str
+    cause: CauseView
+    """What it has said, and how often."""
     at_s: float
-    times: int = 1
     task: str = ""
 
 
@@ -37,13 +39,15 @@ class Disputes:
         """Take an event in; False when it is about something else."""
         match event.fact:
             case HandoverDisputed() as fact:
-                what = f"says {fact.said} of {fact.item} to {fact.where}, counted {fact.counted}"
-                _put(self._handovers, Dispute(fact.contractor, event.agent, what, event.at_s, task=fact.task))
-            case WordDisbelieved() as fact:
+                load = HandoverView(fact.said, fact.item, fact.where, fact.counted)
+                cause = CauseView(handover=load)
                 _put(
-                    self._words,
-                    Dispute(fact.contractor, event.agent, fact.reason, event.at_s, task=fact.task),
+                    self._handovers,
+                    Dispute(fact.contractor, event.agent, cause, event.at_s, task=fact.task),
                 )
+            case WordDisbelieved() as fact:
+                cause = CauseView(reason=fact.reason.value, clock_ahead_s=fact.clock_ahead_s)
+                _put(self._words, Dispute(fact.contractor, event.agent, cause, event.at_s, task=fact.task))
             case _:
                 return False
         return True
@@ -60,7 +64,8 @@ class Disputes:
 def _put(known: dict[str, Dispute], dispute: Dispute) -> None:
     before = known.pop(dispute.agent, None)
     if before is not None:
-        dispute.times = before.times + 1
+        dispute.cause.times = before.cause.times + 1
+    told(dispute.cause)
     known[dispute.agent] = dispute
     if len(known) > AGENTS_KEPT:
         del known[next(iter(known))]

@@ -12,6 +12,7 @@ from dray.gateway.live.projection.materials import Materials
 from dray.gateway.live.projection.outsiders import Outsiders
 from dray.gateway.live.projection.silence import Silence
 from dray.gateway.live.projection.site import Site
+from dray.gateway.live.reasons import trouble_of
 from dray.gateway.live.views import BufferView, GoalView, MachineView, OpenTaskView
 from dray.messages import BufferLevel, GoalBrief, MachineHeartbeat, MachineStatus, TaskBrief
 from dray.store.history.clocks import Clocks, ToWall
@@ -133,7 +134,7 @@ class Machines:
             buffers=tuple(_buffer(level) for level in heartbeat.buffers),
             goods=tuple(_buffer(level) for level in heartbeat.goods),
             problem=heartbeat.problem,
-            waits=self._materials.told(heartbeat.waits),
+            waits=self._materials.cause(heartbeat.waits),
             software=heartbeat.software,
             draining=heartbeat.draining,
             probation=probation_of(heartbeat),
@@ -155,7 +156,7 @@ class Machines:
             primary=task.primary,
             secondary=task.secondary,
             round=task.round,
-            trouble=task.trouble,
+            trouble=trouble_of(task),
         )
 
 

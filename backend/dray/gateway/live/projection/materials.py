@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping
 
+from dray.gateway.live.reasons import told
+from dray.gateway.live.views import CauseView, LackView
 from dray.messages import MachineHeartbeat, MaterialWait
 
 
@@ -32,7 +34,7 @@ class Materials:
         """What people call a material."""
         return self._names.get(material, material)
 
-    def told(self, waits: Iterable[MaterialWait]) -> str:
-        """For what somebody waits and why, as "for rotor (storage S3 has none)"; empty for nothing."""
-        told = "; ".join(wait.told(self.name(wait.item)) for wait in waits)
-        return f"for {told}" if told else ""
+    def cause(self, waits: Iterable[MaterialWait]) -> CauseView | None:
+        """For what somebody waits and why; None for nothing."""
+        lacks = tuple(LackView(self.name(wait.item), wait.short, wait.silent) for wait in waits)
+        return told(CauseView(lacks=lacks)) if lacks else None

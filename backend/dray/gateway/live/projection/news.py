@@ -12,10 +12,10 @@ from collections.abc import Callable
 from typing import Any
 
 from dray.gateway.live.projection.changes import Changes
+from dray.gateway.live.reasons import detail_of, failures_of
 from dray.gateway.live.views import NewsView
-from dray.messages import Event, Link
+from dray.messages import Event, Link, Reason
 from dray.messages.fact import (
-    HANDED_OVER,
     CarrierChanged,
     ContractEnded,
     GoalLost,
@@ -101,7 +101,12 @@ class News:
     def _contract_ended(self, event: Event, fact: ContractEnded) -> bool:
         """The coordinator still hears the one that was to be replaced."""
         known = self._news.get(_takeover(fact.task, fact.epoch))
-        if known is None or known.confirmed or known.agent != event.agent or fact.reason == HANDED_OVER:
+        if (
+            known is None
+            or known.confirmed
+            or known.agent != event.agent
+            or fact.reason == Reason.HANDED_OVER
+        ):
             return False
         known.kind, known.reason, known.confirmed = "takeover_refused", fact.reason, True
         self.changes.mark(known.id)
@@ -114,7 +119,8 @@ class News:
         return self._tell(self._new(f"link-{event.agent}", kind, event))
 
     def _help_asked(self, event: Event, fact: HelpAsked) -> bool:
-        news = self._new(f"help-{event.agent}", "help_asked", event, fact.reason)
+        news = self._new(f"help-{event.agent}", "help_asked", event)
+        news.cause = detail_of(fact.reason)
         news.task, news.until_at_s = fact.task, self._to_wall_s(fact.until_s)
         return self._tell(news)
 
@@ -132,14 +138,17 @@ class News:
         return self._tell(news)
 
     def _goal_waits(self, event: Event, fact: GoalWaits) -> bool:
-        news = self._new(f"waits-{fact.order}", "goal_waits", event, fact.reason)
+        news = self._new(f"waits-{fact.order}", "goal_waits", event)
+        news.cause = failures_of(fact)
         news.goal, news.order = fact.goal, fact.order
         return self._tell(news)
 
     # --- agents ---
 
     def _memory_lost(self, event: Event, fact: MemoryLost) -> bool:
-        return self._tell(self._new(f"memory-{event.agent}", "memory_lost", event, fact.reason))
+        news = self._new(f"memory-{event.agent}", "memory_lost", event)
+        news.cause = detail_of(fact.reason)
+        return self._tell(news)
 
     def _new(self, name: str, kind: Any, event: Event, reason: str = "") -> NewsView:
         return NewsView(

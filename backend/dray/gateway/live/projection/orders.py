@@ -8,7 +8,8 @@ from heapq import heappop, heappush
 
 from dray.gateway.live.projection.changes import Changes
 from dray.gateway.live.projection.materials import Materials
-from dray.gateway.live.views import OrderItemView, OrderView
+from dray.gateway.live.reasons import failures_of, told
+from dray.gateway.live.views import CauseView, OrderItemView, OrderView
 from dray.messages import Event, MachineHeartbeat, MaterialWait
 from dray.messages.fact import GoalContracted, GoalWaits
 from dray.store.history.clocks import ToWall
@@ -50,7 +51,7 @@ class Orders:
         """Per order that is kept here, its goals by id."""
         self._order_of: dict[str, str] = {}
         """Per goal that is kept here, its order."""
-        self._waits: dict[str, dict[str, str]] = {}
+        self._waits: dict[str, dict[str, CauseView]] = {}
         """Per order that waits, the goals that nobody can make now, and why."""
         self._lacks: dict[str, dict[str, tuple[MaterialWait, ...]]] = {}
         """Per machine that waits for material, the goals that wait with it, and for what."""
@@ -143,27 +144,27 @@ class Orders:
         """One order, if it is kept here."""
         return self._orders.get(order)
 
-    def waits(self, order: str) -> str:
-        """Why an order waits; empty when it goes on, or is not kept here."""
+    def waits(self, order: str) -> CauseView | None:
+        """Why an order waits; None when it goes on, or is not kept here."""
         if strange := self._strange.get(order):
-            return f"this plant does not make {' and '.join(strange)}"
-        return next(iter(self._waits.get(order, {}).values()), "")
+            return told(CauseView(not_made=tuple(strange)))
+        return next(iter(self._waits.get(order, {}).values()), None)
 
-    def lacks(self, order: str) -> str:
-        """The material for which an order waits, in words; empty when it waits for none."""
+    def lacks(self, order: str) -> CauseView | None:
+        """The material for which an order waits; None when it waits for none."""
         if not self._lacks:
-            return ""
+            return None
         goals = self._goals.get(order, {})
-        told = (lacks[goal] for lacks in self._lacks.values() for goal in lacks if goal in goals)
-        return next((self._materials.told(waits) for waits in told), "")
+        lacking = (lacks[goal] for lacks in self._lacks.values() for goal in lacks if goal in goals)
+        return next((self._materials.cause(waits) for waits in lacking), None)
 
     def lacking(self, goal: str, machine: str) -> tuple[str, ...]:
         """The names of the materials for which a goal waits, as its machine has told; empty when it waits for none."""
         waits = self._lacks.get(machine, {}).get(goal, ())
         return tuple(self._materials.name(wait.item) for wait in waits)
 
-    def why_waits(self, order: str) -> str:
-        """Whatever an order waits for; empty when it goes on."""
+    def why_waits(self, order: str) -> CauseView | None:
+        """Whatever an order waits for; None when it goes on."""
         return self.waits(order) or self.lacks(order)
 
     def impossible(self) -> Collection[str]:
@@ -196,9 +197,10 @@ class Orders:
         if order is None or order.status in ENDED or late:
             return False
         waits = self._waits.setdefault(fact.order, {})
-        if waits.get(fact.goal) == fact.reason:
+        cause = failures_of(fact)
+        if waits.get(fact.goal) == cause:
             return False
-        waits[fact.goal] = fact.reason
+        waits[fact.goal] = cause
         self.changes.mark(fact.order)
         return True
 
@@ -277,12 +279,12 @@ class Orders:
         self.changes.drop(order)
 
 
-def order_view(order: Order, waits: str = "") -> OrderView:
+def order_view(order: Order, waits: CauseView | None = None) -> OrderView:
     """An order, as panels see it.
 
     Args:
         order: the order.
-        waits: why it waits; empty when it goes on.
+        waits: why it waits; None when it goes on.
     """
     return OrderView(
         id=order.id,

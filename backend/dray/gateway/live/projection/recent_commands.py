@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from dray.gateway.live.projection.changes import Changes
+from dray.gateway.live.reasons import refusal_text
 from dray.gateway.live.views import CommandState, CommandView
+from dray.messages import CommandAnswered
 
 RECENT_KEPT = 200
 """The last fifty of an area, where four areas are busy; the audit log has all of them."""
@@ -35,12 +37,15 @@ class RecentCommands:
             del self._commands[oldest], self._areas[oldest]
             self.changes.drop(oldest)
 
-    def end(self, command: str, state: CommandState, reason: str = "") -> bool:
+    def end(self, command: str, state: CommandState, answer: CommandAnswered | None = None) -> bool:
         """Show what became of a command; returns whether it is still kept."""
         known = self._commands.get(command)
         if known is None:
             return False
-        known.state, known.reason = state, reason
+        known.state = state
+        if answer is not None:
+            known.reason = "" if answer.reason is None else answer.reason.value
+            known.detail, known.text = answer.detail, refusal_text(answer)
         self.changes.mark(command)
         return True
 

@@ -14,6 +14,7 @@ from dray.gateway.live.views.agent import ClockView, ProbationView, ShutOutView,
 from dray.gateway.live.views.alert import AlertKind, AlertResponse, AlertView
 from dray.gateway.live.views.atv import AtvView, BriefView, HelpView
 from dray.gateway.live.views.base import View
+from dray.gateway.live.views.cause import CauseView, FailureView, HandoverView, LackView
 from dray.gateway.live.views.command import CommandState, CommandView
 from dray.gateway.live.views.factory import AudienceView, FactoryView, FaultView, UseView
 from dray.gateway.live.views.machine import BufferView, GoalView, MachineView, OpenTaskView
@@ -33,13 +34,17 @@ __all__ = [
     "BriefView",
     "BufferView",
     "CarrierView",
+    "CauseView",
     "ClockView",
     "CommandState",
     "CommandView",
     "FactoryView",
+    "FailureView",
     "FaultView",
     "GoalView",
+    "HandoverView",
     "HelpView",
+    "LackView",
     "MachineView",
     "NewsView",
     "OpenTaskView",

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Literal
 
 from dray.gateway.live.views.base import View
+from dray.gateway.live.views.cause import CauseView
 
 AlertKind = Literal[
     "plant_behind",
@@ -68,8 +69,8 @@ class Condition(View, kw_only=True):
     whole."""
     task: str = ""
     order: str = ""
-    problem: str = ""
-    """In the agent's own words, where it has any."""
+    cause: CauseView | None = None
+    """What is known of why."""
     by: str = ""
     """Who is on the way to help, or has shut the agent out."""
     seen_at_s: float | None = None

@@ -6,6 +6,7 @@ from typing import Literal
 
 from dray.gateway.live.views.agent import ClockView, ProbationView, ShutOutView, SilenceView
 from dray.gateway.live.views.base import View
+from dray.gateway.live.views.cause import CauseView
 
 
 class BufferView(View, kw_only=True):
@@ -43,8 +44,8 @@ class OpenTaskView(View, kw_only=True):
     primary: str = ""
     secondary: str = ""
     round: int = 1
-    trouble: str = ""
-    """Why it does not go on, in the machine's words; empty when all is well."""
+    trouble: CauseView | None = None
+    """Why it does not go on, as the machine tells; None when all is well."""
 
 
 class MachineView(View, kw_only=True):
@@ -59,9 +60,8 @@ class MachineView(View, kw_only=True):
     buffers: tuple[BufferView, ...] = ()
     goods: tuple[BufferView, ...] = ()
     problem: str = ""
-    waits: str = ""
-    """The materials that it needs and that nobody can fetch now, and why, as "for rotor (storage S3 has none)"; empty where
-    there are none."""
+    waits: CauseView | None = None
+    """The materials that it needs and that nobody can fetch now; None where there are none."""
     software: str = ""
     draining: bool = False
     """It was asked to leave, takes nothing new, and goes when nothing holds it any more."""

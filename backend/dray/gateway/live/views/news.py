@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Literal
 
 from dray.gateway.live.views.base import View
+from dray.gateway.live.views.cause import CauseView
 
 
 class NewsView(View, kw_only=True):
@@ -38,6 +39,9 @@ class NewsView(View, kw_only=True):
     """Pieces of `goal` that had been delivered, and count."""
     order: str = ""
     reason: str = ""
+    """Of a takeover: a `Reason` of the wire."""
+    cause: CauseView | None = None
+    """Of a wish for help, a goal that waits, a memory that was lost."""
     silent_s: float = 0.0
     """How long nothing had been heard of `other`, in factory seconds."""
     until_at_s: float | None = None

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Literal
 
 from dray.gateway.live.views.base import View
+from dray.gateway.live.views.cause import CauseView
 
 
 class OrderItemView(View, kw_only=True):
@@ -31,6 +32,5 @@ class OrderView(View, kw_only=True):
     """How often it was released."""
     revoked_at_s: float | None = None
     """When its last release was taken back. Until `status` is `stored` the factory has not confirmed that."""
-    waits: str = ""
-    """Why it waits: nobody who lives can make what is missing, or "for Rotor (storage S3 has none)"; empty when it goes
-    on."""
+    waits: CauseView | None = None
+    """Why it waits: nobody who lives can make what is missing, or material is lacking; None when it goes on."""

@@ -7,6 +7,7 @@ from typing import Literal
 import msgspec
 
 from dray.gateway.live.views.base import View
+from dray.gateway.live.views.cause import CauseView
 from dray.gateway.live.views.why import WhyView
 
 
@@ -53,7 +54,7 @@ class CarrierView(View, kw_only=True):
     replaced: str = ""
     """Who carried it before; empty for the first one."""
     reason: str = ""
-    """Why `replaced` does not carry it any more."""
+    """Why `replaced` does not carry it any more: a `Reason` of the wire."""
     silent_s: float = 0.0
     """How long nothing had been heard of the one before, in factory seconds."""
     confirmed: bool = True
@@ -88,8 +89,8 @@ class TaskView(View, kw_only=True):
     promised_at_s: float | None = None
     deadline_at_s: float
     closed_at_s: float | None = None
-    trouble: str = ""
-    """Why it does not go on, in its coordinator's words; empty when all is well."""
+    trouble: CauseView | None = None
+    """Why it does not go on, as its coordinator tells; None when all is well."""
     carriers: tuple[CarrierView, ...] = ()
     """Oldest first."""
     bids: tuple[BidView, ...] = ()

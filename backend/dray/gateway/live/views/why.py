@@ -72,7 +72,7 @@ class WhyView(View, kw_only=True):
     replaced: str = ""
     """Who carried it before."""
     reason: str = ""
-    """Why that one does not any more."""
+    """Why that one does not any more: a `Reason` of the wire."""
     silent_s: float = 0.0
     """How long nothing had been heard of that one, in factory seconds."""
     confirmed: bool = True

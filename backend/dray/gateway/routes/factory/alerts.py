@@ -12,7 +12,7 @@ from dray.gateway.http.problems import not_found
 from dray.gateway.http.provided import Provided
 from dray.gateway.http.responses import PAGE, Cursor, Json, Limit, described, list_of, page, problems
 from dray.gateway.live.projection import Projection
-from dray.gateway.live.views import AlertView
+from dray.gateway.live.views import AlertView, CauseView
 from dray.gateway.routes.parameters import Visible
 
 router = APIRouter(tags=["alerts"])
@@ -24,7 +24,7 @@ EXAMPLE = AlertView(
     response="repair",
     since_at_s=1_893_456_000.0,
     agent="M8",
-    problem="spindle",
+    cause=CauseView(detail="spindle", text="spindle"),
 )
 
 

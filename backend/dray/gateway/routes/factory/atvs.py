@@ -20,9 +20,10 @@ from dray.gateway.http.provided import Provided
 from dray.gateway.http.request_bodies import json_only
 from dray.gateway.http.responses import PAGE, Cursor, Json, Limit, described, list_of, page, problems
 from dray.gateway.live.projection import Projection
+from dray.gateway.live.reasons import refusal_text
 from dray.gateway.live.views import AtvView
 from dray.gateway.routes.parameters import Visible
-from dray.messages import CommandKind
+from dray.messages import CommandKind, CommandRefusal
 from dray.messages.command import PROMISE_MAX_S
 
 router = APIRouter(tags=["factory"])
@@ -72,8 +73,12 @@ class CommandAnswer(msgspec.Struct, frozen=True):
     command: str
     done: bool
     """False when the vehicle refused it."""
-    reason: str
-    """Why it was refused; empty when it was done."""
+    reason: CommandRefusal | None = None
+    """Why it was refused; None when it was done, or somebody else has stood in its way."""
+    detail: str = ""
+    """What its sensors still report, or why nobody waits for its word."""
+    text: str = ""
+    """Both in English."""
 
 
 @router.get("/atvs", responses={200: with_csv(list_of(AtvView, "ATVs, by id"))}, response_class=Json)
@@ -109,9 +114,7 @@ async def get_atv(projection: Provided[Projection], visible: Visible, atv: str) 
     "/atvs/{atv}/commands",
     dependencies=[Depends(json_only)],
     responses={
-        200: described(
-            CommandAnswer, "The vehicle's word", CommandAnswer("gateway.1-7", done=True, reason="")
-        ),
+        200: described(CommandAnswer, "The vehicle's word", CommandAnswer("gateway.1-7", done=True)),
         **problems(
             p403="The vehicle is not shown in the caller's areas; a stop is passed on to it all the same",
             p404="There is no such ATV",
@@ -157,8 +160,16 @@ async def command_atv(
         note.elsewhere = commands.went_beside(command.command)
     note.detail["command"] = answer.command
     if not answer.done:
-        note.result, note.detail["reason"] = "refused", answer.reason
-    return Json(CommandAnswer(answer.command, answer.done, visible.words(answer.reason)))
+        note.result, note.detail["reason"] = "refused", refusal_text(answer)
+    return Json(
+        CommandAnswer(
+            answer.command,
+            answer.done,
+            answer.reason,
+            visible.words(answer.detail),
+            visible.words(refusal_text(answer)),
+        )
+    )
 
 
 def area_rule(projection: Projection, caller: Principal, atv: str, kind: CommandKind) -> None:

@@ -31,7 +31,7 @@ from dray.gateway.http.responses import (
 )
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.projection.orders import order_view
-from dray.gateway.live.views import OrderItemView, OrderView
+from dray.gateway.live.views import CauseView, OrderItemView, OrderView
 from dray.gateway.orders.actions import OrderActions
 from dray.gateway.orders.drafts import Moment, OrderDraft, WorkDraft
 from dray.gateway.orders.feasibility import OrderPreview
@@ -281,13 +281,13 @@ async def cancel_order(
     return _answer(projection, await actions.cancel(order), order, base)
 
 
-def order_answer(order: Order, base_url: str, waits: str = "") -> OrderAnswer:
+def order_answer(order: Order, base_url: str, waits: CauseView | None = None) -> OrderAnswer:
     """An order, as REST shows it.
 
     Args:
         order: the order.
         base_url: where this gateway is reached, without a slash at the end.
-        waits: why it waits; empty when it goes on.
+        waits: why it waits; None when it goes on.
     """
     view = order_view(order, waits)
     fields = {name: getattr(view, name) for name in view.__struct_fields__}

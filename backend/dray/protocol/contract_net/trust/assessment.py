@@ -5,10 +5,10 @@ One place for what an auction asks of a bid beside its price: `plausibility` kno
 
 from __future__ import annotations
 
-from dray.messages import Accepted, Bid, TakenOver, Work
+from dray.messages import Accepted, Bid, Implausible, TakenOver, Work
 from dray.plant import Plant
 from dray.protocol.contract_net.trust.disbelief import Disbelief
-from dray.protocol.contract_net.trust.plausibility import CLOCK, Plausibility, clock_ahead_s, is_clock_wrong
+from dray.protocol.contract_net.trust.plausibility import Plausibility, clock_ahead_s, is_clock_wrong
 from dray.protocol.contract_net.trust.probation import SHORT_S, is_barred
 from dray.protocol.contract_net.trust.reliability import Reliability
 from dray.protocol.liveness.progress import STALL_S, Progress
@@ -53,7 +53,7 @@ class Assessor:
         """Whether a promise was made by a clock that is not made up for; its speaker is told."""
         if not is_clock_wrong(said, now_s):
             return False
-        self._disbelief.tell(speaker, said, CLOCK, now_s, clock_ahead_s(said.at_s, now_s))
+        self._disbelief.tell(speaker, said, Implausible.CLOCK, now_s, clock_ahead_s(said.at_s, now_s))
         return True
 
     def surcharge_s(self, bidder: str, now_s: float) -> float:

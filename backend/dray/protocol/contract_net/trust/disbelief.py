@@ -6,7 +6,7 @@ a wrong clock says the same wrong thing with every bid.
 
 from __future__ import annotations
 
-from dray.messages import Accepted, Bid, Disbelieved, TakenOver
+from dray.messages import Accepted, Bid, Disbelieved, Implausible, TakenOver
 from dray.messages.fact import NotBelieved, WordDisbelieved
 from dray.protocol.runtime.bounded_map import BoundedMap
 from dray.protocol.runtime.events import Effect, Ignore, Record, Send
@@ -33,7 +33,7 @@ class Disbelief:
         self,
         speaker: str,
         said: Bid | Accepted | TakenOver,
-        reason: str,
+        reason: Implausible,
         now_s: float,
         clock_ahead_s: float = 0.0,
     ) -> None:
@@ -52,10 +52,9 @@ class Disbelief:
             self._told_s[speaker] = told_s
             return
         self._told_s[speaker] = now_s
-        words = f"clock wrong by {clock_ahead_s:+.0f} s" if clock_ahead_s else reason
         self._out += (
-            Send(speaker, Disbelieved(said.task, said.epoch, words, clock_ahead_s)),
-            Record(WordDisbelieved(speaker, said.task, words, clock_ahead_s)),
+            Send(speaker, Disbelieved(said.task, said.epoch, reason, clock_ahead_s)),
+            Record(WordDisbelieved(speaker, said.task, reason, clock_ahead_s)),
         )
 
 

@@ -30,7 +30,7 @@ from typing import TypeVar
 import msgspec
 
 from dray.errors import NoWay
-from dray.messages import Accepted, Bid, Production, TakenOver, Transport, TransportCost, Work
+from dray.messages import Accepted, Bid, Implausible, Production, TakenOver, Transport, TransportCost, Work
 from dray.messages.base import CLOCK_WRONG_S, CLOCKS_AGREE_S
 from dray.plant import Plant
 from dray.protocol.contract_net.dock import dock_of
@@ -57,16 +57,6 @@ LOOSE_S = 30.0
 
 DIAMETERS = 3.0
 """Ways of a transport are believed to be so many diagonals of the floor at least, whatever lanes this plant file knows."""
-
-CLOCK = "words by a clock that is wrong"
-NOT_A_NUMBER = "a bid that is not a number"
-NEGATIVE = "a bid with a negative part"
-OTHER_WORK = "a bid for another kind of work"
-OTHER_SOURCE = "a bid with a source that was not asked for"
-TOO_CHEAP = "a bid below the way as the crow flies"
-TOO_SOON = "a bid that would be done sooner than any vehicle could"
-BEFORE_NOW = "a bid that would be done in the past"
-TOO_LATE = "a bid that would be done much later than its price tells"
 
 S = TypeVar("S", Bid, Accepted, TakenOver)
 
@@ -113,8 +103,8 @@ class Plausibility:
         slowest_mps = min((kind.max_speed_mps for kind in kinds), default=1.0)
         self._floor_s = DIAMETERS * plant.diameter_m / slowest_mps + 2.0 * self.handling_max_s
 
-    def objection(self, work: Work, bid: Bid, now_s: float) -> str:
-        """Why a bid cannot be true; empty when it can. The reasons are few and fixed.
+    def objection(self, work: Work, bid: Bid, now_s: float) -> Implausible | None:
+        """Why a bid cannot be true; None when it can.
 
         Args:
             work: what it is for.
@@ -122,22 +112,22 @@ class Plausibility:
             now_s: the present time.
         """
         if is_clock_wrong(bid, now_s):
-            return CLOCK
+            return Implausible.CLOCK
         cost = bid.cost
         if isinstance(cost, TransportCost) is not isinstance(work, Transport):
-            return OTHER_WORK
+            return Implausible.OTHER_WORK
         parts = _parts_s(bid)
         if not all(map(isfinite, (*parts, bid.finish_s))):
-            return NOT_A_NUMBER
+            return Implausible.NOT_A_NUMBER
         if min(parts) < 0.0:
-            return NEGATIVE
+            return Implausible.NEGATIVE
         if bid.finish_s < now_s - UNDER_WAY_S:
-            return BEFORE_NOW
+            return Implausible.BEFORE_NOW
         if isinstance(cost, TransportCost) and (said := self._transport_objection(work, bid, cost, now_s)):
             return said
         told_s = LOOSE_FRAC * sum(parts) + 2.0 * self.handling_max_s + LATE_S
         latest_s = told_s if isinstance(cost, TransportCost) else LATEST_GOAL_S
-        return TOO_LATE if bid.finish_s > now_s + latest_s else ""
+        return Implausible.TOO_LATE if bid.finish_s > now_s + latest_s else None
 
     def longest_s(self, work: Work) -> float:
         """No transport takes longer, from wherever its vehicle is and from whichever of its sources."""
@@ -177,16 +167,18 @@ class Plausibility:
             span_s = LOOSE_FRAC * bid.cost.total_s + LOOSE_S
         return min(max(promised_s, now_s), now_s + span_s)
 
-    def _transport_objection(self, work: Work, bid: Bid, cost: TransportCost, now_s: float) -> str:
+    def _transport_objection(
+        self, work: Work, bid: Bid, cost: TransportCost, now_s: float
+    ) -> Implausible | None:
         if isinstance(work, Production) or (bid.source and bid.source not in work.sources):
-            return OTHER_SOURCE
+            return Implausible.OTHER_SOURCE
         least_s = min(self._way_s(work, source) for source in ((bid.source,) if bid.source else work.sources))
         if cost.loaded_way_s < least_s - ROUNDING_S:
-            return TOO_CHEAP
+            return Implausible.TOO_CHEAP
         takes_s = cost.empty_way_s + least_s + self._handling_s
         if bid.finish_s < now_s + takes_s - UNDER_WAY_S:
-            return TOO_SOON
-        return ""
+            return Implausible.TOO_SOON
+        return None
 
     def _way_s(self, work: Transport, source: str) -> float:
         """The loaded way as the crow flies at the fastest vehicle's top speed; 0 where somebody is not known."""

@@ -16,9 +16,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from dray.messages import Reason
 from dray.messages.fact import ContractorRated
-from dray.protocol.liveness.failure_detector import IN_ERROR
-from dray.protocol.liveness.progress import NOT_COUNTED, OVERDUE, STALLED
 from dray.protocol.runtime.bounded_map import BoundedMap
 from dray.protocol.runtime.events import Effect, Record
 
@@ -32,7 +31,12 @@ middle in the default plant."""
 KEPT_FRAC = 0.75
 """What is left of the doubt after a contract that was kept."""
 
-BLAME: Mapping[str, float] = {IN_ERROR: 0.25, STALLED: 1.5, OVERDUE: 1.0, NOT_COUNTED: 2.5}
+BLAME: Mapping[Reason, float] = {
+    Reason.IN_ERROR: 0.25,
+    Reason.STALLED: 1.5,
+    Reason.OVERDUE: 1.0,
+    Reason.NOT_COUNTED: 2.5,
+}
 """Why a contract was dropped, and how much doubt that leaves. Who says itself that it cannot go on has told the
 truth; who says that all is well, and stands, has not; and who says that it has done what it has not is restricted at once."""
 
@@ -125,22 +129,30 @@ class Reliability:
         rating = self._ratings.get(contractor)
         if rating is None and not lateness:
             return
-        reason = f"{late_s:.0f} s late" if lateness else "kept"
-        frac = 1.0 if lateness else KEPT_FRAC
-        self._rate(contractor, task, frac, lateness, reason, now_s)
+        if lateness:
+            self._rate(contractor, task, 1.0, lateness, Reason.LATE, now_s, late_s)
+        else:
+            self._rate(contractor, task, KEPT_FRAC, 0.0, Reason.KEPT, now_s)
 
-    def note_dropped(self, contractor: str, task: str, reason: str, now_s: float) -> None:
+    def note_dropped(self, contractor: str, task: str, reason: Reason, now_s: float) -> None:
         """A contractor has lost a task that it had not finished."""
         self._rate(contractor, task, 1.0, BLAME.get(reason, DROPPED_BLAME), reason, now_s).dropped[task] = (
             None
         )
 
-    def note_given_back(self, contractor: str, task: str, reason: str, now_s: float) -> None:
+    def note_given_back(self, contractor: str, task: str, reason: Reason, now_s: float) -> None:
         """It gave a contract back."""
         self._rate(contractor, task, 1.0, GIVEN_BACK_BLAME, reason, now_s).dropped[task] = None
 
     def _rate(
-        self, contractor: str, task: str, frac: float, more: float, reason: str, now_s: float
+        self,
+        contractor: str,
+        task: str,
+        frac: float,
+        more: float,
+        reason: Reason,
+        now_s: float,
+        late_s: float = 0.0,
     ) -> Rating:
         rating = self._ratings.get(contractor)
         if rating is None:
@@ -156,6 +168,7 @@ class Reliability:
             reason=reason,
             surcharge_s=surcharge_s,
             restricted=rating.restricted,
+            late_s=late_s,
         )
         self._out.append(Record(rated))
         return rating

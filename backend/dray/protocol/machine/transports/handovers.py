@@ -6,11 +6,10 @@ from collections.abc import Callable
 from typing import cast
 
 from dray.body import Book, StockChanged
-from dray.messages import Handover, Transport
+from dray.messages import Handover, Reason, Transport
 from dray.messages.fact import HandoverDisputed
 from dray.protocol.contract_net.task import OpenTask
 from dray.protocol.contract_net.task_state import TaskState
-from dray.protocol.liveness.progress import NOT_COUNTED
 from dray.protocol.machine.dock import Dock
 from dray.protocol.machine.production import Goal, GoalBook
 from dray.protocol.machine.transports.receiving import Verdict, verdict_on
@@ -107,11 +106,11 @@ class Handovers:
         if verdict is Verdict.SHORT or counted != receipt.said:
             self._dispute(task, counted)
         if not counted:
-            self._tasks.failover.replace(task, NOT_COUNTED, now_s)
+            self._tasks.failover.replace(task, Reason.NOT_COUNTED, now_s)
             return
         self._dock.accept(task)
         if counted < work.quantity:
-            self._tasks.reliability.note_dropped(carrier, task.id, NOT_COUNTED, now_s)
+            self._tasks.reliability.note_dropped(carrier, task.id, Reason.NOT_COUNTED, now_s)
         self._settled(task, carrier, counted, now_s)
 
     def _dispute(self, task: OpenTask, counted: int) -> None:

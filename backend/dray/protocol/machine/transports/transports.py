@@ -23,6 +23,7 @@ from dray.messages import (
     Brief,
     Confirmed,
     Declined,
+    Reason,
     Resigned,
     Role,
     Superseded,
@@ -31,13 +32,14 @@ from dray.messages import (
     Wait,
     Work,
 )
+from dray.messages.fact import Outcome
 from dray.protocol.contract_net.auction_rules import AuctionRules, prolonged_s
 from dray.protocol.contract_net.coordinator import PRIMARY_AUCTION, Coordinator
-from dray.protocol.contract_net.task import CarrierContract, OpenTask, Outcome
+from dray.protocol.contract_net.task import CarrierContract, OpenTask
 from dray.protocol.contract_net.task_state import TaskState
 from dray.protocol.contract_net.terms import Place
 from dray.protocol.contract_net.trust.assessment import Assessor
-from dray.protocol.contract_net.trust.plausibility import CLOCK, by_our_clock
+from dray.protocol.contract_net.trust.plausibility import by_our_clock
 from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
 from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S, WORKING_INTERVAL_S
 from dray.protocol.machine.transports.backlog import most_urgent, stands_back
@@ -135,23 +137,23 @@ class Transports(Coordinator):
 
     # --- without a carrier (`dray.protocol.takeover.failover.Remedies`) ---
 
-    def reopen(self, task: OpenTask, reason: str, now_s: float) -> None:
+    def reopen(self, task: OpenTask, reason: Reason, now_s: float) -> None:
         """Announce a task anew, with a higher epoch; whoever carried it is superseded."""
         if task.recovered:
             self.give_up(task, now_s)
         else:
             self._replace(task, (), reason, now_s)
 
-    def pass_on(self, task: OpenTask, reason: str, now_s: float) -> None:
+    def pass_on(self, task: OpenTask, reason: Reason, now_s: float) -> None:
         """Ask the secondary of a task to carry it, with a higher epoch; announce it when that will not."""
         if task.recovered:
             self.give_up(task, now_s)
         else:
             self._replace(task, self._secondaries.standby_candidate(task), reason, now_s)
 
-    def wait(self, task: OpenTask, trouble: str, now_s: float) -> None:
+    def wait(self, task: OpenTask, trouble: Reason, now_s: float) -> None:
         """Let a task wait for its carrier, and say why."""
-        task.trouble = trouble
+        task.trouble, task.detail = trouble, ""
         self._contracted(task, now_s)
 
     def give_up(self, task: OpenTask, now_s: float) -> None:
@@ -269,7 +271,7 @@ class Transports(Coordinator):
         elif objection := self.failover.objection(task, sender, message, now_s):
             self._release(sender, message, objection)
         elif self._assessor.refuses_clock(sender, message, now_s):
-            self._release(sender, message, CLOCK)
+            self._release(sender, message, Reason.CLOCK_WRONG)
         else:
             self._change_carrier(task, sender, by_our_clock(message, now_s), now_s)
 
@@ -344,7 +346,7 @@ class Transports(Coordinator):
         self.failover.follow(task, WORKING_INTERVAL_S, now_s)
         self._secondaries.seek(task, runners_up, now_s)
 
-    def _let_go(self, task: OpenTask, reason: str) -> None:
+    def _let_go(self, task: OpenTask, reason: Reason) -> None:
         self._secondaries.drop(task, reason)
         self.failover.leave(task)
         if task.primary:
@@ -361,18 +363,18 @@ class Transports(Coordinator):
 
     def _change_carrier(self, task: OpenTask, atv: str, message: TakenOver, now_s: float) -> None:
         detector = task.contract.detector
-        failure = detector.failure(now_s) if detector is not None else ""
+        failure = detector.failure(now_s) if detector is not None else None
         self.failover.blame(task, failure or message.reason, now_s)
         if task.secondary == atv:
             self._secondaries.unfollow(task)
-        replaced, silent_s = self._supersede(task, message.epoch, "another one has taken over", now_s)
+        replaced, silent_s = self._supersede(task, message.epoch, Reason.ANOTHER_TOOK_OVER, now_s)
         self._bind(task, atv, message.source, message.finish_s, now_s)
         self._confirm(task)
         self.failover.note_change(task, replaced, failure or message.reason, silent_s)
         self._contracted(task, now_s)
 
     def _replace(
-        self, task: OpenTask, candidates: tuple[tuple[str, Bid], ...], reason: str, now_s: float
+        self, task: OpenTask, candidates: tuple[tuple[str, Bid], ...], reason: Reason, now_s: float
     ) -> None:
         replaced, silent_s = self._supersede(task, task.epoch + 1, reason, now_s)
         task.states.enter(TaskState.UNASSIGNED)
@@ -383,7 +385,7 @@ class Transports(Coordinator):
         self._announce(task, now_s)
         self._contracted(task, now_s)
 
-    def _supersede(self, task: OpenTask, epoch: int, reason: str, now_s: float) -> tuple[str, float]:
+    def _supersede(self, task: OpenTask, epoch: int, reason: Reason, now_s: float) -> tuple[str, float]:
         """Fence the present carrier off. Returns its name, and how long nothing was heard of it (s)."""
         replaced = task.primary
         silent_s = self.failover.silent_s(task, now_s)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import msgspec
 
 from dray.memory import Contract
-from dray.messages import Accepted, Docked, Handover, Message, Resigned, Role
+from dray.messages import Accepted, Docked, Handover, Message, Reason, Resigned, Role
 from dray.protocol.runtime.events import Effect, Send
 from dray.protocol.runtime.retransmission import Retransmitter
 from dray.protocol.runtime.timers import Timers
@@ -98,15 +98,16 @@ class JobMessages:
         handover = Handover(task=self._task, epoch=self._epoch, quantity=self._contract.work.quantity)
         self._ask(self._coordinator, handover, now_s)
 
-    def ask_for_relief(self, reason: str, short: str, now_s: float) -> None:
+    def ask_for_relief(self, reason: Reason, detail: str, short: str, now_s: float) -> None:
         """Ask the coordinator to let another one carry it.
 
         Args:
             reason: why.
+            detail: the same in the words of whoever has held it up.
             short: the storage that had none of the load; empty when that is not why.
             now_s: the present time.
         """
-        resigned = msgspec.structs.replace(self._resigned(reason), short=short)
+        resigned = msgspec.structs.replace(self._resigned(reason, detail), short=short)
         self._ask(self._coordinator, resigned, now_s)
 
     @property
@@ -133,17 +134,17 @@ class JobMessages:
 
     # --- its end ---
 
-    def resign(self, reason: str) -> None:
+    def resign(self, reason: Reason, detail: str = "") -> None:
         """Give the contract back, once: whoever does not hear it hears no heartbeat about the task either."""
-        self._out.append(Send(self._coordinator, self._resigned(reason)))
+        self._out.append(Send(self._coordinator, self._resigned(reason, detail)))
 
     def stop(self) -> None:
         """Say nothing more."""
         self._question.settle(self._task)
         self._claim.settle(self._task)
 
-    def _resigned(self, reason: str) -> Resigned:
-        return Resigned(task=self._task, epoch=self._epoch, role=Role.PRIMARY, reason=reason)
+    def _resigned(self, reason: Reason, detail: str) -> Resigned:
+        return Resigned(task=self._task, epoch=self._epoch, role=Role.PRIMARY, reason=reason, detail=detail)
 
     def _ask(self, whom: str, question: Message, now_s: float) -> None:
         self._question.say(self._task, Send(whom, question), now_s)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from dray.memory import Contract
-from dray.messages import Brief, Phase, Role, Superseded
+from dray.messages import Brief, Phase, Reason, Role, Superseded
 from dray.protocol.vehicle.job.job_state import VOID, JobState, JobStates
 
 
@@ -17,7 +17,8 @@ class JobStatus:
 
     Attributes:
         due_s: when it now expects to hand over (plant clock).
-        ended: why it is over: `handed_over`, or another reason; empty while it lasts.
+        ended: why it is over; None while it lasts.
+        detail: the same in the words of whoever has held it up; empty where nobody has.
         number: of the award that binds it; 0 for a takeover.
     """
 
@@ -30,7 +31,8 @@ class JobStatus:
         self.source = contract.source
         self.promised_s = contract.promised_s
         self.due_s = contract.promised_s
-        self.ended = ""
+        self.ended: Reason | None = None
+        self.detail = ""
         self.number = contract.number
         self._states = JobStates(contract.phase)
 

@@ -14,6 +14,8 @@ tells of itself in `job_status`.
 
 from __future__ import annotations
 
+from typing import cast
+
 import msgspec
 
 from dray.memory import Contract
@@ -24,10 +26,11 @@ from dray.messages import (
     HandoverAccepted,
     Message,
     Phase,
+    Reason,
     Superseded,
     Withdrawn,
 )
-from dray.messages.fact import HANDED_OVER, PhaseEntered
+from dray.messages.fact import PhaseEntered
 from dray.plant import Plant
 from dray.protocol.runtime.events import NEVER_S, Effect, Ignore, Record
 from dray.protocol.runtime.timers import Timers
@@ -43,8 +46,6 @@ Shorter than what its coordinator takes for standing still (`progress.STALL_S`).
 
 TRIES = 3
 """Manoeuvres at one place before another one is looked for."""
-
-GONE = "its load was taken off"
 
 
 class TransportJob(JobStatus):
@@ -72,12 +73,12 @@ class TransportJob(JobStatus):
         self._messages = JobMessages(contract, timers, out)
         self._moves = JobMoves(contract, plant, vehicle_type, driver, timers)
         self._void = contract.cancelled
-        """Why the contract is void; empty while it binds."""
+        """Why the contract is void; None while it binds."""
         self._short = ""
         """The storage that had none of the load, which is why it was given back."""
         self._stands_s = NEVER_S
         """Since when it waits at its source."""
-        self._given_back = ""
+        self._given_back: Reason | None = None
         """Why the coordinator was asked to let another one carry it."""
         self._may_be_dropping = False
         """An earlier life had come to the unloading: its drop may still be under way."""
@@ -163,7 +164,7 @@ class TransportJob(JobStatus):
             case JobState.VOID_PICKING:
                 self._return(now_s)
             case _:
-                self._end(self._void)
+                self._end(cast(Reason, self._void))
 
     def action_failed(self, order: int, reason: str, now_s: float) -> None:
         """A pick or drop ended without effect."""
@@ -178,11 +179,11 @@ class TransportJob(JobStatus):
                 self._states.enter(JobState.AT_DESTINATION)
                 self._refused += self._moves.is_gated
                 if self._refused >= TRIES:
-                    self.resign(f"refused: {reason}", now_s)
+                    self.resign(Reason.GATE_REFUSED, now_s, reason)
                 else:
                     self._moves.try_later(now_s)
             case JobState.VOID_PICKING:
-                self._end(self._void)
+                self._end(cast(Reason, self._void))
             case JobState.VOID_DROPPING:
                 self._return(now_s)
             case _ if self._failed < TRIES:
@@ -195,13 +196,13 @@ class TransportJob(JobStatus):
     def on_answer(self, message: Message, now_s: float) -> None:
         """Take an answer of the coordinator; what is late or doubled changes nothing."""
         if isinstance(message, Superseded) and not 0 < message.epoch < self.epoch:
-            self.cancel(self._given_back or "superseded", now_s)
+            self.cancel(self._given_back or Reason.SUPERSEDED, now_s)
         elif isinstance(message, Withdrawn):
-            self.cancel(self._given_back or "withdrawn", now_s)
+            self.cancel(self._given_back or Reason.WITHDRAWN, now_s)
         elif isinstance(message, Confirmed) and self._messages.is_claiming:
             self._messages.claim_confirmed()
         elif isinstance(message, HandoverAccepted) and self.state is JobState.HANDING_OVER:
-            self._end(HANDED_OVER)
+            self._end(Reason.HANDED_OVER)
         elif isinstance(message, DockHeld) and self._waits_at(message.station):
             self._wait(message, now_s)
         elif isinstance(message, DockOpened) and self._waits_at(message.station):
@@ -212,7 +213,7 @@ class TransportJob(JobStatus):
             return
         self._messages.heard()
 
-    def cancel(self, reason: str, now_s: float) -> None:
+    def cancel(self, reason: Reason, now_s: float) -> None:
         """The contract is void: end, and take the load back if there is one."""
         if self.is_void:
             return
@@ -227,21 +228,22 @@ class TransportJob(JobStatus):
         else:
             self._end(reason)
 
-    def resign(self, reason: str, now_s: float) -> None:
-        """Give the contract back to its coordinator, and end it."""
+    def resign(self, reason: Reason, now_s: float, detail: str = "") -> None:
+        """Give the contract back to its coordinator, and end it; `detail` tells people more."""
         if not self.is_void:
-            self._messages.resign(reason)
+            self.detail = detail
+            self._messages.resign(reason, detail)
         self.cancel(reason, now_s)
 
-    def give_back(self, reason: str, now_s: float) -> None:
-        """Stand, and ask the coordinator to let another one carry it.
+    def give_back(self, reason: Reason, now_s: float, detail: str = "") -> None:
+        """Stand, and ask the coordinator to let another one carry it; `detail` tells people more.
 
         Harmless when the load is on board, or a manoeuvre runs: that nobody else can finish.
         """
         if self.state not in (JobState.APPROACHING, JobState.AT_SOURCE):
             return
         self._states.enter(JobState.GIVING_BACK)
-        self._given_back = reason
+        self._given_back, self.detail = reason, detail
         self._moves.halt(now_s)
         self._ask_for_relief(now_s)
 
@@ -261,9 +263,9 @@ class TransportJob(JobStatus):
             self._be_left_alone(now_s)
         elif load and load != self.work.item:
             # An earlier life has picked it up; whoever carries this task must be empty.
-            self.resign(f"{load} is on board", now_s)
+            self.resign(Reason.OTHER_LOAD, now_s, load)
         elif load and self.state not in LOADED:
-            self._given_back = ""
+            self._given_back, self.detail = None, ""
             self._carry(now_s)
         elif not load and self.state in LOADED:
             self._miss_load(now_s)
@@ -332,7 +334,7 @@ class TransportJob(JobStatus):
 
     def _ask_for_relief(self, now_s: float) -> None:
         self._moves.try_no_more()
-        self._messages.ask_for_relief(self._given_back, self._short, now_s)
+        self._messages.ask_for_relief(cast(Reason, self._given_back), self.detail, self._short, now_s)
 
     def _stop_waiting(self) -> None:
         self._messages.answered()
@@ -344,7 +346,7 @@ class TransportJob(JobStatus):
         kept = now_s + self._moves.from_source_s() <= self.promised_s
         if fetches and not kept and now_s >= self._stands_s + WAITS_AT_LEAST_S:
             self._short = self.source
-            self.give_back(held.reason, now_s)
+            self.give_back(Reason.DOCK_HELD, now_s, held.reason)
         else:
             self._messages.ask_later(now_s)
 
@@ -366,22 +368,22 @@ class TransportJob(JobStatus):
     def _be_left_alone(self, now_s: float) -> None:
         """The coordinator answers nothing any more: its transports end with it (paper, case 1)."""
         if self.state is JobState.HANDING_OVER:
-            self._end("handed over to a silent machine")
+            self._end(Reason.NOT_CONFIRMED)
         elif self.state is JobState.AT_SOURCE and self.source != self.coordinator:
             self._short = self.source
-            self.give_back(f"{self.source} does not answer", now_s)
+            self.give_back(Reason.SOURCE_SILENT, now_s, self.source)
         else:
-            self.resign("its machine is silent", now_s)
+            self.resign(Reason.COORDINATOR_SILENT, now_s)
 
     def _miss_load(self, now_s: float) -> None:
         """The load is gone: put down at last for an earlier life, or taken off by a person."""
         if self.is_void:
-            self._end(self._void)
+            self._end(cast(Reason, self._void))
         elif self._may_be_dropping and self.state is JobState.AT_DESTINATION:
             self._hand_over(now_s)
         elif self.work.goal:
-            self._messages.resign(GONE)
-            self._end(GONE)
+            self._messages.resign(Reason.LOAD_GONE)
+            self._end(Reason.LOAD_GONE)
         else:
             self.set_off(now_s)
 
@@ -391,7 +393,7 @@ class TransportJob(JobStatus):
         self._enter(JobState.RETURNING, refuge)
         self._drive(refuge, now_s)
 
-    def _end(self, reason: str) -> None:
+    def _end(self, reason: Reason) -> None:
         self._states.enter(JobState.ENDED)
         self.ended = reason
         self._moves.try_no_more()

@@ -2,7 +2,7 @@ import { useSignal } from "@preact/signals";
 import { commandAtv } from "../../../api/client";
 import type { HelpView } from "../../../api/types";
 import { nowS } from "../../../stream/stream";
-import { format, t } from "../../../text/manager";
+import { format, t, word } from "../../../text/manager";
 import { problemText } from "../../problem-text";
 import { helpText } from "./help";
 
@@ -18,8 +18,8 @@ export function HelpWanted({ atv, help, speed }: { atv: string; help: HelpView; 
     busy.value = true;
     failed.value = "";
     try {
-      const { done, reason } = await commandAtv(atv, { kind: "promise", wait_s: promiseS });
-      if (!done) failed.value = t("atv.promiseFailed", { reason });
+      const { detail, done, reason } = await commandAtv(atv, { kind: "promise", wait_s: promiseS });
+      if (!done) failed.value = t("atv.promiseFailed", { reason: reason === null ? detail : word("refusal.command", reason) });
     } catch (error) {
       failed.value = t("atv.promiseFailed", { reason: problemText(error) });
     } finally {

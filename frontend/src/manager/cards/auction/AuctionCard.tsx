@@ -4,7 +4,7 @@ import { Card } from "../../../parts/Card";
 import { Tag } from "../../../parts/Tag";
 import { selection } from "../../../selection/selection";
 import { world } from "../../../stream/stream";
-import { failureText } from "../../../text/failure";
+import { causeText } from "../../../text/failure";
 import { format, n, t, word } from "../../../text/manager";
 import { names } from "../../state";
 import { auctionOf, shownTask } from "./auction";
@@ -86,7 +86,7 @@ function Aside({ task }: { task: TaskView | null }) {
 function Bids({ task }: { task: TaskView }) {
   const { mostS, parts, refusals, rows, watch } = auctionOf(task);
   const why = whyText(task);
-  const room = rowsBeside(why) - Number(task.carriers.length > 1) - Number(task.trouble !== "") - Number(watch.length > 0);
+  const room = rowsBeside(why) - Number(task.carriers.length > 1) - Number(task.trouble !== null) - Number(watch.length > 0);
   const bids = rows.slice(0, Math.max(2, room - Math.min(1, refusals.length)));
   const refused = refusals.slice(0, Math.max(0, room - bids.length));
   const moreBids = rows.length - bids.length;
@@ -105,7 +105,7 @@ function Bids({ task }: { task: TaskView }) {
       {task.carriers.length > 1 && <Carriers carriers={task.carriers} />}
       <p class="why" tabIndex={0}>
         {why}
-        {task.trouble !== "" && <span class="tone-warn"> {t("why.trouble", { reason: failureText(task.trouble) })}</span>}
+        {task.trouble !== null && <span class="tone-warn"> {t("why.trouble", { reason: causeText(task.trouble) })}</span>}
       </p>
       <footer class="bids-foot">
         <span class="legend">

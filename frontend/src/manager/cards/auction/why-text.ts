@@ -3,7 +3,7 @@
  * into the reader's language.
  */
 import type { PassedView, RefusedView, TaskView, WhyView } from "../../../api/types";
-import { failureText } from "../../../text/failure";
+import { reasonText } from "../../../text/failure";
 import { format, n, t, word } from "../../../text/manager";
 import { isSilence } from "../news/news-text";
 
@@ -83,7 +83,7 @@ function tookOverText(why: WhyView): string {
   const { agent, coordinator, replaced } = why;
   const main = isSilence(why)
     ? t("why.tookOverSilent", { agent, replaced, silence: format.price(why.silent_s) })
-    : t("why.tookOver", { agent, replaced, reason: failureText(why.reason) });
+    : t("why.tookOver", { agent, replaced, reason: reasonText(why.reason) });
   return joined(main, why.confirmed ? "" : t("why.unconfirmed", { coordinator }));
 }
 
@@ -105,7 +105,7 @@ function anewText(why: WhyView): string {
   if (replaced === "" || why.kind === "took_over") return "";
   const reason = isSilence(why)
     ? t("why.anewSilent", { silence: format.price(why.silent_s) })
-    : failureText(why.reason);
+    : reasonText(why.reason);
   return t("why.anew", { replaced, reason });
 }
 

@@ -6,8 +6,7 @@ import { Meter } from "../../../parts/Meter";
 import { Tag, toneOfMachine } from "../../../parts/Tag";
 import { isLost } from "../../../plant/silence";
 import { nowS, presentS, world } from "../../../stream/stream";
-import { failureText } from "../../../text/failure";
-import { shortageText } from "../../../text/shortage";
+import { causeText, failureText } from "../../../text/failure";
 import { format, n, t, word } from "../../../text/manager";
 import { ClockMark } from "../agents/ClockMark";
 import { ShutOutMenu } from "../agents/ShutOutMenu";
@@ -45,9 +44,9 @@ export function MachineCard({ spec, machine }: { spec: MachineSpec; machine: Mac
         {machine && <UpdateFact agent={machine} />}
         <Goal machine={machine} />
         <Task machine={machine} />
-        {machine !== undefined && machine.waits !== "" && (
+        {machine?.waits && (
           <Fact name={t("machine.waits")}>
-            <span class="tone-warn">{shortageText(machine.waits)}</span>
+            <span class="tone-warn">{causeText(machine.waits)}</span>
           </Fact>
         )}
         <Fact name={t("machine.heartbeat")}>
@@ -98,9 +97,9 @@ function Task({ machine }: { machine: MachineView | undefined }) {
         })}
       </Fact>
       <Contractors task={task} />
-      {task.trouble !== "" && (
+      {task.trouble !== null && (
         <Fact name={t("machine.trouble")}>
-          <span class="tone-warn">{failureText(task.trouble)}</span>
+          <span class="tone-warn">{causeText(task.trouble)}</span>
         </Fact>
       )}
     </>

@@ -1,6 +1,6 @@
 /** News in words. */
 import type { NewsView } from "../../../api/types";
-import { failureText } from "../../../text/failure";
+import { causeText, reasonText } from "../../../text/failure";
 import { format, t } from "../../../text/manager";
 
 /** What people call what agents know by ids of their own. */
@@ -15,7 +15,7 @@ export function newsText(news: NewsView, nowS: number, called: Called): string {
   const { agent, arrived, confirmed, other, successor, task } = news;
   const goal = called.goal(news.goal);
   const silence = format.age(news.silent_s);
-  const reason = failureText(news.reason);
+  const reason = news.cause === null ? reasonText(news.reason) : causeText(news.cause);
   const until = format.due(news.until_at_s ?? nowS, nowS);
   const names = { agent, task, other };
   switch (news.kind) {

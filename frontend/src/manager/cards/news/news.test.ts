@@ -6,7 +6,7 @@ import { newsText } from "./news-text";
 
 const news = (more: Partial<NewsView>): NewsView => ({
   id: "M8-3@2", kind: "took_over", at_s: 100, agent: "ATV1", other: "ATV3", task: "M8-3", epoch: 2, goal: "",
-  successor: "", arrived: 0, order: "", reason: "silent", silent_s: 3.6, until_at_s: null, confirmed: true, ...more,
+  successor: "", arrived: 0, order: "", reason: "silent", cause: null, silent_s: 3.6, until_at_s: null, confirmed: true, ...more,
 });
 
 describe("news in words", () => {
@@ -22,7 +22,7 @@ describe("news in words", () => {
   });
 
   test("name another reason than silence", () => {
-    expect(text(news({ reason: "in error, and not helped in time" }))).toBe(
+    expect(text(news({ reason: "in_error" }))).toBe(
       "ATV1 took over M8-3 from ATV3: in error, and not helped in time",
     );
   });
@@ -34,7 +34,9 @@ describe("news in words", () => {
   });
 
   test("name the order that waits by its customer's reference", () => {
-    const waits = news({ kind: "goal_waits", order: "O-1", reason: "M8 is silent" });
+    const machines = [{ agent: "M8", reason: "silent" }];
+    const cause = { reason: "", detail: "", machines, lacks: [], not_made: [], handover: null, clock_ahead_s: 0, times: 1, text: "" };
+    const waits = news({ kind: "goal_waits", order: "O-1", cause });
     expect(text(waits)).toBe("Order PO-17 waits: M8 is silent");
   });
 

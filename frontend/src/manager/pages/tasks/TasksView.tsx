@@ -2,7 +2,7 @@ import { computed, signal, useComputed } from "@preact/signals";
 import type { TaskView } from "../../../api/types";
 import { Table } from "../../../parts/Table";
 import { nowS, world } from "../../../stream/stream";
-import { failureText } from "../../../text/failure";
+import { causeText } from "../../../text/failure";
 import { format, t, word } from "../../../text/manager";
 import { isOpen, latestBids } from "../../cards/auction/auction";
 import { PUNCTUAL_S } from "../../cards/auction/times";
@@ -68,7 +68,7 @@ function Row({ task }: { task: TaskView }) {
       <td>{task.destination && t("auction.way", { source, destination: task.destination })}</td>
       <td>
         {task.phase && isOpen(task) ? word("phase", task.phase) : word("state", task.state)}
-        {task.trouble !== "" && <small class="line tone-warn">{failureText(task.trouble)}</small>}
+        {task.trouble !== null && <small class="line tone-warn">{causeText(task.trouble)}</small>}
       </td>
       <td>
         {task.primary}

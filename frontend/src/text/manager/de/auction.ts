@@ -118,6 +118,8 @@ export const auction: Catalogue<typeof english> = {
   "why.refusedAll": "{count} sagten ab: alle {reason}.",
   "why.refusedBy": "{count} {reason}",
 
+  "refusal.command.not_waiting": "keiner seiner Aufträge wartet auf Hilfe",
+  "refusal.command.wait_out_of_range": "höchstens 15 Minuten können zugesagt werden",
   "refusal.busy": "beschäftigt",
   "refusal.battery": "mit zu wenig Batterie",
   "refusal.deadline": "zu spät für den Termin",

@@ -115,6 +115,8 @@ export const auction = {
   "why.refusedAll": "{count} refused: all of them {reason}.",
   "why.refusedBy": "{count} {reason}",
 
+  "refusal.command.not_waiting": "it has no task that waits for help",
+  "refusal.command.wait_out_of_range": "say when you are there, at most 15 minutes from now",
   "refusal.busy": "busy",
   "refusal.battery": "with too little battery",
   "refusal.deadline": "too late for the deadline",

@@ -118,6 +118,8 @@ export const auction: Catalogue<typeof english> = {
   "why.refusedAll": "{count} rehusaron: todos {reason}.",
   "why.refusedBy": "{count} {reason}",
 
+  "refusal.command.not_waiting": "ninguna tarea suya espera ayuda",
+  "refusal.command.wait_out_of_range": "se pueden prometer 15 minutos como mucho",
   "refusal.busy": "por tener trabajo",
   "refusal.battery": "por falta de batería",
   "refusal.deadline": "por no llegar a tiempo",

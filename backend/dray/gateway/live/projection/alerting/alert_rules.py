@@ -10,9 +10,10 @@ from collections.abc import Container, Iterable, Iterator
 import msgspec
 
 from dray.gateway.live.projection.auctions.tasks import Tasks
-from dray.gateway.live.projection.disputes import Dispute, Disputes
+from dray.gateway.live.projection.disputes import Disputes
 from dray.gateway.live.projection.materials import Materials
 from dray.gateway.live.projection.silence import Silence, plant_bound_s
+from dray.gateway.live.reasons import detail_of
 from dray.gateway.live.views import OrderView, TaskView
 from dray.gateway.live.views.alert import AlertKind, Condition
 from dray.messages import AtvHeartbeat, AtvStatus, MachineHeartbeat, MachineStatus, StationHeartbeat
@@ -83,7 +84,7 @@ def of_outsiders(
         kind: AlertKind = "atv_shut_out" if each.agent in atvs else "machine_shut_out"
         if each.agent in storages:
             kind = "station_shut_out"
-        yield Condition(kind=kind, agent=each.agent, problem=each.reason, by=each.by)
+        yield Condition(kind=kind, agent=each.agent, cause=detail_of(each.reason), by=each.by)
 
 
 def of_clocks(wrong: Iterable[tuple[str, Offset]]) -> Iterator[Condition]:
@@ -101,20 +102,16 @@ def of_disputes(disputes: Disputes, wrong: Container[str], now: Moment) -> Itera
         now: when it is looked at.
     """
     for each in disputes.handovers(now.plant_s):
-        yield Condition(kind="handover_disputed", agent=each.agent, problem=_told(each), by=each.by)
+        yield Condition(kind="handover_disputed", agent=each.agent, cause=each.cause, by=each.by)
     for each in disputes.words(now.plant_s):
         if each.agent not in wrong:
-            yield Condition(kind="word_disbelieved", agent=each.agent, problem=_told(each), by=each.by)
+            yield Condition(kind="word_disbelieved", agent=each.agent, cause=each.cause, by=each.by)
 
 
 def of_strangers(dropped: int) -> Iterator[Condition]:
     """Names that are not of this plant, and more than could have joined it."""
     if dropped:
         yield Condition(kind="strangers")
-
-
-def _told(dispute: Dispute) -> str:
-    return dispute.what if dispute.times == 1 else f"{dispute.what} ({dispute.times} times)"
 
 
 def of_machines(
@@ -132,12 +129,12 @@ def of_machines(
         if now.is_lost(agent, heard):
             yield Condition(kind="machine_lost", agent=agent, seen_at_s=now.to_wall_s(heard.at_s))
         elif heard.status is MachineStatus.ERROR:
-            yield Condition(kind="machine_error", agent=agent, problem=heard.problem)
+            yield Condition(kind="machine_error", agent=agent, cause=detail_of(heard.problem))
         elif heard.status is MachineStatus.STARVED and not patient:
-            lacking = heard.problem or materials.told(heard.waits)
-            yield Condition(kind="machine_starved", agent=agent, problem=lacking)
+            lacking = detail_of(heard.problem) or materials.cause(heard.waits)
+            yield Condition(kind="machine_starved", agent=agent, cause=lacking)
         elif heard.status is MachineStatus.BLOCKED and not patient:
-            yield Condition(kind="machine_blocked", agent=agent, problem=heard.problem)
+            yield Condition(kind="machine_blocked", agent=agent, cause=detail_of(heard.problem))
 
 
 def of_stations(heartbeats: Iterable[StationHeartbeat], now: Moment) -> Iterator[Condition]:
@@ -158,14 +155,14 @@ def of_atvs(heartbeats: Iterable[AtvHeartbeat], now: Moment) -> Iterator[Conditi
             yield Condition(
                 kind="atv_promised" if help_.promised_by else "atv_help",
                 agent=agent,
-                problem=heard.problem,
+                cause=detail_of(heard.problem),
                 by=help_.promised_by,
                 until_at_s=now.to_wall_s(help_.until_s),
             )
         elif heard.status is AtvStatus.ERROR:
-            yield Condition(kind="atv_error", agent=agent, problem=heard.problem)
+            yield Condition(kind="atv_error", agent=agent, cause=detail_of(heard.problem))
         elif heard.status is AtvStatus.STOPPED:
-            yield Condition(kind="atv_stopped", agent=agent, problem=heard.problem)
+            yield Condition(kind="atv_stopped", agent=agent, cause=detail_of(heard.problem))
         # It goes to a charger long before it touches its reserve: something keeps it from there.
         elif heard.battery_frac < RESERVE_FRAC and heard.status is not AtvStatus.CHARGING:
             yield Condition(kind="atv_battery", agent=agent, battery_frac=round(heard.battery_frac, 2))
@@ -178,14 +175,17 @@ def of_transports(tasks: Iterable[TaskView], told: Iterable[Condition]) -> Itera
         tasks: those that have not ended. Of a production goal its order tells.
         told: what is wrong with the vehicles.
     """
-    problems = {each.agent: each.problem for each in told if each.problem}
+    tells = {(each.agent, each.cause.detail) for each in told if each.cause is not None}
     for task in tasks:
-        if task.trouble and task.kind == "transport" and problems.get(task.primary) != task.trouble:
+        if task.trouble is None or task.kind != "transport":
+            continue
+        # Silence has no detail: that a vehicle is lost tells nothing of its transport.
+        if not task.trouble.detail or (task.primary, task.trouble.detail) not in tells:
             yield Condition(
                 kind="task_trouble",
                 agent=task.primary or task.coordinator,
                 task=task.id,
-                problem=task.trouble,
+                cause=task.trouble,
             )
 
 
@@ -199,8 +199,8 @@ def of_orders(orders: Iterable[OrderView], impossible: Container[str], now: Mome
     """
     for order in orders:
         if order.id in impossible:
-            yield Condition(kind="order_impossible", order=order.id, problem=order.waits)
+            yield Condition(kind="order_impossible", order=order.id, cause=order.waits)
         elif order.waits:
-            yield Condition(kind="order_waits", order=order.id, problem=order.waits)
+            yield Condition(kind="order_waits", order=order.id, cause=order.waits)
         elif order.due_at_s is not None and order.due_at_s < now.wall_s:
             yield Condition(kind="order_late", order=order.id, until_at_s=order.due_at_s)

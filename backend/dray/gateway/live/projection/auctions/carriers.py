@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from dray.gateway.live.views import CarrierView, TaskView
-from dray.messages import Event
-from dray.messages.fact import HANDED_OVER, ContractEnded
+from dray.messages import Event, Reason
+from dray.messages.fact import ContractEnded
 
 MAX_CARRIERS = 16
 """Changes of a task's carrier that are kept, newest last: more than one task sees while somebody looks."""
@@ -12,7 +12,7 @@ MAX_CARRIERS = 16
 
 def reopen_task(task: TaskView) -> None:
     """Nobody carries it any more: another one is sought, in a new epoch."""
-    task.trouble = ""
+    task.trouble = None
     task.state, task.primary, task.phase, task.source = "bidding", "", "", ""
     task.contracted_at_s = task.promised_at_s = None
 
@@ -42,7 +42,7 @@ def undo_takeover(task: TaskView, event: Event, fact: ContractEnded) -> bool:
     last = task.carriers[-1] if task.carriers else None
     if last is None or last.confirmed or (last.carrier, last.epoch) != (event.agent, fact.epoch):
         return False
-    if fact.reason == HANDED_OVER:
+    if fact.reason == Reason.HANDED_OVER:
         return False
     task.carriers = task.carriers[:-1]
     before = task.carriers[-1] if task.carriers else None

@@ -18,6 +18,7 @@ from dray.gateway.live.projection.auctions.reorder_buffer import ReorderBuffer, 
 from dray.gateway.live.projection.auctions.why import why_of
 from dray.gateway.live.projection.changes import Changes
 from dray.gateway.live.projection.figures.transports import Transports
+from dray.gateway.live.reasons import failures_of, trouble_of
 from dray.gateway.live.views import CarrierView, TaskView
 from dray.messages import (
     Event,
@@ -132,8 +133,9 @@ class Tasks:
             if task is None:
                 continue
             self._recovered(task, brief, heartbeat)
-            if brief.trouble != task.trouble:
-                task.trouble = brief.trouble
+            trouble = trouble_of(brief)
+            if trouble != task.trouble:
+                task.trouble = trouble
                 self._mark(task.id)
 
     def view(self, task: str) -> TaskView | None:
@@ -229,10 +231,10 @@ class Tasks:
             return False
         bid = last_bid(task, fact.bidder, fact.role, fact.epoch)
         if bid is not None:
-            bid.answer = fact.answer
+            bid.answer = fact.answer if fact.reason is None else fact.reason.value
             bound = self._bound.get(fact.bidder)
             # A machine that has no time any more has other goals, of which it may have several.
-            busy = fact.answer == Refusal.BUSY.value and task.kind == "transport"
+            busy = fact.reason is Refusal.BUSY and task.kind == "transport"
             if busy and bound is not None and bound[0] != task.id:
                 bid.taken_for = bound[1]
         if fact.answer != "accepted":
@@ -242,7 +244,7 @@ class Tasks:
             return True
         task.epoch, task.primary, task.state = fact.epoch, fact.bidder, "contracted"
         task.contracted_at_s = self._to_wall_s(event.at_s)
-        task.trouble = ""
+        task.trouble = None
         if bid is not None:
             task.promised_at_s, task.source = bid.finish_at_s, bid.source
         won = self._carrier(event, fact.bidder, fact.epoch)
@@ -319,7 +321,7 @@ class Tasks:
         task.state = "delivered" if fact.outcome == "delivered" else "withdrawn"
         task.primary = fact.carrier or task.primary
         task.closed_at_s = self._to_wall_s(event.at_s)
-        task.phase = task.trouble = ""
+        task.phase, task.trouble = "", None
         if fact.promised_s > 0:
             task.promised_at_s = self._to_wall_s(fact.promised_s)
         if task.kind == "transport":
@@ -368,9 +370,10 @@ def _failed(task: TaskView, _event: Event, fact: RoundFailed) -> bool:
 
 def _waits(task: TaskView, _event: Event, fact: GoalWaits) -> bool:
     """Nobody can make this goal; the next machine that takes it ends that."""
-    if task.state != "bidding" or task.trouble == fact.reason:
+    trouble = failures_of(fact)
+    if task.state != "bidding" or task.trouble == trouble:
         return False
-    task.trouble = fact.reason
+    task.trouble = trouble
     return True
 
 

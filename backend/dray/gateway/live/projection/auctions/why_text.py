@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from dray.gateway.live.reasons import reason_text
 from dray.gateway.live.views import PassedView, RefusedView, WhyView
+from dray.messages import Reason
 
 PASSED_NAMED = 2
 """Bidders that were passed over and are named; more would make a list of a sentence."""
@@ -129,10 +131,10 @@ def _answer(each: PassedView, coordinator: str) -> str:
 
 
 def _took_over(why: WhyView) -> str:
-    if why.reason == "silent" and why.silent_s > 0:
+    if why.reason == Reason.SILENT and why.silent_s > 0:
         failed = f"nothing had been heard of {why.replaced} for {_s(why.silent_s)}"
     else:
-        failed = f"{why.replaced} had failed ({why.reason or 'no reason is on record'})"
+        failed = f"{why.replaced} had failed ({reason_text(why.reason) or 'no reason is on record'})"
     main = f"{why.agent} watched over it and took it over because {failed}"
     return f"{main}." if why.confirmed else f"{main}; {why.coordinator} has not confirmed that yet."
 
@@ -168,8 +170,8 @@ def _before(why: WhyView) -> str:
     """Who carried it before it was announced anew."""
     if not why.replaced or why.kind == "took_over":
         return ""
-    silent = why.reason == "silent" and why.silent_s > 0
-    reason = f"silent for {_s(why.silent_s)}" if silent else why.reason
+    silent = why.reason == Reason.SILENT and why.silent_s > 0
+    reason = f"silent for {_s(why.silent_s)}" if silent else reason_text(why.reason)
     return f"It was announced anew because {why.replaced} could not go on with it ({reason})."
 
 

@@ -1,0 +1,143 @@
+"""The English words for reasons, for REST and logs. Panels have their own, in their reader's language."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from dray.gateway.live.views import CauseView, FailureView, LackView
+from dray.messages import CommandAnswered, CommandRefusal, Implausible, MaterialWait, Reason, TaskBrief
+from dray.messages.command import PROMISE_MAX_S
+from dray.messages.fact import GoalWaits
+
+REASONS: Mapping[Reason, str] = {
+    Reason.HANDED_OVER: "handed over",
+    Reason.DELIVERED: "delivered",
+    Reason.KEPT: "done as promised",
+    Reason.LATE: "done later than promised",
+    Reason.NOT_CONFIRMED: "put down, and its coordinator does not answer",
+    Reason.SILENT: "silent",
+    Reason.IN_ERROR: "in error, and not helped in time",
+    Reason.STALLED: "does not come nearer",
+    Reason.OVERDUE: "long past its promise",
+    Reason.NOT_COUNTED: "its load was not counted where it was to go",
+    Reason.FORGOTTEN: "has forgotten it",
+    Reason.BROKEN: "broken",
+    Reason.GRACEFUL_SHUTDOWN: "graceful shutdown",
+    Reason.PROBLEM: "in error",
+    Reason.STOPPED: "stopped by an operator",
+    Reason.ON_MESH: "on the radio mesh",
+    Reason.HAS_WORK: "has work of its own",
+    Reason.UNABLE: "could not take it over",
+    Reason.DOCK_HELD: "waited too long at the source",
+    Reason.SOURCE_SILENT: "the station of the source does not answer",
+    Reason.COORDINATOR_SILENT: "its machine does not answer",
+    Reason.GATE_REFUSED: "the gate has not let the load in",
+    Reason.OTHER_LOAD: "another load is on board",
+    Reason.LOAD_GONE: "its load was taken off",
+    Reason.LOAD_UNKNOWN: "nobody knows of its load",
+    Reason.SUPERSEDED: "superseded",
+    Reason.WITHDRAWN: "withdrawn",
+    Reason.RELEASED: "released",
+    Reason.NOT_NEEDED: "not needed any more",
+    Reason.TASK_ENDED: "the task has ended",
+    Reason.NO_ANSWER: "no answer in time",
+    Reason.NOT_ASKED: "asked no more",
+    Reason.ANOTHER_CARRIES: "another one carries it",
+    Reason.ANOTHER_WATCHES: "another one watches",
+    Reason.ANOTHER_TOOK_OVER: "another one has taken over",
+    Reason.LOAD_ABOARD: "the load is on board",
+    Reason.LOAD_DOWN: "the load is down",
+    Reason.IS_HEARD: "the primary is heard",
+    Reason.BROUGHT_BACK: "its load was brought back",
+    Reason.CLOCK_WRONG: "its clock is wrong",
+    Reason.RENEWED: "awarded again",
+    Reason.RESIGNED: "resigned",
+    Reason.TAKEN_OVER: "taken over",
+    Reason.OVER: "the primary does not name it any more",
+}
+
+REFUSALS: Mapping[CommandRefusal, str] = {
+    CommandRefusal.NOT_GRANTED: "nobody has granted it: it carries no grant",
+    CommandRefusal.NOT_TRUSTED: "its grant is not signed by anybody whom this vehicle trusts, or not for these words",
+    CommandRefusal.EXPIRED: "its grant has expired; give the command again",
+    CommandRefusal.NOT_HERE: "the vehicle is outside of the areas that its grant names",
+    CommandRefusal.NOT_STOPPED: "it is not stopped",
+    CommandRefusal.NOT_ACKNOWLEDGED: "acknowledge the stop first",
+    CommandRefusal.FAULTY: "its sensors still report a problem",
+    CommandRefusal.NOT_WAITING: "it has no task that waits for help",
+    CommandRefusal.WAIT_OUT_OF_RANGE: f"say when you are there: above 0 and at most {PROMISE_MAX_S:.0f} s from now",
+    CommandRefusal.SPEED_OUT_OF_RANGE: "a speed is above 0 and at most 1 of the vehicle's own; use stop to stop it",
+}
+
+IMPLAUSIBLE: Mapping[Implausible, str] = {
+    Implausible.CLOCK: "words by a clock that is wrong",
+    Implausible.NOT_A_NUMBER: "a bid that is not a number",
+    Implausible.NEGATIVE: "a bid with a negative part",
+    Implausible.OTHER_WORK: "a bid for another kind of work",
+    Implausible.OTHER_SOURCE: "a bid with a source that was not asked for",
+    Implausible.TOO_CHEAP: "a bid below the way as the crow flies",
+    Implausible.TOO_SOON: "a bid that would be done sooner than any vehicle could",
+    Implausible.BEFORE_NOW: "a bid that would be done in the past",
+    Implausible.TOO_LATE: "a bid that would be done much later than its price tells",
+}
+
+_WORDS: Mapping[str, str] = {
+    reason.value: words for reason, words in (*REASONS.items(), *IMPLAUSIBLE.items())
+}
+
+
+def reason_text(reason: str) -> str:
+    """A reason in words; what this version does not know stays as it is."""
+    return _WORDS.get(reason, reason.replace("_", " "))
+
+
+def refusal_text(answer: CommandAnswered) -> str:
+    """Why a vehicle has not done what it was told; empty when it has."""
+    if answer.reason is None:
+        return answer.detail
+    words = REFUSALS[answer.reason]
+    return f"{words}: {answer.detail}" if answer.detail else words
+
+
+def detail_of(detail: str) -> CauseView | None:
+    """What an agent or a person says, in words of their own; None where there are none."""
+    return told(CauseView(detail=detail)) if detail else None
+
+
+def trouble_of(task: TaskBrief) -> CauseView | None:
+    """Why a transport does not go on, as its coordinator tells."""
+    return None if task.trouble is None else told(CauseView(reason=task.trouble.value, detail=task.detail))
+
+
+def failures_of(fact: GoalWaits) -> CauseView:
+    """Why nobody makes a goal."""
+    return told(
+        CauseView(machines=tuple(FailureView(each.machine, each.reason.value) for each in fact.machines))
+    )
+
+
+def told(cause: CauseView) -> CauseView:
+    """The same with its English words."""
+    text = "; ".join(filter(None, (_what(cause), cause.detail)))
+    cause.text = text if cause.times == 1 else f"{text} ({cause.times} times)"
+    return cause
+
+
+def _what(cause: CauseView) -> str:
+    if cause.not_made:
+        return f"this plant does not make {' and '.join(cause.not_made)}"
+    if cause.machines:
+        return ", ".join(f"{each.agent} is {reason_text(each.reason)}" for each in cause.machines)
+    if cause.lacks:
+        return f"for {'; '.join(map(_lack, cause.lacks))}"
+    if cause.handover is not None:
+        load = cause.handover
+        return f"says {load.said} of {load.item} to {load.where}, counted {load.counted}"
+    if cause.clock_ahead_s:
+        return f"clock wrong by {cause.clock_ahead_s:+.0f} s"
+    # What an agent reports says more than that it reports something.
+    return "" if cause.reason == Reason.PROBLEM and cause.detail else reason_text(cause.reason)
+
+
+def _lack(lack: LackView) -> str:
+    return MaterialWait(item="", quantity=0, short=lack.short, silent=lack.silent).told(lack.material)
