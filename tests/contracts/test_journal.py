@@ -28,7 +28,7 @@ from dray.memory import (
     StrategistMemory,
     TaskMemory,
 )
-from dray.messages import Event, OrderItem, Phase, Production, Transport
+from dray.messages import CommandRefusal, Event, OrderItem, Phase, Production, Transport
 from dray.messages.fact import OrderFulfilled
 from dray.ports import Journal
 from dray_sim.factory.journal import HeldJournal
@@ -140,7 +140,11 @@ ORDER = OrderMemory(order="O-1", items=(OrderItem("P1", 4),), due_s=99.0, goals=
 NOTES: list[Note] = [
     AtvMemory(),
     AtvMemory(contract=CONTRACT, acknowledged=True, speed_frac=0.25),
-    AtvMemory(answered=(CommandMemory(command="C1", person="person:p", valid_until_s=9.5, refused="no"),)),
+    AtvMemory(
+        answered=(
+            CommandMemory(command="C1", person="person:p", valid_until_s=9.5, refused=CommandRefusal.EXPIRED),
+        )
+    ),
     MachineMemory(goals=(GOAL,), tasks=(TASK,), task_count=7),
     StrategistMemory(goal_count=5),
     ORDER,

@@ -198,20 +198,20 @@ class NaiveFailureDetector:
             last = (beat.incarnation, beat.seq)
         return notes
 
-    def failure(self, now_s: float) -> str:
+    def failure(self, now_s: float) -> Reason | None:
         ear = NaiveEar()
         ear.notes = self.prior + self.notes()
         news = self.news()
         if not news:
-            return Reason.SILENT if now_s >= self.began_s + ear.bound_s(WORKING_INTERVAL_S) else ""
+            return Reason.SILENT if now_s >= self.began_s + ear.bound_s(WORKING_INTERVAL_S) else None
         heard_s, beat = news[-1]
         interval_s = WORKING_INTERVAL_S if beat.task is not None else IDLE_INTERVAL_S
         if now_s >= heard_s + ear.bound_s(interval_s):
             return Reason.SILENT
         if beat.help is not None:
             left_s = min(beat.help.until_s - beat.at_s, PROMISE_MAX_S)
-            return Reason.IN_ERROR if now_s >= heard_s + left_s else ""
-        return Reason.IN_ERROR if beat.status is AtvStatus.ERROR else ""
+            return Reason.IN_ERROR if now_s >= heard_s + left_s else None
+        return Reason.IN_ERROR if beat.status is AtvStatus.ERROR else None
 
 
 @given(before=BEATS, beats=BEATS, looks=st.lists(st.floats(0.0, 30.0), max_size=5))

@@ -1,7 +1,7 @@
 """Everything agents say to one another: frozen structs, one per utterance.
 
 `heartbeat` is what everybody may hear at any time, `contract` the negotiation, `order` and `command` what
-comes from people, `shutout` whom people let nobody hear, `dwell_point` how vehicles share places to stand, `stock` how
+comes from people, `shutout` the agents whom a manager has excluded, `dwell_point` how vehicles share places to stand, `stock` how
 material in storages is reserved, `fact` what each writes into its `history`.
 How messages become bytes is `dray.codec`; when they are said is `dray.protocol`.
 """

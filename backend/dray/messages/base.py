@@ -29,10 +29,10 @@ Count = Annotated[int, Meta(ge=0, le=2**53)]
 """Pieces and numbers in a sequence; up to what every JSON reader, a browser's too, holds exactly."""
 
 Seconds = Annotated[float, Meta(ge=-1e11, le=1e11)]
-"""A time on the plant's clock, or a length of time: three thousand years hold all that makes sense."""
+"""A time on the plant's clock, or a length of time: at most three thousand years."""
 
 Metres = Annotated[float, Meta(ge=-1e6, le=1e6)]
-"""A place or a distance in the plant: a thousand kilometres are no plant any more."""
+"""A place or a distance in the plant: none is a thousand kilometres wide."""
 
 MetresPerSecond = Annotated[float, Meta(ge=-100.0, le=100.0)]
 
@@ -46,8 +46,8 @@ CLOCKS_AGREE_S = 1.0
 """Clocks of one plant agree within this. It is added wherever a time by one clock is judged by another one."""
 
 CLOCK_WRONG_S = 300.0
-"""A clock that is wrong by more is not made up for. Computers that ask NTP are right within milliseconds; one that was
-set by hand is a few minutes off; what is beyond that has lost its battery, or takes its time from elsewhere."""
+"""A clock that is wrong by more is not corrected for. Computers that ask NTP are right within milliseconds; one that was
+set by hand is a few minutes off; beyond that a clock has lost its battery, or takes its time from elsewhere."""
 
 
 class Part(msgspec.Struct, frozen=True, gc=False):

@@ -1,4 +1,4 @@
-"""Shutting out: the agents that nobody hears any more, by a manager's word.
+"""Shutting out: the agents that nobody listens to any more, by a manager's decision.
 
 There is one list, and a gateway says it again and again on a key of its own, so that whoever joins later
 learns it too. The list with the highest number counts, whichever gateway has said it; whoever has heard it

@@ -15,6 +15,7 @@ from wall_clock import NOW_S
 
 from dray.errors import UnavailableError
 from dray.gateway.access.principal import Role, Scope
+from dray.messages import CommandRefusal
 from dray.store.access.audit import Audit
 from dray.store.database.database import Database
 
@@ -24,7 +25,7 @@ pytestmark = pytest.mark.anyio
 async def test_who_did_what_is_written_down_with_what_came_of_it(house: House) -> None:
     boss = await house.log_in("boss")
     house.bus.say(atv_heartbeat("ATV1"))
-    vehicle(house, done=False, reason="acknowledge first")
+    vehicle(house, refusal=CommandRefusal.NOT_ACKNOWLEDGED)
     placed = (await boss.post("/api/orders", json=draft())).json()
     await boss.post(f"/api/orders/{placed['id']}/cancel")
     await boss.post("/api/orders", json=draft(customer=""))
@@ -41,7 +42,7 @@ async def test_who_did_what_is_written_down_with_what_came_of_it(house: House) -
     assert len({row.session for row in rows}) == 1
     told = (await boss.get("/api/audit", params={"target": "ATV1"})).json()["items"][0]
     assert told["detail"]["kind"] == "resume"
-    assert told["detail"]["detail"] == "acknowledge first"
+    assert told["detail"]["reason"] == "acknowledge the stop first"
     assert (told["who"], told["who_kind"], told["from_ip"]) == ("boss", "person", "127.0.0.1")
 
 

@@ -16,7 +16,13 @@ from dray.adapters.security.signing import TrustedKeys
 from dray.gateway.factory.commands import STOP_VALID_S
 from dray.gateway.live.projection.recent_commands import RecentCommands
 from dray.gateway.live.views import CommandView
-from dray.messages import CommandAnswered, CommandKind, CommandRefusal, VehicleCommand, signed_words
+from dray.messages import (
+    CommandAnswered,
+    CommandKind,
+    CommandRefusal,
+    VehicleCommand,
+    signed_words,
+)
 from dray.messages.base import CLOCKS_AGREE_S
 
 pytestmark = pytest.mark.anyio
@@ -83,11 +89,12 @@ async def heard_of(house: House, body: dict[str, Any]) -> list[VehicleCommand]:
 
 
 async def test_a_refused_command_is_answered_with_the_vehicles_reason(house: House) -> None:
-    vehicle(house, done=False, reason="acknowledge first")
+    vehicle(house, refusal=CommandRefusal.NOT_ACKNOWLEDGED)
     answer = await ask(house, {"kind": "resume"})
     assert answer.status_code == 200
     assert answer.json()["done"] is False
-    assert answer.json()["detail"] == "acknowledge first"
+    assert answer.json()["reason"] == "not_acknowledged"
+    assert answer.json()["text"] == "acknowledge the stop first"
 
 
 async def test_a_command_that_is_not_answered_is_not_confirmed_and_not_sent_again(url: str) -> None:

@@ -7,7 +7,7 @@ from typing import Any, cast
 import httpx
 from gateway_kit import House
 
-from dray.messages import CommandAnswered, Message, VehicleCommand
+from dray.messages import CommandAnswered, CommandRefusal, Message, VehicleCommand
 
 PROBLEM = "application/problem+json"
 
@@ -30,14 +30,18 @@ def problem(response: httpx.Response, status: int, kind: str) -> dict[str, Any]:
     return body
 
 
-def vehicle(house: House, atv: str = "ATV1", *, done: bool = True, reason: str = "") -> list[VehicleCommand]:
-    """Let a vehicle join that answers every command; the commands that it will have heard."""
+def vehicle(
+    house: House, atv: str = "ATV1", *, refusal: CommandRefusal | None = None
+) -> list[VehicleCommand]:
+    """Let a vehicle join that obeys every command, or refuses it; the commands that it will have heard."""
     heard: list[VehicleCommand] = []
 
     def receive(sender: str, message: Message) -> None:
         if isinstance(message, VehicleCommand):
             heard.append(message)
-            house.bus.tell(atv, sender, CommandAnswered(command=message.command, done=done, detail=reason))
+            house.bus.tell(
+                atv, sender, CommandAnswered(command=message.command, done=refusal is None, reason=refusal)
+            )
 
     house.bus.join(atv, receive)
     return heard

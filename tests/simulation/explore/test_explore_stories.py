@@ -18,7 +18,7 @@ def test_a_story_goes_back_to_what_the_violation_names() -> None:
         story.on_message(10.0 + second, "M2", "*", event("M2", closed(f"M2-{second}")))
         story.on_message(10.0 + second, "M2", "*", heartbeat("ATV2"))
     lines = story.tell("invariant 1 is broken at 200.000 s: M8-1 did not end")
-    assert lines[0] == "    1.000 s  M8 to ATV2: Release task=M8-1 epoch=1 role=primary reason=no answer"
+    assert lines[0] == "    1.000 s  M8 to ATV2: Release task=M8-1 epoch=1 role=primary reason=no_answer"
     assert lines[1] == "    2.000 s  --- F1 begins: crashed (agent='ATV2')"
     assert lines[-1].startswith("  109.000 s  M2 notes TaskClosed task=M2-99")
     assert "M2-10 " not in "".join(lines)

@@ -29,7 +29,7 @@ class BidRefused(Fact, frozen=True):
 
 
 class ContractTaken(Fact, frozen=True):
-    """It is bound now."""
+    """It has taken a contract."""
 
     task: Id
     epoch: Count

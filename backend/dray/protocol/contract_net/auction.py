@@ -391,14 +391,7 @@ class Auction:
 
     def _note_answer(self, answer: Answer, reason: Refusal | None = None) -> None:
         terms = self.terms
-        fact = AwardAnswered(
-            task=terms.task,
-            epoch=terms.epoch,
-            role=terms.role,
-            bidder=self._asked,
-            answer=answer,
-            reason=reason,
-        )
+        fact = AwardAnswered(terms.task, terms.epoch, terms.role, self._asked, answer, reason)
         self._out.append(Record(fact))
 
     def _release(self, bidder: str, number: int, reason: Reason) -> None:

@@ -1,8 +1,8 @@
 """A vehicle's problem, and how long its task can wait for a person to solve it (paper, case 4).
 
-A vehicle in trouble keeps its task for a while: what a person solves in a minute needs no second
-vehicle. It says in its heartbeat until when it waits, and those who watch it act when that time is
-over. Who promises to come is waited for longer.
+A vehicle with a problem keeps its task for a while: what a person solves in a minute needs no second
+vehicle. Its heartbeat tells until when it waits, and those who watch it act when that time is
+over. When a person promises to come, it waits longer.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from dray.messages.fact import HelpAsked, HelpPromised
 from dray.protocol.runtime.events import Effect, Record
 
 PATIENCE_MIN_S = 30.0
-"""Asked for even when the task is late already: less would help nobody."""
+"""The shortest wait that is asked for, even when the task is late already: in less nobody could help."""
 
 PATIENCE_MAX_S = 180.0
 """Waited for without a promise, however much time the task has."""
@@ -35,7 +35,7 @@ class Assistance:
         self._asked = False
 
     def wait(self, slack_s: float, now_s: float) -> HelpWanted:
-        """Let the task wait for a person, once per trouble. Whoever was stopped by one asks for nobody by that.
+        """Let the task wait for a person, once per problem, without asking for one: who stopped the vehicle knows.
 
         Args:
             slack_s: how much later than expected the task may be done.
@@ -46,7 +46,7 @@ class Assistance:
         return self.help
 
     def ask(self, reason: str, task: str, slack_s: float, now_s: float) -> None:
-        """Let the task wait for a person, and ask for one, once per trouble.
+        """Let the task wait for a person, and ask for one, once per problem.
 
         Args:
             reason: what is wrong, in words.

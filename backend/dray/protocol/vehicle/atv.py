@@ -288,7 +288,7 @@ class Atv(AgentBase):
         self.update_status(now_s, "problem cleared")
 
     def _end_trouble(self, now_s: float) -> None:
-        """One reason to stand is gone; it goes on when no other is left."""
+        """End one reason to stand; drive on when no other is left."""
         if self._is_stuck:
             return
         self._assistance.over()
@@ -324,21 +324,21 @@ class Atv(AgentBase):
         return "a load is on board" if self._contracts.job is None and self.load[0] else ""
 
     def stop_resting(self) -> None:
-        """It has something to do: whatever it did without is over."""
+        """Leave the charger or parking place: there is work."""
         self._idle.stop()
 
     def note_ended(self, reason: str, now_s: float) -> None:
-        """It has no work any more."""
+        """Look for what comes next: the contract has ended."""
         self._assistance.over()
         self.update_status(now_s, reason)
         self._idle.soon(now_s)
 
     def commit(self) -> None:
-        """The next life must know of something else."""
+        """Write what the next life must know into the journal."""
         self._commit()
 
     def beat_soon(self, now_s: float) -> None:
-        """The heartbeat tells something new."""
+        """Send the next heartbeat at once."""
         self._heartbeat_timer.at_once(now_s)
 
     def _objection(self, sender: str, message: Message) -> str:
@@ -383,7 +383,7 @@ class Atv(AgentBase):
     # --- what others see ---
 
     def update_status(self, now_s: float, reason: str) -> None:
-        """Its status may be another one now, for that reason."""
+        """Work the status out anew, and tell the reason if it has changed."""
         if self._commands.stopped:
             status = AtvStatus.STOPPED
         elif self._assistance.problem:

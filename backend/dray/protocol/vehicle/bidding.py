@@ -17,7 +17,7 @@ MAX_WATCHES = 3
 """Tasks that one vehicle watches at most: it can take over only one of them."""
 
 PLACES_TOLD = 32
-"""Places of which one announcement tells: its sources, and its destination."""
+"""Places whose waiting time one announcement tells: its sources, and its destination."""
 
 
 class Standing(msgspec.Struct, frozen=True):

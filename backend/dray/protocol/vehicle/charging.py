@@ -14,17 +14,18 @@ from dray.protocol.runtime.bounded_map import BoundedMap
 from dray.protocol.vehicle.reserve import RESERVE_FRAC, Reserve
 
 WORTH_FRAC = 0.15
-"""What a way to a charger must bring. So much emptier is the one for whom a charger is left, since both drive for it."""
+"""The least charge that is worth the way to a charger. A charger is left to a vehicle that is emptier by as much, since both
+drive for it."""
 
 SPENT_FRAC = 0.05
 """Below `up_to_frac`, before a vehicle that stands at a charger plugs in again."""
 
 GIVES_WAY_AGAIN_S = 1800.0
-"""To one and the same vehicle a charger is left once in so long: who was let in has charged for a while since. One that
+"""The shortest time between two times that a charger is left to the same vehicle: it has charged meanwhile. One that
 lies about its battery gains no more than that."""
 
 REMEMBERED = 64
-"""Vehicles to whom a charger was left: more do not want one charger in half an hour."""
+"""How many vehicles to whom the charger was left are remembered: fewer want one charger in half an hour."""
 
 HOUR_S, DAY_H = 3600.0, 24.0
 

@@ -116,7 +116,7 @@ class CommandHandling:
         self._asked_s = now_s
 
     def _refuse(self, sender: str, command: VehicleCommand, why: CommandRefusal) -> None:
-        """Somebody asks who may not: that is told as any refusal, and counted."""
+        """Refuse a command that nobody who may has granted; it is told and counted as any refusal."""
         self._tell(sender, command, why)
         self._out.append(Ignore(f"a command that may not be given: {why}"))
 

@@ -66,19 +66,19 @@ class Owner(Protocol):
         """Why it may take no work at all; empty when it may."""
 
     def stop_resting(self) -> None:
-        """It has something to do: whatever it did without is over."""
+        """Leave the charger or parking place: there is work."""
 
     def update_status(self, now_s: float, reason: str) -> None:
-        """Its status may be another one now, for that reason."""
+        """Work the status out anew, and tell the reason if it has changed."""
 
     def note_ended(self, reason: str, now_s: float) -> None:
-        """It has no work any more."""
+        """Look for what comes next: the contract has ended."""
 
     def commit(self) -> None:
-        """The next life must know of something else."""
+        """Write what the next life must know into the journal."""
 
     def beat_soon(self, now_s: float) -> None:
-        """The heartbeat tells something new."""
+        """Send the next heartbeat at once."""
 
 
 class Contracts:
@@ -290,7 +290,7 @@ class Contracts:
 
         Args:
             contract: of the task.
-            how: said first: how it came to that.
+            how: recorded first: the award or the takeover that it comes from.
             begin: the first step of the job.
             now_s: the present time.
         """

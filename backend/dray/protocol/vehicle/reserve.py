@@ -12,7 +12,7 @@ COMPARED = 4
 """Chargers whose ways are compared, the closest as the crow flies."""
 
 NEVER_FRAC = 2.0
-"""More than any battery holds."""
+"""Stands for "no charger can be reached": more than any battery holds."""
 
 
 class Reserve:

@@ -28,23 +28,23 @@ ASK_FOR_WORK = "ask for work"
 """The alarm for asking again, as long as nobody has answered."""
 
 COLLECT_S = 0.5
-"""Some times the latency of a good WLAN. What comes later is bid for when it comes."""
+"""A few times the latency of a good WLAN. An offer that comes later is answered when it comes."""
 
 ANSWER_S = 1.5
 """How long a bid may stay unanswered: its auction was resting, so the award follows at once."""
 
 ASKS = 3
 ASK_AGAIN_S = 5.0
-"""A question may be lost; after so many without an answer nothing waits. So long after an answer was waited for in vain."""
+"""Questions without an answer, and the time between two: one may be lost, and after the last one nothing waits."""
 
 OFFERS_KEPT = 64
-"""Of coordinators: more than are waited for in any plant that is not hopeless; the least urgent are let go."""
+"""Coordinators whose offers are kept; the least urgent beyond that are dropped."""
 
 PASSING = frozenset({Refusal.BUSY, Refusal.BATTERY, Refusal.NOT_FIT})
-"""Reasons that are over when the vehicle is free, charged and well. A deadline moves with the next announcement."""
+"""Refusals that do not hold any more when the vehicle is free, charged and well. A deadline moves with the next announcement."""
 
 CHARGED_FRAC = 0.05
-"""So much more in the battery may be enough for what it was not enough for."""
+"""Charge after which a transport that was refused for the battery may be possible."""
 
 PAUSE_S = 20.0
 """When nothing that was offered came to a contract."""
@@ -157,7 +157,7 @@ class WorkSearch:
         return None
 
     def _collect(self, now_s: float) -> None:
-        """Hear for a moment what is offered, and choose then."""
+        """Collect offers for COLLECT_S, and choose then."""
         self._open = True
         self._timers.set(SEEK, now_s + COLLECT_S)
 
