@@ -2,7 +2,7 @@ import { describe, expect, test } from "vitest";
 import type { Lane } from "../../api/types";
 import { heatOf, stepOf, stepsTo } from "./heat";
 
-const lane = (start: string, end: string): Lane => ({ start, end, both_ways: true, speed_limit_mps: 1.5 });
+const lane = (start: string, end: string): Lane => ({ start, end, both_ways: true, speed_limit_mps: 1.5, two_lanes: null });
 
 describe("the heat of traffic", () => {
   test("is that of both directions together, whichever way a lane is named", () => {
