@@ -77,7 +77,7 @@ def test_a_load_shifts_and_an_operator_stops_puts_right_acknowledges_and_resumes
     atv, task = loaded.atv["id"], loaded.atv["task"]["task"]
     finder = manager.get_by_role("combobox", name="Find")
     finder.fill(atv)
-    expect(manager.get_by_role("option").first).to_contain_text(atv)
+    expect(manager.locator("#finder-list").get_by_role("option").first).to_contain_text(atv)
     finder.press("Enter")
     overview = manager.locator(".card.atv")
     overview.get_by_role("button", name="Faults").click()

@@ -50,7 +50,7 @@ class Watched:
 def choose(page: Page, name: str) -> None:
     finder = page.get_by_role("combobox", name="Find")
     finder.fill(name)
-    expect(page.get_by_role("option").first).to_contain_text(name)
+    expect(page.locator("#finder-list").get_by_role("option").first).to_contain_text(name)
     finder.press("Enter")
 
 
