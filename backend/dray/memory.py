@@ -12,6 +12,7 @@ from collections.abc import Mapping
 
 from dray.messages import CommandRefusal, OrderItem, Phase, Production, Reason, TakenOver, Transport
 from dray.messages.base import Part
+from dray.messages.traffic import Bookings
 
 
 class AtvMemory(Part, tag_field="kind", tag="atv", frozen=True):
@@ -181,7 +182,27 @@ class GoalBooked(Part, frozen=True):
     """Pieces that were counted at the gate, and told of."""
 
 
-Note = AtvMemory | MachineMemory | StationMemory | StrategistMemory | OrderMemory | ReturnedOrder | EndedOrder
+class BookMemory(Part, tag_field="kind", tag="book", frozen=True):
+    """The book of a district as one of its keepers remembers it (`dray.protocol.traffic.books.copies`)."""
+
+    epoch: int
+    """The highest that it has promised, or heard of."""
+    kept_epoch: int
+    """Of the one who has written the copy."""
+    version: int
+    bookings: Bookings = ()
+
+
+Note = (
+    AtvMemory
+    | MachineMemory
+    | StationMemory
+    | StrategistMemory
+    | OrderMemory
+    | ReturnedOrder
+    | EndedOrder
+    | BookMemory
+)
 
 WHOLE = ""
 """The name of an agent's only note, or of that which is about none of its orders. An order's note has its id."""

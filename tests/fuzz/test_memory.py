@@ -73,12 +73,16 @@ def _value(hint: Any, name: str, number: int) -> Any:
         return _plain(args[0], name, number)
     if origin in (typing.Union, types.UnionType):
         return _value(args[number % len(args)], name, number)
+    if origin is tuple and args[-1] is not Ellipsis:
+        return tuple(_value(arg, name, number) for arg in args)
     if origin is tuple:
         return (_value(args[0], name, number),)
     if origin is typing.Literal:
         return args[number % len(args)]
     if hint is type(None):
         return None
+    if hint is msgspec.UnsetType:
+        return msgspec.UNSET
     if hint is bool:
         return bool(number % 2)
     if issubclass(hint, enum.Enum):

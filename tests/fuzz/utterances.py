@@ -69,12 +69,16 @@ class Utterances:
             return self._bounded(args[0], args[1], name)
         if origin in (typing.Union, types.UnionType):
             return st.one_of([self._value(arg, name) for arg in args])
+        if origin is tuple and args[-1] is not Ellipsis:
+            return st.tuples(*[self._value(arg, name) for arg in args])
         if origin is tuple:
             return st.lists(self._value(args[0], name), max_size=3).map(tuple)
         if origin is typing.Literal:
             return st.sampled_from(args)
         if hint is type(None):
             return st.none()
+        if hint is msgspec.UnsetType:
+            return st.just(msgspec.UNSET)
         if hint is bool:
             return st.booleans()
         if issubclass(hint, enum.Enum):

@@ -19,7 +19,7 @@ from dray.memory import Contract
 from dray.messages import DockHeld, DockOpened, HandoverAccepted, Phase, Pose, Superseded
 from dray.protocol.runtime.events import NEVER_S, Effect
 from dray.protocol.runtime.timers import Timers
-from dray.protocol.vehicle.driving import Driver
+from dray.protocol.vehicle.drivers.driver import Driver
 from dray.protocol.vehicle.job.job_messages import GIVE_UP_AFTER
 from dray.protocol.vehicle.job.job_state import LOADED, MANOEUVRES, TRANSITIONS, VOID, JobState, JobStates
 from dray.protocol.vehicle.job.transport_job import TRIES, TransportJob
@@ -99,7 +99,7 @@ class Walk:
     def arrives(self) -> None:
         if self.driver.way:
             way = instructed(self.out, Drive)[-1]
-            self.driver.on_done(WayDone(order=way.order, node=way.nodes[-1]))
+            self.driver.on_done(WayDone(order=way.order, node=way.nodes[-1]), 0.0)
             self.job.arrived(self.now_s)
 
     def does(self) -> None:

@@ -6,7 +6,7 @@ import pytest
 
 from dray.errors import ProtocolViolation
 from dray.messages.traffic import PlaceWished
-from dray.protocol.traffic.book import Book
+from dray.protocol.traffic.books.book import Book
 
 
 def wish(*holds: str, seen: int = 0, life: int = 1) -> PlaceWished:

@@ -8,7 +8,7 @@ import pytest
 
 from dray.messages.traffic import BookAsked, BookKept, BookTold, PlaceBooked, PlaceBooking
 from dray.protocol.runtime.events import Effect, Send
-from dray.protocol.traffic.copies import Copies, Kept
+from dray.protocol.traffic.books.copies import Copies, Kept
 
 NAMES = ("M1", "M2", "M3")
 

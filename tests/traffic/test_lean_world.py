@@ -8,9 +8,9 @@ import pytest
 
 from dray.messages.traffic import PlaceBooking, PlaceWished
 from dray.plant import Plant
-from dray.protocol.traffic import yielding
-from dray.protocol.traffic.book import Book
-from dray.protocol.traffic.copies import Copies
+from dray.protocol.traffic.books.book import Book
+from dray.protocol.traffic.books.copies import Copies
+from dray.protocol.traffic.driving import yielding
 from dray.protocol.traffic.places import Footprint, Places
 from dray_sim.bench.traffic import plants
 from dray_sim.bench.traffic.air import Quality

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from dray.plant import default_plant
+from dray.protocol.traffic.driving.reserved_way import SHORTEN_AT, ReservedWay
 from dray.protocol.traffic.places import Places
-from dray.protocol.traffic.reserved_way import SHORTEN_AT, ReservedWay
 
 PLACES = Places(default_plant())
 

@@ -84,12 +84,16 @@ def of_type(hint: Any) -> st.SearchStrategy[Any]:
         return st.one_of([of_type(arg) for arg in args])
     if origin is typing.Literal:
         return st.sampled_from(args)
+    if origin is tuple and args[-1] is not Ellipsis:
+        return st.tuples(*[of_type(arg) for arg in args])
     if origin is tuple:
         return st.lists(of_type(args[0]), max_size=3).map(tuple)
     if origin is typing.Literal:
         return st.sampled_from(args)
     if hint is type(None):
         return st.none()
+    if hint is msgspec.UnsetType:
+        return st.just(msgspec.UNSET)
     if issubclass(hint, enum.Enum):
         return st.sampled_from(hint)
     if issubclass(hint, msgspec.Struct):

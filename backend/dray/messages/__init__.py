@@ -2,7 +2,7 @@
 
 `heartbeat` is what everybody may hear at any time, `contract` the negotiation, `order` and `command` what
 comes from people, `shutout` the agents whom a manager has excluded, `dwell_point` how vehicles share places to stand, `stock` how
-material in storages is reserved, `fact` what each writes into its `history`.
+material in storages is reserved, `traffic` who may drive where, `fact` what each writes into its `history`.
 How messages become bytes is `dray.codec`; when they are said is `dray.protocol`.
 """
 
@@ -75,6 +75,17 @@ from dray.messages.order import (
 from dray.messages.reason import CommandRefusal, Implausible, Reason
 from dray.messages.shutout import ShutOut
 from dray.messages.stock import StockAsked, StockFreed, StockReserved, StockShort
+from dray.messages.traffic import (
+    BookAsked,
+    BookKept,
+    BookTold,
+    HoldsAsked,
+    PlaceBooked,
+    PlaceGranted,
+    PlaceWished,
+    YieldAsked,
+    YieldRefused,
+)
 
 Heartbeat = AtvHeartbeat | MachineHeartbeat
 """Of those who bid."""
@@ -119,6 +130,15 @@ AnyMessage = (
     | StockReserved
     | StockShort
     | StockFreed
+    | PlaceWished
+    | PlaceGranted
+    | YieldAsked
+    | YieldRefused
+    | HoldsAsked
+    | PlaceBooked
+    | BookKept
+    | BookAsked
+    | BookTold
 )
 
 __all__ = [
@@ -130,6 +150,9 @@ __all__ = [
     "AtvStatus",
     "Award",
     "Bid",
+    "BookAsked",
+    "BookKept",
+    "BookTold",
     "Brief",
     "Brought",
     "BufferLevel",
@@ -156,6 +179,7 @@ __all__ = [
     "HandoverAccepted",
     "Heartbeat",
     "HelpWanted",
+    "HoldsAsked",
     "Implausible",
     "JoiningMachine",
     "Link",
@@ -170,6 +194,9 @@ __all__ = [
     "OrderTaken",
     "Part",
     "Phase",
+    "PlaceBooked",
+    "PlaceGranted",
+    "PlaceWished",
     "Pose",
     "ProbationBrief",
     "Production",
@@ -198,5 +225,7 @@ __all__ = [
     "Withdrawn",
     "Work",
     "WorkSought",
+    "YieldAsked",
+    "YieldRefused",
     "signed_words",
 ]

@@ -9,6 +9,8 @@ from __future__ import annotations
 
 from enum import StrEnum
 
+from msgspec import UNSET, UnsetType
+
 from dray.messages.base import (
     Count,
     Fraction,
@@ -23,6 +25,7 @@ from dray.messages.base import (
     Text,
 )
 from dray.messages.reason import Reason
+from dray.messages.traffic import NO_RANK, Places, Rank
 
 
 class AtvStatus(StrEnum):
@@ -117,6 +120,19 @@ class HelpWanted(Part, frozen=True):
     """Who has said to be on the way; empty while nobody has."""
 
 
+class FloorBrief(Part, frozen=True):
+    """What a vehicle holds of the floor, for others' prices of ways and places to make room: a hint, and no right to anything."""
+
+    holds: Places = ()
+    stands: bool = True
+    """It may not drive anywhere at present."""
+    docked: bool = False
+    """It stays where it stands until its work is done there."""
+    waits: bool = False
+    """It stands because a place that it needs is another one's."""
+    rank: Rank = NO_RANK
+
+
 class ProbationBrief(Part, frozen=True):
     """How far an agent on probation has come."""
 
@@ -169,6 +185,8 @@ class AtvHeartbeat(Message, frozen=True):
     """It was asked to leave: it takes nothing new, and goes when nothing holds it any more."""
     probation: ProbationBrief | None = None
     """Set while it is on probation: it takes short tasks only."""
+    floor: FloorBrief | UnsetType = UNSET
+    """Left out where vehicles drive without right of way."""
 
 
 class BufferLevel(Part, frozen=True):

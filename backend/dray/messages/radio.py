@@ -1,6 +1,7 @@
 """What goes over the radio between vehicles when there is no WLAN (paper, case 3).
 
-Heartbeats, and what a transport that is under way needs to come to its end. No negotiation: bids, announcements, awards, claims and history do not fit.
+Heartbeats, what a transport that is under way needs to come to its end, and who may drive where. No negotiation: bids, announcements,
+awards, claims and history do not fit.
 
 The radio itself (range, hops, length of a frame) is hardware, and not said here.
 """
@@ -10,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
+from msgspec import UNSET
 from msgspec.structs import replace
 
 from dray.messages.base import Message
@@ -29,6 +31,7 @@ from dray.messages.contract import (
     Withdrawn,
 )
 from dray.messages.heartbeat import AtvHeartbeat, Link
+from dray.messages.traffic import HoldsAsked, PlaceGranted, PlaceWished, YieldAsked, YieldRefused
 
 CARRIED_BY_RADIO: frozenset[type[Message]] = frozenset(
     {
@@ -40,18 +43,40 @@ CARRIED_BY_RADIO: frozenset[type[Message]] = frozenset(
         Docked,
         Handover,
         HandoverAccepted,
+        HoldsAsked,
+        PlaceGranted,
+        PlaceWished,
         Release,
         Resigned,
         Superseded,
         TakenOver,
         VehicleCommand,
         Withdrawn,
+        YieldAsked,
+        YieldRefused,
     }
 )
 """What may go by radio beside heartbeats, in both directions."""
 
-DISPENSABLE: tuple[dict[str, Any], ...] = ({"way": ()}, {"watches": ()}, {"software": "", "dwell_point": ""})
+DISPENSABLE: tuple[dict[str, Any], ...] = (
+    {"way": ()},
+    {"watches": ()},
+    {"software": "", "dwell_point": ""},
+    {"floor": UNSET},
+)
 """What a heartbeat leaves out so that it fits into a frame, in this order: what others can do without first."""
+
+
+AVOID_NODES = (16, 4, 0)
+"""Of where nobody may make room, a wish or a request says so many nodes, the nearest first, until it fits into a frame."""
+
+
+def shortened_word(message: Message) -> Iterator[Message]:
+    """What is no heartbeat as it goes over the radio: whole, and then ever shorter."""
+    yield message
+    if isinstance(message, PlaceWished | YieldAsked | YieldRefused):
+        for nodes in AVOID_NODES:
+            yield replace(message, avoid=message.avoid[:nodes])
 
 
 def shortened(heartbeat: AtvHeartbeat) -> Iterator[AtvHeartbeat]:

@@ -87,6 +87,17 @@ from dray.messages.order import (
 )
 from dray.messages.shutout import ShutOut
 from dray.messages.stock import StockAsked, StockFreed, StockReserved, StockShort
+from dray.messages.traffic import (
+    BookAsked,
+    BookKept,
+    BookTold,
+    HoldsAsked,
+    PlaceBooked,
+    PlaceGranted,
+    PlaceWished,
+    YieldAsked,
+    YieldRefused,
+)
 
 
 class Kind(StrEnum):
@@ -165,6 +176,15 @@ SPEAKERS: Mapping[type[Message], frozenset[Kind]] = {
     Event: _TELLERS,
     EventsKept: _TELLERS,
     EventsAsked: _GATEWAYS | {Kind.HISTORIAN},
+    PlaceWished: _ATVS,
+    PlaceGranted: _DOCKS,
+    YieldAsked: _DOCKS,
+    YieldRefused: _ATVS,
+    HoldsAsked: _DOCKS,
+    PlaceBooked: _DOCKS,
+    BookKept: _DOCKS,
+    BookAsked: _DOCKS,
+    BookTold: _DOCKS,
 }
 """Every message, and the kinds of agents that may say it."""
 

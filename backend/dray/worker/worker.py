@@ -51,6 +51,17 @@ if TYPE_CHECKING:
     from dray.messages.keys import Keys
     from dray.ports import Body, Bus, Clock, Journal, Session
 
+_SENSED = frozenset(
+    {
+        messages.VehicleCommand,
+        messages.PlaceGranted,
+        messages.YieldAsked,
+        messages.YieldRefused,
+        messages.HoldsAsked,
+    }
+)
+"""What a vehicle answers by where it is at that moment."""
+
 _WOKEN = Woke(None)
 """Stands in the inbox for a wake-up: the body is sensed when the agent's turn comes, not before."""
 
@@ -217,7 +228,7 @@ class Worker:
         kind = type(heard.message)
         if kind is messages.EventsAsked:
             self._tell_again(heard.sender, cast(messages.EventsAsked, heard.message), session)
-        elif kind is messages.VehicleCommand:
+        elif kind in _SENSED:
             self._handle(Heard(heard.sender, heard.message, self._sense()), session)
         else:
             self._handle(heard, session)

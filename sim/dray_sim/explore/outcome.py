@@ -26,12 +26,14 @@ class Outcome(msgspec.Struct, frozen=True):
     """The fingerprint of all that was said; empty when it was not taken."""
     story: tuple[str, ...] = ()
     """What came last before it broke, line by line; empty when nothing broke or nobody listened."""
+    traffic: bool = False
+    """Whether vehicles drove with right of way."""
 
     @property
     def replay(self) -> str:
         """The command that plays this run again."""
         profile = "" if self.profile == "all" else f" --profile {self.profile}"
-        return f"dray sim explore --seed {self.seed}{profile}"
+        return f"dray sim explore --seed {self.seed}{profile}{' --traffic' if self.traffic else ''}"
 
 
 class Summary(msgspec.Struct, frozen=True):

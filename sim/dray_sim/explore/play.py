@@ -14,8 +14,10 @@ from dray_sim.bodies.vehicle.condition import BATTERY_EMPTY
 from dray_sim.checks.bounds import Bounds
 from dray_sim.checks.broken import InvariantBroken
 from dray_sim.checks.fault_attribution import FaultAttribution
+from dray_sim.checks.held_places import HeldPlaces
 from dray_sim.checks.invariants import Invariants
 from dray_sim.checks.liveness import LivenessCheck
+from dray_sim.checks.overlaps import Overlaps
 from dray_sim.checks.stale_contracts import StaleContracts
 from dray_sim.checks.standing import Standing
 from dray_sim.checks.waiting import NobodyWaitsInVain
@@ -41,12 +43,12 @@ LONGEST_S = 6 * 3600.0
 """Nothing in a run takes so long; a run that does is broken, too."""
 
 
-def try_seed(seed: int, profile: str = "all") -> Outcome:
+def try_seed(seed: int, profile: str = "all", *, traffic: bool = False) -> Outcome:
     """Play the run of a seed; one that breaks is played again to tell how it came to that.
 
     Never raises an error of the run: whatever ends it is what the search is looking for.
     """
-    run = draw(seed, profile)
+    run = draw(seed, profile, traffic=traffic)
     outcome = play(run)
     return play(run, listen=True) if outcome.broken else outcome
 
@@ -140,7 +142,13 @@ class _Game:
         """Run it to its end."""
         run, listeners = self._run, Listeners()
         factory = SimFactory(
-            run.plant, clock(), seed=run.seed, stock_frac=run.stock_frac, codec=run.codec, listener=listeners
+            run.plant,
+            clock(),
+            seed=run.seed,
+            stock_frac=run.stock_frac,
+            codec=run.codec,
+            listener=listeners,
+            traffic=run.traffic,
         )
         liar = INSIDER if run.insider else ""
         attribution, liveness = (
@@ -162,6 +170,9 @@ class _Game:
         let_happen(run.schedule, faults)
         if not run.has_faults:
             checks.add(_Powered())
+        if run.traffic:
+            checks.add(HeldPlaces(factory))
+            checks.add(Overlaps(factory.vehicles))
         listeners.add(
             *(listener for listener in (self._story, self._trace) if listener is not None),
             self._tally,
@@ -185,6 +196,7 @@ class _Game:
         return Outcome(
             seed=self._run.seed,
             profile=self._run.profile,
+            traffic=self._run.traffic,
             broken=self.broken,
             duration_s=self._ended_s,
             transports=self._tally.transports,

@@ -51,6 +51,7 @@ class Run:
         cancelled: orders that are cancelled, and when (plant clock), in the order of their times.
         revocations: orders that are taken back and published again.
         insider: how somebody lies until the quiet phase (`dray_sim.insiders`); empty where nobody does.
+        traffic: whether vehicles drive with right of way; nothing else of the run follows from it.
     """
 
     seed: int
@@ -68,6 +69,7 @@ class Run:
     cancelled: tuple[tuple[float, str], ...] = field(repr=False)
     revocations: tuple[Revocation, ...] = field(repr=False)
     insider: str = ""
+    traffic: bool = False
 
     @property
     def has_faults(self) -> bool:
@@ -97,12 +99,13 @@ class Run:
         ]
 
 
-def draw(seed: int, profile: str = "all") -> Run:
+def draw(seed: int, profile: str = "all", *, traffic: bool = False) -> Run:
     """The run of a seed; the same in every process.
 
     Args:
         seed: decides everything.
         profile: a name in `PROFILES`.
+        traffic: whether vehicles drive with right of way.
     """
     ranges = PROFILES[profile]
     # A generator is named by the seed and a word. Another word draws another run, so these stay as they are.
@@ -128,6 +131,7 @@ def draw(seed: int, profile: str = "all") -> Run:
         cancelled=_cancelled(orders, ranges.cancelled_frac, Random(f"{seed} regret")),
         revocations=_revocations(orders, ranges, Random(f"{seed} revised")),
         insider=_insider(ranges, Random(f"{seed} insider")),
+        traffic=traffic,
     )
 
 

@@ -15,6 +15,7 @@ from collections.abc import Callable, Generator, Iterator
 from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import closing, contextmanager
+from functools import partial
 from multiprocessing.synchronize import Event
 
 from dray.errors import UnavailableError
@@ -31,6 +32,9 @@ AHEAD = 3
 TOLD = 20
 """Violations that are kept with their stories."""
 
+Tries = Callable[[int], tuple[Outcome, float]]
+"""Plays a seed."""
+
 Played = list[tuple[Outcome, float]]
 """Outcomes, and the processor time that each took (s)."""
 
@@ -43,6 +47,7 @@ def search(
     last: int,
     *,
     profile: str = "all",
+    traffic: bool = False,
     jobs: int = 1,
     progress: Callable[[Outcome], None] = lambda _outcome: None,
 ) -> Summary:
@@ -52,6 +57,7 @@ def search(
         first: the first one.
         last: the one after the last one.
         profile: a name in `dray_sim.explore.profile.PROFILES`.
+        traffic: whether vehicles drive with right of way.
         jobs: processes; 1 plays them in this one.
         progress: called with every outcome, in the order of seeds.
 
@@ -62,7 +68,8 @@ def search(
         UnavailableError: a process was killed from outside.
     """
     tally = _Tally(first, last, profile, jobs)
-    played = _play_here(first, last, profile) if jobs == 1 else _play_in_pool(first, last, profile, jobs)
+    tries = partial(_timed, profile=profile, traffic=traffic)
+    played = _play_here(first, last, tries) if jobs == 1 else _play_in_pool(first, last, tries, jobs)
     with _stoppable(), closing(played):
         try:
             for outcome, took_s in played:
@@ -132,13 +139,13 @@ class _Tally:
         )
 
 
-def _play_here(first: int, last: int, profile: str) -> Generator[tuple[Outcome, float], None, None]:
+def _play_here(first: int, last: int, tries: Tries) -> Generator[tuple[Outcome, float], None, None]:
     for seed in range(first, last):
-        yield _timed(seed, profile)
+        yield tries(seed)
 
 
 def _play_in_pool(
-    first: int, last: int, profile: str, jobs: int
+    first: int, last: int, tries: Tries, jobs: int
 ) -> Generator[tuple[Outcome, float], None, None]:
     # Spawned, not forked: every process begins alike, on every system.
     context = multiprocessing.get_context("spawn")
@@ -149,7 +156,7 @@ def _play_in_pool(
     try:
         while True:
             while len(running) < AHEAD * jobs and (begin := next(chunks, None)) is not None:
-                running.append(pool.submit(_play_chunk, begin, min(begin + CHUNK, last), profile))
+                running.append(pool.submit(_play_chunk, begin, min(begin + CHUNK, last), tries))
             if not running:
                 return
             yield from running.popleft().result()
@@ -170,19 +177,19 @@ def _begin(stop: Event) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
-def _play_chunk(first: int, last: int, profile: str) -> Played:
+def _play_chunk(first: int, last: int, tries: Tries) -> Played:
     played: Played = []
     for seed in range(first, last):
         if _stop is not None and _stop.is_set():
             break
-        played.append(_timed(seed, profile))
+        played.append(tries(seed))
     return played
 
 
-def _timed(seed: int, profile: str) -> tuple[Outcome, float]:
+def _timed(seed: int, profile: str, *, traffic: bool) -> tuple[Outcome, float]:
     """Processor time, so that a busy machine does not change what a seed costs."""
     began_s = time.process_time()
-    outcome = try_seed(seed, profile)
+    outcome = try_seed(seed, profile, traffic=traffic)
     return outcome, time.process_time() - began_s
 
 

@@ -24,6 +24,7 @@ from dray.protocol.machine.machine import Machine
 from dray.protocol.runtime.events import Agent
 from dray.protocol.station.station import Station
 from dray.protocol.strategist.strategist import Strategist
+from dray.protocol.traffic.traffic_map import TrafficMap
 from dray.protocol.vehicle.atv import Atv
 from dray.protocol.vehicle.command_authorisation import Trusts
 from dray.worker.worker import Worker
@@ -76,6 +77,7 @@ class SimFactory:
         listener: hears everything that is said.
         meet: makes where the agents meet out of the simulated network.
         trusts: whose grants vehicles believe; by default those of `authority`.
+        traffic: whether vehicles drive with right of way; else as if each were alone.
 
     Attributes:
         authority: grants the commands of simulated people.
@@ -102,6 +104,7 @@ class SimFactory:
         listener: Listener | None = None,
         meet: Callable[[Bus], Bus] = lambda network: network,
         trusts: Trusts | None = None,
+        traffic: bool = False,
     ) -> None:
         self.plant = plant
         self.clock = clock
@@ -119,6 +122,7 @@ class SimFactory:
             coverage=Coverage.of_plant(plant),
         )
         self._meet = meet(self.bus)
+        self.traffic = TrafficMap(plant) if traffic else None
         self.floor = floor = Floor(plant, clock, seed=seed, stock_frac=stock_frac)
         self.source, self.gate, self.delivery = floor.source, floor.gate, floor.delivery
         self.storages, self.workcells, self.vehicles = floor.storages, floor.workcells, floor.vehicles
@@ -305,12 +309,18 @@ class SimFactory:
 
     def _machine(self, machine: str, plant: Plant, *, joining: bool = False) -> MakeAgent:
         return lambda life, software, probation: Machine(
-            machine, plant, incarnation=life, software=software, joining=joining, probation=probation
+            machine,
+            plant,
+            incarnation=life,
+            software=software,
+            joining=joining,
+            probation=probation,
+            traffic=self.traffic,
         )
 
     def _station(self, storage: str) -> MakeAgent:
         return lambda life, software, _probation: Station(
-            storage, self.plant, incarnation=life, software=software
+            storage, self.plant, incarnation=life, software=software, traffic=self.traffic
         )
 
     def _atv(self, spec: VehicleSpec) -> MakeAgent:
@@ -322,6 +332,7 @@ class SimFactory:
             software=software,
             probation=probation,
             trusts=self.trusts,
+            traffic=self.traffic,
         )
 
     def _strategist(self, life: int, _software: str, _probation: int) -> Agent:

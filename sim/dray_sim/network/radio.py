@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 
 from dray.codec import encode
 from dray.messages import AtvHeartbeat
-from dray.messages.radio import CARRIED_BY_RADIO, shortened
+from dray.messages.radio import CARRIED_BY_RADIO, shortened, shortened_word
 from dray_sim.network.latency import QUANTILE_BITS, Latency
 
 if TYPE_CHECKING:
@@ -136,14 +136,14 @@ class Radio:
 
         The frame's own header (who, to whom, over whom) is not counted.
         """
-        if type(message) is AtvHeartbeat:
-            return self._shorten_heartbeat(sender, message)
-        if type(message) not in CARRIED_BY_RADIO:
+        if type(message) is not AtvHeartbeat and type(message) not in CARRIED_BY_RADIO:
             self._lost[UNFIT] += 1
-        elif len(encode(sender, message)) > self.spec.frame_bytes:
-            self._lost[TOO_LONG] += 1
-        else:
-            return message
+            return None
+        shorter = shortened(message) if isinstance(message, AtvHeartbeat) else shortened_word(message)
+        for short in shorter:
+            if len(encode(sender, short)) <= self.spec.frame_bytes:
+                return short
+        self._lost[TOO_LONG] += 1
         return None
 
     def send(self, station: Modem, frame: Frame, via: tuple[str, ...] = ()) -> None:
@@ -192,10 +192,3 @@ class Radio:
             return False
         station.tokens -= 1.0
         return True
-
-    def _shorten_heartbeat(self, sender: str, heartbeat: AtvHeartbeat) -> AtvHeartbeat | None:
-        for short in shortened(heartbeat):
-            if len(encode(sender, short)) <= self.spec.frame_bytes:
-                return short
-        self._lost[TOO_LONG] += 1
-        return None

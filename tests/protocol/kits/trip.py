@@ -21,7 +21,7 @@ from dray.messages import (
 from dray.messages.fact import PhaseEntered
 from dray.protocol.runtime.events import NEVER_S, Effect
 from dray.protocol.runtime.timers import Timers
-from dray.protocol.vehicle.driving import Driver
+from dray.protocol.vehicle.drivers.driver import Driver
 from dray.protocol.vehicle.job.transport_job import TransportJob
 
 ROUTES = PLANT.routes("light")
@@ -83,7 +83,7 @@ class Trip:
     def arrives(self, *, opens: bool = True) -> None:
         """The newest way is driven; a storage lets the vehicle load at once, unless the test answers for it."""
         way = instructed(self.out, Drive)[-1]
-        self.driver.on_done(WayDone(order=way.order, node=way.nodes[-1]))
+        self.driver.on_done(WayDone(order=way.order, node=way.nodes[-1]), 0.0)
         self.job.arrived(self.now_s)
         source = self.job.source
         if opens and self.job.phase is Phase.LOADING and source in PLANT.storages:

@@ -9,7 +9,7 @@ from effects import instructed
 from dray.body import ActionFailed, Drive, LimitSpeed, NodePassed, VehicleState, WayDone
 from dray.messages import Pose
 from dray.protocol.runtime.events import Effect
-from dray.protocol.vehicle.driving import Driver
+from dray.protocol.vehicle.drivers.driver import Driver
 
 ROUTES = PLANT.routes("light")
 
@@ -46,7 +46,7 @@ class Seat:
         way = self.drives[-1]
         number = way.order if order is None else order
         report = NodePassed(order=number, node=way.nodes[index], index=index, battery_frac=0.9)
-        self.driver.on_passed(report)
+        self.driver.on_passed(report, 0.0)
 
 
 def test_a_way_leads_from_here_to_there_and_is_released_as_a_whole() -> None:
@@ -101,7 +101,7 @@ def test_a_way_back_to_the_node_just_left_is_driven_all_the_same() -> None:
 def test_at_its_end_a_way_is_done() -> None:
     seat = Seat("p3")
     seat.driver.go("s3", 0.0)
-    assert seat.driver.on_done(WayDone(order=seat.drives[-1].order, node="s3"))
+    assert seat.driver.on_done(WayDone(order=seat.drives[-1].order, node="s3"), 0.0)
     assert seat.driver.way == seat.driver.ahead == ()
     assert seat.driver.next_node == seat.driver.node == "s3"
 
@@ -111,7 +111,7 @@ def test_the_end_of_a_way_that_was_replaced_is_not_the_end() -> None:
     seat.driver.go("s3", 0.0)
     old = seat.driver.order
     seat.driver.go("p8", 1.0)
-    assert not seat.driver.on_done(WayDone(order=old, node="s3"))
+    assert not seat.driver.on_done(WayDone(order=old, node="s3"), 0.0)
     assert seat.driver.ahead
 
 
@@ -129,16 +129,16 @@ def test_a_refused_way_is_given_up_and_an_older_refusal_is_ignored() -> None:
     seat.driver.go("s3", 0.0)
     old = seat.driver.order
     seat.driver.go("p8", 1.0)
-    assert not seat.driver.on_failed(ActionFailed(order=old, reason="replaced"))
+    assert not seat.driver.on_failed(ActionFailed(order=old, reason="replaced"), 0.0)
     assert seat.driver.ahead
-    assert seat.driver.on_failed(ActionFailed(order=seat.driver.order, reason="blocked"))
+    assert seat.driver.on_failed(ActionFailed(order=seat.driver.order, reason="blocked"), 0.0)
     assert seat.driver.ahead == ()
 
 
 def test_the_failure_of_an_action_is_not_that_of_a_way() -> None:
     seat = Seat("p3")
     order = seat.driver.next_order()
-    assert not seat.driver.on_failed(ActionFailed(order=order, reason="no pallet"))
+    assert not seat.driver.on_failed(ActionFailed(order=order, reason="no pallet"), 0.0)
 
 
 def test_every_order_has_a_number_of_its_own() -> None:

@@ -47,7 +47,7 @@ from dray.protocol.contract_net.auction_rules import AuctionRules
 from dray.protocol.contract_net.parties import objection
 from dray.protocol.contract_net.trust.disbelief import Reproach
 from dray.protocol.contract_net.trust.probation import Probation
-from dray.protocol.liveness.suspicion import interval_s
+from dray.protocol.liveness.suspicion import WORKING_INTERVAL_S, interval_s
 from dray.protocol.machine.cycle import Cycle
 from dray.protocol.machine.goal_bidding import GoalBidder
 from dray.protocol.machine.material_flow import MaterialFlow
@@ -55,6 +55,7 @@ from dray.protocol.machine.production import Goal, GoalBook
 from dray.protocol.machine.supply import Supply
 from dray.protocol.runtime.agent import AgentBase
 from dray.protocol.runtime.events import (
+    Commit,
     Ignore,
     Publish,
     Record,
@@ -62,6 +63,8 @@ from dray.protocol.runtime.events import (
 )
 from dray.protocol.runtime.heartbeat_timer import BEAT, HeartbeatTimer
 from dray.protocol.runtime.shutdown import COORDINATOR_LEAVES_WITHIN_S
+from dray.protocol.traffic.books.bookkeeping import Bookkeeping
+from dray.protocol.traffic.traffic_map import TrafficMap
 
 
 class Machine(AgentBase):
@@ -76,6 +79,7 @@ class Machine(AgentBase):
         probation: transports to or from it that have to be done well before it takes long goals; 0 for a
             machine that is known to be good.
         rules: patience and reach of its auctions.
+        traffic: of the plant; None where vehicles drive without right of way.
     """
 
     def __init__(
@@ -88,6 +92,7 @@ class Machine(AgentBase):
         joining: bool = False,
         probation: int = 0,
         rules: AuctionRules | None = None,
+        traffic: TrafficMap | None = None,
     ) -> None:
         super().__init__(machine, incarnation, leaves_within_s=COORDINATOR_LEAVES_WITHIN_S)
         self._plant = plant
@@ -134,6 +139,8 @@ class Machine(AgentBase):
             WorkSought: self._on_sought,
             Disbelieved: Reproach(self._out).on_disbelieved,
         }
+        self._bookkeeping = Bookkeeping(machine, plant, traffic, self._timers, self._out)
+        self._message_handlers = self._bookkeeping.handlers(self._message_handlers)
         self._report_handlers = {
             CycleDone: self._cycle_done,
             CycleFailed: self._cycle_failed,
@@ -145,6 +152,7 @@ class Machine(AgentBase):
             BEAT: self._beat,
             **self._bidder.alarms,
             **self._flow.alarms,
+            **self._bookkeeping.alarms,
         }
 
     # --- the beginning, and time passing ---
@@ -162,9 +170,13 @@ class Machine(AgentBase):
         self._out.extend(Subscribe(self._keys.goals(product)) for product in self._products)
         self._out.append(Subscribe(self._keys.all_free))
         if self.incarnation > 1:
-            self._flow.recover(note is None, now_s)
+            self._flow.recover(note is None, now_s, listens_on=self._bookkeeping.keeps_books)
+        self._bookkeeping.start(memory, now_s)
         self._heartbeat_timer.at_once(now_s)
         self.pursue(now_s)
+
+    def _commits(self) -> list[Commit]:
+        return [*super()._commits(), *self._bookkeeping.commits()]
 
     def _restore(self, memory: MachineMemory, now_s: float) -> None:
         """Go on with what an earlier life was bound by."""
@@ -189,7 +201,8 @@ class Machine(AgentBase):
             self.pursue(now_s)
 
     def _beat(self, _about: None, now_s: float) -> None:
-        self._heartbeat_timer.go_on(interval_s(self._say_status(now_s)), now_s)
+        every_s = interval_s(self._say_status(now_s))
+        self._heartbeat_timer.go_on(WORKING_INTERVAL_S if self._bookkeeping.keeps_books else every_s, now_s)
 
     def _say_status(self, now_s: float) -> MachineHeartbeat:
         heartbeat = MachineHeartbeat(

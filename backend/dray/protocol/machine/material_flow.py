@@ -210,9 +210,9 @@ class MaterialFlow:
             elif work.destination == self._machine:
                 self._supply.ordered(work)
 
-    def recover(self, forgetful: bool, now_s: float) -> None:
+    def recover(self, forgetful: bool, now_s: float, *, listens_on: bool) -> None:
         """Listen for vehicles that work for this machine, and that it does not know of."""
-        self._recovery.listen(forgetful, now_s)
+        self._recovery.listen(forgetful, now_s, listens_on=listens_on)
 
     def _end_recovery(self, _about: None, now_s: float) -> None:
         self._recovery.stop_listening()

@@ -59,7 +59,7 @@ class AgentBase:
         self._unwritten = False
         self._timers = Timers()
         self._shutdown = GracefulShutdown(leaves_within_s)
-        self._message_handlers: Mapping[type[Message], Handler] = {}
+        self._message_handlers: dict[type[Message], Handler] = {}
         self._report_handlers: Mapping[type[Report], Callable[[Any, float], None]] = {}
         self._alarm_handlers: Mapping[str, Alarm] = {}
 

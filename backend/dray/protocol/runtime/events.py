@@ -47,8 +47,8 @@ class Heard(Value, frozen=True):
     sender: str
     message: Message
     body: BodyState | None = None
-    """What the agent's body senses at this moment, with a person's command: whether a vehicle may obey one
-    depends on where it is now. None with everything else."""
+    """What the agent's body senses at this moment, with a person's command and with words about right of way: what
+    a vehicle may do then depends on where it is now. None with everything else."""
 
 
 class Woke(Value, frozen=True):

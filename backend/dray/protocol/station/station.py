@@ -24,12 +24,14 @@ from dray.messages import (
 from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.protocol.contract_net.dock import Door
-from dray.protocol.liveness.suspicion import interval_s
+from dray.protocol.liveness.suspicion import WORKING_INTERVAL_S, interval_s
 from dray.protocol.runtime.agent import AgentBase
-from dray.protocol.runtime.events import Ignore, Instruct, Publish, Send
+from dray.protocol.runtime.events import Commit, Ignore, Instruct, Publish, Send
 from dray.protocol.runtime.heartbeat_timer import BEAT, HeartbeatTimer
 from dray.protocol.runtime.shutdown import COORDINATOR_LEAVES_WITHIN_S
 from dray.protocol.station.reservations import Ask, Reservations
+from dray.protocol.traffic.books.bookkeeping import Bookkeeping
+from dray.protocol.traffic.traffic_map import TrafficMap
 
 LAPSE = "lapse"
 
@@ -48,9 +50,18 @@ class Station(AgentBase):
         plant: the plant it stands in.
         incarnation: how often it has been started.
         software: the version it runs, for its heartbeat.
+        traffic: of the plant; None where vehicles drive without right of way.
     """
 
-    def __init__(self, storage: str, plant: Plant, *, incarnation: int = 1, software: str = "") -> None:
+    def __init__(
+        self,
+        storage: str,
+        plant: Plant,
+        *,
+        incarnation: int = 1,
+        software: str = "",
+        traffic: TrafficMap | None = None,
+    ) -> None:
         super().__init__(storage, incarnation, leaves_within_s=COORDINATOR_LEAVES_WITHIN_S)
         self._software = software
         self._beat_key = Keys(plant.id).station_heartbeat(storage)
@@ -65,7 +76,9 @@ class Station(AgentBase):
             Docked: self._on_docked,
         }
         self._report_handlers = {StockChanged: self._stock_changed}
-        self._alarm_handlers = {BEAT: self._beat, LAPSE: self._lapse}
+        self._bookkeeping = Bookkeeping(storage, plant, traffic, self._timers, self._out)
+        self._message_handlers = self._bookkeeping.handlers(self._message_handlers)
+        self._alarm_handlers = {BEAT: self._beat, LAPSE: self._lapse, **self._bookkeeping.alarms}
 
     # --- the beginning, time passing, and the end ---
 
@@ -78,7 +91,11 @@ class Station(AgentBase):
             for reserved in note.reserved:
                 self._book.restore(reserved, state.opened, now_s)
         self._go_on(now_s)
+        self._bookkeeping.start(memory, now_s)
         self._heartbeat_timer.at_once(now_s)
+
+    def _commits(self) -> list[Commit]:
+        return [*super()._commits(), *self._bookkeeping.commits()]
 
     def _sense(self, body: BodyState | None, now_s: float) -> None:
         state = self._storage(body)
@@ -93,7 +110,8 @@ class Station(AgentBase):
         return self._written
 
     def _beat(self, _about: None, now_s: float) -> None:
-        self._heartbeat_timer.go_on(interval_s(self._say_status(now_s)), now_s)
+        every_s = interval_s(self._say_status(now_s))
+        self._heartbeat_timer.go_on(WORKING_INTERVAL_S if self._bookkeeping.keeps_books else every_s, now_s)
 
     def _say_status(self, now_s: float) -> StationHeartbeat:
         heartbeat = StationHeartbeat(

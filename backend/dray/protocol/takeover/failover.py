@@ -23,6 +23,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Protocol, cast
 
+from msgspec import UNSET
+
 from dray.messages import AtvHeartbeat, Phase, Reason, TakenOver
 from dray.messages.fact import CarrierChanged, PrimarySuspected
 from dray.messages.heartbeat import GOODS_ABOARD
@@ -255,7 +257,7 @@ class Failover:
         progress, brief = task.contract.progress, heartbeat.task
         if progress is None or brief is None:
             return
-        held = task.contract.held_s < NEVER_S
+        held = task.contract.held_s < NEVER_S or (heartbeat.floor is not UNSET and heartbeat.floor.waits)
         if brief.phase is Phase.LOADING and progress.stands_long(brief.phase, now_s):
             held = held or not self._source_answers(task, now_s)
         failure = progress.on_heartbeat(heartbeat, brief.phase, held, now_s)

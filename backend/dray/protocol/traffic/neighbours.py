@@ -7,12 +7,14 @@ from collections.abc import Mapping
 from itertools import pairwise
 
 import msgspec
+from msgspec import UNSET
 
-from dray.messages.traffic import NO_RANK, Rank
-from dray.protocol.liveness.suspicion import bound_s
+from dray.messages import AtvHeartbeat, AtvStatus
+from dray.messages.traffic import NO_RANK, ROUTE_MAX, Rank
+from dray.protocol.liveness.suspicion import WORKING_INTERVAL_S, bound_s, interval_s
 
-SILENT_S = bound_s(1.0)
-"""Who beats once a second and was not heard for so long is counted as silent: others go round it."""
+SILENT_S = bound_s(WORKING_INTERVAL_S)
+"""A keeper of books beats once a second: who was not heard for so long is counted as silent."""
 
 NEAR_NODES = 12
 """So far ahead a vehicle's way counts as announced traffic: what it does later may change."""
@@ -30,6 +32,10 @@ class Seen(msgspec.Struct, frozen=True, gc=False):
     rank: Rank = NO_RANK
     route: tuple[str, ...] = ()
     """The nodes ahead of it; the first one is where it is."""
+    every_s: float = WORKING_INTERVAL_S
+    """How often it beats."""
+    stuck: bool = False
+    """It stands until a person has seen to it."""
 
 
 class Neighbours:
@@ -60,6 +66,28 @@ class Neighbours:
             self.holders[place] = atv
         self._seen[atv] = seen
 
+    def on_vehicle(self, heartbeat: AtvHeartbeat, now_s: float) -> None:
+        """A vehicle's heartbeat. One that tells nothing of traffic is shortened for the radio, or drives without right of way."""
+        floor, before = heartbeat.floor, self._seen.get(heartbeat.atv)
+        every_s = interval_s(heartbeat)
+        stuck = heartbeat.status in (AtvStatus.ERROR, AtvStatus.STOPPED)
+        if floor is not UNSET:
+            seen = Seen(
+                at_s=now_s,
+                holds=floor.holds,
+                stands=floor.stands,
+                docked=floor.docked,
+                rank=floor.rank,
+                route=(heartbeat.node, *heartbeat.way)[:ROUTE_MAX],
+                every_s=every_s,
+                stuck=stuck,
+            )
+        elif before is not None:
+            seen = msgspec.structs.replace(before, at_s=now_s, every_s=every_s, stuck=stuck)
+        else:
+            return
+        self.on_heartbeat(heartbeat.atv, seen)
+
     def forget(self, atv: str) -> None:
         """Somebody has carried it away."""
         seen = self._seen.pop(atv, None)
@@ -77,9 +105,9 @@ class Neighbours:
         return self._seen
 
     def is_silent(self, atv: str, now_s: float) -> bool:
-        """Whether a vehicle that has spoken was not heard for a while."""
+        """Whether nobody knows when a vehicle moves again: it was not heard for a while, or stands until a person has seen to it."""
         seen = self._seen.get(atv)
-        return seen is not None and now_s - seen.at_s > SILENT_S
+        return seen is not None and (seen.stuck or now_s - seen.at_s > bound_s(seen.every_s))
 
     def _forget_holds(self, atv: str, seen: Seen) -> None:
         for place in seen.holds:

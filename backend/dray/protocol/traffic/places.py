@@ -34,6 +34,12 @@ class Footprint(msgspec.Struct, frozen=True):
     length_m: float = 0.8
     width_m: float = 0.58
 
+    @classmethod
+    def of(cls, plant: Plant) -> Footprint:
+        """Of the vehicles of a plant."""
+        kinds = plant.vehicle_types.values()
+        return cls(max(kind.length_m for kind in kinds), max(kind.width_m for kind in kinds))
+
     @property
     def turning_radius_m(self) -> float:
         """Of the circle that it sweeps when it turns on the spot."""
@@ -74,7 +80,7 @@ class Places:
     Args:
         plant: nodes, lanes and machines.
         footprint: of the largest vehicle.
-        crossings: of two-lane roads; none on single track.
+        crossings: of two-lane roads; by default those of the plant.
         keepers: who keep books; the machines by default, and the stations too where there are few of them.
 
     Attributes:
@@ -89,11 +95,16 @@ class Places:
         plant: Plant,
         footprint: Footprint | None = None,
         *,
-        crossings: Sequence[Crossing] = (),
+        crossings: Sequence[Crossing] | None = None,
         keepers: Sequence[str] | None = None,
     ) -> None:
         self._roads = plant.roads
-        self._footprint = footprint or Footprint()
+        self._footprint = footprint or Footprint.of(plant)
+        if crossings is None:
+            crossings = [
+                Crossing(one.id, one.x_m, one.y_m, frozenset(one.lanes), frozenset(one.inner))
+                for one in plant.crossings.values()
+            ]
         self.mouths = _mouths(plant)
         self.docks = frozenset(plant.node_of(place) for place in plant.places)
         inner = {node: crossing.id for crossing in crossings for node in crossing.nodes}

@@ -54,14 +54,18 @@ from dray.protocol.runtime.agent import AgentBase
 from dray.protocol.runtime.events import Publish, Record
 from dray.protocol.runtime.heartbeat_timer import BEAT, HeartbeatTimer
 from dray.protocol.runtime.shutdown import CARRIER_LEAVES_WITHIN_S
+from dray.protocol.traffic.driving.right_of_way import RightOfWay
+from dray.protocol.traffic.traffic_map import TrafficMap
 from dray.protocol.vehicle.assistance import Assistance
 from dray.protocol.vehicle.cell_subscription import CellSubscription
 from dray.protocol.vehicle.charging import Charging
 from dray.protocol.vehicle.command_authorisation import CommandAuthorisation, Trusts, trusts_nobody
 from dray.protocol.vehicle.command_handling import CommandHandling
 from dray.protocol.vehicle.contracts import Contracts
-from dray.protocol.vehicle.driving import Driver
+from dray.protocol.vehicle.drivers.reserved_driver import ReservedDriver, driver_of
+from dray.protocol.vehicle.drivers.traffic_handling import TrafficHandling
 from dray.protocol.vehicle.idle_positioning import CLAIM, SETTLE, IdlePositioning
+from dray.protocol.vehicle.status_report import StatusReport
 
 ORDERS_PER_LIFE = 1_000_000
 """Numbers of ways and actions: what the body still reports to an earlier life is recognised."""
@@ -78,6 +82,7 @@ class Atv(AgentBase):
         software: the version it runs, for its heartbeat.
         probation: transports that it has to do well before it takes long ones; 0 for an agent that is known to be good.
         trusts: whose grants count when people command it.
+        traffic: of the plant; None to drive without right of way, as if there were no other vehicle.
     """
 
     def __init__(
@@ -90,15 +95,16 @@ class Atv(AgentBase):
         software: str = "",
         probation: int = 0,
         trusts: Trusts = trusts_nobody,
+        traffic: TrafficMap | None = None,
     ) -> None:
         super().__init__(atv, incarnation, leaves_within_s=CARRIER_LEAVES_WITHIN_S)
         self._plant = plant
         self._type = vehicle_type or plant.fleet[atv].type
-        self._software = software
         self._heartbeat_timer = HeartbeatTimer(self.id, self._timers)
         self._keys = Keys(plant.id)
         self._beat_key = self._keys.atv_heartbeat(atv)
-        self._driver = Driver(plant, self._type, self._out, first_order=incarnation * ORDERS_PER_LIFE)
+        first = incarnation * ORDERS_PER_LIFE
+        self._driver = driver_of(self, plant, self._type, traffic, self._timers, self._out, first_order=first)
         self._cells = CellSubscription(plant, self._keys, self._out)
         self._charging = Charging(plant, self._type)
         self._contracts = Contracts(
@@ -110,6 +116,9 @@ class Atv(AgentBase):
         self._assistance = Assistance(self._out)
         self._commands = CommandHandling(
             CommandAuthorisation(atv, plant, trusts), self._assistance, self._driver, self._out
+        )
+        self._status_report = StatusReport(
+            self, software, self._heartbeat_timer, self._driver, self._contracts, self._idle, self._commands
         )
         self._link = Link.WLAN
         self._status = AtvStatus.IDLE
@@ -136,6 +145,8 @@ class Atv(AgentBase):
             SETTLE: lambda _about, now_s: self._rest_on(SETTLE, now_s),
             CLAIM: lambda _about, now_s: self._rest_on(CLAIM, now_s),
         }
+        if isinstance(self._driver, ReservedDriver):
+            TrafficHandling(self._driver, self).fill(self._message_handlers, self._alarm_handlers)
 
     # --- the beginning, and time passing ---
 
@@ -184,33 +195,7 @@ class Atv(AgentBase):
             self._contracts.seek(now_s)
 
     def _say_status(self, now_s: float) -> AtvHeartbeat:
-        load, load_quantity = self.load
-        job = self._contracts.job
-        heartbeat = AtvHeartbeat(
-            atv=self.id,
-            incarnation=self.incarnation,
-            seq=self._heartbeat_timer.count(),
-            at_s=now_s,
-            status=self._status,
-            pose=self._driver.pose,
-            node=self._driver.node,
-            speed_mps=self._driver.speed_mps,
-            battery_frac=self.battery_frac,
-            load=load,
-            load_quantity=load_quantity,
-            task=job.brief() if job is not None else None,
-            watches=self._contracts.standby.briefs() if self._contracts.standby else (),
-            way=self._driver.ahead,
-            dwell_point=self._idle.dwell_point,
-            speed_limit_frac=self._driver.speed_frac,
-            acknowledged=self._commands.acknowledged,
-            link=self._link,
-            problem=self._assistance.problem,
-            help=self._assistance.help,
-            software=self._software,
-            draining=self._shutdown.begun,
-            probation=self._contracts.probation.brief(),
-        )
+        heartbeat = self._status_report.heartbeat(self._status, self._link, now_s)
         self._out.append(Publish(self._beat_key, heartbeat))
         return heartbeat
 
@@ -239,14 +224,17 @@ class Atv(AgentBase):
 
     # --- the body reports ---
 
-    def _node_passed(self, report: NodePassed, _now_s: float) -> None:
-        self._driver.on_passed(report)
+    def _node_passed(self, report: NodePassed, now_s: float) -> None:
+        self._driver.on_passed(report, now_s)
         self.battery_frac = report.battery_frac
         self._cells.move(*self._driver.position_m)
 
     def _way_done(self, report: WayDone, now_s: float) -> None:
-        if not self._driver.on_done(report):
-            return
+        if self._driver.on_done(report, now_s):
+            self.note_arrived(now_s)
+
+    def note_arrived(self, now_s: float) -> None:
+        """It stands where it was sent."""
         if self._contracts.job is not None:
             self._contracts.go_on(lambda job: job.arrived(now_s), now_s)
         else:
@@ -263,7 +251,7 @@ class Atv(AgentBase):
     def _action_failed(self, report: ActionFailed, now_s: float) -> None:
         if self._idle.action_failed(report.order, now_s):
             self.update_status(now_s, report.reason)
-        elif self._driver.on_failed(report):
+        elif self._driver.on_failed(report, now_s):
             if self._contracts.job is not None:
                 self._contracts.job.way_refused(now_s)
             else:
@@ -307,6 +295,17 @@ class Atv(AgentBase):
     # --- what its contracts ask and tell (`dray.protocol.vehicle.contracts.Owner`) ---
 
     @property
+    def right_of_way(self) -> RightOfWay | None:
+        """Its right of way, once its life has begun; None for one that drives without."""
+        driver = self._driver
+        return driver.right_of_way if isinstance(driver, ReservedDriver) and driver.node else None
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether it has a task."""
+        return self._contracts.job is not None
+
+    @property
     def is_draining(self) -> bool:
         """Whether it was asked to leave."""
         return self._shutdown.begun
@@ -331,7 +330,14 @@ class Atv(AgentBase):
         """Look for what comes next: the contract has ended."""
         self._assistance.over()
         self.update_status(now_s, reason)
+        self._driver.rest(now_s)
         self._idle.soon(now_s)
+
+    def note_makes_room(self, now_s: float) -> None:
+        """It leaves the place where it stood, for somebody else."""
+        if self._contracts.job is None and not self._driver.way:
+            self._idle.stop()
+            self._idle.soon(now_s)
 
     def commit(self) -> None:
         """Write what the next life must know into the journal."""
@@ -384,16 +390,8 @@ class Atv(AgentBase):
 
     def update_status(self, now_s: float, reason: str) -> None:
         """Work the status out anew, and tell the reason if it has changed."""
-        if self._commands.stopped:
-            status = AtvStatus.STOPPED
-        elif self._assistance.problem:
-            status = AtvStatus.ERROR
-        elif self._contracts.job is not None:
-            status = AtvStatus.WORKING
-        elif self._idle.charging:
-            status = AtvStatus.CHARGING
-        else:
-            status = AtvStatus.IDLE
+        self._driver.be_stuck(self._is_stuck, now_s)
+        status = self._status_report.status
         if status is not self._status:
             self._status = status
             self._out.append(Record(AtvStatusChanged(status=status, reason=reason)))

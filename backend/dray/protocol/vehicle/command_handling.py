@@ -16,7 +16,7 @@ from dray.protocol.runtime.bounded_map import BoundedMap
 from dray.protocol.runtime.events import Effect, Ignore, Instruct, Record, Send
 from dray.protocol.vehicle.assistance import Assistance
 from dray.protocol.vehicle.command_authorisation import CommandAuthorisation
-from dray.protocol.vehicle.driving import Driver
+from dray.protocol.vehicle.drivers.driver import Driver
 
 COMMANDS_KEPT = 32
 """Whoever gives a command repeats it until it is answered, and people give few: a command that comes
@@ -37,7 +37,7 @@ class CommandHandling:
         self, authority: CommandAuthorisation, trouble: Assistance, driver: Driver, out: list[Effect]
     ) -> None:
         self._authority = authority
-        self._assistance = trouble
+        self.assistance = trouble
         self._driver = driver
         self._out = out
         self._answered: BoundedMap[tuple[str, str], CommandMemory] = BoundedMap(COMMANDS_KEPT)
@@ -83,7 +83,7 @@ class CommandHandling:
             return False
         if self._authority.covers(command, grant, *place_m):
             refused = self._try(command, grant, now_s)
-            detail = self._assistance.problem if refused is CommandRefusal.FAULTY else ""
+            detail = self.assistance.problem if refused is CommandRefusal.FAULTY else ""
             self._tell(sender, command, refused, detail)
         else:
             refused, detail = CommandRefusal.NOT_HERE, ""
@@ -98,7 +98,7 @@ class CommandHandling:
 
     def restore(self, memory: AtvMemory) -> None:
         """Go on with what an earlier life was told; whether it is stopped, its body knows."""
-        self.acknowledged = memory.acknowledged and self.stopped and not self._assistance.problem
+        self.acknowledged = memory.acknowledged and self.stopped and not self.assistance.problem
         self._driver.speed_frac = memory.speed_frac
         self._answered.update({(each.person, each.command): each for each in memory.answered})
 
@@ -143,11 +143,11 @@ class CommandHandling:
         if command.kind is CommandKind.SET_SPEED:
             return self._limit_speed(command.speed_frac)
         if command.kind is CommandKind.PROMISE:
-            return self._assistance.promise(command.issued_by or grant.person, command.wait_s, now_s)
+            return self.assistance.promise(command.issued_by or grant.person, command.wait_s, now_s)
         if not self.stopped:
             return CommandRefusal.NOT_STOPPED
         if command.kind is CommandKind.ACKNOWLEDGE:
-            if self._assistance.problem:
+            if self.assistance.problem:
                 return CommandRefusal.FAULTY
             self.acknowledged = True
             return None

@@ -43,7 +43,7 @@ from dray.protocol.runtime.timers import Timers
 from dray.protocol.takeover.standby import WATCHED_SILENCE, Standby
 from dray.protocol.vehicle.bidding import Bidder, Standing
 from dray.protocol.vehicle.charging import Charging
-from dray.protocol.vehicle.driving import Driver
+from dray.protocol.vehicle.drivers.driver import Driver
 from dray.protocol.vehicle.job.job_messages import ASK, CLAIM_TASK
 from dray.protocol.vehicle.job.job_moves import RETRY
 from dray.protocol.vehicle.job.transport_job import TransportJob

@@ -23,7 +23,7 @@ from dray.plant import Plant
 from dray.protocol.runtime.events import Effect
 from dray.protocol.runtime.timers import Timers, spread_frac
 from dray.protocol.vehicle.charging import Charging
-from dray.protocol.vehicle.driving import Driver
+from dray.protocol.vehicle.drivers.driver import Driver
 from dray.protocol.vehicle.dwell_points import CONTEST_S, DwellPoints, Hold
 from dray.protocol.vehicle.reserve import COMPARED, NEVER_FRAC, Reserve
 

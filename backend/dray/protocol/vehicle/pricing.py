@@ -21,7 +21,7 @@ from dray.errors import NoWay
 from dray.messages import Refusal, Transport, TransportCost
 from dray.plant import Plant
 from dray.protocol.contract_net.dock import dock_of
-from dray.protocol.vehicle.driving import limited_s
+from dray.protocol.vehicle.drivers.driver import limited_s
 from dray.protocol.vehicle.reserve import Reserve
 
 ENERGY_S_PER_WH = 2.0

@@ -8,14 +8,15 @@ from dray.messages import Message
 from dray.messages.traffic import HoldsAsked, PlaceGranted, YieldAsked, YieldRefused
 from dray.protocol.runtime.events import Effect, Instruct, Send
 from dray.protocol.runtime.timers import Timers
-from dray.protocol.traffic.copies import Kept
-from dray.protocol.traffic.district import BOOK_TICK
-from dray.protocol.traffic.districts import Districts
+from dray.protocol.traffic.books.copies import Kept
+from dray.protocol.traffic.books.district import BOOK_TICK
+from dray.protocol.traffic.books.districts import Districts
+from dray.protocol.traffic.driving.place_requests import HELD_UP, IDLE, LOOK, WITH_TASK
+from dray.protocol.traffic.driving.right_of_way import RESTED, RightOfWay
+from dray.protocol.traffic.driving.wishes import WISH_AGAIN
 from dray.protocol.traffic.neighbours import Neighbours
 from dray.protocol.traffic.places import Places
-from dray.protocol.traffic.right_of_way import HELD_UP, IDLE, LOOK, RESTED, WITH_TASK, RightOfWay
 from dray.protocol.traffic.ways import Ways
-from dray.protocol.traffic.wishes import WISH_AGAIN
 from dray_sim.bench.traffic.air import Air
 from dray_sim.bench.traffic.carrier import Carrier
 from dray_sim.bench.traffic.clock import LeanClock
@@ -223,9 +224,9 @@ class BoxPilot(Agent):
         now_s = self.clock.now_s
         row = self.right_of_way
         if isinstance(message, PlaceGranted):
-            row.on_granted(message, now_s)
+            row.on_granted(sender, message, now_s)
         elif isinstance(message, YieldAsked):
-            row.on_yield_asked(message, now_s)
+            row.on_yield_asked(sender, message, now_s)
         elif isinstance(message, YieldRefused):
             row.on_yield_refused(sender, message, now_s)
         elif isinstance(message, HoldsAsked):

@@ -6,10 +6,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from math import cos, hypot, sin
 
-from dray.protocol.traffic.district import District
+from dray.protocol.traffic.books.district import District
+from dray.protocol.traffic.driving.place_requests import Errand
+from dray.protocol.traffic.driving.yielding import LAPSE_S
 from dray.protocol.traffic.places import Footprint, Places
-from dray.protocol.traffic.right_of_way import Errand
-from dray.protocol.traffic.yielding import LAPSE_S
 from dray_sim.bench.traffic.air import Air
 from dray_sim.bench.traffic.boxes import BoxMachine, BoxPilot
 from dray_sim.bench.traffic.carrier import Carrier

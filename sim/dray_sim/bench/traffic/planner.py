@@ -15,8 +15,8 @@ from math import inf
 
 from dray.body import Drive, ReleaseWay
 from dray.plant import Plant, bends
+from dray.protocol.traffic.driving.reserved_way import ReservedWay
 from dray.protocol.traffic.places import Footprint, Places
-from dray.protocol.traffic.reserved_way import ReservedWay
 from dray_sim.bench.traffic.air import Air
 from dray_sim.bench.traffic.carrier import Carrier
 from dray_sim.bench.traffic.checks import Checks

@@ -9,7 +9,7 @@ from statistics import quantiles
 from dray.messages import Message
 from dray.messages.traffic import PlaceBooking, YieldAsked, YieldRefused
 from dray.plant import Plant
-from dray.protocol.traffic.copies import Kept
+from dray.protocol.traffic.books.copies import Kept
 from dray.protocol.traffic.neighbours import Neighbours
 from dray.protocol.traffic.places import Footprint, Places
 from dray.protocol.traffic.prices import Prices

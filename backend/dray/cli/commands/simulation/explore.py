@@ -28,6 +28,9 @@ def explore(
     ] = None,
     jobs: Annotated[int, typer.Option(help="Processes; 0 for one per core.", min=0)] = 0,
     profile: Annotated[str, typer.Option(help="From where runs are drawn.")] = "all",
+    traffic: Annotated[
+        bool, typer.Option("--traffic", help="Vehicles take up room, and drive with right of way.")
+    ] = False,
     json: Annotated[Path | None, typer.Option(help="Write the summary here too.")] = None,
 ) -> None:
     """Try many seeds: a random plant, load and schedule of faults each. Exit 1 on a broken invariant."""
@@ -37,12 +40,12 @@ def explore(
 
     one_of(PROFILES, profile, "--profile")
     if seed is not None:
-        outcome = _replay(seed, profile)
+        outcome = _replay(seed, profile, traffic=traffic)
         if json is not None:
             write_json(json, outcome)
         raise typer.Exit(1 if outcome.broken else 0)
     first, last = _range(seeds)
-    summary, took_s = _search(first, last, profile, jobs or cores())
+    summary, took_s = _search(first, last, profile, jobs or cores(), traffic=traffic)
     _tell(summary, took_s)
     if json is not None:
         write_json(json, summary)
@@ -60,11 +63,11 @@ def _range(seeds: str) -> tuple[int, int]:
     return first, last
 
 
-def _replay(seed: int, profile: str) -> Outcome:
+def _replay(seed: int, profile: str, *, traffic: bool) -> Outcome:
     from dray_sim.explore.play import play
     from dray_sim.explore.run import draw
 
-    run = draw(seed, profile)
+    run = draw(seed, profile, traffic=traffic)
     typer.echo(f"seed {seed}: {run}")
     for line in run.timetable():
         typer.echo(f"  {line}")
@@ -78,7 +81,7 @@ def _replay(seed: int, profile: str) -> Outcome:
     return outcome
 
 
-def _search(first: int, last: int, profile: str, jobs: int) -> tuple[Summary, float]:
+def _search(first: int, last: int, profile: str, jobs: int, *, traffic: bool) -> tuple[Summary, float]:
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
@@ -95,7 +98,7 @@ def _search(first: int, last: int, profile: str, jobs: int) -> tuple[Summary, fl
             broken += bool(outcome.broken)
             bar.update(task, advance=1, description=f"{broken} broken" if broken else "exploring")
 
-        summary = search(first, last, profile=profile, jobs=jobs, progress=advance)
+        summary = search(first, last, profile=profile, traffic=traffic, jobs=jobs, progress=advance)
     return summary, time.monotonic() - began_s
 
 

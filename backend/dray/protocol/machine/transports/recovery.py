@@ -52,16 +52,18 @@ class Recovery:
         self._out = out
         self._forgetful = False
         """It has no notes of the life before."""
+        self._listens_on = False
 
-    def listen(self, forgetful: bool, now_s: float) -> None:
-        """Listen to all vehicles for a while."""
-        self._forgetful = forgetful
+    def listen(self, forgetful: bool, now_s: float, *, listens_on: bool) -> None:
+        """Listen to all vehicles for a while; `listens_on` where the machine goes on listening for another reason."""
+        self._forgetful, self._listens_on = forgetful, listens_on
         self._out.append(Subscribe(self._key))
         self._timers.set(RECOVERY_WAIT, now_s + RECOVERY_WAIT_S)
 
     def stop_listening(self) -> None:
         """The alarm has come: listen to all vehicles no longer."""
-        self._out.append(Unsubscribe(self._key))
+        if not self._listens_on:
+            self._out.append(Unsubscribe(self._key))
 
     def waits_for_word_on(self, task: str) -> bool:
         """Whether a task that is not known may be one of an earlier life, of which its carrier's heartbeat tells."""

@@ -10,7 +10,7 @@ from dray.memory import Contract
 from dray.plant import Plant
 from dray.protocol.contract_net.dock import dock_of
 from dray.protocol.runtime.timers import Timers
-from dray.protocol.vehicle.driving import Driver, limited_s
+from dray.protocol.vehicle.drivers.driver import Driver, limited_s
 
 RETRY = "retry"
 """The alarm for another try of a way or a manoeuvre, which is no message."""

@@ -34,7 +34,7 @@ from dray.messages.fact import PhaseEntered
 from dray.plant import Plant
 from dray.protocol.runtime.events import NEVER_S, Effect, Ignore, Record
 from dray.protocol.runtime.timers import Timers
-from dray.protocol.vehicle.driving import Driver
+from dray.protocol.vehicle.drivers.driver import Driver
 from dray.protocol.vehicle.job.job_messages import JobMessages
 from dray.protocol.vehicle.job.job_moves import JobMoves
 from dray.protocol.vehicle.job.job_state import LOADED, MANOEUVRES, JobState

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from msgspec import UNSET, UnsetType
+
 from dray.body import (
     SLOWEST_FRAC,
     ActionFailed,
@@ -13,6 +15,7 @@ from dray.body import (
     WayDone,
 )
 from dray.messages import Pose
+from dray.messages.heartbeat import FloorBrief
 from dray.plant import Plant
 from dray.protocol.runtime.events import Effect, Instruct
 
@@ -25,8 +28,7 @@ def limited_s(way_s: float, speed_frac: float) -> float:
 class Driver:
     """Turns "go there" into ways, and reports back into a place.
 
-    The whole way is released at once: no rule of right of way exists yet that could hold a part
-    of it back. Such a rule would live here, between the way and its release.
+    The whole way is released at once. A driver with right of way (`reserved_driving`) releases what the vehicle holds.
 
     Args:
         plant: where the lanes are.
@@ -117,7 +119,7 @@ class Driver:
         self.order += 1
         return self.order
 
-    def on_passed(self, report: NodePassed) -> None:
+    def on_passed(self, report: NodePassed, now_s: float) -> None:
         """A node was reached."""
         self.node = report.node
         spot = self._plant.nodes[report.node]
@@ -125,7 +127,7 @@ class Driver:
         if report.order == self.order and self.way:
             self._passed = report.index + 1
 
-    def on_done(self, report: WayDone) -> bool:
+    def on_done(self, report: WayDone, now_s: float) -> bool:
         """The vehicle has stopped at the end of a way; False when it was an older one."""
         self.node = report.node
         if report.order != self.order:
@@ -133,9 +135,21 @@ class Driver:
         self.way, self._passed, self.speed_mps = (), 0, 0.0
         return True
 
-    def on_failed(self, report: ActionFailed) -> bool:
+    def on_failed(self, report: ActionFailed, now_s: float) -> bool:
         """The way was refused; False when it was an older one, or none."""
         if report.order != self.order or not self.way:
             return False
         self.way, self._passed = (), 0
         return True
+
+    # --- right of way ----------------------------------------------------------------------------
+
+    def rest(self, now_s: float) -> None:
+        """There is no task any more: whoever wants to come by is made room for."""
+
+    def be_stuck(self, stuck: bool, now_s: float) -> None:
+        """The vehicle cannot move until a person has seen to it, or can again."""
+
+    def floor(self, now_s: float) -> FloorBrief | UnsetType:
+        """What it holds of the floor, for its heartbeat."""
+        return UNSET

@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 from dray.messages import Message
 from dray.protocol.runtime.events import Effect
 from dray.protocol.runtime.timers import Timers
-from dray.protocol.traffic.copies import Kept
-from dray.protocol.traffic.district import District
+from dray.protocol.traffic.books.copies import Kept
+from dray.protocol.traffic.books.district import District
 from dray.protocol.traffic.neighbours import Neighbours
 from dray.protocol.traffic.places import Places
 

@@ -98,7 +98,7 @@ class Wishes:
     def __init__(
         self, life: int, keepers_of: Mapping[str, Sequence[str]], timers: Timers, out: list[Effect]
     ) -> None:
-        self._life = life
+        self.life = life
         self._keepers_of = keepers_of
         self._timers = timers
         self._out = out
@@ -110,6 +110,10 @@ class Wishes:
     def districts(self) -> Iterable[str]:
         """Those whose keepers know of something that is held, or wanted."""
         return [district for district, line in self._lines.items() if line.lives]
+
+    def open(self, district: str) -> None:
+        """Have the keeper of a district told at the next occasion, whatever there is to tell."""
+        self._lines.setdefault(district, _Line()).lives = True
 
     def groups(self, district: str) -> tuple[tuple[str, ...], ...]:
         """What was asked for last."""
@@ -179,7 +183,7 @@ class Wishes:
         line.unanswered, line.said_s, line.lives = True, now_s, bool(holds or groups)
         wish = PlaceWished(
             district=district,
-            life=self._life,
+            life=self.life,
             seq=line.seq,
             epoch=line.epoch,
             rank=state.rank,
@@ -197,9 +201,14 @@ class Wishes:
         )
         self._timers.set((WISH_AGAIN, district), now_s + patience_s)
 
-    def on_granted(self, granted: PlaceGranted, now_s: float) -> tuple[str, ...] | None:
+    def keeps(self, agent: str, district: str) -> bool:
+        """Whether an agent is a keeper of a district's book: nobody else's word about it counts."""
+        return agent in self._keepers_of.get(district, ())
+
+    def on_granted(self, sender: str, granted: PlaceGranted, now_s: float) -> tuple[str, ...] | None:
         """What an answer grants that was not seen before; None when it is not to be believed."""
-        if granted.life != self._life:
+        keepers = self._keepers_of.get(granted.district, ())
+        if granted.life != self.life or not keepers or keepers[granted.epoch % len(keepers)] != sender:
             return None
         line = self._lines.setdefault(granted.district, _Line())
         if granted.epoch < line.epoch:
@@ -227,8 +236,10 @@ class Wishes:
         line = self._lines[district]
         line.content, line.groups, line.lives = _content(holds, groups, state), groups, bool(holds or groups)
 
-    def on_holds_asked(self, asked: HoldsAsked) -> bool:
+    def on_holds_asked(self, sender: str, asked: HoldsAsked) -> bool:
         """Somebody else keeps the book; True when it is to be told."""
+        if not self.keeps(sender, asked.district):
+            return False
         line = self._lines.setdefault(asked.district, _Line())
         if asked.epoch < line.epoch and not asked.roll_call:
             return False

@@ -8,7 +8,7 @@ from operator import itemgetter
 import msgspec
 
 from dray.messages.traffic import Blocked, PlaceWished
-from dray.protocol.traffic.book import Book
+from dray.protocol.traffic.books.book import Book
 
 
 class Hindrance(msgspec.Struct, frozen=True, gc=False):

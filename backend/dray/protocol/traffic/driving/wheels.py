@@ -6,7 +6,7 @@ from collections.abc import Callable
 from math import sqrt
 
 from dray.body import Drive, ReleaseWay
-from dray.protocol.traffic.reserved_way import ReservedWay
+from dray.protocol.traffic.driving.reserved_way import ReservedWay
 
 REACTION_S = 0.3
 """From a grant to the wheels, and back from the wheels to the wish."""
@@ -16,6 +16,9 @@ AHEAD_M = 1.0
 
 LEAST_LOOK_S = 0.1
 """Between two looks at where the vehicle is: less than half a metre at the highest speed."""
+
+ORDERS_KEPT = 4
+"""Reports of older ways than that are late beyond any reason."""
 
 LEAST_GAP_M = 0.15
 """A gap that shrinks while the vehicle gets faster is looked at again after half of it, and not after less than this."""
@@ -36,6 +39,10 @@ class Wheels:
         self._order = 0
         self._driven: tuple[str, ...] = ()
         """The way as the body knows it."""
+        self.is_finishing = False
+        """The body was told to end its way where it stands, and has not said that it has."""
+        self._first: dict[int, int] = {}
+        """Order -> the number of its first node, as the reserved way counts nodes; the newest orders only."""
 
     def drive(self, way: ReservedWay, speed_mps: float) -> Drive | ReleaseWay:
         """Drive the base: more of the way that the body knows, or another one from the next node on."""
@@ -45,9 +52,41 @@ class Wheels:
         if follows or (done == 0 and self._driven == ahead):
             return ReleaseWay(order=self._order, released=done + len(base))
         stood = speed_mps == 0.0 and way.past_m <= 0.0
-        self._order = self._next_order()
         self._driven = (way.node, *ahead) if stood else ahead
+        self._number(way.passed + (0 if stood else 1))
         return Drive(order=self._order, nodes=self._driven, released=len(base) + (1 if stood else 0))
+
+    def finish(self, way: ReservedWay) -> Drive:
+        """End the way that the body knows where it stands."""
+        self._driven = (way.node,)
+        self._number(way.passed)
+        self.is_finishing = True
+        return Drive(order=self._order, nodes=self._driven, released=1)
+
+    def has_more(self, way: ReservedWay) -> bool:
+        """Whether the body knows of more to drive than where it stands."""
+        return bool(self._driven) and self._first[self._order] + len(self._driven) - 1 > way.passed
+
+    def forget(self) -> None:
+        """The body has lost its way."""
+        self._driven, self.is_finishing = (), False
+
+    def number_of(self, order: int, index: int) -> int | None:
+        """The number of a node that the body has reached, as the reserved way counts them; None for a way of old."""
+        if order == self._order:
+            self.is_finishing = False
+        first = self._first.get(order)
+        return None if first is None else first + index
+
+    def knows(self, order: int) -> bool:
+        """Whether a way of this number was given lately."""
+        return order in self._first
+
+    def _number(self, first: int) -> None:
+        self._order, self.is_finishing = self._next_order(), False
+        self._first[self._order] = first
+        if len(self._first) > ORDERS_KEPT:
+            del self._first[next(iter(self._first))]
 
     def needs_m(self, speed_mps: float, round_s: float) -> float:
         """How near the end of the base may be before the next place is asked for: braking, and the way until an answer comes."""

@@ -28,12 +28,20 @@ class ReservedWay:
         self._at_m = [0.0]
         self._passed = 0
         self._base = 0
+        self._forgotten = 0
+        """Nodes that were passed and are not kept any more."""
         self._past_m = 0.0
         self.held: dict[str, int] = {places.place_of(node): 0}
         if next_node and next_node != node:
             self.turn_to((node, next_node))
             self._base = 1
             self.held.update(dict.fromkeys(places.needs(node, next_node), 1))
+
+    def again(self, node: str, next_node: str) -> ReservedWay:
+        """A way that begins where the vehicle is now; nodes are counted on."""
+        way = ReservedWay(self._places, node, next_node)
+        way._forgotten = self.passed
+        return way
 
     # --- where it is -----------------------------------------------------------------------------
 
@@ -76,6 +84,11 @@ class ReservedWay:
     def past_m(self) -> float:
         """How far the vehicle is past its last node."""
         return self._past_m
+
+    @property
+    def passed(self) -> int:
+        """How many nodes were passed so far: the number of `node`; the one after it has the next."""
+        return self._forgotten + self._passed
 
     # --- what happens ----------------------------------------------------------------------------
 
@@ -175,6 +188,7 @@ class ReservedWay:
         """Forget nodes that were passed and are clear."""
         first = min((self._passed, *self.held.values()))
         del self._nodes[:first], self._at_m[:first]
+        self._forgotten += first
         self._passed -= first
         self._base -= first
         self.held = {place: index - first for place, index in self.held.items()}

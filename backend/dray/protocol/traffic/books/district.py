@@ -22,12 +22,18 @@ from dray.messages.traffic import (
 )
 from dray.protocol.runtime.events import Effect, Ignore, Send
 from dray.protocol.runtime.timers import Timers
-from dray.protocol.traffic.allotment import FREE, Hindrance, allot
-from dray.protocol.traffic.book import Book
-from dray.protocol.traffic.copies import Copies, Kept
+from dray.protocol.traffic.books.allotment import FREE, Hindrance, allot
+from dray.protocol.traffic.books.book import Book
+from dray.protocol.traffic.books.copies import Copies, Kept
 from dray.protocol.traffic.neighbours import SILENT_S, Neighbours
 
 BOOK_TICK = "book tick"
+
+NO_KEEPER = "the word of somebody who does not keep this book"
+NOT_ITS_TURN = "a book written by one whose turn it is not"
+
+ROLL_S = 6.0
+"""A roll is called for so long at least: every vehicle beats in that time, also one that the plant file does not know."""
 
 TICK_S = 1.0
 """A holder is asked to make room, and a copy that was not answered for is sent, once in so long."""
@@ -82,6 +88,7 @@ class District:
         self._roll: dict[str, PlaceWished] | None = None
         """What vehicles have told, while the roll is called."""
         self._roll_epoch = 0
+        self._roll_until_s = 0.0
         self._led_epoch = -1
         """Under which this keeper has taken the book over last."""
         self._heard_s: dict[str, float] = {}
@@ -117,6 +124,9 @@ class District:
 
     def on_message(self, sender: str, message: Message, now_s: float) -> None:
         """One of the messages that name this district."""
+        if reason := self._objection(sender, message):
+            self._out.append(Ignore(reason))
+            return
         match message:
             case PlaceWished():
                 self._on_wish(sender, message, now_s)
@@ -133,6 +143,16 @@ class District:
                 self._after_copies(now_s)
             case _:
                 self._out.append(Ignore("no message for the keeper of a book"))
+
+    def _objection(self, sender: str, message: Message) -> str:
+        """Why a message is not believed, whatever it says: among keepers only keepers count, and only one of them writes."""
+        if isinstance(message, PlaceWished):
+            return ""
+        if sender not in self._keepers:
+            return NO_KEEPER
+        if isinstance(message, PlaceBooked) and self._keepers[message.epoch % len(self._keepers)] != sender:
+            return NOT_ITS_TURN
+        return ""
 
     def _on_wish(self, sender: str, wish: PlaceWished, now_s: float) -> None:
         if not self._inside.issuperset((*wish.holds, *(place for group in wish.groups for place in group))):
@@ -153,6 +173,7 @@ class District:
             self._newest[sender] = (wish.life, wish.seq)
             self._wishes[sender] = wish
             self._owed.add(sender)
+            self._book.claim(sender, wish.holds)
         self._settle(now_s)
 
     def free(self, atv: str, now_s: float) -> None:
@@ -170,6 +191,7 @@ class District:
         self._timers.set((BOOK_TICK, self._district), now_s + TICK_S)
         if self._roll is not None:
             self._call_roll()
+            self._close_roll(now_s)
         elif self.copies.asks:
             self.copies.ask()
             self._after_copies(now_s)
@@ -197,6 +219,7 @@ class District:
         """Something was told: perhaps this keeper leads now, or must call the roll."""
         if self.copies.needs_roll_call and self._roll is None:
             self._roll, self._roll_epoch = {}, self.copies.next_turn(0)
+            self._roll_until_s = now_s + ROLL_S
             self._call_roll()
         elif self.copies.leads and self._led_epoch != self.copies.kept.epoch:
             self._take_over()
@@ -211,8 +234,13 @@ class District:
         for atv in self._atvs:
             self._out.append(Send(atv, HoldsAsked(district=self._district, epoch=kept.epoch)))
 
+    @property
+    def _called(self) -> tuple[str, ...]:
+        """Whom a roll call is for: the vehicles of the plant, and those that were heard."""
+        return tuple(dict.fromkeys((*self._atvs, *self._neighbours.all)))
+
     def _call_roll(self) -> None:
-        for atv in self._atvs:
+        for atv in self._called:
             if self._roll is not None and atv not in self._roll:
                 self._out.append(
                     Send(atv, HoldsAsked(district=self._district, epoch=self._roll_epoch, roll_call=True))
@@ -235,7 +263,7 @@ class District:
 
     def _close_roll(self, now_s: float) -> None:
         roll = self._roll
-        if roll is None or any(atv not in roll for atv in self._atvs):
+        if roll is None or now_s < self._roll_until_s or any(atv not in roll for atv in self._called):
             return
         self.copies.end_roll_call(self._roll_epoch)
         self._roll = None

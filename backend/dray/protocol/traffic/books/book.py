@@ -60,6 +60,13 @@ class Book:
         self._rub_out(atv, gone)
         return bool(gone)
 
+    def claim(self, atv: str, places: Iterable[str]) -> bool:
+        """Write down what a vehicle says it holds, as far as nobody does: it has joined, or was put there; True when there was something."""
+        unknown = [place for place in places if not self.holder(place)]
+        if unknown:
+            self.grant(atv, unknown)
+        return bool(unknown)
+
     def begin_life(self, atv: str, wish: PlaceWished) -> bool:
         """Note a vehicle's life. What a new one has not seen is granted anew, under a number that only a majority can make count.
 

@@ -1,0 +1,1 @@
+"""Who holds which place: the books that machines keep."""

@@ -1,0 +1,168 @@
+"""What a machine, or the station of a storage, does for right of way: messages, alarms and notes of the books that it keeps."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from dray.memory import BookMemory, Memory
+from dray.messages import (
+    AtvHeartbeat,
+    BookAsked,
+    BookKept,
+    BookTold,
+    MachineHeartbeat,
+    Message,
+    PlaceBooked,
+    PlaceWished,
+    StationHeartbeat,
+)
+from dray.messages.keys import Keys
+from dray.plant import Plant
+from dray.protocol.runtime.events import Commit, Effect, Ignore, Subscribe
+from dray.protocol.runtime.timers import Timers
+from dray.protocol.traffic.books.copies import Kept
+from dray.protocol.traffic.books.district import BOOK_TICK
+from dray.protocol.traffic.books.districts import Districts
+from dray.protocol.traffic.neighbours import Neighbours
+from dray.protocol.traffic.traffic_map import TrafficMap
+
+NOT_KEPT_HERE = "about a book that is not kept here"
+
+NOTE = "book "
+"""Names the note of a book, before the district."""
+
+
+class Bookkeeping:
+    """One agent's books, or none.
+
+    Args:
+        me: the agent.
+        plant: for keys, and to know machines from stations.
+        traffic: of the plant; None where vehicles drive without right of way.
+        timers: the agent's alarms.
+        out: where effects go.
+    """
+
+    def __init__(
+        self, me: str, plant: Plant, traffic: TrafficMap | None, timers: Timers, out: list[Effect]
+    ) -> None:
+        self._me = me
+        self._plant = plant
+        self._keys = Keys(plant.id)
+        self._traffic = traffic
+        self._timers = timers
+        self._out = out
+        self._neighbours = Neighbours()
+        self._written: dict[str, Kept] = {}
+        self._books: Districts | None = None
+
+    @property
+    def keeps_books(self) -> bool:
+        """Whether it has any: others judge its silence then, so it beats as one that works."""
+        return self._traffic is not None and any(
+            self._me in keepers for keepers in self._traffic.places.keepers_of.values()
+        )
+
+    @property
+    def books(self) -> Districts | None:
+        """Those that it keeps; None before it was started, and where there are none."""
+        return self._books
+
+    def start(self, memory: Memory, now_s: float) -> None:
+        """Go on with what an earlier life has kept."""
+        traffic = self._traffic
+        if traffic is None or not self.keeps_books:
+            return
+        kept = {
+            name.removeprefix(NOTE): Kept(note.epoch, note.kept_epoch, note.version, note.bookings)
+            for name, note in memory.items()
+            if isinstance(note, BookMemory)
+        }
+        self._written = dict(kept)
+        self._books = Districts(
+            self._me, traffic.places, traffic.atvs, kept, self._neighbours, self._timers, self._out
+        )
+        self._out.append(Subscribe(self._keys.all_atv_heartbeats))
+        others = {
+            keeper
+            for keepers in traffic.places.keepers_of.values()
+            if self._me in keepers
+            for keeper in keepers
+        }
+        for keeper in sorted(others - {self._me}):
+            key = (
+                self._keys.machine_heartbeat
+                if keeper in self._plant.machines
+                else self._keys.station_heartbeat
+            )
+            self._out.append(Subscribe(key(keeper)))
+        self._books.start(now_s)
+
+    def commits(self) -> list[Commit]:
+        """What of the books has changed: it is written down before anything is said."""
+        if self._books is None:
+            return []
+        commits = []
+        for district, kept in self._books.kept().items():
+            if self._written.get(district) != kept:
+                self._written[district] = kept
+                note = BookMemory(kept.epoch, kept.kept_epoch, kept.version, kept.bookings)
+                commits.append(Commit(note, NOTE + district))
+        return commits
+
+    # --- messages and alarms ---------------------------------------------------------------------
+
+    def handlers(
+        self, before: Mapping[type[Message], Callable[[str, Any, float], None]]
+    ) -> dict[type[Message], Callable[[str, Any, float], None]]:
+        """The agent's table of messages with those about books in it; heartbeats are heard by both."""
+        if not self.keeps_books:
+            return dict(before)
+        heard: dict[type[Message], Callable[[str, Any, float], None]] = {
+            AtvHeartbeat: self._on_vehicle,
+            MachineHeartbeat: lambda sender, _message, now_s: self._on_keeper(sender, now_s),
+            StationHeartbeat: lambda sender, _message, now_s: self._on_keeper(sender, now_s),
+        }
+        table = dict(before)
+        for kind, note in heard.items():
+            table[kind] = _both(note, before[kind]) if kind in before else note
+        for kind in (PlaceWished, PlaceBooked, BookKept, BookAsked, BookTold):
+            table[kind] = self._on_message
+        return table
+
+    @property
+    def alarms(self) -> dict[str, Callable[[Any, float], None]]:
+        """Its alarms."""
+        return {BOOK_TICK: self._tick}
+
+    def free(self, atv: str, now_s: float) -> None:
+        """A person says that a vehicle was carried away."""
+        if self._books is not None:
+            self._neighbours.forget(atv)
+            self._books.free(atv, now_s)
+
+    def _on_message(self, sender: str, message: Any, now_s: float) -> None:
+        if self._books is None or not self._books.on_message(sender, message.district, message, now_s):
+            self._out.append(Ignore(NOT_KEPT_HERE))
+
+    def _on_vehicle(self, _sender: str, heartbeat: AtvHeartbeat, now_s: float) -> None:
+        self._neighbours.on_vehicle(heartbeat, now_s)
+
+    def _on_keeper(self, keeper: str, now_s: float) -> None:
+        if self._books is not None:
+            self._books.on_heartbeat(keeper, now_s)
+
+    def _tick(self, district: str, now_s: float) -> None:
+        if self._books is not None:
+            self._books.tick(district, now_s)
+
+
+def _both(
+    first: Callable[[str, Any, float], None], then: Callable[[str, Any, float], None]
+) -> Callable[[str, Any, float], None]:
+    def handle(sender: str, message: Any, now_s: float) -> None:
+        first(sender, message, now_s)
+        then(sender, message, now_s)
+
+    return handle

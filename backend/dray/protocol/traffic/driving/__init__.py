@@ -1,0 +1,1 @@
+"""A vehicle drives only into what it holds, and makes room for others."""

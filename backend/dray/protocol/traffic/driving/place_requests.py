@@ -1,0 +1,230 @@
+"""What a vehicle asks for and gives back as it drives: early enough that it need not brake, and not before it needs it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from enum import Enum
+
+from dray.messages.traffic import ROUTE_MAX, Rank
+from dray.protocol.runtime.events import Effect, Instruct
+from dray.protocol.runtime.timers import Timers, spread_frac
+from dray.protocol.traffic.driving.reserved_way import ReservedWay
+from dray.protocol.traffic.driving.wheels import Wheels
+from dray.protocol.traffic.driving.wishes import State, Wishes
+from dray.protocol.traffic.driving.yielding import Yielding
+from dray.protocol.traffic.neighbours import Neighbours, Seen
+from dray.protocol.traffic.places import Places
+from dray.protocol.traffic.prices import Outlook
+from dray.protocol.traffic.ways import Ways
+
+LOOK = "look"
+HELD_UP = "held up"
+
+REROUTE_S, REROUTE_MORE_S = 3.0, 2.0
+"""Held up for so long, a vehicle looks for another way; the second part follows from its name."""
+
+WITH_TASK, IDLE = 0, 1
+"""Classes of rank."""
+
+
+class Errand(Enum):
+    """Why the vehicle drives where it drives."""
+
+    OWN = "own"
+    """To where it was told to go."""
+    REFUGE = "refuge"
+    """Out of somebody's way."""
+    REST = "rest"
+    """It stands at a refuge for a while."""
+
+
+class PlaceRequests:
+    """One vehicle's requests for places, and what follows from the answers for its body.
+
+    Args:
+        atv: the vehicle.
+        life: its incarnation.
+        places, ways: of the plant.
+        neighbours: what is known of others.
+        timers: the agent's alarms; this one's are `LOOK`, `HELD_UP` and those of `Wishes`.
+        out: where effects go.
+        node, next_node: where the vehicle stands, or the lane that it is on; its way ends with that lane.
+        top_mps, acceleration_mps2: of the vehicle.
+        next_order: numbers ways.
+    """
+
+    def __init__(
+        self,
+        atv: str,
+        life: int,
+        places: Places,
+        ways: Ways,
+        neighbours: Neighbours,
+        timers: Timers,
+        out: list[Effect],
+        *,
+        node: str,
+        next_node: str = "",
+        top_mps: float,
+        acceleration_mps2: float,
+        next_order: Callable[[], int],
+    ) -> None:
+        self.atv = atv
+        self.way = ReservedWay(places, node, next_node)
+        self.wishes = Wishes(life, places.keepers_of, timers, out)
+        self.errand = Errand.OWN
+        self.goal = next_node or node
+        self.docked = False
+        self.stuck = False
+        """It cannot move until a person has seen to it: it asks for nothing, and is asked in vain."""
+        self._rests = True
+        """It was told no goal: wherever it stands is as good."""
+        self._places = places
+        self._ways = ways
+        self._timers = timers
+        self._out = out
+        self._wheels = Wheels(top_mps, acceleration_mps2, next_order)
+        self._rank: Rank = (IDLE, 0.0, atv)
+        self._outlook = Outlook(atv, neighbours)
+        self._yielding = Yielding(atv, ways, self._outlook, out)
+        self._speed_mps = 0.0
+        self._held_up_s: float | None = None
+        """Since when it stands and waits for its next group."""
+
+    # --- how things stand ------------------------------------------------------------------------
+
+    @property
+    def stands(self) -> bool:
+        """Whether it may not drive anywhere: it stands, or has come to its last place."""
+        return self.way.stands
+
+    @property
+    def is_finishing(self) -> bool:
+        """Whether the body was told to end its way, and has not said that it has."""
+        return self._wheels.is_finishing
+
+    def knows(self, order: int) -> bool:
+        """Whether the body was given a way of this number lately."""
+        return self._wheels.knows(order)
+
+    @property
+    def own_rank(self) -> Rank:
+        """Its rank, without what it has inherited."""
+        return self._rank
+
+    def rank(self, now_s: float) -> Rank:
+        """Its rank, or the one of whom it makes room for."""
+        inherited = self._yielding.of(now_s)
+        return self._rank if inherited is None else min(self._rank, inherited.rank)
+
+    @property
+    def held_up_since_s(self) -> float | None:
+        """Since when it stands and waits for a place; None when it does not."""
+        return self._held_up_s
+
+    def hint(self, now_s: float) -> Seen:
+        """What others are told with a heartbeat."""
+        return Seen(
+            at_s=now_s,
+            holds=tuple(self.way.held),
+            stands=self.way.stands,
+            docked=self.docked,
+            rank=self.rank(now_s),
+            route=(self.way.node, *self.way.ahead)[:ROUTE_MAX],
+        )
+
+    def sense(self, past_m: float, speed_mps: float) -> None:
+        """The vehicle is so far past its last node, at this speed; told before anything else of the same moment."""
+        self._speed_mps = speed_mps
+        self.way.move(past_m)
+
+    def look(self, now_s: float) -> None:
+        """The alarm `LOOK` has come: its owner has told before where the vehicle is."""
+        self._settle(now_s)
+
+    def repeat_wish(self, district: str, now_s: float) -> None:
+        """No answer has come from a district."""
+        groups = self._groups()
+        self.wishes.repeat(
+            district, self._holds_in(district), self._groups_in(district, groups), self._state(now_s), now_s
+        )
+
+    # --- driving ---------------------------------------------------------------------------------
+
+    def _drive_on(self, now_s: float) -> None:
+        """The base has grown: let the body drive it."""
+        self._note_wait(now_s)
+        self._out.append(Instruct(self._wheels.drive(self.way, self._speed_mps)))
+
+    def _note_wait(self, now_s: float) -> None:
+        if self._held_up_s is not None:
+            waited_s = now_s - self._held_up_s
+            if waited_s > 1.0 and self.way.base:
+                self._outlook.waited(self._places.place_of(self.way.base[0]), waited_s, now_s)
+            self._held_up_s = None
+            self._timers.clear(HELD_UP)
+
+    # --- wishes ----------------------------------------------------------------------------------
+
+    def _settle(self, now_s: float, *, anew: bool = False, anew_in: str = "", to: str = "") -> None:
+        """Give back what it is clear of, ask for what comes next, and look again in time."""
+        self.way.give_back()
+        groups = self._groups()
+        wanted_in = self._places.district_of[groups[0][0]] if groups else ""
+        if self.way.stands and groups:
+            if self._held_up_s is None:
+                self._held_up_s = now_s
+                self._timers.set(HELD_UP, now_s + self._patience_s)
+        elif self._held_up_s is not None:
+            self._held_up_s = None
+            self._timers.clear(HELD_UP)
+        state = self._state(now_s)
+        districts = dict.fromkeys(self._places.district_of[place] for place in self.way.held)
+        told = dict.fromkeys((*districts, wanted_in, *self.wishes.districts, anew_in))
+        told.pop("", None)
+        for district in told:
+            self.wishes.say(
+                district,
+                self._holds_in(district),
+                self._groups_in(district, groups),
+                state,
+                now_s,
+                anew=anew or district == anew_in,
+                to=to if district == anew_in else "",
+            )
+        self._look_again(now_s)
+
+    def _groups(self) -> tuple[tuple[str, ...], ...]:
+        """What it wants next."""
+        if self.docked or self.stuck or self.errand is Errand.REST:
+            return ()
+        return tuple(self.way.groups(self._wheels.needs_m(self._speed_mps, self.wishes.round_s)))
+
+    def _holds_in(self, district: str) -> tuple[str, ...]:
+        district_of = self._places.district_of
+        return tuple(sorted(place for place in self.way.held if district_of[place] == district))
+
+    def _groups_in(self, district: str, groups: tuple[tuple[str, ...], ...]) -> tuple[tuple[str, ...], ...]:
+        if groups and self._places.district_of[groups[0][0]] == district:
+            return groups
+        return ()
+
+    def _state(self, now_s: float) -> State:
+        inherited = self._yielding.of(now_s)
+        route = (self.way.node, *self.way.ahead)[:ROUTE_MAX]
+        if inherited is None:
+            return State(self._rank, self.way.stands, self.docked, route, ())
+        avoid = tuple(dict.fromkeys((*route, *inherited.avoid)))[: 2 * ROUTE_MAX]
+        return State(self.rank(now_s), self.way.stands, self.docked, avoid, inherited.chain)
+
+    def _look_again(self, now_s: float) -> None:
+        """Set the alarm for the moment when it may be clear of a place, or needs the next one."""
+        when_s = self._wheels.look_in_s(self.way, self._speed_mps, self.wishes.round_s)
+        if when_s is None:
+            self._timers.clear(LOOK)
+        else:
+            self._timers.set(LOOK, now_s + when_s)
+
+    @property
+    def _patience_s(self) -> float:
+        return REROUTE_S + REROUTE_MORE_S * spread_frac(self.atv)

@@ -1,0 +1,237 @@
+"""The vehicle's side of right of way: it drives only into what it holds, and decides itself when to make room.
+
+What it holds ahead it will drive: a base is never taken back, so whoever stands holds the one place where it stands. It asks for
+what it needs so early that it need not brake, and gives back what it is clear of. Whoever owns this says where to go (`go`),
+carries out its instructions to the body, and tells where the vehicle is (`sense`) whenever it is woken.
+"""
+
+from __future__ import annotations
+
+from dray.messages.traffic import (
+    ROUTE_MAX,
+    HoldsAsked,
+    PlaceGranted,
+    YieldAsked,
+    YieldRefused,
+)
+from dray.protocol.runtime.events import Ignore, Instruct
+from dray.protocol.traffic.driving.place_requests import HELD_UP, IDLE, Errand, PlaceRequests
+
+RESTED = "rested"
+
+
+class RightOfWay(PlaceRequests):
+    """One vehicle's right of way. Its alarms are those of its requests, and `RESTED`."""
+
+    # --- what its owner asks ---------------------------------------------------------------------
+
+    @property
+    def has_arrived(self) -> bool:
+        """Whether it stands at its goal, on its own errand."""
+        return self.errand is Errand.OWN and self.way.stands and self.way.node == self.goal
+
+    # --- what its owner tells --------------------------------------------------------------------
+
+    def start(self, now_s: float) -> None:
+        """Tell the books where it stands: those, too, that may know more of an earlier life."""
+        for district in self._places.keepers_of if self.wishes.life > 1 else ():
+            self.wishes.open(district)
+        self._settle(now_s, anew=True)
+
+    def take_control(self, now_s: float) -> None:
+        """The body may follow a way that it was given in an earlier life, or has lost its way: let it go to the end of the base."""
+        self._wheels.forget()
+        if not self.way.stands:
+            self._out.append(Instruct(self._wheels.drive(self.way, self._speed_mps)))
+
+    def relocate(self, node: str, next_node: str, now_s: float) -> None:
+        """The body has lost its way, or was carried to another place: go on from where it is.
+
+        Args:
+            node: where it stands, or the last node that it has passed.
+            next_node: the end of the lane that it is on; `node` when it stands there.
+            now_s: when.
+        """
+        self.way = self.way.again(node, next_node)
+        self.take_control(now_s)
+        if self.errand is not Errand.OWN:
+            self._resume(now_s)
+        else:
+            way = self._ways.way(self.way.base_end, self.goal, self._outlook.prices(now_s))
+            if way is not None:
+                self.way.turn_to(way)
+        self._settle(now_s, anew=True)
+
+    def go(self, goal: str, rank_class: int, now_s: float) -> bool:
+        """Begin a leg; False when no way leads there."""
+        way = self._ways.way(self.way.base_end, goal, self._outlook.prices(now_s))
+        if way is None:
+            return False
+        self.goal = goal
+        self.docked = self._rests = False
+        self._rank = (rank_class, now_s, self.atv)
+        self._held_up_s = None
+        if self.errand is Errand.OWN:
+            self.way.turn_to(way)
+        self._settle(now_s)
+        self._finish_there()
+        return True
+
+    def dock(self, now_s: float) -> None:
+        """Stay where it stands until there is another goal: nobody is to ask for room meanwhile."""
+        self.docked = True
+        self._settle(now_s)
+
+    def rest(self, now_s: float) -> None:
+        """There is nothing to do: make room for everybody."""
+        self.docked, self._rests = False, True
+        self._rank = (IDLE, now_s, self.atv)
+        self._settle(now_s)
+
+    def on_passed(self, now_s: float) -> None:
+        """The next node of the base was reached."""
+        self.way.pass_next()
+        if self.way.stands:
+            self._speed_mps = 0.0
+            if self.way.node == self.way.goal and self.errand is Errand.REFUGE:
+                self._reach_refuge(now_s)
+        self._settle(now_s)
+        self._finish_there()
+
+    def on_reached(self, order: int, index: int, now_s: float) -> None:
+        """The body has reached a node of a way that it was given."""
+        number = self._wheels.number_of(order, index)
+        while number is not None and self.way.passed < number and not self.way.stands:
+            self.on_passed(now_s)
+
+    def be_stuck(self, stuck: bool, now_s: float) -> None:
+        """It cannot move until a person has seen to it, or can again."""
+        if stuck is not self.stuck:
+            self.stuck = stuck
+            self._settle(now_s)
+
+    # --- messages --------------------------------------------------------------------------------
+
+    def on_granted(self, sender: str, granted: PlaceGranted, now_s: float) -> None:
+        """A keeper has answered, or grants something."""
+        fresh = self.wishes.on_granted(sender, granted, now_s)
+        if fresh is None:
+            return
+        self._outlook.note(granted, now_s)
+        unwanted = False
+        if fresh:
+            asked = {place for group in self.wishes.groups(granted.district) for place in group}
+            if self.way.take(place for place in fresh if place in asked):
+                self._drive_on(now_s)
+            unwanted = any(place not in self.way.held for place in fresh)
+            if not unwanted:
+                groups = self._groups_in(granted.district, self._groups())
+                if not groups:
+                    self.wishes.count_as_said(
+                        granted.district, self._holds_in(granted.district), (), self._state(now_s)
+                    )
+        self._settle(now_s, anew_in=granted.district if unwanted else "")
+
+    def on_yield_asked(self, sender: str, asked: YieldAsked, now_s: float) -> None:
+        """Somebody wants to come by."""
+        if not self.wishes.keeps(sender, asked.district):
+            self._out.append(Ignore("asked to make room by somebody who does not keep that book"))
+            return
+        if not self._holds_in(asked.district):
+            # The book is wrong about this vehicle: tell it.
+            self._settle(now_s, anew_in=asked.district)
+            return
+        if not self._can_yield or asked.atv == self.atv or self.atv in asked.chain:
+            return
+        if self._yielding.renew(asked, now_s):
+            if self.errand is Errand.REFUGE and self._yielding.is_patient(now_s):
+                return
+        elif asked.rank >= self.rank(now_s):
+            return
+        own = (self.way.node, *self.way.ahead)
+        chain = (asked.atv, *asked.chain)
+        way = self._yielding.refuge(self.way.node, self.goal, asked.avoid, chain, asked.rank, now_s)
+        # Who has nowhere to go inherits, too: it comes out with the rank of the one who makes room for it.
+        self._yielding.inherit(asked, now_s)
+        if way is None:
+            self._yielding.refuse(asked.atv, own[:ROUTE_MAX], self.way.held, now_s)
+            self._settle(now_s)
+        else:
+            self._leave_for(way, now_s, backtracks=False)
+
+    def on_yield_refused(self, sender: str, refused: YieldRefused, now_s: float) -> None:
+        """Whoever is in the way has nowhere to go."""
+        if not self._can_yield or self._held_up_s is None or self.errand is Errand.REST:
+            return
+        inherited = self._yielding.of(now_s)
+        chain = inherited.chain if inherited is not None else ()
+        avoid = refused.avoid + (inherited.avoid if inherited is not None else ())
+        rank = self.rank(now_s)
+        way = self._yielding.refuge(self.way.node, self.goal, avoid, (sender, *chain), rank, now_s)
+        if way is not None:
+            self._leave_for(way, now_s, backtracks=inherited is None)
+        elif inherited is not None:
+            self._yielding.refuse(inherited.pusher, refused.avoid, self.way.held, now_s)
+
+    def on_holds_asked(self, sender: str, asked: HoldsAsked, now_s: float) -> None:
+        """Somebody else keeps a book from now on."""
+        if self.wishes.on_holds_asked(sender, asked):
+            self._settle(now_s, anew_in=asked.district, to=sender if asked.roll_call else "")
+
+    # --- alarms ----------------------------------------------------------------------------------
+
+    def reroute(self, now_s: float) -> None:
+        """Held up for a while: is there a better way by now?"""
+        if self._held_up_s is None or self.docked:
+            return
+        if self.errand is Errand.OWN:
+            way = self._ways.way(self.way.node, self.goal, self._outlook.prices(now_s))
+            if way is not None:
+                self.way.turn_to(way)
+        elif (
+            self.errand is Errand.REFUGE
+            and self._yielding.of(now_s) is None
+            and not self._yielding.backtracks
+        ):
+            # Nobody asks any more: go on with one's own.
+            self._resume(now_s)
+        self._timers.set(HELD_UP, now_s + self._patience_s)
+        self._settle(now_s)
+
+    def go_on(self, now_s: float) -> None:
+        """Rested at a refuge: go on to where it was going."""
+        if self.errand is Errand.REST:
+            self._resume(now_s)
+            self._settle(now_s)
+
+    # --- making room -----------------------------------------------------------------------------
+
+    @property
+    def _can_yield(self) -> bool:
+        return self.way.stands and not self.docked and not self.stuck
+
+    def _leave_for(self, way: tuple[str, ...], now_s: float, *, backtracks: bool) -> None:
+        self.errand = Errand.REFUGE
+        self._yielding.leave(now_s, backtracks=backtracks)
+        self.way.turn_to(way)
+        self._timers.clear(RESTED)
+        self._settle(now_s)
+
+    def _reach_refuge(self, now_s: float) -> None:
+        self.errand = Errand.REST
+        self._timers.set(RESTED, now_s + self._yielding.reach_refuge())
+
+    def _resume(self, now_s: float) -> None:
+        self.errand = Errand.OWN
+        self._yielding.stop()
+        if self._rests:
+            self.goal = self.way.base_end
+        way = self._ways.way(self.way.base_end, self.goal, self._outlook.prices(now_s))
+        if way is not None:
+            self.way.turn_to(way)
+        self._finish_there()
+
+    def _finish_there(self) -> None:
+        """It stands at its goal: the body is to know that there is nothing more to drive."""
+        if self.has_arrived and self._wheels.has_more(self.way):
+            self._out.append(Instruct(self._wheels.finish(self.way)))

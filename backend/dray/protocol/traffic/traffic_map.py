@@ -1,0 +1,34 @@
+"""What every agent of a plant works out alike for right of way: places, whose books they are in, and ways."""
+
+from __future__ import annotations
+
+from dray.plant import Plant
+from dray.protocol.traffic.places import Places
+from dray.protocol.traffic.ways import Ways
+
+
+class TrafficMap:
+    """Places and ways of one plant. Whoever is given one drives, or keeps books, with right of way.
+
+    It follows from the plant alone and never changes: agents of one process may share it.
+
+    Args:
+        plant: nodes, lanes, machines and vehicle types.
+
+    Attributes:
+        places: what is held, and who keeps the books of it.
+        atvs: the vehicles that the plant file knows.
+    """
+
+    def __init__(self, plant: Plant) -> None:
+        self.places = Places(plant)
+        self.atvs = tuple(plant.fleet)
+        self._plant = plant
+        self._ways: dict[str, Ways] = {}
+
+    def ways(self, vehicle_type: str) -> Ways:
+        """Ways of a type of vehicle."""
+        if vehicle_type not in self._ways:
+            kind = self._plant.vehicle_types[vehicle_type]
+            self._ways[vehicle_type] = Ways(self._plant, self.places, kind)
+        return self._ways[vehicle_type]

@@ -1,0 +1,235 @@
+"""A driver with right of way: it drives only into places that the vehicle holds, and makes room for others."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from dray.body import ActionFailed, NodePassed, VehicleState, WayDone
+from dray.errors import ProtocolViolation
+from dray.messages import Pose
+from dray.messages.heartbeat import FloorBrief
+from dray.messages.keys import Keys
+from dray.messages.traffic import HOLDS_MAX
+from dray.plant import Plant
+from dray.protocol.runtime.events import Effect, Subscribe
+from dray.protocol.runtime.timers import Timers
+from dray.protocol.traffic.driving.place_requests import IDLE, LOOK, WITH_TASK, Errand
+from dray.protocol.traffic.driving.right_of_way import RightOfWay
+from dray.protocol.traffic.neighbours import Neighbours
+from dray.protocol.traffic.traffic_map import TrafficMap
+from dray.protocol.vehicle.drivers.driver import Driver, limited_s
+
+
+class Owner(Protocol):
+    """The vehicle that is driven."""
+
+    id: str
+    incarnation: int
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether it has a task."""
+        ...
+
+
+class ReservedDriver(Driver):
+    """Turns "go there" into a right of way; the rest of the vehicle need not know of it.
+
+    Args:
+        owner: the vehicle.
+        plant: where the lanes are.
+        vehicle_type: id of the vehicle's type.
+        traffic: of the plant.
+        timers: the vehicle's alarms.
+        out: where effects go.
+        first_order: ways and actions are numbered from here on.
+
+    Attributes:
+        neighbours: what is known of others.
+    """
+
+    def __init__(
+        self,
+        owner: Owner,
+        plant: Plant,
+        vehicle_type: str,
+        traffic: TrafficMap,
+        timers: Timers,
+        out: list[Effect],
+        *,
+        first_order: int,
+    ) -> None:
+        super().__init__(plant, vehicle_type, out, first_order=first_order)
+        self._kind = plant.vehicle_types[vehicle_type]
+        self._owner = owner
+        self.neighbours = Neighbours()
+        self._traffic = traffic
+        self._ways = traffic.ways(vehicle_type)
+        self._timers = timers
+        self._is_lost = False
+        """The body has no way any more, or another one than it was given."""
+        self._right_of_way: RightOfWay | None = None
+
+    @property
+    def right_of_way(self) -> RightOfWay:
+        """The vehicle's.
+
+        Raises:
+            ProtocolViolation: its life has not begun; our own bug.
+        """
+        if self._right_of_way is None:
+            raise ProtocolViolation(f"{self._owner.id} has not been told yet where it stands")
+        return self._right_of_way
+
+    # --- as every driver -------------------------------------------------------------------------
+
+    @property
+    def ahead(self) -> tuple[str, ...]:
+        return self.right_of_way.way.ahead
+
+    @property
+    def next_node(self) -> str:
+        return self.right_of_way.way.base_end if self._right_of_way is not None else self.node
+
+    def next_node_at_s(self, now_s: float) -> float:
+        return now_s + self.right_of_way.way.base_left_m / max(self.speed_mps, 0.3)
+
+    def sense(self, state: VehicleState) -> None:
+        super().sense(state)
+        row = self._right_of_way
+        if row is None:
+            return
+        stands = state.next_node == state.node and not state.speed_mps
+        if stands and state.node not in (row.way.node, *row.way.base):
+            self._is_lost = True  # People have carried it here.
+        if self._is_lost:
+            self._timers.set(LOOK, 0.0)
+        elif stands:
+            row.sense(0.0 if state.node == row.way.node else row.way.past_m, 0.0)
+        elif state.node == row.way.node:
+            row.sense(max(self._past_m(state.pose), 1e-6), state.speed_mps)
+        self._state = state
+
+    def take_control(self, state: VehicleState, now_s: float) -> None:
+        next_node = "" if state.next_node == state.node else state.next_node
+        row = self._right_of_way = RightOfWay(
+            self._owner.id,
+            self._owner.incarnation,
+            self._traffic.places,
+            self._ways,
+            self.neighbours,
+            self._timers,
+            self._out,
+            node=state.node,
+            next_node=next_node,
+            top_mps=self._kind.max_speed_mps,
+            acceleration_mps2=self._kind.acceleration_mps2,
+            next_order=self.next_order,
+        )
+        self.sense(state)
+        row.take_control(now_s)
+        if next_node:
+            self.way = (next_node,)
+            self.arrives_s = now_s + state.next_node_s
+        self._out.append(Subscribe(Keys(self._plant.id).all_atv_heartbeats))
+        row.start(now_s)
+
+    def go(self, node: str, now_s: float) -> bool:
+        row, busy = self.right_of_way, self._owner.is_busy
+        if not self.way and row.errand is Errand.OWN and row.stands and row.way.node == node:
+            self._stay(now_s)
+            return False
+        way = self._routes.way(self.next_node, node)
+        self.way = (node,) if len(way.nodes) < 2 else way.nodes
+        self.arrives_s = now_s + limited_s(way.duration_s, self.speed_frac)
+        row.go(node, WITH_TASK if busy else IDLE, now_s)
+        if row.has_arrived and not row.is_finishing:
+            self.way = ()
+            self._stay(now_s)
+            return False
+        return True
+
+    def on_passed(self, report: NodePassed, now_s: float) -> None:
+        self.node = report.node
+        spot = self._plant.nodes[report.node]
+        self.pose = Pose(x_m=spot.x_m, y_m=spot.y_m, heading_rad=self.pose.heading_rad)
+        self.right_of_way.on_reached(report.order, report.index, now_s)
+
+    def on_done(self, report: WayDone, now_s: float) -> bool:
+        self.node = report.node
+        return self.arrive(now_s)
+
+    def arrive(self, now_s: float) -> bool:
+        """Note that it stands where it was sent; False when it does not, or has noted that before."""
+        row = self.right_of_way
+        if not self.way or not row.has_arrived or row.is_finishing:
+            return False
+        self.way, self.speed_mps = (), 0.0
+        self._stay(now_s)
+        return True
+
+    def on_failed(self, report: ActionFailed, now_s: float) -> bool:
+        """A way was refused, or is lost: it goes on by itself from where it is."""
+        if self.right_of_way.knows(report.order):
+            self._is_lost = True
+            self._timers.set(LOOK, now_s)
+        return False
+
+    def rest(self, now_s: float) -> None:
+        if not self.way:
+            self.right_of_way.rest(now_s)
+
+    def be_stuck(self, stuck: bool, now_s: float) -> None:
+        if self._right_of_way is not None:
+            self._right_of_way.be_stuck(stuck, now_s)
+
+    def floor(self, now_s: float) -> FloorBrief:
+        hint = self.right_of_way.hint(now_s)
+        return FloorBrief(
+            holds=hint.holds[:HOLDS_MAX],
+            stands=hint.stands,
+            docked=hint.docked,
+            waits=self.right_of_way.held_up_since_s is not None,
+            rank=hint.rank,
+        )
+
+    # --- what is its own -------------------------------------------------------------------------
+
+    def look(self, now_s: float) -> None:
+        """The alarm `LOOK`: the body was sensed a moment ago."""
+        row = self.right_of_way
+        if self._is_lost:
+            self._is_lost = False
+            state = self._state
+            next_node = "" if state.next_node == state.node else state.next_node
+            row.sense(0.0, 0.0)
+            row.relocate(state.node, next_node, now_s)
+            self.sense(state)
+        row.look(now_s)
+
+    def _stay(self, now_s: float) -> None:
+        """It stands where it was sent: at a dock with a task nobody asks it for room."""
+        if self._owner.is_busy and self.right_of_way.way.node in self._traffic.places.docks:
+            self.right_of_way.dock(now_s)
+        else:
+            self.right_of_way.rest(now_s)
+
+    def _past_m(self, pose: Pose) -> float:
+        spot = self._plant.nodes[self.node]
+        return float(((pose.x_m - spot.x_m) ** 2 + (pose.y_m - spot.y_m) ** 2) ** 0.5)
+
+
+def driver_of(
+    owner: Owner,
+    plant: Plant,
+    vehicle_type: str,
+    traffic: TrafficMap | None,
+    timers: Timers,
+    out: list[Effect],
+    *,
+    first_order: int,
+) -> Driver:
+    """The driver of a vehicle: with right of way where there is a map of traffic; see `ReservedDriver`."""
+    if traffic is None:
+        return Driver(plant, vehicle_type, out, first_order=first_order)
+    return ReservedDriver(owner, plant, vehicle_type, traffic, timers, out, first_order=first_order)

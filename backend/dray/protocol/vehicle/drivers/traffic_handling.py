@@ -1,0 +1,77 @@
+"""What a vehicle does when somebody speaks of right of way, and when an alarm of it comes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Protocol
+
+from dray.messages import (
+    AtvHeartbeat,
+    HoldsAsked,
+    Message,
+    PlaceGranted,
+    YieldAsked,
+    YieldRefused,
+)
+from dray.protocol.traffic.driving.place_requests import HELD_UP, LOOK, Errand
+from dray.protocol.traffic.driving.right_of_way import RESTED, RightOfWay
+from dray.protocol.traffic.driving.wishes import WISH_AGAIN
+from dray.protocol.vehicle.drivers.reserved_driver import ReservedDriver
+
+Handler = Callable[[str, Any, float], None]
+
+
+class Owner(Protocol):
+    """What the vehicle does when its place changes."""
+
+    def note_arrived(self, now_s: float) -> None:
+        """It stands where it was sent."""
+
+    def note_makes_room(self, now_s: float) -> None:
+        """It leaves the place where it stood, for somebody else."""
+
+
+class TrafficHandling:
+    """Right of way as entries in a vehicle's tables.
+
+    Args:
+        driver: who drives with right of way.
+        owner: the vehicle.
+    """
+
+    def __init__(self, driver: ReservedDriver, owner: Owner) -> None:
+        self._driver = driver
+        self._owner = owner
+
+    def fill(
+        self, messages: dict[type[Message], Handler], alarms: dict[str, Callable[[Any, float], None]]
+    ) -> None:
+        """Enter what there is to see to into the vehicle's tables; heartbeats are heard by both."""
+        watches = messages[AtvHeartbeat]
+
+        def on_heartbeat(sender: str, heartbeat: AtvHeartbeat, now_s: float) -> None:
+            self._driver.neighbours.on_vehicle(heartbeat, now_s)
+            watches(sender, heartbeat, now_s)
+
+        messages[AtvHeartbeat] = on_heartbeat
+        messages[PlaceGranted] = self._told(lambda row, *heard: row.on_granted(*heard))
+        messages[YieldAsked] = self._told(lambda row, *heard: row.on_yield_asked(*heard))
+        messages[YieldRefused] = self._told(lambda row, *heard: row.on_yield_refused(*heard))
+        messages[HoldsAsked] = self._told(lambda row, *heard: row.on_holds_asked(*heard))
+        alarms[LOOK] = lambda _about, now_s: self._step(lambda _row: self._driver.look(now_s), now_s)
+        alarms[HELD_UP] = lambda _about, now_s: self._step(lambda row: row.reroute(now_s), now_s)
+        alarms[RESTED] = lambda _about, now_s: self._step(lambda row: row.go_on(now_s), now_s)
+        alarms[WISH_AGAIN] = lambda about, now_s: self._step(lambda row: row.repeat_wish(about, now_s), now_s)
+
+    def _told(self, take: Callable[..., None]) -> Handler:
+        return lambda sender, message, now_s: self._step(lambda row: take(row, sender, message, now_s), now_s)
+
+    def _step(self, take: Callable[[RightOfWay], None], now_s: float) -> None:
+        """Let right of way take a step, and tell the vehicle what it means for it."""
+        row = self._driver.right_of_way
+        before = row.errand
+        take(row)
+        if row.errand is Errand.REFUGE and before is Errand.OWN:
+            self._owner.note_makes_room(now_s)
+        if self._driver.arrive(now_s):
+            self._owner.note_arrived(now_s)

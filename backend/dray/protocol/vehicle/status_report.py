@@ -1,0 +1,103 @@
+"""What a vehicle tells everybody of itself: its heartbeat, put together from what its parts know."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from dray.messages import AtvHeartbeat, AtvStatus, Link
+from dray.protocol.runtime.heartbeat_timer import HeartbeatTimer
+from dray.protocol.vehicle.command_handling import CommandHandling
+from dray.protocol.vehicle.contracts import Contracts
+from dray.protocol.vehicle.drivers.driver import Driver
+from dray.protocol.vehicle.idle_positioning import IdlePositioning
+
+
+class Vehicle(Protocol):
+    """What a vehicle knows of itself beside its parts."""
+
+    id: str
+    incarnation: int
+    battery_frac: float
+    load: tuple[str, int]
+
+    @property
+    def is_draining(self) -> bool:
+        """Whether it was asked to leave."""
+        ...
+
+
+class StatusReport:
+    """Puts a vehicle's heartbeats together.
+
+    Args:
+        vehicle: whose.
+        software: the version it runs.
+        timer: numbers heartbeats.
+        driver, contracts, idle, commands: the vehicle's parts.
+    """
+
+    def __init__(
+        self,
+        vehicle: Vehicle,
+        software: str,
+        timer: HeartbeatTimer,
+        driver: Driver,
+        contracts: Contracts,
+        idle: IdlePositioning,
+        commands: CommandHandling,
+    ) -> None:
+        self._vehicle = vehicle
+        self._software = software
+        self._timer = timer
+        self._driver = driver
+        self._contracts = contracts
+        self._idle = idle
+        self._commands = commands
+
+    @property
+    def status(self) -> AtvStatus:
+        """Its state, as everybody is to see it."""
+        if self._commands.stopped:
+            return AtvStatus.STOPPED
+        if self._commands.assistance.problem:
+            return AtvStatus.ERROR
+        if self._contracts.job is not None:
+            return AtvStatus.WORKING
+        return AtvStatus.CHARGING if self._idle.charging else AtvStatus.IDLE
+
+    def heartbeat(self, status: AtvStatus, link: Link, now_s: float) -> AtvHeartbeat:
+        """The next one.
+
+        Args:
+            status: as it was told last.
+            link: by which it speaks.
+            now_s: when.
+        """
+        assistance = self._commands.assistance
+        job, driver = self._contracts.job, self._driver
+        return AtvHeartbeat(
+            atv=self._vehicle.id,
+            incarnation=self._vehicle.incarnation,
+            seq=self._timer.count(),
+            at_s=now_s,
+            status=status,
+            pose=driver.pose,
+            node=driver.node,
+            speed_mps=driver.speed_mps,
+            battery_frac=self._vehicle.battery_frac,
+            load=self._vehicle.load[0],
+            load_quantity=self._vehicle.load[1],
+            task=job.brief() if job is not None else None,
+            watches=self._contracts.standby.briefs() if self._contracts.standby else (),
+            way=driver.ahead,
+            dwell_point=self._idle.dwell_point,
+            speed_limit_frac=driver.speed_frac,
+            acknowledged=self._commands.acknowledged,
+            link=link,
+            problem=assistance.problem,
+            help=assistance.help,
+            software=self._software,
+            draining=self._vehicle.is_draining,
+            probation=self._contracts.probation.brief(),
+            floor=driver.floor(now_s),
+        )
