@@ -29,6 +29,9 @@ class Drive(Part, frozen=True):
     """At least one; each joined to the next by a lane."""
     released: int
     """How many of `nodes` may be driven to by now, from 1 to all: the vehicle brakes at the last one."""
+    limits_mps: tuple[float | None, ...] = ()
+    """The highest speed on each lane of the way, where people have made it slow; None where the plant's holds, and empty where
+    it does everywhere."""
 
 
 class ReleaseWay(Part, frozen=True):

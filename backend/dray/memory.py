@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from dray.messages import CommandRefusal, OrderItem, Phase, Production, Reason, TakenOver, Transport
+from dray.messages import Closures, CommandRefusal, OrderItem, Phase, Production, Reason, TakenOver, Transport
 from dray.messages.base import Part
 from dray.messages.traffic import Bookings
 
@@ -28,6 +28,12 @@ class AtvMemory(Part, tag_field="kind", tag="atv", frozen=True):
     answered: tuple[CommandMemory, ...] = ()
     """People's commands that are not obeyed again, the oldest first: those whose grant was still good when
     the last one came."""
+
+
+class ClosuresMemory(Part, tag_field="kind", tag="closures", frozen=True):
+    """The closures that a vehicle goes by: its next life knows them before it hears anybody."""
+
+    list: Closures
 
 
 class CommandMemory(Part, frozen=True):
@@ -195,6 +201,7 @@ class BookMemory(Part, tag_field="kind", tag="book", frozen=True):
 
 Note = (
     AtvMemory
+    | ClosuresMemory
     | MachineMemory
     | StationMemory
     | StrategistMemory
@@ -203,6 +210,9 @@ Note = (
     | EndedOrder
     | BookMemory
 )
+
+CLOSURES = "closures"
+"""The name of a vehicle's note about them: it changes seldom, and its contract often."""
 
 WHOLE = ""
 """The name of an agent's only note, or of that which is about none of its orders. An order's note has its id."""

@@ -9,6 +9,7 @@ How messages become bytes is `dray.codec`; when they are said is `dray.protocol`
 from __future__ import annotations
 
 from dray.messages.base import WIRE_VERSION, Message, Part
+from dray.messages.closure import Closure, ClosureKind, Closures, closed_words
 from dray.messages.command import CommandAnswered, CommandKind, Grant, VehicleCommand, signed_words
 from dray.messages.contract import (
     Accepted,
@@ -126,6 +127,7 @@ AnyMessage = (
     | EventsAsked
     | EventsKept
     | ShutOut
+    | Closures
     | StockAsked
     | StockReserved
     | StockShort
@@ -157,6 +159,9 @@ __all__ = [
     "Brought",
     "BufferLevel",
     "CancellationTaken",
+    "Closure",
+    "ClosureKind",
+    "Closures",
     "CommandAnswered",
     "CommandKind",
     "CommandRefusal",
@@ -227,5 +232,6 @@ __all__ = [
     "WorkSought",
     "YieldAsked",
     "YieldRefused",
+    "closed_words",
     "signed_words",
 ]

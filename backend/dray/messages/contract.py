@@ -175,6 +175,8 @@ class Refusal(StrEnum):
     """Could not keep its promise and reach a charger after it."""
     DEADLINE = "deadline"
     NO_WAY = "no_way"
+    CLOSED = "closed"
+    """What people have closed leaves no way."""
     NOT_FIT = "not_fit"
     """Stopped, in error, on the radio mesh, draining, or on probation and this is not for it."""
     IS_PRIMARY = "is_primary"

@@ -14,6 +14,7 @@ never holds any of these.
     {plant}/agent/@{id}       what is said to one agent alone
     {plant}/event/{id}        an agent's numbered events
     {plant}/shut-out          who is shut out, said again and again by gateways
+    {plant}/closures          what is closed to vehicles, likewise
     {plant}/alive/{id}/{life}/{seal}  a token that is there as long as this life of the agent is
 """
 
@@ -38,6 +39,7 @@ class Keys:
         "all_free",
         "all_heartbeats",
         "all_machine_heartbeats",
+        "closures",
         "plant",
         "shut_out",
     )
@@ -50,6 +52,7 @@ class Keys:
         self.all_events = f"{plant}/event/*"
         self.all_free = f"{plant}/free/*"
         self.shut_out = f"{plant}/shut-out"
+        self.closures = f"{plant}/closures"
         self.alive = f"{plant}/alive"
         self._addressed = f"{plant}/agent/@"
 

@@ -51,6 +51,8 @@ class Reason(StrEnum):
     """It has waited at the source for as long as its promise allowed."""
     SOURCE_SILENT = "source_silent"
     COORDINATOR_SILENT = "coordinator_silent"
+    CLOSED = "closed"
+    """What people have closed leaves no way to the load, or from there."""
     GATE_REFUSED = "gate_refused"
     """The gate of a delivery warehouse has not let the load in."""
     OTHER_LOAD = "other_load"

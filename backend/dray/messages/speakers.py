@@ -11,6 +11,7 @@ from collections.abc import Container, Mapping
 from enum import StrEnum
 
 from dray.messages.base import Message
+from dray.messages.closure import Closures
 from dray.messages.command import CommandAnswered, VehicleCommand
 from dray.messages.contract import (
     Accepted,
@@ -42,6 +43,7 @@ from dray.messages.fact import (
     BidRefused,
     BidSent,
     CarrierChanged,
+    ClosuresKnown,
     CommandObeyed,
     ContractEnded,
     ContractorRated,
@@ -170,6 +172,7 @@ SPEAKERS: Mapping[type[Message], frozenset[Kind]] = {
     OrderRevoked: _GATEWAYS,
     VehicleCommand: _GATEWAYS,
     ShutOut: _GATEWAYS,
+    Closures: _GATEWAYS,
     OrderTaken: _STRATEGISTS,
     CancellationTaken: _STRATEGISTS,
     RevocationTaken: _STRATEGISTS,
@@ -213,6 +216,7 @@ TELLERS: Mapping[type[Fact], frozenset[Kind]] = {
     PhaseEntered: _ATVS,
     AtvStatusChanged: _ATVS,
     CommandObeyed: _ATVS,
+    ClosuresKnown: _ATVS,
     MachineStatusChanged: _MACHINES,
     PieceMade: _MACHINES,
     GoodsDelivered: _STRATEGISTS,

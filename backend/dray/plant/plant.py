@@ -33,6 +33,7 @@ from dray.plant.model import (
     Warehouse,
     WorkingStation,
 )
+from dray.plant.restrictions import OPEN, Restrictions
 from dray.plant.roads import DirectedLane, Roads
 from dray.plant.routes import Routes
 
@@ -45,6 +46,10 @@ class _HasId(Protocol):
 _Spec = TypeVar("_Spec", bound=_HasId)
 
 
+RESTRICTED_KEPT = 16
+"""Ways under restrictions that are kept. All agents of a process go by the newest list, or by the one before it."""
+
+
 class Plant:
     """An immutable plant with its indexes.
 
@@ -52,7 +57,12 @@ class Plant:
         file: a plant file without faults (`dray.plant.file.check.faults` finds none).
 
     Every method that takes an id raises `KeyError` for one that the plant does not have.
+
+    Attributes:
+        restrictions: of its lanes, as far as whoever asks knows of any; of a plant as it stands in its file there are none.
     """
+
+    restrictions = OPEN
 
     def __init__(self, file: PlantFile) -> None:
         self.file = file
@@ -113,7 +123,7 @@ class Plant:
         self.abilities = tuple(sorted({item.ability for item in self._items.values()}))
         """What vehicles must be able to carry in this plant."""
         self._grid = Grid(file.width_m, file.height_m, file.cell_m)
-        self._routes: dict[str, Routes] = {}
+        self._ways = _Ways(self.roads, self.vehicle_types, self._node_of)
 
     @property
     def lanes(self) -> tuple[DirectedLane, ...]:
@@ -229,13 +239,14 @@ class Plant:
 
         return tuple(sorted(places, key=distance_m)[:count])
 
-    def routes(self, vehicle_type: str) -> Routes:
-        """The ways of a type of vehicle; the same object for the same type."""
-        routes = self._routes.get(vehicle_type)
-        if routes is None:
-            routes = Routes(self.roads, self.vehicle_types[vehicle_type], self._node_of)
-            self._routes[vehicle_type] = routes
-        return routes
+    def routes(self, vehicle_type: str, restrictions: Restrictions | None = None) -> Routes:
+        """The ways of a type of vehicle; the same object for the same type and restrictions.
+
+        Args:
+            vehicle_type: its id.
+            restrictions: of its lanes; None for those that whoever asks knows of.
+        """
+        return self._ways.of(vehicle_type, self.restrictions if restrictions is None else restrictions)
 
     def _needed(self, products: Iterable[str]) -> tuple[str, ...]:
         bills = {line.material for product in products for line in self.products[product].bill}
@@ -253,6 +264,30 @@ class Plant:
 
     def __repr__(self) -> str:
         return f"<Plant {self.id}: {len(self.machines)} machines, {len(self.fleet)} vehicles>"
+
+
+class _Ways:
+    """Ways that were looked for: by type of vehicle, and for the restrictions that were asked for last."""
+
+    def __init__(self, roads: Roads, kinds: Mapping[str, VehicleType], node_of: Mapping[str, str]) -> None:
+        self._roads, self._kinds, self._node_of = roads, kinds, node_of
+        self._found: dict[str, Routes] = {}
+        self._restricted: dict[tuple[str, Restrictions], Routes] = {}
+
+    def of(self, kind: str, restrictions: Restrictions) -> Routes:
+        if restrictions == OPEN:
+            routes = self._found.get(kind)
+            if routes is None:
+                routes = self._found[kind] = Routes(self._roads, self._kinds[kind], self._node_of)
+            return routes
+        key = kind, restrictions
+        routes = self._restricted.pop(key, None)
+        if routes is None:
+            routes = Routes(self._roads, self._kinds[kind], self._node_of, restrictions)
+        self._restricted[key] = routes
+        if len(self._restricted) > RESTRICTED_KEPT:
+            del self._restricted[next(iter(self._restricted))]
+        return routes
 
 
 def _as_driven(file: PlantFile, layout: Layout) -> PlantFile:

@@ -12,7 +12,7 @@ two dictionary lookups.
 from __future__ import annotations
 
 from array import array
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Container, Iterable, Mapping, Sequence
 from heapq import heappop, heappush
 from math import inf
 
@@ -21,10 +21,14 @@ import msgspec
 from dray.errors import NoWay
 from dray.plant.model import VehicleType
 from dray.plant.motion import Run, joint_mps, limit_mps, runs_s
-from dray.plant.roads import Roads, bends
+from dray.plant.restrictions import OPEN, Restrictions
+from dray.plant.roads import DirectedLane, Roads, bends
 
 MAX_WAYS = 250_000
 """Ways kept per vehicle type, about 100 MB in the largest plants; then all are dropped and found anew."""
+
+INSIDE_FACTOR = 10.0
+"""By how much longer a lane to a closed node counts than it is, so that who is inside takes the shortest way out."""
 
 _SLACK_S = 1e-9
 """Two sums of the same lanes in another order may differ by this; real lanes never do."""
@@ -50,7 +54,7 @@ class _Step(msgspec.Struct, frozen=True):
     length_m: float
     top_mps: float
     lane_s: float
-    """At the lane's limit or the vehicle's own top speed, whichever is lower."""
+    """What it costs: its time at the lane's limit or the vehicle's own top speed, whichever is lower."""
     onward: list[tuple[_Step, float]]
     """What may follow, with the highest speed at the node between: straight on first, then in file order."""
 
@@ -62,6 +66,8 @@ class Routes:
         roads: the plant's network.
         vehicle: the type of vehicle.
         places: place id -> node id, for `nearest`.
+        restrictions: what may not be driven on, or only slowly. Whoever stands on a closed node may leave it by others that
+            are closed; no way leads to one.
     """
 
     __slots__ = (
@@ -74,14 +80,22 @@ class Routes:
         "_nodes",
         "_places",
         "_rate_mps2",
+        "restrictions",
     )
 
-    def __init__(self, roads: Roads, vehicle: VehicleType, places: Mapping[str, str]) -> None:
+    def __init__(
+        self,
+        roads: Roads,
+        vehicle: VehicleType,
+        places: Mapping[str, str],
+        restrictions: Restrictions = OPEN,
+    ) -> None:
+        self.restrictions = restrictions
         self._rate_mps2 = vehicle.acceleration_mps2
         self._places = places
         self._nodes = tuple(roads.leaving)
         self._index = {node: index for index, node in enumerate(self._nodes)}
-        self._leaving = _steps(roads, vehicle, self._index)
+        self._leaving = _steps(restrictions.open_lanes(roads), vehicle, self._index, restrictions.nodes)
         self._entering: list[list[tuple[int, float]]] = [[] for _ in self._index]
         for steps in self._leaving:
             for step in steps:
@@ -147,10 +161,35 @@ class Routes:
             raise NoWay(start_node, "any of the places asked for")
         return best
 
+    def way_out(self, start_node: str, stops: Container[str]) -> Way:
+        """The way from a closed node to the next one where a vehicle may stand.
+
+        Args:
+            start_node: where it is.
+            stops: the nodes where vehicles may stand.
+
+        Raises:
+            NoWay: it is shut in.
+        """
+        least_s = {start_node: 0.0}
+        frontier = [(0.0, self._index[start_node])]
+        while frontier:
+            so_far_s, here = heappop(frontier)
+            node = self._nodes[here]
+            if so_far_s > least_s[node]:
+                continue
+            if node not in self.restrictions.nodes and node in stops:
+                return self.way(start_node, node)
+            for step in self._leaving[here]:
+                if so_far_s + step.lane_s < least_s.get(step.node, inf):
+                    least_s[step.node] = so_far_s + step.lane_s
+                    heappush(frontier, (least_s[step.node], step.end))
+        raise NoWay(start_node, "any node that is open")
+
     def _find(self, start_node: str, goal_node: str) -> Way:
         """Find a way that is not known yet, and keep it."""
         here, goal = self._index.get(start_node), self._index.get(goal_node)
-        if here is None or goal is None:
+        if here is None or goal is None or (goal_node in self.restrictions.nodes and here != goal):
             raise NoWay(start_node, goal_node)
         left_s = self._left_to(goal_node, goal)
         if left_s[here] == inf:
@@ -219,21 +258,26 @@ class Routes:
         return Way(tuple(nodes), length_m, runs_s(runs, self._rate_mps2))
 
 
-def _steps(roads: Roads, vehicle: VehicleType, index: Mapping[str, int]) -> list[list[_Step]]:
+def _steps(
+    leaving: Mapping[str, tuple[DirectedLane, ...]],
+    vehicle: VehicleType,
+    index: Mapping[str, int],
+    closed: Container[str],
+) -> list[list[_Step]]:
     """The lanes that leave each node, in node order, each knowing what follows it."""
     steps: dict[str, list[_Step]] = {}
-    for node, lanes in roads.leaving.items():
+    for node, lanes in leaving.items():
         steps[node] = []
         for lane in lanes:
             top_mps = limit_mps(lane, vehicle)
             start, end = index[node], index[lane.end]
-            lane_s = lane.length_m / top_mps
+            lane_s = lane.length_m / top_mps * (INSIDE_FACTOR if lane.end in closed else 1.0)
             steps[node].append(_Step(lane.end, start, end, lane.length_m, top_mps, lane_s, []))
-    for node, lanes in roads.leaving.items():
+    for node, lanes in leaving.items():
         for lane, step in zip(lanes, steps[node], strict=True):
             straight: list[tuple[_Step, float]] = []
             bent: list[tuple[_Step, float]] = []
-            for ahead, after in zip(roads.leaving[lane.end], steps[lane.end], strict=True):
+            for ahead, after in zip(leaving[lane.end], steps[lane.end], strict=True):
                 side = bent if bends(lane, ahead) else straight
                 side.append((after, joint_mps(lane, ahead, vehicle)))
             step.onward.extend((*straight, *bent))

@@ -8,6 +8,7 @@ from typing import get_args
 from dray.messages import (
     AnyMessage,
     AtvHeartbeat,
+    Closures,
     DwellPointClaimed,
     Event,
     MachineHeartbeat,
@@ -94,10 +95,17 @@ _PUBLISHED = (
         "Who is shut out, to everybody: a gateway says it every two seconds, and the highest number counts.",
         (ShutOut,),
     ),
+    Channel(
+        "closures",
+        _KEYS.closures,
+        "What is closed to vehicles, to all vehicles and machines: a gateway says it at every change and again and again, and "
+        "the highest number counts.",
+        (Closures,),
+    ),
 )
 
 _BROADCAST_ONLY = frozenset(
-    {AtvHeartbeat, MachineHeartbeat, StationHeartbeat, DwellPointClaimed, WorkSought, ShutOut}
+    {AtvHeartbeat, MachineHeartbeat, StationHeartbeat, DwellPointClaimed, WorkSought, ShutOut, Closures}
 )
 
 CHANNELS = (

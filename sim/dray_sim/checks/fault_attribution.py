@@ -43,6 +43,9 @@ HEARD_S = 0.5
 
 EVERYBODY = ""
 
+FLOOR = "the floor"
+"""Stands for what people have closed, which may hold up anybody. No agent has a name with white space."""
+
 
 class _Spell(NamedTuple):
     """A fault, and when it was there."""
@@ -106,6 +109,10 @@ class FaultAttribution:
         """Somebody lies: whatever it loses is due to that."""
         self._touched_s[agent] = float("inf")
 
+    def restrict(self, until_s: float) -> None:
+        """People close parts of the floor until then: whatever is given back or comes late may be due to that."""
+        self._touched_s[FLOOR] = until_s
+
     def end(self, name: str, at_s: float) -> None:
         """A fault has ended."""
         fault = self._spells[name].fault
@@ -128,7 +135,7 @@ class FaultAttribution:
             agent in self._stands
             or at_s - self._touched_s.get(agent, float("-inf")) < LATER_S
             or self._is_missed(agent, at_s)
-            for agent in (EVERYBODY, *agents)
+            for agent in (EVERYBODY, FLOOR, *agents)
         )
 
     def may_have_lost(self, sender: str, receiver: str, since_s: float) -> bool:

@@ -13,6 +13,7 @@ from dray.messages.fact import TaskClosed, TookOver
 from dray_sim.bodies.vehicle.condition import BATTERY_EMPTY
 from dray_sim.checks.bounds import Bounds
 from dray_sim.checks.broken import InvariantBroken
+from dray_sim.checks.closed_lanes import ClosedLanes
 from dray_sim.checks.fault_attribution import FaultAttribution
 from dray_sim.checks.held_places import HeldPlaces
 from dray_sim.checks.invariants import Invariants
@@ -33,6 +34,7 @@ from dray_sim.insiders import BEHAVIOURS
 from dray_sim.insiders.joining import INSIDER, bring_in
 from dray_sim.network.listeners import Listeners
 from dray_sim.people.canceller import Canceller
+from dray_sim.people.floor_manager import FloorManager
 from dray_sim.people.operators import hire
 from dray_sim.people.order_client import OrderClient
 from dray_sim.people.random_operator import RandomOperator
@@ -165,6 +167,9 @@ class _Game:
         )
         if liar:
             attribution.distrust(liar)
+        if run.closings:
+            attribution.restrict(max(each.until_s for each in run.closings))
+            checks.add(ClosedLanes(factory))
         faults = _Diary(factory, attribution, self._story)
         self._faults = faults.begun
         let_happen(run.schedule, faults)
@@ -217,6 +222,9 @@ class _Game:
                 group.create_task(Canceller(factory.bus, factory.clock).cancel(run.cancelled))
             if run.revocations:
                 group.create_task(Revoker(factory.bus, factory.clock).revoke(run.revocations))
+            if run.closings:
+                manager = FloorManager(factory.bus, factory.clock, factory.keys, factory.authority)
+                group.create_task(manager.close(run.closings))
             if run.habits is not None:
                 for operator in hire(factory, seed=run.seed, habits=run.habits):
                     group.create_task(operator.run())

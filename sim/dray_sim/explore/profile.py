@@ -45,6 +45,7 @@ class Profile:
         revoking_frac: the part of the runs in which managers take orders back and publish them again.
         revoked_frac: in these, the part of the orders.
         insiders_frac: the part of the runs in which somebody lies who has a valid certificate.
+        closures_frac: the part of the runs in which a manager closes lanes, nodes and areas.
         scarce_power: whether batteries are so small that they are emptied and charged in minutes, and chargers and
             parking places few; the chargers suffice.
     """
@@ -70,6 +71,7 @@ class Profile:
     revoking_frac: float = 0.3
     revoked_frac: float = 0.4
     insiders_frac: float = 0.0
+    closures_frac: float = 0.0
     scarce_power: bool = False
 
 
@@ -80,6 +82,7 @@ PROFILES: Mapping[str, Profile] = {
         waves_frac=0.3,
         clocks_frac=0.3,
         insiders_frac=0.2,
+        closures_frac=0.2,
     ),
     "mishaps": Profile(leaving_frac=0.3),
     "deaths": Profile(weights={PoweredOff: 2.0, Crashed: 1.0}, random_operator_frac=0.0),
@@ -100,6 +103,10 @@ PROFILES: Mapping[str, Profile] = {
     ),
     "clocks": Profile(intensity=(0.0, 1.0), waves_frac=0.5, clocks_frac=1.0),
     "liars": Profile(intensity=(0.0, 0.5), operators_frac=0.0, random_operator_frac=0.0, insiders_frac=1.0),
+    "closures": Profile(intensity=(0.0, 0.5), closures_frac=1.0),
+    "closures-alone": Profile(
+        intensity=(0.0, 0.0), operators_frac=0.0, random_operator_frac=0.0, closures_frac=1.0
+    ),
     "faultless": Profile(intensity=(0.0, 0.0), random_operator_frac=0.0),
     "batteries": Profile(
         vehicles=(1, 10),

@@ -12,11 +12,13 @@ from dataclasses import dataclass, field
 from random import Random
 
 from dray.plant import Plant
+from dray_sim.explore.closings import draw_closings
 from dray_sim.explore.profile import PROFILES, Profile
 from dray_sim.explore.small_plant import bearable_load, small_plant
 from dray_sim.faults import CLOCKS, LEAVING, Timed, describe, random_schedule, random_waves
 from dray_sim.insiders import BEHAVIOURS
 from dray_sim.people import demand
+from dray_sim.people.floor_manager import Closing
 from dray_sim.people.habits import Habits
 from dray_sim.people.revoker import Revocation
 
@@ -50,6 +52,7 @@ class Run:
         random_operator: whether somebody presses buttons at random.
         cancelled: orders that are cancelled, and when (plant clock), in the order of their times.
         revocations: orders that are taken back and published again.
+        closings: what a manager closes, and when.
         insider: how somebody lies until the quiet phase (`dray_sim.insiders`); empty where nobody does.
         traffic: whether vehicles drive with right of way; nothing else of the run follows from it.
     """
@@ -68,13 +71,14 @@ class Run:
     schedule: tuple[Timed, ...] = field(repr=False)
     cancelled: tuple[tuple[float, str], ...] = field(repr=False)
     revocations: tuple[Revocation, ...] = field(repr=False)
+    closings: tuple[Closing, ...] = field(repr=False, default=())
     insider: str = ""
     traffic: bool = False
 
     @property
     def has_faults(self) -> bool:
         """Whether anything goes wrong in it."""
-        return bool(self.schedule or self.random_operator or self.insider)
+        return bool(self.schedule or self.random_operator or self.insider or self.closings)
 
     def __str__(self) -> str:
         """In one line, for a reader."""
@@ -84,6 +88,7 @@ class Run:
             f"{len(self.orders)} orders ({len(self.cancelled)} cancelled, {len(self.revocations)} taken back)",
             f"load {self.load:.0%}",
             f"{len(self.schedule)} faults",
+            *((f"{len(self.closings)} closures",) if self.closings else ()),
             "operators" if self.habits is not None else "no operators",
         )
         more = ("a random operator",) * self.random_operator + (f"one that {self.insider}",) * bool(
@@ -130,9 +135,16 @@ def draw(seed: int, profile: str = "all", *, traffic: bool = False) -> Run:
         schedule=_schedule(seed, plant, ranges, random.uniform(*ranges.intensity)),
         cancelled=_cancelled(orders, ranges.cancelled_frac, Random(f"{seed} regret")),
         revocations=_revocations(orders, ranges, Random(f"{seed} revised")),
+        closings=_closings(plant, ranges, Random(f"{seed} closures")),
         insider=_insider(ranges, Random(f"{seed} insider")),
         traffic=traffic,
     )
+
+
+def _closings(plant: Plant, ranges: Profile, random: Random) -> tuple[Closing, ...]:
+    if random.random() >= ranges.closures_frac:
+        return ()
+    return draw_closings(plant, random, FAULTS_UNTIL_S)
 
 
 def _insider(ranges: Profile, random: Random) -> str:

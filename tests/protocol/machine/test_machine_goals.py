@@ -41,7 +41,12 @@ from dray.protocol.runtime.retransmission import ASK_AGAIN_S
 
 def test_a_machine_listens_for_the_goals_it_can_make() -> None:
     rig = MachineRig("M8")
-    assert listening(rig.start()) == {KEYS.goals("gear-unit-g2"), KEYS.goals("pump-p3"), KEYS.all_free}
+    assert listening(rig.start()) == {
+        KEYS.goals("gear-unit-g2"),
+        KEYS.goals("pump-p3"),
+        KEYS.all_free,
+        KEYS.closures,
+    }
 
 
 def test_a_machine_bids_for_a_goal_with_the_parts_of_its_price() -> None:

@@ -1,4 +1,4 @@
-"""Signing: grants are signed with Ed25519 (RFC 8032), and believed by whoever knows the public key."""
+"""Signing: grants and closures are signed with Ed25519 (RFC 8032), and believed by whoever knows the public key."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from cryptography.exceptions import InvalidSignature
 from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey, Ed25519PublicKey
 from msgspec.structs import replace
 
-from dray.messages import Grant, VehicleCommand, signed_words
+from dray.messages import Closure, Closures, Grant, VehicleCommand, closed_words, signed_words
 
 UNSIGNED = b""
 
 
 class SigningKey:
-    """A private key, which grants commands.
+    """A private key, which grants commands and signs closures.
 
     Args:
         private: its 32 bytes.
@@ -62,6 +62,18 @@ class SigningKey:
         )
         signature = self._key.sign(signed_words(atv, command, grant))
         return replace(command, grant=replace(grant, signature=signature))
+
+    def close(self, number: int, closures: Iterable[Closure]) -> Closures:
+        """A list of closures, signed.
+
+        Args:
+            number: of the last decision.
+            closures: all that hold.
+        """
+        closed = tuple(closures)
+        return Closures(
+            number=number, signature=self._key.sign(closed_words(number, closed)), closures=closed
+        )
 
 
 class TrustedKeys:

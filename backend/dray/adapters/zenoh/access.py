@@ -43,6 +43,7 @@ class Apart:
             keys.transports("*"),
             keys.goals("*"),
             keys.shut_out,
+            keys.closures,
             *(keys.events(agent) for agent in self.wired),
         ]
         rules = {

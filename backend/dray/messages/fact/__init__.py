@@ -53,6 +53,7 @@ from dray.messages.fact.strategist import (
 )
 from dray.messages.fact.vehicle import (
     AtvStatusChanged,
+    ClosuresKnown,
     CommandObeyed,
     HelpAsked,
     HelpPromised,
@@ -85,6 +86,7 @@ AnyFact = (
     | PhaseEntered
     | AtvStatusChanged
     | CommandObeyed
+    | ClosuresKnown
     | MachineStatusChanged
     | PieceMade
     | GoodsDelivered
@@ -110,6 +112,7 @@ __all__ = [
     "BidRefused",
     "BidSent",
     "CarrierChanged",
+    "ClosuresKnown",
     "CommandObeyed",
     "ContractEnded",
     "ContractTaken",

@@ -55,3 +55,9 @@ class CommandObeyed(Fact, frozen=True):
     detail: Text = ""
     """What its sensors still report, where that is the reason."""
     issued_by: Text = ""
+
+
+class ClosuresKnown(Fact, frozen=True):
+    """From now on the vehicle drives by another list of closures (`dray.messages.closure`)."""
+
+    number: Count

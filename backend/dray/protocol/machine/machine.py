@@ -25,6 +25,7 @@ from dray.errors import ProtocolViolation
 from dray.memory import WHOLE, MachineMemory, Memory, Note
 from dray.messages import (
     Award,
+    Closures,
     Confirmed,
     Disbelieved,
     GoalClosed,
@@ -43,6 +44,7 @@ from dray.messages.heartbeat import Making
 from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.plant.model import MachineSpec
+from dray.protocol.closures.known_floor import REOPEN, KnownFloor
 from dray.protocol.contract_net.auction_rules import AuctionRules
 from dray.protocol.contract_net.parties import objection
 from dray.protocol.contract_net.trust.disbelief import Reproach
@@ -95,7 +97,7 @@ class Machine(AgentBase):
         traffic: TrafficMap | None = None,
     ) -> None:
         super().__init__(machine, incarnation, leaves_within_s=COORDINATOR_LEAVES_WITHIN_S)
-        self._plant = plant
+        self._plant = self._floor = plant = KnownFloor(plant)
         self._spec = plant.machines[machine]
         self._software = software
         self._heartbeat_timer = HeartbeatTimer(self.id, self._timers)
@@ -137,6 +139,7 @@ class Machine(AgentBase):
             Withdrawn: self._on_goal_over,
             GoalClosed: self._on_goal_closed,
             WorkSought: self._on_sought,
+            Closures: self._on_closures,
             Disbelieved: Reproach(self._out).on_disbelieved,
         }
         self._bookkeeping = Bookkeeping(machine, plant, traffic, self._timers, self._out)
@@ -150,6 +153,7 @@ class Machine(AgentBase):
         }
         self._alarm_handlers = {
             BEAT: self._beat,
+            REOPEN: self._reopen,
             **self._bidder.alarms,
             **self._flow.alarms,
             **self._bookkeeping.alarms,
@@ -168,7 +172,7 @@ class Machine(AgentBase):
             self._restore(note, now_s)
         self._flow.goods.count()
         self._out.extend(Subscribe(self._keys.goals(product)) for product in self._products)
-        self._out.append(Subscribe(self._keys.all_free))
+        self._out += (Subscribe(self._keys.all_free), Subscribe(self._keys.closures))
         if self.incarnation > 1:
             self._flow.recover(note is None, now_s, listens_on=self._bookkeeping.keeps_books)
         self._bookkeeping.start(memory, now_s)
@@ -329,6 +333,20 @@ class Machine(AgentBase):
     def _on_sought(self, sender: str, message: WorkSought, now_s: float) -> None:
         if not self._shutdown.begun:
             self._flow.offer(sender, message, now_s)
+
+    # --- what people have closed: bids and promises are judged by the ways that are open ---
+
+    def _on_closures(self, _sender: str, said: Closures, now_s: float) -> None:
+        # It drives nowhere: the word of a gateway is enough, and every bus asks whether it is one.
+        if objection := self._floor.objection(said, None):
+            self._out.append(Ignore(objection))
+            return
+        self._floor.take(said, now_s)
+        self._timers.set(REOPEN, self._floor.ends_s)
+
+    def _reopen(self, _about: None, now_s: float) -> None:
+        self._floor.look(now_s)
+        self._timers.set(REOPEN, self._floor.ends_s)
 
     # --- goals ---
 

@@ -195,7 +195,8 @@ class Failover:
         if task.is_counted or task.is_loaded:
             self.replace(task, reason, now_s)
         else:
-            self.note_given_back(task, reason, now_s)
+            if not self._assessor.is_floor_restricted:
+                self.note_given_back(task, reason, now_s)
             self._remedies.pass_on(task, reason, now_s)
 
     def blame(self, task: OpenTask, reason: Reason, now_s: float) -> None:
@@ -257,7 +258,8 @@ class Failover:
         progress, brief = task.contract.progress, heartbeat.task
         if progress is None or brief is None:
             return
-        held = task.contract.held_s < NEVER_S or (heartbeat.floor is not UNSET and heartbeat.floor.waits)
+        held = task.contract.held_s < NEVER_S or self._assessor.is_floor_restricted
+        held = held or (heartbeat.floor is not UNSET and heartbeat.floor.waits)
         if brief.phase is Phase.LOADING and progress.stands_long(brief.phase, now_s):
             held = held or not self._source_answers(task, now_s)
         failure = progress.on_heartbeat(heartbeat, brief.phase, held, now_s)

@@ -47,6 +47,7 @@ from dray.messages import (
 from dray.messages.fact import AtvStatusChanged, LinkChanged
 from dray.messages.keys import Keys
 from dray.plant import Plant
+from dray.protocol.closures.known_floor import KnownFloor
 from dray.protocol.contract_net.parties import objection
 from dray.protocol.contract_net.trust.disbelief import Reproach
 from dray.protocol.liveness.suspicion import interval_s
@@ -59,6 +60,7 @@ from dray.protocol.traffic.traffic_map import TrafficMap
 from dray.protocol.vehicle.assistance import Assistance
 from dray.protocol.vehicle.cell_subscription import CellSubscription
 from dray.protocol.vehicle.charging import Charging
+from dray.protocol.vehicle.closure_handling import ClosureHandling
 from dray.protocol.vehicle.command_authorisation import CommandAuthorisation, Trusts, trusts_nobody
 from dray.protocol.vehicle.command_handling import CommandHandling
 from dray.protocol.vehicle.contracts import Contracts
@@ -66,9 +68,6 @@ from dray.protocol.vehicle.drivers.reserved_driver import ReservedDriver, driver
 from dray.protocol.vehicle.drivers.traffic_handling import TrafficHandling
 from dray.protocol.vehicle.idle_positioning import CLAIM, SETTLE, IdlePositioning
 from dray.protocol.vehicle.status_report import StatusReport
-
-ORDERS_PER_LIFE = 1_000_000
-"""Numbers of ways and actions: what the body still reports to an earlier life is recognised."""
 
 
 class Atv(AgentBase):
@@ -98,13 +97,12 @@ class Atv(AgentBase):
         traffic: TrafficMap | None = None,
     ) -> None:
         super().__init__(atv, incarnation, leaves_within_s=CARRIER_LEAVES_WITHIN_S)
-        self._plant = plant
+        self._plant = plant = KnownFloor(plant)
         self._type = vehicle_type or plant.fleet[atv].type
         self._heartbeat_timer = HeartbeatTimer(self.id, self._timers)
         self._keys = Keys(plant.id)
         self._beat_key = self._keys.atv_heartbeat(atv)
-        first = incarnation * ORDERS_PER_LIFE
-        self._driver = driver_of(self, plant, self._type, traffic, self._timers, self._out, first_order=first)
+        self._driver = driver_of(self, plant, self._type, traffic, self._timers, self._out)
         self._cells = CellSubscription(plant, self._keys, self._out)
         self._charging = Charging(plant, self._type)
         self._contracts = Contracts(
@@ -120,12 +118,14 @@ class Atv(AgentBase):
         self._status_report = StatusReport(
             self, software, self._heartbeat_timer, self._driver, self._contracts, self._idle, self._commands
         )
+        self._closures = ClosureHandling(plant, trusts, self._contracts, self._idle, self._timers, self._out)
         self._link = Link.WLAN
         self._status = AtvStatus.IDLE
         self.battery_frac = 1.0
         self.load = ("", 0)
         self._message_handlers = {
             **self._contracts.message_handlers,
+            **self._closures.message_handlers,
             VehicleCommand: self._on_command,
             DwellPointClaimed: self._on_claim,
             Disbelieved: Reproach(self._out).on_disbelieved,
@@ -142,6 +142,7 @@ class Atv(AgentBase):
         self._alarm_handlers = {
             BEAT: self._beat,
             **self._contracts.alarms,
+            **self._closures.alarms,
             SETTLE: lambda _about, now_s: self._rest_on(SETTLE, now_s),
             CLAIM: lambda _about, now_s: self._rest_on(CLAIM, now_s),
         }
@@ -153,6 +154,7 @@ class Atv(AgentBase):
     def _start(self, body: BodyState | None, memory: Memory, now_s: float) -> None:
         self._sense(body, now_s)
         self._cells.move(*self._driver.position_m)
+        self._closures.start(memory, now_s)
         state = cast(VehicleState, body)
         self._driver.take_control(state, now_s)
         self._assistance.problem, self._link = state.problem, state.link

@@ -73,7 +73,7 @@ class DwellPoints:
     def __init__(self, atv: str, plant: Plant, vehicle_type: str, keys: Keys, out: list[Effect]) -> None:
         self._atv = atv
         self._plant = plant
-        self._routes = plant.routes(vehicle_type)
+        self._type = vehicle_type
         self._keys = keys
         self._out = out
         self._taken_until_s: dict[str, float] = {}
@@ -117,12 +117,18 @@ class DwellPoints:
             dwell_point: until_s for dwell_point, until_s in self._taken_until_s.items() if until_s > now_s
         }
         kind = self._plant.chargers if charger else self._plant.parkings
-        free = [dwell_point for dwell_point in kind if dwell_point not in self._taken_until_s]
+        routes = self._plant.routes(self._type)
+        closed = self._plant.restrictions.nodes
+        free = [
+            dwell_point
+            for dwell_point, spec in kind.items()
+            if dwell_point not in self._taken_until_s and spec.node not in closed
+        ]
         if not free:
             return False
         near = self._plant.closest(node, free, COMPARED)
         try:
-            nearest, _ = self._routes.nearest(node, near)
+            nearest, _ = routes.nearest(node, near)
         except NoWay:
             return False
         self.leave()

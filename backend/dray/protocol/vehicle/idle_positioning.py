@@ -50,7 +50,7 @@ class WaitingPlaces:
 
     def __init__(self, plant: Plant, vehicle_type: str) -> None:
         self._plant = plant
-        self._routes = plant.routes(vehicle_type)
+        self._type = vehicle_type
         self._reserve = Reserve(plant, vehicle_type)
         docks = {plant.node_of(place) for place in plant.places}
         free = tuple(node for node in plant.stops if node not in docks)
@@ -65,10 +65,13 @@ class WaitingPlaces:
             there = self._plant.nodes[spot]
             return hypot(there.x_m - here.x_m, there.y_m - here.y_m)
 
+        routes = self._plant.routes(self._type)
+        closed = self._plant.restrictions.nodes
+        spots = [spot for spot in self._spots if spot not in closed] if closed else self._spots
         found, least_s = node, float("inf")
-        for spot in nsmallest(COMPARED, self._spots, key=distance_m):
+        for spot in nsmallest(COMPARED, spots, key=distance_m):
             try:
-                way_s = self._routes.duration_s(node, spot)
+                way_s = routes.duration_s(node, spot)
             except NoWay:
                 continue
             # Not into a dead end that leads to no dock.
@@ -139,7 +142,7 @@ class IdlePositioning:
         self._timers.clear(SETTLE)
         self._timers.clear(CLAIM)
         if self._driver.way:
-            self._driver.go(self._driver.next_node, now_s)
+            self._driver.halt(now_s)
 
     def stop(self) -> None:
         """The vehicle has work: stop positioning."""
@@ -147,6 +150,21 @@ class IdlePositioning:
         self._charge_order = self._failed = 0
         self._timers.clear(SETTLE)
         self._timers.clear(CLAIM)
+
+    def floor_changed(self, now_s: float) -> None:
+        """People have closed or opened something: leave what is closed, and go on by other ways."""
+        claimed = self._dwell_points.dwell_point
+        closed = bool(claimed) and self._is_closed(claimed)
+        if closed:
+            self.stop()
+        if not self._driver.follow(now_s):
+            self._dwell_points.leave()
+            closed = True
+        if closed:
+            self.soon(now_s)
+
+    def _is_closed(self, dwell_point: str) -> bool:
+        return self._plant.node_of(dwell_point) in self._plant.restrictions.nodes
 
     # --- time passes ---
 
@@ -268,19 +286,31 @@ class IdlePositioning:
     def _stand_here(self, battery_frac: float, now_s: float) -> None:
         """Claim the dwell point in which the vehicle stands, unless another one has just won it."""
         for dwell_point in self._plant.dwell_points:
-            if self._plant.node_of(dwell_point) == self._driver.node and not self._dwell_points.is_taken(
-                dwell_point, now_s
+            if (
+                self._plant.node_of(dwell_point) == self._driver.node
+                and not self._dwell_points.is_taken(dwell_point, now_s)
+                and not self._is_closed(dwell_point)
             ):
                 self._dwell_points.stand(dwell_point, battery_frac)
                 return
 
     def _step_aside(self, now_s: float) -> None:
         """There is no dwell point, or the place it was driving to belongs to another now: do not wait at a dock."""
-        self._driver.go(self._aside.nearest(self._driver.next_node), now_s)
+        aside = self._aside.nearest(self._driver.next_node)
+        if aside == self._driver.next_node:
+            self._driver.halt(now_s)
+        else:
+            self._driver.go(aside, now_s)
 
     def _take_dwell_point(self, now_s: float) -> None:
         """Nobody has objected: drive there."""
-        if not self._driver.go(self._plant.node_of(self._dwell_points.dwell_point), now_s):
+        try:
+            drives = self._driver.go(self._plant.node_of(self._dwell_points.dwell_point), now_s)
+        except NoWay:
+            self._dwell_points.leave()
+            self.soon(now_s)
+            return
+        if not drives:
             self.arrived()
 
     def _charge(self) -> None:

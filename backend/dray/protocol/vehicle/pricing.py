@@ -19,7 +19,8 @@ import msgspec
 
 from dray.errors import NoWay
 from dray.messages import Refusal, Transport, TransportCost
-from dray.plant import Plant
+from dray.plant import Plant, Routes
+from dray.plant.restrictions import OPEN
 from dray.protocol.contract_net.dock import dock_of
 from dray.protocol.vehicle.drivers.driver import limited_s
 from dray.protocol.vehicle.reserve import Reserve
@@ -63,7 +64,6 @@ class Pricer:
     def __init__(self, plant: Plant, vehicle_type: str) -> None:
         self._plant = plant
         self._type = plant.vehicle_types[vehicle_type]
-        self._routes = plant.routes(vehicle_type)
         self._reserve = Reserve(plant, vehicle_type)
 
     def quote(
@@ -101,11 +101,12 @@ class Pricer:
             return Unable(Refusal.NO_WAY, "a place that is not in this plant")
         there = docks[work.destination]
         spare_s = SPARE_ABILITY_S * (len(kind.abilities) - 1)
+        routes = self._plant.routes(kind.id)
         offers: list[tuple[Quote, float]] = []
         for source in work.sources:
             try:
-                empty = self._routes.way(node, docks[source])
-                loaded = self._routes.way(docks[source], there)
+                empty = routes.way(node, docks[source])
+                loaded = routes.way(docks[source], there)
             except NoWay:
                 continue
             empty_s = max(0.0, node_at_s - now_s) + limited_s(empty.duration_s, speed_frac)
@@ -127,7 +128,7 @@ class Pricer:
             )
             offers.append((Quote(source=source, cost=cost, finish_s=now_s + took_s), left_frac))
         if not offers:
-            return Unable(Refusal.NO_WAY, "no way leads there")
+            return self._no_way(node, [docks[source] for source in work.sources], there)
         needed_frac = self._reserve.needed_frac(there)
         # Of sources that cost the same the first one that the task names.
         offers.sort(key=lambda offer: offer[0].cost.total_s)
@@ -138,6 +139,21 @@ class Pricer:
         if left_frac < needed_frac:
             return Unable(Refusal.BATTERY, f"{left_frac:.0%} would be left, {needed_frac:.0%} are needed")
         return Unable(Refusal.DEADLINE, f"{quote.finish_s - deadline_s:.0f} s too late")
+
+    def _no_way(self, node: str, sources: list[str], there: str) -> Unable:
+        """Why no way leads there: what people have closed, or the lanes of the plant."""
+        routes = self._plant.routes(self._type.id, OPEN)
+        if any(_leads(routes, node, source) and _leads(routes, source, there) for source in sources):
+            return Unable(Refusal.CLOSED, "what is closed leaves no way")
+        return Unable(Refusal.NO_WAY, "no way leads there")
+
+
+def _leads(routes: Routes, start: str, end: str) -> bool:
+    try:
+        routes.way(start, end)
+    except NoWay:
+        return False
+    return True
 
 
 def low_battery_s(left_frac: float) -> float:

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from dray.errors import NoWay
-from dray.plant import Plant
+from dray.plant import Plant, Routes
+from dray.plant.restrictions import OPEN
 
 RESERVE_FRAC = 0.10
 """Battery that no promise may touch: ways around obstacles, the wait for a charger, and ageing."""
@@ -26,22 +29,31 @@ class Reserve:
     def __init__(self, plant: Plant, vehicle_type: str) -> None:
         self._plant = plant
         self._type = plant.vehicle_types[vehicle_type]
-        self._routes = plant.routes(vehicle_type)
+        self._restrictions = OPEN
         self._needed_frac: dict[str, float] = {}
+        """By node, under these restrictions."""
 
     def needed_frac(self, node: str) -> float:
         """What must be left at a node, so that the nearest charger can be reached with the reserve.
 
-        More than a battery holds where no charger can be reached: nothing can be promised that ends there.
+        More than a battery holds where no charger can be reached: nothing can be promised that ends there. Chargers that
+        are closed to all count as they are when they are open again, or a closure would end all work.
         """
+        if self._restrictions is not self._plant.restrictions:
+            self._restrictions = self._plant.restrictions
+            self._needed_frac.clear()
         frac = self._needed_frac.get(node)
         if frac is None:
             near = self._plant.closest(node, self._plant.chargers, COMPARED)
-            try:
-                _, way = self._routes.nearest(node, near)
-            except NoWay:
-                frac = NEVER_FRAC
-            else:
-                frac = RESERVE_FRAC + way.length_m * self._type.drive_wh_per_m / self._type.battery_wh
+            frac = self._to_charger_frac(self._plant.routes(self._type.id), node, near)
+            if frac == NEVER_FRAC and self._restrictions is not OPEN:
+                frac = self._to_charger_frac(self._plant.routes(self._type.id, OPEN), node, near)
             self._needed_frac[node] = frac
         return frac
+
+    def _to_charger_frac(self, routes: Routes, node: str, near: Iterable[str]) -> float:
+        try:
+            _, way = routes.nearest(node, near)
+        except NoWay:
+            return NEVER_FRAC
+        return RESERVE_FRAC + way.length_m * self._type.drive_wh_per_m / self._type.battery_wh

@@ -18,6 +18,7 @@ class Course:
         profile_s: how far into the profile that is.
         reach_m: how far it drives at most.
         length_m, width_m: of the vehicle.
+        lane: the one that it drives, by its ends; None for one that stands.
 
     Attributes:
         radius_m: of the circle around it.
@@ -32,6 +33,7 @@ class Course:
         "_sin",
         "begin_s",
         "heading_rad",
+        "lane",
         "length_m",
         "radius_m",
         "reach_m",
@@ -52,10 +54,12 @@ class Course:
         reach_m: float,
         length_m: float,
         width_m: float,
+        lane: tuple[str, str] | None = None,
     ) -> None:
         self.begin_s = begin_s
         self.x_m, self.y_m, self.heading_rad = x_m, y_m, heading_rad
         self.length_m, self.width_m = length_m, width_m
+        self.lane = lane
         self.radius_m = hypot(length_m, width_m) / 2.0
         self._cos, self._sin = cos(heading_rad), sin(heading_rad)
         self._profile = profile

@@ -134,6 +134,7 @@ class Travel:
             self.way.places_m[self._passed + 1] - place_m,
             kind.length_m,
             kind.width_m,
+            (self.way.points[self._passed], self.way.points[self._passed + 1]),
         )
 
     # --- what happens ----------------------------------------------------------------------------
@@ -171,8 +172,15 @@ class Travel:
 
     # --- what it is told -------------------------------------------------------------------------
 
-    def drive(self, order: int, nodes: tuple[str, ...], released: int, now_s: float) -> str:
-        """Follow a new way, after the lane that the vehicle is on.
+    def drive(
+        self,
+        order: int,
+        nodes: tuple[str, ...],
+        released: int,
+        now_s: float,
+        limits_mps: tuple[float | None, ...] = (),
+    ) -> str:
+        """Follow a new way, after the lane that the vehicle is on. Arguments as in `dray.body.Drive`.
 
         Returns:
             "" when it does, else why it cannot; nothing has changed then.
@@ -182,18 +190,22 @@ class Travel:
             return f"the way must begin at {start}"
         if not 1 <= released <= len(nodes):
             return f"{released} of {len(nodes)} nodes released"
+        if limits_mps and len(limits_mps) != len(nodes) - 1:
+            return f"{len(limits_mps)} speed limits for {len(nodes) - 1} lanes"
         lane_m, speed_mps, lead = 0.0, 0.0, 0
         points = nodes
         if self.way is not None and self.on_lane(now_s):
             place_m, speed_mps = self.motion(now_s)
             lane_m, lead = place_m - self.way.places_m[self._passed], 1
             points = (self.way.points[self._passed], *nodes)
+            # The lane that it is on is finished as it was begun.
+            limits_mps = (self.way.limit_on(self._passed), *(limits_mps or (None,) * (len(nodes) - 1)))
         lanes = join(self._plant.roads, points)
         if isinstance(lanes, str):
             return lanes
         self._settle(now_s)
         self._stranded = False
-        self.way = Way(order, points, lanes, lead, self._type.turn_speed_mps)
+        self.way = Way(order, points, lanes, lead, self._type.turn_speed_mps, limits_mps)
         self._passed, self._released, self._from_m = 0, released - 1 + lead, lane_m
         self._plan(speed_mps)
         return ""

@@ -113,7 +113,7 @@ class SimVehicle:
         """The number of the present plan: a call of the clock for another one is stale."""
         self._due_s = NEVER_S
         """When the present plan ends."""
-        self._on_course: Callable[[str, Course], None] | None = None
+        self._on_course: tuple[Callable[[str, Course], None], ...] = ()
         self._power.watch()
 
     # --- Body ------------------------------------------------------------------------------------
@@ -267,8 +267,8 @@ class SimVehicle:
         self._change_of_fortune()
 
     def watch_course(self, on_course: Callable[[str, Course], None]) -> None:
-        """Tell how it moves, now and at every change, to one who watches."""
-        self._on_course = on_course
+        """Tell how it moves, now and at every change, to one more who watches."""
+        self._on_course += (on_course,)
         on_course(self.id, self._travel.course(self._now_s()))
 
     def odometer(self) -> Odometer:
@@ -279,7 +279,7 @@ class SimVehicle:
 
     def _drive(self, drive: Drive) -> None:
         travel, now_s = self._travel, self._power.settled_s
-        reason = travel.drive(drive.order, drive.nodes, drive.released, now_s)
+        reason = travel.drive(drive.order, drive.nodes, drive.released, now_s, drive.limits_mps)
         if reason:
             self._fail(drive.order, reason)
             travel.cut(now_s)
@@ -361,8 +361,8 @@ class SimVehicle:
         if when_s < NEVER_S:
             self._clock.call_at(when_s, partial(self._due, self._plan))
         self._power.watch()
-        if self._on_course is not None:
-            self._on_course(self.id, self._travel.course(self._power.settled_s))
+        for watcher in self._on_course:
+            watcher(self.id, self._travel.course(self._power.settled_s))
 
     def _look_at_battery(self) -> None:
         """The battery may be empty."""

@@ -23,9 +23,20 @@ class Way:
         lanes: from each point to the next, as `join` finds them.
         lead: how many points come before `Drive.nodes[0]`: 1 when a lane has to be finished, else 0.
         turn_mps: the highest speed in a sharp bend.
+        limits_mps: of the lanes where others than theirs hold, one per lane; None where theirs do, empty where they do everywhere.
     """
 
-    __slots__ = ("_caps_mps", "_lanes", "_limits_mps", "_turn_mps", "lead", "order", "places_m", "points")
+    __slots__ = (
+        "_caps_mps",
+        "_lanes",
+        "_limits_mps",
+        "_told_mps",
+        "_turn_mps",
+        "lead",
+        "order",
+        "places_m",
+        "points",
+    )
 
     def __init__(
         self,
@@ -34,10 +45,15 @@ class Way:
         lanes: list[DirectedLane],
         lead: int,
         turn_mps: float,
+        limits_mps: tuple[float | None, ...] = (),
     ) -> None:
         self.order, self.points, self.lead = order, points, lead
         self._lanes = lanes
-        self._limits_mps = [lane.speed_limit_mps for lane in lanes]
+        self._told_mps = limits_mps or (None,) * len(lanes)
+        self._limits_mps = [
+            lane.speed_limit_mps if told is None else min(lane.speed_limit_mps, told)
+            for lane, told in zip(lanes, self._told_mps, strict=True)
+        ]
         self._turn_mps = turn_mps
         free_mps = float("inf")
         self._caps_mps = [turn_mps if bends(before, after) else free_mps for before, after in pairwise(lanes)]
@@ -56,7 +72,14 @@ class Way:
 
     def cut(self, point: int) -> Way:
         """The same way, ending at a point."""
-        return Way(self.order, self.points[: point + 1], self._lanes[:point], self.lead, self._turn_mps)
+        told_mps = self._told_mps[:point]
+        return Way(
+            self.order, self.points[: point + 1], self._lanes[:point], self.lead, self._turn_mps, told_mps
+        )
+
+    def limit_on(self, lane: int) -> float | None:
+        """What was told of the speed on a lane, counted as its first point; None for nothing."""
+        return self._told_mps[lane]
 
     def heading_rad(self, lane: int) -> float:
         """The direction of a lane, counted as its first point."""

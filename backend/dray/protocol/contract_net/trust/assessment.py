@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from dray.messages import Accepted, Bid, Implausible, TakenOver, Work
 from dray.plant import Plant
+from dray.plant.restrictions import OPEN
 from dray.protocol.contract_net.trust.disbelief import Disbelief
 from dray.protocol.contract_net.trust.plausibility import Plausibility, clock_ahead_s, is_clock_wrong
 from dray.protocol.contract_net.trust.probation import SHORT_S, is_barred
@@ -29,6 +30,7 @@ class Assessor:
     """
 
     def __init__(self, plant: Plant, out: list[Effect]) -> None:
+        self._plant = plant
         self._plausibility = Plausibility(plant)
         self.reliability = Reliability(out)
         self.handling_max_s = self._plausibility.handling_max_s
@@ -55,6 +57,11 @@ class Assessor:
             return False
         self._disbelief.tell(speaker, said, Implausible.CLOCK, now_s, clock_ahead_s(said.at_s, now_s))
         return True
+
+    @property
+    def is_floor_restricted(self) -> bool:
+        """Whether people have closed something: who has no way then is not to blame."""
+        return self._plant.restrictions != OPEN
 
     def surcharge_s(self, bidder: str, now_s: float) -> float:
         """What is added to a bid before it is ranked."""

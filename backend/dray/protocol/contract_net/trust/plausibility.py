@@ -144,7 +144,7 @@ class Plausibility:
                 try:
                     ways_s = routes.farthest_s(here) + routes.duration_s(here, there)
                 except NoWay:
-                    continue  # Its own plant file may know one.
+                    continue  # Its own plant file may know one, or what is closed is known to one of us only.
                 longest_s = max(longest_s, LOOSE_FRAC * ways_s + 2.0 * self.handling_max_s)
         return longest_s
 

@@ -14,10 +14,14 @@ from dray.body import (
     VehicleState,
     WayDone,
 )
+from dray.errors import NoWay
 from dray.messages import Pose
 from dray.messages.heartbeat import FloorBrief
-from dray.plant import Plant
+from dray.plant import Plant, Routes
 from dray.protocol.runtime.events import Effect, Instruct
+
+ORDERS_PER_LIFE = 1_000_000
+"""Numbers of ways and actions: what the body still reports to an earlier life is recognised."""
 
 
 def limited_s(way_s: float, speed_frac: float) -> float:
@@ -38,8 +42,7 @@ class Driver:
     """
 
     def __init__(self, plant: Plant, vehicle_type: str, out: list[Effect], *, first_order: int = 0) -> None:
-        self._plant = plant
-        self._routes = plant.routes(vehicle_type)
+        self._plant, self._type = plant, vehicle_type
         self._out = out
         self._passed = 0
         self.node = ""
@@ -92,12 +95,45 @@ class Driver:
 
         Returns:
             False when the vehicle stands there already: nothing is done then.
+
+        Raises:
+            NoWay: what is closed leaves none; nothing is done then.
         """
         if not self.way and self.node == node:
             return False
         way = self._routes.way(self.next_node, node)
         self._take_way(way.nodes, limited_s(way.duration_s, self.speed_frac), now_s)
         return True
+
+    def halt(self, now_s: float) -> None:
+        """Stand at the end of the present lane; or at the next node that is open, where that end was closed."""
+        here = self.next_node
+        try:
+            stands = self._routes.way_out(here, self._plant.stops).nodes[-1]
+        except NoWay:
+            stands = here
+        if self.way or stands != here:
+            self.go(stands, now_s)
+
+    def follow(self, now_s: float) -> bool:
+        """The floor has changed: give the rest of the way anew, and leave what was closed.
+
+        Returns:
+            False when the end of the way cannot be reached any more: it halts then.
+        """
+        if self.way:
+            try:
+                return self.go(self.way[-1], now_s)
+            except NoWay:
+                self.halt(now_s)
+                return False
+        if self.node in self._plant.restrictions.nodes:
+            self.halt(now_s)
+        return True
+
+    @property
+    def _routes(self) -> Routes:
+        return self._plant.routes(self._type)
 
     def limit_speed(self, speed_frac: float) -> None:
         """Keep below a part of the vehicle's own top speed from now on."""
@@ -108,7 +144,9 @@ class Driver:
         self.order += 1
         self.way, self._passed = nodes, 0
         self.arrives_s = now_s + duration_s
-        self._out.append(Instruct(Drive(order=self.order, nodes=nodes, released=len(nodes))))
+        limits_mps = self._plant.restrictions.limits_on(nodes)
+        drive = Drive(order=self.order, nodes=nodes, released=len(nodes), limits_mps=limits_mps)
+        self._out.append(Instruct(drive))
 
     def act(self, instruction: VehicleInstruction) -> None:
         """Let the standing vehicle do something; number it with `next_order` first."""

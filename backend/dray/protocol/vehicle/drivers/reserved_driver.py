@@ -17,7 +17,7 @@ from dray.protocol.traffic.driving.place_requests import IDLE, LOOK, WITH_TASK, 
 from dray.protocol.traffic.driving.right_of_way import RightOfWay
 from dray.protocol.traffic.neighbours import Neighbours
 from dray.protocol.traffic.traffic_map import TrafficMap
-from dray.protocol.vehicle.drivers.driver import Driver, limited_s
+from dray.protocol.vehicle.drivers.driver import ORDERS_PER_LIFE, Driver, limited_s
 
 
 class Owner(Protocol):
@@ -226,10 +226,9 @@ def driver_of(
     traffic: TrafficMap | None,
     timers: Timers,
     out: list[Effect],
-    *,
-    first_order: int,
 ) -> Driver:
     """The driver of a vehicle: with right of way where there is a map of traffic; see `ReservedDriver`."""
+    first_order = owner.incarnation * ORDERS_PER_LIFE
     if traffic is None:
         return Driver(plant, vehicle_type, out, first_order=first_order)
     return ReservedDriver(owner, plant, vehicle_type, traffic, timers, out, first_order=first_order)

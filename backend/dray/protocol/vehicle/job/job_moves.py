@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dray.body import Drop, Pick
 from dray.errors import NoWay
 from dray.memory import Contract
-from dray.plant import Plant
+from dray.plant import Plant, Routes
 from dray.protocol.contract_net.dock import dock_of
 from dray.protocol.runtime.timers import Timers
 from dray.protocol.vehicle.drivers.driver import Driver, limited_s
@@ -36,7 +36,6 @@ class JobMoves:
         self._source = contract.source
         self._plant = plant
         self._type = plant.vehicle_types[vehicle_type]
-        self._routes = plant.routes(vehicle_type)
         self._driver = driver
         self._timers = timers
         self._order = 0
@@ -51,13 +50,15 @@ class JobMoves:
 
         Returns:
             When the vehicle should be there; None when it stands there already.
+
+        Raises:
+            NoWay: what is closed leaves none.
         """
         return self._driver.arrives_s if self._driver.go(self._dock(place), now_s) else None
 
     def halt(self, now_s: float) -> None:
-        """Stand at the end of the present lane."""
-        if self._driver.way:
-            self._driver.go(self._driver.next_node, now_s)
+        """Stand at the end of the present lane, or outside of what is closed."""
+        self._driver.halt(now_s)
 
     def try_later(self, now_s: float) -> None:
         """A way or a manoeuvre has failed: another try is due after `RETRY_S`."""
@@ -70,7 +71,11 @@ class JobMoves:
     # --- how long they take ---
 
     def from_source_s(self) -> float:
-        """How long loading, the way to the destination and unloading take."""
+        """How long loading, the way to the destination and unloading take.
+
+        Raises:
+            NoWay: what is closed leaves none.
+        """
         loaded_s = self._routes.duration_s(self._dock(self._source), self._dock(self._work.destination))
         return self._type.load_s + limited_s(loaded_s, self._driver.speed_frac) + self._type.unload_s
 
@@ -117,7 +122,7 @@ class JobMoves:
         """The nearest storage that keeps the load; goods are set aside at the delivery warehouse.
 
         Where every storage is full, and stays so since nobody can fetch with this vehicle's load in the way, material goes back
-        to where it came from, a source warehouse.
+        to where it came from, a source warehouse. Where what is closed leaves no way to any, the first one is waited for.
         """
         is_material = self._work.item in self._plant.materials
         storages = self._plant.storages_of(self._work.item) if is_material else (self._work.destination,)
@@ -128,7 +133,10 @@ class JobMoves:
             except NoWay:
                 continue
         self._full.clear()
-        return self._routes.nearest(here, storages)[0]
+        try:
+            return self._routes.nearest(here, storages)[0]
+        except NoWay:
+            return storages[0]
 
     def note_full(self, place: str) -> None:
         """This place did not take the load."""
@@ -136,6 +144,10 @@ class JobMoves:
 
     def _not_full(self, places: Iterable[str]) -> tuple[str, ...]:
         return tuple(place for place in places if place not in self._full)
+
+    @property
+    def _routes(self) -> Routes:
+        return self._plant.routes(self._type.id)
 
     def _dock(self, place: str) -> str:
         return dock_of(self._plant, self._work, place)

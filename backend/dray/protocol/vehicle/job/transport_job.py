@@ -8,8 +8,8 @@ still bring. A coordinator that answers nothing for `job_messages.GIVE_UP_AFTER`
 Who has taken a task over drives before its coordinator has confirmed that. Who gives a task back that is not on board yet
 stands until its coordinator has superseded it: until then it is bound.
 
-This module decides what is next. What the vehicle does then is in `job_moves`, what it says in `job_messages`, and what it
-tells of itself in `job_status`.
+This module decides what is next. What the vehicle does then is in `job_moves` and `job_ways`, what it says in `job_messages`,
+and what it tells of itself in `job_status`.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ from dray.protocol.vehicle.drivers.driver import Driver
 from dray.protocol.vehicle.job.job_messages import JobMessages
 from dray.protocol.vehicle.job.job_moves import JobMoves
 from dray.protocol.vehicle.job.job_state import LOADED, MANOEUVRES, JobState
-from dray.protocol.vehicle.job.job_status import JobStatus
+from dray.protocol.vehicle.job.job_ways import JobWays
 
 WAITS_AT_LEAST_S = 15.0
 """At a storage that has nothing, beyond what its promise allows: the station may have been started again a moment ago.
@@ -48,7 +48,7 @@ TRIES = 3
 """Manoeuvres at one place before another one is looked for."""
 
 
-class TransportJob(JobStatus):
+class TransportJob(JobWays):
     """One transport of one vehicle: what happens to it, and what is next.
 
     Args:
@@ -68,10 +68,9 @@ class TransportJob(JobStatus):
         timers: Timers,
         out: list[Effect],
     ) -> None:
-        super().__init__(contract)
+        super().__init__(contract, JobMoves(contract, plant, vehicle_type, driver, timers))
         self._out = out
         self._messages = JobMessages(contract, timers, out)
-        self._moves = JobMoves(contract, plant, vehicle_type, driver, timers)
         self._void = contract.cancelled
         """Why the contract is void; None while it binds."""
         self._short = ""
@@ -82,7 +81,6 @@ class TransportJob(JobStatus):
         """Why the coordinator was asked to let another one carry it."""
         self._may_be_dropping = False
         """An earlier life had come to the unloading: its drop may still be under way."""
-        self._station = contract.source
         self._failed = 0
         """Manoeuvres that failed at this station."""
         self._refused = contract.refused
@@ -137,6 +135,8 @@ class TransportJob(JobStatus):
     def arrived(self, now_s: float) -> None:
         """The vehicle stands where it was sent."""
         match self.state:
+            case _ if self._cut_off:
+                pass
             case JobState.APPROACHING:
                 self._enter(JobState.AT_SOURCE, self.source)
                 self._stands_s = now_s
@@ -286,7 +286,7 @@ class TransportJob(JobStatus):
             case JobState.HANDING_OVER:
                 self._ask_for_handover(now_s)
             case _:
-                self._drive(self._station, now_s)
+                self._drive_on(now_s)
 
     def _is_under_way(self, order: int) -> bool:
         """Whether this pick or drop is what the job waits for."""
@@ -299,16 +299,6 @@ class TransportJob(JobStatus):
         self._station, self._failed = station, 0
         fact = PhaseEntered(task=self.task, epoch=self.epoch, phase=self.phase, station=station)
         self._out.append(Record(fact))
-
-    def _drive(self, station: str, now_s: float) -> None:
-        there_s = self._moves.drive(station, now_s)
-        arrives_s = now_s if there_s is None else there_s
-        if self.state is JobState.APPROACHING:
-            self.due_s = arrives_s + self._moves.from_source_s()
-        elif self.state is JobState.CARRYING:
-            self.due_s = arrives_s + self._moves.unloading_s()
-        if there_s is None:
-            self.arrived(now_s)
 
     def _carry(self, now_s: float) -> None:
         self._enter(JobState.CARRYING, self.work.destination)
@@ -343,8 +333,7 @@ class TransportJob(JobStatus):
     def _wait(self, held: DockHeld, now_s: float) -> None:
         """Ask again later; at a storage, as long as its promise can be kept and a moment longer."""
         fetches = self.state is JobState.AT_SOURCE and self.source != self.coordinator
-        kept = now_s + self._moves.from_source_s() <= self.promised_s
-        if fetches and not kept and now_s >= self._stands_s + WAITS_AT_LEAST_S:
+        if fetches and not self._keeps_promise(now_s) and now_s >= self._stands_s + WAITS_AT_LEAST_S:
             self._short = self.source
             self.give_back(Reason.DOCK_HELD, now_s, held.reason)
         else:

@@ -1,0 +1,97 @@
+"""Closures: what people have closed to vehicles, made slow or one-way, for a time or until they open it again.
+
+There is one list. A gateway says it again and again on a key of its own, so that whoever joins or comes back later
+learns it too. The list with the highest number counts, whichever gateway has said it. A vehicle obeys nobody's bare word
+(`dray.messages.command`): the list carries a signature over all of it.
+"""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from math import floor
+from typing import Annotated
+
+import msgspec
+from msgspec import Meta
+
+from dray.messages.base import Count, Id, IdOrNone, Message, Part, Seconds
+
+MAX_CLOSURES = 64
+"""At once. Whoever has closed more of a floor than that has shut the plant; with ids of the greatest length the message is
+still below what a bus carries (`dray.codec.MAX_BYTES`)."""
+
+SLOWEST_MPS = 0.1
+"""No slow lane is slower: a vehicle that creeps is not told from one that stands."""
+
+
+class ClosureKind(StrEnum):
+    """What a closure does to the lanes that it concerns."""
+
+    CLOSED = "closed"
+    """Nobody enters them. Who is inside leaves."""
+    SLOW = "slow"
+    """They are driven at `speed_mps` at most."""
+    ONE_WAY = "one_way"
+    """A lane is driven from `start` to `end` only."""
+
+
+class Closure(Part, frozen=True):
+    """One decision of a person about one lane, one node or one area: exactly one of them is named."""
+
+    closure: Id
+    kind: ClosureKind
+    by: Id
+    """The person who has decided it."""
+    start: IdOrNone = ""
+    end: IdOrNone = ""
+    """The nodes at the ends of a lane. Both directions are meant, where there are two, unless it becomes one-way."""
+    node: IdOrNone = ""
+    """A node: all lanes that lead into it. A crossing of two-lane roads: all lanes over it."""
+    area: IdOrNone = ""
+    """An area of the plant: its nodes, and the lanes that cross it."""
+    speed_mps: Annotated[float, Meta(ge=SLOWEST_MPS, le=100.0)] | None = None
+    """For SLOW."""
+    until_s: Seconds | None = None
+    """From then on it does not hold (plant clock), whether anybody says so or not; None for until it is opened."""
+
+
+class Closures(Message, frozen=True):
+    """All closures at present; what is not named is open."""
+
+    number: Count
+    """Grows with every decision: its time, in milliseconds of unix time, or one more than the one before."""
+    signature: Annotated[bytes, Meta(min_length=64, max_length=64)]
+    """Ed25519, over `closed_words`."""
+    closures: Annotated[tuple[Closure, ...], Meta(max_length=MAX_CLOSURES)] = ()
+
+
+def closed_words(number: int, closures: tuple[Closure, ...]) -> bytes:
+    """What the signature of a list covers: a JSON array without white space, numbers as whole thousandths."""
+    return _encoder.encode(
+        (
+            "dray closures 1",
+            number,
+            tuple(
+                (
+                    each.closure,
+                    each.kind.value,
+                    each.by,
+                    each.start,
+                    each.end,
+                    each.node,
+                    each.area,
+                    _thousandths(each.speed_mps),
+                    _thousandths(each.until_s),
+                )
+                for each in closures
+            ),
+        )
+    )
+
+
+_encoder = msgspec.json.Encoder()
+
+
+def _thousandths(value: float | None) -> int | None:
+    """Halves are rounded up, as in `dray.messages.command`."""
+    return None if value is None else floor(value * 1000.0 + 0.5)

@@ -1,0 +1,90 @@
+"""What vehicles may not drive on at present, or only slowly: a plant's lanes as people have restricted them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from itertools import pairwise
+from math import ceil
+
+import msgspec
+from msgspec.structs import replace
+
+from dray.plant.geometry import inside
+from dray.plant.model import Area, Node, Point
+from dray.plant.roads import DirectedLane, Roads
+
+Ends = tuple[str, str]
+"""A lane in one direction, by its nodes."""
+
+SAMPLE_M = 0.25
+"""How densely a lane is looked at that may cross an area: what it touches for less is not crossed."""
+
+
+class Restrictions(msgspec.Struct, frozen=True):
+    """Restrictions of one plant at one moment. Equal ones are equal, so that ways are looked for once."""
+
+    nodes: frozenset[str] = frozenset()
+    """Closed: nobody enters them from outside. Who is inside may drive through them on the way out."""
+    lanes: frozenset[Ends] = frozenset()
+    """Closed: nobody enters them from anywhere."""
+    limits_mps: tuple[tuple[Ends, float], ...] = ()
+    """The highest speeds on slow lanes, sorted, each lane once."""
+
+    def admits(self, start: str, end: str) -> bool:
+        """Whether a vehicle at one end of a lane may enter it."""
+        return (start, end) not in self.lanes and (end not in self.nodes or start in self.nodes)
+
+    def open_lanes(self, roads: Roads) -> dict[str, tuple[DirectedLane, ...]]:
+        """The lanes that may be entered, by the node where they begin, each with the speed that holds there."""
+        if not (self.nodes or self.lanes or self.limits_mps):
+            return dict(roads.leaving)
+        limits_mps = dict(self.limits_mps)
+        return {
+            node: tuple(
+                _limited(lane, limits_mps.get((lane.start, lane.end)))
+                for lane in lanes
+                if self.admits(lane.start, lane.end)
+            )
+            for node, lanes in roads.leaving.items()
+        }
+
+    def limits_on(self, nodes: tuple[str, ...]) -> tuple[float | None, ...]:
+        """The highest speeds along a way (m/s), one per lane, None where it is not slow; empty where nothing on it is."""
+        if not self.limits_mps:
+            return ()
+        limits_mps = dict(self.limits_mps)
+        found = tuple(limits_mps.get(ends) for ends in pairwise(nodes))
+        return found if any(limit is not None for limit in found) else ()
+
+
+OPEN = Restrictions()
+"""Nothing is restricted."""
+
+
+def lanes_across(area: Area, nodes: Mapping[str, Node], roads: Roads) -> Iterable[DirectedLane]:
+    """The lanes that run through an area between two nodes outside of it."""
+    for lane in roads.lanes:
+        start, end = nodes[lane.start], nodes[lane.end]
+        if not _within(start, area) and not _within(end, area):
+            steps = ceil(lane.length_m / SAMPLE_M)
+            if any(_within(_between(start, end, step / steps), area) for step in range(1, steps)):
+                yield lane
+
+
+def nodes_in(area: Area, nodes: Iterable[Node]) -> frozenset[str]:
+    """The nodes that lie in an area, borders included."""
+    return frozenset(node.id for node in nodes if _within(node, area))
+
+
+def _within(node: Node, area: Area) -> bool:
+    return inside(Point(node.x_m, node.y_m), area.polygon)
+
+
+def _between(start: Node, end: Node, part: float) -> Node:
+    return Node("", start.x_m + part * (end.x_m - start.x_m), start.y_m + part * (end.y_m - start.y_m))
+
+
+def _limited(lane: DirectedLane, limit_mps: float | None) -> DirectedLane:
+    if limit_mps is None or limit_mps >= lane.speed_limit_mps:
+        return lane
+    return replace(lane, speed_limit_mps=limit_mps)
