@@ -31,6 +31,7 @@ REASONS: Mapping[Reason, str] = {
     Reason.DOCK_HELD: "waited too long at the source",
     Reason.SOURCE_SILENT: "the station of the source does not answer",
     Reason.COORDINATOR_SILENT: "its machine does not answer",
+    Reason.CLOSED: "what is closed leaves no way",
     Reason.GATE_REFUSED: "the gate has not let the load in",
     Reason.OTHER_LOAD: "another load is on board",
     Reason.LOAD_GONE: "its load was taken off",

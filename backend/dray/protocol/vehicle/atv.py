@@ -8,12 +8,10 @@ The state machine of the paper, as everybody sees it:
     STOPPED  held by an operator: moves again only after an acknowledge and a resume (invariant 5)
     ERROR    something keeps it from going on
 
-STOPPED and ERROR end no contract: the job waits inside them and goes on when they are over. How long
-it can wait is in the heartbeat (`assistance`); after that another vehicle takes the task, and this one hears
-so when it speaks again. A vehicle that is left with its radio keeps its task too, and takes nothing else.
-
-One that is asked to leave gives its watches back, and its task too while the load is not on board; with a load
-it leaves after the handover. Where it cannot move it leaves as it is.
+STOPPED and ERROR end no contract: the job waits inside them and goes on when they are over. How long it can wait is in the
+heartbeat (`assistance`); after that another vehicle takes the task, and this one hears so when it speaks again. A vehicle
+that is left with its radio keeps its task too, and takes nothing else. One that is asked to leave gives its watches back, and
+its task too while the load is not on board; with a load it leaves after the handover. Where it cannot move it leaves as it is.
 """
 
 from __future__ import annotations

@@ -162,6 +162,7 @@ export const de: Catalogue<typeof en> = {
   "reason.why.dock_held": "hat an der Quelle zu lange gewartet",
   "reason.why.source_silent": "die Station der Quelle antwortet nicht",
   "reason.why.coordinator_silent": "seine Maschine antwortet nicht",
+  "reason.why.closed": "was gesperrt ist, lässt keinen Weg",
   "reason.why.gate_refused": "das Tor hat die Ladung nicht angenommen",
   "reason.why.other_load": "hat eine andere Ladung an Bord",
   "reason.why.load_gone": "seine Ladung wurde abgenommen",

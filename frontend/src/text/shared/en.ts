@@ -159,6 +159,7 @@ export const en = {
   "reason.why.dock_held": "waited too long at the source",
   "reason.why.source_silent": "the station of the source does not answer",
   "reason.why.coordinator_silent": "its machine does not answer",
+  "reason.why.closed": "what is closed leaves no way",
   "reason.why.gate_refused": "the gate has not let the load in",
   "reason.why.other_load": "another load is on board",
   "reason.why.load_gone": "its load was taken off",

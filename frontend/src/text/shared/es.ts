@@ -162,6 +162,7 @@ export const es: Catalogue<typeof en> = {
   "reason.why.dock_held": "esperó demasiado en el origen",
   "reason.why.source_silent": "la estación del origen no responde",
   "reason.why.coordinator_silent": "su máquina no responde",
+  "reason.why.closed": "lo que está cerrado no deja camino",
   "reason.why.gate_refused": "la puerta no admitió la carga",
   "reason.why.other_load": "lleva otra carga a bordo",
   "reason.why.load_gone": "le quitaron la carga",

@@ -9,6 +9,7 @@ from dray.protocol.vehicle.job.job_moves import JobMoves
 from dray.protocol.vehicle.job.job_state import JobState
 from dray.protocol.vehicle.job.job_status import JobStatus
 
+
 class JobWays(JobStatus):
     """Drives one transport to its stations.
 

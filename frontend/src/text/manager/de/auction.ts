@@ -59,6 +59,7 @@ export const auction: Catalogue<typeof english> = {
   "reason.deadline": "zu spät",
   "reason.out_of_radius": "zu weit weg",
   "reason.no_way": "kein Weg dorthin",
+  "reason.closed": "Weg gesperrt",
   "reason.not_fit": "nicht fahrtüchtig",
   "reason.is_primary": "ist selbst primär",
 
@@ -99,6 +100,7 @@ export const auction: Catalogue<typeof english> = {
   "answer.battery": "hatte nicht mehr genug Batterie",
   "answer.deadline": "konnte nicht mehr rechtzeitig da sein",
   "answer.no_way": "hatte keinen Weg mehr dorthin",
+  "answer.closed": "hatte nur noch gesperrte Wege",
   "answer.not_fit": "war nicht mehr fahrtüchtig",
   "answer.ability": "kann es nicht tragen",
   "answer.watching_enough": "überwachte genug andere",
@@ -125,6 +127,7 @@ export const auction: Catalogue<typeof english> = {
   "refusal.deadline": "zu spät für den Termin",
   "refusal.ability": "nicht fähig, es zu tragen",
   "refusal.no_way": "ohne Weg dorthin",
+  "refusal.closed": "da der Weg gesperrt ist",
   "refusal.not_fit": "nicht fahrtüchtig",
   "refusal.watching_enough": "mit genug anderen zu überwachen",
   "refusal.is_primary": "selbst schon primär",

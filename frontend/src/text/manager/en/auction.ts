@@ -56,6 +56,7 @@ export const auction = {
   "reason.deadline": "too late",
   "reason.out_of_radius": "too far away",
   "reason.no_way": "no way there",
+  "reason.closed": "way closed",
   "reason.not_fit": "not fit",
   "reason.is_primary": "is the primary itself",
 
@@ -96,6 +97,7 @@ export const auction = {
   "answer.battery": "no longer had the battery for it",
   "answer.deadline": "could no longer be there in time",
   "answer.no_way": "no longer had a way there",
+  "answer.closed": "had no way left but closed ones",
   "answer.not_fit": "was no longer fit to drive",
   "answer.ability": "cannot carry it",
   "answer.watching_enough": "watched enough others",
@@ -122,6 +124,7 @@ export const auction = {
   "refusal.deadline": "too late for the deadline",
   "refusal.ability": "unable to carry it",
   "refusal.no_way": "without a way there",
+  "refusal.closed": "with no way but closed ones",
   "refusal.not_fit": "not fit to drive",
   "refusal.watching_enough": "watching enough others",
   "refusal.is_primary": "carrying it already",

@@ -59,6 +59,7 @@ export const auction: Catalogue<typeof english> = {
   "reason.deadline": "demasiado tarde",
   "reason.out_of_radius": "demasiado lejos",
   "reason.no_way": "sin camino",
+  "reason.closed": "camino cerrado",
   "reason.not_fit": "no apto",
   "reason.is_primary": "es el primario",
 
@@ -99,6 +100,7 @@ export const auction: Catalogue<typeof english> = {
   "answer.battery": "ya no tenía batería para ello",
   "answer.deadline": "ya no podía llegar a tiempo",
   "answer.no_way": "ya no tenía camino",
+  "answer.closed": "ya solo tenía caminos cerrados",
   "answer.not_fit": "ya no podía circular",
   "answer.ability": "no puede llevarlo",
   "answer.watching_enough": "ya vigilaba bastante",
@@ -125,6 +127,7 @@ export const auction: Catalogue<typeof english> = {
   "refusal.deadline": "por no llegar a tiempo",
   "refusal.ability": "por no poder llevarlo",
   "refusal.no_way": "por no tener camino",
+  "refusal.closed": "por tener el camino cerrado",
   "refusal.not_fit": "por no poder circular",
   "refusal.watching_enough": "por vigilar ya bastante",
   "refusal.is_primary": "por llevarlo ya",
