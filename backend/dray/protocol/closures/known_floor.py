@@ -13,9 +13,6 @@ from dray.plant import Plant, Routes
 from dray.plant.restrictions import OPEN, Ends, Restrictions, lanes_across, nodes_in
 from dray.protocol.runtime.events import NEVER_S
 
-REOPEN = "reopen"
-"""The alarm for a closure that ends by its own time."""
-
 KNOWN = "a list of closures that is no newer than the one that is known"
 NOT_SIGNED = "a list of closures that nobody has signed whom this agent trusts"
 

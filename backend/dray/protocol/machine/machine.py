@@ -25,7 +25,6 @@ from dray.errors import ProtocolViolation
 from dray.memory import WHOLE, MachineMemory, Memory, Note
 from dray.messages import (
     Award,
-    Closures,
     Confirmed,
     Disbelieved,
     GoalClosed,
@@ -44,7 +43,8 @@ from dray.messages.heartbeat import Making
 from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.plant.model import MachineSpec
-from dray.protocol.closures.known_floor import REOPEN, KnownFloor
+from dray.protocol.closures.closure_listener import ClosureListener
+from dray.protocol.closures.known_floor import KnownFloor
 from dray.protocol.contract_net.auction_rules import AuctionRules
 from dray.protocol.contract_net.parties import objection
 from dray.protocol.contract_net.trust.disbelief import Reproach
@@ -97,7 +97,8 @@ class Machine(AgentBase):
         traffic: TrafficMap | None = None,
     ) -> None:
         super().__init__(machine, incarnation, leaves_within_s=COORDINATOR_LEAVES_WITHIN_S)
-        self._plant = self._floor = plant = KnownFloor(plant)
+        self._plant = plant = KnownFloor(plant)
+        self._closures = ClosureListener(plant, None, self._timers, self._out)
         self._spec = plant.machines[machine]
         self._software = software
         self._heartbeat_timer = HeartbeatTimer(self.id, self._timers)
@@ -139,7 +140,7 @@ class Machine(AgentBase):
             Withdrawn: self._on_goal_over,
             GoalClosed: self._on_goal_closed,
             WorkSought: self._on_sought,
-            Closures: self._on_closures,
+            **self._closures.message_handlers,
             Disbelieved: Reproach(self._out).on_disbelieved,
         }
         self._bookkeeping = Bookkeeping(machine, plant, traffic, self._timers, self._out)
@@ -153,7 +154,7 @@ class Machine(AgentBase):
         }
         self._alarm_handlers = {
             BEAT: self._beat,
-            REOPEN: self._reopen,
+            **self._closures.alarms,
             **self._bidder.alarms,
             **self._flow.alarms,
             **self._bookkeeping.alarms,
@@ -172,7 +173,8 @@ class Machine(AgentBase):
             self._restore(note, now_s)
         self._flow.goods.count()
         self._out.extend(Subscribe(self._keys.goals(product)) for product in self._products)
-        self._out += (Subscribe(self._keys.all_free), Subscribe(self._keys.closures))
+        self._out.append(Subscribe(self._keys.all_free))
+        self._closures.listen()
         if self.incarnation > 1:
             self._flow.recover(note is None, now_s, listens_on=self._bookkeeping.keeps_books)
         self._bookkeeping.start(memory, now_s)
@@ -333,20 +335,6 @@ class Machine(AgentBase):
     def _on_sought(self, sender: str, message: WorkSought, now_s: float) -> None:
         if not self._shutdown.begun:
             self._flow.offer(sender, message, now_s)
-
-    # --- what people have closed: bids and promises are judged by the ways that are open ---
-
-    def _on_closures(self, _sender: str, said: Closures, now_s: float) -> None:
-        # It drives nowhere: the word of a gateway is enough, and every bus asks whether it is one.
-        if objection := self._floor.objection(said, None):
-            self._out.append(Ignore(objection))
-            return
-        self._floor.take(said, now_s)
-        self._timers.set(REOPEN, self._floor.ends_s)
-
-    def _reopen(self, _about: None, now_s: float) -> None:
-        self._floor.look(now_s)
-        self._timers.set(REOPEN, self._floor.ends_s)
 
     # --- goals ---
 

@@ -1,0 +1,70 @@
+"""How an agent keeps its floor by the newest list of closures, and opens by its own clock what ends by itself."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from dray.messages import Closures, Message
+from dray.messages.keys import Keys
+from dray.protocol.closures.known_floor import KnownFloor
+from dray.protocol.runtime.events import Effect, Ignore, Subscribe
+from dray.protocol.runtime.timers import Timers
+
+REOPEN = "reopen"
+"""The alarm for a closure that ends by its own time."""
+
+
+class ClosureListener:
+    """Of one agent.
+
+    Args:
+        floor: as the agent knows it.
+        trusts: called with words and a signature: whether it is that of somebody who is trusted. None for an agent that drives nowhere:
+            the word of a gateway is enough for it, and every bus asks whether it is one.
+        timers: the agent's alarms; this class uses `REOPEN`.
+        out: where effects go.
+
+    Attributes:
+        message_handlers, alarms: for the agent's tables.
+    """
+
+    def __init__(
+        self,
+        floor: KnownFloor,
+        trusts: Callable[[bytes, bytes], bool] | None,
+        timers: Timers,
+        out: list[Effect],
+    ) -> None:
+        self._floor, self._trusts = floor, trusts
+        self._timers, self._out = timers, out
+        self.message_handlers: Mapping[type[Message], Callable[..., None]] = {Closures: self._on_closures}
+        self.alarms: Mapping[str, Callable[[Any, float], None]] = {REOPEN: self._look_again}
+
+    def listen(self) -> None:
+        """Hear of closures from now on."""
+        self._out.append(Subscribe(Keys(self._floor.id).closures))
+
+    def _on_closures(self, _sender: str, said: Closures, now_s: float) -> None:
+        if objection := self._floor.objection(said, self._trusts):
+            self._out.append(Ignore(objection))
+            return
+        changed = self._floor.take(said, now_s)
+        self._note(said)
+        self._set_alarm()
+        if changed:
+            self._follow(now_s)
+
+    def _look_again(self, _about: None, now_s: float) -> None:
+        if self._floor.look(now_s):
+            self._follow(now_s)
+        self._set_alarm()
+
+    def _set_alarm(self) -> None:
+        self._timers.set(REOPEN, self._floor.ends_s)
+
+    def _note(self, said: Closures) -> None:
+        """Another list holds from now on."""
+
+    def _follow(self, now_s: float) -> None:
+        """The floor is another now: do what follows from that."""
