@@ -19,6 +19,7 @@ from dray.gateway.access.access import Access, open_access
 from dray.gateway.access.audit_log import AuditLog
 from dray.gateway.access.login.hasher import Hasher
 from dray.gateway.factory.alerts import AlertMonitor
+from dray.gateway.factory.closings import Closings
 from dray.gateway.factory.commands import Commands
 from dray.gateway.factory.exclusions import Exclusions
 from dray.gateway.factory.fault_injection import FaultInjection, FaultInjector
@@ -83,6 +84,7 @@ class Services:
     commands: Commands
     alerts: AlertMonitor
     exclusions: Exclusions
+    closings: Closings
     faults: FaultInjection
     ledger: Ledger
     panels: Panels
@@ -108,6 +110,7 @@ class Services:
             Commands: self.commands,
             AlertMonitor: self.alerts,
             Exclusions: self.exclusions,
+            Closings: self.closings,
             FaultInjection: self.faults,
             Ledger: self.ledger,
         }
@@ -179,6 +182,7 @@ def open_services(
         exclusions=Exclusions(
             store, projection, commands, peer.tell_all, wall_s=wall_s, own=settings.gateway_name
         ),
+        closings=Closings(store, projection, authority, peer.tell_all, time=time, wall_s=wall_s),
         faults=FaultInjection(faults, projection.faults),
         ledger=Ledger(store),
         panels=panels or Panels(),
@@ -199,6 +203,7 @@ async def restore(services: Services) -> None:
         await backfill_news(work, services.projection.news, services.time)
     await services.alerts.restore()
     await services.exclusions.restore()
+    await services.closings.restore()
 
 
 def measure(services: Services) -> None:
@@ -247,6 +252,7 @@ async def running(services: Services, beside: Beside | None) -> AsyncIterator[No
                 services.completions,
                 services.alerts,
                 services.exclusions,
+                services.closings,
                 services.hub,
                 access,
                 access.watch,

@@ -238,6 +238,26 @@ exclusions = Table(
     comment="Agents that were ever shut out. number: of the last decision about it, the highest of all is the list's.",
 )
 
+closures = Table(
+    "closures",
+    metadata,
+    Column("id", Id, primary_key=True),
+    Column("number", BigInteger, nullable=False),
+    Column("kind", String(16), nullable=False),
+    Column("start_node", Id, nullable=False),
+    Column("end_node", Id, nullable=False),
+    Column("place", Id, nullable=False),
+    Column("area", Id, nullable=False),
+    Column("speed_mps", Double),
+    Column("until_s", Double),
+    Column("reason", String(200), nullable=False),
+    Column("by", String(80), nullable=False),
+    Column("person", Id, nullable=False),
+    Column("at_s", Double, nullable=False),
+    Column("ended_at_s", Double),
+    comment="Lanes, places and areas that were closed. number: of the last decision about it, the highest of all is the list's.",
+)
+
 incarnations = Table(
     "incarnations",
     metadata,

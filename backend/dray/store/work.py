@@ -19,6 +19,7 @@ from dray.store.access.signing_keys import SigningKeys
 from dray.store.database.database import Database
 from dray.store.database.migrate import upgrade
 from dray.store.factory.acknowledgements import Acknowledgements
+from dray.store.factory.closures import Closures
 from dray.store.factory.exclusions import Exclusions
 from dray.store.factory.kpis import Kpis
 from dray.store.history.events import Events
@@ -45,6 +46,7 @@ class Work:
         self.events = Events(connection)
         self.samples = Samples(connection)
         self.acknowledgements = Acknowledgements(connection)
+        self.closures = Closures(connection)
         self.exclusions = Exclusions(connection)
         self.kpis = Kpis(connection)
         self.keys = IdempotencyKeys(connection)

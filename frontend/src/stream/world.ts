@@ -6,6 +6,7 @@ import type {
   AlertView,
   AtvView,
   AudienceView,
+  ClosureView,
   CommandView,
   Delta,
   FactoryView,
@@ -43,6 +44,8 @@ export interface World {
   readonly faults: ReadonlyMap<string, FaultView>;
   /** What people have asked of vehicles lately, oldest first, and what became of it. */
   readonly commands: ReadonlyMap<string, CommandView>;
+  /** What people have closed to vehicles, oldest first. */
+  readonly closures: ReadonlyMap<string, ClosureView>;
   /** Who is shown all this, and how much of the plant. */
   readonly audience: AudienceView | null;
 }
@@ -58,6 +61,7 @@ const GONE = {
   alert: "alerts",
   fault: "faults",
   command: "commands",
+  closure: "closures",
 } as const;
 
 export function worldOf(frame: Snapshot): World {
@@ -76,6 +80,7 @@ export function worldOf(frame: Snapshot): World {
     fault_injection: frame.fault_injection,
     faults: byId(frame.faults),
     commands: byId(frame.commands),
+    closures: byId(frame.closures),
     audience: frame.audience,
   };
 }
@@ -102,6 +107,7 @@ export function advance(world: World | null, frame: Frame): World | null {
     alerts: changed(world.alerts, frame.alerts, gone.alerts),
     faults: changed(world.faults, frame.faults, gone.faults),
     commands: changed(world.commands, frame.commands, gone.commands),
+    closures: changed(world.closures, frame.closures, gone.closures),
   };
 }
 
@@ -127,6 +133,7 @@ type Kind = (typeof GONE)[keyof typeof GONE];
 function goneByKind(ids: readonly string[]): Record<Kind, string[]> {
   const gone: Record<Kind, string[]> = {
     atvs: [], machines: [], stations: [], tasks: [], orders: [], news: [], alerts: [], faults: [], commands: [],
+    closures: [],
   };
   for (const id of ids) {
     const cut = id.indexOf(":");

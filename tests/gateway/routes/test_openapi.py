@@ -140,6 +140,7 @@ async def _fill(house: House) -> dict[str, str]:
         "machine": "M1",
         "task": "M1-1",
         "fault": "f1",
+        "closure": "c1f0a93be",
     }
 
 

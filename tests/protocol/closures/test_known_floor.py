@@ -14,7 +14,8 @@ from dray.errors import NoWay
 from dray.messages import ClosureKind
 from dray.plant import load_plant
 from dray.plant.restrictions import OPEN
-from dray.protocol.closures.known_floor import KNOWN, NOT_SIGNED, KnownFloor, restrictions_of
+from dray.protocol.closures.closure_rules import cut_off, lanes_of, restrictions_of
+from dray.protocol.closures.known_floor import KNOWN, NOT_SIGNED, KnownFloor
 from dray.protocol.runtime.events import NEVER_S
 
 
@@ -123,3 +124,21 @@ def test_a_dock_that_is_closed_is_reached_by_nobody_and_left_by_who_is_there() -
     with pytest.raises(NoWay):
         floor.routes("light").way("b3", "m8")
     assert floor.routes("light").way("m8", "b3").nodes[0] == "m8"
+
+
+def test_places_that_a_closure_cuts_off_are_named() -> None:
+    assert cut_off(PLANT, OPEN) == ()
+    assert cut_off(PLANT, restrictions_of(PLANT, [closure(node="m8")])) == ("M8",)
+    assert cut_off(PLANT, restrictions_of(PLANT, [closure(start="m8-lane", end="m8")])) == ("M8",)
+    only_in = closure(kind=ClosureKind.ONE_WAY, start="m8-lane", end="m8")
+    assert cut_off(PLANT, restrictions_of(PLANT, [only_in])) == ("M8",)
+    assert cut_off(PLANT, restrictions_of(PLANT, [closure(node="c3")])) == ()
+
+
+def test_the_lanes_of_a_closure_are_told_for_drawing() -> None:
+    assert lanes_of(PLANT, closure(node="m8")) == [("m8-lane", "m8")]
+    assert set(lanes_of(PLANT, closure(start="m8-lane", end="m8"))) == {("m8-lane", "m8"), ("m8", "m8-lane")}
+    one_way = closure(kind=ClosureKind.ONE_WAY, start="m8-lane", end="m8")
+    assert lanes_of(PLANT, one_way) == [("m8", "m8-lane")]
+    slow = closure(kind=ClosureKind.SLOW, node="m8", speed_mps=0.3)
+    assert set(lanes_of(PLANT, slow)) == {("m8-lane", "m8"), ("m8", "m8-lane")}

@@ -26,6 +26,8 @@ class Scope(StrEnum):
     ALERTS_ACKNOWLEDGE = "alerts:acknowledge"
     AGENTS_WRITE = "agents:write"
     """Shut agents out, and readmit them."""
+    FLOOR_WRITE = "floor:write"
+    """Close lanes, places and areas to vehicles, and open them."""
     AUDIT_READ = "audit:read"
     PEOPLE_WRITE = "people:write"
     FAULTS_WRITE = "faults:write"

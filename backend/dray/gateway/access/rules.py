@@ -80,6 +80,10 @@ RULES: Mapping[tuple[str, str], Rule] = {
     ("GET", "/api/agents/shut-out"): Rule(Scope.FACTORY_READ),
     ("POST", "/api/agents/{agent}/shut-out"): Rule(Scope.AGENTS_WRITE, action="agent.shut_out"),
     ("POST", "/api/agents/{agent}/readmit"): Rule(Scope.AGENTS_WRITE, action="agent.readmit"),
+    ("GET", "/api/closures"): Rule(Scope.FACTORY_READ),
+    ("POST", "/api/closures"): Rule(Scope.FLOOR_WRITE, action="floor.close"),
+    ("POST", "/api/closures/preview"): Rule(Scope.FACTORY_READ),
+    ("DELETE", "/api/closures/{closure}"): Rule(Scope.FLOOR_WRITE, action="floor.open"),
     ("GET", "/api/traffic"): Rule(Scope.FACTORY_READ),
     ("GET", "/api/promises"): Rule(Scope.FACTORY_READ),
     ("GET", "/api/events"): Rule(Scope.FACTORY_READ),
@@ -99,7 +103,7 @@ RULES: Mapping[tuple[str, str], Rule] = {
 }
 """By method and path template, as the routers name them. A websocket begins as a GET."""
 
-QUESTIONS = frozenset({("POST", "/api/orders/preview")})
+QUESTIONS = frozenset({("POST", "/api/orders/preview"), ("POST", "/api/closures/preview")})
 """Rows that change nothing for all their method: the question is too long for an address."""
 
 

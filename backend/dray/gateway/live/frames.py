@@ -9,6 +9,7 @@ from dray.gateway.live.views import (
     AlertView,
     AtvView,
     AudienceView,
+    ClosureView,
     CommandView,
     FactoryView,
     FaultView,
@@ -46,6 +47,8 @@ class Snapshot(View, kw_only=True, tag_field="type", tag="snapshot"):
     """Those that were begun by hand and have not ended."""
     commands: tuple[CommandView, ...] = ()
     """The last ones, oldest first."""
+    closures: tuple[ClosureView, ...] = ()
+    """Those that hold, oldest first."""
     audience: AudienceView | None = None
     """Whoever reads this; None only in a snapshot that is nobody's."""
 
@@ -66,6 +69,7 @@ class Delta(View, kw_only=True, tag_field="type", tag="delta"):
     alerts: tuple[AlertView, ...] = ()
     faults: tuple[FaultView, ...] = ()
     commands: tuple[CommandView, ...] = ()
+    closures: tuple[ClosureView, ...] = ()
     gone: tuple[str, ...] = ()
     """Ids that left the stream, as `task:M8-214` or `order:...`."""
 
@@ -83,6 +87,7 @@ class Delta(View, kw_only=True, tag_field="type", tag="delta"):
                 self.alerts,
                 self.faults,
                 self.commands,
+                self.closures,
                 self.gone,
             )
         )

@@ -107,6 +107,7 @@ class AreaScope:
             "news": (visibility.news, projection.news.views),
             "alert": (visibility.alert, projection.alerts.views),
             "command": (visibility.command, projection.commands.views),
+            "closure": (visibility.closure, projection.closures.views),
         }
         """Per kind but vehicles: how one is seen, and all of them."""
         self._shown: dict[str, dict[str, Any]] = {kind: {} for kind in ("atv", *self._others)}
@@ -133,6 +134,7 @@ class AreaScope:
             news=tuple(news),
             alerts=tuple(alerts),
             commands=shown["command"],
+            closures=shown["closure"],
         )
 
     def delta(self, told: Delta) -> Delta:
@@ -148,6 +150,7 @@ class AreaScope:
             "news": told.news,
             "alert": told.alerts,
             "command": told.commands,
+            "closure": told.closures,
         }
         seen: dict[str, tuple[Any, ...]] = {}
         for kind, (show, views) in self._others.items():
@@ -164,6 +167,7 @@ class AreaScope:
             news=seen["news"],
             alerts=seen["alert"],
             commands=seen["command"],
+            closures=seen["closure"],
             gone=tuple(gone),
         )
 

@@ -19,6 +19,7 @@ from dray.gateway.live.views import (
     AtvView,
     BriefView,
     CauseView,
+    ClosureView,
     CommandView,
     MachineView,
     NewsView,
@@ -233,6 +234,14 @@ class AreaVisibility:
         if there.isdisjoint(self._areas):
             return None
         return replace(view, detail=self.words(view.detail), text=self.words(view.text))
+
+    def closure(self, view: ClosureView) -> ClosureView | None:
+        """A closure of which some lane is seen, with the lanes that are."""
+        lanes = tuple(lane for lane in view.lanes if lane.start in self._nodes and lane.end in self._nodes)
+        if not lanes:
+            return None
+        cut_off = tuple(place for place in view.cut_off if place in self._places)
+        return replace(view, lanes=lanes, cut_off=cut_off, reason=self.words(view.reason))
 
     def words(self, text: str) -> str:
         """Words for people, in which no vehicle is named that stands elsewhere."""

@@ -5,7 +5,17 @@ from __future__ import annotations
 from fastapi import FastAPI
 
 from dray.gateway.routes import health, me, plant, products, stream
-from dray.gateway.routes.factory import agents, alerts, atvs, faults, inventory, machines, tasks, traffic
+from dray.gateway.routes.factory import (
+    agents,
+    alerts,
+    atvs,
+    closures,
+    faults,
+    inventory,
+    machines,
+    tasks,
+    traffic,
+)
 from dray.gateway.routes.history import audit, events, kpis, promises
 from dray.gateway.routes.orders import imports, orders, track
 from dray.gateway.routes.pages import customer, docs, login, panels
@@ -22,6 +32,7 @@ API = (
     tasks,
     alerts,
     agents,
+    closures,
     promises,
     events,
     kpis,

@@ -6,11 +6,12 @@ what the agent knows then; nobody else in the protocol need know of closures to 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 
-from dray.messages import Closure, ClosureKind, Closures, closed_words
+from dray.messages import Closure, Closures, closed_words
 from dray.plant import Plant, Routes
-from dray.plant.restrictions import OPEN, Ends, Restrictions, lanes_across, nodes_in
+from dray.plant.restrictions import OPEN, Restrictions
+from dray.protocol.closures.closure_rules import restrictions_of
 from dray.protocol.runtime.events import NEVER_S
 
 KNOWN = "a list of closures that is no newer than the one that is known"
@@ -75,66 +76,6 @@ class KnownFloor(Plant):
         self.restrictions = restrictions
         self._current.clear()
         return True
-
-
-def restrictions_of(plant: Plant, closures: Iterable[Closure]) -> Restrictions:
-    """What some closures do to the lanes of a plant; what the plant does not have is left out."""
-    nodes: set[str] = set()
-    lanes: set[Ends] = set()
-    limits_mps: dict[Ends, float] = {}
-    for each in closures:
-        if each.kind is ClosureKind.CLOSED:
-            closed_nodes, closed_lanes = _closed_by(plant, each)
-            nodes |= closed_nodes
-            lanes |= closed_lanes
-        elif each.kind is ClosureKind.ONE_WAY:
-            if plant.roads.lane(each.start, each.end) is not None:
-                lanes.add((each.end, each.start))
-        elif each.speed_mps is not None:
-            for ends in _concerned(plant, each):
-                limits_mps[ends] = min(each.speed_mps, limits_mps.get(ends, each.speed_mps))
-    known = {ends for ends in lanes if plant.roads.lane(*ends) is not None}
-    return Restrictions(frozenset(nodes), frozenset(known), tuple(sorted(limits_mps.items())))
-
-
-def _closed_by(plant: Plant, closure: Closure) -> tuple[set[str], set[Ends]]:
-    """The nodes and the lanes that a closure of the kind CLOSED closes."""
-    if closure.area:
-        area = plant.areas.get(closure.area)
-        if area is None:
-            return set(), set()
-        across = lanes_across(area, plant.nodes, plant.roads)
-        return set(nodes_in(area, plant.nodes.values())), {(lane.start, lane.end) for lane in across}
-    if closure.node:
-        crossing = plant.crossings.get(closure.node)
-        if crossing is None:
-            return {closure.node} & plant.nodes.keys(), set()
-        # Who is in it leaves it by the other lanes.
-        return set(crossing.inner), {ends for ends in crossing.lanes if ends[0] not in crossing.inner}
-    return set(), {(closure.start, closure.end), (closure.end, closure.start)}
-
-
-def _concerned(plant: Plant, closure: Closure) -> list[Ends]:
-    """The lanes that a closure of the kind SLOW makes slow."""
-    if closure.area:
-        area = plant.areas.get(closure.area)
-        if area is None:
-            return []
-        within = nodes_in(area, plant.nodes.values())
-        across = {(lane.start, lane.end) for lane in lanes_across(area, plant.nodes, plant.roads)}
-        return [
-            ends
-            for lane in plant.lanes
-            if (ends := (lane.start, lane.end)) in across or lane.start in within or lane.end in within
-        ]
-    if closure.node:
-        crossing = plant.crossings.get(closure.node)
-        if crossing is not None:
-            return list(crossing.lanes)
-        around = (*plant.roads.leaving.get(closure.node, ()), *plant.roads.entering.get(closure.node, ()))
-        return [(lane.start, lane.end) for lane in around]
-    both = ((closure.start, closure.end), (closure.end, closure.start))
-    return [ends for ends in both if plant.roads.lane(*ends) is not None]
 
 
 def _is_over(closure: Closure, now_s: float) -> bool:

@@ -155,3 +155,28 @@ def test_an_order_tells_by_name_what_material_it_waits_for(projection: Projectio
     projection.fold(lacking(seq=4))
     assert projection.orders.views()[0].waits is None
     assert len(projection.orders.take_changed()) == 1
+
+
+def test_an_order_says_that_no_vehicle_gets_to_its_machine_and_no_more_when_it_opens(
+    projection: Projection,
+) -> None:
+    projection.orders.put(order("O-1", 4))
+    projection.orders.put(order("O-2", 4))
+    tell(projection, "strategist", contracted())
+    machine = contracted().machine
+    projection.discard_changes()
+    projection.orders.cut_off({machine, "S3"})
+    assert [view.id for view in projection.orders.take_changed()] == ["O-1", "O-2"]
+    assert projection.orders.closed("O-2") is None
+    waits = projection.orders.closed("O-1")
+    assert waits is not None
+    assert (waits.reason, waits.detail) == ("closed", machine)
+    assert waits.text == f"what is closed leaves no way; {machine}"
+    projection.orders.cut_off({"S3", machine})
+    assert projection.orders.take_changed() == ()
+    projection.orders.cut_off(())
+    assert len(projection.orders.take_changed()) == 2
+    assert projection.orders.closed("O-1") is None
+    projection.orders.cut_off({machine})
+    tell(projection, "M1", arrived(4))
+    assert projection.orders.closed("O-1") is None, "all of it has arrived"

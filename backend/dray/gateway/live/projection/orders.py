@@ -10,7 +10,7 @@ from dray.gateway.live.projection.changes import Changes
 from dray.gateway.live.projection.materials import Materials
 from dray.gateway.live.reasons import failures_of, told
 from dray.gateway.live.views import CauseView, OrderItemView, OrderView
-from dray.messages import Event, MachineHeartbeat, MaterialWait
+from dray.messages import Event, MachineHeartbeat, MaterialWait, Reason
 from dray.messages.fact import GoalContracted, GoalWaits
 from dray.store.history.clocks import ToWall
 from dray.store.orders.orders import Order, OrderTotals
@@ -55,6 +55,8 @@ class Orders:
         """Per order that waits, the goals that nobody can make now, and why."""
         self._lacks: dict[str, dict[str, tuple[MaterialWait, ...]]] = {}
         """Per machine that waits for material, the goals that wait with it, and for what."""
+        self._cut_off: frozenset[str] = frozenset()
+        """Places to and from which what people have closed leaves no way."""
         self._strange: dict[str, list[str]] = {}
         """Per open order, products that this plant does not make: it had another plant file before."""
         self._due: list[tuple[float, str]] = []
@@ -163,9 +165,25 @@ class Orders:
         waits = self._lacks.get(machine, {}).get(goal, ())
         return tuple(self._materials.name(wait.item) for wait in waits)
 
+    def cut_off(self, places: Collection[str]) -> None:
+        """No vehicle gets to these places, and to no others: who has a goal there waits."""
+        before, self._cut_off = self._cut_off, frozenset(places)
+        if before != self._cut_off:
+            for order in self._orders:
+                if order not in self._ended:
+                    self.changes.mark(order)
+
+    def closed(self, order: str) -> CauseView | None:
+        """The machines of an order that no vehicle gets to, by what people have closed; None when there is none."""
+        if not self._cut_off or order in self._ended:
+            return None
+        goals = self._goals.get(order, {}).values()
+        machines = {goal.machine for goal in goals if goal.delivered < goal.quantity} & self._cut_off
+        return told(CauseView(reason=Reason.CLOSED, detail=", ".join(sorted(machines)))) if machines else None
+
     def why_waits(self, order: str) -> CauseView | None:
         """Whatever an order waits for; None when it goes on."""
-        return self.waits(order) or self.lacks(order)
+        return self.waits(order) or self.closed(order) or self.lacks(order)
 
     def impossible(self) -> Collection[str]:
         """Ids of those that wait for a product that this plant does not make."""

@@ -9,6 +9,7 @@ from dray.gateway.live.projection.alerting import alert_rules
 from dray.gateway.live.projection.alerting.alerts import Alerts
 from dray.gateway.live.projection.atvs import Atvs
 from dray.gateway.live.projection.auctions.tasks import Tasks
+from dray.gateway.live.projection.closures import Closures
 from dray.gateway.live.projection.disputes import Disputes
 from dray.gateway.live.projection.figures.fleet import BLOCKED
 from dray.gateway.live.projection.figures.interventions import Interventions
@@ -85,6 +86,7 @@ class Projection:
         self.traffic = Traffic(plant.lanes)
         self.commands = RecentCommands()
         self.faults = InjectedFaults(possible=fault_injection)
+        self.closures = Closures()
         self.interventions = Interventions()
         self._overload = Overload()
         kinds = (
@@ -97,6 +99,7 @@ class Projection:
             self.alerts,
             self.commands,
             self.faults,
+            self.closures,
         )
         self._all = tuple(kind.changes for kind in kinds)
         self.heard = 0
@@ -271,6 +274,7 @@ class Projection:
             fault_injection=self.faults.possible,
             faults=self.faults.views(),
             commands=self.commands.views(),
+            closures=self.closures.views(),
         )
 
     def delta(self, number: int, wall_s: float, factory: FactoryView | None) -> Delta:
@@ -288,6 +292,7 @@ class Projection:
             alerts=self.alerts.take_changed(),
             faults=self.faults.take_changed(),
             commands=self.commands.take_changed(),
+            closures=self.closures.take_changed(),
             gone=tuple(name for changes in self._all for name in changes.take_gone()),
         )
 

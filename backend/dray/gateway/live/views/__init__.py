@@ -15,6 +15,7 @@ from dray.gateway.live.views.alert import AlertKind, AlertResponse, AlertView
 from dray.gateway.live.views.atv import AtvView, BriefView, HelpView
 from dray.gateway.live.views.base import View
 from dray.gateway.live.views.cause import CauseView, FailureView, HandoverView, LackView
+from dray.gateway.live.views.closure import ClosureView, LaneView
 from dray.gateway.live.views.command import CommandState, CommandView
 from dray.gateway.live.views.factory import AudienceView, FactoryView, FaultView, UseView
 from dray.gateway.live.views.machine import BufferView, GoalView, MachineView, OpenTaskView
@@ -36,6 +37,7 @@ __all__ = [
     "CarrierView",
     "CauseView",
     "ClockView",
+    "ClosureView",
     "CommandState",
     "CommandView",
     "FactoryView",
@@ -45,6 +47,7 @@ __all__ = [
     "HandoverView",
     "HelpView",
     "LackView",
+    "LaneView",
     "MachineView",
     "NewsView",
     "OpenTaskView",

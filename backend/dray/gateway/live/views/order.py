@@ -33,4 +33,4 @@ class OrderView(View, kw_only=True):
     revoked_at_s: float | None = None
     """When its last release was taken back. Until `status` is `stored` the factory has not confirmed that."""
     waits: CauseView | None = None
-    """Why it waits: nobody who lives can make what is missing, or material is lacking; None when it goes on."""
+    """Why it waits: nobody who lives can make what is missing, a machine of it is cut off, or material is lacking; None when it goes on."""

@@ -11,11 +11,20 @@ from fastapi.openapi.utils import get_openapi
 from dray import __version__
 from dray.gateway.access.gate import COOKIE
 from dray.gateway.access.rules import RULES, Rule
+from dray.gateway.factory.closings import Outlook
 from dray.gateway.factory.figures import KpiHistory
 from dray.gateway.factory.promises import PromiseLedger
 from dray.gateway.http.problems import ProblemDetails
 from dray.gateway.live.frames import Delta, Snapshot
-from dray.gateway.live.views import AlertView, AtvView, FactoryView, FaultView, MachineView, TaskView
+from dray.gateway.live.views import (
+    AlertView,
+    AtvView,
+    ClosureView,
+    FactoryView,
+    FaultView,
+    MachineView,
+    TaskView,
+)
 from dray.gateway.orders.feasibility import OrderPreview
 from dray.gateway.routes.factory.atvs import CommandAnswer
 from dray.gateway.routes.factory.faults import FaultsAnswer
@@ -36,6 +45,7 @@ SHAPES = (
     AlertView,
     AtvView,
     AuditRow,
+    ClosureView,
     CommandAnswer,
     Delta,
     EventAnswer,
@@ -51,6 +61,7 @@ SHAPES = (
     MeAnswer,
     OrderAnswer,
     OrderPreview,
+    Outlook,
     PlantFile,
     ProblemDetails,
     ProductAnswer,

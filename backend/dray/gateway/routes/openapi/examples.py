@@ -27,6 +27,7 @@ from dray.gateway.live.views import (
 from dray.gateway.orders.feasibility import MachineOffer, MaterialNeed, OrderPreview, StorageShare
 from dray.gateway.routes.factory.agents import EXAMPLE as EXCLUSION
 from dray.gateway.routes.factory.alerts import EXAMPLE as ALERT
+from dray.gateway.routes.factory.closures import EXAMPLE as CLOSURE
 from dray.gateway.routes.factory.inventory import InventoryLine, MaterialAnswer, StorageAnswer, StoredMaterial
 from dray.gateway.routes.history.events import EventAnswer
 from dray.gateway.routes.orders.imports import ImportAnswer, ImportedOrder
@@ -62,6 +63,7 @@ _STRUCTS = (
     ORDER,
     ALERT,
     EXCLUSION,
+    CLOSURE,
     TrackAnswer(
         status=ORDER.status,
         reference=ORDER.reference,

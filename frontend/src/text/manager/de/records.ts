@@ -35,6 +35,8 @@ export const records: Catalogue<typeof english> = {
   "audit.did.order.release": "Produktion gestartet",
   "audit.did.order.revoke": "Produktion zurückgenommen",
   "audit.did.order.cancel": "Auftrag storniert",
+  "audit.did.floor.close": "gesperrt",
+  "audit.did.floor.open": "freigegeben",
   "audit.did.agent.shut_out": "Teilnehmer ausgeschlossen",
   "audit.did.agent.readmit": "Teilnehmer wieder zugelassen",
   "audit.did.link.create": "Link erzeugt",

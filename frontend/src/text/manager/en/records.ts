@@ -32,6 +32,8 @@ export const records = {
   "audit.did.order.release": "production published",
   "audit.did.order.revoke": "production taken back",
   "audit.did.order.cancel": "order cancelled",
+  "audit.did.floor.close": "floor closed",
+  "audit.did.floor.open": "floor opened",
   "audit.did.agent.shut_out": "agent shut out",
   "audit.did.agent.readmit": "agent readmitted",
   "audit.did.link.create": "link made",

@@ -1,0 +1,236 @@
+"""Closings: what people have closed to vehicles, in SQL, on the panels and on the bus.
+
+A decision is on disk before it is told. From then on the gateway says the whole list again and again, signed: vehicles remember it
+while no gateway is there, and whoever was out of reach hears it soon. What was decided at other gateways is seen in SQL and told
+in the same way. A closure whose time has come is ended here, and by every vehicle itself.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import Callable, Iterable
+from http import HTTPStatus
+from secrets import token_hex
+
+import msgspec
+from msgspec.structs import replace
+
+from dray.adapters.security.signing import SigningKey
+from dray.errors import UnavailableError
+from dray.gateway.http.problems import Problem, not_found
+from dray.gateway.live.projection import Projection
+from dray.gateway.live.timescale import TimeScale
+from dray.gateway.live.views import ClosureView, LaneView
+from dray.messages import Closure, ClosureKind, Closures
+from dray.messages.closure import MAX_CLOSURES
+from dray.plant import Plant
+from dray.protocol.closures.closure_rules import cut_off, lanes_of, restrictions_of, shut_in
+from dray.store import Store
+from dray.store.factory.closures import ClosureRow
+
+SAY_EVERY_S = 5.0
+"""Wall seconds between two times that the list is said: so long a vehicle that comes back may not know of a new closure."""
+
+_log = logging.getLogger(__name__)
+
+
+class Outlook(msgspec.Struct, frozen=True, kw_only=True):
+    """What a closure would mean, together with those that hold."""
+
+    cut_off: tuple[str, ...]
+    """Places to and from which no way would be left, by this closure and none before."""
+    shut_in: tuple[str, ...]
+    """Vehicles that could not leave where they are."""
+
+
+class Closings:
+    """Takes decisions, and tells them.
+
+    Args:
+        store: keeps them.
+        projection: shows them.
+        authority: signs what vehicles are told.
+        say: says something to everybody.
+        time: the two clocks.
+        wall_s: the wall clock.
+    """
+
+    def __init__(
+        self,
+        store: Store,
+        projection: Projection,
+        authority: SigningKey,
+        say: Callable[[Closures], None],
+        *,
+        time: TimeScale,
+        wall_s: Callable[[], float],
+    ) -> None:
+        self._store, self._projection, self._authority = store, projection, authority
+        self._say, self._time, self._wall_s = say, time, wall_s
+        self._said: Closures | None = None
+        self._looking = asyncio.Lock()
+        """An older look must not end after a newer one."""
+
+    @property
+    def now_s(self) -> float:
+        """The wall clock."""
+        return self._wall_s()
+
+    async def restore(self) -> None:
+        """Restore what was decided before the gateway was started.
+
+        Raises:
+            UnavailableError: the database cannot be read.
+        """
+        await self._read()
+
+    async def close(self, wanted: ClosureRow) -> tuple[ClosureView, bool]:
+        """Close something.
+
+        Args:
+            wanted: the decision; its id is not looked at.
+
+        Returns:
+            The closure that holds, and whether it is new: the same again, for the same time, changes nothing.
+
+        Raises:
+            Problem: 409, too much is closed.
+            UnavailableError: it could not be written down, and nothing was done.
+        """
+        async with self._store.write() as work:
+            rows = await work.closures.all()
+            row = next((each for each in rows if _is_same(each, wanted)), None)
+            is_new = row is None
+            if row is None:
+                if len(rows) >= MAX_CLOSURES:
+                    raise Problem(
+                        HTTPStatus.CONFLICT,
+                        "too-much-closed",
+                        "Too much is closed",
+                        f"{MAX_CLOSURES} closures hold, and a list holds no more; end some with DELETE /api/closures/ID, or close an area",
+                    )
+                row = replace(wanted, id=f"c{token_hex(4)}")
+                await work.closures.put(row)
+        await self.look()
+        return self._shown(row), is_new
+
+    async def open(self, closure: str) -> ClosureView:
+        """End a closure; returns it as it was.
+
+        Raises:
+            Problem: 404, there is none.
+            UnavailableError: it could not be written down, and nothing was done.
+        """
+        async with self._store.write() as work:
+            row = await work.closures.get(closure)
+            if row is None:
+                raise not_found("closure", closure, "GET /api/closures")
+            shown = self._shown(row)
+            await work.closures.end(closure, self._wall_s())
+        await self.look()
+        return shown
+
+    def preview(self, wanted: ClosureRow) -> Outlook:
+        """What a closure would mean now."""
+        plant = self._projection.site.plant
+        before = [] if self._said is None else list(self._said.closures)
+        now, then = restrictions_of(plant, before), restrictions_of(plant, [*before, self._told(wanted)])
+        known = set(cut_off(plant, now))
+        nodes = {each.atv: each.node for each in self._projection.atvs.heartbeats()}
+        return Outlook(
+            cut_off=tuple(place for place in cut_off(plant, then) if place not in known),
+            shut_in=shut_in(plant, then, nodes),
+        )
+
+    async def look(self) -> None:
+        """Read what is decided, end what is over, and tell it.
+
+        Raises:
+            UnavailableError: the database cannot be read or written.
+        """
+        async with self._looking:
+            await self._read()
+            self.say()
+
+    def say(self) -> None:
+        """Say the list, unless nothing was ever decided."""
+        if self._said is not None:
+            self._say(self._said)
+
+    async def run(self) -> None:
+        """Look and say, until cancelled; while the database is away, what was read last."""
+        while True:
+            try:
+                await self.look()
+            except UnavailableError as error:
+                _log.info("what was closed elsewhere is not seen this time: %s", error)
+                self.say()
+            await asyncio.sleep(SAY_EVERY_S)
+
+    async def _read(self) -> None:
+        now_s = self._wall_s()
+        async with self._store.read() as work:
+            rows, number = await work.closures.all(), await work.closures.number()
+        over = [row for row in rows if row.until_s is not None and row.until_s <= now_s]
+        if over:
+            async with self._store.write() as work:
+                for row in over:
+                    await work.closures.end(row.id, now_s)
+                rows, number = await work.closures.all(), await work.closures.number()
+        if number and (self._said is None or number != self._said.number):
+            self._said = self._authority.close(number, map(self._told, rows))
+        views = self._views(rows)
+        self._projection.closures.put(views)
+        self._projection.orders.cut_off({place for view in views for place in view.cut_off})
+
+    def _told(self, row: ClosureRow) -> Closure:
+        """As vehicles are told."""
+        return Closure(
+            closure=row.id or "preview",
+            kind=ClosureKind(row.kind),
+            by=row.person,
+            start=row.start_node,
+            end=row.end_node,
+            node=_node_of(self._projection.site.plant, row.place),
+            area=row.area,
+            speed_mps=row.speed_mps,
+            until_s=None if row.until_s is None else self._time.to_plant_s(row.until_s),
+        )
+
+    def _shown(self, row: ClosureRow) -> ClosureView:
+        known = next((view for view in self._projection.closures.views() if view.id == row.id), None)
+        return self._views([row])[0] if known is None else known
+
+    def _views(self, rows: Iterable[ClosureRow]) -> list[ClosureView]:
+        plant = self._projection.site.plant
+        told = [(row, self._told(row)) for row in rows]
+        lost = cut_off(plant, restrictions_of(plant, [closure for _, closure in told]))
+        return [
+            ClosureView(
+                id=row.id,
+                kind=closure.kind.value,
+                lane=LaneView(start=row.start_node, end=row.end_node) if row.start_node else None,
+                place=row.place,
+                area=row.area,
+                speed_mps=row.speed_mps,
+                until_at_s=row.until_s,
+                reason=row.reason,
+                by=row.by,
+                at_s=row.at_s,
+                lanes=tuple(LaneView(start=start, end=end) for start, end in lanes_of(plant, closure)),
+                cut_off=lost if row.kind != ClosureKind.SLOW else (),
+            )
+            for row, closure in told
+        ]
+
+
+def _node_of(plant: Plant, place: str) -> str:
+    """The node of a place; a node or a crossing stands for itself."""
+    if not place or place in plant.nodes or place in plant.crossings:
+        return place
+    return plant.node_of(place)
+
+
+def _is_same(one: ClosureRow, other: ClosureRow) -> bool:
+    return one.subject == other.subject and one.until_s == other.until_s

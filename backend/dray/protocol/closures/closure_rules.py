@@ -1,0 +1,120 @@
+"""What closures do to the lanes of a plant: pure, the same for vehicles, machines and whoever shows it to people."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+from dray.messages import Closure, ClosureKind
+from dray.plant import Lane, Plant, Roads
+from dray.plant.restrictions import Ends, Restrictions, lanes_across, nodes_in
+
+
+def restrictions_of(plant: Plant, closures: Iterable[Closure]) -> Restrictions:
+    """What some closures do to the lanes of a plant; what the plant does not have is left out."""
+    nodes: set[str] = set()
+    lanes: set[Ends] = set()
+    limits_mps: dict[Ends, float] = {}
+    for each in closures:
+        if each.kind is ClosureKind.CLOSED:
+            closed_nodes, closed_lanes = _closed_by(plant, each)
+            nodes |= closed_nodes
+            lanes |= closed_lanes
+        elif each.kind is ClosureKind.ONE_WAY:
+            if plant.roads.lane(each.start, each.end) is not None:
+                lanes.add((each.end, each.start))
+        elif each.speed_mps is not None:
+            for ends in _concerned(plant, each):
+                limits_mps[ends] = min(each.speed_mps, limits_mps.get(ends, each.speed_mps))
+    known = {ends for ends in lanes if plant.roads.lane(*ends) is not None}
+    return Restrictions(frozenset(nodes), frozenset(known), tuple(sorted(limits_mps.items())))
+
+
+def _closed_by(plant: Plant, closure: Closure) -> tuple[set[str], set[Ends]]:
+    """The nodes and the lanes that a closure of the kind CLOSED closes."""
+    if closure.area:
+        area = plant.areas.get(closure.area)
+        if area is None:
+            return set(), set()
+        across = lanes_across(area, plant.nodes, plant.roads)
+        return set(nodes_in(area, plant.nodes.values())), {(lane.start, lane.end) for lane in across}
+    if closure.node:
+        crossing = plant.crossings.get(closure.node)
+        if crossing is None:
+            return {closure.node} & plant.nodes.keys(), set()
+        # Who is in it leaves it by the other lanes.
+        return set(crossing.inner), {ends for ends in crossing.lanes if ends[0] not in crossing.inner}
+    return set(), {(closure.start, closure.end), (closure.end, closure.start)}
+
+
+def _concerned(plant: Plant, closure: Closure) -> list[Ends]:
+    """The lanes that a closure of the kind SLOW makes slow."""
+    if closure.area:
+        area = plant.areas.get(closure.area)
+        if area is None:
+            return []
+        within = nodes_in(area, plant.nodes.values())
+        across = {(lane.start, lane.end) for lane in lanes_across(area, plant.nodes, plant.roads)}
+        return [
+            ends
+            for lane in plant.lanes
+            if (ends := (lane.start, lane.end)) in across or lane.start in within or lane.end in within
+        ]
+    if closure.node:
+        crossing = plant.crossings.get(closure.node)
+        if crossing is not None:
+            return list(crossing.lanes)
+        around = (*plant.roads.leaving.get(closure.node, ()), *plant.roads.entering.get(closure.node, ()))
+        return [(lane.start, lane.end) for lane in around]
+    both = ((closure.start, closure.end), (closure.end, closure.start))
+    return [ends for ends in both if plant.roads.lane(*ends) is not None]
+
+
+def lanes_of(plant: Plant, closure: Closure) -> list[Ends]:
+    """The lanes that one closure closes or makes slow, each direction by itself, in the order of the plant."""
+    alone = restrictions_of(plant, [closure])
+    slow = dict(alone.limits_mps)
+    return [
+        ends
+        for lane in plant.lanes
+        if (ends := (lane.start, lane.end)) in slow or not alone.admits(*ends) or lane.end in alone.nodes
+    ]
+
+
+def cut_off(plant: Plant, restrictions: Restrictions) -> tuple[str, ...]:
+    """The places to and from which no way is left: all but those of the largest part that hangs together."""
+    nodes = {place: plant.node_of(place) for place in plant.places}
+    reached = _largest_part(plant, restrictions)
+    return tuple(place for place, node in nodes.items() if node not in reached)
+
+
+def shut_in(plant: Plant, restrictions: Restrictions, nodes: Mapping[str, str]) -> tuple[str, ...]:
+    """Vehicles that do not get to the largest part that hangs together.
+
+    Args:
+        plant: the lanes.
+        restrictions: what holds.
+        nodes: by vehicle, where it stands.
+    """
+    lanes = [
+        Lane(lane.start, lane.end)
+        for lanes in restrictions.open_lanes(plant.roads).values()
+        for lane in lanes
+    ]
+    part = _largest_part(plant, restrictions)
+    leads_there = Roads(plant.nodes.values(), lanes).reaching(next(iter(part))) if part else frozenset()
+    return tuple(
+        vehicle for vehicle, node in nodes.items() if node in plant.nodes and node not in leads_there
+    )
+
+
+def _largest_part(plant: Plant, restrictions: Restrictions) -> frozenset[str]:
+    """The open nodes between which all ways are left; of several parts that with the most docks."""
+    lanes = [
+        Lane(lane.start, lane.end)
+        for lanes in restrictions.open_lanes(plant.roads).values()
+        for lane in lanes
+        if lane.start not in restrictions.nodes
+    ]
+    docks = {plant.node_of(place) for place in plant.places} - restrictions.nodes
+    parts = Roads(plant.nodes.values(), lanes).parts()
+    return max(parts, key=lambda part: len(part & docks)) - restrictions.nodes

@@ -1,0 +1,87 @@
+"""Closures in SQL: what people have closed to vehicles, why, until when, and by which decision.
+
+Decisions are numbered as those about exclusions are (`dray.store.factory.exclusions`): a row stays when its closure has ended,
+so that the number of that decision is not lost.
+"""
+
+from __future__ import annotations
+
+import msgspec
+from sqlalchemy import delete, func, insert, select, update
+from sqlalchemy.ext.asyncio import AsyncConnection
+
+from dray.store.tables import closures
+
+KEPT_S = 30 * 86400.0
+"""An ended closure is forgotten so long after its end; the audit log knows it longer."""
+
+
+class ClosureRow(msgspec.Struct, frozen=True, gc=False):
+    """One closure. Times are wall clock seconds; of lane, place and area one is named."""
+
+    id: str
+    kind: str
+    """closed, slow or one_way."""
+    start_node: str
+    end_node: str
+    place: str
+    area: str
+    speed_mps: float | None
+    until_s: float | None
+    """When it ends by itself; None for when somebody ends it."""
+    reason: str
+    by: str
+    """The name of who has decided it."""
+    person: str
+    """The same, as vehicles are told."""
+    at_s: float
+
+    @property
+    def subject(self) -> tuple[str | float | None, ...]:
+        """What is closed, and how."""
+        return self.kind, self.start_node, self.end_node, self.place, self.area, self.speed_mps
+
+
+COLUMNS = [closures.c[name] for name in ClosureRow.__struct_fields__]
+
+
+class Closures:
+    """The closures, inside one transaction."""
+
+    def __init__(self, connection: AsyncConnection) -> None:
+        self._connection = connection
+
+    async def all(self) -> list[ClosureRow]:
+        """Those that nobody has ended and that have not been found over, the oldest first."""
+        query = (
+            select(*COLUMNS).where(closures.c.ended_at_s.is_(None)).order_by(closures.c.at_s, closures.c.id)
+        )
+        return [ClosureRow(*row) for row in await self._connection.execute(query)]
+
+    async def number(self) -> int:
+        """The number of the last decision; 0 when there was none."""
+        return (await self._connection.execute(select(func.max(closures.c.number)))).scalar() or 0
+
+    async def get(self, closure: str) -> ClosureRow | None:
+        """One that holds, or None."""
+        query = select(*COLUMNS).where(closures.c.id == closure, closures.c.ended_at_s.is_(None))
+        row = (await self._connection.execute(query)).one_or_none()
+        return None if row is None else ClosureRow(*row)
+
+    async def put(self, closure: ClosureRow) -> None:
+        """Close something; what has ended long ago is forgotten."""
+        number = await self._next(closure.at_s)
+        row = msgspec.structs.asdict(closure) | {"number": number, "ended_at_s": None}
+        await self._connection.execute(insert(closures), [row])
+        await self._connection.execute(delete(closures).where(closures.c.ended_at_s < closure.at_s - KEPT_S))
+
+    async def end(self, closure: str, at_s: float) -> None:
+        """Open what one has closed."""
+        await self._connection.execute(
+            update(closures)
+            .where(closures.c.id == closure, closures.c.ended_at_s.is_(None))
+            .values(number=await self._next(at_s), ended_at_s=at_s)
+        )
+
+    async def _next(self, at_s: float) -> int:
+        return max(await self.number() + 1, int(at_s * 1000))
