@@ -9,7 +9,7 @@ from dray import messages
 from dray.protocol.runtime.events import Heard
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterable
 
     from dray.protocol.runtime.events import Event
 
@@ -82,13 +82,14 @@ class Inbox:
         if event is not None:
             self._waiting.append(event)
 
-    def turn(self) -> Iterator[Event]:
+    def turn(self) -> list[Event]:
         """Take out all that waits now, in its order; what comes in meanwhile waits for the next turn."""
-        waiting = self._waiting
-        self._crowd = None
-        for _ in range(len(waiting)):
-            event = waiting.popleft()
-            yield event.heard if type(event) is _Newest else cast("Event", event)
+        waiting = list(self._waiting)
+        self._waiting.clear()
+        if self._crowd is not None:
+            self._crowd = None
+            waiting = [event.heard if type(event) is _Newest else event for event in waiting]
+        return cast("list[Event]", waiting)
 
     def _queue_up(self, heard: Heard) -> Heard | _Newest | None:
         """Decide what a crowded inbox does with a message that has just come; None where it does not wait in its own place."""

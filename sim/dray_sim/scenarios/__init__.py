@@ -16,6 +16,7 @@ from dray_sim.scenarios import (
     latency_sweep,
     loss_sweep,
     peak_season,
+    scale,
     soak,
     takeover,
 )
@@ -47,6 +48,7 @@ _ALL: tuple[Playable, ...] = (
     takeover.TAKEOVER,
     fault_cost.FAULT_COST,
     insider.INSIDER,
+    scale.SCALE,
 )
 
 SCENARIOS: Mapping[str, Playable] = {scenario.name: scenario for scenario in _ALL}

@@ -21,6 +21,7 @@ from dray_sim.scenarios import (
     latency_sweep,
     loss_sweep,
     peak_season,
+    scale,
     soak,
     takeover,
 )
@@ -74,6 +75,16 @@ def test_delays_of_two_seconds_are_endured() -> None:
 def test_a_loss_of_a_fifth_is_endured() -> None:
     found = loss_sweep.sweep(1, (0.2,), short(loss_sweep.SHIFT, 900.0))
     assert failed(found) == []
+
+
+def test_agents_have_no_more_to_do_in_a_plant_of_twice_the_size() -> None:
+    found = scale.grow(1, (10, 20), short(scale.SHIFT, scale.WARM_UP_S + 300.0), reference=10)
+    assert failed(found) == []
+
+
+def test_a_plant_that_was_not_played_to_the_end_shows_no_growth() -> None:
+    found = scale.grow(1, (4,), short(scale.SHIFT, scale.WARM_UP_S + 60.0))
+    assert [name.split(",")[0] for name in failed(found)] == ["From 50 to 4 vehicles"]
 
 
 @pytest.mark.slow

@@ -49,6 +49,9 @@ GOAL_SILENCE_S = 15.0
 """How long a machine may not name a goal before it has lost it. A machine that holds goals beats at 1 Hz,
 so fifteen heartbeats are missing in a row; and its software starts again in less."""
 
+CLEAN_FRAC = 0.04
+"""A link that loses no more needs no arithmetic: so many losses in a row as `MISSES` are rare enough."""
+
 AnyHeartbeat = AtvHeartbeat | MachineHeartbeat | StationHeartbeat
 
 
@@ -69,7 +72,7 @@ def interval_s(heartbeat: AnyHeartbeat) -> float:
 
 def allowed_misses(loss_frac: float) -> int:
     """How many heartbeats in a row may be lost without a suspicion, when this part of them is lost."""
-    if loss_frac <= 0.0:
+    if loss_frac <= CLEAN_FRAC:
         return MISSES
     if loss_frac >= 1.0:
         return MISSES_MAX
@@ -128,11 +131,20 @@ class ArrivalStatistics:
             delay_s: how long it was under way, by the plant's clock.
         """
         # Beyond these bounds it is not the link: one of two clocks is wrong.
-        delay_s = min(max(delay_s, 0.0), LATENESS_MAX_S)
-        for _ in range(min(missed, MISSES_MAX)):
-            self.loss_frac += GAIN * (1.0 - self.loss_frac)
-        self.loss_frac -= GAIN * self.loss_frac
-        off_s = delay_s - self.delay_s if self.heard else 0.0
-        self.deviation_s += GAIN * (abs(off_s) - self.deviation_s)
-        self.delay_s = self.delay_s + GAIN * off_s if self.heard else delay_s
+        if delay_s < 0.0:
+            delay_s = 0.0
+        elif delay_s > LATENESS_MAX_S:
+            delay_s = LATENESS_MAX_S
+        loss_frac = self.loss_frac
+        if missed > 0:
+            for _ in range(min(missed, MISSES_MAX)):
+                loss_frac += GAIN * (1.0 - loss_frac)
+        self.loss_frac = loss_frac - GAIN * loss_frac
+        if self.heard:
+            off_s = delay_s - self.delay_s
+            self.deviation_s += GAIN * (abs(off_s) - self.deviation_s)
+            self.delay_s += GAIN * off_s
+        else:
+            self.deviation_s -= GAIN * self.deviation_s
+            self.delay_s = delay_s
         self.heard += 1

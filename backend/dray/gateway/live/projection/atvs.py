@@ -15,6 +15,9 @@ from dray.messages import AtvHeartbeat, Brief, Heartbeat, HelpWanted
 from dray.plant.model import Charging, VehicleSpec, VehicleType
 from dray.store.history.clocks import Clocks, ToWall
 
+ANY_MUST_CHARGE_FRAC = Charging().must_below_frac
+"""Of a vehicle whose type is not known here."""
+
 JOINING_LEAST = 256
 """So many agents of a kind may join a plant of any size without a new plant file."""
 
@@ -62,7 +65,10 @@ class Atvs:
         self._outsiders = outsiders
         self._clocks, self._silence = clocks, silence
         self._types = {vehicle.id: vehicle.type for vehicle in fleet}
-        self._charging = {kind.id: kind.charging for kind in types}
+        charging = {kind.id: kind.charging for kind in types}
+        self._must_charge_frac = {
+            atv: charging[kind].must_below_frac for atv, kind in self._types.items() if kind in charging
+        }
         self._to_wall_s = to_wall_s
         self._last: dict[str, AtvHeartbeat] = {}
         self.changes = Changes("atv")
@@ -145,7 +151,8 @@ class Atvs:
             node=heartbeat.node,
             way=heartbeat.way,
             battery_frac=heartbeat.battery_frac,
-            battery_low=heartbeat.battery_frac < self._must_charge_below(heartbeat.atv),
+            battery_low=heartbeat.battery_frac
+            < self._must_charge_frac.get(heartbeat.atv, ANY_MUST_CHARGE_FRAC),
             load=heartbeat.load,
             load_quantity=heartbeat.load_quantity,
             link=plain(heartbeat.link),
@@ -165,9 +172,6 @@ class Atvs:
             seen_at_s=self._to_wall_s(heartbeat.at_s),
             silence=self._silence.view(heartbeat.atv, heartbeat),
         )
-
-    def _must_charge_below(self, atv: str) -> float:
-        return self._charging.get(self._types.get(atv, ""), Charging()).must_below_frac
 
     def _brief(self, brief: Brief) -> BriefView:
         return BriefView(

@@ -59,6 +59,8 @@ class Silence:
         self._speed = speed
         self._heard: dict[str, _Heard] = {}
         """By agent: bounded by whoever lets agents in."""
+        self._views: dict[tuple[float, float], SilenceView] = {}
+        """By interval and rounded bound, of which there are some hundred: most agents share one."""
 
     def note(self, agent: str, heartbeat: AnyHeartbeat, delay_s: float) -> None:
         """A heartbeat has come, newer than those before.
@@ -68,7 +70,9 @@ class Silence:
             heartbeat: what it says.
             delay_s: how long it was under way, by the plant's clock; 0 where nobody knows.
         """
-        heard = self._heard.setdefault(agent, _Heard())
+        heard = self._heard.get(agent)
+        if heard is None:
+            heard = self._heard[agent] = _Heard()
         incarnation, seq = heard.newest
         missed = heartbeat.seq - seq - 1 if heartbeat.incarnation == incarnation else 0
         heard.arrivals.note(missed, delay_s)
@@ -82,12 +86,15 @@ class Silence:
 
     def view(self, agent: str, heartbeat: AnyHeartbeat) -> SilenceView:
         """The same as panels are told it."""
-        beat_s = interval_s(heartbeat)
-        return SilenceView(
-            beat_s=beat_s,
-            overdue_after_s=max(LEAST_OVERDUE_S * self._speed, beat_s + JITTER_S),
-            lost_after_s=round(self.bound_s(agent, heartbeat), 1),
-        )
+        beat_s, lost_after_s = interval_s(heartbeat), round(self.bound_s(agent, heartbeat), 1)
+        view = self._views.get((beat_s, lost_after_s))
+        if view is None:
+            view = self._views[beat_s, lost_after_s] = SilenceView(
+                beat_s=beat_s,
+                overdue_after_s=max(LEAST_OVERDUE_S * self._speed, beat_s + JITTER_S),
+                lost_after_s=lost_after_s,
+            )
+        return view
 
 
 def plant_bound_s(speed: float) -> float:
