@@ -76,11 +76,10 @@ class Inbox:
 
     def put_heard(self, heard: Heard) -> None:
         """Take in a message, or drop it, or drop another one for it."""
-        event: Heard | _Newest | None = heard
-        if len(self._waiting) >= CROWDED:
-            event = self._queue_up(heard)
-        if event is not None:
-            self._waiting.append(event)
+        if len(self._waiting) < CROWDED:
+            self._waiting.append(heard)
+        elif (queued := self._queue_up(heard)) is not None:
+            self._waiting.append(queued)
 
     def turn(self) -> list[Event]:
         """Take out all that waits now, in its order; what comes in meanwhile waits for the next turn."""

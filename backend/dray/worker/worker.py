@@ -212,26 +212,21 @@ class Worker:
     # --- the agent's turn ------------------------------------------------------------------------
 
     def _handle_inbox(self, session: Session) -> None:
-        for event in self.inbox.turn():
-            if event is _WOKEN:
+        for waiting in self.inbox.turn():
+            event = waiting
+            if type(event) is Heard:
+                kind = type(event.message)
+                if kind is messages.EventsAsked:
+                    self._tell_again(event.sender, cast(messages.EventsAsked, event.message), session)
+                    continue
+                if kind in _SENSED:
+                    event = Heard(event.sender, event.message, self._sense())
+            elif event is _WOKEN:
                 self._woken = False
-                late_s, self._late_s = self._late_s, 0.0
-                self._handle(Woke(self._sense(), late_s), session)
-            elif type(event) is Heard:
-                self._handle_heard(event, session)
-            else:
-                self._handle(event, session)
+                event, self._late_s = Woke(self._sense(), self._late_s), 0.0
+            self._handle(event, session)
             if self._stopping:
                 return
-
-    def _handle_heard(self, heard: Heard, session: Session) -> None:
-        kind = type(heard.message)
-        if kind is messages.EventsAsked:
-            self._tell_again(heard.sender, cast(messages.EventsAsked, heard.message), session)
-        elif kind in _SENSED:
-            self._handle(Heard(heard.sender, heard.message, self._sense()), session)
-        else:
-            self._handle(heard, session)
 
     def _handle(self, event: Event, session: Session) -> None:
         effects = self.agent.handle(event, self._clock.now_s())

@@ -71,6 +71,8 @@ class Atvs:
         }
         self._to_wall_s = to_wall_s
         self._last: dict[str, AtvHeartbeat] = {}
+        self._shown: dict[str, AtvView] = {}
+        """As long as nothing of a vehicle has changed."""
         self.changes = Changes("atv")
         self.by_status: Counter[str] = Counter()
         self.fleet = Fleet(top_mps)
@@ -103,7 +105,7 @@ class Atvs:
                 self.by_status[last.status.value] -= 1
         self.fleet.fold(last, heartbeat)
         self._last[heartbeat.atv] = heartbeat
-        self.changes.mark(heartbeat.atv)
+        self._change(heartbeat.atv)
         return True
 
     def last(self, atv: str) -> AtvHeartbeat | None:
@@ -123,20 +125,29 @@ class Atvs:
         """Something else is to be shown of these, as far as they were heard."""
         for agent in agents:
             if agent in self._last:
-                self.changes.mark(agent)
+                self._change(agent)
 
     def view(self, atv: str) -> AtvView | None:
         """One vehicle, or None when it was never heard."""
-        heartbeat = self._last.get(atv)
-        return None if heartbeat is None else self._view(heartbeat)
+        return self._show(atv) if atv in self._last else None
 
     def views(self) -> tuple[AtvView, ...]:
         """All of them, by id."""
-        return tuple(self._view(self._last[atv]) for atv in sorted(self._last))
+        return tuple(self._show(atv) for atv in sorted(self._last))
 
     def take_changed(self) -> tuple[AtvView, ...]:
         """Those that have changed since the last call."""
-        return tuple(self._view(self._last[atv]) for atv in self.changes.take_changed())
+        return tuple(self._show(atv) for atv in self.changes.take_changed())
+
+    def _change(self, atv: str) -> None:
+        self._shown.pop(atv, None)
+        self.changes.mark(atv)
+
+    def _show(self, atv: str) -> AtvView:
+        view = self._shown.get(atv)
+        if view is None:
+            view = self._shown[atv] = self._view(self._last[atv])
+        return view
 
     def _view(self, heartbeat: AtvHeartbeat) -> AtvView:
         pose = heartbeat.pose
@@ -197,4 +208,4 @@ def probation_of(heartbeat: Heartbeat) -> ProbationView | None:
 
 def plain(word: Any) -> Any:
     """An enumeration's word as the plain text that views have; both lists of words are the same."""
-    return word.value
+    return str(word)

@@ -40,12 +40,12 @@ LEAST_OVERDUE_S = 1.2
 class _Heard:
     """What was heard of one agent."""
 
-    __slots__ = ("arrivals", "newest")
+    __slots__ = ("arrivals", "incarnation", "seq")
 
     def __init__(self) -> None:
         self.arrivals = ArrivalStatistics()
-        self.newest = (0, 0)
-        """Incarnation and number of its newest heartbeat."""
+        self.incarnation = self.seq = 0
+        """Of its newest heartbeat."""
 
 
 class Silence:
@@ -73,10 +73,9 @@ class Silence:
         heard = self._heard.get(agent)
         if heard is None:
             heard = self._heard[agent] = _Heard()
-        incarnation, seq = heard.newest
-        missed = heartbeat.seq - seq - 1 if heartbeat.incarnation == incarnation else 0
-        heard.arrivals.note(missed, delay_s)
-        heard.newest = (heartbeat.incarnation, heartbeat.seq)
+        incarnation, seq = heartbeat.incarnation, heartbeat.seq
+        heard.arrivals.note(seq - heard.seq - 1 if incarnation == heard.incarnation else 0, delay_s)
+        heard.incarnation, heard.seq = incarnation, seq
 
     def bound_s(self, agent: str, heartbeat: AnyHeartbeat) -> float:
         """After how much silence an agent counts as lost, in factory seconds."""

@@ -69,11 +69,11 @@ class Fleet:
 
 def doing(heartbeat: AtvHeartbeat) -> str:
     """What a vehicle does."""
-    match heartbeat.status:
-        case AtvStatus.STOPPED | AtvStatus.ERROR:
-            return BLOCKED
-        case AtvStatus.CHARGING:
-            return CHARGING
+    status = heartbeat.status
+    if status is AtvStatus.STOPPED or status is AtvStatus.ERROR:
+        return BLOCKED
+    if status is AtvStatus.CHARGING:
+        return CHARGING
     if heartbeat.speed_mps:
         return MOVING
-    return WAITING if heartbeat.status is AtvStatus.WORKING else IDLE
+    return WAITING if status is AtvStatus.WORKING else IDLE

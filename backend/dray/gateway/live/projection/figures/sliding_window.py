@@ -22,7 +22,8 @@ class Window:
     def add(self, at_s: float, amount: float) -> None:
         """Add to the slot of `at_s`; what is older than the window is ignored."""
         number = int(at_s // self.slot_s)
-        self._turn(number)
+        if number > self._head:
+            self._turn(number)
         if number > self._head - self.slots:
             self._sums[number % self.slots] += amount
 
