@@ -24,6 +24,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import pytest
+from hypothesis import settings
 
 sys.path.insert(0, str(Path(__file__).parent / "kits"))
 
@@ -49,6 +50,10 @@ def reason_of(report: pytest.TestReport | pytest.CollectReport) -> str:
 FORBIDDEN = "forbidden"
 """A test's outcome beside pytest's own: in a report's attribute, and in the summary."""
 
+
+# No example fails for the time that it took: that says how busy the machine is. All else is Hypothesis' own choice.
+settings.register_profile("without-deadline", settings(), deadline=None)
+settings.load_profile("without-deadline")
 
 # A shell lets a command that it starts in the background ignore Ctrl-C, and with it all that the tests start.
 signal.signal(signal.SIGINT, signal.default_int_handler)

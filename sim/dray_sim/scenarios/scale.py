@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from dray.messages.keys import STRATEGIST
+from dray_sim.bodies.vehicle.odometer import Activity
 from dray_sim.plants.generator import generate_plant
 from dray_sim.run.evidence import HELD, Check, Table
 from dray_sim.run.scenario import Findings, Scenario
@@ -12,8 +13,8 @@ from dray_sim.run.stage import Played, Shift, Stage, play
 
 VEHICLES = (8, 50, 200, 1000)
 
-MACHINES_PER_VEHICLE = 1.5
-"""As in the default plant, and on as much floor for each."""
+MACHINES_PER_VEHICLE = 0.75
+"""As many in every plant, on as much floor for each."""
 
 WARM_UP_S = 900.0
 """Until orders have become goals, and goals transports."""
@@ -25,6 +26,8 @@ GROWTH = 1.25
 one everybody is within everybody's reach, so there is less to hear."""
 
 REFERENCE = 50
+
+AT_WORK = (Activity.MOVING_EMPTY, Activity.MOVING_LOADED, Activity.HANDLING)
 
 LATE_S = 10.0
 """How much later than promised one transport in twenty may be."""
@@ -103,7 +106,8 @@ def grow(
                     "p50",
                     "p95",
                     "later than promised p95",
-                    "vehicles waiting",
+                    "vehicles' time driving and handling",
+                    "waiting",
                 ),
                 tuple(_row(count, played) for count, played in zip(vehicles, runs, strict=True)),
             ),
@@ -113,6 +117,7 @@ def grow(
 
 def _row(count: int, played: Played[Load]) -> tuple[str, ...]:
     report, load = played.report, played.told
+    spent = report.utilisation_frac
     events = (load.vehicle, load.machine, load.strategist) if load else ()
     return (
         f"{count:,}",
@@ -122,7 +127,8 @@ def _row(count: int, played: Played[Load]) -> tuple[str, ...]:
         f"{report.transport_p50_s:.0f} s",
         f"{report.transport_p95_s:.0f} s",
         f"{report.late_p95_s:+.1f} s",
-        f"{report.utilisation_frac.get('waiting', 0.0):.2%}",
+        f"{sum(spent.get(doing, 0.0) for doing in AT_WORK):.1%}",
+        f"{spent.get(Activity.WAITING, 0.0):.2%}",
     )
 
 
