@@ -21,9 +21,9 @@ WARM_UP_S = 900.0
 
 SHIFT = Shift(name="scale", duration_s=1800.0, load=0.85)
 
-GROWTH = 1.25
+GROWTH = 1.5
 """What an agent may have to do in the largest plant, as a multiple of what it has in the plant of `REFERENCE` vehicles. In a smaller
-one everybody is within everybody's reach, so there is less to hear."""
+one everybody is within reach of everybody, so there is less to hear; and a machine bids for the goals of the whole plant."""
 
 REFERENCE = 50
 
