@@ -11,7 +11,10 @@ import asyncio
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from hashlib import sha256
+from math import hypot
 from random import Random
+
+from msgspec.structs import replace
 
 from dray import __version__
 from dray.adapters.security.signing import SigningKey, TrustedKeys
@@ -268,7 +271,7 @@ class SimFactory:
         """Let a vehicle join; in a factory that runs, at once.
 
         Args:
-            spec: its id, its type in the plant, and where it stands.
+            spec: its id, its type in the plant, and where it stands; with right of way, or the nearest place that nobody holds.
             make: its agent, where that is not the honest one.
 
         Raises:
@@ -276,10 +279,21 @@ class SimFactory:
         """
         if spec.id in self._installations:
             raise ValueError(f"{spec.id} is there already; give the new vehicle another id")
+        if self.traffic is not None:
+            spec = replace(spec, node=self._free_near(spec.node))
         vehicle = self.floor.add_vehicle(spec)
         self._man(spec, make)
         self._start(spec.id)
         return vehicle
+
+    def held_places(self) -> dict[str, str]:
+        """Who holds which place, by the vehicles' own word; of one whose process has ended, by its last. Empty without right of way."""
+        holders: dict[str, str] = {}
+        for atv in self.vehicles:
+            agent = self.workers[atv].agent
+            right_of_way = agent.right_of_way if isinstance(agent, Atv) else None
+            holders |= dict.fromkeys(right_of_way.way.held if right_of_way is not None else (), atv)
+        return holders
 
     def add_machine(self, spec: MachineSpec) -> SimWorkcell:
         """Let a machine join that nobody's plant knows; in a factory that runs, at once.
@@ -297,6 +311,15 @@ class SimFactory:
         return workcell
 
     # --- how it is done --------------------------------------------------------------------------
+
+    def _free_near(self, node: str) -> str:
+        """Where people put a vehicle down: where none stands nor is about to, at a dwell point rather than on a road."""
+        nodes, plant = self.plant.nodes, self.plant
+        taken = {*self.held_places(), *(vehicle.sense().node for vehicle in self.vehicles.values())}
+        places = [plant.node_of(point) for point in plant.dwell_points], plant.stops
+        free = next(found for some in places if (found := [stop for stop in some if stop not in taken]))
+        here = nodes[node]
+        return min(free, key=lambda one: hypot(nodes[one].x_m - here.x_m, nodes[one].y_m - here.y_m))
 
     def _man(self, spec: VehicleSpec, make: MakeAgent | None = None) -> None:
         """Give a vehicle that is on the floor its modem and its agent."""

@@ -76,6 +76,7 @@ class Hands:
         """
         vehicle, plant = self._factory.vehicles[atv], self._factory.plant
         taken = {each.sense().node for each in self._factory.vehicles.values() if each is not vehicle}
+        taken |= {place for place, holder in self._factory.held_places().items() if holder != atv}
         free = [charger for charger in plant.chargers if plant.node_of(charger) not in taken]
         nearest = "".join(plant.closest(vehicle.sense().node, free, 1))
         if nearest:

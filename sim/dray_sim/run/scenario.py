@@ -11,7 +11,7 @@ from dray.errors import SettingsError
 from dray_sim.run.evidence import FIGURES, HELD, Check, Evidence, Table
 from dray_sim.run.report import Report
 from dray_sim.run.site import Site
-from dray_sim.run.stage import Played
+from dray_sim.run.stage import RIGHT_OF_WAY, Played
 
 HERE = Site()
 """As the scenario stands."""
@@ -114,13 +114,11 @@ class Scenario:
         Raises:
             SettingsError: it can be played as it stands only, and `site` is another.
         """
-        if not site.is_other:
-            found = self.play(seed)
-        elif self.elsewhere is not None:
-            found = self.elsewhere(seed, site)
-        else:
-            reason = f"{self.name} is about certain machines and vehicles of one plant and is played as it stands only"
-            raise SettingsError("--plant, --load and --hours", reason)
+        before = RIGHT_OF_WAY.set(site.traffic)
+        try:
+            found = self._play(seed, site)
+        finally:
+            RIGHT_OF_WAY.reset(before)
         broken = [played.invariants for played in found.runs if played.invariants != HELD]
         runs = len(found.runs)
         unbroken = Check(
@@ -134,7 +132,7 @@ class Scenario:
             seed=seed,
             source=self.source,
             claim=self.claim,
-            story=f"{self.story} Played here with {site}." if site.is_other else self.story,
+            story=f"{self.story} Played here with {site}." if str(site) else self.story,
             held=all(check.held for check in checks),
             checks=checks,
             tables=found.tables,
@@ -143,6 +141,16 @@ class Scenario:
             trace=_fingerprint([played.report.trace for played in found.runs]),
             **_figures([played.report for played in found.runs]),
         )
+
+    def _play(self, seed: int, site: Site) -> Findings:
+        if not site.is_other:
+            return self.play(seed)
+        if self.elsewhere is not None:
+            return self.elsewhere(seed, site)
+        reason = (
+            f"{self.name} is about certain machines and vehicles of one plant and is played as it stands only"
+        )
+        raise SettingsError("--plant, --load and --hours", reason)
 
 
 def _figures(reports: list[Report]) -> dict[str, Any]:

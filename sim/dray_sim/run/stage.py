@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Awaitable, Callable
+from contextvars import ContextVar
 from dataclasses import dataclass
 from random import Random
 from typing import Any, Generic, TypeVar
@@ -16,6 +17,7 @@ from typing import Any, Generic, TypeVar
 from dray.messages import OrderItem
 from dray.plant import Plant
 from dray_sim.bodies.floor import FIRST_STOCK_FRAC
+from dray_sim.checks.held_places import HeldPlaces
 from dray_sim.checks.invariants import Invariants
 from dray_sim.checks.overlaps import Overlaps
 from dray_sim.clock.loop import JUMP, clock, run
@@ -40,6 +42,11 @@ DUE_IN_S = 7200.0
 """When an order of a script is due: late enough that nothing is refused for its deadline."""
 
 
+RIGHT_OF_WAY: ContextVar[bool] = ContextVar("right of way", default=False)
+"""Whether vehicles take up room and drive with right of way. Scenarios are about other things, and are played on either floor: so this
+is said around them (`Scenario.run`), and not in each."""
+
+
 @dataclass(frozen=True, slots=True)
 class Shift:
     """What is to be run.
@@ -53,7 +60,8 @@ class Shift:
         latency: of the network.
         people: how the operators of all areas work; None for nobody on the floor.
         keep: classes of facts and messages that the witness keeps.
-        overlaps: whether two vehicles in one spot are counted (False), break the run (True), or are not looked for (None).
+        overlaps: whether two vehicles in one spot are counted (False), break the run (True), or are not looked for (None); with
+            right of way they always break it.
     """
 
     name: str
@@ -125,13 +133,17 @@ class Stage:
             latency=shift.latency,
             codec=shift.codec,
             listener=listeners,
+            traffic=RIGHT_OF_WAY.get(),
         )
         self.faults = Faults(self.factory)
         self.people = hire(self.factory, seed=seed, habits=shift.people) if shift.people is not None else ()
         self.checks = Invariants(self.factory)
         self.overlaps: Overlaps | None = None
-        if shift.overlaps is not None:
-            self.overlaps = Overlaps(self.factory.vehicles, strict=shift.overlaps)
+        if self.factory.traffic is not None:
+            self.checks.add(HeldPlaces(self.factory))
+        if self.factory.traffic is not None or shift.overlaps is not None:
+            strict = self.factory.traffic is not None or shift.overlaps is True
+            self.overlaps = Overlaps(self.factory.vehicles, strict=strict)
             self.checks.add(self.overlaps)
         self.shortfall = Shortfall(plant, self.factory.storages)
         listeners.add(self.trace, self.observer, self.checks, self.witness, self.shortfall)

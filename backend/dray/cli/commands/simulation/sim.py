@@ -43,6 +43,9 @@ def run(
         typer.Option(help="Part of the machines' time that the orders take.", min=0.001, max=10.0),
     ] = None,
     hours: Annotated[float | None, typer.Option(help="Of demand.", min=0.05, max=2_000.0)] = None,
+    traffic: Annotated[
+        bool, typer.Option("--traffic", help="Vehicles take up room, and drive with right of way.")
+    ] = False,
     json: Annotated[Path | None, typer.Option(help="Write the report here too.")] = None,
 ) -> None:
     """Play a scenario and print its report; the same seed gives the same report.
@@ -57,7 +60,7 @@ def run(
     from dray_sim.run.site import Site
     from dray_sim.scenarios import SCENARIOS
 
-    site = Site(None if plant is None else load_plant(plant), load, hours)
+    site = Site(None if plant is None else load_plant(plant), load, hours, traffic)
     outcome = one_of(SCENARIOS, name, "scenario").run(seed, site)
     typer.echo(outcome.describe())
     if json is not None:
@@ -65,6 +68,7 @@ def run(
     if outcome.failure:
         options = {"plant": plant, "load": load, "hours": hours}
         given = "".join(f" --{option} {value}" for option, value in options.items() if value is not None)
+        given += " --traffic" if traffic else ""
         typer.echo(f"dray: {outcome.failure}\nreplay: dray sim run {name} --seed {seed}{given}", err=True)
         raise typer.Exit(1)
 
