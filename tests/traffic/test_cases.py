@@ -1,0 +1,29 @@
+"""The cases of the paper with vehicles that take up room: what they claim holds all the same."""
+
+from __future__ import annotations
+
+import pytest
+
+from dray_sim.run.site import Site
+from dray_sim.scenarios import SCENARIOS
+
+ROOM = Site(traffic=True)
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("name", ["experiment-wlan", "experiment-power-off", "case-4", "case-5"])
+def test_a_claim_about_one_vehicle_holds_where_vehicles_take_up_room(name: str, seed: int) -> None:
+    assert SCENARIOS[name].run(seed, ROOM).failure == ""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["case-1", "case-6"])
+def test_a_claim_about_a_whole_plant_holds_where_vehicles_take_up_room(name: str) -> None:
+    assert SCENARIOS[name].run(1, ROOM).failure == ""
+
+
+def test_a_scenario_is_another_run_with_right_of_way_and_the_same_one_again_without() -> None:
+    scenario = SCENARIOS["experiment-power-off"]
+    alone, beside, again = scenario.run(1), scenario.run(1, ROOM), scenario.run(1)
+    assert alone.trace == again.trace != beside.trace
+    assert "take up room" in beside.story
