@@ -33,6 +33,9 @@ def up(
     demand: Annotated[
         bool, typer.Option("--demand/--no-demand", help="Place orders, so that there is something to see.")
     ] = True,
+    traffic: Annotated[
+        bool, typer.Option("--traffic", help="Vehicles take up room, and drive with right of way.")
+    ] = False,
 ) -> None:
     """Run a simulated factory with its panels; Ctrl-C stops it."""
     if not (math.isfinite(speed) and speed > 0):
@@ -49,4 +52,4 @@ def up(
     settings = load_settings(host=host, port=port, database_url=db, plant_file=plant)
     chosen = chosen_plant(settings.plant_file)
     customers = customers_of(chosen, speed=speed, seed=seed) if demand else None
-    asyncio.run(run_service(Service(settings, chosen, speed, customers), seed))
+    asyncio.run(run_service(Service(settings, chosen, speed, customers), seed, traffic=traffic))
