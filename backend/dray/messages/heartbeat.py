@@ -129,7 +129,7 @@ class FloorBrief(Part, frozen=True):
     docked: bool = False
     """It stays where it stands until its work is done there."""
     waits: bool = False
-    """It stands because a place that it needs is another one's."""
+    """A place that it needs is another one's, or it makes room for somebody."""
     rank: Rank = NO_RANK
 
 

@@ -111,13 +111,13 @@ class YieldAsked(Message, frozen=True):
     """The holder of a place is asked to make room. Whether it does is its own decision."""
 
     district: Id
-    atv: Id
+    waiting: Id
     """For whom."""
     rank: Rank
     avoid: Nodes
     """Where it would be in the way again."""
     chain: Places
-    """Those whom `atv` itself makes room for, the first one first."""
+    """Those whom `waiting` itself makes room for, the first one first."""
 
 
 class YieldRefused(Message, frozen=True):

@@ -180,7 +180,7 @@ class Contracts:
             node_at_s=driver.next_node_at_s(now_s),
             x_m=x_m,
             y_m=y_m,
-            speed_frac=driver.speed_frac,
+            speed_frac=driver.pace_frac,
             battery_frac=self._owner.battery_frac,
             unfit=self._owner.unfit(),
             busy_with=self.job.task if self.job is not None else "",

@@ -87,7 +87,7 @@ class Pricer:
             battery_frac: what is in the battery now.
             now_s: the present time.
             deadline_s: when it should be done.
-            speed_frac: the limit that a person has set, as a part of the vehicle's own top speed.
+            speed_frac: what a person's limit and other vehicles leave of the vehicle's own speed (`Driver.pace_frac`).
             wait_s: how long it would have to wait at a place beyond the handling.
 
         Returns:

@@ -336,7 +336,11 @@ class District:
                 Send(
                     holder,
                     YieldAsked(
-                        district=self._district, atv=atv, rank=wish.rank, avoid=wish.avoid, chain=wish.chain
+                        district=self._district,
+                        waiting=atv,
+                        rank=wish.rank,
+                        avoid=wish.avoid,
+                        chain=wish.chain,
                     ),
                 )
             )

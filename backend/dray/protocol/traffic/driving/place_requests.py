@@ -118,6 +118,11 @@ class PlaceRequests:
         return self._rank if inherited is None else min(self._rank, inherited.rank)
 
     @property
+    def is_hindered(self) -> bool:
+        """Whether it waits for a place, or makes room for somebody: it does not come nearer to its goal, and cannot help it."""
+        return self._held_up_s is not None or self.errand is not Errand.OWN
+
+    @property
     def held_up_since_s(self) -> float | None:
         """Since when it stands and waits for a place; None when it does not."""
         return self._held_up_s

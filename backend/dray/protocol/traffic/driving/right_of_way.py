@@ -141,7 +141,7 @@ class RightOfWay(PlaceRequests):
             # The book is wrong about this vehicle: tell it.
             self._settle(now_s, anew_in=asked.district)
             return
-        if not self._can_yield or asked.atv == self.atv or self.atv in asked.chain:
+        if not self._can_yield or asked.waiting == self.atv or self.atv in asked.chain:
             return
         if self._yielding.renew(asked, now_s):
             if self.errand is Errand.REFUGE and self._yielding.is_patient(now_s):
@@ -149,12 +149,12 @@ class RightOfWay(PlaceRequests):
         elif asked.rank >= self.rank(now_s):
             return
         own = (self.way.node, *self.way.ahead)
-        chain = (asked.atv, *asked.chain)
+        chain = (asked.waiting, *asked.chain)
         way = self._yielding.refuge(self.way.node, self.goal, asked.avoid, chain, asked.rank, now_s)
         # Who has nowhere to go inherits, too: it comes out with the rank of the one who makes room for it.
         self._yielding.inherit(asked, now_s)
         if way is None:
-            self._yielding.refuse(asked.atv, own[:ROUTE_MAX], self.way.held, now_s)
+            self._yielding.refuse(asked.waiting, own[:ROUTE_MAX], self.way.held, now_s)
             self._settle(now_s)
         else:
             self._leave_for(way, now_s, backtracks=False)

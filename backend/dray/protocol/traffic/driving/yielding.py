@@ -82,9 +82,9 @@ class Yielding:
 
     def inherit(self, asked: YieldAsked, now_s: float) -> None:
         """Make room for somebody from now on."""
-        chain = (*(atv for atv in asked.chain if atv != asked.atv), asked.atv)
+        chain = (*(atv for atv in asked.chain if atv != asked.waiting), asked.waiting)
         self._inherited = Inherited(
-            asked.rank, asked.atv, chain, asked.avoid[: 2 * ROUTE_MAX], now_s + LAPSE_S
+            asked.rank, asked.waiting, chain, asked.avoid[: 2 * ROUTE_MAX], now_s + LAPSE_S
         )
 
     def renew(self, asked: YieldAsked, now_s: float) -> bool:

@@ -59,6 +59,11 @@ class Driver:
         """The limit that a person has set, as a part of the vehicle's own top speed."""
 
     @property
+    def pace_frac(self) -> float:
+        """How fast it comes on, as a part of what its own top speed allows: promises count with that."""
+        return self.speed_frac
+
+    @property
     def ahead(self) -> tuple[str, ...]:
         """The nodes of the way that were not passed yet."""
         return self.way[self._passed :]

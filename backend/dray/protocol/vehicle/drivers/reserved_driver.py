@@ -19,6 +19,15 @@ from dray.protocol.traffic.neighbours import Neighbours
 from dray.protocol.traffic.traffic_map import TrafficMap
 from dray.protocol.vehicle.drivers.driver import ORDERS_PER_LIFE, Driver, limited_s
 
+FIRST_PACE_FRAC = 0.8
+"""Of the pace that an empty floor allows, as long as nothing was learned: about what the default plant leaves at full load."""
+
+PACE_GAIN = 0.1
+"""Weight of the newest leg."""
+
+SLOWEST_PACE_FRAC = 0.2
+"""A leg that took longer is no traffic any more, but a fault."""
+
 
 class Owner(Protocol):
     """The vehicle that is driven."""
@@ -69,6 +78,9 @@ class ReservedDriver(Driver):
         self._is_lost = False
         """The body has no way any more, or another one than it was given."""
         self._right_of_way: RightOfWay | None = None
+        self._pace_frac = FIRST_PACE_FRAC
+        self._leg: tuple[float, float] | None = None
+        """When the present leg began, and how long it takes on an empty floor; None for one that tells nothing of traffic."""
 
     @property
     def right_of_way(self) -> RightOfWay:
@@ -82,6 +94,10 @@ class ReservedDriver(Driver):
         return self._right_of_way
 
     # --- as every driver -------------------------------------------------------------------------
+
+    @property
+    def pace_frac(self) -> float:
+        return self.speed_frac * self._pace_frac
 
     @property
     def ahead(self) -> tuple[str, ...]:
@@ -141,7 +157,8 @@ class ReservedDriver(Driver):
             return False
         way = self._routes.way(self.next_node, node)
         self.way = (node,) if len(way.nodes) < 2 else way.nodes
-        self.arrives_s = now_s + limited_s(way.duration_s, self.speed_frac)
+        self.arrives_s = now_s + limited_s(way.duration_s, self.pace_frac)
+        self._leg = (now_s, limited_s(way.duration_s, self.speed_frac)) if way.duration_s else None
         row.go(node, WITH_TASK if busy else IDLE, now_s)
         if row.has_arrived and not row.is_finishing:
             self.way = ()
@@ -165,6 +182,7 @@ class ReservedDriver(Driver):
         if not self.way or not row.has_arrived or row.is_finishing:
             return False
         self.way, self.speed_mps = (), 0.0
+        self._learn(now_s)
         self._stay(now_s)
         return True
 
@@ -182,6 +200,8 @@ class ReservedDriver(Driver):
     def be_stuck(self, stuck: bool, now_s: float) -> None:
         if self._right_of_way is not None:
             self._right_of_way.be_stuck(stuck, now_s)
+        if stuck:
+            self._leg = None
 
     def floor(self, now_s: float) -> FloorBrief:
         hint = self.right_of_way.hint(now_s)
@@ -189,7 +209,7 @@ class ReservedDriver(Driver):
             holds=hint.holds[:HOLDS_MAX],
             stands=hint.stands,
             docked=hint.docked,
-            waits=self.right_of_way.held_up_since_s is not None,
+            waits=self.right_of_way.is_hindered,
             rank=hint.rank,
         )
 
@@ -206,6 +226,14 @@ class ReservedDriver(Driver):
             row.relocate(state.node, next_node, now_s)
             self.sense(state)
         row.look(now_s)
+
+    def _learn(self, now_s: float) -> None:
+        """A leg is over: how much longer than alone has it taken?"""
+        if self._leg is not None:
+            begun_s, alone_s = self._leg
+            frac = min(max(alone_s / max(now_s - begun_s, alone_s), SLOWEST_PACE_FRAC), 1.0)
+            self._pace_frac += PACE_GAIN * (frac - self._pace_frac)
+            self._leg = None
 
     def _stay(self, now_s: float) -> None:
         """It stands where it was sent: at a dock with a task nobody asks it for room."""

@@ -77,7 +77,7 @@ class JobMoves:
             NoWay: what is closed leaves none.
         """
         loaded_s = self._routes.duration_s(self._dock(self._source), self._dock(self._work.destination))
-        return self._type.load_s + limited_s(loaded_s, self._driver.speed_frac) + self._type.unload_s
+        return self._type.load_s + limited_s(loaded_s, self._driver.pace_frac) + self._type.unload_s
 
     def unloading_s(self) -> float:
         """How long unloading takes."""
