@@ -2,6 +2,7 @@
 import { bodyOf, gateway } from "./gateway";
 import { firstWord, stopOrigins } from "./stop-ways";
 import type {
+  ClosureRequest,
   CommandAnswer,
   CommandRequest,
   FaultRequest,
@@ -12,6 +13,7 @@ import type {
   OrderAnswer,
   OrderDraft,
   OrderPreview,
+  Outlook,
   PlantFile,
   PromiseLedger,
   WorkDraft,
@@ -113,6 +115,20 @@ export async function acknowledgeAlert(alert: string): Promise<void> {
 /** Lets nobody hear an agent any more, until it is readmitted. */
 export async function shutOut(agent: string, reason: string): Promise<void> {
   await bodyOf(gateway.POST("/api/agents/{agent}/shut-out", { params: { path: { agent } }, body: { reason } }));
+}
+
+/** Closes a lane, a place or an area to vehicles, or makes it slow or one-way. */
+export async function closeFloor(closure: ClosureRequest): Promise<void> {
+  await bodyOf(gateway.POST("/api/closures", { body: closure }));
+}
+
+/** What a closure would cut off, and whom it would shut in. */
+export async function previewClosure(closure: ClosureRequest): Promise<Outlook> {
+  return await bodyOf(gateway.POST("/api/closures/preview", { body: closure }));
+}
+
+export async function endClosure(closure: string): Promise<void> {
+  await bodyOf(gateway.DELETE("/api/closures/{closure}", { params: { path: { closure } } }));
 }
 
 export async function readmit(agent: string): Promise<void> {

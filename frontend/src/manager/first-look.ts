@@ -16,7 +16,7 @@ export function chooseAtFirst(): void {
       return;
     }
     const first = known && firstLook(known);
-    if (first) selection.value = first;
+    if (first) selection.value = { ...NOTHING, ...first };
   });
 }
 

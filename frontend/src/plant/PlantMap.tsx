@@ -36,6 +36,7 @@ export function PlantMap({ over, plant }: { over?: ComponentChildren; plant: Pla
         heat={heat}
         label={t("map.label", { name: plant.name })}
         over={over}
+        withLanes
         onSurface={onSurface}
       />
     </section>

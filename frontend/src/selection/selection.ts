@@ -5,7 +5,7 @@
 import { signal } from "@preact/signals";
 
 export interface Chosen {
-  readonly kind: "atv" | "machine" | "place" | "task";
+  readonly kind: "atv" | "machine" | "place" | "task" | "lane";
   readonly id: string;
 }
 
@@ -14,11 +14,13 @@ export interface Selection {
   /** A machine, a storage, a warehouse or a charger. */
   readonly place: Chosen | null;
   readonly task: string | null;
+  /** A lane of the map, to close it. */
+  readonly lane: string | null;
   /** Which of them was chosen last: the auction follows it. */
   readonly latest: Chosen["kind"] | null;
 }
 
-export const NOTHING: Selection = { atv: null, place: null, task: null, latest: null };
+export const NOTHING: Selection = { atv: null, place: null, task: null, lane: null, latest: null };
 
 export const selection = signal<Selection>(NOTHING);
 
@@ -27,6 +29,8 @@ export function withChosen(before: Selection, chosen: Chosen): Selection {
   switch (chosen.kind) {
     case "atv":
       return { ...before, atv: chosen.id, task: null, latest };
+    case "lane":
+      return { ...before, lane: before.lane === chosen.id ? null : chosen.id };
     case "task":
       return { ...before, task: chosen.id, latest };
     default:

@@ -2,6 +2,7 @@ import { PlantMap } from "../../plant/PlantMap";
 import { t } from "../../text/manager";
 import { AlertsCard } from "../alerts/AlertsCard";
 import { ChosenAtv } from "../cards/atv/AtvCard";
+import { ClosuresCard } from "../cards/closures/ClosuresCard";
 import { AuctionCard } from "../cards/auction/AuctionCard";
 import { FactoryCard } from "../cards/factory/FactoryCard";
 import { ChosenPlace } from "../cards/machine/ChosenPlace";
@@ -18,6 +19,7 @@ export function PlantView() {
       <div class="column left">
         <FactoryCard />
         <AlertsCard />
+        <ClosuresCard />
         <OrdersCard />
         <PublishCard />
       </div>

@@ -1,9 +1,10 @@
 /** What never moves: floor, areas, lanes and the places that only stand there. */
-import type { Box, Lane, PlantFile } from "../../api/types";
+import type { Box, ClosureView, Lane, PlantFile } from "../../api/types";
 import type { Place, Roads } from "../../motion/roads";
 import { type Heat, stepOf } from "../heat/heat";
 import { boxOnScreen, toScreenX, toScreenY } from "../surface/geometry";
 import { type Brush, isInSight, setFont, textPx } from "./brush";
+import { drawChosenLane, drawClosures } from "./closures";
 
 export interface FloorPlan {
   readonly plant: PlantFile;
@@ -13,6 +14,10 @@ export interface FloorPlan {
   readonly heat: Heat | null;
   /** Id of the chosen place. */
   readonly chosen: string | null;
+  readonly closures: Iterable<ClosureView>;
+  /** The chosen lane, by its ends. */
+  readonly lane: { start: string; end: string } | null;
+  readonly nowS: number;
 }
 
 /** A lane's drawn width: a vehicle and some air. */
@@ -28,6 +33,7 @@ export function drawFloor(brush: Brush, plan: FloorPlan): void {
   if (plan.showAreas) drawAreas(brush, plan.plant);
   drawLanes(brush, plan);
   if (plan.heat) drawHeat(brush, plan, plan.heat);
+  if (plan.lane) drawChosenLane(brush, plan.roads, plan.lane);
   drawParkings(brush, plan);
   drawChargers(brush, plan.plant);
   for (const warehouse of plan.plant.warehouses) {
@@ -40,6 +46,7 @@ export function drawFloor(brush: Brush, plan: FloorPlan): void {
   const { warehouses, storages, chargers } = plan.plant;
   const chosen = [...warehouses, ...storages, ...chargers].find(({ id }) => id === plan.chosen);
   if (chosen) drawFrame(brush, chosen.box);
+  drawClosures(brush, plan.roads, plan.closures, plan.nowS);
 }
 
 function drawGround(brush: Brush, plant: PlantFile): void {

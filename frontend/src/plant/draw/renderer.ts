@@ -19,6 +19,7 @@ import { boxOnScreen, fitView, type Region, type Size, toScreenX, toScreenY, typ
 import { groupsOf, URGENT_LAST } from "./groups";
 import type { Heat } from "../heat/heat";
 import type { Layers } from "../controls/layers";
+import { laneOf } from "../surface/lanes";
 import { type Guard, isCarried, meshLinks, watchLinks } from "../surface/links";
 import { lookAlike, machineLooks, type MachineLooks } from "./machine-looks";
 import { Marks } from "../surface/marks";
@@ -46,6 +47,8 @@ export interface Shown {
   readonly palette: Palette;
   readonly atv: string | null;
   readonly place: string | null;
+  /** The chosen lane, as `laneId` names it. */
+  readonly lane: string | null;
   readonly heat: Heat | null;
 }
 
@@ -119,6 +122,7 @@ export class PlantRenderer {
   }
 
   #know(world: World): void {
+    if (world.closures !== this.#world?.closures) this.#stale.floor = true;
     if (world.tasks !== this.#world?.tasks) this.#carried = [...world.tasks.values()].filter(isCarried);
     const nowS = this.#presentS();
     const machines = machineLooks(this.#machineAt.keys(), world.machines, (view) => isLost(view, nowS, world.factory.speed));
@@ -129,8 +133,8 @@ export class PlantRenderer {
   }
 
   show(shown: Shown): void {
-    const { heat, layers, palette, place } = this.#shown;
-    const same = shown.palette === palette && shown.layers === layers && shown.place === place && shown.heat === heat;
+    const { heat, lane, layers, palette, place } = this.#shown;
+    const same = shown.palette === palette && shown.layers === layers && shown.place === place && shown.lane === lane && shown.heat === heat;
     if (!same) {
       this.#stale = { floor: true, machines: true };
     }
@@ -213,6 +217,9 @@ export class PlantRenderer {
       showLabels: labels,
       heat: this.#shown.heat,
       chosen: this.#shown.place,
+      closures: this.#world?.closures.values() ?? [],
+      lane: this.#shown.lane === null ? null : laneOf(this.#shown.lane),
+      nowS: this.#presentS(),
     });
   }
 

@@ -3,7 +3,7 @@ import { type ReadonlySignal, useSignal, useSignalEffect } from "@preact/signals
 import type { ComponentChildren } from "preact";
 import { useEffect, useRef } from "preact/hooks";
 import type { PlantFile } from "../../api/types";
-import { choose, selection } from "../../selection/selection";
+import { type Chosen, choose, selection } from "../../selection/selection";
 import { ageS, freshness, newestPresentS, newestWorld, onFrame } from "../../stream/stream";
 import { isPast } from "../../stream/freshness";
 import { format, t } from "../../text";
@@ -14,6 +14,7 @@ import { HeatLegend } from "../heat/HeatLegend";
 import type { Layers } from "../controls/layers";
 import { type Navigation, navigate } from "./navigation";
 import { type Palette, readPalette } from "../draw/palette";
+import { pickLane } from "./lanes";
 import { pick } from "./pick";
 import { pickablesOf } from "../places";
 import { PlantRenderer } from "../draw/renderer";
@@ -34,11 +35,13 @@ interface Props {
   /** The traffic on the lanes, where it is to be seen. */
   readonly heat?: ReadonlySignal<Heat | null>;
   readonly over?: ComponentChildren;
+  /** Whether lanes can be chosen, too. */
+  readonly withLanes?: boolean;
   /** Is told the surface when it is there, and null when it is gone. */
   readonly onSurface?: (surface: Surface | null) => void;
 }
 
-export function PlantSurface({ heat, home, label, layers, onSurface, over, plant }: Props) {
+export function PlantSurface({ heat, home, label, layers, onSurface, over, plant, withLanes = false }: Props) {
   const element = useRef<HTMLDivElement>(null);
   const canvases = [useRef<HTMLCanvasElement>(null), useRef<HTMLCanvasElement>(null), useRef<HTMLCanvasElement>(null)];
   const surface = useSignal<Surface | null>(null);
@@ -52,7 +55,7 @@ export function PlantSurface({ heat, home, label, layers, onSurface, over, plant
     const shown = shownNow(readPalette(on), layers.peek(), heat?.peek() ?? null);
     const renderer = new PlantRenderer({ plant, home }, layered, shown, newestPresentS);
     const navigation = navigate(on, renderer);
-    const stop = follow(on, renderer, navigation, (px) => (scale.value = px));
+    const stop = follow(on, renderer, navigation, withLanes, (px) => (scale.value = px));
     surface.value = { renderer, navigation };
     onSurface?.(surface.value);
     return () => {
@@ -60,7 +63,7 @@ export function PlantSurface({ heat, home, label, layers, onSurface, over, plant
       surface.value = null;
       onSurface?.(null);
     };
-  }, [plant, home, layers, heat, onSurface, floor, machines, moving, surface, scale]);
+  }, [plant, home, layers, heat, onSurface, withLanes, floor, machines, moving, surface, scale]);
 
   useSignalEffect(() => {
     const shown = shownNow(paletteOf(element.current, colours.value), layers.value, heat?.value ?? null);
@@ -106,8 +109,8 @@ function paletteOf(element: Element | null, version: number): Palette {
 }
 
 function shownNow(palette: Palette, layers: Layers, heat: Heat | null) {
-  const { atv, place } = selection.value;
-  return { palette, layers, heat, atv, place: place?.id ?? null };
+  const { atv, lane, place } = selection.value;
+  return { palette, layers, heat, atv, lane, place: place?.id ?? null };
 }
 
 /** Ties the renderer to the page: frames, size, fonts, pointer and the wish for less motion. */
@@ -115,6 +118,7 @@ function follow(
   element: HTMLElement,
   renderer: PlantRenderer,
   navigation: Navigation,
+  withLanes: boolean,
   onScale: (pxPerM: number) => void,
 ): () => void {
   const known = newestWorld();
@@ -140,9 +144,13 @@ function follow(
     renderer.redraw();
   });
   const places = pickablesOf(renderer.plant);
-  const chosenAt = (event: MouseEvent) => {
+  const chosenAt = (event: MouseEvent): Chosen | null => {
     const rect = element.getBoundingClientRect();
-    return pick(renderer.view, event.clientX - rect.left, event.clientY - rect.top, renderer.fleet.all(), places);
+    const x = event.clientX - rect.left;
+    const y = event.clientY - rect.top;
+    const chosen = pick(renderer.view, x, y, renderer.fleet.all(), places);
+    const lane = withLanes && !chosen ? pickLane(renderer.view, renderer.plant, x, y) : null;
+    return lane === null ? chosen : { kind: "lane", id: lane };
   };
   const onClick = (event: MouseEvent): void => {
     const chosen = chosenAt(event);

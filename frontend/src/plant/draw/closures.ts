@@ -1,0 +1,155 @@
+/** What people have closed: barred and with a sign where nobody may drive, an arrow where one way is left, dotted where it is slow. */
+import type { ClosureView } from "../../api/types";
+import type { Place, Roads } from "../../motion/roads";
+import { format } from "../../text";
+import { toScreenX, toScreenY } from "../surface/geometry";
+import { type Brush, setFont, textPx } from "./brush";
+
+const WIDTH_M = 1.5;
+const SIGN_M = 0.75;
+
+interface Segment {
+  readonly a: Place;
+  readonly b: Place;
+}
+
+export function drawClosures(brush: Brush, roads: Roads, closures: Iterable<ClosureView>, nowS: number): void {
+  const drawn = [...closures].map((closure) => ({ closure, segments: segmentsOf(roads, closure) }));
+  for (const { closure, segments } of drawn) {
+    if (closure.kind === "slow") drawSlow(brush, segments);
+    else drawShut(brush, segments, closure.kind === "closed");
+  }
+  for (const { closure, segments } of drawn) {
+    const at = middleOf(segments);
+    if (at) drawSign(brush, roads, closure, at, nowS);
+  }
+}
+
+/** A frame around the lane that is chosen. */
+export function drawChosenLane(brush: Brush, roads: Roads, lane: { start: string; end: string }): void {
+  const a = roads.places.get(lane.start);
+  const b = roads.places.get(lane.end);
+  if (!a || !b) return;
+  const { ctx, palette } = brush;
+  ctx.lineCap = "round";
+  stroke(brush, [{ a, b }], palette.chosen, Math.max(4, WIDTH_M * brush.view.scale));
+  stroke(brush, [{ a, b }], palette["chosen-soft"], Math.max(1, WIDTH_M * brush.view.scale - 4));
+  ctx.lineCap = "butt";
+}
+
+/** Each lane once, whichever way it runs. */
+function segmentsOf(roads: Roads, { lanes }: ClosureView): Segment[] {
+  const seen = new Set<string>();
+  return lanes.flatMap(({ end, start }) => {
+    const a = roads.places.get(start);
+    const b = roads.places.get(end);
+    if (!a || !b || seen.has(`${end}>${start}`)) return [];
+    seen.add(`${start}>${end}`);
+    return [{ a, b }];
+  });
+}
+
+function stroke({ ctx, view }: Brush, segments: readonly Segment[], colour: string, width: number): void {
+  ctx.strokeStyle = colour;
+  ctx.lineWidth = width;
+  ctx.beginPath();
+  for (const { a, b } of segments) {
+    ctx.moveTo(toScreenX(view, a.x), toScreenY(view, a.y));
+    ctx.lineTo(toScreenX(view, b.x), toScreenY(view, b.y));
+  }
+  ctx.stroke();
+}
+
+/** Edges, and bars across the lane where nobody may drive: it says "closed" without its colour, too. */
+function drawShut(brush: Brush, segments: readonly Segment[], barred: boolean): void {
+  const { ctx, palette, view } = brush;
+  const width = Math.max(4, WIDTH_M * view.scale);
+  stroke(brush, segments, palette.warn, width);
+  stroke(brush, segments, palette["warn-soft"], width - 3);
+  if (!barred) return;
+  ctx.setLineDash([3, 5]);
+  stroke(brush, segments, palette.warn, width - 3);
+  ctx.setLineDash([]);
+}
+
+function drawSlow(brush: Brush, segments: readonly Segment[]): void {
+  const { ctx, palette, view } = brush;
+  stroke(brush, segments, palette["warn-soft"], Math.max(4, WIDTH_M * view.scale));
+  ctx.lineCap = "round";
+  ctx.setLineDash([0.1, 7]);
+  stroke(brush, segments, palette.warn, 3);
+  ctx.setLineDash([]);
+  ctx.lineCap = "butt";
+}
+
+/** The middle of that lane which is nearest to the middle of all. */
+function middleOf(segments: readonly Segment[]): Place | null {
+  const middles = segments.map(({ a, b }) => ({ x: (a.x + b.x) / 2, y: (a.y + b.y) / 2 }));
+  if (middles.length === 0) return null;
+  const x = middles.reduce((sum, each) => sum + each.x, 0) / middles.length;
+  const y = middles.reduce((sum, each) => sum + each.y, 0) / middles.length;
+  return middles.reduce((best, each) => (Math.hypot(each.x - x, each.y - y) < Math.hypot(best.x - x, best.y - y) ? each : best));
+}
+
+function drawSign(brush: Brush, roads: Roads, closure: ClosureView, at: Place, nowS: number): void {
+  const { ctx, palette, view } = brush;
+  const x = toScreenX(view, at.x);
+  const y = toScreenY(view, at.y);
+  const r = Math.max(8, SIGN_M * view.scale);
+  if (closure.kind !== "slow") {
+    ctx.beginPath();
+    ctx.arc(x, y, r, 0, 2 * Math.PI);
+    ctx.fillStyle = palette.raised;
+    ctx.fill();
+    ctx.strokeStyle = palette.warn;
+    ctx.lineWidth = 2;
+    ctx.stroke();
+    ctx.beginPath();
+    if (closure.kind === "one_way" && closure.lane) traceArrow(brush, roads, closure.lane, x, y, r);
+    else {
+      ctx.moveTo(x - r / 2, y);
+      ctx.lineTo(x + r / 2, y);
+    }
+    ctx.lineWidth = closure.kind === "one_way" ? 2 : 3;
+    ctx.stroke();
+  }
+  const until = closure.until_at_s === null ? "" : `– ${format.due(closure.until_at_s, nowS)}`;
+  const speed = closure.speed_mps === null ? "" : `${format.number(closure.speed_mps, 1)} m/s`;
+  const words = [speed, until].filter((each) => each !== "").join(" ");
+  if (words !== "") drawLabel(brush, words, x, closure.kind === "slow" ? y : y + r + 4);
+}
+
+/** From where it may be entered to where it leads. */
+function traceArrow({ ctx }: Brush, roads: Roads, lane: { start: string; end: string }, x: number, y: number, r: number): void {
+  const a = roads.places.get(lane.start);
+  const b = roads.places.get(lane.end);
+  if (!a || !b) return;
+  const angle = Math.atan2(a.y - b.y, b.x - a.x);
+  const [dx, dy] = [Math.cos(angle), Math.sin(angle)];
+  const tip = { x: x + dx * r * 0.6, y: y + dy * r * 0.6 };
+  ctx.moveTo(x - dx * r * 0.6, y - dy * r * 0.6);
+  ctx.lineTo(tip.x, tip.y);
+  for (const side of [-1, 1]) {
+    ctx.moveTo(tip.x, tip.y);
+    ctx.lineTo(tip.x - r * 0.5 * Math.cos(angle + side * 0.6), tip.y - r * 0.5 * Math.sin(angle + side * 0.6));
+  }
+}
+
+function drawLabel(brush: Brush, words: string, x: number, top: number): void {
+  const { ctx, palette, view } = brush;
+  const px = textPx(view.scale, 0.8, 10, 14);
+  setFont(brush, px, 600);
+  ctx.textAlign = "center";
+  ctx.textBaseline = "middle";
+  const width = ctx.measureText(words).width + 8;
+  const height = px + 6;
+  ctx.beginPath();
+  ctx.roundRect(x - width / 2, top, width, height, 3);
+  ctx.fillStyle = palette.raised;
+  ctx.fill();
+  ctx.strokeStyle = palette.warn;
+  ctx.lineWidth = 1;
+  ctx.stroke();
+  ctx.fillStyle = palette.warn;
+  ctx.fillText(words, x, top + height / 2);
+}
