@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from dray.errors import NoWay
 from dray.plant import Area, Lane, Node, Point, Roads, Routes, VehicleType
-from dray.plant.restrictions import OPEN, Restrictions, lanes_across, nodes_in
+from dray.plant.restrictions import OPEN, Restrictions, extent_of
 
 FAST = VehicleType(id="fast", name="Fast", max_speed_mps=1.5, acceleration_mps2=0.6, turn_speed_mps=0.5)
 SIDE = 4
@@ -89,6 +89,8 @@ def test_a_way_tells_where_it_is_slow() -> None:
 def test_an_area_has_the_nodes_within_it_and_the_lanes_that_cross_it() -> None:
     left, right = 3.0, 7.0
     area = Area("a", "A", (Point(left, -1.0), Point(right, -1.0), Point(right, 11.0), Point(left, 11.0)))
-    assert nodes_in(area, NODES) == frozenset()
-    across = {(lane.start, lane.end) for lane in lanes_across(area, {n.id: n for n in NODES}, ROADS)}
-    assert across == {("c0_0", "c1_0"), ("c1_0", "c0_0"), ("c0_1", "c1_1"), ("c1_1", "c0_1")}
+    extent = extent_of(area, {node.id: node for node in NODES}, ROADS)
+    assert extent.nodes == frozenset()
+    assert extent.across == {("c0_0", "c1_0"), ("c1_0", "c0_0"), ("c0_1", "c1_1"), ("c1_1", "c0_1")}
+    wide = Area("b", "B", (Point(-1.0, -1.0), Point(11.0, -1.0), Point(11.0, 1.0), Point(-1.0, 1.0)))
+    assert extent_of(wide, {node.id: node for node in NODES}, ROADS).nodes == {"c0_0", "c1_0"}

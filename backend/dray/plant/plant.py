@@ -33,7 +33,7 @@ from dray.plant.model import (
     Warehouse,
     WorkingStation,
 )
-from dray.plant.restrictions import OPEN, Restrictions
+from dray.plant.restrictions import OPEN, Extent, Restrictions, extent_of
 from dray.plant.roads import DirectedLane, Roads
 from dray.plant.routes import Routes
 
@@ -123,6 +123,7 @@ class Plant:
         self.abilities = tuple(sorted({item.ability for item in self._items.values()}))
         """What vehicles must be able to carry in this plant."""
         self._grid = Grid(file.width_m, file.height_m, file.cell_m)
+        self._extents: dict[str, Extent] = {}
         self._ways = _Ways(self.roads, self.vehicle_types, self._node_of)
 
     @property
@@ -238,6 +239,13 @@ class Plant:
             return hypot(there.x_m - here.x_m, there.y_m - here.y_m)
 
         return tuple(sorted(places, key=distance_m)[:count])
+
+    def extent_of(self, area: str) -> Extent:
+        """The nodes and lanes of an area; worked out when it is asked for first."""
+        extent = self._extents.get(area)
+        if extent is None:
+            extent = self._extents[area] = extent_of(self.areas[area], self.nodes, self.roads)
+        return extent
 
     def routes(self, vehicle_type: str, restrictions: Restrictions | None = None) -> Routes:
         """The ways of a type of vehicle; the same object for the same type and restrictions.

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from itertools import pairwise
 from math import ceil
 
 import msgspec
 from msgspec.structs import replace
 
-from dray.plant.geometry import inside
+from dray.plant.geometry import box_of, inside
 from dray.plant.model import Area, Node, Point
 from dray.plant.roads import DirectedLane, Roads
 
@@ -61,19 +61,34 @@ OPEN = Restrictions()
 """Nothing is restricted."""
 
 
-def lanes_across(area: Area, nodes: Mapping[str, Node], roads: Roads) -> Iterable[DirectedLane]:
-    """The lanes that run through an area between two nodes outside of it."""
+class Extent(msgspec.Struct, frozen=True):
+    """What of the lanes lies in an area."""
+
+    nodes: frozenset[str]
+    """Borders included."""
+    across: frozenset[Ends]
+    """Lanes that run through it between two nodes outside of it."""
+
+
+def extent_of(area: Area, nodes: Mapping[str, Node], roads: Roads) -> Extent:
+    """The nodes and lanes of an area."""
+    inside_it = frozenset(node.id for node in nodes.values() if _within(node, area))
+    left_m, low_m, right_m, high_m = box_of(area.polygon)
+    across = []
     for lane in roads.lanes:
         start, end = nodes[lane.start], nodes[lane.end]
-        if not _within(start, area) and not _within(end, area):
-            steps = ceil(lane.length_m / SAMPLE_M)
-            if any(_within(_between(start, end, step / steps), area) for step in range(1, steps)):
-                yield lane
-
-
-def nodes_in(area: Area, nodes: Iterable[Node]) -> frozenset[str]:
-    """The nodes that lie in an area, borders included."""
-    return frozenset(node.id for node in nodes if _within(node, area))
+        if (
+            {start.id, end.id} & inside_it
+            or max(start.x_m, end.x_m) < left_m
+            or min(start.x_m, end.x_m) > right_m
+            or max(start.y_m, end.y_m) < low_m
+            or min(start.y_m, end.y_m) > high_m
+        ):
+            continue
+        steps = ceil(lane.length_m / SAMPLE_M)
+        if any(_within(_between(start, end, step / steps), area) for step in range(1, steps)):
+            across.append((lane.start, lane.end))
+    return Extent(inside_it, frozenset(across))
 
 
 def _within(node: Node, area: Area) -> bool:

@@ -69,6 +69,8 @@ class Closings:
         self._store, self._projection, self._authority = store, projection, authority
         self._say, self._time, self._wall_s = say, time, wall_s
         self._said: Closures | None = None
+        self._seen: tuple[int, Plant] | None = None
+        """The number of the list that is shown, and the plant for which its lanes were worked out."""
         self._looking = asyncio.Lock()
         """An older look must not end after a newer one."""
 
@@ -178,8 +180,12 @@ class Closings:
                 for row in over:
                     await work.closures.end(row.id, now_s)
                 rows, number = await work.closures.all(), await work.closures.number()
-        if number and (self._said is None or number != self._said.number):
+        plant = self._projection.site.plant
+        if self._seen == (number, plant):
+            return
+        if number:
             self._said = self._authority.close(number, map(self._told, rows))
+        self._seen = number, plant
         views = self._views(rows)
         self._projection.closures.put(views)
         self._projection.orders.cut_off({place for view in views for place in view.cut_off})

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 
 from dray.messages import Closure, ClosureKind
 from dray.plant import Lane, Plant, Roads
-from dray.plant.restrictions import Ends, Restrictions, lanes_across, nodes_in
+from dray.plant.restrictions import Ends, Restrictions
 
 
 def restrictions_of(plant: Plant, closures: Iterable[Closure]) -> Restrictions:
@@ -32,11 +32,10 @@ def restrictions_of(plant: Plant, closures: Iterable[Closure]) -> Restrictions:
 def _closed_by(plant: Plant, closure: Closure) -> tuple[set[str], set[Ends]]:
     """The nodes and the lanes that a closure of the kind CLOSED closes."""
     if closure.area:
-        area = plant.areas.get(closure.area)
-        if area is None:
+        if closure.area not in plant.areas:
             return set(), set()
-        across = lanes_across(area, plant.nodes, plant.roads)
-        return set(nodes_in(area, plant.nodes.values())), {(lane.start, lane.end) for lane in across}
+        extent = plant.extent_of(closure.area)
+        return set(extent.nodes), set(extent.across)
     if closure.node:
         crossing = plant.crossings.get(closure.node)
         if crossing is None:
@@ -49,15 +48,13 @@ def _closed_by(plant: Plant, closure: Closure) -> tuple[set[str], set[Ends]]:
 def _concerned(plant: Plant, closure: Closure) -> list[Ends]:
     """The lanes that a closure of the kind SLOW makes slow."""
     if closure.area:
-        area = plant.areas.get(closure.area)
-        if area is None:
+        if closure.area not in plant.areas:
             return []
-        within = nodes_in(area, plant.nodes.values())
-        across = {(lane.start, lane.end) for lane in lanes_across(area, plant.nodes, plant.roads)}
+        extent = plant.extent_of(closure.area)
         return [
             ends
             for lane in plant.lanes
-            if (ends := (lane.start, lane.end)) in across or lane.start in within or lane.end in within
+            if (ends := (lane.start, lane.end)) in extent.across or not extent.nodes.isdisjoint(ends)
         ]
     if closure.node:
         crossing = plant.crossings.get(closure.node)
