@@ -187,6 +187,8 @@ class AtvHeartbeat(Message, frozen=True):
     """Set while it is on probation: it takes short tasks only."""
     floor: FloorBrief | UnsetType = UNSET
     """Left out where vehicles drive without right of way."""
+    closures: Count | UnsetType = UNSET
+    """The number of the list of closures that it goes by; left out where it has heard of none."""
 
 
 class BufferLevel(Part, frozen=True):

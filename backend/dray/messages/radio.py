@@ -62,7 +62,7 @@ DISPENSABLE: tuple[dict[str, Any], ...] = (
     {"way": ()},
     {"watches": ()},
     {"software": "", "dwell_point": ""},
-    {"floor": UNSET},
+    {"floor": UNSET, "closures": UNSET},
 )
 """What a heartbeat leaves out so that it fits into a frame, in this order: what others can do without first."""
 

@@ -214,6 +214,22 @@ async def test_it_is_written_down_who_did_it_and_why(house: House) -> None:
     assert WHY["reason"].encode() in bytes(opened.detail)
 
 
+async def test_vehicles_that_do_not_go_by_it_yet_are_named(house: House) -> None:
+    house.bus.say(atv_heartbeat("ATV1"), atv_heartbeat("ATV2"))
+    told = await close(house)
+    assert told["not_known_by"] == ["ATV1", "ATV2"]
+    house.projection.discard_changes()
+    house.bus.say(atv_heartbeat("ATV1", seq=2, closures=DECIDED))
+    [changed] = house.projection.closures.take_changed()
+    assert changed.not_known_by == ("ATV2",)
+    house.bus.say(
+        atv_heartbeat("ATV2", seq=2, closures=DECIDED + 5), atv_heartbeat("ATV1", seq=3, closures=DECIDED)
+    )
+    assert (await items(house))[0]["not_known_by"] == []
+    more = await close(house, place="M5")
+    assert more["not_known_by"] == ["ATV1"]
+
+
 # --- before it is closed -------------------------------------------------------------------------
 
 

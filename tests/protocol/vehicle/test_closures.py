@@ -8,6 +8,7 @@ from atv1 import SETTLED_S, contracted, parked, unloading
 from closed import closure, closures
 from defaults import KEYS, PLANT
 from effects import facts, instructed, listening, sent
+from msgspec import UNSET
 from rigs import VehicleRig
 from spoken import announcement, award
 
@@ -52,8 +53,12 @@ def on_the_way(rig: VehicleRig, passed: int) -> None:
 def test_a_vehicle_listens_for_closures_and_tells_which_it_knows() -> None:
     rig = parked()
     assert KEYS.closures in listening(rig.all)
+    rig.run(0.0)
     effects = told(rig, 7, closure(node="c3"))
     assert [fact.number for fact in facts(effects, ClosuresKnown)] == [7]
+    rig.run(rig.now_s + 5.0)
+    assert rig.heartbeats(AtvHeartbeat)[-1].closures == 7
+    assert rig.heartbeats(AtvHeartbeat)[0].closures is UNSET
     assert ignored(told(rig, 7, closure(node="c3"))) == [KNOWN]
     assert ignored(told(rig, 6)) == [KNOWN]
 

@@ -187,7 +187,7 @@ class Closings:
             self._said = self._authority.close(number, map(self._told, rows))
         self._seen = number, plant
         views = self._views(rows)
-        self._projection.closures.put(views)
+        self._projection.closures.put(zip(views, (row.number for row in rows), strict=True))
         self._projection.orders.cut_off({place for view in views for place in view.cut_off})
 
     def _told(self, row: ClosureRow) -> Closure:

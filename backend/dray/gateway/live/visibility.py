@@ -241,7 +241,10 @@ class AreaVisibility:
         if not lanes:
             return None
         cut_off = tuple(place for place in view.cut_off if place in self._places)
-        return replace(view, lanes=lanes, cut_off=cut_off, reason=self.words(view.reason))
+        unaware = tuple(atv for atv in view.not_known_by if self.has(atv))
+        return replace(
+            view, lanes=lanes, cut_off=cut_off, not_known_by=unaware, reason=self.words(view.reason)
+        )
 
     def words(self, text: str) -> str:
         """Words for people, in which no vehicle is named that stands elsewhere."""

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from msgspec import UNSET, UnsetType
+
 from dray.messages import Closure, Closures, closed_words
 from dray.plant import Plant, Routes
 from dray.plant.restrictions import OPEN, Restrictions
@@ -45,6 +47,11 @@ class KnownFloor(Plant):
         if routes is None:
             routes = self._current[vehicle_type] = super().routes(vehicle_type, self.restrictions)
         return routes
+
+    @property
+    def closures_known(self) -> int | UnsetType:
+        """The number of the newest list that was heard; UNSET for none."""
+        return UNSET if self.said is None else self.said.number
 
     def objection(self, said: Closures, trusts: Callable[[bytes, bytes], bool] | None) -> str:
         """Why a list changes nothing; empty for one that is to be taken.

@@ -95,7 +95,7 @@ class Atv(AgentBase):
         traffic: TrafficMap | None = None,
     ) -> None:
         super().__init__(atv, incarnation, leaves_within_s=CARRIER_LEAVES_WITHIN_S)
-        self._plant = plant = KnownFloor(plant)
+        self.floor = plant = KnownFloor(plant)
         self._type = vehicle_type or plant.fleet[atv].type
         self._heartbeat_timer = HeartbeatTimer(self.id, self._timers)
         self._keys = Keys(plant.id)

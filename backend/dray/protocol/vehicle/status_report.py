@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Protocol
 
 from dray.messages import AtvHeartbeat, AtvStatus, Link
+from dray.protocol.closures.known_floor import KnownFloor
 from dray.protocol.runtime.heartbeat_timer import HeartbeatTimer
 from dray.protocol.vehicle.command_handling import CommandHandling
 from dray.protocol.vehicle.contracts import Contracts
@@ -19,6 +20,7 @@ class Vehicle(Protocol):
     incarnation: int
     battery_frac: float
     load: tuple[str, int]
+    floor: KnownFloor
 
     @property
     def is_draining(self) -> bool:
@@ -100,4 +102,5 @@ class StatusReport:
             draining=self._vehicle.is_draining,
             probation=self._contracts.probation.brief(),
             floor=driver.floor(now_s),
+            closures=self._vehicle.floor.closures_known,
         )

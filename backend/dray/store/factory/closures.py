@@ -35,6 +35,8 @@ class ClosureRow(msgspec.Struct, frozen=True, gc=False):
     person: str
     """The same, as vehicles are told."""
     at_s: float
+    number: int = 0
+    """Of the decision; given when it is written down."""
 
     @property
     def subject(self) -> tuple[str | float | None, ...]:

@@ -134,6 +134,7 @@ class Projection:
                 told = self.atvs.fold(message)
                 if told:
                     self._silence.note(message.atv, message, delay_s)
+                    self.closures.on_heartbeat(message)
                     self.traffic.follow(before, message)
             case MachineHeartbeat():
                 self.site.on_heartbeat(message)

@@ -32,5 +32,7 @@ class ClosureView(View, kw_only=True):
     at_s: float
     lanes: tuple[LaneView, ...] = ()
     """The lanes that it closes or makes slow, each direction by itself."""
+    not_known_by: tuple[str, ...] = ()
+    """Vehicles that were heard and do not go by it yet: they are out of reach, or shut out."""
     cut_off: tuple[str, ...] = ()
     """Places to and from which no way is left, with all closures together."""

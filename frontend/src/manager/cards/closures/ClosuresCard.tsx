@@ -46,7 +46,7 @@ function Line({ closure }: { closure: ClosureView }) {
       busy.value = false;
     }
   };
-  const { at_s: atS, by, cut_off: cutOff, kind, reason, speed_mps: speed, until_at_s: untilS } = closure;
+  const { at_s: atS, by, cut_off: cutOff, kind, not_known_by: unaware, reason, speed_mps: speed, until_at_s: untilS } = closure;
   const where = whereText(closure, plant.value?.areas ?? []);
   const at = format.due(atS, nowS.value);
   return (
@@ -58,6 +58,7 @@ function Line({ closure }: { closure: ClosureView }) {
           {untilS === null ? t("closures.since", { at, by }) : t("closures.sinceUntil", { at, by, until: format.due(untilS, nowS.value) })}
         </small>
         {cutOff.length > 0 && <small class="line tone-warn">{t("closures.cutOff", { places: cutOff.join(", ") })}</small>}
+        {unaware.length > 0 && <small class="line tone-warn">{t("closures.unaware", { vehicles: unaware.join(", ") })}</small>}
         {failed.value !== "" && (
           <small class="line" role="alert">
             {failed.value}

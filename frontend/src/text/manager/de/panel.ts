@@ -124,6 +124,7 @@ export const panel: Catalogue<typeof english> = {
   "closures.sinceUntil": "{by}, seit {at}, bis {until}",
   "closures.cutOff": "Kein Fahrzeug kommt zu {places}.",
   "closures.shutIn": "{vehicles} kann nicht hinaus.",
+  "closures.unaware": "Noch nicht bekannt: {vehicles}.",
   "closures.end": "Freigeben",
   "closures.endOf": "{where} freigeben",
 

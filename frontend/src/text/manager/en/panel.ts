@@ -121,6 +121,7 @@ export const panel = {
   "closures.sinceUntil": "{by}, since {at}, until {until}",
   "closures.cutOff": "No vehicle gets to {places}.",
   "closures.shutIn": "{vehicles} cannot leave.",
+  "closures.unaware": "Not heard yet by {vehicles}.",
   "closures.end": "Open",
   "closures.endOf": "Open {where}",
 

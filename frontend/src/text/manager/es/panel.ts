@@ -124,6 +124,7 @@ export const panel: Catalogue<typeof english> = {
   "closures.sinceUntil": "{by}, desde {at}, hasta {until}",
   "closures.cutOff": "Ningún vehículo llega a {places}.",
   "closures.shutIn": "{vehicles} no puede salir.",
+  "closures.unaware": "Aún no lo sabe: {vehicles}.",
   "closures.end": "Abrir",
   "closures.endOf": "Abrir {where}",
 
