@@ -17,6 +17,10 @@ from dray.adapters.security.signing import TrustedKeys
 from dray.gateway.access.principal import Role, Scope
 from dray.gateway.factory.closings import SAY_EVERY_S, Closings
 from dray.gateway.http.provided import provided
+from dray.gateway.live.projection import Projection
+from dray.gateway.live.stream_scopes import AreaScope
+from dray.gateway.live.timescale import TimeScale
+from dray.gateway.live.views import ClosureView, LaneView
 from dray.gateway.live.visibility import AreaVisibility
 from dray.messages import ClosureKind, Closures, Message, closed_words
 from dray.messages.closure import MAX_CLOSURES
@@ -342,3 +346,27 @@ async def test_an_operator_sees_the_lanes_in_the_own_area_only(house: House) -> 
     assert 0 < len(there.lanes) <= len(whole.lanes)
     elsewhere = AreaVisibility(house.projection, frozenset({right})).closure(whole)
     assert elsewhere is None or len(elsewhere.lanes) < len(whole.lanes)
+
+
+def test_the_stream_of_an_area_has_its_closures_and_tells_when_they_have_ended() -> None:
+    projection = Projection(PLANT.file, TimeScale(0.0, NOW_S))
+    left, right = list(PLANT.areas)[:2]
+    scopes = {
+        area: AreaScope(projection, AreaVisibility(projection, frozenset({area}))) for area in (left, right)
+    }
+    machine = next(each for each in PLANT.machines if PLANT.is_in(*PLANT.position_of(each), (left,)))
+    dock = PLANT.node_of(machine)
+    [lane] = PLANT.roads.entering[dock]
+    lanes = (LaneView(start=lane.start, end=lane.end),)
+    view = ClosureView(
+        id="c1", kind="closed", place=machine, reason="oil", by="Maria", at_s=NOW_S, lanes=lanes
+    )
+    projection.closures.put([(view, DECIDED)])
+    told = projection.delta(1, NOW_S, None)
+    assert scopes[left].delta(told).closures == (view,)
+    assert scopes[right].delta(told).closures == ()
+    assert scopes[left].snapshot(2, NOW_S).closures == (view,)
+    projection.closures.put([])
+    told = projection.delta(3, NOW_S, None)
+    assert scopes[left].delta(told).gone == ("closure:c1",)
+    assert scopes[right].delta(told).gone == ()

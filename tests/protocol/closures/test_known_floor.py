@@ -10,8 +10,10 @@ from defaults import PLANT
 from msgspec.structs import replace
 from seals import trusts_seals
 
+from dray.codec import MAX_BYTES, encode
 from dray.errors import NoWay
-from dray.messages import ClosureKind
+from dray.messages import Closure, ClosureKind, Closures
+from dray.messages.closure import MAX_CLOSURES
 from dray.plant import load_plant
 from dray.plant.restrictions import OPEN
 from dray.protocol.closures.closure_rules import cut_off, lanes_of, restrictions_of
@@ -142,3 +144,10 @@ def test_the_lanes_of_a_closure_are_told_for_drawing() -> None:
     assert lanes_of(PLANT, one_way) == [("m8", "m8-lane")]
     slow = closure(kind=ClosureKind.SLOW, node="m8", speed_mps=0.3)
     assert set(lanes_of(PLANT, slow)) == {("m8-lane", "m8"), ("m8", "m8-lane")}
+
+
+def test_the_longest_list_is_one_that_a_bus_carries() -> None:
+    longest = "x" * 128
+    each = Closure(longest, ClosureKind.ONE_WAY, longest, start=longest, end=longest, until_s=1e10 + 0.123456)
+    said = Closures(number=2**53, signature=bytes(64), closures=(each,) * MAX_CLOSURES)
+    assert len(encode(longest, said)) < MAX_BYTES
