@@ -204,6 +204,18 @@ kpi_samples = Table(
     comment="What every wall minute has added to the factory's figures; times are factory seconds.",
 )
 
+lane_traffic = Table(
+    "lane_traffic",
+    metadata,
+    Column("hour_s", Double, primary_key=True),
+    Column("start_node", Id, primary_key=True),
+    Column("end_node", Id, primary_key=True),
+    Column("passes", Integer, nullable=False),
+    Column("waits", Integer, nullable=False),
+    Column("waited_s", Double, nullable=False),
+    comment="What vehicles did on each lane in a wall hour; waited_s is in factory seconds.",
+)
+
 idempotency_keys = Table(
     "idempotency_keys",
     metadata,

@@ -22,6 +22,7 @@ from dray.store.factory.acknowledgements import Acknowledgements
 from dray.store.factory.closures import Closures
 from dray.store.factory.exclusions import Exclusions
 from dray.store.factory.kpis import Kpis
+from dray.store.factory.lane_traffic import LaneHours
 from dray.store.history.events import Events
 from dray.store.history.incarnations import Incarnations
 from dray.store.history.samples import Samples
@@ -49,6 +50,7 @@ class Work:
         self.closures = Closures(connection)
         self.exclusions = Exclusions(connection)
         self.kpis = Kpis(connection)
+        self.lane_hours = LaneHours(connection)
         self.keys = IdempotencyKeys(connection)
         self.incarnations = Incarnations(connection)
         self.people = People(connection)

@@ -1,4 +1,4 @@
-"""The sampler: writes down once a wall minute what the factory's figures have added.
+"""The sampler: writes down once a wall minute what the factory's figures, and the traffic of its lanes, have added.
 
 Several gateways see the same factory, and a minute that each of them wrote down would count as often. So the
 first one writes it, and the others leave it out. When one of them begins or ends in the middle of a minute, the
@@ -15,6 +15,7 @@ import msgspec
 
 from dray.errors import UnavailableError
 from dray.gateway.live.projection import Projection
+from dray.gateway.live.projection.figures.traffic import lanes_added
 from dray.store import Store
 from dray.store.factory.kpis import KpiSample
 
@@ -43,6 +44,7 @@ class Sampler:
         self._projection, self._store, self._wall_s = projection, store, wall_s
         self._before = projection.totals(wall_s())
         """The totals at the end of the last sample that was written, by whatever gateway."""
+        self._lanes_before = projection.traffic.totals()
 
     async def run(self) -> None:
         """Sample at every full minute, until cancelled."""
@@ -55,7 +57,7 @@ class Sampler:
 
         What cannot be written is in the next sample.
         """
-        totals = self._projection.totals(self._wall_s())
+        totals, lanes = self._projection.totals(self._wall_s()), self._projection.traffic.totals()
         sample = _difference(self._before, totals)
         if sample.span_s <= 0:
             return
@@ -65,10 +67,12 @@ class Sampler:
                 if newest_at_s is None or newest_at_s <= self._before.at_s:
                     await work.kpis.add(sample)
                     await work.kpis.forget_before(totals.at_s - KEPT_S)
+                    await work.lane_hours.add(totals.at_s, lanes_added(self._lanes_before, lanes))
+                    await work.lane_hours.forget_before(totals.at_s - KEPT_S)
         except UnavailableError as error:
             _log.warning("the factory's figures cannot be written: %s", error)
         else:
-            self._before = totals
+            self._before, self._lanes_before = totals, lanes
 
 
 def _difference(before: KpiSample, after: KpiSample) -> KpiSample:

@@ -14,7 +14,7 @@ from dray.gateway.live.projection.disputes import Disputes
 from dray.gateway.live.projection.figures.fleet import BLOCKED
 from dray.gateway.live.projection.figures.interventions import Interventions
 from dray.gateway.live.projection.figures.time_use import SILENT
-from dray.gateway.live.projection.figures.traffic import LaneTraffic, Traffic
+from dray.gateway.live.projection.figures.traffic import Traffic
 from dray.gateway.live.projection.injected_faults import InjectedFaults
 from dray.gateway.live.projection.machines import BROKEN, DOWN, Machines
 from dray.gateway.live.projection.materials import Materials
@@ -32,6 +32,7 @@ from dray.overload import Overload
 from dray.plant.model import PlantFile
 from dray.store.factory.exclusions import Exclusion
 from dray.store.factory.kpis import KpiSample
+from dray.store.factory.lane_traffic import LaneTraffic
 from dray.store.history.clocks import Clocks, Timed
 
 
@@ -203,7 +204,7 @@ class Projection:
         return self.alerts.look(wrong, wall_s)
 
     def traffic_at(self, wall_s: float) -> Iterator[LaneTraffic]:
-        """The lanes that were passed within the hour before this moment."""
+        """The lanes that were passed, or waited on, within the hour before this moment."""
         return self.traffic.lanes(self._present_s(wall_s))
 
     def factory(self, wall_s: float) -> FactoryView:

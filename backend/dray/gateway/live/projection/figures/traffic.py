@@ -1,8 +1,9 @@
-"""Traffic: how often vehicles have passed each lane lately.
+"""Traffic: how often vehicles have passed each lane, and how long they have stood there on their way.
 
-Counted when a heartbeat says that a vehicle has passed another node: along the way that it had told before,
-and from there by the lane that leads on. A heartbeat that was lost may leave a passage uncounted, never one
-too many.
+A passage is counted when a heartbeat says that a vehicle has passed another node: along the way that it had told before,
+and from there by the lane that leads on. A heartbeat that was lost may leave a passage uncounted, never one too many.
+A vehicle waits when two heartbeats in a row say that it stands on one and the same lane with a way before it, whatever
+holds it up.
 """
 
 from __future__ import annotations
@@ -10,59 +11,115 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from itertools import pairwise
 
-import msgspec
-
 from dray.gateway.live.projection.figures.sliding_window import Window
+from dray.gateway.live.projection.figures.time_use import SILENCE_S
 from dray.messages import AtvHeartbeat
 from dray.plant.model import Lane
+from dray.store.factory.lane_traffic import LaneTraffic
 
 WINDOW_SLOTS = (300.0, 12)
 """An hour of factory time: length of a slot in seconds, and how many."""
 
 WINDOW_S = WINDOW_SLOTS[0] * WINDOW_SLOTS[1]
 
+Ends = tuple[str, str]
+"""A lane in its direction, by its nodes."""
 
-class LaneTraffic(msgspec.Struct, frozen=True, gc=False):
-    """How often one lane was passed, in its direction."""
+LaneTotals = dict[Ends, LaneTraffic]
 
-    start: str
-    end: str
-    passes: int
+
+class _Lane:
+    """What happened on one lane: since the beginning, and over the last hour."""
+
+    __slots__ = ("passes", "passes_lately", "waited_lately_s", "waited_s", "waits", "waits_lately")
+
+    def __init__(self) -> None:
+        self.passes = self.waits = 0
+        self.waited_s = 0.0
+        self.passes_lately, self.waits_lately = Window(*WINDOW_SLOTS), Window(*WINDOW_SLOTS)
+        self.waited_lately_s = Window(*WINDOW_SLOTS)
+
+    def passed(self, at_s: float) -> None:
+        self.passes += 1
+        self.passes_lately.add(at_s, 1)
+
+    def waited(self, at_s: float, wait_s: float, *, is_new: bool) -> None:
+        self.waited_s += wait_s
+        self.waited_lately_s.add(at_s, wait_s)
+        if is_new:
+            self.waits += 1
+            self.waits_lately.add(at_s, 1)
 
 
 class Traffic:
-    """Passages per lane over the last hour.
+    """The traffic of every lane.
 
     Args:
         lanes: the plant's; only these are counted, so there is an end to what is remembered.
     """
 
     def __init__(self, lanes: Iterable[Lane]) -> None:
-        self._passes: dict[tuple[str, str], Window] = {}
+        self._lanes: dict[Ends, _Lane] = {}
         for lane in lanes:
-            self._passes[lane.start, lane.end] = Window(*WINDOW_SLOTS)
+            self._lanes[lane.start, lane.end] = _Lane()
             if lane.both_ways:
-                self._passes[lane.end, lane.start] = Window(*WINDOW_SLOTS)
+                self._lanes[lane.end, lane.start] = _Lane()
+        self._waiting: dict[str, Ends] = {}
+        """By vehicle: where it waits. Bounded by whoever lets vehicles in."""
 
     def follow(self, before: AtvHeartbeat | None, now: AtvHeartbeat) -> None:
-        """Count what a vehicle has passed between two heartbeats."""
-        if before is None or before.node == now.node or before.incarnation != now.incarnation:
+        """Count what a vehicle has passed between two heartbeats, and whether it has waited."""
+        if before is None or before.incarnation != now.incarnation:
+            self._waiting.pop(now.atv, None)
             return
-        for lane in pairwise(_passed(before, now.node)):
-            window = self._passes.get(lane)
-            if window is not None:
-                window.add(now.at_s, 1)
+        if before.node != now.node:
+            for ends in pairwise(_passed(before, now.node)):
+                if (lane := self._lanes.get(ends)) is not None:
+                    lane.passed(now.at_s)
+        here = _standing(now)
+        wait_s = now.at_s - before.at_s
+        if here is None or here != _standing(before) or not 0.0 < wait_s <= SILENCE_S:
+            self._waiting.pop(now.atv, None)
+        elif (lane := self._lanes.get(here)) is not None:
+            lane.waited(now.at_s, wait_s, is_new=self._waiting.get(now.atv) != here)
+            self._waiting[now.atv] = here
 
     def lanes(self, now_s: float) -> Iterator[LaneTraffic]:
-        """Those that were passed at all.
+        """The last hour of those on which anything happened.
 
         Args:
             now_s: plant clock.
         """
-        for (start, end), window in self._passes.items():
-            (passes,) = window.sums(now_s, 1)
-            if passes:
-                yield LaneTraffic(start, end, int(passes))
+        for (start, end), lane in self._lanes.items():
+            (passes,), (waits,) = lane.passes_lately.sums(now_s, 1), lane.waits_lately.sums(now_s, 1)
+            (waited_s,) = lane.waited_lately_s.sums(now_s, 1)
+            if passes or waited_s:
+                yield LaneTraffic(start, end, int(passes), int(waits), waited_s)
+
+    def totals(self) -> LaneTotals:
+        """Since the beginning, of all lanes on which anything happened."""
+        return {
+            ends: LaneTraffic(*ends, lane.passes, lane.waits, lane.waited_s)
+            for ends, lane in self._lanes.items()
+            if lane.passes or lane.waited_s
+        }
+
+
+def lanes_added(before: LaneTotals, after: LaneTotals) -> Iterator[LaneTraffic]:
+    """What has come between two totals, of the lanes on which anything has."""
+    for ends, now in after.items():
+        then = before.get(ends, LaneTraffic(*ends))
+        if now != then:
+            yield LaneTraffic(
+                *ends, now.passes - then.passes, now.waits - then.waits, now.waited_s - then.waited_s
+            )
+
+
+def _standing(heartbeat: AtvHeartbeat) -> Ends | None:
+    """The lane on which a vehicle stands though it has a way before it."""
+    if heartbeat.speed_mps or not heartbeat.way:
+        return None
+    return heartbeat.node, heartbeat.way[0]
 
 
 def _passed(before: AtvHeartbeat, node: str) -> tuple[str, ...]:
