@@ -24,9 +24,9 @@ export async function fetchPlant(): Promise<PlantFile> {
   return await bodyOf(gateway.GET("/api/plant"));
 }
 
-/** How often each lane was passed within the last hour of factory time, once per direction. */
-export async function fetchTraffic(): Promise<LaneTraffic[]> {
-  return (await bodyOf(gateway.GET("/api/traffic"))).items;
+/** What vehicles did on each lane, once per direction: since a moment, or within the last hour of factory time. */
+export async function fetchTraffic(since?: string): Promise<LaneTraffic[]> {
+  return (await bodyOf(gateway.GET("/api/traffic", { params: { query: since === undefined ? {} : { since } } }))).items;
 }
 
 /** How vehicles keep their promises. */

@@ -1,17 +1,27 @@
 import { describe, expect, test } from "vitest";
-import type { Lane } from "../../api/types";
+import type { Lane, LaneTraffic } from "../../api/types";
 import { heatOf, stepOf, stepsTo } from "./heat";
 
 const lane = (start: string, end: string): Lane => ({ start, end, both_ways: true, speed_limit_mps: 1.5, two_lanes: null });
 
+const driven = (start: string, end: string, passes: number, waits = 0, waited_s = 0): LaneTraffic => ({ start, end, passes, waits, waited_s });
+
 describe("the heat of traffic", () => {
+  test("is that of what was chosen", () => {
+    const lanes = [driven("a", "b", 30, 2, 7.9), driven("b", "c", 10, 1, 0.5)];
+    expect(heatOf(lanes, "waits").of(lane("a", "b"))).toBe(2);
+    expect(heatOf(lanes, "waited_s").of(lane("b", "a"))).toBe(7.9);
+    expect(heatOf(lanes, "waited_s").steps.at(-1)).toBeLessThanOrEqual(7);
+    expect(heatOf([driven("b", "c", 10, 1, 0.5)], "waited_s").steps).toEqual([]);
+  });
+
   test("is that of both directions together, whichever way a lane is named", () => {
-    const heat = heatOf([{ start: "a", end: "b", passes: 3 }, { start: "b", end: "a", passes: 4 }]);
+    const heat = heatOf([driven("a", "b", 3), driven("b", "a", 4)], "passes");
     expect([heat.of(lane("a", "b")), heat.of(lane("b", "a")), heat.of(lane("b", "c"))]).toEqual([7, 7, 0]);
   });
 
   test("has no steps where nothing was passed, and no more than there are passes", () => {
-    expect(heatOf([]).steps).toEqual([]);
+    expect(heatOf([], "passes").steps).toEqual([]);
     expect(stepsTo(2)).toEqual([1, 2]);
     expect(stepsTo(50)).toEqual([1, 11, 21, 31, 41]);
   });

@@ -1,11 +1,19 @@
-/** The traffic of the last hour, asked for as long as somebody looks at it. */
+/** The traffic of a period, asked for as long as somebody looks at it. */
 import { effect, signal } from "@preact/signals";
 import { fetchTraffic } from "../../api/client";
-import { type Heat, heatOf } from "./heat";
+import { type Heat, heatOf, type Measure } from "./heat";
 import { layers } from "../controls/layers";
 
 /** An hour changes little in ten seconds. */
 const ASK_EVERY_MS = 10_000;
+
+/** In milliseconds of the wall clock; the last hour is one of the factory's own time, for which the gateway needs no beginning. */
+export const PERIODS = { hour: null, day: 86_400_000, week: 7 * 86_400_000 } as const;
+export type Period = keyof typeof PERIODS;
+
+/** What the reader wants to see. */
+export const measure = signal<Measure>("passes");
+export const period = signal<Period>("hour");
 
 /** Null while nobody wants to see it, or nothing is known. */
 export const heat = signal<Heat | null>(null);
@@ -17,11 +25,13 @@ export function followTraffic(): () => void {
       heat.value = null;
       return undefined;
     }
+    const [what, sinceMs] = [measure.value, PERIODS[period.value]];
     let wanted = true;
     const ask = async (): Promise<void> => {
-      const items = await fetchTraffic().catch(() => null);
+      const since = sinceMs === null ? undefined : new Date(Date.now() - sinceMs).toISOString();
+      const items = await fetchTraffic(since).catch(() => null);
       // What was known stays until something newer is: a picture that goes away says less.
-      if (wanted && items !== null) heat.value = heatOf(items);
+      if (wanted && items !== null) heat.value = heatOf(items, what);
     };
     void ask();
     const timer = setInterval(() => void ask(), ASK_EVERY_MS);
