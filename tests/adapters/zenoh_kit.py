@@ -79,8 +79,12 @@ class Row:
         """Wait until all that was asked for before has taken effect, and all that was said has arrived.
 
         Every computer says a marker, which goes the way of all that was said before it, until every other
-        one has heard it.
+        one has heard it; and then another one, for what the first has met on its way and others pass on.
         """
+        for _ in range(2):
+            await self._say_round()
+
+    async def _say_round(self) -> None:
         self._round += 1
         self._marks.clear()
         self._complete.clear()

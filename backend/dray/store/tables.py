@@ -167,6 +167,9 @@ heartbeat_samples = Table(
     comment="Now and then one heartbeat of every agent, for reports.",
 )
 
+ATV_DOINGS = ("moving", "waiting", "charging", "blocked", "idle", "silent")
+MACHINE_DOINGS = ("making", "starved", "idle", "broken", "down", "silent")
+
 kpi_samples = Table(
     "kpi_samples",
     metadata,
@@ -182,23 +185,8 @@ kpi_samples = Table(
     Column("loaded_m", Double, nullable=False),
     Column("commands", Integer, nullable=False),
     Column("helps", Integer, nullable=False),
-    *(
-        Column(f"{name}_s", Double, nullable=False)
-        for name in (
-            "atv_moving",
-            "atv_waiting",
-            "atv_charging",
-            "atv_blocked",
-            "atv_idle",
-            "atv_silent",
-            "machine_making",
-            "machine_starved",
-            "machine_idle",
-            "machine_broken",
-            "machine_down",
-            "machine_silent",
-        )
-    ),
+    *(Column(f"atv_{doing}_s", Double, nullable=False) for doing in ATV_DOINGS),
+    *(Column(f"machine_{doing}_s", Double, nullable=False) for doing in MACHINE_DOINGS),
     Index(None, "at_s"),
     sqlite_autoincrement=True,
     comment="What every wall minute has added to the factory's figures; times are factory seconds.",
