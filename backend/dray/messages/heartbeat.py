@@ -130,6 +130,8 @@ class FloorBrief(Part, frozen=True):
     """It stays where it stands until its work is done there."""
     waits: bool = False
     """A place that it needs is another one's, or it makes room for somebody."""
+    waits_for: IdOrNone = ""
+    """Who holds that place, or goes first; empty where it waits for nobody, or does not know."""
     rank: Rank = NO_RANK
 
 

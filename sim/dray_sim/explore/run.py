@@ -54,7 +54,7 @@ class Run:
         revocations: orders that are taken back and published again.
         closings: what a manager closes, and when.
         insider: how somebody lies until the quiet phase (`dray_sim.insiders`); empty where nobody does.
-        traffic: whether vehicles drive with right of way; then nothing is closed, and all else of the run is the same.
+        traffic: whether vehicles drive with right of way; nothing else of the run follows from it.
     """
 
     seed: int
@@ -135,8 +135,7 @@ def draw(seed: int, profile: str = "all", *, traffic: bool = False) -> Run:
         schedule=_schedule(seed, plant, ranges, random.uniform(*ranges.intensity)),
         cancelled=_cancelled(orders, ranges.cancelled_frac, Random(f"{seed} regret")),
         revocations=_revocations(orders, ranges, Random(f"{seed} revised")),
-        # Right of way finds its own ways, and goes by no closures.
-        closings=() if traffic else _closings(plant, ranges, Random(f"{seed} closures")),
+        closings=_closings(plant, ranges, Random(f"{seed} closures")),
         insider=_insider(ranges, Random(f"{seed} insider")),
         traffic=traffic,
     )

@@ -5,9 +5,10 @@ Hints and nothing more: who is wrong about them takes a longer way.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 from dray.messages.traffic import Blocked, PlaceGranted, Rank
+from dray.plant.restrictions import OPEN, Restrictions
 from dray.protocol.traffic.neighbours import Neighbours
 
 STANDS_S, DOCKED_S, SILENT_S = 3.0, 12.0, 300.0
@@ -31,6 +32,7 @@ class Prices:
         neighbours: what is known of others.
         waits_s: place -> seconds of one's own late waits there, as `Waits` tells them.
         told: place -> seconds, told by whoever keeps the book there.
+        restrictions: what people have closed.
     """
 
     def __init__(
@@ -41,7 +43,10 @@ class Prices:
         *,
         waits_s: Mapping[str, float] | None = None,
         told_s: Mapping[str, float] | None = None,
+        restrictions: Restrictions = OPEN,
     ) -> None:
+        self.admits = restrictions.admits if restrictions.nodes or restrictions.lanes else None
+        """Whether a lane, by its ends, may be entered; None where nothing is closed."""
         self._announced = neighbours.announced
         own = neighbours.of(me)
         self._mine = (
@@ -101,17 +106,22 @@ class Outlook:
     Args:
         me: the vehicle.
         neighbours: what others have said of themselves.
+        restrictions: what people have closed, as far as the vehicle knows now.
     """
 
-    def __init__(self, me: str, neighbours: Neighbours) -> None:
+    def __init__(self, me: str, neighbours: Neighbours, restrictions: Callable[[], Restrictions]) -> None:
         self._me = me
+        self._restrictions = restrictions
         self._neighbours = neighbours
         self._waits = Waits()
+        self.blocked_by = ""
+        """Who is in the way, as a book has told last; empty for nobody."""
         self._told: dict[str, tuple[float, float]] = {}
         """Place -> its price as the book told it, and until when that counts."""
 
     def note(self, granted: PlaceGranted, now_s: float) -> None:
         """A book has said who is in the way."""
+        self.blocked_by = granted.by if granted.blocked is not Blocked.NO else ""
         price_s = TELL_S.get(granted.blocked)
         if granted.at and price_s is not None:
             self._told[granted.at] = (price_s, now_s + TOLD_COUNTS_S)
@@ -124,7 +134,14 @@ class Outlook:
         """As things stand."""
         self._told = {place: told for place, told in self._told.items() if told[1] > now_s}
         told_s = {place: price_s for place, (price_s, _) in self._told.items()}
-        return Prices(self._me, self._neighbours, now_s, waits_s=self._waits.all(now_s), told_s=told_s)
+        return Prices(
+            self._me,
+            self._neighbours,
+            now_s,
+            waits_s=self._waits.all(now_s),
+            told_s=told_s,
+            restrictions=self._restrictions(),
+        )
 
     def holders(self, chain: tuple[str, ...], rank: Rank, now_s: float) -> tuple[set[str], set[str]]:
         """Places that cannot be had by one who makes room for `chain` with this rank, and those whose holders would make room."""

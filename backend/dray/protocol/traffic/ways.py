@@ -104,6 +104,8 @@ class Ways:
 
         def cost_s(road: _Road) -> float:
             price_s = road.lane_s
+            if prices is not None and prices.admits is not None and not prices.admits(road.start, road.end):
+                return inf
             if road.against:
                 price_s *= AGAINST
             if prices is not None:
@@ -141,6 +143,8 @@ class Ways:
         mine = frozenset(own)
 
         def cost_s(road: _Road) -> float:
+            if prices.admits is not None and not prices.admits(road.start, road.end):
+                return inf
             price_s = road.lane_s * (OWN_WAY if road.end in mine else 1.0)
             for place in road.needs:
                 if place in forbidden:

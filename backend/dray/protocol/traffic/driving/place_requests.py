@@ -6,6 +6,7 @@ from collections.abc import Callable
 from enum import Enum
 
 from dray.messages.traffic import ROUTE_MAX, Rank
+from dray.plant.restrictions import OPEN, Restrictions
 from dray.protocol.runtime.events import Effect, Instruct
 from dray.protocol.runtime.timers import Timers, spread_frac
 from dray.protocol.traffic.driving.reserved_way import ReservedWay
@@ -51,6 +52,7 @@ class PlaceRequests:
         node, next_node: where the vehicle stands, or the lane that it is on; its way ends with that lane.
         top_mps, acceleration_mps2: of the vehicle.
         next_order: numbers ways.
+        restrictions: what people have closed or made slow, as far as the vehicle knows now.
     """
 
     def __init__(
@@ -68,6 +70,7 @@ class PlaceRequests:
         top_mps: float,
         acceleration_mps2: float,
         next_order: Callable[[], int],
+        restrictions: Callable[[], Restrictions] = lambda: OPEN,
     ) -> None:
         self.atv = atv
         self.way = ReservedWay(places, node, next_node)
@@ -83,9 +86,9 @@ class PlaceRequests:
         self._ways = ways
         self._timers = timers
         self._out = out
-        self._wheels = Wheels(top_mps, acceleration_mps2, next_order)
+        self._wheels = Wheels(top_mps, acceleration_mps2, next_order, restrictions)
         self._rank: Rank = (IDLE, 0.0, atv)
-        self._outlook = Outlook(atv, neighbours)
+        self._outlook = Outlook(atv, neighbours, restrictions)
         self._yielding = Yielding(atv, ways, self._outlook, out)
         self._speed_mps = 0.0
         self._held_up_s: float | None = None
@@ -121,6 +124,11 @@ class PlaceRequests:
     def is_hindered(self) -> bool:
         """Whether it waits for a place, or makes room for somebody: it does not come nearer to its goal, and cannot help it."""
         return self._held_up_s is not None or self.errand is not Errand.OWN
+
+    @property
+    def waits_for(self) -> str:
+        """Who holds what it needs, or goes first; empty where it waits for nobody, or does not know."""
+        return self._outlook.blocked_by if self._held_up_s is not None else ""
 
     @property
     def held_up_since_s(self) -> float | None:

@@ -44,15 +44,18 @@ class RightOfWay(PlaceRequests):
         if not self.way.stands:
             self._out.append(Instruct(self._wheels.drive(self.way, self._speed_mps)))
 
-    def relocate(self, node: str, next_node: str, now_s: float) -> None:
+    def relocate(self, node: str, next_node: str, now_s: float, *, past_m: float, speed_mps: float) -> None:
         """The body has lost its way, or was carried to another place: go on from where it is.
 
         Args:
             node: where it stands, or the last node that it has passed.
             next_node: the end of the lane that it is on; `node` when it stands there.
             now_s: when.
+            past_m: how far it is past `node`.
+            speed_mps: how fast.
         """
         self.way = self.way.again(node, next_node)
+        self.sense(past_m, speed_mps)
         self.take_control(now_s)
         if self.errand is not Errand.OWN:
             self._resume(now_s)

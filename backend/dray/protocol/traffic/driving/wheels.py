@@ -6,6 +6,7 @@ from collections.abc import Callable
 from math import sqrt
 
 from dray.body import Drive, ReleaseWay
+from dray.plant.restrictions import Restrictions
 from dray.protocol.traffic.driving.reserved_way import ReservedWay
 
 REACTION_S = 0.3
@@ -30,12 +31,20 @@ class Wheels:
     Args:
         top_mps, acceleration_mps2: of the vehicle.
         next_order: numbers ways.
+        restrictions: which lanes people have made slow, as far as the vehicle knows now.
     """
 
-    def __init__(self, top_mps: float, acceleration_mps2: float, next_order: Callable[[], int]) -> None:
+    def __init__(
+        self,
+        top_mps: float,
+        acceleration_mps2: float,
+        next_order: Callable[[], int],
+        restrictions: Callable[[], Restrictions],
+    ) -> None:
         self._top_mps = top_mps
         self._rate_mps2 = acceleration_mps2
         self._next_order = next_order
+        self._restrictions = restrictions
         self._order = 0
         self._driven: tuple[str, ...] = ()
         """The way as the body knows it."""
@@ -54,7 +63,12 @@ class Wheels:
         stood = speed_mps == 0.0 and way.past_m <= 0.0
         self._driven = (way.node, *ahead) if stood else ahead
         self._number(way.passed + (0 if stood else 1))
-        return Drive(order=self._order, nodes=self._driven, released=len(base) + (1 if stood else 0))
+        return Drive(
+            order=self._order,
+            nodes=self._driven,
+            released=len(base) + (1 if stood else 0),
+            limits_mps=self._restrictions().limits_on(self._driven),
+        )
 
     def finish(self, way: ReservedWay) -> Drive:
         """End the way that the body knows where it stands."""

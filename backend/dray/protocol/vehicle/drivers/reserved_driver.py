@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Protocol
 
 from dray.body import ActionFailed, NodePassed, VehicleState, WayDone
-from dray.errors import ProtocolViolation
+from dray.errors import NoWay, ProtocolViolation
 from dray.messages import Pose
 from dray.messages.heartbeat import FloorBrief
 from dray.messages.keys import Keys
@@ -105,7 +106,10 @@ class ReservedDriver(Driver):
 
     @property
     def next_node(self) -> str:
-        return self.right_of_way.way.base_end if self._right_of_way is not None else self.node
+        if self._right_of_way is None:
+            return self.node
+        way = self._right_of_way.way
+        return way.base[0] if self._is_lost and way.base else way.base_end
 
     def next_node_at_s(self, now_s: float) -> float:
         return now_s + self.right_of_way.way.base_left_m / max(self.speed_mps, 0.3)
@@ -141,6 +145,7 @@ class ReservedDriver(Driver):
             top_mps=self._kind.max_speed_mps,
             acceleration_mps2=self._kind.acceleration_mps2,
             next_order=self.next_order,
+            restrictions=lambda: self._plant.restrictions,
         )
         self.sense(state)
         row.take_control(now_s)
@@ -163,6 +168,24 @@ class ReservedDriver(Driver):
         if row.has_arrived and not row.is_finishing:
             self.way = ()
             self._stay(now_s)
+            return False
+        return True
+
+    def follow(self, now_s: float) -> bool:
+        row = self.right_of_way
+        restrictions = self._plant.restrictions
+        if restrictions.limits_mps or not all(
+            restrictions.admits(*lane) for lane in pairwise((row.way.node, *row.way.ahead))
+        ):
+            # The way is given anew from the end of the present lane, once the body was sensed.
+            self._is_lost = True
+            self._timers.set(LOOK, now_s)
+        if not self.way:
+            return super().follow(now_s)
+        try:
+            self._routes.way(self.next_node, row.goal)
+        except NoWay:
+            self.halt(now_s)
             return False
         return True
 
@@ -210,6 +233,7 @@ class ReservedDriver(Driver):
             stands=hint.stands,
             docked=hint.docked,
             waits=self.right_of_way.is_hindered,
+            waits_for=self.right_of_way.waits_for,
             rank=hint.rank,
         )
 
@@ -222,8 +246,8 @@ class ReservedDriver(Driver):
             self._is_lost = False
             state = self._state
             next_node = "" if state.next_node == state.node else state.next_node
-            row.sense(0.0, 0.0)
-            row.relocate(state.node, next_node, now_s)
+            past_m = max(self._past_m(state.pose), 1e-6) if next_node else 0.0
+            row.relocate(state.node, next_node, now_s, past_m=past_m, speed_mps=state.speed_mps)
             self.sense(state)
         row.look(now_s)
 
