@@ -114,14 +114,11 @@ class Outlook:
         self._restrictions = restrictions
         self._neighbours = neighbours
         self._waits = Waits()
-        self.blocked_by = ""
-        """Who is in the way, as a book has told last; empty for nobody."""
         self._told: dict[str, tuple[float, float]] = {}
         """Place -> its price as the book told it, and until when that counts."""
 
     def note(self, granted: PlaceGranted, now_s: float) -> None:
         """A book has said who is in the way."""
-        self.blocked_by = granted.by if granted.blocked is not Blocked.NO else ""
         price_s = TELL_S.get(granted.blocked)
         if granted.at and price_s is not None:
             self._told[granted.at] = (price_s, now_s + TOLD_COUNTS_S)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from enum import Enum
 
-from dray.messages.traffic import ROUTE_MAX, Rank
+from dray.messages.traffic import ROUTE_MAX, Blocked, PlaceGranted, Rank
 from dray.plant.restrictions import OPEN, Restrictions
 from dray.protocol.runtime.events import Effect, Instruct
 from dray.protocol.runtime.timers import Timers, spread_frac
@@ -93,6 +93,8 @@ class PlaceRequests:
         self._speed_mps = 0.0
         self._held_up_s: float | None = None
         """Since when it stands and waits for its next group."""
+        self._blocked, self._blocked_by = Blocked.NO, ""
+        """Why it was not granted that, and who is in the way, as the book has told last."""
 
     # --- how things stand ------------------------------------------------------------------------
 
@@ -116,9 +118,15 @@ class PlaceRequests:
         return self._rank
 
     def rank(self, now_s: float) -> Rank:
-        """Its rank, or the one of whom it makes room for."""
+        """Its rank, or the one of whom it makes room for.
+
+        Who waits for a silent vehicle goes behind all that have a task: it may wait for ever, and must not stand in their way meanwhile.
+        """
+        rank = self._rank
+        if self._held_up_s is not None and self._blocked is Blocked.SILENT:
+            rank = (max(rank[0], IDLE), *rank[1:])
         inherited = self._yielding.of(now_s)
-        return self._rank if inherited is None else min(self._rank, inherited.rank)
+        return rank if inherited is None else min(rank, inherited.rank)
 
     @property
     def is_hindered(self) -> bool:
@@ -128,7 +136,7 @@ class PlaceRequests:
     @property
     def waits_for(self) -> str:
         """Who holds what it needs, or goes first; empty where it waits for nobody, or does not know."""
-        return self._outlook.blocked_by if self._held_up_s is not None else ""
+        return self._blocked_by if self._held_up_s is not None else ""
 
     @property
     def held_up_since_s(self) -> float | None:
@@ -168,6 +176,12 @@ class PlaceRequests:
         """The base has grown: let the body drive it."""
         self._note_wait(now_s)
         self._out.append(Instruct(self._wheels.drive(self.way, self._speed_mps)))
+
+    def _note_hindrance(self, granted: PlaceGranted) -> None:
+        """A book has told why it does not grant what is wanted next."""
+        groups = self._groups()
+        if groups and self._places.district_of[groups[0][0]] == granted.district:
+            self._blocked, self._blocked_by = granted.blocked, granted.by
 
     def _note_wait(self, now_s: float) -> None:
         if self._held_up_s is not None:
@@ -226,7 +240,7 @@ class PlaceRequests:
         inherited = self._yielding.of(now_s)
         route = (self.way.node, *self.way.ahead)[:ROUTE_MAX]
         if inherited is None:
-            return State(self._rank, self.way.stands, self.docked, route, ())
+            return State(self.rank(now_s), self.way.stands, self.docked, route, ())
         avoid = tuple(dict.fromkeys((*route, *inherited.avoid)))[: 2 * ROUTE_MAX]
         return State(self.rank(now_s), self.way.stands, self.docked, avoid, inherited.chain)
 

@@ -121,6 +121,7 @@ class RightOfWay(PlaceRequests):
         if fresh is None:
             return
         self._outlook.note(granted, now_s)
+        self._note_hindrance(granted)
         unwanted = False
         if fresh:
             asked = {place for group in self.wishes.groups(granted.district) for place in group}
