@@ -77,4 +77,4 @@ def test_a_dead_vehicle_on_a_lane_is_gone_round_and_named_by_who_waits() -> None
     assert invariants.broken is None
     assert told.delivered >= 50, "the others go on"
     assert told.named
-    assert told.longest_s < 120.0
+    assert told.longest_s < 300.0, "who waits for one at a dock waits for its work there, too"

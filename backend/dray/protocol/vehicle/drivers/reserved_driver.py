@@ -14,11 +14,13 @@ from dray.messages.traffic import HOLDS_MAX
 from dray.plant import Plant
 from dray.protocol.runtime.events import Effect, Subscribe
 from dray.protocol.runtime.timers import Timers
-from dray.protocol.traffic.driving.place_requests import IDLE, LOOK, WITH_TASK, Errand
+from dray.protocol.traffic.driving.place_requests import IDLE, WITH_TASK, Errand
 from dray.protocol.traffic.driving.right_of_way import RightOfWay
 from dray.protocol.traffic.neighbours import Neighbours
 from dray.protocol.traffic.traffic_map import TrafficMap
 from dray.protocol.vehicle.drivers.driver import ORDERS_PER_LIFE, Driver, limited_s
+
+LOST = "lost"
 
 FIRST_PACE_FRAC = 0.8
 """Of the pace that an empty floor allows, as long as nothing was learned: about what the default plant leaves at full load."""
@@ -123,7 +125,7 @@ class ReservedDriver(Driver):
         if stands and state.node not in (row.way.node, *row.way.base):
             self._is_lost = True  # People have carried it here.
         if self._is_lost:
-            self._timers.set(LOOK, 0.0)
+            self._timers.set(LOST, 0.0)
         elif stands:
             row.sense(0.0 if state.node == row.way.node else row.way.past_m, 0.0)
         elif state.node == row.way.node:
@@ -160,6 +162,7 @@ class ReservedDriver(Driver):
         if not self.way and row.errand is Errand.OWN and row.stands and row.way.node == node:
             self._stay(now_s)
             return False
+        self._mind_closures(row.way.base, now_s)
         way = self._routes.way(self.next_node, node)
         self.way = (node,) if len(way.nodes) < 2 else way.nodes
         self.arrives_s = now_s + limited_s(way.duration_s, self.pace_frac)
@@ -172,18 +175,11 @@ class ReservedDriver(Driver):
         return True
 
     def follow(self, now_s: float) -> bool:
-        row = self.right_of_way
-        restrictions = self._plant.restrictions
-        if restrictions.limits_mps or not all(
-            restrictions.admits(*lane) for lane in pairwise((row.way.node, *row.way.ahead))
-        ):
-            # The way is given anew from the end of the present lane, once the body was sensed.
-            self._is_lost = True
-            self._timers.set(LOOK, now_s)
+        self._mind_closures(self.right_of_way.way.ahead, now_s)
         if not self.way:
             return super().follow(now_s)
         try:
-            self._routes.way(self.next_node, row.goal)
+            self._routes.way(self.next_node, self.right_of_way.goal)
         except NoWay:
             self.halt(now_s)
             return False
@@ -213,7 +209,7 @@ class ReservedDriver(Driver):
         """A way was refused, or is lost: it goes on by itself from where it is."""
         if self.right_of_way.knows(report.order):
             self._is_lost = True
-            self._timers.set(LOOK, now_s)
+            self._timers.set(LOST, now_s)
         return False
 
     def rest(self, now_s: float) -> None:
@@ -239,8 +235,8 @@ class ReservedDriver(Driver):
 
     # --- what is its own -------------------------------------------------------------------------
 
-    def look(self, now_s: float) -> None:
-        """The alarm `LOOK`: the body was sensed a moment ago."""
+    def find_way(self, now_s: float) -> None:
+        """The alarm `LOST`: the body was sensed a moment ago, and a way is given from where it is."""
         row = self.right_of_way
         if self._is_lost:
             self._is_lost = False
@@ -249,7 +245,13 @@ class ReservedDriver(Driver):
             past_m = max(self._past_m(state.pose), 1e-6) if next_node else 0.0
             row.relocate(state.node, next_node, now_s, past_m=past_m, speed_mps=state.speed_mps)
             self.sense(state)
-        row.look(now_s)
+
+    def _mind_closures(self, nodes: tuple[str, ...], now_s: float) -> None:
+        """Give the way anew from the end of the present lane where what lies behind it was closed or made slow."""
+        restrictions = self._plant.restrictions
+        if restrictions.limits_on(nodes) or not all(restrictions.admits(*lane) for lane in pairwise(nodes)):
+            self._is_lost = True
+            self._timers.set(LOST, now_s)
 
     def _learn(self, now_s: float) -> None:
         """A leg is over: how much longer than alone has it taken?"""

@@ -16,7 +16,7 @@ from dray.messages import (
 from dray.protocol.traffic.driving.place_requests import HELD_UP, LOOK, Errand
 from dray.protocol.traffic.driving.right_of_way import RESTED, RightOfWay
 from dray.protocol.traffic.driving.wishes import WISH_AGAIN
-from dray.protocol.vehicle.drivers.reserved_driver import ReservedDriver
+from dray.protocol.vehicle.drivers.reserved_driver import LOST, ReservedDriver
 
 Handler = Callable[[str, Any, float], None]
 
@@ -58,7 +58,8 @@ class TrafficHandling:
         messages[YieldAsked] = self._told(lambda row, *heard: row.on_yield_asked(*heard))
         messages[YieldRefused] = self._told(lambda row, *heard: row.on_yield_refused(*heard))
         messages[HoldsAsked] = self._told(lambda row, *heard: row.on_holds_asked(*heard))
-        alarms[LOOK] = lambda _about, now_s: self._step(lambda _row: self._driver.look(now_s), now_s)
+        alarms[LOOK] = lambda _about, now_s: self._step(lambda row: row.look(now_s), now_s)
+        alarms[LOST] = lambda _about, now_s: self._step(lambda _row: self._driver.find_way(now_s), now_s)
         alarms[HELD_UP] = lambda _about, now_s: self._step(lambda row: row.reroute(now_s), now_s)
         alarms[RESTED] = lambda _about, now_s: self._step(lambda row: row.go_on(now_s), now_s)
         alarms[WISH_AGAIN] = lambda about, now_s: self._step(lambda row: row.repeat_wish(about, now_s), now_s)
