@@ -27,3 +27,11 @@ def test_a_scenario_is_another_run_with_right_of_way_and_the_same_one_again_with
     alone, beside, again = scenario.run(1), scenario.run(1, ROOM), scenario.run(1)
     assert alone.trace == again.trace != beside.trace
     assert "take up room" in beside.story
+
+
+def test_a_day_is_played_with_right_of_way() -> None:
+    day = SCENARIOS["day"]
+    alone, beside = day.run(1, Site(hours=0.25)), day.run(1, Site(hours=0.25, traffic=True))
+    assert alone.describe() != beside.describe()
+    assert "invariants" in beside.describe()
+    assert beside.failure == ""

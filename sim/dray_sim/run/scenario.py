@@ -11,7 +11,7 @@ from dray.errors import SettingsError
 from dray_sim.run.evidence import FIGURES, HELD, Check, Evidence, Table
 from dray_sim.run.report import Report
 from dray_sim.run.site import Site
-from dray_sim.run.stage import RIGHT_OF_WAY, Played
+from dray_sim.run.stage import Played, with_right_of_way
 
 HERE = Site()
 """As the scenario stands."""
@@ -114,11 +114,8 @@ class Scenario:
         Raises:
             SettingsError: it can be played as it stands only, and `site` is another.
         """
-        before = RIGHT_OF_WAY.set(site.traffic)
-        try:
+        with with_right_of_way(site.traffic):
             found = self._play(seed, site)
-        finally:
-            RIGHT_OF_WAY.reset(before)
         broken = [played.invariants for played in found.runs if played.invariants != HELD]
         runs = len(found.runs)
         unbroken = Check(

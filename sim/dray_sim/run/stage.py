@@ -8,7 +8,8 @@ breaks ends the run.
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Iterator
+from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
 from random import Random
@@ -44,7 +45,17 @@ DUE_IN_S = 7200.0
 
 RIGHT_OF_WAY: ContextVar[bool] = ContextVar("right of way", default=False)
 """Whether vehicles take up room and drive with right of way. Scenarios are about other things, and are played on either floor: so this
-is said around them (`Scenario.run`), and not in each."""
+is said around them (`with_right_of_way`), and not in each."""
+
+
+@contextmanager
+def with_right_of_way(on: bool) -> Iterator[None]:
+    """Let all stages in here be set with right of way, or without."""
+    before = RIGHT_OF_WAY.set(on)
+    try:
+        yield
+    finally:
+        RIGHT_OF_WAY.reset(before)
 
 
 @dataclass(frozen=True, slots=True)
