@@ -114,17 +114,17 @@ class PlaceRequests:
 
     @property
     def own_rank(self) -> Rank:
-        """Its rank, without what it has inherited."""
-        return self._rank
-
-    def rank(self, now_s: float) -> Rank:
-        """Its rank, or the one of whom it makes room for.
+        """Its rank, without what it has inherited.
 
         Who waits for a silent vehicle goes behind all that have a task: it may wait for ever, and must not stand in their way meanwhile.
         """
-        rank = self._rank
         if self._held_up_s is not None and self._blocked is Blocked.SILENT:
-            rank = (max(rank[0], IDLE), *rank[1:])
+            return (max(self._rank[0], IDLE), *self._rank[1:])
+        return self._rank
+
+    def rank(self, now_s: float) -> Rank:
+        """Its rank, or the one of whom it makes room for."""
+        rank = self.own_rank
         inherited = self._yielding.of(now_s)
         return rank if inherited is None else min(rank, inherited.rank)
 
