@@ -5,29 +5,22 @@ import { nowS, world } from "../../../stream/stream";
 import { format, t } from "../../../text/manager";
 import { problemText } from "../../problem-text";
 import { plant } from "../../state";
-import { CloseMenu } from "./CloseMenu";
 import { whereText } from "./closure-text";
 
-/** What people have closed to vehicles: by whom, why, until when, and the way back. */
+/** What people have closed to vehicles: by whom, why, until when, and the way back. Nothing while all is open. */
 export function ClosuresCard() {
   const closures = [...(world.value?.closures.values() ?? [])];
+  if (closures.length === 0) return null;
   return (
     <section class="card closures" aria-labelledby="closures">
       <header class="card-head">
         <h2 id="closures">{t("closures.title")}</h2>
-        <div class="card-aside">
-          <CloseMenu />
-        </div>
       </header>
-      {closures.length === 0 ? (
-        <p class="muted">{t("closures.none")}</p>
-      ) : (
-        <ul class="closure-list">
-          {closures.map((closure) => (
-            <Line key={closure.id} closure={closure} />
-          ))}
-        </ul>
-      )}
+      <ul class="closure-list">
+        {closures.map((closure) => (
+          <Line key={closure.id} closure={closure} />
+        ))}
+      </ul>
     </section>
   );
 }

@@ -2,6 +2,7 @@ import { useComputed } from "@preact/signals";
 import { Card } from "../../../parts/Card";
 import { presentS, world } from "../../../stream/stream";
 import { format, t } from "../../../text/manager";
+import { CloseMenu } from "../closures/CloseMenu";
 import { Sparkline } from "./Sparkline";
 import { LOST, SHUT_OUT, statusCounts } from "./status";
 import { StatusRow } from "./StatusRow";
@@ -22,7 +23,7 @@ export function FactoryCard() {
     frac == null ? t("factory.none") : format.percent(frac, 1);
   const seconds = (s: number | null | undefined) => (s == null ? t("factory.none") : format.duration(s));
   return (
-    <Card title={t("factory.title")} class="factory">
+    <Card title={t("factory.title")} class="factory" aside={<CloseMenu />}>
       <div class="kpis">
         <Kpi value={percent(factory?.on_time_frac)} name={t("factory.onTime")} />
         <Kpi value={percent(factory?.starved_frac)} name={t("factory.starved")} />

@@ -98,8 +98,7 @@ export const panel: Catalogue<typeof english> = {
   "clock.why": "Aus den Herzschlägen gemessen, auf {bound} genau. Was von hier kommt, wird mit der richtigen Zeit gezeigt. Die Uhr dieses Rechners stellen.",
 
   "closures.title": "Gesperrt",
-  "closures.none": "Alle Spuren sind frei.",
-  "closures.open": "Sperren…",
+  "closures.open": "Spuren sperren…",
   "closures.hint": "Erst eine Spur oder einen Platz auf der Karte wählen, oder hier einen Bereich. Wer darin ist, fährt hinaus, alle anderen fahren außen herum.",
   "closures.what": "Was",
   "closures.how": "Wie",

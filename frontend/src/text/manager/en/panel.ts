@@ -95,8 +95,7 @@ export const panel = {
   "clock.why": "Measured by its heartbeats, give or take {bound}. What it tells is shown by the right time. Set the clock of its computer.",
 
   "closures.title": "Closed lanes",
-  "closures.none": "Every lane is open.",
-  "closures.open": "Close…",
+  "closures.open": "Close lanes…",
   "closures.hint": "Choose a lane or a place on the map first, or an area here. Vehicles inside leave, all others go round.",
   "closures.what": "What",
   "closures.how": "How",

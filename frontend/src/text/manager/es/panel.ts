@@ -98,8 +98,7 @@ export const panel: Catalogue<typeof english> = {
   "clock.why": "Medido por sus latidos, con un margen de {bound}. Lo que dice se muestra con la hora correcta. Poner en hora su ordenador.",
 
   "closures.title": "Cerrado",
-  "closures.none": "Todos los carriles están abiertos.",
-  "closures.open": "Cerrar…",
+  "closures.open": "Cerrar carriles…",
   "closures.hint": "Elija primero un carril o un puesto en el mapa, o aquí una zona. Los vehículos de dentro salen, los demás dan la vuelta.",
   "closures.what": "Qué",
   "closures.how": "Cómo",
