@@ -12,7 +12,7 @@ from collections.abc import Container, Iterator
 from fnmatch import fnmatchcase
 from typing import NamedTuple
 
-from dray.messages import AtvStatus, Event, Message, Reason
+from dray.messages import AtvHeartbeat, AtvStatus, Event, Message, Reason
 from dray.messages.fact import AtvStatusChanged, CarrierChanged, GoalLost
 from dray.messages.keys import STRATEGIST
 from dray_sim.checks.broken import InvariantBroken
@@ -162,6 +162,8 @@ class FaultAttribution:
         Raises:
             InvariantBroken: nothing was wrong with anybody.
         """
+        if type(message) is AtvHeartbeat:
+            self._note_wait(message, at_s)
         if type(message) is not Event:
             return
         fact = message.fact
@@ -182,6 +184,18 @@ class FaultAttribution:
             if not self.in_trouble(at_s, *concerned):
                 seen = f"{fact.machine} lost {fact.goal}, and nothing was wrong with it"
                 raise InvariantBroken(6, at_s, seen)
+
+    def _note_wait(self, heartbeat: AtvHeartbeat, at_s: float) -> None:
+        """With right of way, whoever waits for a vehicle with which something is wrong is late for the same reason."""
+        other = heartbeat.floor.waits_for if heartbeat.floor else ""
+        agents = (other, _away(other))
+        if other and any(
+            agent in self._stands
+            or at_s - self._touched_s.get(agent, float("-inf")) < LATER_S
+            or self._is_missed(agent, at_s)
+            for agent in agents
+        ):
+            self._touched_s[heartbeat.atv] = max(at_s, self._touched_s.get(heartbeat.atv, at_s))
 
     def _sending_away(self, agent: str) -> Iterator[str]:
         """The faults by which an agent is to be away now after a graceful shutdown."""

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
+
 import pytest
 from check_kit import TASK, event
 
-from dray.messages import AtvStatus, Reason
+from dray.messages import AtvHeartbeat, AtvStatus, Pose, Reason
 from dray.messages.fact import AtvStatusChanged, CarrierChanged, GoalLost
+from dray.messages.heartbeat import FloorBrief
 from dray_sim.checks.broken import InvariantBroken
 from dray_sim.checks.fault_attribution import LATER_S, FaultAttribution
 from dray_sim.faults import (
@@ -45,6 +48,29 @@ def test_a_fault_in_somebody_else_is_none() -> None:
     attribution.begin("F1", PoweredOff("ATV5"), 10.0)
     with pytest.raises(InvariantBroken):
         attribution.on_message(20.0, "M8", "*", event("M8", LOST))
+
+
+@pytest.mark.parametrize(("waits_for", "explained"), [("ATV5", True), ("ATV4", False), ("", False)])
+def test_a_fault_in_the_vehicle_that_a_carrier_waits_for_is_a_reason(
+    waits_for: str, *, explained: bool
+) -> None:
+    attribution = FaultAttribution()
+    attribution.begin("F1", PoweredOff("ATV5"), 10.0)
+    heartbeat = AtvHeartbeat(
+        atv="ATV3",
+        incarnation=1,
+        seq=1,
+        at_s=20.0,
+        status=AtvStatus.WORKING,
+        pose=Pose(x_m=0.0, y_m=0.0, heading_rad=0.0),
+        node="p1",
+        speed_mps=0.0,
+        battery_frac=1.0,
+        floor=FloorBrief(waits=True, waits_for=waits_for),
+    )
+    attribution.on_message(20.0, "ATV3", "*", heartbeat)
+    with nullcontext() if explained else pytest.raises(InvariantBroken):
+        attribution.on_message(21.0, "M8", "*", event("M8", LOST))
 
 
 def test_a_stopped_vehicle_may_lose_its_contract() -> None:
