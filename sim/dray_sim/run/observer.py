@@ -117,7 +117,8 @@ class Observer:
             self.carriers_changed += 1
 
     def _note_answer(self, fact: AwardAnswered) -> None:
-        self.answers[fact.answer] = self.answers.get(fact.answer, 0) + 1
+        answer = fact.answer if fact.reason is None else fact.reason.value
+        self.answers[answer] = self.answers.get(answer, 0) + 1
         if fact.role is Role.SECONDARY and fact.answer == "accepted":
             self.watches_taken += 1
 

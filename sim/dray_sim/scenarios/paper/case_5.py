@@ -123,8 +123,7 @@ async def shift(stage: Stage) -> tuple[Check, ...]:
         Check(
             "An acknowledge is refused as long as the fault is there, and a resume before it, whoever gives them",
             len(stranger.answers) == 2 and not any(answer.done for answer in stranger.answers),
-            "; ".join(answer.reason for answer in stranger.answers if answer.reason is not None)
-            or "no answer",
+            "; ".join(map(_said, stranger.answers)) or "no answer",
         ),
         Check(
             f"Then it drives on with at most half its speed, {limit_mps:.2f} m/s, as it was told",
@@ -162,6 +161,12 @@ def _walk(stage: Stage, contract: Contract, since_s: float, until_s: float) -> W
     first = heard[0].pose
     metres = max(hypot(each.pose.x_m - first.x_m, each.pose.y_m - first.y_m) for each in heard)
     return Walk(metres, max(each.speed_mps for each in heard))
+
+
+def _said(answer: CommandAnswered) -> str:
+    """Why a command was refused, in words."""
+    reason = "obeyed" if answer.reason is None else answer.reason.value.replace("_", " ")
+    return f"{reason}: {answer.detail}" if answer.detail else reason
 
 
 def case_5(seed: int) -> Findings:
