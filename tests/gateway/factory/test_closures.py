@@ -29,6 +29,13 @@ from dray.protocol.closures.closure_rules import restrictions_of
 
 pytestmark = pytest.mark.anyio
 
+
+@pytest.fixture(autouse=True)
+def said_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nobody says the list again by the clock, however slow the machine is: tests ask for that."""
+    monkeypatch.setattr("dray.gateway.factory.closings.SAY_EVERY_S", 3600.0)
+
+
 PLANT = default_plant()
 
 LANE = {"lane": {"start": "c3", "end": "m5-lane"}}

@@ -25,6 +25,13 @@ from dray.store.factory.exclusions import Exclusion
 
 pytestmark = pytest.mark.anyio
 
+
+@pytest.fixture(autouse=True)
+def said_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nobody says the list again by the clock, however slow the machine is: tests ask for that."""
+    monkeypatch.setattr("dray.gateway.factory.exclusions.SAY_EVERY_S", 3600.0)
+
+
 WHY = {"reason": "accepts transports and does not move"}
 
 DECIDED = int(NOW_S * 1000)
