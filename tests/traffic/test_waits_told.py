@@ -5,6 +5,8 @@ from __future__ import annotations
 import asyncio
 from random import Random
 
+import pytest
+
 from dray.messages import AtvHeartbeat, Event, Message
 from dray.messages.fact import TaskClosed
 from dray.plant import default_plant
@@ -72,6 +74,7 @@ async def with_one_dead() -> tuple[Told, Invariants]:
     return told, invariants
 
 
+@pytest.mark.slow
 def test_a_dead_vehicle_on_a_lane_is_gone_round_and_named_by_who_waits() -> None:
     told, invariants = run(with_one_dead(), JUMP)
     assert invariants.broken is None

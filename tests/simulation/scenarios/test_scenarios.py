@@ -77,6 +77,7 @@ def test_a_loss_of_a_fifth_is_endured() -> None:
     assert failed(found) == []
 
 
+@pytest.mark.slow
 def test_agents_have_no_more_to_do_in_a_plant_of_twice_the_size() -> None:
     found = scale.grow(1, (10, 20), short(scale.SHIFT, scale.WARM_UP_S + 300.0), reference=10)
     assert failed(found) == []
