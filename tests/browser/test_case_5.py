@@ -66,6 +66,7 @@ class Loaded:
         return bool(self.atv)
 
 
+@pytest.mark.slow
 def test_a_load_shifts_and_an_operator_stops_puts_right_acknowledges_and_resumes(
     dray: Any, open_page: OpenPage, screenshot: Screenshot
 ) -> None:

@@ -47,6 +47,7 @@ def stage(page: Page, name: str) -> Any:
     return page.get_by_role("listitem").filter(has_text=re.compile(f"^\\s*{name}"))
 
 
+@pytest.mark.slow
 def test_a_customer_follows_an_order_to_its_delivery_without_touching_the_page(
     factory: Any, open_page: OpenPage, screenshot: Screenshot
 ) -> None:

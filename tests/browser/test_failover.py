@@ -54,6 +54,7 @@ def choose(page: Page, name: str) -> None:
     finder.press("Enter")
 
 
+@pytest.mark.slow
 def test_a_vehicle_that_is_switched_off_is_taken_over_from_and_its_load_delivered(
     factory: Any, open_page: OpenPage, screenshot: Screenshot
 ) -> None:
