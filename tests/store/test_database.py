@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import stat
+import threading
 from pathlib import Path
 from random import Random
 
@@ -42,6 +43,25 @@ async def test_sqlite_writes_through_and_checks_foreign_keys(sqlite_url: str) ->
         "foreign_keys": 1,
         "busy_timeout": 5000,
     }
+
+
+async def test_no_thread_answers_once_it_is_closed_wherever_a_reader_was_cancelled(sqlite_url: str) -> None:
+    others = set(threading.enumerate())
+    store = await open_store(sqlite_url)
+
+    async def read() -> None:
+        async with store.read() as reading:
+            await reading.ping()
+
+    for turns in range(40):
+        reader = asyncio.create_task(read())
+        for _ in range(turns):
+            await asyncio.sleep(0)
+        reader.cancel()
+        await asyncio.gather(reader, return_exceptions=True)
+    await store.close()
+    left = set(threading.enumerate()) - others
+    assert not [thread.name for thread in left if "_connection_worker_thread" in thread.name]
 
 
 def modes(folder: Path) -> dict[str, int]:

@@ -175,8 +175,7 @@ class Database:
 
     async def close(self) -> None:
         """Close all connections; harmless when done twice."""
-        await self._dialect.close()
-        await self.engine.dispose()
+        await self._dialect.close(self.engine)
 
     @contextmanager
     def _told(self, outage: Outage) -> Iterator[None]:

@@ -68,8 +68,8 @@ class Dialect(Protocol):
         """
         ...
 
-    async def close(self) -> None:
-        """Give up what was opened beside the engine; harmless when done twice."""
+    async def close(self, engine: AsyncEngine) -> None:
+        """Close the engine's connections and what was opened beside it; harmless when done twice."""
         ...
 
     def is_away(self, error: Exception) -> bool:

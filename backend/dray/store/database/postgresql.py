@@ -118,8 +118,9 @@ class Postgresql:
             raise
         return whole.done if written else None
 
-    async def close(self) -> None:
+    async def close(self, engine: AsyncEngine) -> None:
         await self._hang_up()
+        await engine.dispose()
 
     async def _begun(self, writer: AsyncEngine) -> AsyncConnection:
         """The kept connection, or a new one where the server has been away, in a transaction."""

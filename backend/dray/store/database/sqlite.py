@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import asyncio
 import sqlite3
+import threading
+import time
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing, suppress
@@ -15,6 +17,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, TypeVar
 
+import aiosqlite
 from sqlalchemy import URL, Connection, Engine, NullPool, create_engine, event
 from sqlalchemy.exc import DBAPIError, InterfaceError, OperationalError
 from sqlalchemy.ext.asyncio import AsyncConnection, AsyncEngine, create_async_engine
@@ -29,6 +32,9 @@ CHECKPOINT_PAGES = 8_000
 """Pages of the write-ahead log, 32 MB, after which a commit copies them into the file and waits for the disk twice more. An
 order changes some twenty pages, and the same ones as the orders before it."""
 
+ANSWER_WAIT_S = 5.0
+"""How long closing waits for the threads of connections that were given up half way."""
+
 
 class Sqlite:
     """See `dray.store.database.dialect.Dialect`."""
@@ -41,12 +47,25 @@ class Sqlite:
         """To the same file, of a thread that does whole transactions: aiosqlite goes over to its own and back some
         twenty times for one."""
         self._thread = ThreadPoolExecutor(max_workers=1, thread_name_prefix="sqlite")
+        self._threads: list[threading.Thread] = []
+        """One for each connection of aiosqlite, until it has ended."""
         self._closed = False
 
     def engine(self, url: str) -> AsyncEngine:
         engine = create_async_engine(url)
         _listen(engine.sync_engine)
+        event.listen(engine.sync_engine, "do_connect", self._keep_thread)
         return engine
+
+    def _keep_thread(self, _dialect: Any, _record: Any, _args: Any, keywords: dict[str, Any]) -> None:
+        keywords["async_creator_fn"] = self._open
+
+    def _open(self, *args: Any, **keywords: Any) -> aiosqlite.Connection:
+        connection = aiosqlite.connect(*args, **keywords)
+        thread = connection._thread  # noqa: SLF001: as SQLAlchemy itself does, there is no other way to it.
+        thread.daemon = True
+        self._threads = [*filter(threading.Thread.is_alive, self._threads), thread]
+        return connection
 
     async def do(self, writer: AsyncEngine, work: Callable[[Connection], T]) -> T:
         return await asyncio.get_running_loop().run_in_executor(self._thread, self._do, writer.url, work)
@@ -76,11 +95,19 @@ class Sqlite:
             direct, self._direct = self._direct, None
             direct.close()
 
-    async def close(self) -> None:
+    async def close(self, engine: AsyncEngine) -> None:
         if not self._closed:
             self._closed = True
             await asyncio.get_running_loop().run_in_executor(self._thread, self._hang_up)
             self._thread.shutdown(wait=False)
+        await engine.dispose()
+        await asyncio.to_thread(self._wait_for_threads)
+
+    def _wait_for_threads(self) -> None:
+        # Whoever was cancelled with a connection has left a thread that still answers to the loop, which may be closed next.
+        until_s = time.monotonic() + ANSWER_WAIT_S
+        for thread in self._threads:
+            thread.join(max(0.0, until_s - time.monotonic()))
 
     async def knock(self, engine: AsyncEngine) -> None:
         """A failed attempt of aiosqlite would leave a thread that may answer to a closed loop."""
