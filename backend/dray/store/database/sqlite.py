@@ -62,7 +62,7 @@ class Sqlite:
 
     def _open(self, *args: Any, **keywords: Any) -> aiosqlite.Connection:
         connection = aiosqlite.connect(*args, **keywords)
-        thread = connection._thread  # noqa: SLF001: as SQLAlchemy itself does, there is no other way to it.
+        thread = connection._thread  # noqa: SLF001 - as SQLAlchemy itself does, there is no other way to it.
         thread.daemon = True
         self._threads = [*filter(threading.Thread.is_alive, self._threads), thread]
         return connection
