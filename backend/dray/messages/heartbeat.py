@@ -132,6 +132,8 @@ class FloorBrief(Part, frozen=True):
     """A place that it needs is another one's, or it makes room for somebody."""
     waits_for: IdOrNone = ""
     """Who holds that place, or goes first; empty where it waits for nobody, or does not know."""
+    waits_at: IdOrNone = ""
+    """That place, as the book has told; empty where it has told none."""
     rank: Rank = NO_RANK
 
 

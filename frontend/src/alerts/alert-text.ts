@@ -2,11 +2,15 @@
 import type { AlertView } from "../api/types";
 import { format, t } from "../text";
 import { causeText } from "../text/failure";
+import { jamText } from "../text/wait";
 
 /** @param speed factory seconds per real second */
 export function whatText(alert: AlertView, nowS: number, speed: number): string {
   const what = kindText(alert, nowS, speed);
-  return alert.cause === null ? what : `${what}: ${causeText(alert.cause)}`;
+  if (alert.cause === null) return what;
+  const { vehicles } = alert;
+  const why = alert.cause.wait !== null && vehicles.length > 0 ? jamText(vehicles, alert.cause.wait) : causeText(alert.cause);
+  return `${what}: ${why}`;
 }
 
 export function asksText(alert: AlertView): string {

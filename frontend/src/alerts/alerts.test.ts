@@ -3,11 +3,11 @@ import type { AlertView, CauseView } from "../api/types";
 import { asksText, whatText } from "./alert-text";
 import { chosenOf, inOrder, isOfPlant } from "./alerts";
 
-const cause = (more: Partial<CauseView>): CauseView => ({ reason: "", detail: "", machines: [], lacks: [], not_made: [], handover: null, clock_ahead_s: 0, times: 1, text: "", ...more });
+const cause = (more: Partial<CauseView>): CauseView => ({ reason: "", detail: "", machines: [], lacks: [], not_made: [], handover: null, wait: null, clock_ahead_s: 0, times: 1, text: "", ...more });
 
 const alert = (more: Partial<AlertView>): AlertView => ({
   id: `${more.kind ?? "machine_error"}-${more.agent ?? "M8"}`, kind: "machine_error", level: "alarm", response: "repair",
-  since_at_s: 100, agent: "M8", task: "", order: "", cause: null, by: "", seen_at_s: null, until_at_s: null,
+  since_at_s: 100, agent: "M8", task: "", order: "", place: "", vehicles: [], cause: null, by: "", seen_at_s: null, until_at_s: null,
   battery_frac: null, behind_s: null, clock_ahead_s: null, waiting: null, carried_frac: null,
   acknowledged_by: "", acknowledged_at_s: null, ...more,
 });

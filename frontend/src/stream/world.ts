@@ -17,6 +17,7 @@ import type {
   Snapshot,
   StationView,
   TaskView,
+  WaitView,
 } from "../api/types";
 
 export type Frame = Snapshot | Delta;
@@ -46,6 +47,8 @@ export interface World {
   readonly commands: ReadonlyMap<string, CommandView>;
   /** What people have closed to vehicles, oldest first. */
   readonly closures: ReadonlyMap<string, ClosureView>;
+  /** Vehicles that cannot drive on, and for whom they wait; empty where vehicles drive without right of way. */
+  readonly waits: ReadonlyMap<string, WaitView>;
   /** Who is shown all this, and how much of the plant. */
   readonly audience: AudienceView | null;
 }
@@ -62,6 +65,7 @@ const GONE = {
   fault: "faults",
   command: "commands",
   closure: "closures",
+  wait: "waits",
 } as const;
 
 export function worldOf(frame: Snapshot): World {
@@ -81,6 +85,7 @@ export function worldOf(frame: Snapshot): World {
     faults: byId(frame.faults),
     commands: byId(frame.commands),
     closures: byId(frame.closures),
+    waits: byId(frame.waits),
     audience: frame.audience,
   };
 }
@@ -108,6 +113,7 @@ export function advance(world: World | null, frame: Frame): World | null {
     faults: changed(world.faults, frame.faults, gone.faults),
     commands: changed(world.commands, frame.commands, gone.commands),
     closures: changed(world.closures, frame.closures, gone.closures),
+    waits: changed(world.waits, frame.waits, gone.waits),
   };
 }
 
@@ -133,7 +139,7 @@ type Kind = (typeof GONE)[keyof typeof GONE];
 function goneByKind(ids: readonly string[]): Record<Kind, string[]> {
   const gone: Record<Kind, string[]> = {
     atvs: [], machines: [], stations: [], tasks: [], orders: [], news: [], alerts: [], faults: [], commands: [],
-    closures: [],
+    closures: [], waits: [],
   };
   for (const id of ids) {
     const cut = id.indexOf(":");

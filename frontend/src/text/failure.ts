@@ -1,6 +1,7 @@
 /** Reasons in the reader's language. What this version does not know stays as it is. */
 import type { CauseView, LackView } from "../api/types";
 import { format, t, word } from "./index";
+import { waitText } from "./wait";
 
 /** What somebody reports in words of their own; some of them are known here. */
 export function failureText(said: string): string {
@@ -24,10 +25,11 @@ export function lacksText(lacks: readonly LackView[]): string {
   return format.list(lacks.map(lackText));
 }
 
-function whatText({ clock_ahead_s: aheadS, detail, handover, lacks, machines, not_made: products, reason }: CauseView): string {
+function whatText({ clock_ahead_s: aheadS, detail, handover, lacks, machines, not_made: products, reason, wait }: CauseView): string {
   if (products.length > 0) return t("cause.notMade", { products: format.list(products) });
   if (machines.length > 0) return format.list(machines.map((each) => t("cause.of", { agent: each.agent, what: reasonText(each.reason) })));
   if (lacks.length > 0) return lacksText(lacks);
+  if (wait !== null) return waitText(wait);
   if (handover !== null) return t("cause.handover", { ...handover });
   if (aheadS !== 0) return t(aheadS < 0 ? "alerts.what.clock_behind" : "alerts.what.clock_ahead", { by: format.duration(Math.abs(aheadS)) });
   // What a vehicle reports says more than that it reports something.

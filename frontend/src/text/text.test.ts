@@ -66,7 +66,7 @@ describe("texts", () => {
     expect(n("alerts.alarm", 2)).toBe("2 alarms");
   });
 
-  const cause = (more: Partial<CauseView>): CauseView => ({ reason: "", detail: "", machines: [], lacks: [], not_made: [], handover: null, clock_ahead_s: 0, times: 1, text: "", ...more });
+  const cause = (more: Partial<CauseView>): CauseView => ({ reason: "", detail: "", machines: [], lacks: [], not_made: [], handover: null, wait: null, clock_ahead_s: 0, times: 1, text: "", ...more });
 
   test("know what agents say of what is wrong, one or several of them", () => {
     speak("de", managerDe, "de-DE");

@@ -43,6 +43,8 @@ from dray.messages.fact import (
     MachineFailure,
     TaskOpened,
 )
+from dray.messages.heartbeat import FloorBrief
+from dray.messages.traffic import HOLDS_MAX
 from dray.plant import default_plant
 
 FLOOR = default_plant()
@@ -56,6 +58,8 @@ MACHINE = {
 STORAGE = {
     area: next(s for s in FLOOR.storages if area in FLOOR.areas_at(*FLOOR.position_of(s))) for area in AREAS
 }
+
+NODE = {area: FLOOR.node_of(machine) for area, machine in MACHINE.items()}
 
 ATV = {area: f"ATV{number}" for number, area in enumerate(AREAS, 1)}
 
@@ -93,6 +97,9 @@ def standing(area: str, where: str = "", *, seq: int = 1) -> Message:
         help=HelpWanted(until_s=500.0),
         problem=f"the way is blocked by {ATV[after(area)]}",
         dwell_point=next(iter(FLOOR.dwell_points)),
+        floor=FloorBrief(
+            holds=tuple(FLOOR.nodes)[:HOLDS_MAX], waits=True, waits_for=ATV[after(area)], waits_at=NODE[area]
+        ),
     )
 
 

@@ -260,6 +260,7 @@ async def test_a_mirror_of_the_deltas_is_the_same_as_a_fresh_snapshot() -> None:
     stage = Stage(*everything())
     client = stage.join(operator(AREAS[0]))
     kinds = {"atv": "atvs", "machine": "machines", "task": "tasks", "news": "news", "alert": "alerts"}
+    kinds["wait"] = "waits"
     mirror: dict[str, dict[str, Any]] = {kind: {} for kind in kinds.values()}
     for seq in range(2, 30):
         mover = AREAS[seq % len(AREAS)]

@@ -84,6 +84,7 @@ RULES: Mapping[tuple[str, str], Rule] = {
     ("POST", "/api/closures"): Rule(Scope.FLOOR_WRITE, action="floor.close"),
     ("POST", "/api/closures/preview"): Rule(Scope.FACTORY_READ),
     ("DELETE", "/api/closures/{closure}"): Rule(Scope.FLOOR_WRITE, action="floor.open"),
+    ("GET", "/api/waits"): Rule(Scope.FACTORY_READ, by_area=True),
     ("GET", "/api/traffic"): Rule(Scope.FACTORY_READ),
     ("GET", "/api/promises"): Rule(Scope.FACTORY_READ),
     ("GET", "/api/events"): Rule(Scope.FACTORY_READ),

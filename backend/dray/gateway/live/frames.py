@@ -19,6 +19,7 @@ from dray.gateway.live.views import (
     StationView,
     TaskView,
     View,
+    WaitView,
 )
 
 
@@ -49,6 +50,8 @@ class Snapshot(View, kw_only=True, tag_field="type", tag="snapshot"):
     """The last ones, oldest first."""
     closures: tuple[ClosureView, ...] = ()
     """Those that hold, oldest first."""
+    waits: tuple[WaitView, ...] = ()
+    """Vehicles that cannot drive on, by their ids."""
     audience: AudienceView | None = None
     """Whoever reads this; None only in a snapshot that is nobody's."""
 
@@ -70,6 +73,7 @@ class Delta(View, kw_only=True, tag_field="type", tag="delta"):
     faults: tuple[FaultView, ...] = ()
     commands: tuple[CommandView, ...] = ()
     closures: tuple[ClosureView, ...] = ()
+    waits: tuple[WaitView, ...] = ()
     gone: tuple[str, ...] = ()
     """Ids that left the stream, as `task:M8-214` or `order:...`."""
 
@@ -88,6 +92,7 @@ class Delta(View, kw_only=True, tag_field="type", tag="delta"):
                 self.faults,
                 self.commands,
                 self.closures,
+                self.waits,
                 self.gone,
             )
         )

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
-from dray.gateway.live.views import CauseView, FailureView, LackView
+from dray.gateway.live.views import CauseView, FailureView, LackView, WaitCauseView, WaitKind
 from dray.messages import CommandAnswered, CommandRefusal, Implausible, MaterialWait, Reason, TaskBrief
 from dray.messages.command import PROMISE_MAX_S
 from dray.messages.fact import GoalWaits
@@ -82,6 +82,23 @@ IMPLAUSIBLE: Mapping[Implausible, str] = {
     Implausible.TOO_LATE: "a bid that would be done much later than its price tells",
 }
 
+HELD_UP: Mapping[WaitKind, str] = {
+    "silent": "which is not heard",
+    "stopped": "which was stopped",
+    "error": "which is in error",
+    "closed": "which has no way left by what is closed",
+    "standing": "which stands there",
+    "moving": "which is driving",
+    "unanswered": "which makes room or has no answer yet",
+}
+"""What holds up the last one of a chain, unless it is at a dock."""
+
+ALONE: Mapping[WaitKind, str] = {
+    "closed": "has no way left by what is closed",
+    "unanswered": "makes room or has no answer yet",
+}
+"""Of a vehicle that waits for nobody."""
+
 _WORDS: Mapping[str, str] = {
     reason.value: words for reason, words in (*REASONS.items(), *IMPLAUSIBLE.items())
 }
@@ -98,6 +115,32 @@ def refusal_text(answer: CommandAnswered) -> str:
         return answer.detail
     words = REFUSALS[answer.reason]
     return f"{words}: {answer.detail}" if answer.detail else words
+
+
+def wait_text(cause: WaitCauseView) -> str:
+    """For whom a vehicle waits: "waits for ATV3, which waits for ATV7 at the dock of M8"."""
+    if not cause.chain:
+        return ALONE.get(cause.kind, "waits")
+    *named, last = cause.chain
+    if cause.more:
+        named.append(f"{cause.more} more")
+    return "waits for " + ", which waits for ".join((*named, _last(last, cause)))
+
+
+def jam_text(vehicles: Sequence[str], cause: WaitCauseView) -> str:
+    """Who waits in a jam, and for whom in the end: "ATV5, ATV3, ATV2 wait for ATV7 at the dock of M8"."""
+    names = ", ".join(vehicles)
+    if cause.kind == "circle":
+        return f"{names} wait in a circle: {', for '.join((*cause.chain, cause.chain[0]))}"
+    return f"{names} wait for {_last(cause.chain[-1], cause)}"
+
+
+def _last(atv: str, cause: WaitCauseView) -> str:
+    if cause.kind == "circle":
+        return f"{atv}, in a circle"
+    if cause.kind == "docked":
+        return f"{atv} at the dock of {cause.place}" if cause.place else f"{atv} at a dock"
+    return f"{atv}, {HELD_UP[cause.kind]}"
 
 
 def detail_of(detail: str) -> CauseView | None:
@@ -131,6 +174,8 @@ def _what(cause: CauseView) -> str:
         return ", ".join(f"{each.agent} is {reason_text(each.reason)}" for each in cause.machines)
     if cause.lacks:
         return f"for {'; '.join(map(_lack, cause.lacks))}"
+    if cause.wait is not None:
+        return wait_text(cause.wait)
     if cause.handover is not None:
         load = cause.handover
         return f"says {load.said} of {load.item} to {load.where}, counted {load.counted}"

@@ -108,6 +108,7 @@ class AreaScope:
             "alert": (visibility.alert, projection.alerts.views),
             "command": (visibility.command, projection.commands.views),
             "closure": (visibility.closure, projection.closures.views),
+            "wait": (visibility.wait, projection.waits.views),
         }
         """Per kind but vehicles: how one is seen, and all of them."""
         self._shown: dict[str, dict[str, Any]] = {kind: {} for kind in ("atv", *self._others)}
@@ -135,6 +136,7 @@ class AreaScope:
             alerts=tuple(alerts),
             commands=shown["command"],
             closures=shown["closure"],
+            waits=shown["wait"],
         )
 
     def delta(self, told: Delta) -> Delta:
@@ -151,6 +153,7 @@ class AreaScope:
             "alert": told.alerts,
             "command": told.commands,
             "closure": told.closures,
+            "wait": told.waits,
         }
         seen: dict[str, tuple[Any, ...]] = {}
         for kind, (show, views) in self._others.items():
@@ -168,6 +171,7 @@ class AreaScope:
             alerts=seen["alert"],
             commands=seen["command"],
             closures=seen["closure"],
+            waits=seen["wait"],
             gone=tuple(gone),
         )
 

@@ -27,6 +27,8 @@ from dray.gateway.live.views import (
     ShutOutView,
     StationView,
     TaskView,
+    WaitCauseView,
+    WaitView,
     WhyView,
 )
 from dray.plant import Plant
@@ -79,6 +81,10 @@ class WholeVisibility:
 
     def news(self, view: NewsView) -> NewsView | None:
         """What has happened."""
+        return view
+
+    def wait(self, view: WaitView) -> WaitView | None:
+        """A vehicle that waits."""
         return view
 
     def words(self, text: str) -> str:
@@ -162,6 +168,7 @@ class AreaVisibility:
             view,
             node=view.node if view.node in self._nodes else "",
             way=self._way(view.way),
+            holds=tuple(place for place in view.holds if self._is_seen(place)),
             via=tuple(self._who(atv) for atv in view.via),
             watches=tuple(brief for brief in view.watches if self._concerned(brief)),
             dwell_point=view.dwell_point if view.dwell_point in self._places else "",
@@ -219,6 +226,8 @@ class AreaVisibility:
         """What is wrong with a machine, a station, a vehicle or a transport that is seen, and that nothing new is heard at all."""
         if view.kind == "plant_behind":
             return view
+        if view.vehicles:
+            return self._jam(view)
         if view.task:
             task = self._projection.tasks.view(view.task)
             if task is None or not self._concerns(task):
@@ -245,6 +254,13 @@ class AreaVisibility:
         return replace(
             view, lanes=lanes, cut_off=cut_off, not_known_by=unaware, reason=self.words(view.reason)
         )
+
+    def wait(self, view: WaitView) -> WaitView | None:
+        """A vehicle that waits, where it is seen."""
+        if not self.has(view.id):
+            return None
+        place = view.place if self._is_seen(view.place) else ""
+        return replace(view, place=place, cause=self._wait_cause(view.cause), text=self.words(view.text))
 
     def words(self, text: str) -> str:
         """Words for people, in which no vehicle is named that stands elsewhere."""
@@ -294,7 +310,29 @@ class AreaVisibility:
         """Vehicles are named in words only: its parts are of machines and storages."""
         if view is None:
             return None
-        return replace(view, detail=self.words(view.detail), text=self.words(view.text))
+        wait = None if view.wait is None else self._wait_cause(view.wait)
+        return replace(view, detail=self.words(view.detail), wait=wait, text=self.words(view.text))
+
+    def _wait_cause(self, view: WaitCauseView) -> WaitCauseView:
+        place = view.place if view.place in self._places else ""
+        return replace(view, chain=tuple(self._who(atv) for atv in view.chain), place=place)
+
+    def _jam(self, view: AlertView) -> AlertView | None:
+        """A jam in which somebody is seen."""
+        if not any(self.has(atv) for atv in view.vehicles):
+            return None
+        return replace(
+            view,
+            agent=self._who(view.agent),
+            place=view.place if view.place in self._places else "",
+            vehicles=tuple(self._who(atv) for atv in view.vehicles),
+            cause=self._cause(view.cause),
+        )
+
+    def _is_seen(self, place: str) -> bool:
+        """Whether a node is seen, or the middle of a crossing."""
+        crossing = self._plant.crossings.get(place)
+        return place in self._nodes if crossing is None else self.reaches(crossing.x_m, crossing.y_m)
 
     def _shut_out(self, view: ShutOutView | None) -> ShutOutView | None:
         return None if view is None else replace(view, reason=self.words(view.reason))

@@ -15,6 +15,7 @@ from dray.gateway.routes.factory import (
     machines,
     tasks,
     traffic,
+    waits,
 )
 from dray.gateway.routes.history import audit, events, kpis, promises
 from dray.gateway.routes.orders import imports, orders, track
@@ -38,6 +39,7 @@ API = (
     kpis,
     plant,
     traffic,
+    waits,
     faults,
     me,
     audit,

@@ -6,6 +6,9 @@ from collections import Counter
 from collections.abc import Iterable
 from typing import Any
 
+import msgspec
+from msgspec import UNSET
+
 from dray.gateway.live.projection.changes import Changes
 from dray.gateway.live.projection.figures.fleet import Fleet
 from dray.gateway.live.projection.outsiders import Outsiders
@@ -104,6 +107,9 @@ class Atvs:
             if last is not None:
                 self.by_status[last.status.value] -= 1
         self.fleet.fold(last, heartbeat)
+        if last is not None and heartbeat.floor is UNSET and _stands_as(last, heartbeat):
+            # By radio it tells less. Whoever has not moved holds what it has held.
+            heartbeat = msgspec.structs.replace(heartbeat, floor=last.floor)
         self._last[heartbeat.atv] = heartbeat
         self._change(heartbeat.atv)
         return True
@@ -161,6 +167,7 @@ class Atvs:
             speed_mps=heartbeat.speed_mps,
             node=heartbeat.node,
             way=heartbeat.way,
+            holds=() if heartbeat.floor is UNSET else heartbeat.floor.holds,
             battery_frac=heartbeat.battery_frac,
             battery_low=heartbeat.battery_frac
             < self._must_charge_frac.get(heartbeat.atv, ANY_MUST_CHARGE_FRAC),
@@ -198,6 +205,16 @@ class Atvs:
 
     def _help(self, wanted: HelpWanted) -> HelpView:
         return HelpView(until_at_s=self._to_wall_s(wanted.until_s), promised_by=wanted.promised_by)
+
+
+def _stands_as(last: AtvHeartbeat, heartbeat: AtvHeartbeat) -> bool:
+    """Whether a vehicle stands where it stood, in the same life."""
+    there = (last.incarnation, last.node, last.pose) == (
+        heartbeat.incarnation,
+        heartbeat.node,
+        heartbeat.pose,
+    )
+    return there and not last.speed_mps and not heartbeat.speed_mps
 
 
 def probation_of(heartbeat: Heartbeat) -> ProbationView | None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 
 from dray.gateway.live.frames import Delta, Snapshot
-from dray.gateway.live.projection.alerting import alert_rules
+from dray.gateway.live.projection.alerting import alert_rules, wait_rules
 from dray.gateway.live.projection.alerting.alerts import Alerts
 from dray.gateway.live.projection.atvs import Atvs
 from dray.gateway.live.projection.auctions.tasks import Tasks
@@ -22,6 +22,7 @@ from dray.gateway.live.projection.news import News
 from dray.gateway.live.projection.orders import Orders
 from dray.gateway.live.projection.outsiders import Outsiders
 from dray.gateway.live.projection.recent_commands import RecentCommands
+from dray.gateway.live.projection.right_of_way.waits import Waits
 from dray.gateway.live.projection.silence import Silence, heard_until_s, plant_bound_s
 from dray.gateway.live.projection.site import Site
 from dray.gateway.live.projection.stations import Stations
@@ -88,6 +89,7 @@ class Projection:
         self.commands = RecentCommands()
         self.faults = InjectedFaults(possible=fault_injection)
         self.closures = Closures()
+        self.waits = Waits(time.to_wall_s)
         self.interventions = Interventions()
         self._overload = Overload()
         kinds = (
@@ -101,6 +103,7 @@ class Projection:
             self.commands,
             self.faults,
             self.closures,
+            self.waits,
         )
         self._all = tuple(kind.changes for kind in kinds)
         self.heard = 0
@@ -134,6 +137,7 @@ class Projection:
                 before = self.atvs.last(message.atv)
                 told = self.atvs.fold(message)
                 if told:
+                    self.waits.follow(self.atvs.last(message.atv) or message)
                     self._silence.note(message.atv, message, delay_s)
                     self.closures.on_heartbeat(message)
                     self.traffic.follow(before, message)
@@ -177,12 +181,9 @@ class Projection:
         Returns:
             The alerts that had been acknowledged and have ended.
         """
-        now_s, heard_s = self._time.to_plant_s(wall_s), self._heard_until_s(wall_s)
-        now = alert_rules.Moment(
-            now_s, heard_s, wall_s, self._time.speed, self._time.to_wall_s, self._silence
-        )
-        heard = [each for each in self.atvs.heartbeats() if each.atv not in self.outsiders]
+        now, heard = self._moment(wall_s), self._heard_atvs()
         of_atvs = tuple(alert_rules.of_atvs(heard, now))
+        self.waits.look(heard, now.is_lost, self.site.plant)
         machines = (each for each in self.machines.heartbeats() if each[0].machine not in self.outsiders)
         stations = (each for each in self.stations.heartbeats() if each.station not in self.outsiders)
         clocks = {
@@ -198,6 +199,7 @@ class Projection:
             *alert_rules.of_machines(machines, self._materials, now),
             *alert_rules.of_stations(stations, now),
             *of_atvs,
+            *wait_rules.of_waits(self.waits, {each.agent for each in of_atvs}, now),
             *alert_rules.of_transports(self.tasks.under_way(), of_atvs),
             *alert_rules.of_orders(self.orders.in_trouble(wall_s), self.orders.impossible(), now),
         )
@@ -277,10 +279,13 @@ class Projection:
             faults=self.faults.views(),
             commands=self.commands.views(),
             closures=self.closures.views(),
+            waits=self.waits.views(),
         )
 
     def delta(self, number: int, wall_s: float, factory: FactoryView | None) -> Delta:
         """What has changed since the last delta."""
+        if self.waits.is_stale:
+            self.waits.look(self._heard_atvs(), self._moment(wall_s).is_lost, self.site.plant)
         return Delta(
             number=number,
             at_s=wall_s,
@@ -295,8 +300,18 @@ class Projection:
             faults=self.faults.take_changed(),
             commands=self.commands.take_changed(),
             closures=self.closures.take_changed(),
+            waits=self.waits.take_changed(),
             gone=tuple(name for changes in self._all for name in changes.take_gone()),
         )
+
+    def _moment(self, wall_s: float) -> alert_rules.Moment:
+        now_s, heard_s = self._time.to_plant_s(wall_s), self._heard_until_s(wall_s)
+        return alert_rules.Moment(
+            now_s, heard_s, wall_s, self._time.speed, self._time.to_wall_s, self._silence
+        )
+
+    def _heard_atvs(self) -> list[AtvHeartbeat]:
+        return [each for each in self.atvs.heartbeats() if each.atv not in self.outsiders]
 
     def _heard_until_s(self, wall_s: float) -> float:
         """How far the plant was heard by now (plant clock)."""

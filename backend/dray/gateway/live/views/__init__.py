@@ -23,6 +23,7 @@ from dray.gateway.live.views.news import NewsView
 from dray.gateway.live.views.order import OrderItemView, OrderView
 from dray.gateway.live.views.station import StationView, StockView
 from dray.gateway.live.views.task import BidView, CarrierView, RefusalView, TaskView
+from dray.gateway.live.views.wait import WaitCauseView, WaitKind, WaitView
 from dray.gateway.live.views.why import PassedView, RefusedView, WhyView
 
 __all__ = [
@@ -64,5 +65,8 @@ __all__ = [
     "TaskView",
     "UseView",
     "View",
+    "WaitCauseView",
+    "WaitKind",
+    "WaitView",
     "WhyView",
 ]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from hashlib import blake2s
 from typing import Literal
 
 from dray.gateway.live.views.base import View
@@ -15,6 +16,7 @@ AlertKind = Literal[
     "atv_lost",
     "atv_help",
     "atv_error",
+    "jam",
     "order_impossible",
     "order_waits",
     "order_late",
@@ -29,6 +31,7 @@ AlertKind = Literal[
     "word_disbelieved",
     "strangers",
     "task_trouble",
+    "atv_waits",
     "atv_promised",
     "atv_stopped",
     "atv_battery",
@@ -56,6 +59,7 @@ AlertResponse = Literal[
     "check_vehicle",
     "set_clock",
     "look_at_network",
+    "clear_way",
 ]
 """What an alert asks of people."""
 
@@ -69,6 +73,10 @@ class Condition(View, kw_only=True):
     whole."""
     task: str = ""
     order: str = ""
+    place: str = ""
+    """Of a jam before a dock: whose dock that is."""
+    vehicles: tuple[str, ...] = ()
+    """Of a jam: all that wait in it, who has waited longest first."""
     cause: CauseView | None = None
     """What is known of why."""
     by: str = ""
@@ -91,6 +99,9 @@ class Condition(View, kw_only=True):
     def alert(self) -> str:
         """The id of its alert: the same one as long as the same thing is wrong with the same subject."""
         subject = self.order or self.task or self.agent
+        if self.kind == "jam":
+            # Whoever sees only a part of the jam is not told by its name who stands elsewhere.
+            subject = self.place or blake2s(subject.encode(), digest_size=4).hexdigest()
         return f"{self.kind}-{subject}" if subject else self.kind
 
 

@@ -47,6 +47,8 @@ class AtvView(View, kw_only=True):
     node: str
     way: tuple[str, ...] = ()
     """Nodes still ahead; the vehicle is between `node` and `way[0]`."""
+    holds: tuple[str, ...] = ()
+    """Nodes and crossings into which nobody else may drive; empty where vehicles drive without right of way."""
     battery_frac: float
     battery_low: bool = False
     """It takes no work before it has charged, by its type's `must_below_frac`."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dray.gateway.live.views.base import View
+from dray.gateway.live.views.wait import WaitCauseView
 
 
 class FailureView(View):
@@ -46,6 +47,8 @@ class CauseView(View, kw_only=True):
     not_made: tuple[str, ...] = ()
     """Products that this plant does not make."""
     handover: HandoverView | None = None
+    wait: WaitCauseView | None = None
+    """For whom vehicles wait."""
     clock_ahead_s: float = 0.0
     """How far the clock is ahead of whoever is not believed, behind if below 0 (factory seconds)."""
     times: int = 1

@@ -24,6 +24,7 @@ from dray.gateway.live.views import (
     FaultView,
     MachineView,
     TaskView,
+    WaitView,
 )
 from dray.gateway.orders.feasibility import OrderPreview
 from dray.gateway.routes.factory.atvs import CommandAnswer
@@ -71,6 +72,7 @@ SHAPES = (
     TaskView,
     TrackAnswer,
     TrafficAnswer,
+    WaitView,
 )
 """Structs that routers answer with, and the frames of the stream."""
 

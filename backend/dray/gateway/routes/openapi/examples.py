@@ -29,6 +29,7 @@ from dray.gateway.routes.factory.agents import EXAMPLE as EXCLUSION
 from dray.gateway.routes.factory.alerts import EXAMPLE as ALERT
 from dray.gateway.routes.factory.closures import EXAMPLE as CLOSURE
 from dray.gateway.routes.factory.inventory import InventoryLine, MaterialAnswer, StorageAnswer, StoredMaterial
+from dray.gateway.routes.factory.waits import EXAMPLE as WAIT
 from dray.gateway.routes.history.events import EventAnswer
 from dray.gateway.routes.orders.imports import ImportAnswer, ImportedOrder
 from dray.gateway.routes.orders.orders import EXAMPLE as ORDER
@@ -64,6 +65,7 @@ _STRUCTS = (
     ALERT,
     EXCLUSION,
     CLOSURE,
+    WAIT,
     TrackAnswer(
         status=ORDER.status,
         reference=ORDER.reference,

@@ -93,8 +93,8 @@ class PlaceRequests:
         self._speed_mps = 0.0
         self._held_up_s: float | None = None
         """Since when it stands and waits for its next group."""
-        self._blocked, self._blocked_by = Blocked.NO, ""
-        """Why it was not granted that, and who is in the way, as the book has told last."""
+        self._blocked, self._blocked_by, self._blocked_at = Blocked.NO, "", ""
+        """Why it was not granted that, who is in the way and where, as the book has told last."""
 
     # --- how things stand ------------------------------------------------------------------------
 
@@ -139,6 +139,11 @@ class PlaceRequests:
         return self._blocked_by if self._held_up_s is not None else ""
 
     @property
+    def waits_at(self) -> str:
+        """The place that it needs and another one has; empty where it waits for none, or does not know."""
+        return self._blocked_at if self._held_up_s is not None else ""
+
+    @property
     def held_up_since_s(self) -> float | None:
         """Since when it stands and waits for a place; None when it does not."""
         return self._held_up_s
@@ -181,7 +186,7 @@ class PlaceRequests:
         """A book has told why it does not grant what is wanted next."""
         groups = self._groups()
         if groups and self._places.district_of[groups[0][0]] == granted.district:
-            self._blocked, self._blocked_by = granted.blocked, granted.by
+            self._blocked, self._blocked_by, self._blocked_at = granted.blocked, granted.by, granted.at
 
     def _note_wait(self, now_s: float) -> None:
         if self._held_up_s is not None:

@@ -230,6 +230,7 @@ class ReservedDriver(Driver):
             docked=hint.docked,
             waits=self.right_of_way.is_hindered,
             waits_for=self.right_of_way.waits_for,
+            waits_at=self.right_of_way.waits_at,
             rank=hint.rank,
         )
 

@@ -35,7 +35,7 @@ describe("news in words", () => {
 
   test("name the order that waits by its customer's reference", () => {
     const machines = [{ agent: "M8", reason: "silent" }];
-    const cause = { reason: "", detail: "", machines, lacks: [], not_made: [], handover: null, clock_ahead_s: 0, times: 1, text: "" };
+    const cause = { reason: "", detail: "", machines, lacks: [], not_made: [], handover: null, wait: null, clock_ahead_s: 0, times: 1, text: "" };
     const waits = news({ kind: "goal_waits", order: "O-1", cause });
     expect(text(waits)).toBe("Order PO-17 waits: M8 is silent");
   });

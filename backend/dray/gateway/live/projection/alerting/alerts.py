@@ -34,6 +34,8 @@ RESPONSES: Mapping[AlertKind, tuple[Literal["alarm", "warning"], AlertResponse]]
     "atv_error": ("alarm", "help"),
     "atv_stopped": ("warning", "resume"),
     "atv_battery": ("warning", "bring_to_charger"),
+    "jam": ("alarm", "clear_way"),
+    "atv_waits": ("warning", "clear_way"),
     "handover_disputed": ("warning", "check_vehicle"),
     "clock_wrong": ("warning", "set_clock"),
     "word_disbelieved": ("warning", "check_vehicle"),

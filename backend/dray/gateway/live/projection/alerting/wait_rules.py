@@ -1,0 +1,80 @@
+"""Wait rules: when vehicles that wait for one another are worth a look. Pure rules.
+
+A wait that ends by itself asks nothing of people, and most do.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Container, Iterator
+
+from msgspec.structs import replace
+
+from dray.gateway.live.projection.alerting.alert_rules import Moment
+from dray.gateway.live.projection.right_of_way.waits import Waits
+from dray.gateway.live.reasons import jam_text, told
+from dray.gateway.live.views import CauseView, WaitView
+from dray.gateway.live.views.alert import Condition
+
+LONG_WAIT_S = 120.0
+"""Factory seconds for which a vehicle may stand and wait for others."""
+
+CIRCLE_S = 30.0
+"""Factory seconds for which vehicles may wait in a circle: one of them makes room within a few."""
+
+JAM_LEAST = 3
+"""Vehicles that wait for one and the same are a jam, when one of them has waited long."""
+
+
+def of_waits(waits: Waits, told_of: Container[str], now: Moment) -> Iterator[Condition]:
+    """Jams, each with all that wait in it, and vehicles that have waited for too long elsewhere.
+
+    Args:
+        waits: who waits for whom, as of now.
+        told_of: vehicles that something graver is told of already.
+        now: when it is looked at.
+    """
+    present_s = now.to_wall_s(min(now.plant_s, now.heard_s))
+    behind: dict[str, list[WaitView]] = {}
+    for view in waits.views():
+        behind.setdefault(_end(view, waits), []).append(view)
+    for views in behind.values():
+        views.sort(key=lambda view: (view.since_at_s, view.id))
+        long = [view for view in views if (present_s - view.since_at_s) * now.speed > LONG_WAIT_S]
+        if _is_circle_stuck(views, waits, present_s, now.speed) or (len(views) >= JAM_LEAST and long):
+            yield _jam(views, waits)
+            continue
+        for view in long:
+            if view.id not in told_of:
+                cause = told(CauseView(wait=view.cause))
+                yield Condition(kind="atv_waits", agent=view.id, cause=cause)
+
+
+def _end(view: WaitView, waits: Waits) -> str:
+    """What all that wait for the same have in common: a dock, a circle, or a vehicle."""
+    chain = waits.chain(view.id)
+    if chain.circle:
+        return chain.circle[0]
+    return view.cause.place or (chain.ahead[-1] if chain.ahead else view.id)
+
+
+def _is_circle_stuck(views: list[WaitView], waits: Waits, present_s: float, speed: float) -> bool:
+    circle = waits.chain(views[0].id).circle
+    since_s = {view.id: view.since_at_s for view in views}
+    return bool(circle) and all(
+        atv in since_s and (present_s - since_s[atv]) * speed > CIRCLE_S for atv in circle
+    )
+
+
+def _jam(views: list[WaitView], waits: Waits) -> Condition:
+    first = views[0]
+    chain = waits.chain(first.id)
+    ends = chain.circle or chain.ahead[-1:] or (first.id,)
+    vehicles = tuple(view.id for view in views)
+    cause = replace(first.cause, chain=ends, more=0)
+    return Condition(
+        kind="jam",
+        agent=ends[0],
+        place=cause.place,
+        vehicles=vehicles,
+        cause=CauseView(wait=cause, text=jam_text(vehicles, cause)),
+    )
