@@ -161,6 +161,8 @@ class VehicleState(Part, frozen=True):
     link: Link = Link.WLAN
     problem: str = ""
     """What keeps it from going on; empty for nothing."""
+    base_end: str = ""
+    """The node up to which the way that it was given last is released; empty when it has come there, or has none."""
 
 
 # --- a workcell: instructions and reports --------------------------------------------------------

@@ -256,6 +256,12 @@ class Settings(BaseSettings):
     trusted_keys: Several = ()
     """Public keys of gateways in hex, several with commas: whose grants of people's commands vehicles believe."""
 
+    traffic: bool = False
+    """Vehicles take up room, and drive with right of way. The same for all agents of a plant."""
+
+    traffic_log: Path | None = None
+    """A folder where each agent writes down what it says and hears of right of way, to be judged afterwards."""
+
     plant_speed: Annotated[float, Field(gt=0, le=50)] = 1.0
     """Factory seconds per real second; above 1 only with simulated bodies. The same for all agents."""
 

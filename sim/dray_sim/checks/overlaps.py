@@ -11,7 +11,7 @@ What a person carries is in no one's way while it is carried. Vehicles without a
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from math import floor, pi
 
@@ -56,17 +56,25 @@ class Overlaps:
     Args:
         vehicles: by id; one that is added later is watched from the next message on.
         strict: whether an overlap breaks the run; else they are only counted.
+        told: is told each of them.
 
     Attributes:
         first: the first overlap that was found; None for none.
         count: how many times two vehicles came into one spot.
     """
 
-    def __init__(self, vehicles: Mapping[str, SimVehicle], *, strict: bool = True) -> None:
+    def __init__(
+        self,
+        vehicles: Mapping[str, SimVehicle],
+        *,
+        strict: bool = True,
+        told: Callable[[Overlap], None] = lambda _: None,
+    ) -> None:
         self.first: Overlap | None = None
         self.count = 0
         self._vehicles = vehicles
         self._strict = strict
+        self._told = told
         self._courses: dict[str, Course] = {}
         self._cells: dict[str, tuple[Cell, ...]] = {}
         self._in_cell: dict[Cell, dict[str, None]] = {}
@@ -80,8 +88,7 @@ class Overlaps:
         Raises:
             InvariantBroken: two vehicles were in one spot since the last message.
         """
-        if len(self._courses) != len(self._vehicles):
-            self._watch_new()
+        self._watch_new()
         if self._strict and self.first is not None:
             raise InvariantBroken(NUMBER, self.first.at_s, str(self.first))
 
@@ -91,6 +98,7 @@ class Overlaps:
         Raises:
             InvariantBroken: see `on_message`.
         """
+        self._watch_new()
         judged: set[str] = set()
         for vehicle, course in self._courses.items():
             self._judge(vehicle, course, at_s, judged)
@@ -99,6 +107,8 @@ class Overlaps:
             raise InvariantBroken(NUMBER, self.first.at_s, str(self.first))
 
     def _watch_new(self) -> None:
+        if len(self._courses) == len(self._vehicles):
+            return
         for name, vehicle in self._vehicles.items():
             if name not in self._courses:
                 vehicle.watch_course(self._on_course)
@@ -198,8 +208,9 @@ class Overlaps:
             return
         self._touching.add(pair)
         self.count += 1
-        if self.first is None:
-            self.first = Overlap(at_s, *pair, covers.x_m, covers.y_m, depth_m)
+        overlap = Overlap(at_s, *pair, covers.x_m, covers.y_m, depth_m)
+        self.first = self.first or overlap
+        self._told(overlap)
 
 
 def _cells_of(course: Course) -> tuple[Cell, Cell]:

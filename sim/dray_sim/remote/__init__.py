@@ -5,12 +5,13 @@
 A floor that begins anew knows nothing of the one before. To an agent that has taken over its body there, it
 says nothing, so that the agent finds its body lost; and to the next life it says that the body is new.
 
-`server` lets agents elsewhere use the bodies of a floor, `pieces` counts the pieces of a floor elsewhere.
+`server` lets agents elsewhere use the bodies of a floor, `floor_monitor` sees whether two vehicles are in one spot, `pieces` counts the pieces of a floor elsewhere.
 """
 
 from __future__ import annotations
 
+from dray_sim.remote.floor_monitor import FloorMonitor
 from dray_sim.remote.pieces import count_pieces
 from dray_sim.remote.server import FloorServer
 
-__all__ = ["FloorServer", "count_pieces"]
+__all__ = ["FloorMonitor", "FloorServer", "count_pieces"]

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from dray.cli.runtime.options import SettingsFile
+from dray.cli.runtime.options import SettingsFile, Traffic
 
 if TYPE_CHECKING:
     from dray.adapters.security.signing import TrustedKeys
@@ -43,6 +43,7 @@ def machine(
         typer.Option("--joining", help="A plant file that has it, when that of the others does not know it."),
     ] = None,
     probation: Probation = 0,
+    traffic: Traffic = False,
     settings: SettingsFile = None,
 ) -> None:
     """Run the agent of a machine; one that joins takes part as soon as it is there. SIGTERM lets it shut down gracefully."""
@@ -53,9 +54,9 @@ def machine(
     from dray.cli.runtime.output import one_of
     from dray.protocol.machine.machine import Machine
 
-    where = _surroundings(settings)
+    where = _surroundings(settings, traffic=traffic)
     plant = where.plant if joining is None else _grown(where.plant, joining, name)
-    spec = one_of(plant.machines, name, "NAME")
+    spec, places = one_of(plant.machines, name, "NAME"), where.traffic
 
     def make(life: int) -> Machine:
         return Machine(
@@ -65,6 +66,7 @@ def machine(
             software=__version__,
             joining=joining is not None,
             probation=probation,
+            traffic=places,
         )
 
     asyncio.run(run_agent(where, name, make, None if joining is None else spec))
@@ -78,6 +80,7 @@ def atv(
     ] = None,
     node: Annotated[str | None, typer.Option(help="Where a joining vehicle stands.")] = None,
     probation: Probation = 0,
+    traffic: Traffic = False,
     settings: SettingsFile = None,
 ) -> None:
     """Run the agent of a vehicle; one that joins takes part as soon as it is there. SIGTERM lets it shut down gracefully."""
@@ -88,10 +91,10 @@ def atv(
     from dray.cli.runtime.output import one_of
     from dray.protocol.vehicle.atv import Atv
 
-    where = _surroundings(settings)
+    where = _surroundings(settings, traffic=traffic)
     joining = _joining(where.plant, name, type_, node)
     spec = joining or one_of(where.plant.fleet, name, "NAME")
-    trusts = _trusted(where)
+    trusts, places = _trusted(where), where.traffic
 
     def make(life: int) -> Atv:
         return Atv(
@@ -102,6 +105,7 @@ def atv(
             software=__version__,
             probation=probation,
             trusts=trusts,
+            traffic=places,
         )
 
     asyncio.run(run_agent(where, name, make, joining))
@@ -110,6 +114,7 @@ def atv(
 @app.command()
 def station(
     name: Annotated[str, typer.Argument(help="The id of its storage in the plant, as S3.")],
+    traffic: Traffic = False,
     settings: SettingsFile = None,
 ) -> None:
     """Run the station of a storage, without which nobody fetches anything there. SIGTERM lets it shut down gracefully."""
@@ -120,11 +125,12 @@ def station(
     from dray.cli.runtime.output import one_of
     from dray.protocol.station.station import Station
 
-    where = _surroundings(settings)
+    where = _surroundings(settings, traffic=traffic)
     one_of(where.plant.storages, name, "NAME")
+    places = where.traffic
 
     def make(life: int) -> Station:
-        return Station(name, where.plant, incarnation=life, software=__version__)
+        return Station(name, where.plant, incarnation=life, software=__version__, traffic=places)
 
     asyncio.run(run_agent(where, name, make))
 
@@ -141,11 +147,11 @@ def strategist(settings: SettingsFile = None) -> None:
     asyncio.run(run_agent(where, STRATEGIST, lambda life: Strategist(where.plant, incarnation=life)))
 
 
-def _surroundings(file: Path | None) -> Surroundings:
+def _surroundings(file: Path | None, *, traffic: bool = False) -> Surroundings:
     from dray.cli.runtime.options import load_settings
     from dray.cli.runtime.surroundings import Surroundings
 
-    return Surroundings.of(load_settings(settings_file=file))
+    return Surroundings.of(load_settings(settings_file=file, traffic=traffic or None))
 
 
 def _grown(plant: Plant, file: Path, name: str) -> Plant:

@@ -8,6 +8,8 @@ from typing import Annotated
 
 import typer
 
+from dray.cli.runtime.options import Traffic
+
 app = typer.Typer(no_args_is_help=True, help="A whole factory as processes on this computer.")
 
 Folder = Annotated[
@@ -43,21 +45,23 @@ def up(
         bool,
         typer.Option("--metrics", help="Each process tells Prometheus its own; metrics.json says where."),
     ] = False,
+    traffic: Traffic = False,
 ) -> None:
     """Start every agent of a plant as a process; whatever ends is started again. Ctrl-C stops all."""
     if not math.isfinite(speed):
         raise typer.BadParameter("must be a number", param_hint="--speed")
 
     import asyncio
+    from functools import partial
 
     from dray.cli.commands.plant import chosen_plant
     from dray.cli.fleet.supervisor import FleetOptions, run_fleet
     from dray.cli.runtime.options import load_settings
 
-    settings = load_settings(port=port, plant_file=plant, database_url=db)
+    load = partial(load_settings, port=port, plant_file=plant, traffic=traffic or None)
+    settings = load(database_url=db)
     if "database_url" not in settings.model_fields_set:
-        own = f"sqlite:///{folder.resolve() / 'dray.db'}"
-        settings = load_settings(port=port, plant_file=plant, database_url=own)
+        settings = load(database_url=f"sqlite:///{folder.resolve() / 'dray.db'}")
     asyncio.run(
         run_fleet(
             FleetOptions(

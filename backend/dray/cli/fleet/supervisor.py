@@ -169,7 +169,10 @@ async def _common_environment(options: FleetOptions, folder: Path, port: int) ->
         # Said also where it is as ever: whoever has started us may have set something else for one process.
         f"{PREFIX}BUS_CERTIFICATES": "" if options.plain else str(folder / CERTIFICATES),
         f"{PREFIX}GATEWAY_NAME": GATEWAY,
+        f"{PREFIX}TRAFFIC": str(settings.traffic),
     }
+    if settings.traffic_log is not None:
+        environment[f"{PREFIX}TRAFFIC_LOG"] = str(settings.traffic_log.resolve())
     if settings.plant_file is not None:
         named = is_shipped(settings.plant_file)
         environment[f"{PREFIX}PLANT_FILE"] = str(

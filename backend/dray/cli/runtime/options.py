@@ -18,6 +18,14 @@ SettingsFile = Annotated[
     typer.Option("--settings", help="A file of DRAY_...=... lines; the environment wins over it."),
 ]
 
+Traffic = Annotated[
+    bool,
+    typer.Option(
+        "--traffic", help="Vehicles take up room, and drive with right of way; or DRAY_TRAFFIC=true."
+    ),
+]
+"""Given as `traffic or None`: without it the setting counts."""
+
 OPTIONS = {"--database-url": "--db", "--gateway-name": "--name", "--plant-file": "--plant"}
 """Options whose name is not that of the setting."""
 

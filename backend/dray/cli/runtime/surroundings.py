@@ -21,6 +21,7 @@ from dray.cli.runtime.telemetry.logs import prepare_logs
 from dray.gateway.live.timescale import TimeScale
 from dray.messages.keys import STRATEGIST
 from dray.plant import Plant, default_plant, load_plant
+from dray.protocol.traffic.traffic_map import TrafficMap
 from dray.settings import Settings
 from dray.store.historian import AGENT as HISTORIAN
 
@@ -47,6 +48,14 @@ class Surroundings:
         prepare_logs(settings)
         plant = default_plant() if settings.plant_file is None else load_plant(settings.plant_file)
         return cls(settings, plant)
+
+    @property
+    def traffic(self) -> TrafficMap | None:
+        """What agents need for right of way; None where vehicles drive without.
+
+        Of the plant as all know it: places and districts must be the same for a machine that joins.
+        """
+        return TrafficMap(self.plant) if self.settings.traffic else None
 
     def clock(self) -> SystemClock:
         """The plant's clock, on the running loop."""

@@ -8,7 +8,7 @@ from prometheus_client import Metric
 from prometheus_client.registry import Collector
 
 from dray.adapters.telemetry.metric_families import counter, counters, gauge, gauges
-from dray_sim.remote import FloorServer
+from dray_sim.remote import FloorMonitor, FloorServer
 
 
 class FloorMeter(Collector):
@@ -16,10 +16,11 @@ class FloorMeter(Collector):
 
     Args:
         server: the floor's.
+        monitor: who sees whether two vehicles are in one spot, if anybody does.
     """
 
-    def __init__(self, server: FloorServer) -> None:
-        self._server = server
+    def __init__(self, server: FloorServer, monitor: FloorMonitor | None = None) -> None:
+        self._server, self._monitor = server, monitor
 
     def collect(self) -> Iterator[Metric]:
         """Everything as of now."""
@@ -34,3 +35,7 @@ class FloorMeter(Collector):
         yield counters(
             "floor_letters_refused", "Agents' letters that nobody obeyed.", "reason", traffic.refused
         )
+        if self._monitor is not None:
+            yield counter(
+                "floor_overlaps", "How often two vehicles came into one spot.", self._monitor.overlaps
+            )

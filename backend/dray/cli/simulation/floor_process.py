@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import asyncio
 
+from dray.adapters.system_clock import SystemClock
+from dray.adapters.telemetry.traffic_log import TrafficLog
 from dray.adapters.zenoh.claim import Claim
 from dray.cli.runtime.readiness import say_ready
 from dray.cli.runtime.roster import FLOOR
@@ -13,7 +15,7 @@ from dray.cli.runtime.telemetry.clock_meter import ClockMeter
 from dray.cli.simulation.floor_meter import FloorMeter
 from dray.errors import UnavailableError
 from dray_sim.bodies.floor import NEARLY_EMPTY_FRAC, Floor
-from dray_sim.remote import FloorServer
+from dray_sim.remote import FloorMonitor, FloorServer
 
 
 async def serve_floor(surroundings: Surroundings, seed: int) -> None:
@@ -36,13 +38,28 @@ async def serve_floor(surroundings: Surroundings, seed: int) -> None:
         clock = surroundings.clock()
         floor = Floor(plant, clock, seed=seed, stock_frac=NEARLY_EMPTY_FRAC)
         server = FloorServer(bus.inner, plant.id, floor)
-        telling = group.create_task(server.run())
-        async with surroundings.told(FloorMeter(server), ClockMeter(clock)):
+        monitor = _monitor(surroundings, floor, clock)
+        running = [group.create_task(server.run())]
+        if monitor is not None:
+            running.append(group.create_task(monitor.run()))
+        async with surroundings.told(FloorMeter(server, monitor), ClockMeter(clock)):
             with stopped_by_signals(stopped.set):
                 say_ready(FLOOR)
                 await stopped.wait()
-        telling.cancel()
+        for each in running:
+            each.cancel()
+        if monitor is not None:
+            monitor.look()
         server.end()
         claim.end()
     if second:
         raise UnavailableError(f"the floor of {plant.id}", "runs elsewhere already", "end that one first")
+
+
+def _monitor(surroundings: Surroundings, floor: Floor, clock: SystemClock) -> FloorMonitor | None:
+    """Who sees whether two vehicles are in one spot; nobody where they drive as if each were alone."""
+    settings = surroundings.settings
+    if not settings.traffic:
+        return None
+    lines = None if settings.traffic_log is None else TrafficLog(settings.traffic_log, FLOOR)
+    return FloorMonitor(floor.vehicles, clock, lines)

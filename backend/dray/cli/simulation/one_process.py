@@ -65,13 +65,12 @@ class Inside:
 Factory = SimThread[Inside]
 
 
-async def run_service(service: Service, seed: int, *, traffic: bool = False) -> None:
+async def run_service(service: Service, seed: int) -> None:
     """Run until a signal.
 
     Args:
         service: what is to be run.
         seed: of everything that is left to chance in the factory.
-        traffic: whether vehicles drive with right of way.
 
     Raises:
         UnavailableError: the port or the database is not to be had.
@@ -90,7 +89,7 @@ async def run_service(service: Service, seed: int, *, traffic: bool = False) -> 
             incarnation = await store.next_incarnation(service.plant.id)
             authority = await authority_of(store)
             tracing = stack.enter_context(traced(settings))
-            life = _life(service, seed, incarnation, authority.public, tracing, traffic=traffic)
+            life = _life(service, seed, incarnation, authority.public, tracing)
             factory = SimThread(life, paced(service.speed))
             try:
                 inside = await asyncio.to_thread(factory.start, BUILDING_S)
@@ -112,8 +111,6 @@ def _life(
     incarnation: int,
     trusted: bytes,
     tracing: TracerProvider | None,
-    *,
-    traffic: bool,
 ) -> Callable[[Callable[[Inside], None]], Coroutine[None, None, None]]:
     """What the factory's thread runs."""
 
@@ -132,7 +129,7 @@ def _life(
             stock_frac=NEARLY_EMPTY_FRAC,
             trusts=TrustedKeys(trusted),
             meet=watched(service.settings, tracing, to_wall_s),
-            traffic=traffic,
+            traffic=service.settings.traffic,
         )
         scale = TimeScale(now.now_s(), time.time(), service.speed)
         ready(Inside(factory, Faults(factory), scale))

@@ -84,6 +84,11 @@ class Travel:
         """Whether it stands, or will stand, before the end of its way because no more is released."""
         return self.way is not None and self._released < self.way.last
 
+    @property
+    def base_end(self) -> str:
+        """The last node that it may drive to; empty when it has come there."""
+        return "" if self.way is None or self._passed >= self._released else self.way.points[self._released]
+
     def on_lane(self, now_s: float) -> bool:
         """Whether it is between two nodes, or just leaving one; a way can then begin only at the next."""
         if self.way is None or self._passed >= self._released:

@@ -157,6 +157,7 @@ class SimVehicle:
             charging=self._charging,
             link=self._link,
             problem=self.problem,
+            base_end=travel.base_end,
         )
 
     def attach(self, report: Callable[[Report], None]) -> None:
@@ -287,8 +288,7 @@ class SimVehicle:
         if self._handling.action is not None:
             self._handling.abort("a new way was given")
         self._handling.unplug()
-        way = travel.way
-        if way is not None and not way.lead:
+        if (way := travel.way) is not None and not way.lead:
             self._pass_node(way, 0)
 
     def _act(self, action: Action) -> None:
@@ -383,10 +383,10 @@ class SimVehicle:
     def _settle(self) -> None:
         """Bring battery, odometer and action up to now."""
         now_s = self._now_s()
-        if now_s == self._power.settled_s:
+        passed_s = now_s - self._power.settled_s
+        if not passed_s:
             return
         self._add_to(self._sums, now_s)
-        passed_s = now_s - self._power.settled_s
         self._power.settle(now_s)
         if not self.stopped:
             self._handling.spend(passed_s)

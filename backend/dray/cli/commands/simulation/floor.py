@@ -6,12 +6,13 @@ from typing import Annotated
 
 import typer
 
-from dray.cli.runtime.options import SettingsFile
+from dray.cli.runtime.options import SettingsFile, Traffic
 
 
 def floor(
     settings: SettingsFile = None,
     seed: Annotated[int, typer.Option(help="How full buffers are at the start follows from it.")] = 1,
+    traffic: Traffic = False,
 ) -> None:
     """Run the simulated floor: the bodies of all vehicles and machines, for agents that have none of their own."""
     import asyncio
@@ -20,4 +21,6 @@ def floor(
     from dray.cli.runtime.surroundings import Surroundings
     from dray.cli.simulation.floor_process import serve_floor
 
-    asyncio.run(serve_floor(Surroundings.of(load_settings(settings_file=settings)), seed))
+    asyncio.run(
+        serve_floor(Surroundings.of(load_settings(settings_file=settings, traffic=traffic or None)), seed)
+    )

@@ -8,6 +8,8 @@ from typing import Annotated
 
 import typer
 
+from dray.cli.runtime.options import Traffic
+
 
 def up(
     host: Annotated[
@@ -33,9 +35,7 @@ def up(
     demand: Annotated[
         bool, typer.Option("--demand/--no-demand", help="Place orders, so that there is something to see.")
     ] = True,
-    traffic: Annotated[
-        bool, typer.Option("--traffic", help="Vehicles take up room, and drive with right of way.")
-    ] = False,
+    traffic: Traffic = False,
 ) -> None:
     """Run a simulated factory with its panels; Ctrl-C stops it."""
     if not (math.isfinite(speed) and speed > 0):
@@ -49,7 +49,7 @@ def up(
     from dray.cli.simulation.customers import customers_of
     from dray.cli.simulation.one_process import run_service
 
-    settings = load_settings(host=host, port=port, database_url=db, plant_file=plant)
+    settings = load_settings(host=host, port=port, database_url=db, plant_file=plant, traffic=traffic or None)
     chosen = chosen_plant(settings.plant_file)
     customers = customers_of(chosen, speed=speed, seed=seed) if demand else None
-    asyncio.run(run_service(Service(settings, chosen, speed, customers), seed, traffic=traffic))
+    asyncio.run(run_service(Service(settings, chosen, speed, customers), seed))

@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from dray.adapters.telemetry.fact_log import LoggedBus
+from dray.adapters.telemetry.traffic_log import TrafficLoggedBus
 from dray.ports import Bus
 from dray.settings import Settings
 
@@ -43,6 +44,8 @@ def watched(
     def meet(bus: Bus) -> Bus:
         if settings.log_format == "json":
             bus = LoggedBus(bus)
+        if settings.traffic_log is not None:
+            bus = TrafficLoggedBus(bus, settings.traffic_log)
         if provider is not None:
             from dray.adapters.telemetry.tracing import TracedBus
 

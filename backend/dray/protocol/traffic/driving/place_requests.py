@@ -80,6 +80,8 @@ class PlaceRequests:
         self.docked = False
         self.stuck = False
         """It cannot move until a person has seen to it: it asks for nothing, and is asked in vain."""
+        self._obeys = True
+        """The body was seen to drive the way that it was given last: it goes nowhere else. Until then what was held before is kept."""
         self._rests = True
         """It was told no goal: wherever it stands is as good."""
         self._places = places

@@ -6,6 +6,9 @@ from collections.abc import Iterable, Sequence
 
 from dray.protocol.traffic.places import STILL_M, Places
 
+NOT_ON_THIS_WAY = 2**31
+"""Instead of the index of a node, where a place is held for another reason."""
+
 SHORTEN_AT = 64
 """Nodes that are kept behind the vehicle at most."""
 
@@ -38,10 +41,23 @@ class ReservedWay:
             self.held.update(dict.fromkeys(places.needs(node, next_node), 1))
 
     def again(self, node: str, next_node: str) -> ReservedWay:
-        """A way that begins where the vehicle is now; nodes are counted on."""
+        """A way that begins where the vehicle is now; nodes are counted on. What was held is kept (`keep`)."""
         way = ReservedWay(self._places, node, next_node)
         way._forgotten = self.passed
+        way.keep(self.held)
         return way
+
+    def keep(self, places: Iterable[str]) -> None:
+        """Hold more than the way needs: the body may still drive there on a way that it was given before."""
+        for place in places:
+            self.held.setdefault(place, NOT_ON_THIS_WAY)
+
+    def let_go(self) -> bool:
+        """The body drives this way: give back what was kept beyond it; True when there was something."""
+        gone = [place for place, index in self.held.items() if index >= NOT_ON_THIS_WAY]
+        for place in gone:
+            del self.held[place]
+        return bool(gone)
 
     # --- where it is -----------------------------------------------------------------------------
 
@@ -191,4 +207,6 @@ class ReservedWay:
         self._forgotten += first
         self._passed -= first
         self._base -= first
-        self.held = {place: index - first for place, index in self.held.items()}
+        self.held = {
+            place: index if index >= NOT_ON_THIS_WAY else index - first for place, index in self.held.items()
+        }

@@ -38,11 +38,22 @@ class RightOfWay(PlaceRequests):
             self.wishes.open(district)
         self._settle(now_s, anew=True)
 
-    def take_control(self, now_s: float) -> None:
-        """The body may follow a way that it was given in an earlier life, or has lost its way: let it go to the end of the base."""
+    def take_control(self, now_s: float, *, drives_beyond: bool) -> None:
+        """The body may follow a way that it was given in an earlier life, or has lost its way: let it go to the end of the base.
+
+        Args:
+            now_s: when.
+            drives_beyond: it may be beyond that end already when it hears of this: what was held before is held until it has
+                been seen to obey.
+        """
         self._wheels.forget()
+        self._obeys = not drives_beyond
         if not self.way.stands:
             self._out.append(Instruct(self._wheels.drive(self.way, self._speed_mps)))
+        elif drives_beyond:
+            self._out.append(Instruct(self._wheels.finish(self.way)))
+        if self._obeys:
+            self.way.let_go()
 
     def relocate(self, node: str, next_node: str, now_s: float, *, past_m: float, speed_mps: float) -> None:
         """The body has lost its way, or was carried to another place: go on from where it is.
@@ -56,7 +67,7 @@ class RightOfWay(PlaceRequests):
         """
         self.way = self.way.again(node, next_node)
         self.sense(past_m, speed_mps)
-        self.take_control(now_s)
+        self.take_control(now_s, drives_beyond=not self.way.stands)
         if self.errand is not Errand.OWN:
             self._resume(now_s)
         else:
@@ -104,8 +115,13 @@ class RightOfWay(PlaceRequests):
     def on_reached(self, order: int, index: int, now_s: float) -> None:
         """The body has reached a node of a way that it was given."""
         number = self._wheels.number_of(order, index)
-        while number is not None and self.way.passed < number and not self.way.stands:
+        if number is None:
+            return
+        while self.way.passed < number and not self.way.stands:
             self.on_passed(now_s)
+        self._obeys = True
+        if self.way.let_go():
+            self._settle(now_s)
 
     def be_stuck(self, stuck: bool, now_s: float) -> None:
         """It cannot move until a person has seen to it, or can again."""
@@ -123,6 +139,8 @@ class RightOfWay(PlaceRequests):
         self._outlook.note(granted, now_s)
         self._note_hindrance(granted)
         unwanted = False
+        if not self._obeys:
+            self.way.keep(fresh)
         if fresh:
             asked = {place for group in self.wishes.groups(granted.district) for place in group}
             if self.way.take(place for place in fresh if place in asked):

@@ -150,7 +150,7 @@ class ReservedDriver(Driver):
             restrictions=lambda: self._plant.restrictions,
         )
         self.sense(state)
-        row.take_control(now_s)
+        row.take_control(now_s, drives_beyond=state.base_end not in ("", state.node, next_node))
         if next_node:
             self.way = (next_node,)
             self.arrives_s = now_s + state.next_node_s

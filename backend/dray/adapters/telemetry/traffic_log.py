@@ -1,0 +1,170 @@
+"""The traffic log: what each agent has said and heard of right of way, a file each, for whoever judges it afterwards.
+
+A line is written before a message is said, and before one that was heard is heeded, and outlives the process however it
+ends. Times are those of the computer's monotonic clock, which all its processes share: so lines of several files can be
+put in order. `dray_sim.checks.said_and_heard` judges them.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import os
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import msgspec
+
+from dray.adapters.telemetry.passing import PassingSession
+from dray.codec import decode, encode
+from dray.messages import HoldsAsked, Message, PlaceGranted, PlaceWished, YieldAsked, YieldRefused
+from dray.ports import Bus, Receive, Session
+
+LOGGED = (PlaceWished, PlaceGranted, HoldsAsked, YieldAsked, YieldRefused)
+
+FILE_MAX_BYTES = 512 * 2**20
+"""Of one agent: a day of a machine that keeps the book of a busy district. Then it is written no further."""
+
+SAID, HEARD = "said", "heard"
+
+BEGUN = "begun"
+"""A simulated floor has begun: no vehicle of an earlier one is there any more."""
+
+_log = logging.getLogger(__name__)
+_encode = msgspec.json.Encoder().encode
+
+
+class Line(msgspec.Struct, frozen=True, omit_defaults=True):
+    """What one agent has said or heard, or what was seen of a vehicle on a simulated floor."""
+
+    at_s: float
+    """Of the monotonic clock."""
+    agent: str
+    life: int = 0
+    did: str = ""
+    """`SAID`, `HEARD` or `BEGUN`; empty for what was seen on the floor."""
+    other: str = ""
+    """To whom it was said, or who has said it."""
+    envelope: msgspec.Raw = msgspec.Raw()
+    """The message as on the wire."""
+    lane: tuple[str, str] | None = None
+    """The lane that the vehicle was seen to enter."""
+    overlap: str = ""
+    """Another vehicle that was in the same spot."""
+
+    @property
+    def message(self) -> Message:
+        """What was said or heard.
+
+        Raises:
+            WireError: it cannot be read.
+        """
+        return decode(bytes(self.envelope))[1]
+
+
+class TrafficLog:
+    """A file of lines.
+
+    Args:
+        folder: made when it is not there.
+        name: of the file.
+    """
+
+    def __init__(self, folder: Path, name: str) -> None:
+        self._file: int | None = None
+        self._written = 0
+        path = folder / f"{name}.jsonl"
+        with self._given_up_on_error(path):
+            folder.mkdir(parents=True, exist_ok=True)
+            self._file = os.open(path, os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o644)
+            self._written = os.fstat(self._file).st_size
+        self._path = path
+
+    def write(self, line: Line) -> None:
+        """Add a line, by one call, so that a killed process leaves none in halves."""
+        if self._file is None:
+            return
+        data = _encode(line) + b"\n"
+        with self._given_up_on_error(self._path):
+            if self._written + len(data) > FILE_MAX_BYTES:
+                raise OSError(f"has {FILE_MAX_BYTES / 2**20:.0f} MiB")
+            self._written += os.write(self._file, data)
+
+    def close(self) -> None:
+        """Write no more."""
+        if self._file is not None:
+            os.close(self._file)
+            self._file = None
+
+    @contextlib.contextmanager
+    def _given_up_on_error(self, path: Path) -> Iterator[None]:
+        """An agent does not end because nobody can read afterwards what it has said."""
+        try:
+            yield
+        except OSError as error:
+            _log.warning("%s is written no further: %s", path, error.strerror or error)
+            self.close()
+
+
+class TrafficLoggedSession(PassingSession):
+    """One agent's place on the bus (see `dray.ports.Session`)."""
+
+    def __init__(self, inner: Session, agent: str, life: int, log: TrafficLog) -> None:
+        super().__init__(inner)
+        self._agent, self._life, self._lines = agent, life, log
+
+    def send(self, to: str, message: Message) -> None:
+        """Say it to one agent alone."""
+        if isinstance(message, LOGGED):
+            self._lines.write(_line(self._agent, self._life, SAID, to, self._agent, message))
+        self.inner.send(to, message)
+
+    def leave(self) -> None:
+        """Leave the bus."""
+        self.inner.leave()
+        self._lines.close()
+
+
+class TrafficLoggedBus:
+    """A bus whose agents' words about right of way are written down (see `dray.ports.Bus`).
+
+    Args:
+        bus: the bus itself.
+        folder: for the files.
+    """
+
+    def __init__(self, bus: Bus, folder: Path) -> None:
+        self._bus, self._folder = bus, folder
+
+    def join(self, agent: str, receive: Receive, life: int = 0) -> Session:
+        """See `dray.ports.Bus.join`."""
+        log = TrafficLog(self._folder, agent)
+
+        def on_message(sender: str, message: Message) -> None:
+            if isinstance(message, LOGGED):
+                log.write(_line(agent, life, HEARD, sender, sender, message))
+            receive(sender, message)
+
+        return TrafficLoggedSession(self._bus.join(agent, on_message, life), agent, life, log)
+
+
+def read_traffic_log(folder: Path) -> list[Line]:
+    """All lines of a folder, in the order of their times; what was said before what was heard of the same moment.
+
+    Raises:
+        OSError: a file cannot be read.
+        msgspec.DecodeError: a line is no line of such a log.
+    """
+    decoder = msgspec.json.Decoder(Line)
+    lines = [
+        decoder.decode(text)
+        for file in sorted(folder.glob("*.jsonl"))
+        for text in file.read_bytes().splitlines()
+    ]
+    return sorted(lines, key=lambda line: (line.at_s, line.did != SAID))
+
+
+def _line(agent: str, life: int, did: str, other: str, sender: str, message: Message) -> Line:
+    envelope = msgspec.Raw(encode(sender, message))
+    return Line(time.monotonic(), agent, life, did, other, envelope)

@@ -1,0 +1,75 @@
+"""What is true of vehicles on a floor whose agents are elsewhere: whether two were in one spot, and which lanes they entered."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import time
+from collections.abc import Mapping
+
+from dray.adapters.telemetry.traffic_log import BEGUN, Line, TrafficLog
+from dray.ports import Clock
+from dray_sim.bodies.vehicle.course import Course
+from dray_sim.bodies.vehicle.vehicle import SimVehicle
+from dray_sim.checks.overlaps import Overlap, Overlaps
+
+LOOK_EVERY_S = 1.0
+"""How often what goes on as before is judged up to now."""
+
+log = logging.getLogger(__name__)
+
+
+class FloorMonitor:
+    """Judges the bodies of a floor by their rectangles alone, and says so in the log.
+
+    Args:
+        vehicles: the bodies, by the vehicle's id; further ones may come.
+        clock: the plant's clock.
+        lines: where it is written down which lanes they enter, if anywhere.
+
+    Attributes:
+        overlaps: how often two vehicles came into one spot.
+    """
+
+    def __init__(
+        self, vehicles: Mapping[str, SimVehicle], clock: Clock, lines: TrafficLog | None = None
+    ) -> None:
+        self._vehicles, self._clock, self._lines = vehicles, clock, lines
+        self._overlaps = Overlaps(vehicles, strict=False, told=self._on_overlap)
+        self._lanes: dict[str, tuple[str, str] | None] = {}
+        if lines is not None:
+            lines.write(Line(time.monotonic(), "", did=BEGUN))
+        self._watch_lanes()
+
+    @property
+    def overlaps(self) -> int:
+        return self._overlaps.count
+
+    async def run(self) -> None:
+        """Judge until cancelled."""
+        while True:
+            await asyncio.sleep(LOOK_EVERY_S)
+            self.look()
+
+    def look(self) -> None:
+        """Judge what has not come to a change, up to now."""
+        self._watch_lanes()
+        self._overlaps.check_end(self._clock.now_s())
+
+    def _watch_lanes(self) -> None:
+        for name, vehicle in self._vehicles.items():
+            if self._lines is not None and name not in self._lanes:
+                self._lanes[name] = None
+                vehicle.watch_course(self._on_course)
+
+    def _on_course(self, vehicle: str, course: Course) -> None:
+        if self._lines is None or self._lanes.get(vehicle) == course.lane:
+            return
+        self._lanes[vehicle] = course.lane
+        if course.lane is not None:
+            self._lines.write(Line(time.monotonic(), vehicle, lane=course.lane))
+
+    def _on_overlap(self, overlap: Overlap) -> None:
+        log.error("%s, at %.3f s of the plant's clock", overlap, overlap.at_s)
+        if self._lines is not None:
+            self._lines.write(Line(time.monotonic(), overlap.first, overlap=overlap.second))

@@ -1,0 +1,143 @@
+"""A vehicle's next life, and a body that has not heard of it yet: what was held is held until the body obeys."""
+
+from __future__ import annotations
+
+from itertools import count
+
+import pytest
+
+from dray.body import Drive, Hold
+from dray.messages import PlaceGranted, PlaceWished
+from dray.messages.traffic import PlaceBooking
+from dray.plant import default_plant
+from dray.protocol.runtime.events import Effect, Instruct, Send
+from dray.protocol.runtime.timers import Timers
+from dray.protocol.traffic.driving.right_of_way import RightOfWay
+from dray.protocol.traffic.neighbours import Neighbours
+from dray.protocol.traffic.traffic_map import TrafficMap
+from dray_sim.bodies.floor import Floor
+from dray_sim.clock.loop import JUMP, clock, run
+
+PLANT = default_plant()
+TRAFFIC = TrafficMap(PLANT)
+TYPE = next(iter(PLANT.vehicle_types))
+LIFE = 2
+
+
+class NewLife:
+    """The right of way of a vehicle's second life, and what it has said and instructed."""
+
+    def __init__(self, node: str, next_node: str = "", *, drives_beyond: bool) -> None:
+        self.out: list[Effect] = []
+        kind = PLANT.vehicle_types[TYPE]
+        self.row = RightOfWay(
+            "ATV1",
+            LIFE,
+            TRAFFIC.places,
+            TRAFFIC.ways(TYPE),
+            Neighbours(),
+            Timers(),
+            self.out,
+            node=node,
+            next_node=next_node,
+            top_mps=kind.max_speed_mps,
+            acceleration_mps2=kind.acceleration_mps2,
+            next_order=count(1).__next__,
+        )
+        self.row.take_control(0.0, drives_beyond=drives_beyond)
+        self.row.start(0.0)
+
+    @property
+    def drives(self) -> list[Drive]:
+        return [
+            effect.instruction
+            for effect in self.out
+            if isinstance(effect, Instruct) and isinstance(effect.instruction, Drive)
+        ]
+
+    def wish(self, district: str) -> PlaceWished:
+        """The newest one."""
+        return [
+            effect.message
+            for effect in self.out
+            if isinstance(effect, Send)
+            and isinstance(effect.message, PlaceWished)
+            and effect.message.district == district
+        ][-1]
+
+    def regrant(self, *places: str) -> None:
+        """The books grant anew what the first life held; all of it in the districts of these places."""
+        for district in {TRAFFIC.places.district_of[place] for place in places}:
+            lines = tuple(
+                PlaceBooking(place=place, number=7)
+                for place in places
+                if TRAFFIC.places.district_of[place] == district
+            )
+            keeper = TRAFFIC.places.keepers_of[district][0]
+            seq = self.wish(district).seq
+            granted = PlaceGranted(district=district, epoch=0, life=LIFE, upto=seq, grants=lines)
+            self.row.on_granted(keeper, granted, 0.1)
+
+
+def test_a_new_life_holds_what_the_body_may_still_drive_into_until_the_body_obeys() -> None:
+    life = NewLife("b3", "m4-lane", drives_beyond=True)
+    district = TRAFFIC.places.district_of["c3"]
+    life.regrant("b3", "m4-lane", "c3")
+    assert set(life.row.way.held) == {"b3", "m4-lane", "c3"}
+    assert "c3" in life.wish(district).holds or life.wish(district).seen < 7
+    (drive,) = life.drives
+    life.row.on_reached(drive.order, 0, 1.0)
+    assert "c3" not in life.row.way.held
+    assert "c3" not in life.wish(district).holds
+    assert life.wish(district).seen == 7
+
+
+def test_a_report_of_an_earlier_life_shows_no_obedience() -> None:
+    life = NewLife("b3", "m4-lane", drives_beyond=True)
+    life.regrant("b3", "m4-lane", "c3")
+    life.row.on_reached(life.drives[0].order + 1000, 0, 1.0)
+    assert "c3" in life.row.way.held
+
+
+def test_a_body_that_goes_no_farther_lets_the_rest_be_given_back_at_once() -> None:
+    life = NewLife("b3", "m4-lane", drives_beyond=False)
+    life.regrant("b3", "m4-lane", "c3")
+    assert "c3" not in life.row.way.held
+
+
+def test_a_body_that_stands_with_more_to_drive_is_told_to_end_its_way() -> None:
+    life = NewLife("b3", drives_beyond=True)
+    life.regrant("b3", "m4-lane")
+    (drive,) = life.drives
+    assert drive.nodes == ("b3",)
+    assert "m4-lane" in life.row.way.held
+    life.row.on_reached(drive.order, 0, 1.0)
+    assert set(life.row.way.held) == {"b3"}
+
+
+def test_a_way_that_the_body_refuses_keeps_all_that_was_held() -> None:
+    life = NewLife("b3", "m4-lane", drives_beyond=True)
+    life.regrant("b3", "m4-lane", "c3")
+    # It was past m4-lane when it was told to end there, and ends its way at c3 instead.
+    life.row.relocate("m4-lane", "c3", 0.5, past_m=0.2, speed_mps=1.0)
+    assert {"b3", "m4-lane", "c3"} <= set(life.row.way.held)
+    life.row.on_reached(life.drives[-1].order, 0, 1.0)
+    life.row.sense(0.0, 0.0)
+    assert set(life.row.way.held) == {"c3"}
+
+
+@pytest.mark.parametrize("held", [False, True])
+def test_a_vehicle_tells_up_to_where_it_may_drive(held: bool) -> None:
+    async def main() -> None:
+        body = Floor(PLANT, clock(), seed=1).vehicles["ATV1"]
+        spec = PLANT.fleet["ATV1"]
+        way = PLANT.routes(spec.type).way(spec.node, PLANT.node_of("M1")).nodes
+        assert body.sense().base_end == ""
+        if held:
+            body.instruct(Hold())
+        body.instruct(Drive(order=1, nodes=way, released=3))
+        assert (body.sense().node, body.sense().base_end) == (spec.node, way[2])
+        body.instruct(Drive(order=2, nodes=(body.sense().next_node,), released=1))
+        assert body.sense().base_end == ""
+
+    run(main(), JUMP)
