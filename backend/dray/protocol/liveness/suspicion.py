@@ -87,8 +87,13 @@ def bound_s(interval_s: float, loss_frac: float = 0.0, deviation_s: float = 0.0)
         loss_frac: the part of the heartbeats that is lost.
         deviation_s: the mean deviation of their delays.
     """
-    lateness_s = min(max(DEVIATIONS * deviation_s, JITTER_S), LATENESS_MAX_S)
-    return allowed_misses(loss_frac) * interval_s + lateness_s
+    lateness_s = DEVIATIONS * deviation_s
+    if lateness_s < JITTER_S:
+        lateness_s = JITTER_S
+    elif lateness_s > LATENESS_MAX_S:
+        lateness_s = LATENESS_MAX_S
+    misses = MISSES if loss_frac <= CLEAN_FRAC else allowed_misses(loss_frac)
+    return misses * interval_s + lateness_s
 
 
 def silence_bound_s(heartbeat: AnyHeartbeat, arrivals: ArrivalStatistics) -> float:

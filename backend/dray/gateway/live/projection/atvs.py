@@ -74,8 +74,8 @@ class Atvs:
         }
         self._to_wall_s = to_wall_s
         self._last: dict[str, AtvHeartbeat] = {}
-        self._shown: dict[str, AtvView] = {}
-        """As long as nothing of a vehicle has changed."""
+        self._shown: dict[str, tuple[AtvHeartbeat, AtvView]] = {}
+        """What was made of the heartbeat beside it; nothing once something else of the vehicle has changed."""
         self.changes = Changes("atv")
         self.by_status: Counter[str] = Counter()
         self.fleet = Fleet(top_mps)
@@ -93,9 +93,10 @@ class Atvs:
         Returns:
             False when it is older than the last one, or of one vehicle too many that nobody knows.
         """
-        last = self._last.get(heartbeat.atv)
+        atv = heartbeat.atv
+        last = self._last.get(atv)
         if last is None:
-            if heartbeat.atv not in self._types:
+            if atv not in self._types:
                 if self._joined >= joining_max(len(self._types)):
                     self.strangers += 1
                     return False
@@ -107,11 +108,11 @@ class Atvs:
             if last is not None:
                 self.by_status[last.status.value] -= 1
         self.fleet.fold(last, heartbeat)
-        if last is not None and heartbeat.floor is UNSET and _stands_as(last, heartbeat):
+        if last is not None and last.floor is not heartbeat.floor is UNSET and _stands_as(last, heartbeat):
             # By radio it tells less. Whoever has not moved holds what it has held.
             heartbeat = msgspec.structs.replace(heartbeat, floor=last.floor)
-        self._last[heartbeat.atv] = heartbeat
-        self._change(heartbeat.atv)
+        self._last[atv] = heartbeat
+        self.changes.mark(atv)
         return True
 
     def last(self, atv: str) -> AtvHeartbeat | None:
@@ -131,7 +132,8 @@ class Atvs:
         """Something else is to be shown of these, as far as they were heard."""
         for agent in agents:
             if agent in self._last:
-                self._change(agent)
+                self._shown.pop(agent, None)
+                self.changes.mark(agent)
 
     def view(self, atv: str) -> AtvView | None:
         """One vehicle, or None when it was never heard."""
@@ -145,21 +147,18 @@ class Atvs:
         """Those that have changed since the last call."""
         return tuple(self._show(atv) for atv in self.changes.take_changed())
 
-    def _change(self, atv: str) -> None:
-        self._shown.pop(atv, None)
-        self.changes.mark(atv)
-
     def _show(self, atv: str) -> AtvView:
-        view = self._shown.get(atv)
-        if view is None:
-            view = self._shown[atv] = self._view(self._last[atv])
-        return view
+        heartbeat = self._last[atv]
+        shown = self._shown.get(atv)
+        if shown is None or shown[0] is not heartbeat:
+            shown = self._shown[atv] = heartbeat, self._view(heartbeat)
+        return shown[1]
 
     def _view(self, heartbeat: AtvHeartbeat) -> AtvView:
-        pose = heartbeat.pose
+        atv, pose = heartbeat.atv, heartbeat.pose
         return AtvView(
-            id=heartbeat.atv,
-            type=self._types.get(heartbeat.atv, ""),
+            id=atv,
+            type=self._types.get(atv, ""),
             status=plain(heartbeat.status),
             x_m=pose.x_m,
             y_m=pose.y_m,
@@ -169,8 +168,7 @@ class Atvs:
             way=heartbeat.way,
             holds=() if heartbeat.floor is UNSET else heartbeat.floor.holds,
             battery_frac=heartbeat.battery_frac,
-            battery_low=heartbeat.battery_frac
-            < self._must_charge_frac.get(heartbeat.atv, ANY_MUST_CHARGE_FRAC),
+            battery_low=heartbeat.battery_frac < self._must_charge_frac.get(atv, ANY_MUST_CHARGE_FRAC),
             load=heartbeat.load,
             load_quantity=heartbeat.load_quantity,
             link=plain(heartbeat.link),
@@ -185,10 +183,10 @@ class Atvs:
             software=heartbeat.software,
             draining=heartbeat.draining,
             probation=probation_of(heartbeat),
-            shut_out=self._outsiders.view(heartbeat.atv),
-            clock=clock_of(self._clocks, heartbeat.atv),
+            shut_out=self._outsiders.view(atv),
+            clock=clock_of(self._clocks, atv),
             seen_at_s=self._to_wall_s(heartbeat.at_s),
-            silence=self._silence.view(heartbeat.atv, heartbeat),
+            silence=self._silence.view(atv, heartbeat),
         )
 
     def _brief(self, brief: Brief) -> BriefView:

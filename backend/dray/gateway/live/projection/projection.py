@@ -207,11 +207,12 @@ class Projection:
 
     def traffic_at(self, wall_s: float) -> Iterator[LaneTraffic]:
         """The lanes that were passed, or waited on, within the hour before this moment."""
-        return self.traffic.lanes(self._present_s(wall_s))
+        return self.traffic.lanes(self._present_s(wall_s, self._heard_until_s(wall_s)))
 
     def factory(self, wall_s: float) -> FactoryView:
         """The factory's figures at this moment."""
-        now_s = self._present_s(wall_s)
+        heard_s = self._heard_until_s(wall_s)
+        now_s = self._present_s(wall_s, heard_s)
         orders, transports = self.orders, self.tasks.transports
         commands, helps = self.interventions.in_hour(now_s)
         use = self.atvs.fleet.use.hour(now_s)
@@ -235,12 +236,12 @@ class Projection:
             atvs_by_status=dict(+self.atvs.by_status),
             machines_by_status=dict(+self.machines.by_status),
             speed=self._time.speed,
-            behind_s=(self._time.to_plant_s(wall_s) - self._heard_until_s(wall_s)) / self._time.speed,
+            behind_s=(self._time.to_plant_s(wall_s) - heard_s) / self._time.speed,
         )
 
     def totals(self, wall_s: float) -> KpiSample:
         """Everything that adds up, since the plant's zero; everybody's time is counted up to this moment."""
-        now_s = self._present_s(wall_s)
+        now_s = self._present_s(wall_s, self._heard_until_s(wall_s))
         fleet, machines, transports = self.atvs.fleet, self.machines.use, self.tasks.transports
         for use in (fleet.use, machines):
             use.settle(now_s)
@@ -322,9 +323,9 @@ class Projection:
         told_s += [each.at_s for each in stations if each.station not in self.outsiders]
         return heard_until_s(told_s, self._time.to_plant_s(wall_s))
 
-    def _present_s(self, wall_s: float) -> float:
+    def _present_s(self, wall_s: float, heard_s: float) -> float:
         """The plant's present (plant clock): of one that is behind, that of what is heard of it."""
-        now_s, heard_s = self._time.to_plant_s(wall_s), self._heard_until_s(wall_s)
+        now_s = self._time.to_plant_s(wall_s)
         return now_s if now_s - heard_s <= plant_bound_s(self._time.speed) else heard_s
 
     def discard_changes(self) -> None:

@@ -40,12 +40,15 @@ LEAST_OVERDUE_S = 1.2
 class _Heard:
     """What was heard of one agent."""
 
-    __slots__ = ("arrivals", "incarnation", "seq")
+    __slots__ = ("arrivals", "beat_s", "incarnation", "lost_after_s", "seq", "view")
 
     def __init__(self) -> None:
         self.arrivals = ArrivalStatistics()
         self.incarnation = self.seq = 0
         """Of its newest heartbeat."""
+        self.beat_s = self.lost_after_s = 0.0
+        """What `view` was made of: on a clean link the same from one heartbeat to the next."""
+        self.view: SilenceView | None = None
 
 
 class Silence:
@@ -56,11 +59,11 @@ class Silence:
     """
 
     def __init__(self, speed: float) -> None:
-        self._speed = speed
+        self._speed, self._least_s = speed, LEAST_S * speed
         self._heard: dict[str, _Heard] = {}
         """By agent: bounded by whoever lets agents in."""
-        self._views: dict[tuple[float, float], SilenceView] = {}
-        """By interval and rounded bound, of which there are some hundred: most agents share one."""
+        self._nobody = _Heard()
+        """Instead of one that was never heard."""
 
     def note(self, agent: str, heartbeat: AnyHeartbeat, delay_s: float) -> None:
         """A heartbeat has come, newer than those before.
@@ -79,21 +82,21 @@ class Silence:
 
     def bound_s(self, agent: str, heartbeat: AnyHeartbeat) -> float:
         """After how much silence an agent counts as lost, in factory seconds."""
-        heard = self._heard.get(agent)
-        arrivals = ArrivalStatistics() if heard is None else heard.arrivals
-        return max(LEAST_S * self._speed, silence_bound_s(heartbeat, arrivals))
+        arrivals = self._heard.get(agent, self._nobody).arrivals
+        return max(self._least_s, silence_bound_s(heartbeat, arrivals))
 
     def view(self, agent: str, heartbeat: AnyHeartbeat) -> SilenceView:
         """The same as panels are told it."""
-        beat_s, lost_after_s = interval_s(heartbeat), round(self.bound_s(agent, heartbeat), 1)
-        view = self._views.get((beat_s, lost_after_s))
-        if view is None:
-            view = self._views[beat_s, lost_after_s] = SilenceView(
+        heard = self._heard.get(agent, self._nobody)
+        beat_s, lost_after_s = interval_s(heartbeat), silence_bound_s(heartbeat, heard.arrivals)
+        if heard.view is None or heard.lost_after_s != lost_after_s or heard.beat_s != beat_s:
+            heard.beat_s, heard.lost_after_s = beat_s, lost_after_s
+            heard.view = SilenceView(
                 beat_s=beat_s,
                 overdue_after_s=max(LEAST_OVERDUE_S * self._speed, beat_s + JITTER_S),
-                lost_after_s=lost_after_s,
+                lost_after_s=round(max(self._least_s, lost_after_s), 1),
             )
-        return view
+        return heard.view
 
 
 def plant_bound_s(speed: float) -> float:

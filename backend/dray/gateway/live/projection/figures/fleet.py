@@ -55,7 +55,8 @@ class Fleet:
 
     def _drive(self, last: AtvHeartbeat, heartbeat: AtvHeartbeat) -> None:
         # Lanes are straight and heartbeats frequent: what a corner between two of them adds is little.
-        way_m = hypot(heartbeat.pose.x_m - last.pose.x_m, heartbeat.pose.y_m - last.pose.y_m)
+        here, there = heartbeat.pose, last.pose
+        way_m = hypot(here.x_m - there.x_m, here.y_m - there.y_m)
         most_m = LOOSE_FRAC * self._top_mps * (heartbeat.at_s - last.at_s) + LOOSE_M
         if not 0.0 < way_m <= most_m:
             return

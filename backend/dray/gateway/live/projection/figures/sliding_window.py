@@ -11,16 +11,21 @@ class Window:
         slots: how many there are.
     """
 
-    __slots__ = ("_head", "_sums", "slot_s", "slots")
+    __slots__ = ("_begins_s", "_ends_s", "_head", "_sums", "slot_s", "slots")
 
     def __init__(self, slot_s: float, slots: int) -> None:
         self.slot_s, self.slots = slot_s, slots
         self._sums = [0.0] * slots
         self._head = 0
         """Number of the newest slot since the clock's zero."""
+        self._begins_s, self._ends_s = 0.0, slot_s
+        """Of the newest slot: nearly everything is added to it."""
 
     def add(self, at_s: float, amount: float) -> None:
         """Add to the slot of `at_s`; what is older than the window is ignored."""
+        if self._begins_s <= at_s < self._ends_s:
+            self._sums[self._head % self.slots] += amount
+            return
         number = int(at_s // self.slot_s)
         if number > self._head:
             self._turn(number)
@@ -47,3 +52,4 @@ class Window:
         for passed in range(max(self._head + 1, number - self.slots + 1), number + 1):
             self._sums[passed % self.slots] = 0.0
         self._head = number
+        self._begins_s, self._ends_s = number * self.slot_s, (number + 1) * self.slot_s

@@ -54,8 +54,13 @@ class TimeUse:
         if spell is None:
             self._spells[agent] = _Spell(doing, at_s)
             return
-        self._count(spell, at_s)
-        spell.what, spell.heard_s = doing, max(at_s, spell.heard_s)
+        if spell.counted_s < at_s <= spell.heard_s + SILENCE_S:
+            self._spend(spell.what, at_s, at_s - spell.counted_s)
+            spell.counted_s = at_s
+        else:
+            self._count(spell, at_s)
+        spell.what = doing
+        spell.heard_s = max(spell.heard_s, at_s)
 
     def settle(self, now_s: float) -> None:
         """Count everybody's time up to this moment, also of those who say nothing any more."""
