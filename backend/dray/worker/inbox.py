@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import Counter, deque
+from collections import Counter
 from typing import TYPE_CHECKING, cast
 
 from dray import messages
@@ -54,37 +54,34 @@ class Inbox:
     """Events that wait for one agent, `INBOX` messages at most.
 
     Attributes:
+        waiting: they, in their order; to look at.
         dropped_heartbeats: heartbeats that a newer one of their sender has replaced, or that found the inbox full.
         dropped_messages: other messages that were beyond their sender's room, or pushed out of a full inbox.
     """
 
-    __slots__ = ("_crowd", "_waiting", "dropped_heartbeats", "dropped_messages")
+    __slots__ = ("_crowd", "dropped_heartbeats", "dropped_messages", "waiting")
 
     def __init__(self) -> None:
         self.dropped_heartbeats = 0
         self.dropped_messages = 0
-        self._waiting: deque[Event | _Newest] = deque()
+        self.waiting: list[Event | _Newest] = []
         self._crowd: _Crowd | None = None
         """Who fills the inbox, once it is crowded; None until then, and when the agent's turn comes."""
 
-    def __len__(self) -> int:
-        return len(self._waiting)
-
     def put(self, event: Event) -> None:
         """Take in what is never dropped: a report of the body, a wake-up, the wish to leave."""
-        self._waiting.append(event)
+        self.waiting.append(event)
 
     def put_heard(self, heard: Heard) -> None:
         """Take in a message, or drop it, or drop another one for it."""
-        if len(self._waiting) < CROWDED:
-            self._waiting.append(heard)
+        if len(self.waiting) < CROWDED:
+            self.waiting.append(heard)
         elif (queued := self._queue_up(heard)) is not None:
-            self._waiting.append(queued)
+            self.waiting.append(queued)
 
     def turn(self) -> list[Event]:
         """Take out all that waits now, in its order; what comes in meanwhile waits for the next turn."""
-        waiting = list(self._waiting)
-        self._waiting.clear()
+        waiting, self.waiting = self.waiting, []
         if self._crowd is not None:
             self._crowd = None
             waiting = [event.heard if type(event) is _Newest else event for event in waiting]
@@ -94,20 +91,20 @@ class Inbox:
         """Decide what a crowded inbox does with a message that has just come; None where it does not wait in its own place."""
         crowd = self._crowd
         if crowd is None:
-            crowd = self._crowd = _Crowd(self._waiting)
+            crowd = self._crowd = _Crowd(self.waiting)
         if isinstance(heard.message, messages.Heartbeat):
             return self._queue_heartbeat(heard, crowd)
         if crowd.count[heard.sender] >= SENDER_ROOM:
             self.dropped_messages += 1
             return None
-        if len(self._waiting) >= INBOX and not self._push_out(crowd):
+        if len(self.waiting) >= INBOX and not self._push_out(crowd):
             return None
         crowd.count[heard.sender] += 1
         return heard
 
     def _queue_heartbeat(self, heard: Heard, crowd: _Crowd) -> _Newest | None:
         waiting = crowd.beats.get(heard.sender)
-        if waiting is None and len(self._waiting) < INBOX:
+        if waiting is None and len(self.waiting) < INBOX:
             newest = crowd.beats[heard.sender] = _Newest(heard)
             return newest
         self.dropped_heartbeats += 1
@@ -121,9 +118,9 @@ class Inbox:
         if not crowd.count:
             return False
         greediest = max(crowd.count, key=lambda sender: crowd.count[sender])
-        for place, event in enumerate(self._waiting):
+        for place, event in enumerate(self.waiting):
             if type(event) is Heard and event.sender == greediest:
-                del self._waiting[place]
+                del self.waiting[place]
                 crowd.count[greediest] -= 1
                 return True
         return False

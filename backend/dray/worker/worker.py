@@ -131,11 +131,11 @@ class Worker:
                 self._body.attach(self._report)
             self._handle(Started(self._sense(), self._journal.memory, self._journal.lost), session)
             while not self._stopping:
-                if not self.inbox:
+                if not self.inbox.waiting:
                     self._waiter = loop.create_future()
                     await self._waiter
                 self._handle_inbox(session)
-                if self.inbox:
+                if self.inbox.waiting:
                     # Let others have their turn before whatever came in meanwhile.
                     await asyncio.sleep(0)
         finally:
@@ -215,12 +215,11 @@ class Worker:
         for waiting in self.inbox.turn():
             event = waiting
             if type(event) is Heard:
-                kind = type(event.message)
-                if kind is messages.EventsAsked:
-                    self._tell_again(event.sender, cast(messages.EventsAsked, event.message), session)
-                    continue
-                if kind in _SENSED:
+                if type(event.message) in _SENSED:
                     event = Heard(event.sender, event.message, self._sense())
+                elif type(event.message) is messages.EventsAsked:
+                    self._tell_again(event.sender, event.message, session)
+                    continue
             elif event is _WOKEN:
                 self._woken = False
                 event, self._late_s = Woke(self._sense(), self._late_s), 0.0

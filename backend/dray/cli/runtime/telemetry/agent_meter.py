@@ -33,7 +33,7 @@ class AgentMeter(Collector):
     def collect(self) -> Iterator[Metric]:
         """Everything as of now."""
         yield from families_of(counted(self._worker))
-        yield gauge("agent_events_waiting", "Events in an agent's inbox.", len(self._worker.inbox))
+        yield gauge("agent_events_waiting", "Events in an agent's inbox.", len(self._worker.inbox.waiting))
         yield SummaryMetricFamily(
             "dray_journal_write_seconds",
             "Time until what an agent is bound by is on its disk.",
