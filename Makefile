@@ -17,6 +17,9 @@ ARGS ?=
 # Two checks at once, each told as a whole, where make can do that.
 SYNC := $(if $(filter output-sync,$(.FEATURES)),--output-sync=target)
 
+# Tests start Dray many times: what Python compiles is kept, whatever the shell says.
+export PYTHONDONTWRITEBYTECODE :=
+
 .DEFAULT_GOAL := help
 .PHONY: help setup panels run test test-long test-quick programs bench lint format types imports frontend pytest screenshots \
 	sdist-and-wheel lock clean
