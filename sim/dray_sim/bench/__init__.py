@@ -13,7 +13,7 @@ from collections.abc import Callable
 from dataclasses import asdict
 from typing import Any
 
-from dray_sim.bench import fleet, losses, orders, sim, stop
+from dray_sim.bench import fleet, losses, orders, sim, stop, wired
 from dray_sim.bench.network import bus, links, zenoh
 from dray_sim.bench.panels import paint, plant_map, projection
 from dray_sim.bench.row import Row, rates
@@ -38,10 +38,11 @@ BENCHES: dict[str, Bench] = {
     "losses": losses.measure,
     "stop": stop.measure,
     "traffic": traffic.measure,
+    "wired": wired.measure,
 }
 """Name -> benchmark, in the order in which they run."""
 
-LONG = frozenset({"losses", "stop", "traffic"})
+LONG = frozenset({"losses", "stop", "traffic", "wired"})
 """Those that take some minutes or more, or all of the computer: they run only when they are asked for by name."""
 
 

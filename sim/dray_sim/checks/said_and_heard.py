@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from statistics import median
 
 from dray.adapters.telemetry.traffic_log import BEGUN, SAID, Line
 from dray.messages import PlaceGranted, PlaceWished
@@ -54,6 +55,11 @@ class Judgement:
     def longest_s(self) -> float:
         """The longest wait, over or not."""
         return max((wait.waited_s for wait in (*self.waits, *self.waiting.values())), default=0.0)
+
+    @property
+    def median_s(self) -> float:
+        """Of the waits that are over."""
+        return median(wait.waited_s for wait in self.waits) if self.waits else 0.0
 
     def note(self, kind: str, at_s: float, words: str) -> None:
         """Something must not be."""

@@ -76,6 +76,16 @@ def read_events(file: Path) -> list[Event]:
         return [_read_event.decode(line) for (line,) in rows]
 
 
+def read_memory(file: Path) -> dict[str, Note]:
+    """What binds a journal's agent, by name; begins no life.
+
+    Raises:
+        UnavailableError: the file cannot be read, or is no journal.
+    """
+    with _told(file), closing(sqlite3.connect(f"file:{file}?mode=ro", uri=True, timeout=BUSY_S)) as base:
+        return {name: _read_note.decode(line) for name, line in base.execute("SELECT name, line FROM note")}
+
+
 class SqliteJournal:
     """Implements `dray.ports.Journal`.
 

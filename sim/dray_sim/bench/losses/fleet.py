@@ -98,8 +98,10 @@ async def running(
     plain: bool,
     lease_s: float | None = None,
     database_url: str = "",
+    demand: bool = False,
+    traffic_log: Path | None = None,
 ) -> AsyncIterator[Fleet]:
-    """A fleet without a demand of its own; it has ended when the context has.
+    """A fleet; it has ended when the context has.
 
     Args:
         folder: an empty one.
@@ -108,6 +110,8 @@ async def running(
         plain: links without certificates.
         lease_s: of its links; None for the usual one.
         database_url: empty for SQLite in the folder.
+        demand: whether it places orders itself.
+        traffic_log: where agents write down what they say of right of way; None where vehicles drive without.
 
     Raises:
         UnavailableError: it does not start.
@@ -116,13 +120,16 @@ async def running(
     file.write_text(plant_yaml(plant), encoding="utf-8")
     options = ["--folder", str(folder), "--plant", str(file), "--port", "0", "--speed", str(speed)]
     database_url = database_url or f"sqlite:///{(folder / 'dray.db').resolve()}"
-    lease = {} if lease_s is None else {f"{PREFIX}BUS_LEASE_S": str(lease_s)}
+    options += ["--demand" if demand else "--no-demand", *(["--plain"] if plain else [])]
+    own = {} if lease_s is None else {f"{PREFIX}BUS_LEASE_S": str(lease_s)}
+    if traffic_log is not None:
+        options.append("--traffic")
+        own[f"{PREFIX}TRAFFIC_LOG"] = str(traffic_log)
     # Our own settings may name a database that is in service: no order of ours belongs there.
     others = {name: value for name, value in os.environ.items() if not name.startswith(PREFIX)}
     process = await asyncio.create_subprocess_exec(
-        *(sys.executable, "-m", "dray", "fleet", "up", "--no-demand", "--db", database_url, *options),
-        *(["--plain"] if plain else []),
-        env={**others, **lease, f"{PREFIX}ADMIN_TOKEN": token},
+        *(sys.executable, "-m", "dray", "fleet", "up", "--db", database_url, *options),
+        env={**others, **own, f"{PREFIX}ADMIN_TOKEN": token},
         stdout=asyncio.subprocess.PIPE,
         stderr=asyncio.subprocess.STDOUT,
     )

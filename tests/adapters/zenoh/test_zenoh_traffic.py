@@ -1,0 +1,88 @@
+"""Right of way and closures on Zenoh: no place is held twice and nobody drives into what is closed, whoever is killed."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Iterable
+
+import pytest
+from zenoh_stage import LATEST_S, PLANT, Stage, on_zenoh
+
+from dray.messages import Closure, ClosureKind, OrderItem, Phase
+from dray.messages.fact import AnyFact, ClosuresKnown, OrderFulfilled, PhaseEntered
+from dray.protocol.vehicle.atv import Atv
+from dray_sim.checks.closed_lanes import ClosedLanes
+from dray_sim.checks.held_places import HeldPlaces
+from dray_sim.checks.overlaps import Overlaps
+from dray_sim.factory.sim_factory import SimFactory
+from dray_sim.network.listeners import Listener
+from dray_sim.people.demand import Order
+from dray_sim.people.floor_manager import NAME, Closing, FloorManager
+
+ORDER = Order("O-1", 0.0, LATEST_S, (OrderItem("gear-unit-g1", 2),))
+
+CLOSED = "b4"
+"""A node in the middle of the plant; others lead round it."""
+
+
+def watched(factory: SimFactory) -> Iterable[Listener]:
+    return HeldPlaces(factory), Overlaps(factory.vehicles), ClosedLanes(factory)
+
+
+def sets_off(_agent: str, fact: AnyFact) -> bool:
+    return isinstance(fact, PhaseEntered) and fact.phase is Phase.APPROACHING
+
+
+async def keepers_and_the_vehicle_are_killed_on_the_way(stage: Stage) -> int:
+    """How many keepers of books, after an order was delivered."""
+    factory = stage.factory
+    assert factory.traffic is not None
+    await stage.customers.order(ORDER)
+    atv, _ = await stage.until(sets_off)
+    agent = factory.workers[atv].agent
+    assert isinstance(agent, Atv)
+    assert agent.right_of_way is not None
+    places = factory.traffic.places
+    districts = {places.district_of[place] for place in agent.right_of_way.way.held}
+    first = {places.keepers_of[district][0] for district in districts}
+    factory.restart(atv)
+    for keeper in first:
+        factory.crash(keeper)
+    await stage.until(lambda _, fact: isinstance(fact, PhaseEntered) and fact.phase is Phase.CARRYING)
+    for keeper in first:
+        factory.restart(keeper)
+    await stage.until(lambda _, fact: isinstance(fact, OrderFulfilled))
+    assert agent is not factory.workers[atv].agent
+    return len(first)
+
+
+@pytest.mark.slow
+def test_no_place_is_held_twice_when_a_vehicle_and_the_keepers_of_its_places_are_killed_on_zenoh() -> None:
+    assert on_zenoh(keepers_and_the_vehicle_are_killed_on_the_way, traffic=True, checks=watched) in (1, 2)
+
+
+async def a_node_is_closed_while_an_order_is_on_its_way(stage: Stage) -> set[str]:
+    """Who has gone by the list, after an order was delivered."""
+    factory = stage.factory
+    manager = FloorManager(stage.bus, factory.clock, factory.keys, factory.authority)
+    closure = Closure(closure="C1", kind=ClosureKind.CLOSED, by=NAME, node=CLOSED)
+    closing = Closing(closure, factory.clock.now_s(), LATEST_S, tells_end=False)
+    at_work = asyncio.create_task(manager.close([closing]))
+    try:
+        await stage.customers.order(ORDER)
+        await stage.until(lambda _, fact: isinstance(fact, OrderFulfilled))
+    finally:
+        at_work.cancel()
+    return {agent for agent, fact in stage.facts if isinstance(fact, ClosuresKnown)}
+
+
+@pytest.mark.parametrize("traffic", [False, True])
+@pytest.mark.slow
+def test_what_was_closed_is_known_to_all_and_entered_by_nobody_on_zenoh(traffic: bool) -> None:
+    story = a_node_is_closed_while_an_order_is_on_its_way
+
+    def closed(factory: SimFactory) -> Iterable[Listener]:
+        return (ClosedLanes(factory),)
+
+    checks = watched if traffic else closed
+    assert on_zenoh(story, traffic=traffic, checks=checks) == set(PLANT.fleet)
