@@ -69,7 +69,8 @@ def test_the_base_is_never_taken_back() -> None:
 def test_a_wish_names_places_of_one_district_only() -> None:
     way = way_from("b3", "m4-lane", "c3", "m5-lane")
     groups = way.groups(100.0)
-    assert {PLACES.district_of[place] for group in groups for place in group} == {"M4"}
+    districts = {PLACES.district_of[place] for group in groups for place in group}
+    assert [district.partition(".")[0] for district in districts] == ["M4"]
     assert groups == [("m4-lane",), ("c3",)]
 
 

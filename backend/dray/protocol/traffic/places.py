@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import pairwise
 from math import cos, hypot, pi, sin
+from zlib import crc32
 
 import msgspec
 
@@ -86,7 +87,9 @@ class Places:
     Attributes:
         all: every place, in the order of the plant file.
         mouths: dock node -> the node before it, where nobody waits for the dock.
-        district_of: place -> district. A district has the name of the machine that is nearest to its first place.
+        district_of: place -> district. A district has the name of the machine that is nearest to its first place, and a checksum
+            of its places, keepers and lanes: whoever goes by another plant file means another district, so
+            that no book grants a place that another one has granted.
         keepers_of: district -> who keep its book, in the order in which they take it over.
     """
 
@@ -122,10 +125,14 @@ class Places:
         self.all: tuple[str, ...] = tuple(spots)
         chosen = tuple(keepers) if keepers is not None else _keepers(plant)
         at_m = {keeper: plant.position_of(keeper) for keeper in chosen}
-        self.district_of: Mapping[str, str] = self._divide(spots, at_m)
+        nearest = self._divide(spots, at_m)
+        keepers_of = {
+            first: _nearest(at_m[first], at_m)[:KEEPERS] for first in dict.fromkeys(nearest.values())
+        }
+        names = self._names(nearest, keepers_of, spots)
+        self.district_of: Mapping[str, str] = {place: names[first] for place, first in nearest.items()}
         self.keepers_of: Mapping[str, tuple[str, ...]] = {
-            district: _nearest(at_m[district], at_m)[:KEEPERS]
-            for district in dict.fromkeys(self.district_of.values())
+            names[first]: keepers for first, keepers in keepers_of.items()
         }
 
     def places_in(self, district: str) -> frozenset[str]:
@@ -192,6 +199,21 @@ class Places:
         return max(
             (self._footprint.clear_m(_between(angle)) for angle in others), default=self._footprint.spacing_m
         )
+
+    def _names(
+        self,
+        nearest: Mapping[str, str],
+        keepers_of: Mapping[str, tuple[str, ...]],
+        spots: Mapping[str, tuple[float, float]],
+    ) -> dict[str, str]:
+        """The first keeper of each district -> the district's name."""
+        told: dict[str, list[object]] = {first: [keepers] for first, keepers in keepers_of.items()}
+        for place, (x_m, y_m) in sorted(spots.items()):
+            told[nearest[place]].append((place, f"{x_m:.3f} {y_m:.3f}"))
+        for (start, end), places in sorted(self._needs.items()):
+            for first in sorted({nearest[place] for place in (self.place_of(start), *places)}):
+                told[first].append((start, end, places, f"{self._clear_m[start, end]:.3f}"))
+        return {first: f"{first}.{crc32(repr(parts).encode()):08x}" for first, parts in told.items()}
 
     def _divide(
         self, spots: Mapping[str, tuple[float, float]], at_m: Mapping[str, tuple[float, float]]

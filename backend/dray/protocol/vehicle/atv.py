@@ -63,7 +63,7 @@ from dray.protocol.vehicle.command_authorisation import CommandAuthorisation, Tr
 from dray.protocol.vehicle.command_handling import CommandHandling
 from dray.protocol.vehicle.contracts import Contracts
 from dray.protocol.vehicle.drivers.reserved_driver import ReservedDriver, driver_of
-from dray.protocol.vehicle.drivers.traffic_handling import TrafficHandling
+from dray.protocol.vehicle.drivers.traffic_handling import handle_traffic
 from dray.protocol.vehicle.idle_positioning import CLAIM, SETTLE, IdlePositioning
 from dray.protocol.vehicle.status_report import StatusReport
 
@@ -133,7 +133,7 @@ class Atv(AgentBase):
             WayDone: self._way_done,
             ActionDone: self._action_done,
             ActionFailed: self._action_failed,
-            ProblemRaised: self._problem_raised,
+            ProblemRaised: self.raise_problem,
             ProblemCleared: self._problem_cleared,
             LinkNoticed: self._link_noticed,
         }
@@ -144,8 +144,8 @@ class Atv(AgentBase):
             SETTLE: lambda _about, now_s: self._rest_on(SETTLE, now_s),
             CLAIM: lambda _about, now_s: self._rest_on(CLAIM, now_s),
         }
-        if isinstance(self._driver, ReservedDriver):
-            TrafficHandling(self._driver, self).fill(self._message_handlers, self._alarm_handlers)
+        tables = self._message_handlers, self._alarm_handlers
+        handle_traffic(self, self._driver, plant, self._out, *tables)
 
     # --- the beginning, and time passing ---
 
@@ -259,7 +259,8 @@ class Atv(AgentBase):
         else:
             self._contracts.go_on(lambda job: job.action_failed(report.order, report.reason, now_s), now_s)
 
-    def _problem_raised(self, report: ProblemRaised, now_s: float) -> None:
+    def raise_problem(self, report: ProblemRaised, now_s: float) -> None:
+        """It stands until a person has seen to it."""
         self._assistance.problem = report.reason
         if self._commands.take_back():
             self._commit()

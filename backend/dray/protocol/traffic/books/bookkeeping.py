@@ -5,12 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from msgspec import UNSET
+
 from dray.memory import BookMemory, Memory
 from dray.messages import (
     AtvHeartbeat,
     BookAsked,
     BookKept,
     BookTold,
+    HoldsAsked,
+    Link,
     MachineHeartbeat,
     Message,
     PlaceBooked,
@@ -19,7 +23,7 @@ from dray.messages import (
 )
 from dray.messages.keys import Keys
 from dray.plant import Plant
-from dray.protocol.runtime.events import Commit, Effect, Ignore, Subscribe
+from dray.protocol.runtime.events import Commit, Effect, Ignore, Send, Subscribe
 from dray.protocol.runtime.timers import Timers
 from dray.protocol.traffic.books.copies import Kept
 from dray.protocol.traffic.books.district import BOOK_TICK
@@ -27,7 +31,11 @@ from dray.protocol.traffic.books.districts import Districts
 from dray.protocol.traffic.neighbours import Neighbours
 from dray.protocol.traffic.traffic_map import TrafficMap
 
-NOT_KEPT_HERE = "about a book that is not kept here"
+NOT_KEPT_HERE = "about a book that is not kept here; or the plant file is another one"
+
+WITHOUT_BOOKS = "about places, and this agent was started without right of way"
+
+ABOUT_BOOKS: tuple[type[Message], ...] = (PlaceWished, PlaceBooked, BookKept, BookAsked, BookTold)
 
 NOTE = "book "
 """Names the note of a book, before the district."""
@@ -55,6 +63,8 @@ class Bookkeeping:
         self._out = out
         self._neighbours = Neighbours()
         self._written: dict[str, Kept] = {}
+        self._outdated: list[str] = []
+        """Districts of a plant file that was changed: their books are to be forgotten."""
         self._books: Districts | None = None
 
     @property
@@ -80,6 +90,7 @@ class Bookkeeping:
             if isinstance(note, BookMemory)
         }
         self._written = dict(kept)
+        self._outdated = [name for name in kept if self._me not in traffic.places.keepers_of.get(name, ())]
         self._books = Districts(
             self._me, traffic.places, traffic.atvs, kept, self._neighbours, self._timers, self._out
         )
@@ -103,7 +114,8 @@ class Bookkeeping:
         """What of the books has changed: it is written down before anything is said."""
         if self._books is None:
             return []
-        commits = []
+        commits = [Commit(None, NOTE + district) for district in self._outdated]
+        self._outdated = []
         for district, kept in self._books.kept().items():
             if self._written.get(district) != kept:
                 self._written[district] = kept
@@ -117,6 +129,8 @@ class Bookkeeping:
         self, before: Mapping[type[Message], Callable[[str, Any, float], None]]
     ) -> dict[type[Message], Callable[[str, Any, float], None]]:
         """The agent's table of messages with those about books in it; heartbeats are heard by both."""
+        if self._traffic is None:
+            return {**before, **dict.fromkeys(ABOUT_BOOKS, self._on_mixed_settings)}
         if not self.keeps_books:
             return dict(before)
         heard: dict[type[Message], Callable[[str, Any, float], None]] = {
@@ -127,7 +141,7 @@ class Bookkeeping:
         table = dict(before)
         for kind, note in heard.items():
             table[kind] = _both(note, before[kind]) if kind in before else note
-        for kind in (PlaceWished, PlaceBooked, BookKept, BookAsked, BookTold):
+        for kind in ABOUT_BOOKS:
             table[kind] = self._on_message
         return table
 
@@ -148,6 +162,13 @@ class Bookkeeping:
 
     def _on_vehicle(self, _sender: str, heartbeat: AtvHeartbeat, now_s: float) -> None:
         self._neighbours.on_vehicle(heartbeat, now_s)
+        if heartbeat.floor is UNSET and heartbeat.link is Link.WLAN and self._books is not None:
+            # It drives as if it were alone (`drivers.alone_among_others`); by radio nobody tells what he holds.
+            name, district = next(iter(self._books.districts.items()))
+            self._out.append(Send(heartbeat.atv, HoldsAsked(district=name, epoch=district.copies.kept.epoch)))
+
+    def _on_mixed_settings(self, _sender: str, _message: Message, _now_s: float) -> None:
+        self._out.append(Ignore(WITHOUT_BOOKS))
 
     def _on_keeper(self, keeper: str, now_s: float) -> None:
         if self._books is not None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, Protocol
 
+from dray.body import ProblemRaised
 from dray.messages import (
     AtvHeartbeat,
     HoldsAsked,
@@ -13,9 +14,13 @@ from dray.messages import (
     YieldAsked,
     YieldRefused,
 )
+from dray.plant import Plant
+from dray.protocol.runtime.events import Effect
 from dray.protocol.traffic.driving.place_requests import HELD_UP, LOOK, Errand
 from dray.protocol.traffic.driving.right_of_way import RESTED, RightOfWay
 from dray.protocol.traffic.driving.wishes import WISH_AGAIN
+from dray.protocol.vehicle.drivers.alone_among_others import AloneAmongOthers
+from dray.protocol.vehicle.drivers.driver import Driver
 from dray.protocol.vehicle.drivers.reserved_driver import LOST, ReservedDriver
 
 Handler = Callable[[str, Any, float], None]
@@ -29,6 +34,13 @@ class Owner(Protocol):
 
     def note_makes_room(self, now_s: float) -> None:
         """It leaves the place where it stood, for somebody else."""
+
+
+class Vehicle(Owner, Protocol):
+    """One that may have right of way."""
+
+    def raise_problem(self, report: ProblemRaised, now_s: float) -> None:
+        """It stands until a person has seen to it."""
 
 
 class TrafficHandling:
@@ -76,3 +88,18 @@ class TrafficHandling:
             self._owner.note_makes_room(now_s)
         if self._driver.arrive(now_s):
             self._owner.note_arrived(now_s)
+
+
+def handle_traffic(
+    vehicle: Vehicle,
+    driver: Driver,
+    plant: Plant,
+    out: list[Effect],
+    messages: dict[type[Message], Handler],
+    alarms: dict[str, Callable[[Any, float], None]],
+) -> None:
+    """Enter what a vehicle does when it hears of right of way into its tables, whether it has it or not."""
+    if isinstance(driver, ReservedDriver):
+        TrafficHandling(driver, vehicle).fill(messages, alarms)
+    else:
+        AloneAmongOthers(plant, out, vehicle.raise_problem).fill(messages)
