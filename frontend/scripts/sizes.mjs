@@ -16,18 +16,22 @@ const chunks = JSON.parse(readFileSync(`${built}.vite/manifest.json`, "utf8"));
 const bytesOf = (name) => gzipSync(readFileSync(built + chunks[name].file)).length;
 const isLanguage = (name) => name.startsWith("src/text/");
 
-// All that a page may load by and by, but one language only: its longest.
+// What is loaded with a chunk, and by and by after it.
+function loadedWith(name, without = () => false, found = new Set()) {
+  if (found.has(name) || without(name)) return found;
+  found.add(name);
+  for (const next of [...(chunks[name].imports ?? []), ...(chunks[name].dynamicImports ?? [])]) loadedWith(next, without, found);
+  return found;
+}
+
+const sum = (names) => names.filter((name) => chunks[name].file.endsWith(".js")).reduce((bytes, name) => bytes + bytesOf(name), 0);
+
+// All that a page may load by and by, but one language only: its longest, with what only languages share.
 function bytesOfPage(entry) {
-  const found = new Set();
-  const gather = (name) => {
-    if (found.has(name)) return;
-    found.add(name);
-    for (const next of [...(chunks[name].imports ?? []), ...(chunks[name].dynamicImports ?? [])]) gather(next);
-  };
-  gather(entry);
-  const names = [...found].filter((name) => chunks[name].file.endsWith(".js"));
-  const sum = names.filter((name) => !isLanguage(name)).reduce((bytes, name) => bytes + bytesOf(name), 0);
-  return sum + Math.max(0, ...names.filter(isLanguage).map(bytesOf));
+  const page = loadedWith(entry, isLanguage);
+  const languages = [...loadedWith(entry)].filter(isLanguage);
+  const words = languages.map((name) => sum([...loadedWith(name)].filter((each) => !page.has(each))));
+  return sum([...page]) + Math.max(0, ...words);
 }
 
 let tooLarge = false;

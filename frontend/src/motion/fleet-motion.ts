@@ -91,13 +91,13 @@ export class FleetMotion {
     return this.#entries.get(id)?.shown;
   }
 
-  /** Where it will go: what is left to play of its track, then its planned way. */
-  ahead(id: string): Place[] {
+  /** Where it will go: what is left to play of its track, then its planned way, or the first `nodes` of that. */
+  ahead(id: string, nodes = Infinity): Place[] {
     const entry = this.#entries.get(id);
     if (!entry) return [];
     const points: Place[] = [{ x: entry.shown.x, y: entry.shown.y }];
     for (const knot of entry.track.knots) if (knot.t > entry.atS) points.push(knot);
-    for (const node of entry.shown.view.way) {
+    for (const node of entry.shown.view.way.slice(0, nodes)) {
       const place = this.#roads.places.get(node);
       if (place) points.push(place);
     }

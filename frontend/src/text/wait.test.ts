@@ -12,6 +12,8 @@ describe("a wait", () => {
   test("is a sentence down to what holds all of them up", () => {
     expect(waitText(cause({}))).toBe("waits for ATV3, which waits for ATV7 at the dock of M8");
     expect(waitText(cause({ chain: ["ATV7"], place: "" }))).toBe("waits for ATV7 at a dock");
+    expect(waitText(cause({ chain: ["ATV7"], place: "CH2", kind: "charging" }))).toBe("waits for ATV7, which is charging at CH2");
+    expect(waitText(cause({ chain: ["ATV7"], place: "", kind: "standing" }))).toBe("waits for ATV7, which stands there");
     expect(waitText(cause({ chain: ["ATV7"], kind: "silent" }))).toBe("waits for ATV7, which is not heard");
     expect(waitText(cause({ chain: ["ATV2", "ATV1"], kind: "circle" }))).toBe("waits for ATV2, which waits for ATV1, in a circle");
   });
@@ -32,7 +34,7 @@ describe("a wait", () => {
   test("has words for every cause in every language", () => {
     for (const [language, table] of Object.entries({ en, de, es })) {
       speak(language as "en", table, language);
-      for (const kind of ["docked", "silent", "stopped", "error", "closed", "circle", "standing", "moving", "unanswered"] as const) {
+      for (const kind of ["docked", "charging", "silent", "stopped", "error", "closed", "circle", "standing", "moving", "unanswered"] as const) {
         expect(waitText(cause({ kind }))).toContain("ATV7");
       }
       expect(waitText(cause({}))).toContain("M8");

@@ -26,8 +26,8 @@ export function jamText(vehicles: readonly string[], cause: WaitCauseView): stri
 /** The one that holds up all others, and what holds it up. */
 function endText(atv: string, { kind, place }: WaitCauseView): string {
   const who = nameOf(atv);
-  if (kind === "docked" && place === "") return t("wait.end.dock", { who });
-  return t(`wait.end.${kind}`, { who, place });
+  if (place !== "" && (kind === "docked" || kind === "charging" || kind === "standing")) return t(`wait.at.${kind}`, { who, place });
+  return t(`wait.end.${kind}`, { who });
 }
 
 function nameOf(atv: string): string {

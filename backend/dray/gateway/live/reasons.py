@@ -87,6 +87,7 @@ HELD_UP: Mapping[WaitKind, str] = {
     "stopped": "which was stopped",
     "error": "which is in error",
     "closed": "which has no way left by what is closed",
+    "charging": "which is charging",
     "standing": "which stands there",
     "moving": "which is driving",
     "unanswered": "which makes room or has no answer yet",
@@ -140,6 +141,12 @@ def _last(atv: str, cause: WaitCauseView) -> str:
         return f"{atv}, in a circle"
     if cause.kind == "docked":
         return f"{atv} at the dock of {cause.place}" if cause.place else f"{atv} at a dock"
+    if cause.place:
+        return (
+            f"{atv}, which is charging at {cause.place}"
+            if cause.kind == "charging"
+            else f"{atv}, which stands at {cause.place}"
+        )
     return f"{atv}, {HELD_UP[cause.kind]}"
 
 

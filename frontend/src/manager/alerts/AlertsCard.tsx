@@ -33,7 +33,7 @@ export function AlertsCard() {
           <Line key={alert.id} alert={alert} />
         ))}
       </ul>
-      {open.length > MOST && <a href="#alerts">{n("alerts.more", open.length - MOST)}</a>}
+      {open.length > MOST && <a class="quiet-link" href="#alerts">{n("alerts.more", open.length - MOST)}</a>}
     </section>
   );
 }

@@ -5,6 +5,7 @@ import { Tag } from "../../parts/Tag";
 import { selection } from "../../selection/selection";
 import { world } from "../../stream/stream";
 import { format, t, word } from "../../text/operator";
+import { waitText } from "../../text/wait";
 import { areaAt, distanceM } from "../area/region";
 import { CommandLine } from "../commands/CommandLine";
 import { moment, names, plant, station } from "../state";
@@ -36,6 +37,7 @@ export function VehicleCard({ atv }: { atv: AtvView }) {
         </header>
         <div class="vehicle-now">
           <p class="doing">{need === "lost" ? lostText(atv) : taskText(atv)}</p>
+          {need !== "lost" && <Waits atv={atv.id} />}
           {(atv.help !== null || atv.problem !== "") && need !== "lost" && <HelpAsk atv={atv} />}
         </div>
         <div class="vehicle-acts">
@@ -57,6 +59,19 @@ function needText(atv: AtvView, need: Need): string {
 function lostText(atv: AtvView): string {
   if (atv.shut_out) return t("card.shutOut", { by: atv.shut_out.by, reason: atv.shut_out.reason });
   return t("card.lost", { age: format.age(moment.value.nowS - atv.seen_at_s) });
+}
+
+/** For whom it waits on its way, and for how long. */
+function Waits({ atv }: { atv: string }) {
+  const wait = world.value?.waits.get(atv);
+  if (!wait) return null;
+  const { nowS, speed } = moment.value;
+  const age = format.duration(Math.max(0, nowS - wait.since_at_s) * speed);
+  return (
+    <p class="waits">
+      {t("wait.says", { atv, what: waitText(wait.cause) })} · <span class="num">{age}</span>
+    </p>
+  );
 }
 
 /** Where it is, and how its battery is. */

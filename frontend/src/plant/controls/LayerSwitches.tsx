@@ -1,10 +1,11 @@
 import { t } from "../../text";
-import { LAYERS, layers, toggleLayer } from "./layers";
+import { withTraffic } from "../held/shown";
+import { layers, layersWith, toggleLayer } from "./layers";
 
 export function LayerSwitches() {
   return (
     <div class="layers" role="group" aria-label={t("map.layers")}>
-      {LAYERS.map((layer) => (
+      {layersWith(withTraffic.value).map((layer) => (
         <button
           key={layer}
           type="button"

@@ -2,15 +2,20 @@
 import { effect, signal } from "@preact/signals";
 import { recall, remember } from "../../memory";
 
-export const LAYERS = ["ways", "primary", "watch", "mesh", "areas", "heat", "labels"] as const;
+export const LAYERS = ["ways", "traffic", "primary", "watch", "mesh", "areas", "heat", "labels"] as const;
 export type Layer = (typeof LAYERS)[number];
 export type Layers = Readonly<Record<Layer, boolean>>;
 
 /** With a number: who chose when there were fewer has not chosen against the new ones. */
-const KEY = "dray.layers.2";
-const FIRST: Layers = { ways: true, primary: true, watch: true, mesh: true, areas: false, heat: false, labels: true };
+const KEY = "dray.layers.3";
+const FIRST: Layers = { ways: true, traffic: true, primary: true, watch: true, mesh: true, areas: false, heat: false, labels: true };
 
 export const layers = signal<Layers>(layersFrom(recall(KEY)));
+
+/** @param traffic whether vehicles drive with right of way: without, nothing is in its layer */
+export function layersWith(traffic: boolean): readonly Layer[] {
+  return traffic ? LAYERS : LAYERS.filter((layer) => layer !== "traffic");
+}
 
 export function toggleLayer(layer: Layer): void {
   layers.value = { ...layers.value, [layer]: !layers.value[layer] };

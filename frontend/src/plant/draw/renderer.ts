@@ -18,6 +18,8 @@ import { drawDots, drawVehicle, drawVehicleLabels, lookOf } from "./vehicles";
 import { boxOnScreen, fitView, type Region, type Size, toScreenX, toScreenY, type View, type Zoom, zoomed } from "../surface/geometry";
 import { groupsOf, URGENT_LAST } from "./groups";
 import type { Heat } from "../heat/heat";
+import { hasTraffic, heldAhead, heldLine, jamsOf, waitLines } from "../held/held";
+import { type Drawing, loadDrawing } from "../held/shown";
 import type { Layers } from "../controls/layers";
 import { laneOf } from "../surface/lanes";
 import { type Guard, isCarried, meshLinks, watchLinks } from "../surface/links";
@@ -71,6 +73,9 @@ export class PlantRenderer {
   /** Transports that somebody carries. */
   #carried: readonly TaskView[] = [];
   #machines: MachineLooks = new Map();
+  /** How right of way is drawn: null where there is none, or as long as it is being loaded. */
+  #traffic: Drawing | null = null;
+  #isLoading = false;
   #size: Size = { width: 1, height: 1 };
   #zoom: Zoom = { k: 1, x: 0, y: 0 };
   #smooth = true;
@@ -129,7 +134,21 @@ export class PlantRenderer {
     if (!lookAlike(this.#machines, machines)) this.#stale.machines = true;
     this.#machines = machines;
     this.#world = world;
+    this.#loadTraffic(world);
     this.#ask();
+  }
+
+  #loadTraffic({ atvs }: World): void {
+    if (this.#isLoading || !hasTraffic(atvs.values())) return;
+    this.#isLoading = true;
+    void loadDrawing().then(
+      (drawing) => {
+        this.#traffic = drawing;
+        this.#ask();
+      },
+      // Asked for again with the next news.
+      () => (this.#isLoading = false),
+    );
   }
 
   show(shown: Shown): void {
@@ -244,6 +263,9 @@ export class PlantRenderer {
     const world = this.#world;
     if (!brush || !world) return;
     const { layers, atv } = this.#shown;
+    const jams = layers.traffic ? jamsOf(world.alerts.values(), world.waits, this.#find) : [];
+    this.#traffic?.drawJams(brush, jams);
+    if (layers.traffic) this.#drawHeld(brush, vehicles);
     // Who is silent may have plans, but nobody knows whether it still follows them.
     const onItsWay = ({ view }: ShownVehicle): boolean =>
       view.way.length > 0 && !isLost(view, nowS, world.factory.speed);
@@ -258,6 +280,16 @@ export class PlantRenderer {
     if (layers.ways && chosen && onItsWay(chosen)) drawChosenWay(brush, this.fleet.ahead(chosen.view.id));
     for (const { from, look, to } of marks) drawMark(brush, this.#find(from), this.#find(to), look);
     this.#drawVehicles(brush, vehicles, nowS);
+    if (layers.traffic) this.#traffic?.drawWaits(brush, waitLines(world.waits.values(), this.#find, atv));
+    const speed = world.factory.speed;
+    const named = jams.map((jam) => ({ ...jam, text: t("map.jam", { age: format.duration((nowS - jam.sinceAtS) * speed) }) }));
+    this.#traffic?.nameJams(brush, named);
+  }
+
+  #drawHeld(brush: Brush, inSight: readonly ShownVehicle[]): void {
+    const find = (node: string): Place | undefined => this.#roads.places.get(node);
+    const lines = inSight.map(({ view }) => heldLine(view, this.fleet.ahead(view.id, heldAhead(view)), find));
+    this.#traffic?.drawHeld(brush, lines);
   }
 
   #drawPrimary(brush: Brush, inSight: readonly ShownVehicle[]): void {

@@ -190,6 +190,7 @@ export function drawVehicleLabels(
   const { ctx, view, palette, detail } = brush;
   const px = detail.vehiclePx >= 11 ? 11.5 : 10;
   const taken = [...walls];
+  if (detail.everybody) for (const { vehicle } of vehicles) taken.push(discOf(brush, vehicle));
   setFont(brush, px, 600);
   ctx.textAlign = "center";
   ctx.textBaseline = "middle";
@@ -208,6 +209,14 @@ export function drawVehicleLabels(
     ctx.fillStyle = palette[look === "alarm" || look === "lost" ? "alarm" : chosen ? "chosen" : "ink-2"];
     ctx.fillText(label, x, y);
   }
+}
+
+/** What no name may cover of a vehicle: a little less than its disc, so that those beside one another keep theirs. */
+function discOf({ detail, view }: Brush, { x, y }: ShownVehicle): Rect {
+  const half = 0.8 * detail.vehiclePx;
+  const left = toScreenX(view, x) - half;
+  const top = toScreenY(view, y) - half;
+  return { left, top, right: left + 2 * half, bottom: top + 2 * half };
 }
 
 /** The first free place around a vehicle; null where there is none and it need not be named. */

@@ -32,7 +32,13 @@ def projection() -> Projection:
 
 def waiting(atv: str, behind: str = "", *, at_s: float = 1.0, **fields: Any) -> AtvHeartbeat:
     floor = FloorBrief(holds=("c1",), waits=True, waits_for=behind, waits_at="c2" if behind else "")
-    usual: dict[str, Any] = {"floor": floor, "status": AtvStatus.WORKING, "way": ("c2",), "node": "c1"}
+    usual: dict[str, Any] = {
+        "floor": floor,
+        "status": AtvStatus.WORKING,
+        "task": CARRYING,
+        "way": ("c2",),
+        "node": "c1",
+    }
     return atv_heartbeat(atv, int(at_s * 10), at_s=at_s, **usual | fields)
 
 
@@ -96,6 +102,14 @@ def test_a_wait_is_a_sentence_down_to_the_dock(projection: Projection) -> None:
     [
         (driving("ATV2"), "waits for ATV2, which is driving"),
         (atv_heartbeat("ATV2", floor=FloorBrief(holds=("c2",))), "waits for ATV2, which stands there"),
+        (
+            atv_heartbeat("ATV2", floor=FloorBrief(holds=("c2",)), node=FLOOR.node_of("P1")),
+            "waits for ATV2, which stands at P1",
+        ),
+        (
+            atv_heartbeat("ATV2", floor=FloorBrief(), node=FLOOR.node_of("CH1"), status=AtvStatus.CHARGING),
+            "waits for ATV2, which is charging at CH1",
+        ),
         (waiting("ATV2", status=AtvStatus.STOPPED), "waits for ATV2, which was stopped"),
         (waiting("ATV2", status=AtvStatus.ERROR, problem="wheel"), "waits for ATV2, which is in error"),
         (waiting("ATV2"), "waits for ATV2, which makes room or has no answer yet"),
@@ -240,6 +254,18 @@ def test_of_a_vehicle_in_worse_trouble_its_wait_is_not_told(projection: Projecti
     for at_s in (1.0, 125.0):
         fold(projection, docked("ATV9", at_s=at_s), waiting("ATV1", "ATV9", at_s=at_s, **state))
     assert [alert.kind for alert in now(projection, 125.0)] == ["atv_battery"]
+
+
+def test_idle_vehicles_that_look_for_room_ask_nothing_of_people(projection: Projection) -> None:
+    idle: dict[str, Any] = {"task": None, "status": AtvStatus.IDLE}
+    names = ("ATV1", "ATV2", "ATV3", "ATV4")
+    for at_s in (1.0, 125.0):
+        fold(projection, docked("ATV9", at_s=at_s))
+        fold(projection, *(waiting(atv, "ATV9", at_s=at_s, **idle) for atv in names))
+    assert now(projection, 125.0) == []
+    fold(projection, waiting("ATV5", "ATV4", at_s=125.0))
+    (jam,) = now(projection, 125.0)
+    assert jam.vehicles == (*names, "ATV5")
 
 
 # --- REST -------------------------------------------------------------------------------------------

@@ -8,6 +8,7 @@ from dray.gateway.live.views.base import View
 
 WaitKind = Literal[
     "docked",
+    "charging",
     "silent",
     "stopped",
     "error",
@@ -17,7 +18,7 @@ WaitKind = Literal[
     "moving",
     "unanswered",
 ]
-"""What holds up the one at the end of a chain: it is at a dock; is not heard; was stopped by a person; is in error; has no way left by
+"""What holds up the one at the end of a chain: it is at a dock with a task; charges; is not heard; was stopped by a person; is in error; has no way left by
 what is closed; waits for one that waits for it; stands, and is asked to make room; drives; makes room itself, or has no answer yet."""
 
 
@@ -31,7 +32,7 @@ class WaitCauseView(View, kw_only=True):
     more: int = 0
     """How many a long chain leaves out, before its last one."""
     place: str = ""
-    """For `docked`: whose dock the last one is at."""
+    """For one that is docked, charges or stands: whose dock it is at."""
     since_at_s: float | None = None
     """Since when the last one stands as it does; None for one that drives, and for a circle."""
 

@@ -21,6 +21,7 @@ import { ATV_FAULTS } from "../faults/faults";
 import { HelpWanted } from "./HelpWanted";
 import { linkText } from "./link";
 import { Promise as PromiseFact } from "./Promise";
+import { WaitNote } from "./WaitNote";
 
 /** Bottom right: the chosen vehicle. */
 export function ChosenAtv() {
@@ -38,6 +39,7 @@ function AtvCard({ atv }: { atv: AtvView }) {
   const task = atv.task && world.value?.tasks.get(atv.task.task);
   const speed = world.value?.factory.speed ?? 1;
   const lost = isLost(atv, presentS.value, speed);
+  const wait = world.value?.waits.get(atv.id);
   const most = format.number((type?.max_speed_mps ?? 0) * atv.speed_limit_frac, 1);
   return (
     <Card
@@ -56,6 +58,7 @@ function AtvCard({ atv }: { atv: AtvView }) {
           {atv.help && <HelpWanted atv={atv.id} help={atv.help} speed={speed} />}
         </div>
       )}
+      {wait && <WaitNote wait={wait} />}
       <Facts>
         <FaultFacts agent={atv.id} />
         <UpdateFact agent={atv} />

@@ -28,6 +28,8 @@ JAM_LEAST = 3
 def of_waits(waits: Waits, told_of: Container[str], now: Moment) -> Iterator[Condition]:
     """Jams, each with all that wait in it, and vehicles that have waited for too long elsewhere.
 
+    Where none of them has a task nobody is late: idle vehicles that look for room ask nothing of people.
+
     Args:
         waits: who waits for whom, as of now.
         told_of: vehicles that something graver is told of already.
@@ -39,12 +41,14 @@ def of_waits(waits: Waits, told_of: Container[str], now: Moment) -> Iterator[Con
         behind.setdefault(_end(view, waits), []).append(view)
     for views in behind.values():
         views.sort(key=lambda view: (view.since_at_s, view.id))
+        if not any(waits.has_task(view.id) for view in views):
+            continue
         long = [view for view in views if (present_s - view.since_at_s) * now.speed > LONG_WAIT_S]
         if _is_circle_stuck(views, waits, present_s, now.speed) or (len(views) >= JAM_LEAST and long):
             yield _jam(views, waits)
             continue
         for view in long:
-            if view.id not in told_of:
+            if view.id not in told_of and waits.has_task(view.id):
                 cause = told(CauseView(wait=view.cause))
                 yield Condition(kind="atv_waits", agent=view.id, cause=cause)
 

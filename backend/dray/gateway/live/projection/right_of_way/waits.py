@@ -44,6 +44,7 @@ class Waits:
         """By vehicle, while it stands. Bounded by whoever lets vehicles in."""
         self._views: dict[str, WaitView] = {}
         self._chains: Mapping[str, Chain] = {}
+        self._with_task: frozenset[str] = frozenset()
         self._is_stale = False
         self._docks: tuple[Plant, dict[str, str]] | None = None
         """Of this plant: node -> whose dock it is."""
@@ -81,6 +82,7 @@ class Waits:
             if (floor := heartbeat.floor) is not UNSET
         }
         self._chains = chains_of(vehicles)
+        self._with_task = frozenset(atv for atv in self._chains if last[atv].task is not None)
         before, self._views = self._views, {}
         for atv, chain in self._chains.items():
             since = self._since.get(atv)
@@ -100,6 +102,10 @@ class Waits:
     def chain(self, atv: str) -> Chain:
         """For whom one of `views` waits."""
         return self._chains[atv]
+
+    def has_task(self, atv: str) -> bool:
+        """Whether one of `views` is held up at work."""
+        return atv in self._with_task
 
     def views(self) -> tuple[WaitView, ...]:
         """All of them, by vehicle."""
@@ -132,7 +138,7 @@ class Waits:
         since = None if chain.circle else self._since.get(end)
         more = max(len(chain.ahead) - NAMED, 0)
         place = ""
-        if chain.kind == "docked":
+        if chain.kind in ("docked", "charging", "standing"):
             place = self._dock(last[end].node, plant)
         return WaitCauseView(
             kind=chain.kind,
@@ -156,6 +162,7 @@ def standing_of(heartbeat: AtvHeartbeat, floor: FloorBrief, *, lost: bool) -> St
         (heartbeat.status is AtvStatus.STOPPED, "stopped"),
         (heartbeat.status is AtvStatus.ERROR, "error"),
         (floor.docked, "docked"),
+        (heartbeat.status is AtvStatus.CHARGING and not floor.waits, "charging"),
         (has_no_way(heartbeat), "closed"),
     )
     for holds, kind in ends:

@@ -1,0 +1,202 @@
+"""A jam before a dock: on the map, in words on both panels, as one alert that names its cause, and gone when it is gone."""
+
+from __future__ import annotations
+
+import asyncio
+import re
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import pytest
+from open_house import OpenHouse, open_house
+from playwright.sync_api import Page, expect
+from puppets import Puppet
+from tablet_kit import LOOKS, Enter, card
+
+from dray.gateway.live.projection.alerting.wait_rules import LONG_WAIT_S
+from dray.messages import AtvStatus, Brief, Phase, Role
+from dray.messages.heartbeat import FloorBrief
+from dray.plant import default_plant
+
+from gateway_kit import House  # isort: skip - their folder is on the path since `puppets` is
+from wall_clock import NOW_S, Wall  # isort: skip
+
+OpenPage = Callable[..., Page]
+Screenshot = Callable[..., Path]
+
+PLANT = default_plant()
+
+BEAT_S = 0.5
+
+QUEUE = {
+    "ATV7": ("m8", (), ("m8-lane", "m8"), ""),
+    "ATV3": ("c2", ("m8-lane", "m8"), ("c2",), "ATV7"),
+    "ATV5": ("m7-lane", ("c2", "m8-lane", "m8"), ("m7-lane",), "ATV3"),
+    "ATV2": ("c3", ("c2", "d2"), ("c3",), "ATV3"),
+}
+"""Each vehicle's node, the way before it, what it holds, and for whom it waits; the first one is at the dock of M8."""
+
+SENTENCE = "ATV5 waits for ATV3, which waits for ATV7 at the dock of M8"
+
+
+class GoingWall(Wall):
+    """A wall clock that goes as the browser's does; `now_s` puts it forward."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._begun_s = time.monotonic()
+
+    def __call__(self) -> float:
+        return self.now_s + time.monotonic() - self._begun_s
+
+
+@dataclass
+class Jam:
+    """Vehicles that stand one behind the other, and say so as vehicles do."""
+
+    house: House
+    vehicles: dict[str, Puppet] = field(default_factory=dict)
+    telling: asyncio.Task[None] | None = None
+
+    @classmethod
+    async def form(cls, house: House) -> Jam:
+        jam = cls(house)
+        work = Brief("M8-1", 1, Role.PRIMARY, "M8", Phase.CARRYING, "shaft", 8)
+        for atv, (node, way, holds, behind) in QUEUE.items():
+            spot, needs = PLANT.nodes[node], way[0] if way else ""
+            floor = FloorBrief(holds, docked=not way, waits=bool(way), waits_for=behind, waits_at=needs)
+            state = {"node": node, "way": way, "floor": floor, "task": work, "status": AtvStatus.WORKING}
+            state |= {"load": "shaft", "load_quantity": 8, "at_s": jam.now_s}
+            jam.vehicles[atv] = await Puppet.join(house, atv, spot.x_m, spot.y_m, **state)
+        jam.telling = asyncio.create_task(jam.tell())
+        return jam
+
+    @property
+    def now_s(self) -> float:
+        """The plant's clock."""
+        return self.house.wall() - NOW_S
+
+    async def tell(self) -> None:
+        """Say how things are, until the house is closed."""
+        while True:
+            self.beat()
+            await asyncio.sleep(BEAT_S)
+
+    def beat(self) -> None:
+        for puppet in self.vehicles.values():
+            puppet.beat(at_s=self.now_s)
+
+    async def last(self, wait_s: float) -> None:
+        """All have stood there for so much longer."""
+        self.house.wall.now_s += wait_s
+        self.beat()
+
+    async def clear(self) -> None:
+        """The one at the dock has left, and the others follow it."""
+        for puppet in self.vehicles.values():
+            puppet.state |= {"floor": FloorBrief((puppet.state["node"],), stands=False), "speed_mps": 1.0}
+        self.beat()
+
+
+@pytest.fixture
+def house(sqlite_url: str) -> Iterator[OpenHouse]:
+    with open_house(sqlite_url, wall=GoingWall()) as house:
+        yield house
+
+
+@pytest.fixture
+def jam(house: OpenHouse) -> Jam:
+    return house.do(Jam.form)
+
+
+def after(house: OpenHouse, jam: Jam, wait_s: float) -> None:
+    house.do(lambda _: jam.last(wait_s))
+
+
+def as_manager(house: OpenHouse, open_page: OpenPage, **look: object) -> Page:
+    async def session(inside: House) -> str:
+        return (await inside.log_in("manager")).cookies["dray_session"]
+
+    page = open_page("about:blank", who=None, **look)
+    cookie = {"name": "dray_session", "value": house.do(session), "url": house.url}
+    page.context.add_cookies([cookie | {"httpOnly": True, "sameSite": "Strict"}])
+    page.goto(house.url)
+    return page
+
+
+def choose(page: Page, name: str) -> None:
+    page.get_by_placeholder("Find").fill(name)
+    page.get_by_placeholder("Find").press("Enter")
+
+
+def picture(page: Page) -> bytes:
+    """What moves on the map, and what lies under it there."""
+    return page.locator("#plant-map").screenshot()
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_a_jam_is_one_alert_a_sentence_and_a_place_on_the_map_until_it_is_gone(
+    house: OpenHouse, jam: Jam, open_page: OpenPage, screenshot: Screenshot, scheme: str
+) -> None:
+    page = as_manager(house, open_page, color_scheme=scheme)
+    layer = page.get_by_role("button", name="Right of way")
+    expect(layer).to_have_attribute("aria-pressed", "true")
+    choose(page, "ATV5")
+    note = page.locator(".card.atv .wait-note")
+    expect(note.locator("p")).to_have_text(SENTENCE)
+    expect(note.get_by_role("listitem")).to_have_count(3)
+    expect(page.locator(".inbox")).to_have_count(0)
+
+    after(house, jam, LONG_WAIT_S)
+    inbox = page.locator(".inbox")
+    expect(inbox.get_by_role("listitem")).to_have_count(1)
+    expect(inbox).to_contain_text(
+        re.compile(r"Jam: 3 vehicles \(ATV3, ATV5, ATV2\) wait for ATV7 at the dock of M8")
+    )
+    expect(note.get_by_role("listitem").first).to_contain_text("2:0")
+    screenshot(page, f"jam-{scheme}")
+    shown = picture(page)
+    layer.click()
+    expect(layer).to_have_attribute("aria-pressed", "false")
+    assert picture(page) != shown, "the layer is what shows it"
+    layer.click()
+    inbox.get_by_role("button", name="Show ATV7").click()
+    expect(page.locator(".card.atv h2")).to_contain_text("ATV7")
+    choose(page, "ATV5")
+
+    house.do(lambda _: jam.clear())
+    expect(note).to_have_count(0)
+    expect(inbox).to_have_count(0)
+
+
+@pytest.mark.parametrize("look", LOOKS)
+def test_an_operator_reads_for_whom_the_vehicles_of_the_area_wait(
+    enter: Enter, house: OpenHouse, jam: Jam, screenshot: Screenshot, look: str
+) -> None:
+    page = enter(**LOOKS[look])
+    after(house, jam, LONG_WAIT_S)
+    waits = card(page, "ATV5").locator(".waits")
+    words = {"en": "waits for ATV3, which waits for ATV7", "de": "wartet auf ATV3; dieses wartet auf ATV7"}
+    expect(waits).to_contain_text(words[look[-2:]])
+    expect(waits).to_contain_text("2:0")
+    expect(card(page, "ATV2")).to_have_count(0)
+    expect(card(page, "ATV7").locator(".waits")).to_have_count(0)
+    assert "ATV2" not in page.content(), "it stands outside of the area"
+    screenshot(page, f"jam-tablet-{look}")
+    house.do(lambda _: jam.clear())
+    expect(waits).to_have_count(0)
+
+
+def test_without_right_of_way_nothing_of_it_is_there(house: OpenHouse, open_page: OpenPage) -> None:
+    async def one(inside: House) -> None:
+        await Puppet.join(inside, "ATV1", 7.0, 5.0, node="a1", at_s=inside.wall() - NOW_S)
+
+    house.do(one)
+    page = as_manager(house, open_page)
+    choose(page, "ATV1")
+    expect(page.locator(".card.atv h2")).to_contain_text("ATV1")
+    expect(page.get_by_role("button", name="Areas")).to_be_visible()
+    expect(page.get_by_role("button", name="Right of way")).to_have_count(0)
+    expect(page.locator(".wait-note")).to_have_count(0)
