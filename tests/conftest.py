@@ -159,40 +159,11 @@ def postgresql_url(postgres: Postgres) -> Iterator[str]:
     postgres.take_back(url)
 
 
-SQLITE_ONLY = frozenset(
-    f"test_{noun}"
-    for noun in (
-        "access",
-        "areas",
-        "areas_rest",
-        "audit_log",
-        # Refused before any database is asked; test_openapi tries on both what neither may hold.
-        "bad_addresses",
-        "bad_input",
-        "commands",
-        "fault_injection",
-        "keys",
-        "live",
-        "login_pages",
-        "metrics",
-        "middleware",
-        "pages",
-        "revocations",
-        "sessions",
-        "stream",
-        "stream_access",
-        "stream_socket",
-        "track",
-        "track_links",
-        "why",
-    )
-)
-"""Modules of the gateway in which the kind of database has no part, or none that the store's own tests do not have:
-on both, they would take two minutes for nothing."""
-
-
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    items[:] = [item for item in items if not _needless(item)]
+    for item in items:
+        # What depends on the kind of database is the store's, whose own tests run on both.
+        if _place(item).parts[0] == "gateway" and _is_on_postgresql(item):
+            item.add_marker(pytest.mark.slow)
     items.sort(key=lambda item: item.path.stem != LONGEST)
 
 
@@ -203,10 +174,9 @@ def pytest_collection_finish() -> None:
     gc.freeze()
 
 
-def _needless(item: pytest.Item) -> bool:
+def _is_on_postgresql(item: pytest.Item) -> bool:
     callspec = getattr(item, "callspec", None)
-    on_postgresql = callspec is not None and callspec.params.get("url") == "postgresql"
-    return on_postgresql and _place(item).parts[0] == "gateway" and item.path.stem in SQLITE_ONLY
+    return callspec is not None and callspec.params.get("url") == "postgresql"
 
 
 @pytest.fixture(params=["sqlite", "postgresql"])

@@ -59,6 +59,7 @@ async def played(plant: Plant, *, traffic: bool) -> tuple[int, Invariants, Overl
 TWO_LANES = "two-lanes"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("plant", [default_plant(), load_plant(TWO_LANES)], ids=["single track", "two lanes"])
 def test_vehicles_with_right_of_way_carry_on_and_never_touch(plant: Plant) -> None:
     alone, _, ghosts = run(played(plant, traffic=False), JUMP)
@@ -68,11 +69,12 @@ def test_vehicles_with_right_of_way_carry_on_and_never_touch(plant: Plant) -> No
     assert carried >= 0.85 * alone
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(3))
 def test_runs_without_faults_come_to_their_end(seed: int) -> None:
     assert play(draw(seed, "faultless", traffic=True)).broken == ""
 
 
+@pytest.mark.slow
 def test_a_run_with_right_of_way_is_repeatable() -> None:
     first, second = (play(draw(3, "faultless", traffic=True), listen=True).trace for _ in range(2))
     assert first == second != play(draw(3, "faultless"), listen=True).trace

@@ -10,7 +10,7 @@ from dray_sim.scenarios import SCENARIOS
 ROOM = Site(traffic=True)
 
 
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("name", ["experiment-wlan", "experiment-power-off", "case-4", "case-5"])
 def test_a_claim_about_one_vehicle_holds_where_vehicles_take_up_room(name: str, seed: int) -> None:
     assert SCENARIOS[name].run(seed, ROOM).failure == ""

@@ -62,7 +62,7 @@ def test_nobody_overlaps_and_nobody_is_stuck(floor: str, quality: Quality) -> No
 
 
 @pytest.mark.parametrize("floor", FLOORS)
-@pytest.mark.parametrize("seed", [0, 1])
+@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
 def test_faults_make_nobody_overlap_and_traffic_goes_on_after_them(floor: str, seed: int) -> None:
     world = played(floor, seed, POOR, gap_s=10.0, span_s=1200.0)
     assert world.checks.found == Found()

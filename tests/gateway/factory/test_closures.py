@@ -307,11 +307,11 @@ async def test_operators_and_keys_without_the_scope_close_nothing(house: House) 
     ],
 )
 async def test_what_cannot_be_closed_is_refused_with_the_field(
-    house: House, body: dict[str, Any], field: str
+    quiet_house: House, body: dict[str, Any], field: str
 ) -> None:
-    heard = listener(house.bus)
+    heard = listener(quiet_house.bus)
     for path in ("/api/closures", "/api/closures/preview"):
-        answer = await house.client.post(path, json=WHY | body)
+        answer = await quiet_house.client.post(path, json=WHY | body)
         told = problem(answer, 422, answer.json()["type"].rpartition(":")[2])
         assert field in {error["field"].split(".")[0] for error in told["errors"]}, told
     assert heard == []

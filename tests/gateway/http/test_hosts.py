@@ -13,9 +13,11 @@ pytestmark = pytest.mark.anyio
 
 
 @pytest.mark.parametrize("host", ["evil.test", "dray.test.evil.test", "", "[", "dray.test@evil.test", "a b"])
-async def test_whoever_asks_by_a_strange_name_is_refused_whatever_is_asked(house: House, host: str) -> None:
+async def test_whoever_asks_by_a_strange_name_is_refused_whatever_is_asked(
+    quiet_house: House, host: str
+) -> None:
     for path in ("/healthz", "/api/orders", "/", "/api/track/x"):
-        told = problem(await house.client.get(path, headers={"Host": host}), 421, "unknown-host")
+        told = problem(await quiet_house.client.get(path, headers={"Host": host}), 421, "unknown-host")
         assert "DRAY_ALLOWED_HOSTS" in told["detail"]
 
 
@@ -23,8 +25,8 @@ async def test_whoever_asks_by_a_strange_name_is_refused_whatever_is_asked(house
     "host",
     ["dray.test", "DRAY.test.", "dray.test:8000", "localhost", "127.0.0.1:8000", "10.1.2.3", "[::1]:8000"],
 )
-async def test_an_address_and_a_name_of_ours_are_known(house: House, host: str) -> None:
-    answer = await house.client.get("/healthz", headers={"Host": host})
+async def test_an_address_and_a_name_of_ours_are_known(quiet_house: House, host: str) -> None:
+    answer = await quiet_house.client.get("/healthz", headers={"Host": host})
     assert answer.status_code == 200
 
 
@@ -59,9 +61,9 @@ async def test_a_link_for_a_customer_leads_to_the_public_address_whoever_asks(ur
         ("/login", "GET, POST"),
     ],
 )
-async def test_options_are_answered_with_what_is_allowed(house: House, path: str, allowed: str) -> None:
-    answer = await house.client.options(path)
+async def test_options_are_answered_with_what_is_allowed(quiet_house: House, path: str, allowed: str) -> None:
+    answer = await quiet_house.client.options(path)
     assert answer.status_code == 204
     assert answer.headers["allow"] == allowed
     assert PROBLEM not in answer.headers.get("content-type", "")
-    problem(await house.client.options("/api/nothing"), 404, "not-found")
+    problem(await quiet_house.client.options("/api/nothing"), 404, "not-found")

@@ -12,6 +12,8 @@ import pytest
 from dray_sim.explore.play import play
 from dray_sim.explore.run import draw
 
+pytestmark = pytest.mark.slow
+
 FOUND = [
     # A carrier that had been given up came back, found the dock still open and took the goods away; its
     # machine waited for them for ever, and so did the next carrier.

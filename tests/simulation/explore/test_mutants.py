@@ -210,6 +210,8 @@ def with_clocks_that_jump(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(computer, "SLEW_FRAC", 1e6)
 
 
+pytestmark = pytest.mark.slow
+
 MUTANTS = [
     pytest.param(that_waits_for_whoever_lives, "liars", 0, "invariant 1", id="no-progress-deadline"),
     pytest.param(with_clocks_that_jump, "clocks", 0, "invariant 6", id="clocks-that-jump"),
@@ -217,7 +219,6 @@ MUTANTS = [
         that_believes_every_handover,
         *("liars", 16, "invariant 1"),
         id="handover-unseen",
-        marks=pytest.mark.slow,  # Some of the runs before the one that is found go on for six hours of the plant.
     ),
     pytest.param(without_the_fence, "links", 0, "invariant 2", id="no-fence"),
     pytest.param(with_handovers_that_count_twice, "answers", 0, "ended twice", id="handover-twice"),
@@ -227,7 +228,6 @@ MUTANTS = [
         that_gives_orders_back_with_an_open_gate,
         *("revocations", 0, "invariant 4"),
         id="open-gate",
-        marks=pytest.mark.slow,  # It is found after as many seeds as all others together.
     ),
     pytest.param(that_passes_tasks_on_within_an_epoch, "updates", 0, "invariant 2", id="no-higher-epoch"),
     pytest.param(that_leaves_with_a_load, "updates", 0, "invariant 6", id="leaves-with-a-load"),

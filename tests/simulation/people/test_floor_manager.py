@@ -73,7 +73,7 @@ def closed(kind: ClosureKind = ClosureKind.CLOSED) -> list[Closure]:
     return [Closure(f"K{node}", kind, NAME, node=node, speed_mps=0.5) for node in SHUT]
 
 
-@pytest.mark.parametrize("tells_end", [False, True])
+@pytest.mark.parametrize("tells_end", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_nobody_is_seen_where_it_is_closed_and_work_goes_on(tells_end: bool) -> None:
     watch = run(_shift(*closed(), tells_end=tells_end))
     ordinary = run(_shift())
