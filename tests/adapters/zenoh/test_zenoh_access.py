@@ -24,7 +24,7 @@ from dray.settings import Settings
 AGENTS: Mapping[str, Kind] = {"M1": Kind.MACHINE, "M2": Kind.MACHINE, "ATV1": Kind.ATV}
 APART = Apart("p", vehicles=("ATV1",), wired=("M1", "M2", "strategist"))
 
-THEIRS = ("p/hb/machine/M2", "p/task/3-4", "p/goal/pump", "p/event/M2", "p/shut-out")
+THEIRS = ("p/hb/machine/M2", "p/hb/station/S1", "p/task/3-4", "p/goal/pump", "p/event/M2", "p/shut-out")
 """What wired processes publish."""
 
 ITS_OWN = ("p/hb/atv/ATV1", "p/hb/atv/ATV2", "p/event/ATV1", "p/dwell-point/P1", "p/agent/@M1")

@@ -40,6 +40,7 @@ class Apart:
         keys = Keys(self.plant)
         words = [
             keys.machine_heartbeat("*"),
+            keys.station_heartbeat("*"),
             keys.transports("*"),
             keys.goals("*"),
             keys.shut_out,
