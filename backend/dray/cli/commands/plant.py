@@ -54,6 +54,10 @@ def check(
 @app.command("json")
 def as_json(
     file: Annotated[Path | None, typer.Argument(help="A plant file (YAML); else the default plant.")] = None,
+    places: Annotated[
+        bool,
+        typer.Option("--places", help="Instead: its places for right of way, and who keeps their books."),
+    ] = False,
 ) -> None:
     """Write a plant as JSON, every default filled in: for agents that read no YAML.
 
@@ -61,7 +65,11 @@ def as_json(
     """
     import msgspec
 
-    typer.echo(msgspec.json.format(msgspec.json.encode(chosen_plant(file).driven)))
+    from dray.protocol.traffic.places_document import places_document
+
+    plant = chosen_plant(file)
+    written = places_document(plant) if places else plant.driven
+    typer.echo(msgspec.json.format(msgspec.json.encode(written)))
 
 
 @app.command()

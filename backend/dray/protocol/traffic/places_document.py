@@ -1,0 +1,66 @@
+"""What every agent works out of a plant for right of way, written out: for agents that do not want to work it out again."""
+
+from __future__ import annotations
+
+import msgspec
+
+from dray.plant import Plant
+from dray.protocol.traffic.places import Places
+
+
+class DistrictEntry(msgspec.Struct, frozen=True):
+    """A district, and who keeps its book."""
+
+    district: str
+    keepers: tuple[str, ...]
+    """The book of epoch E is written by number E modulo their count, from 0."""
+    places: tuple[str, ...]
+
+
+class LaneEntry(msgspec.Struct, frozen=True):
+    """What a lane needs, in one direction."""
+
+    start: str
+    end: str
+    needs: tuple[str, ...]
+    """Places that must be held to enter it, in order."""
+    clear_m: float
+    """So far past `start` on this lane nothing of a vehicle is in the way at `start` any more."""
+
+
+class PlacesDocument(msgspec.Struct, frozen=True):
+    """Places, districts and lanes of a plant.
+
+    Attributes:
+        districts: each place is in one of them.
+        lanes: of the plant as it is driven.
+        mouths: dock -> the node before it, which is taken with it.
+        crossed: nodes in crossings, where nobody stops -> the place that each lies in.
+    """
+
+    districts: tuple[DistrictEntry, ...]
+    lanes: tuple[LaneEntry, ...]
+    mouths: dict[str, str]
+    crossed: dict[str, str]
+
+
+def places_document(plant: Plant) -> PlacesDocument:
+    """Write out the places of a plant."""
+    places = Places(plant)
+    return PlacesDocument(
+        districts=tuple(
+            DistrictEntry(district, keepers, tuple(sorted(places.places_in(district))))
+            for district, keepers in places.keepers_of.items()
+        ),
+        lanes=tuple(
+            LaneEntry(
+                lane.start,
+                lane.end,
+                places.needs(lane.start, lane.end),
+                round(places.clear_m(lane.start, lane.end), 3),
+            )
+            for lane in plant.roads.lanes
+        ),
+        mouths=dict(places.mouths),
+        crossed={node: places.place_of(node) for node in plant.nodes if not places.may_stop(node)},
+    )
