@@ -12,7 +12,7 @@ from collections.abc import Mapping
 
 from dray.messages import Closures, CommandRefusal, OrderItem, Phase, Production, Reason, TakenOver, Transport
 from dray.messages.base import Part
-from dray.messages.traffic import Bookings
+from dray.messages.traffic import AllRemoved, Bookings
 
 
 class AtvMemory(Part, tag_field="kind", tag="atv", frozen=True):
@@ -197,6 +197,7 @@ class BookMemory(Part, tag_field="kind", tag="book", frozen=True):
     """Of the one who has written the copy."""
     version: int
     bookings: Bookings = ()
+    removed: AllRemoved = ()
 
 
 Note = (

@@ -73,5 +73,7 @@ def test_a_place_is_never_written_down_for_two() -> None:
 def test_a_carried_away_vehicle_holds_nothing() -> None:
     book = Book()
     book.grant("A", ["b3"])
-    assert book.free("A")
-    assert not book.free("A")
+    assert book.remove("A", 1) == ("b3",)
+    book.grant("A", ["b3"])
+    assert book.remove("A", 1) == ()
+    assert book.holder("b3") == "A", "an old word frees nothing that was granted since"

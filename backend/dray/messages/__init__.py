@@ -74,6 +74,7 @@ from dray.messages.order import (
     RevocationTaken,
 )
 from dray.messages.reason import CommandRefusal, Implausible, Reason
+from dray.messages.removal import Removal, Removals, removed_words
 from dray.messages.shutout import ShutOut
 from dray.messages.stock import StockAsked, StockFreed, StockReserved, StockShort
 from dray.messages.traffic import (
@@ -128,6 +129,7 @@ AnyMessage = (
     | EventsKept
     | ShutOut
     | Closures
+    | Removals
     | StockAsked
     | StockReserved
     | StockShort
@@ -209,6 +211,8 @@ __all__ = [
     "Reason",
     "Refusal",
     "Release",
+    "Removal",
+    "Removals",
     "Resigned",
     "RevocationTaken",
     "Role",
@@ -233,5 +237,6 @@ __all__ = [
     "YieldAsked",
     "YieldRefused",
     "closed_words",
+    "removed_words",
     "signed_words",
 ]

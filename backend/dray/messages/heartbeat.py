@@ -135,6 +135,10 @@ class FloorBrief(Part, frozen=True):
     waits_at: IdOrNone = ""
     """That place, as the book has told; empty where it has told none."""
     rank: Rank = NO_RANK
+    asks_where_it_stands: bool = False
+    """The place where it stands is not its own: it was put there, and asks for it before it drives anywhere."""
+    removal: Count = 0
+    """The newest time that it was carried away, as far as it knows (`dray.messages.removal`)."""
 
 
 class ProbationBrief(Part, frozen=True):

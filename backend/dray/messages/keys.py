@@ -15,6 +15,7 @@ never holds any of these.
     {plant}/event/{id}        an agent's numbered events
     {plant}/shut-out          who is shut out, said again and again by gateways
     {plant}/closures          what is closed to vehicles, likewise
+    {plant}/removals          vehicles that people have carried away, or are putting back, likewise
     {plant}/alive/{id}/{life}/{seal}  a token that is there as long as this life of the agent is
 """
 
@@ -41,6 +42,7 @@ class Keys:
         "all_machine_heartbeats",
         "closures",
         "plant",
+        "removals",
         "shut_out",
     )
 
@@ -53,6 +55,7 @@ class Keys:
         self.all_free = f"{plant}/free/*"
         self.shut_out = f"{plant}/shut-out"
         self.closures = f"{plant}/closures"
+        self.removals = f"{plant}/removals"
         self.alive = f"{plant}/alive"
         self._addressed = f"{plant}/agent/@"
 

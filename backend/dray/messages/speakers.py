@@ -68,6 +68,8 @@ from dray.messages.fact import (
     OrderReturned,
     PhaseEntered,
     PieceMade,
+    PlaceKept,
+    PlacesFreed,
     PrimarySuspected,
     RoundFailed,
     TaskClosed,
@@ -87,6 +89,7 @@ from dray.messages.order import (
     OrderTaken,
     RevocationTaken,
 )
+from dray.messages.removal import Removals
 from dray.messages.shutout import ShutOut
 from dray.messages.stock import StockAsked, StockFreed, StockReserved, StockShort
 from dray.messages.traffic import (
@@ -173,6 +176,7 @@ SPEAKERS: Mapping[type[Message], frozenset[Kind]] = {
     VehicleCommand: _GATEWAYS,
     ShutOut: _GATEWAYS,
     Closures: _GATEWAYS,
+    Removals: _GATEWAYS,
     OrderTaken: _STRATEGISTS,
     CancellationTaken: _STRATEGISTS,
     RevocationTaken: _STRATEGISTS,
@@ -229,6 +233,8 @@ TELLERS: Mapping[type[Fact], frozenset[Kind]] = {
     OrderFulfilled: _STRATEGISTS,
     OrderDropped: _STRATEGISTS,
     OrderReturned: _STRATEGISTS,
+    PlacesFreed: _DOCKS,
+    PlaceKept: _DOCKS,
     MemoryLost: _TELLERS,
 }
 """Every fact, and the kinds of agents that may tell it as their own."""

@@ -75,6 +75,8 @@ class PlaceWished(Message, frozen=True):
     """Where nobody may make room: the way of this vehicle, and of those whom it makes room for."""
     chain: Places = ()
     """The vehicles whom it makes room for, the first one first."""
+    removal: Count = 0
+    """The newest time that it was carried away, as far as it knows (`dray.messages.removal`)."""
 
 
 class PlaceBooking(Part, frozen=True):
@@ -88,6 +90,16 @@ class PlaceBooking(Part, frozen=True):
 
 
 Bookings = Annotated[tuple[PlaceBooking, ...], Meta(max_length=DISTRICT_MAX)]
+
+
+class Removed(Part, frozen=True):
+    """A vehicle of which a book knows that it was carried away: what it held under a lower number is struck out."""
+
+    atv: Id
+    number: Count
+
+
+AllRemoved = Annotated[tuple[Removed, ...], Meta(max_length=DISTRICT_MAX)]
 
 
 class PlaceGranted(Message, frozen=True):
@@ -105,6 +117,8 @@ class PlaceGranted(Message, frozen=True):
     """Who is in the way."""
     at: IdOrNone = ""
     """The place that is held by it."""
+    removal: Count = 0
+    """The newest time that the vehicle was carried away, as the book knows: whatever it was granted before is void."""
 
 
 class YieldAsked(Message, frozen=True):
@@ -144,6 +158,7 @@ class PlaceBooked(Message, frozen=True):
     epoch: Count
     version: Count
     bookings: Bookings
+    removed: AllRemoved = ()
 
 
 class BookKept(Message, frozen=True):
@@ -173,3 +188,4 @@ class BookTold(Message, frozen=True):
     """Of the one who has written the copy."""
     version: Count
     bookings: Bookings
+    removed: AllRemoved = ()

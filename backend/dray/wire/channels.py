@@ -13,6 +13,7 @@ from dray.messages import (
     Event,
     MachineHeartbeat,
     Message,
+    Removals,
     ShutOut,
     StationHeartbeat,
     TaskAnnounced,
@@ -102,10 +103,26 @@ _PUBLISHED = (
         "the highest number counts.",
         (Closures,),
     ),
+    Channel(
+        "removals",
+        _KEYS.removals,
+        "Vehicles that people have carried away, or are putting back, to vehicles and to whoever keeps books of places: a gateway says "
+        "them again and again while they are silent, and of each vehicle the highest number counts.",
+        (Removals,),
+    ),
 )
 
 _BROADCAST_ONLY = frozenset(
-    {AtvHeartbeat, MachineHeartbeat, StationHeartbeat, DwellPointClaimed, WorkSought, ShutOut, Closures}
+    {
+        AtvHeartbeat,
+        MachineHeartbeat,
+        StationHeartbeat,
+        DwellPointClaimed,
+        WorkSought,
+        ShutOut,
+        Closures,
+        Removals,
+    }
 )
 
 CHANNELS = (

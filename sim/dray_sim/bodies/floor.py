@@ -59,6 +59,7 @@ class Floor:
         source: where material comes from.
         gate: of all delivery warehouses; the strategist's body.
         in_hands: pieces that people carry, by item.
+        lifted: vehicles that people have taken off the floor.
     """
 
     def __init__(
@@ -83,6 +84,7 @@ class Floor:
         }
         self.in_hands: Counter[str] = Counter()
         self.vehicles: dict[str, SimVehicle] = {}
+        self.lifted: set[str] = set()
         self._places: dict[str, Place] = {
             **dict.fromkeys(plant.source_warehouses, self.source),
             **self.storages,
@@ -93,6 +95,30 @@ class Floor:
         self._chargers = Chargers()
         for spec in plant.fleet.values():
             self.add_vehicle(spec)
+
+    @property
+    def standing(self) -> tuple[str, ...]:
+        """The vehicles that nobody has lifted."""
+        return tuple(atv for atv in self.vehicles if atv not in self.lifted)
+
+    def lift(self, atv: str) -> None:
+        """Take a vehicle that is switched off away from the floor; harmless when it is.
+
+        Raises:
+            KeyError: there is no such vehicle.
+        """
+        self.vehicles[atv].place_at("")
+        self.lifted.add(atv)
+
+    def put_down(self, atv: str, node: str) -> None:
+        """Put a lifted vehicle on a node, switched off as it is; harmless when it is on the floor.
+
+        Raises:
+            KeyError: there is no such vehicle.
+        """
+        if atv in self.lifted:
+            self.lifted.remove(atv)
+            self.vehicles[atv].place_at(node)
 
     def add_vehicle(self, spec: VehicleSpec) -> SimVehicle:
         """Put one more vehicle down.

@@ -6,7 +6,7 @@ the time that it takes them to close the gap between them at their highest speed
 advancement). An overlap that is deeper than `MISSED_M` is found, however short it is. A vehicle that sets off in another
 direction has turned on the spot: what it sweeps then is judged in the same way, by the angle.
 
-What a person carries is in no one's way while it is carried. Vehicles without a body are nowhere.
+What a person has lifted off the floor is in no one's way until it is put down. Vehicles without a body are nowhere.
 """
 
 from __future__ import annotations
@@ -75,7 +75,9 @@ class Overlaps:
         self._vehicles = vehicles
         self._strict = strict
         self._told = told
+        self._watched: dict[str, None] = {}
         self._courses: dict[str, Course] = {}
+        """Of the vehicles on the floor."""
         self._cells: dict[str, tuple[Cell, ...]] = {}
         self._in_cell: dict[Cell, dict[str, None]] = {}
         self._touching: set[tuple[str, str]] = set()
@@ -107,10 +109,11 @@ class Overlaps:
             raise InvariantBroken(NUMBER, self.first.at_s, str(self.first))
 
     def _watch_new(self) -> None:
-        if len(self._courses) == len(self._vehicles):
+        if len(self._watched) == len(self._vehicles):
             return
         for name, vehicle in self._vehicles.items():
-            if name not in self._courses:
+            if name not in self._watched:
+                self._watched[name] = None
                 vehicle.watch_course(self._on_course)
 
     def _on_course(self, vehicle: str, course: Course) -> None:
@@ -118,10 +121,21 @@ class Overlaps:
         before = self._courses.get(vehicle)
         if before is not None:
             self._judge(vehicle, before, course.begin_s)
-            if course.heading_rad != before.heading_rad:
-                self._judge_turn(vehicle, before, course)
+        if course.lifted:
+            self._lift(vehicle)
+            return
+        if before is not None and course.heading_rad != before.heading_rad:
+            self._judge_turn(vehicle, before, course)
         self._courses[vehicle] = course
         self._enter(vehicle, course)
+
+    def _lift(self, vehicle: str) -> None:
+        """It is off the floor."""
+        if self._courses.pop(vehicle, None) is None:
+            return
+        for cell in self._cells.pop(vehicle):
+            del self._in_cell[cell][vehicle]
+        self._touching = {pair for pair in self._touching if vehicle not in pair}
 
     # --- who is near ------------------------------------------------------------------------------
 

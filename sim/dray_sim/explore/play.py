@@ -34,7 +34,9 @@ from dray_sim.insiders import BEHAVIOURS
 from dray_sim.insiders.joining import INSIDER, bring_in
 from dray_sim.network.listeners import Listeners
 from dray_sim.people.canceller import Canceller
+from dray_sim.people.carriers import Carriers
 from dray_sim.people.floor_manager import FloorManager
+from dray_sim.people.floor_office import FloorOffice
 from dray_sim.people.operators import hire
 from dray_sim.people.order_client import OrderClient
 from dray_sim.people.random_operator import RandomOperator
@@ -183,7 +185,7 @@ class _Game:
             self._tally,
             checks,
         )
-        life = asyncio.create_task(self._live(factory))
+        life = asyncio.create_task(self._live(factory, faults))
         broken = asyncio.create_task(checks.wait_broken())
         end = asyncio.create_task(self._await_end(factory, liveness))
         try:
@@ -213,8 +215,11 @@ class _Game:
             story=self._story.tell(self.broken) if self._story is not None and self.broken else (),
         )
 
-    async def _live(self, factory: SimFactory) -> None:
+    async def _live(self, factory: SimFactory, faults: Faults) -> None:
         run = self._run
+        office = None
+        if run.traffic:
+            office = FloorOffice(factory.bus, factory.clock, factory.keys, factory.authority)
         async with asyncio.TaskGroup() as group:
             group.create_task(factory.run())
             group.create_task(OrderClient(factory.bus, factory.clock).place(run.orders))
@@ -225,8 +230,15 @@ class _Game:
             if run.closings:
                 manager = FloorManager(factory.bus, factory.clock, factory.keys, factory.authority)
                 group.create_task(manager.close(run.closings))
+            if office is not None:
+                group.create_task(office.run())
+                carriers = Carriers(factory, faults, office)
+                group.create_task(carriers.carry(run.carryings))
+                if run.carryings:
+                    careless = Random(f"{run.seed} careless")
+                    group.create_task(carriers.say_carelessly(careless, run.faults_until_s))
             if run.habits is not None:
-                for operator in hire(factory, seed=run.seed, habits=run.habits):
+                for operator in hire(factory, seed=run.seed, habits=run.habits, office=office):
                     group.create_task(operator.run())
             if run.random_operator:
                 group.create_task(self._press_at_random(factory))

@@ -45,6 +45,7 @@ class Profile:
         revoking_frac: the part of the runs in which managers take orders back and publish them again.
         revoked_frac: in these, the part of the orders.
         insiders_frac: the part of the runs in which somebody lies who has a valid certificate.
+        carried_frac: the part of the runs with right of way in which people carry vehicles away and put them back.
         closures_frac: the part of the runs in which a manager closes lanes, nodes and areas.
         scarce_power: whether batteries are so small that they are emptied and charged in minutes, and chargers and
             parking places few; the chargers suffice.
@@ -72,6 +73,7 @@ class Profile:
     revoked_frac: float = 0.4
     insiders_frac: float = 0.0
     closures_frac: float = 0.0
+    carried_frac: float = 0.0
     scarce_power: bool = False
 
 
@@ -83,6 +85,7 @@ PROFILES: Mapping[str, Profile] = {
         clocks_frac=0.3,
         insiders_frac=0.2,
         closures_frac=0.2,
+        carried_frac=0.3,
     ),
     "mishaps": Profile(leaving_frac=0.3),
     "deaths": Profile(weights={PoweredOff: 2.0, Crashed: 1.0}, random_operator_frac=0.0),
@@ -107,6 +110,7 @@ PROFILES: Mapping[str, Profile] = {
     "closures-alone": Profile(
         intensity=(0.0, 0.0), operators_frac=0.0, random_operator_frac=0.0, closures_frac=1.0
     ),
+    "carried": Profile(vehicles=(2, 6), intensity=(0.0, 1.0), carried_frac=1.0),
     "faultless": Profile(intensity=(0.0, 0.0), random_operator_frac=0.0),
     "batteries": Profile(
         vehicles=(1, 10),

@@ -18,6 +18,7 @@ from dray_sim.explore.small_plant import bearable_load, small_plant
 from dray_sim.faults import CLOCKS, LEAVING, Timed, describe, random_schedule, random_waves
 from dray_sim.insiders import BEHAVIOURS
 from dray_sim.people import demand
+from dray_sim.people.carriers import Carrying, draw_carryings
 from dray_sim.people.floor_manager import Closing
 from dray_sim.people.habits import Habits
 from dray_sim.people.revoker import Revocation
@@ -34,6 +35,10 @@ TAKEN_BACK_TIMES = (1, 1, 1, 2, 3)
 LONGEST_REST_S = 120.0
 """How long an order rests before it is published again: long enough for its goals to be gone, and for goods
 that were on the way to have found the gate shut."""
+
+
+LONGEST_CARRIED_S = 400.0
+"""Who is carried away so long before the quiet phase is back on the floor by then, or nearly."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,8 +58,9 @@ class Run:
         cancelled: orders that are cancelled, and when (plant clock), in the order of their times.
         revocations: orders that are taken back and published again.
         closings: what a manager closes, and when.
+        carryings: vehicles that people carry away and put back; only where vehicles drive with right of way.
         insider: how somebody lies until the quiet phase (`dray_sim.insiders`); empty where nobody does.
-        traffic: whether vehicles drive with right of way; nothing else of the run follows from it.
+        traffic: whether vehicles drive with right of way; nothing but the carryings follows from it.
     """
 
     seed: int
@@ -72,13 +78,14 @@ class Run:
     cancelled: tuple[tuple[float, str], ...] = field(repr=False)
     revocations: tuple[Revocation, ...] = field(repr=False)
     closings: tuple[Closing, ...] = field(repr=False, default=())
+    carryings: tuple[Carrying, ...] = field(repr=False, default=())
     insider: str = ""
     traffic: bool = False
 
     @property
     def has_faults(self) -> bool:
         """Whether anything goes wrong in it."""
-        return bool(self.schedule or self.random_operator or self.insider or self.closings)
+        return bool(self.schedule or self.random_operator or self.insider or self.closings or self.carryings)
 
     def __str__(self) -> str:
         """In one line, for a reader."""
@@ -89,6 +96,7 @@ class Run:
             f"load {self.load:.0%}",
             f"{len(self.schedule)} faults",
             *((f"{len(self.closings)} closures",) if self.closings else ()),
+            *((f"{len(self.carryings)} carried away",) if self.carryings else ()),
             "operators" if self.habits is not None else "no operators",
         )
         more = ("a random operator",) * self.random_operator + (f"one that {self.insider}",) * bool(
@@ -136,6 +144,7 @@ def draw(seed: int, profile: str = "all", *, traffic: bool = False) -> Run:
         cancelled=_cancelled(orders, ranges.cancelled_frac, Random(f"{seed} regret")),
         revocations=_revocations(orders, ranges, Random(f"{seed} revised")),
         closings=_closings(plant, ranges, Random(f"{seed} closures")),
+        carryings=_carryings(plant, ranges, Random(f"{seed} carried")) if traffic else (),
         insider=_insider(ranges, Random(f"{seed} insider")),
         traffic=traffic,
     )
@@ -145,6 +154,12 @@ def _closings(plant: Plant, ranges: Profile, random: Random) -> tuple[Closing, .
     if random.random() >= ranges.closures_frac:
         return ()
     return draw_closings(plant, random, FAULTS_UNTIL_S)
+
+
+def _carryings(plant: Plant, ranges: Profile, random: Random) -> tuple[Carrying, ...]:
+    if random.random() >= ranges.carried_frac:
+        return ()
+    return draw_carryings(plant, random, FAULTS_UNTIL_S - LONGEST_CARRIED_S)
 
 
 def _insider(ranges: Profile, random: Random) -> str:

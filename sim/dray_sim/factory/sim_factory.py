@@ -25,11 +25,11 @@ from dray.plant.model import MachineSpec, VehicleSpec
 from dray.ports import Body, Bus, Clock
 from dray.protocol.machine.machine import Machine
 from dray.protocol.runtime.events import Agent
+from dray.protocol.runtime.trust import Trusts
 from dray.protocol.station.station import Station
 from dray.protocol.strategist.strategist import Strategist
 from dray.protocol.traffic.traffic_map import TrafficMap
 from dray.protocol.vehicle.atv import Atv
-from dray.protocol.vehicle.command_authorisation import Trusts
 from dray.worker.worker import Worker
 from dray_sim.bodies.floor import FIRST_STOCK_FRAC, Floor
 from dray_sim.bodies.vehicle.vehicle import SimVehicle
@@ -257,13 +257,13 @@ class SimFactory:
         self.crash(agent)
 
     def power_on(self, agent: str) -> None:
-        """Switch it on again: its agent begins another life. Harmless when it has power.
+        """Switch it on again: its agent begins another life. Harmless when it has power. Nobody does so off the floor.
 
         Raises:
             KeyError: there is no vehicle or machine of this id.
         """
         body = self._powered(agent)
-        if body.off:
+        if body.off and agent not in self.floor.lifted:
             body.power_on()
             self.restart(agent)
 
@@ -287,12 +287,15 @@ class SimFactory:
         return vehicle
 
     def held_places(self) -> dict[str, str]:
-        """Who holds which place, by the vehicles' own word; of one whose process has ended, by its last. Empty without right of way."""
+        """Who holds which place, by the vehicles' own word; of one whose process has ended, by its last. Empty without right of way.
+
+        A vehicle that was lifted off the floor holds none.
+        """
         holders: dict[str, str] = {}
-        for atv in self.vehicles:
+        for atv in self.floor.standing:
             agent = self.workers[atv].agent
             right_of_way = agent.right_of_way if isinstance(agent, Atv) else None
-            holders |= dict.fromkeys(right_of_way.way.held if right_of_way is not None else (), atv)
+            holders |= dict.fromkeys(right_of_way.holds if right_of_way is not None else (), atv)
         return holders
 
     def add_machine(self, spec: MachineSpec) -> SimWorkcell:
@@ -315,7 +318,7 @@ class SimFactory:
     def _free_near(self, node: str) -> str:
         """Where people put a vehicle down: where none stands nor is about to, at a dwell point rather than on a road."""
         nodes, plant = self.plant.nodes, self.plant
-        taken = {*self.held_places(), *(vehicle.sense().node for vehicle in self.vehicles.values())}
+        taken = {*self.held_places(), *(self.vehicles[atv].sense().node for atv in self.floor.standing)}
         places = [plant.node_of(point) for point in plant.dwell_points], plant.stops
         free = next(found for some in places if (found := [stop for stop in some if stop not in taken]))
         here = nodes[node]
@@ -339,11 +342,12 @@ class SimFactory:
             joining=joining,
             probation=probation,
             traffic=self.traffic,
+            trusts=self.trusts,
         )
 
     def _station(self, storage: str) -> MakeAgent:
         return lambda life, software, _probation: Station(
-            storage, self.plant, incarnation=life, software=software, traffic=self.traffic
+            storage, self.plant, incarnation=life, software=software, traffic=self.traffic, trusts=self.trusts
         )
 
     def _atv(self, spec: VehicleSpec) -> MakeAgent:

@@ -29,8 +29,8 @@ class Hands:
         return self._factory.vehicles[atv].problem
 
     def is_off(self, atv: str) -> bool:
-        """Whether its lights are out."""
-        return self._factory.vehicles[atv].off
+        """Whether it stands there and its lights are out."""
+        return self._factory.vehicles[atv].off and atv not in self._factory.floor.lifted
 
     def mend(self, atv: str) -> None:
         """Put right what is wrong; an empty battery is exchanged."""
@@ -76,7 +76,6 @@ class Hands:
         """
         vehicle, plant = self._factory.vehicles[atv], self._factory.plant
         taken = {each.sense().node for each in self._factory.vehicles.values() if each is not vehicle}
-        taken |= {place for place, holder in self._factory.held_places().items() if holder != atv}
         free = [charger for charger in plant.chargers if plant.node_of(charger) not in taken]
         nearest = "".join(plant.closest(vehicle.sense().node, free, 1))
         if nearest:
@@ -84,6 +83,25 @@ class Hands:
         self.mend(atv)
         self._factory.power_on(atv)
         return nearest
+
+    def nodes_for(self, atv: str) -> tuple[str, ...]:
+        """Where a vehicle that was lifted could be put down: chargers and parking places where none stands, the nearest first."""
+        plant, vehicles = self._factory.plant, self._factory.vehicles
+        taken = {vehicles[other].sense().node for other in self._factory.floor.standing}
+        nodes = {point: plant.node_of(point) for point in plant.dwell_points}
+        free = [point for point, node in nodes.items() if node not in taken]
+        return tuple(nodes[point] for point in plant.closest(vehicles[atv].sense().node, free, len(free)))
+
+    def lift(self, atv: str) -> None:
+        """Switch a vehicle off, and take it off the floor."""
+        self._factory.power_off(atv)
+        self._factory.floor.lift(atv)
+
+    def set_down(self, atv: str, node: str) -> None:
+        """Put a vehicle that was lifted on a node, mend it and switch it on."""
+        self._factory.floor.put_down(atv, node)
+        self.mend(atv)
+        self._factory.power_on(atv)
 
     def _store(self, material: str, quantity: int, near: str) -> str:
         storages = self._factory.plant.storages_of(material)

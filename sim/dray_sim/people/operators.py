@@ -28,6 +28,7 @@ from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.ports import Bus, Clock
 from dray_sim.bodies.vehicle.vehicle import LOAD_SHIFTED
+from dray_sim.people.floor_office import FloorOffice
 from dray_sim.people.habits import Habits, Range
 from dray_sim.people.hands import Hands
 from dray_sim.people.tablet import LastHeard, Tablet
@@ -78,6 +79,7 @@ class Operator:
         hands: to do something with.
         random: all chance in this person's life.
         habits: how this person works.
+        office: says which vehicles are carried, where they drive with right of way; else nobody needs to be told.
 
     Attributes:
         name: on the bus.
@@ -96,6 +98,7 @@ class Operator:
         hands: Hands,
         random: Random,
         habits: Habits,
+        office: FloorOffice | None = None,
     ) -> None:
         self.name = f"operator-{area}"
         self.done = dict.fromkeys(Duty, 0)
@@ -106,6 +109,7 @@ class Operator:
         self._hands = hands
         self._random = random
         self._habits = habits
+        self._office = office
         own = None if area == EVERYWHERE else (area,)
         keys = Keys(plant.id)
         self._tablet = Tablet(self.name, own, keys=keys, bus=bus, clock=clock, authority=authority)
@@ -247,10 +251,24 @@ class Operator:
                 self._hands.put_down(item, quantity, heard.heartbeat.node, machine)
             await self._spend(self._habits.push_s)
             if self._hands.is_off(atv):
-                self._hands.bring_home(atv)
+                await self._bring_home(atv)
         # One that lives has only lost its voice, which hands cannot mend. Heard again, it is seen again.
         if self._heard[atv] is heard:
             del self._heard[atv]
+
+    async def _bring_home(self, atv: str) -> None:
+        """Push a vehicle to a charger and switch it on; where others need its place, say so."""
+        if self._office is None:
+            self._hands.bring_home(atv)
+            return
+        self._hands.lift(atv)
+        self._office.carry_away(atv)
+        while True:
+            for node in self._hands.nodes_for(atv):
+                if await self._office.put_back(atv, node):
+                    self._hands.set_down(atv, node)
+                    return
+            await asyncio.sleep(LOOK_S)
 
     async def _speed_up(self, atv: str) -> None:
         """Take an own limit back, or leave that to whoever's area the vehicle has come to."""
@@ -296,6 +314,7 @@ def hire(
     seed: int,
     habits: Habits | None = None,
     areas: Mapping[str, Habits] | None = None,
+    office: FloorOffice | None = None,
 ) -> tuple[Operator, ...]:
     """One operator for every area of a factory; whoever calls this lets them `run`.
 
@@ -304,6 +323,7 @@ def hire(
         seed: each operator draws from a generator of its own that follows from it.
         habits: of everybody.
         areas: habits of single operators, by area, in place of those.
+        office: see `Operator`.
     """
     of_all = habits or Habits()
     special = areas or {}
@@ -318,6 +338,7 @@ def hire(
             hands=hands,
             random=Random(f"{seed} operator {area}"),
             habits=special.get(area, of_all),
+            office=office,
         )
         for area in factory.plant.areas or (EVERYWHERE,)
     }

@@ -27,8 +27,9 @@ from dray_sim.faults import Faults
 from dray_sim.network.latency import WLAN, Latency
 from dray_sim.network.listeners import Listeners
 from dray_sim.people import demand
+from dray_sim.people.floor_office import FloorOffice
 from dray_sim.people.habits import Habits
-from dray_sim.people.operators import hire
+from dray_sim.people.operators import Operator, hire
 from dray_sim.people.order_client import OrderClient
 from dray_sim.run.evidence import HELD
 from dray_sim.run.observer import Observer
@@ -117,6 +118,7 @@ class Stage:
         factory: bodies, network, agents.
         faults: what goes wrong in it.
         people: the operators.
+        office: says which vehicles people have carried away; None where nobody needs to be told.
         overlaps: vehicles in one spot so far; None where they are not looked for.
         witness: what was said.
         observer: figures so far.
@@ -147,7 +149,13 @@ class Stage:
             traffic=RIGHT_OF_WAY.get(),
         )
         self.faults = Faults(self.factory)
-        self.people = hire(self.factory, seed=seed, habits=shift.people) if shift.people is not None else ()
+        self.office: FloorOffice | None = None
+        if self.factory.traffic is not None:
+            factory = self.factory
+            self.office = FloorOffice(factory.bus, factory.clock, factory.keys, factory.authority)
+        self.people: tuple[Operator, ...] = ()
+        if shift.people is not None:
+            self.people = hire(self.factory, seed=seed, habits=shift.people, office=self.office)
         self.checks = Invariants(self.factory)
         self.overlaps: Overlaps | None = None
         if self.factory.traffic is not None:
@@ -205,6 +213,13 @@ class Stage:
         self.orders.append(order)
         self._placing.append(asyncio.create_task(self._customers.order(order)))
 
+    def carry_away(self, atv: str) -> None:
+        """Let people carry a vehicle away, and say so where others need its place."""
+        if self.office is not None:
+            self.factory.power_off(atv)
+            self.factory.floor.lift(atv)
+            self.office.carry_away(atv)
+
     async def live(self) -> None:
         """Run the factory and its demand until cancelled.
 
@@ -215,6 +230,8 @@ class Stage:
             async with asyncio.TaskGroup() as group:
                 group.create_task(self.factory.run())
                 group.create_task(self._customers.place(self._demand))
+                if self.office is not None:
+                    group.create_task(self.office.run())
                 for operator in self.people:
                     group.create_task(operator.run(), name=operator.name)
         finally:

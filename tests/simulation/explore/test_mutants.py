@@ -11,6 +11,7 @@ from collections.abc import Callable
 from typing import cast
 
 import pytest
+from msgspec.structs import replace
 
 from dray.body import OpenDock
 from dray.messages import (
@@ -21,6 +22,7 @@ from dray.messages import (
     DockOpened,
     Grant,
     Handover,
+    Removal,
     Role,
     Transport,
     VehicleCommand,
@@ -37,12 +39,15 @@ from dray.protocol.machine.transports.transports import Transports
 from dray.protocol.runtime.events import Instruct, Send
 from dray.protocol.strategist.order_book import OrderInWork
 from dray.protocol.strategist.strategist import Strategist
+from dray.protocol.traffic.books import bookkeeping
+from dray.protocol.traffic.books.district import District
+from dray.protocol.traffic.removal_authorisation import RemovalAuthorisation
 from dray.protocol.vehicle.atv import Atv
 from dray.protocol.vehicle.command_authorisation import CommandAuthorisation
 from dray.protocol.vehicle.command_handling import CommandHandling
 from dray_sim.clock import computer
 from dray_sim.explore.play import play
-from dray_sim.explore.run import draw
+from dray_sim.explore.run import Run, draw
 
 WITHIN = 300
 """Seeds in which a mutant must be found; it takes one to ten."""
@@ -212,6 +217,32 @@ def with_clocks_that_jump(patch: pytest.MonkeyPatch) -> None:
 
 pytestmark = pytest.mark.slow
 
+
+def that_believes_that_vehicles_are_away_which_are_heard(patch: pytest.MonkeyPatch) -> None:
+    """Whoever keeps a book frees a vehicle's places at the word, whether or not the vehicle is heard."""
+    patch.setattr(RemovalAuthorisation, "objection", lambda *_: "")
+    patch.setattr(bookkeeping, "WISHED_S", 0.0)
+
+
+def that_believes_stale_removals(patch: pytest.MonkeyPatch) -> None:
+    """Whoever keeps a book believes a word that was given before the vehicle came back, when it is silent once more."""
+    objection, remove = RemovalAuthorisation.objection, District.remove
+
+    def forget_when(self: RemovalAuthorisation, removal: Removal, since_s: float, now_s: float) -> str:
+        last = self._neighbours.last(removal.atv)
+        life, seq = last.said if last is not None else (0, 0)
+        patched = replace(removal, life=life, seq=seq)
+        self._trusts = lambda *_: True
+        return objection(self, patched, since_s, now_s)
+
+    def take_for_new(self: District, removal: Removal, place: str, now_s: float) -> None:
+        number = self.book.removal_of(removal.atv) + bool(self.book.of(removal.atv))
+        remove(self, replace(removal, number=max(number, removal.number)), place, now_s)
+
+    patch.setattr(RemovalAuthorisation, "objection", forget_when)
+    patch.setattr(District, "remove", take_for_new)
+
+
 MUTANTS = [
     pytest.param(that_waits_for_whoever_lives, "liars", 0, "invariant 1", id="no-progress-deadline"),
     pytest.param(with_clocks_that_jump, "clocks", 0, "invariant 6", id="clocks-that-jump"),
@@ -241,14 +272,42 @@ MUTANTS = [
 """A mutant, from where runs are drawn, the seed to begin with, and what will be seen."""
 
 
+TRAFFIC_MUTANTS = [
+    pytest.param(
+        that_believes_that_vehicles_are_away_which_are_heard,
+        *(3, "invariant 1[34]"),
+        id="away-though-heard",
+    ),
+    pytest.param(
+        that_believes_stale_removals,
+        *(82, "invariant 1[34]"),
+        id="stale-removal",
+    ),
+]
+"""Likewise, with right of way and people who carry vehicles away."""
+
+
 @pytest.mark.parametrize(("mutant", "profile", "first", "finding"), MUTANTS)
 def test_the_search_finds_a_mutant(
     mutant: Mutant, profile: str, first: int, finding: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    find(mutant, lambda seed: draw(seed, profile), first, finding, monkeypatch)
+
+
+@pytest.mark.parametrize(("mutant", "first", "finding"), TRAFFIC_MUTANTS)
+def test_the_search_finds_a_mutant_of_right_of_way(
+    mutant: Mutant, first: int, finding: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    find(mutant, lambda seed: draw(seed, "carried", traffic=True), first, finding, monkeypatch)
+
+
+def find(
+    mutant: Mutant, drawn: Callable[[int], Run], first: int, finding: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     for seed in range(first, first + WITHIN):
         with monkeypatch.context() as patch:
             mutant(patch)
-            found = re.search(finding, play(draw(seed, profile)).broken)
-        if found and not play(draw(seed, profile)).broken:
+            found = re.search(finding, play(drawn(seed)).broken)
+        if found and not play(drawn(seed)).broken:
             return
     pytest.fail(f"{WITHIN} seeds, and nothing was found")

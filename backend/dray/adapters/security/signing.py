@@ -1,4 +1,4 @@
-"""Signing: grants and closures are signed with Ed25519 (RFC 8032), and believed by whoever knows the public key."""
+"""Signing: grants, closures and removals are signed with Ed25519 (RFC 8032), and believed by whoever knows the public key."""
 
 from __future__ import annotations
 
@@ -8,13 +8,22 @@ from cryptography.exceptions import InvalidSignature
 from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey, Ed25519PublicKey
 from msgspec.structs import replace
 
-from dray.messages import Closure, Closures, Grant, VehicleCommand, closed_words, signed_words
+from dray.messages import (
+    Closure,
+    Closures,
+    Grant,
+    Removal,
+    VehicleCommand,
+    closed_words,
+    removed_words,
+    signed_words,
+)
 
 UNSIGNED = b""
 
 
 class SigningKey:
-    """A private key, which grants commands and signs closures.
+    """A private key, which grants commands and signs closures and removals.
 
     Args:
         private: its 32 bytes.
@@ -53,13 +62,7 @@ class SigningKey:
             areas: where that person may command; None for everywhere.
             valid_until_s: on the plant's clock.
         """
-        grant = Grant(
-            person=person,
-            valid_until_s=valid_until_s,
-            signature=UNSIGNED,
-            areas=() if areas is None else tuple(areas),
-            everywhere=areas is None,
-        )
+        grant = _unsigned(person, areas, valid_until_s)
         signature = self._key.sign(signed_words(atv, command, grant))
         return replace(command, grant=replace(grant, signature=signature))
 
@@ -74,6 +77,33 @@ class SigningKey:
         return Closures(
             number=number, signature=self._key.sign(closed_words(number, closed)), closures=closed
         )
+
+    def remove(
+        self,
+        atv: str,
+        number: int,
+        *,
+        heard: tuple[int, int],
+        node: str,
+        person: str,
+        areas: Iterable[str] | None,
+        valid_until_s: float,
+    ) -> Removal:
+        """A person's word that a vehicle was carried away, or is being put back, with a grant.
+
+        Args:
+            atv: the vehicle.
+            number: of the word.
+            heard: life and number of the last heartbeat that was heard of it.
+            node: where it is being put back; empty while it is off the floor.
+            person: on whose behalf.
+            areas: where that person may command; None for everywhere.
+            valid_until_s: on the plant's clock.
+        """
+        life, seq = heard
+        grant = _unsigned(person, areas, valid_until_s)
+        removal = Removal(atv=atv, number=number, life=life, seq=seq, grant=grant, node=node)
+        return replace(removal, grant=replace(grant, signature=self._key.sign(removed_words(removal))))
 
 
 class TrustedKeys:
@@ -92,6 +122,16 @@ class TrustedKeys:
     def __call__(self, words: bytes, signature: bytes) -> bool:
         """Whether one of them has signed exactly these words."""
         return any(_signed_by(key, words, signature) for key in self._keys)
+
+
+def _unsigned(person: str, areas: Iterable[str] | None, valid_until_s: float) -> Grant:
+    return Grant(
+        person=person,
+        valid_until_s=valid_until_s,
+        signature=UNSIGNED,
+        areas=() if areas is None else tuple(areas),
+        everywhere=areas is None,
+    )
 
 
 def _signed_by(key: Ed25519PublicKey, words: bytes, signature: bytes) -> bool:

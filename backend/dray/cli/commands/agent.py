@@ -57,6 +57,7 @@ def machine(
     where = _surroundings(settings, traffic=traffic)
     plant = where.plant if joining is None else _grown(where.plant, joining, name)
     spec, places = one_of(plant.machines, name, "NAME"), where.traffic
+    trusts = _trusted(where)
 
     def make(life: int) -> Machine:
         return Machine(
@@ -67,6 +68,7 @@ def machine(
             joining=joining is not None,
             probation=probation,
             traffic=places,
+            trusts=trusts,
         )
 
     asyncio.run(run_agent(where, name, make, None if joining is None else spec))
@@ -127,10 +129,12 @@ def station(
 
     where = _surroundings(settings, traffic=traffic)
     one_of(where.plant.storages, name, "NAME")
-    places = where.traffic
+    trusts, places = _trusted(where), where.traffic
 
     def make(life: int) -> Station:
-        return Station(name, where.plant, incarnation=life, software=__version__, traffic=places)
+        return Station(
+            name, where.plant, incarnation=life, software=__version__, traffic=places, trusts=trusts
+        )
 
     asyncio.run(run_agent(where, name, make))
 

@@ -38,6 +38,10 @@ from dray.messages.fact.machine import (
     MachineStatusChanged,
     PieceMade,
 )
+from dray.messages.fact.removal import (
+    PlaceKept,
+    PlacesFreed,
+)
 from dray.messages.fact.strategist import (
     GoalContracted,
     GoalLost,
@@ -89,6 +93,8 @@ AnyFact = (
     | ClosuresKnown
     | MachineStatusChanged
     | PieceMade
+    | PlacesFreed
+    | PlaceKept
     | GoodsDelivered
     | OrderAccepted
     | GoalContracted
@@ -139,6 +145,8 @@ __all__ = [
     "Outcome",
     "PhaseEntered",
     "PieceMade",
+    "PlaceKept",
+    "PlacesFreed",
     "PrimarySuspected",
     "RoundFailed",
     "TaskClosed",

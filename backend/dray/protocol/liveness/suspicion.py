@@ -108,6 +108,15 @@ def silence_bound_s(heartbeat: AnyHeartbeat, arrivals: ArrivalStatistics) -> flo
     return bound_s(interval_s(heartbeat), arrivals.loss_frac, arrivals.deviation_s)
 
 
+def gone_s(every_s: float) -> float:
+    """How long somebody must be silent so that no link explains it, however bad.
+
+    Args:
+        every_s: how often that one speaks.
+    """
+    return MISSES_MAX * every_s + LATENESS_MAX_S
+
+
 class ArrivalStatistics:
     """How heartbeats arrive: running estimates of their loss and their delay.
 

@@ -65,6 +65,7 @@ from dray.protocol.runtime.events import (
 )
 from dray.protocol.runtime.heartbeat_timer import BEAT, HeartbeatTimer
 from dray.protocol.runtime.shutdown import COORDINATOR_LEAVES_WITHIN_S
+from dray.protocol.runtime.trust import Trusts, trusts_nobody
 from dray.protocol.traffic.books.bookkeeping import Bookkeeping
 from dray.protocol.traffic.traffic_map import TrafficMap
 
@@ -82,6 +83,7 @@ class Machine(AgentBase):
             machine that is known to be good.
         rules: patience and reach of its auctions.
         traffic: of the plant; None where vehicles drive without right of way.
+        trusts: whose word counts when people carry vehicles away.
     """
 
     def __init__(
@@ -95,6 +97,7 @@ class Machine(AgentBase):
         probation: int = 0,
         rules: AuctionRules | None = None,
         traffic: TrafficMap | None = None,
+        trusts: Trusts = trusts_nobody,
     ) -> None:
         super().__init__(machine, incarnation, leaves_within_s=COORDINATOR_LEAVES_WITHIN_S)
         self._plant = plant = KnownFloor(plant)
@@ -143,7 +146,7 @@ class Machine(AgentBase):
             **self._closures.message_handlers,
             Disbelieved: Reproach(self._out).on_disbelieved,
         }
-        self._bookkeeping = Bookkeeping(machine, plant, traffic, self._timers, self._out)
+        self._bookkeeping = Bookkeeping(machine, plant, traffic, trusts, self._timers, self._out)
         self._message_handlers = self._bookkeeping.handlers(self._message_handlers)
         self._report_handlers = {
             CycleDone: self._cycle_done,

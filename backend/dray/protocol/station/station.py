@@ -29,6 +29,7 @@ from dray.protocol.runtime.agent import AgentBase
 from dray.protocol.runtime.events import Commit, Ignore, Instruct, Publish, Send
 from dray.protocol.runtime.heartbeat_timer import BEAT, HeartbeatTimer
 from dray.protocol.runtime.shutdown import COORDINATOR_LEAVES_WITHIN_S
+from dray.protocol.runtime.trust import Trusts, trusts_nobody
 from dray.protocol.station.reservations import Ask, Reservations
 from dray.protocol.traffic.books.bookkeeping import Bookkeeping
 from dray.protocol.traffic.traffic_map import TrafficMap
@@ -51,6 +52,7 @@ class Station(AgentBase):
         incarnation: how often it has been started.
         software: the version it runs, for its heartbeat.
         traffic: of the plant; None where vehicles drive without right of way.
+        trusts: whose word counts when people carry vehicles away.
     """
 
     def __init__(
@@ -61,6 +63,7 @@ class Station(AgentBase):
         incarnation: int = 1,
         software: str = "",
         traffic: TrafficMap | None = None,
+        trusts: Trusts = trusts_nobody,
     ) -> None:
         super().__init__(storage, incarnation, leaves_within_s=COORDINATOR_LEAVES_WITHIN_S)
         self._software = software
@@ -76,7 +79,7 @@ class Station(AgentBase):
             Docked: self._on_docked,
         }
         self._report_handlers = {StockChanged: self._stock_changed}
-        self._bookkeeping = Bookkeeping(storage, plant, traffic, self._timers, self._out)
+        self._bookkeeping = Bookkeeping(storage, plant, traffic, trusts, self._timers, self._out)
         self._message_handlers = self._bookkeeping.handlers(self._message_handlers)
         self._alarm_handlers = {BEAT: self._beat, LAPSE: self._lapse, **self._bookkeeping.alarms}
 

@@ -36,6 +36,8 @@ class Seen(msgspec.Struct, frozen=True, gc=False):
     """How often it beats."""
     stuck: bool = False
     """It stands until a person has seen to it."""
+    said: tuple[int, int] = (0, 0)
+    """Its life, and the number of the heartbeat."""
 
 
 class Neighbours:
@@ -48,6 +50,10 @@ class Neighbours:
 
     def __init__(self) -> None:
         self._seen: dict[str, Seen] = {}
+        self._brief: dict[str, Seen] = {}
+        """Vehicles that have told nothing of traffic yet."""
+        self._away: dict[str, Seen] = {}
+        """Vehicles that people have carried away, as they were heard last: what they have said until then counts no more."""
         self.holders: dict[str, str] = {}
         self.announced: Counter[tuple[str, str]] = Counter()
 
@@ -69,6 +75,12 @@ class Neighbours:
     def on_vehicle(self, heartbeat: AtvHeartbeat, now_s: float) -> None:
         """A vehicle's heartbeat. One that tells nothing of traffic is shortened for the radio, or drives without right of way."""
         floor, before = heartbeat.floor, self._seen.get(heartbeat.atv)
+        said = (heartbeat.incarnation, heartbeat.seq)
+        away = self._away.get(heartbeat.atv)
+        if away is not None:
+            if said <= away.said:
+                return
+            del self._away[heartbeat.atv]
         every_s = interval_s(heartbeat)
         stuck = heartbeat.status in (AtvStatus.ERROR, AtvStatus.STOPPED)
         if floor is not UNSET:
@@ -81,19 +93,35 @@ class Neighbours:
                 route=(heartbeat.node, *heartbeat.way)[:ROUTE_MAX],
                 every_s=every_s,
                 stuck=stuck,
+                said=said,
             )
         elif before is not None:
-            seen = msgspec.structs.replace(before, at_s=now_s, every_s=every_s, stuck=stuck)
+            seen = msgspec.structs.replace(before, at_s=now_s, every_s=every_s, stuck=stuck, said=said)
         else:
+            self._brief[heartbeat.atv] = Seen(at_s=now_s, route=(heartbeat.node,), every_s=every_s, said=said)
             return
         self.on_heartbeat(heartbeat.atv, seen)
 
-    def forget(self, atv: str) -> None:
-        """Somebody has carried it away."""
-        seen = self._seen.pop(atv, None)
-        if seen is not None:
+    def carry_away(self, atv: str, said: tuple[int, int]) -> None:
+        """It was carried away: what it has said up to this heartbeat, by its life and number, counts no more."""
+        seen = self._seen.get(atv)
+        brief = self._brief.get(atv)
+        if brief is not None and brief.said <= said:
+            del self._brief[atv]
+        if seen is None:
+            before = self._away.get(atv)
+            if before is None or before.said < said:
+                route = before.route if before is not None else ()
+                self._away[atv] = Seen(at_s=float("-inf"), said=said, route=route)
+        elif seen.said <= said:
+            del self._seen[atv]
             self._forget_holds(atv, seen)
             self.announced.subtract(pairwise(seen.route[:NEAR_NODES]))
+            self._away[atv] = msgspec.structs.replace(seen, said=said)
+
+    def last(self, atv: str) -> Seen | None:
+        """What a vehicle has said last, also of one that was carried away since, or has told nothing of traffic."""
+        return self._seen.get(atv) or self._brief.get(atv) or self._away.get(atv)
 
     def of(self, atv: str) -> Seen | None:
         """What a vehicle has said last."""
@@ -107,7 +135,9 @@ class Neighbours:
     def is_silent(self, atv: str, now_s: float) -> bool:
         """Whether nobody knows when a vehicle moves again: it was not heard for a while, or stands until a person has seen to it."""
         seen = self._seen.get(atv)
-        return seen is not None and (seen.stuck or now_s - seen.at_s > bound_s(seen.every_s))
+        if seen is None:
+            return atv in self._away
+        return seen.stuck or now_s - seen.at_s > bound_s(seen.every_s)
 
     def _forget_holds(self, atv: str, seen: Seen) -> None:
         for place in seen.holds:

@@ -53,13 +53,14 @@ from dray.protocol.runtime.agent import AgentBase
 from dray.protocol.runtime.events import Publish, Record
 from dray.protocol.runtime.heartbeat_timer import BEAT, HeartbeatTimer
 from dray.protocol.runtime.shutdown import CARRIER_LEAVES_WITHIN_S
+from dray.protocol.runtime.trust import Trusts, trusts_nobody
 from dray.protocol.traffic.driving.right_of_way import RightOfWay
 from dray.protocol.traffic.traffic_map import TrafficMap
 from dray.protocol.vehicle.assistance import Assistance
 from dray.protocol.vehicle.cell_subscription import CellSubscription
 from dray.protocol.vehicle.charging import Charging
 from dray.protocol.vehicle.closure_handling import ClosureHandling
-from dray.protocol.vehicle.command_authorisation import CommandAuthorisation, Trusts, trusts_nobody
+from dray.protocol.vehicle.command_authorisation import CommandAuthorisation
 from dray.protocol.vehicle.command_handling import CommandHandling
 from dray.protocol.vehicle.contracts import Contracts
 from dray.protocol.vehicle.drivers.reserved_driver import ReservedDriver, driver_of
@@ -145,7 +146,7 @@ class Atv(AgentBase):
             CLAIM: lambda _about, now_s: self._rest_on(CLAIM, now_s),
         }
         tables = self._message_handlers, self._alarm_handlers
-        handle_traffic(self, self._driver, plant, self._out, *tables)
+        handle_traffic(self, self._driver, plant, trusts, self._out, *tables)
 
     # --- the beginning, and time passing ---
 
@@ -313,15 +314,7 @@ class Atv(AgentBase):
 
     def unfit(self) -> str:
         """Why it may take no work at all; empty when it may."""
-        if self._assistance.problem:
-            return self._assistance.problem
-        if self._commands.stopped:
-            return "stopped by an operator"
-        if self._link is Link.MESH:
-            return "on the radio mesh"
-        if self._shutdown.begun:
-            return "draining"
-        return "a load is on board" if self._contracts.job is None and self.load[0] else ""
+        return self._status_report.unfit(self._link)
 
     def stop_resting(self) -> None:
         """Leave the charger or parking place: there is work."""
@@ -339,6 +332,13 @@ class Atv(AgentBase):
         if self._contracts.job is None and not self._driver.way:
             self._idle.stop()
             self._idle.soon(now_s)
+
+    def note_denied(self, now_s: float) -> None:
+        """A person has said that it was carried away, and it drives: it stops until a person has seen to it."""
+        self._commands.stop()
+        self._contracts.standby.resign(Reason.STOPPED)
+        self._commit()
+        self.update_status(now_s, "said to have been carried away")
 
     def commit(self) -> None:
         """Write what the next life must know into the journal."""

@@ -13,7 +13,7 @@ from dray.protocol.closures.closure_listener import ClosureListener
 from dray.protocol.closures.known_floor import KnownFloor
 from dray.protocol.runtime.events import Commit, Effect, Record
 from dray.protocol.runtime.timers import Timers
-from dray.protocol.vehicle.command_authorisation import Trusts
+from dray.protocol.runtime.trust import Trusts
 from dray.protocol.vehicle.contracts import Contracts
 from dray.protocol.vehicle.idle_positioning import IdlePositioning
 

@@ -6,18 +6,9 @@ about who may stop a vehicle must hold for whatever reaches that vehicle.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 from dray.messages import Grant, VehicleCommand, signed_words
 from dray.plant import Plant
-
-Trusts = Callable[[bytes, bytes], bool]
-"""Called with words and a signature: whether somebody who is trusted has signed them."""
-
-
-def trusts_nobody(_words: bytes, _signature: bytes) -> bool:
-    """Of a vehicle that was given no key: it obeys nobody."""
-    return False
+from dray.protocol.runtime.trust import Trusts
 
 
 class CommandAuthorisation:

@@ -137,8 +137,7 @@ class CommandHandling:
     def _try(self, command: VehicleCommand, grant: Grant, now_s: float) -> CommandRefusal | None:
         """Carry it out, or say why not."""
         if command.kind is CommandKind.STOP:
-            self.stopped, self.acknowledged = True, False
-            self._out.append(Instruct(Hold()))
+            self.stop()
             return None
         if command.kind is CommandKind.SET_SPEED:
             return self._limit_speed(command.speed_frac)
@@ -156,6 +155,11 @@ class CommandHandling:
         self.stopped = self.acknowledged = False
         self._out.append(Instruct(Unhold()))
         return None
+
+    def stop(self) -> None:
+        """Stand until somebody has acknowledged the reason, and resumes."""
+        self.stopped, self.acknowledged = True, False
+        self._out.append(Instruct(Hold()))
 
     def _limit_speed(self, speed_frac: float | None) -> CommandRefusal | None:
         if speed_frac is None or not 0.0 < speed_frac <= 1.0:

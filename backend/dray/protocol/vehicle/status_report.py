@@ -67,6 +67,20 @@ class StatusReport:
             return AtvStatus.WORKING
         return AtvStatus.CHARGING if self._idle.charging else AtvStatus.IDLE
 
+    def unfit(self, link: Link) -> str:
+        """Why it may take no work at all; empty when it may. `link` is the one by which it speaks."""
+        if self._commands.assistance.problem:
+            return self._commands.assistance.problem
+        if self._commands.stopped:
+            return "stopped by an operator"
+        if link is Link.MESH:
+            return "on the radio mesh"
+        if not self._driver.is_placed:
+            return "the place where it stands is not its own yet"
+        if self._vehicle.is_draining:
+            return "draining"
+        return "a load is on board" if self._contracts.job is None and self._vehicle.load[0] else ""
+
     def heartbeat(self, status: AtvStatus, link: Link, now_s: float) -> AtvHeartbeat:
         """The next one.
 

@@ -19,6 +19,7 @@ class Course:
         reach_m: how far it drives at most.
         length_m, width_m: of the vehicle.
         lane: the one that it drives, by its ends; None for one that stands.
+        lifted: it is off the floor, and in no one's way.
 
     Attributes:
         radius_m: of the circle around it.
@@ -35,6 +36,7 @@ class Course:
         "heading_rad",
         "lane",
         "length_m",
+        "lifted",
         "radius_m",
         "reach_m",
         "top_mps",
@@ -55,11 +57,14 @@ class Course:
         length_m: float,
         width_m: float,
         lane: tuple[str, str] | None = None,
+        *,
+        lifted: bool = False,
     ) -> None:
         self.begin_s = begin_s
         self.x_m, self.y_m, self.heading_rad = x_m, y_m, heading_rad
         self.length_m, self.width_m = length_m, width_m
         self.lane = lane
+        self.lifted = lifted
         self.radius_m = hypot(length_m, width_m) / 2.0
         self._cos, self._sin = cos(heading_rad), sin(heading_rad)
         self._profile = profile

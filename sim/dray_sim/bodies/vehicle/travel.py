@@ -50,6 +50,7 @@ class Travel:
         self._top_mps = vehicle_type.max_speed_mps
         self._halted = False
         self._stranded = False
+        self._lifted = False
         self._passed = 0
         """The index of the way's last point that was passed; it stands there or is on the lane after it."""
         self._released = 0
@@ -125,7 +126,16 @@ class Travel:
         if self.way is None or self._passed >= self._released or now_s >= self.moves_until_s:
             here = self.pose(now_s)
             return Course(
-                now_s, here.x_m, here.y_m, here.heading_rad, STANDSTILL, 0.0, 0.0, kind.length_m, kind.width_m
+                now_s,
+                here.x_m,
+                here.y_m,
+                here.heading_rad,
+                STANDSTILL,
+                0.0,
+                0.0,
+                kind.length_m,
+                kind.width_m,
+                lifted=self._lifted,
             )
         place_m = self.motion(now_s)[0]
         here = self.way.pose(self._plant, self._passed, place_m)
@@ -261,9 +271,9 @@ class Travel:
         self._stranded = True
 
     def place_at(self, node: str, now_s: float) -> None:
-        """Be carried to a node by somebody else; those metres are not driven, and the way is forgotten."""
+        """Be carried to a node by somebody else, or off the floor if `node` is empty; the way is forgotten, and nothing of this is driven."""
         self._settle(now_s)
-        self.node = node
+        self.node, self._lifted = node or self.node, not node
         self.way, self._from_m, self._profile = None, 0.0, STANDSTILL
         self._stranded = False
 

@@ -237,7 +237,7 @@ class SimVehicle:
         return load
 
     def place_at(self, node: str) -> None:
-        """People push or carry it to a node. What it was doing ends without effect."""
+        """People push or carry it to a node; an empty one is off the floor. What it was doing ends without effect."""
         self._settle()
         if self._travel.way is not None:
             self._fail(self._travel.way.order, MOVED_BY_HAND)

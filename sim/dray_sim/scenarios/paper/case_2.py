@@ -23,6 +23,9 @@ JOINING = (
 
 JOIN_S, LEAVE_S = 1800.0, 4500.0
 
+CARRIED_AFTER_S = 120.0
+"""Then people have carried them off the floor."""
+
 SHIFT = Shift(name="case-2", duration_s=6300.0, load=1.0, keep=(Bid, ContractTaken, ContractEnded, TookOver))
 
 SOON_S = 900.0
@@ -66,6 +69,9 @@ async def visit(stage: Stage, join_s: float = JOIN_S, leave_s: float = LEAVE_S) 
     # Switched off where they are, and not back again in this run.
     for guest in sorted(guests):
         factory.power_off(guest)
+    await stage.until_s(gone_s + CARRIED_AFTER_S)
+    for guest in sorted(guests):
+        stage.carry_away(guest)
     await stage.until_s(stage.shift.duration_s)
     await stage.settle(SETTLE_S)
     taken = [seen for seen in witness.all(ContractTaken) if seen.agent in guests]
@@ -153,7 +159,8 @@ CASE_2 = Scenario(
     ),
     story=(
         f"The default plant with orders for all of its machines' time. After {JOIN_S / 60:.0f} minutes four vehicles join "
-        f"that are in no file; after {LEAVE_S / 60:.0f} minutes they are switched off, one in the middle of a transport."
+        f"that are in no file; after {LEAVE_S / 60:.0f} minutes they are switched off, one in the middle of a transport, and "
+        f"carried away {CARRIED_AFTER_S / 60:.0f} minutes later."
     ),
     play=case_2,
 )

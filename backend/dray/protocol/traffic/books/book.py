@@ -3,6 +3,7 @@
 Safety in two sentences. A place is granted to one vehicle only while no line of the book names another one for it, and the grant is said
 only when a majority of the copies has the line. A line is struck out only on the vehicle's own word, said after it has seen that very
 grant: so whatever is late, lost, doubled or out of order, a place that a vehicle may believe to hold is in the book.
+Only a person who has carried a vehicle away speaks in its place; what it says itself counts again when it knows of that.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from dray.errors import ProtocolViolation
-from dray.messages.traffic import PlaceBooking, PlaceWished
+from dray.messages.traffic import AllRemoved, PlaceBooking, PlaceWished, Removed
 
 
 class Book:
@@ -19,16 +20,23 @@ class Book:
     Args:
         bookings: what it begins with.
         version: the highest number that was given.
+        removed: vehicles that were carried away.
 
     Attributes:
         lives: vehicle -> its newest life that is known.
     """
 
-    def __init__(self, bookings: Iterable[PlaceBooking] = (), version: int = 0) -> None:
+    def __init__(
+        self,
+        bookings: Iterable[PlaceBooking] = (),
+        version: int = 0,
+        removed: Iterable[Removed] = (),
+    ) -> None:
         self._lines: dict[str, PlaceBooking] = {}
         self._by_atv: dict[str, dict[str, PlaceBooking]] = {}
         self.version = version
         self.lives: dict[str, int] = {}
+        self._removed = {one.atv: one.number for one in removed}
         for booking in bookings:
             self._write(booking)
 
@@ -81,11 +89,28 @@ class Book:
         self.grant(atv, [line.place for line in lines])
         return True
 
-    def free(self, atv: str) -> bool:
-        """A person says that a vehicle was carried away; True when it held something."""
-        places = [line.place for line in self.of(atv)]
+    def removal_of(self, atv: str) -> int:
+        """The number of the newest removal of a vehicle that the book knows of; 0 for none."""
+        return self._removed.get(atv, 0)
+
+    @property
+    def removed(self) -> AllRemoved:
+        """All of them."""
+        return tuple(Removed(atv=atv, number=number) for atv, number in self._removed.items())
+
+    def remove(self, atv: str, number: int) -> tuple[str, ...]:
+        """A vehicle was carried away: strike out what it holds, once for each number.
+
+        Returns:
+            The places that are free now; none when that was known.
+        """
+        if number <= self.removal_of(atv):
+            return ()
+        self.version += 1
+        self._removed[atv] = number
+        places = tuple(line.place for line in self.of(atv))
         self._rub_out(atv, places)
-        return bool(places)
+        return places
 
     def _write(self, line: PlaceBooking) -> None:
         """Write a line down.

@@ -19,16 +19,21 @@ from dray.messages import (
     Message,
     PlaceBooked,
     PlaceWished,
+    Removal,
+    Removals,
     StationHeartbeat,
 )
 from dray.messages.keys import Keys
 from dray.plant import Plant
+from dray.protocol.liveness.suspicion import WORKING_INTERVAL_S, gone_s
 from dray.protocol.runtime.events import Commit, Effect, Ignore, Send, Subscribe
 from dray.protocol.runtime.timers import Timers
+from dray.protocol.runtime.trust import Trusts
 from dray.protocol.traffic.books.copies import Kept
 from dray.protocol.traffic.books.district import BOOK_TICK
 from dray.protocol.traffic.books.districts import Districts
 from dray.protocol.traffic.neighbours import Neighbours
+from dray.protocol.traffic.removal_authorisation import IS_HEARD, NOT_THERE, RemovalAuthorisation
 from dray.protocol.traffic.traffic_map import TrafficMap
 
 NOT_KEPT_HERE = "about a book that is not kept here; or the plant file is another one"
@@ -36,6 +41,9 @@ NOT_KEPT_HERE = "about a book that is not kept here; or the plant file is anothe
 WITHOUT_BOOKS = "about places, and this agent was started without right of way"
 
 ABOUT_BOOKS: tuple[type[Message], ...] = (PlaceWished, PlaceBooked, BookKept, BookAsked, BookTold)
+
+WISHED_S = gone_s(WORKING_INTERVAL_S)
+"""Whoever has said within this what it holds is heard, whatever becomes of its heartbeats."""
 
 NOTE = "book "
 """Names the note of a book, before the district."""
@@ -48,12 +56,19 @@ class Bookkeeping:
         me: the agent.
         plant: for keys, and to know machines from stations.
         traffic: of the plant; None where vehicles drive without right of way.
+        trusts: whose word counts when people carry vehicles away.
         timers: the agent's alarms.
         out: where effects go.
     """
 
     def __init__(
-        self, me: str, plant: Plant, traffic: TrafficMap | None, timers: Timers, out: list[Effect]
+        self,
+        me: str,
+        plant: Plant,
+        traffic: TrafficMap | None,
+        trusts: Trusts,
+        timers: Timers,
+        out: list[Effect],
     ) -> None:
         self._me = me
         self._plant = plant
@@ -62,6 +77,11 @@ class Bookkeeping:
         self._timers = timers
         self._out = out
         self._neighbours = Neighbours()
+        self._authorisation = RemovalAuthorisation(plant, trusts, self._neighbours)
+        self._since_s = 0.0
+        """When it has begun to listen."""
+        self._wished_s: dict[str, float] = {}
+        """Vehicle -> when it has said last what it holds."""
         self._written: dict[str, Kept] = {}
         self._outdated: list[str] = []
         """Districts of a plant file that was changed: their books are to be forgotten."""
@@ -84,8 +104,11 @@ class Bookkeeping:
         traffic = self._traffic
         if traffic is None or not self.keeps_books:
             return
+        self._since_s = now_s
         kept = {
-            name.removeprefix(NOTE): Kept(note.epoch, note.kept_epoch, note.version, note.bookings)
+            name.removeprefix(NOTE): Kept(
+                note.epoch, note.kept_epoch, note.version, note.bookings, note.removed
+            )
             for name, note in memory.items()
             if isinstance(note, BookMemory)
         }
@@ -94,7 +117,7 @@ class Bookkeeping:
         self._books = Districts(
             self._me, traffic.places, traffic.atvs, kept, self._neighbours, self._timers, self._out
         )
-        self._out.append(Subscribe(self._keys.all_atv_heartbeats))
+        self._out += (Subscribe(self._keys.all_atv_heartbeats), Subscribe(self._keys.removals))
         others = {
             keeper
             for keepers in traffic.places.keepers_of.values()
@@ -119,7 +142,7 @@ class Bookkeeping:
         for district, kept in self._books.kept().items():
             if self._written.get(district) != kept:
                 self._written[district] = kept
-                note = BookMemory(kept.epoch, kept.kept_epoch, kept.version, kept.bookings)
+                note = BookMemory(kept.epoch, kept.kept_epoch, kept.version, kept.bookings, kept.removed)
                 commits.append(Commit(note, NOTE + district))
         return commits
 
@@ -143,6 +166,7 @@ class Bookkeeping:
             table[kind] = _both(note, before[kind]) if kind in before else note
         for kind in ABOUT_BOOKS:
             table[kind] = self._on_message
+        table[Removals] = self._on_removals
         return table
 
     @property
@@ -150,19 +174,49 @@ class Bookkeeping:
         """Its alarms."""
         return {BOOK_TICK: self._tick}
 
-    def free(self, atv: str, now_s: float) -> None:
-        """A person says that a vehicle was carried away."""
-        if self._books is not None:
-            self._neighbours.forget(atv)
-            self._books.free(atv, now_s)
+    def _on_removals(self, _sender: str, said: Removals, now_s: float) -> None:
+        for removal in said.removals:
+            if objection := self._remove(removal, now_s):
+                self._out.append(Ignore(objection))
+
+    def _remove(self, removal: Removal, now_s: float) -> str:
+        """A person has carried a vehicle away, or puts it back. Returns why that is not believed; empty when it is."""
+        if self._books is None or self._traffic is None:
+            return NOT_KEPT_HERE
+        atv = removal.atv
+        if objection := self._authorisation.objection(removal, self._since_s, now_s):
+            return objection
+        if now_s - self._wished_s.get(atv, -WISHED_S) < WISHED_S:
+            return IS_HEARD
+        last = self._neighbours.last(atv)
+        was_at = last.route[:1] if last is not None else ()
+        if not self._authorisation.covers(removal, was_at or self._nodes_of(atv)):
+            return NOT_THERE
+        self._neighbours.carry_away(atv, (removal.life, removal.seq))
+        place = self._traffic.places.place_of(removal.node) if removal.node else ""
+        for district in self._books.districts.values():
+            district.remove(removal, place, now_s)
+        return ""
+
+    def _nodes_of(self, atv: str) -> tuple[str, ...]:
+        """Where the books say that a vehicle is."""
+        districts = self._books.districts.values() if self._books is not None else ()
+        places = (line.place for district in districts for line in district.book.of(atv))
+        return tuple(place for place in places if place in self._plant.nodes)
 
     def _on_message(self, sender: str, message: Any, now_s: float) -> None:
+        if type(message) is PlaceWished:
+            self._wished_s[sender] = now_s
         if self._books is None or not self._books.on_message(sender, message.district, message, now_s):
             self._out.append(Ignore(NOT_KEPT_HERE))
 
     def _on_vehicle(self, _sender: str, heartbeat: AtvHeartbeat, now_s: float) -> None:
         self._neighbours.on_vehicle(heartbeat, now_s)
-        if heartbeat.floor is UNSET and heartbeat.link is Link.WLAN and self._books is not None:
+        if self._books is None:
+            return
+        if heartbeat.floor is not UNSET:
+            self._books.on_vehicle(heartbeat.atv, heartbeat.incarnation, heartbeat.floor.removal)
+        elif heartbeat.link is Link.WLAN:
             # It drives as if it were alone (`drivers.alone_among_others`); by radio nobody tells what he holds.
             name, district = next(iter(self._books.districts.items()))
             self._out.append(Send(heartbeat.atv, HoldsAsked(district=name, epoch=district.copies.kept.epoch)))

@@ -14,7 +14,7 @@ from collections.abc import Iterable, Sequence
 
 import msgspec
 
-from dray.messages.traffic import BookAsked, Bookings, BookKept, BookTold, PlaceBooked
+from dray.messages.traffic import AllRemoved, BookAsked, Bookings, BookKept, BookTold, PlaceBooked
 from dray.protocol.runtime.events import Effect, Send
 
 
@@ -27,6 +27,7 @@ class Kept(msgspec.Struct, frozen=True):
     """Of the one who has written the copy."""
     version: int = 0
     bookings: Bookings = ()
+    removed: AllRemoved = ()
 
 
 class Copies:
@@ -79,9 +80,9 @@ class Copies:
 
     # --- writing ---------------------------------------------------------------------------------
 
-    def write(self, version: int, bookings: Bookings) -> None:
+    def write(self, version: int, bookings: Bookings, removed: AllRemoved = ()) -> None:
         """Let everybody have the book as it is now. It counts when `counted` has come to `version`."""
-        self.kept = Kept(self.kept.epoch, self.kept.epoch, version, bookings)
+        self.kept = Kept(self.kept.epoch, self.kept.epoch, version, bookings, removed)
         self._has = {self._me: version, **{k: v for k, v in self._has.items() if k != self._me}}
         self.repeat()
         self._count()
@@ -90,7 +91,11 @@ class Copies:
         """Say it again to those who have not answered."""
         kept = self.kept
         booked = PlaceBooked(
-            district=self.district, epoch=kept.epoch, version=kept.version, bookings=kept.bookings
+            district=self.district,
+            epoch=kept.epoch,
+            version=kept.version,
+            bookings=kept.bookings,
+            removed=kept.removed,
         )
         for other in self._others:
             if self._has.get(other, -1) < kept.version:
@@ -131,7 +136,7 @@ class Copies:
                 self._step_down(booked.epoch)
             self._sought = 0
             if (booked.epoch, booked.version) > (self.kept.kept_epoch, self.kept.version):
-                self.kept = Kept(booked.epoch, booked.epoch, booked.version, booked.bookings)
+                self.kept = Kept(booked.epoch, booked.epoch, booked.version, booked.bookings, booked.removed)
         self._out.append(
             Send(sender, BookKept(district=self.district, epoch=self.kept.epoch, version=self.kept.version))
         )
@@ -205,7 +210,7 @@ class Copies:
 
     def _take_newest(self, told: Iterable[BookTold]) -> None:
         newest = max(told, key=lambda one: (one.kept_epoch, one.version))
-        self.kept = Kept(self.kept.epoch, newest.kept_epoch, newest.version, newest.bookings)
+        self.kept = Kept(self.kept.epoch, newest.kept_epoch, newest.version, newest.bookings, newest.removed)
 
     def next_turn(self, epoch: int) -> int:
         """The next epoch after one, and after all that anybody has told of, that is this keeper's turn."""
@@ -229,6 +234,7 @@ class Copies:
             kept_epoch=kept.kept_epoch,
             version=kept.version,
             bookings=kept.bookings,
+            removed=kept.removed,
         )
 
     def _step_down(self, epoch: int) -> None:

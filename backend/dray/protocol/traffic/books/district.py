@@ -8,8 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from dray.messages import Message
+from msgspec.structs import replace
+
+from dray.messages import Message, Removal
+from dray.messages.fact import PlaceKept, PlacesFreed
 from dray.messages.traffic import (
+    HOLDS_MAX,
     Blocked,
     BookAsked,
     BookKept,
@@ -20,20 +24,18 @@ from dray.messages.traffic import (
     PlaceWished,
     YieldAsked,
 )
-from dray.protocol.runtime.events import Effect, Ignore, Send
+from dray.protocol.runtime.events import Effect, Ignore, Record, Send
 from dray.protocol.runtime.timers import Timers
 from dray.protocol.traffic.books.allotment import FREE, Hindrance, allot
 from dray.protocol.traffic.books.book import Book
 from dray.protocol.traffic.books.copies import Copies, Kept
+from dray.protocol.traffic.books.roll_call import RollCall
 from dray.protocol.traffic.neighbours import SILENT_S, Neighbours
 
 BOOK_TICK = "book tick"
 
 NO_KEEPER = "the word of somebody who does not keep this book"
 NOT_ITS_TURN = "a book written by one whose turn it is not"
-
-ROLL_S = 6.0
-"""A roll is called for so long at least: every vehicle beats in that time, also one that the plant file does not know."""
 
 TICK_S = 1.0
 """A holder is asked to make room, and a copy that was not answered for is sent, once in so long."""
@@ -85,13 +87,17 @@ class District:
         """Vehicle -> life and number of its newest wish."""
         self._asked_s: dict[str, float] = {}
         """Holder -> when it was asked to make room."""
-        self._roll: dict[str, PlaceWished] | None = None
-        """What vehicles have told, while the roll is called."""
-        self._roll_epoch = 0
-        self._roll_until_s = 0.0
+        self._roll: RollCall | None = None
+        """While vehicles are asked what they hold."""
         self._led_epoch = -1
         """Under which this keeper has taken the book over last."""
         self._heard_s: dict[str, float] = {}
+        self._to_tell: list[tuple[int, PlacesFreed]] = []
+        """What was freed, and the version with which that counts."""
+        self._keeping: dict[str, tuple[int, str]] = {}
+        """Vehicles that are being put back -> number of the removal, and the place that is to be kept."""
+        self._kept: dict[str, tuple[int, str]] = {}
+        """Those whose place is kept, and that was told."""
 
     # --- its life --------------------------------------------------------------------------------
 
@@ -159,7 +165,8 @@ class District:
             self._out.append(Ignore("a place that is not in this district"))
             return
         if self._roll is not None:
-            self._told_in_roll_call(self._roll, sender, wish, now_s)
+            if self._roll.note(sender, wish, self._called):
+                self._close_roll(now_s)
             return
         if not self.copies.leads:
             if not self.copies.lost and self.copies.leader != self._me:
@@ -167,8 +174,14 @@ class District:
                     Send(sender, HoldsAsked(district=self._district, epoch=self.copies.kept.epoch))
                 )
             return
+        known = self._book.removal_of(sender)
+        self._book.remove(sender, wish.removal)
         self._book.begin_life(sender, wish)
-        self._book.strike(wish, sender)
+        if wish.removal < known:
+            # It does not know that it was carried away: what it held is void, and that is all that it is told.
+            wish = replace(wish, holds=(), groups=())
+        else:
+            self._book.strike(wish, sender)
         if (wish.life, wish.seq) > self._newest.get(sender, (0, 0)):
             self._newest[sender] = (wish.life, wish.seq)
             self._wishes[sender] = wish
@@ -176,21 +189,51 @@ class District:
             self._book.claim(sender, wish.holds)
         self._settle(now_s)
 
-    def free(self, atv: str, now_s: float) -> None:
-        """A person says that a vehicle was carried away: whatever it held is free."""
-        self._wishes.pop(atv, None)
-        self._owed.discard(atv)
+    def remove(self, removal: Removal, place: str, now_s: float) -> None:
+        """A person has carried a vehicle away: whatever it held is free. One that is being put back has `place` kept for it."""
+        atv, known = removal.atv, self._book.removal_of(removal.atv)
         if self._roll is not None:
-            self._roll[atv] = _nothing(self._district, atv, self._roll_epoch)
-            self._close_roll(now_s)
-        elif self.copies.leads and self._book.free(atv):
-            self._settle(now_s)
+            if self._roll.note(atv, self._absent(removal, place), self._called):
+                self._close_roll(now_s)
+        if not self.leads or removal.number < known:
+            return
+        if removal.number > known and (place in self._inside or self._book.of(atv)):
+            self._wishes.pop(atv, None)
+            self._owed.discard(atv)
+            places = self._book.remove(atv, removal.number)
+            if places:
+                freed = PlacesFreed(
+                    atv=atv, number=removal.number, by=removal.grant.person, places=places[:HOLDS_MAX]
+                )
+                self._to_tell.append((self._book.version, freed))
+        if place in self._inside and self._kept.get(atv) != (removal.number, place):
+            self._wishes[atv] = self._absent(removal, place)
+            self._keeping[atv] = (removal.number, place)
+        self._settle(now_s)
+
+    def on_vehicle(self, atv: str, life: int, removal: int) -> None:
+        """A vehicle was heard: if it does not know that it was carried away, it is told, and asks anew for where it stands."""
+        known = self._book.removal_of(atv)
+        if self.leads and removal < known and self.copies.counted >= self._book.version:
+            self._out.append(
+                Send(
+                    atv,
+                    PlaceGranted(
+                        district=self._district,
+                        epoch=self.copies.kept.epoch,
+                        life=life,
+                        upto=0,
+                        grants=self._book.of(atv),
+                        removal=known,
+                    ),
+                )
+            )
 
     def tick(self, now_s: float) -> None:
         """A second has passed."""
         self._timers.set((BOOK_TICK, self._district), now_s + TICK_S)
         if self._roll is not None:
-            self._call_roll()
+            self._roll.call(self._called)
             self._close_roll(now_s)
         elif self.copies.asks:
             self.copies.ask()
@@ -218,9 +261,8 @@ class District:
     def _after_copies(self, now_s: float) -> None:
         """Something was told: perhaps this keeper leads now, or must call the roll."""
         if self.copies.needs_roll_call and self._roll is None:
-            self._roll, self._roll_epoch = {}, self.copies.next_turn(0)
-            self._roll_until_s = now_s + ROLL_S
-            self._call_roll()
+            self._roll = RollCall(self._district, self.copies.next_turn, now_s, self._out)
+            self._roll.call(self._called)
         elif self.copies.leads and self._led_epoch != self.copies.kept.epoch:
             self._take_over()
 
@@ -228,9 +270,10 @@ class District:
         kept = self.copies.kept
         self._led_epoch = kept.epoch
         # Under a number of its own, so that a majority has it under this epoch before anything of it is said.
-        self._book = Book(kept.bookings, kept.version + 1)
+        self._book = Book(kept.bookings, kept.version + 1, kept.removed)
         self._wishes, self._hindrances, self._newest, self._owed = {}, {}, {}, set()
-        self.copies.write(self._book.version, self._book.bookings)
+        self._to_tell, self._keeping = [], {}
+        self._write()
         for atv in self._atvs:
             self._out.append(Send(atv, HoldsAsked(district=self._district, epoch=kept.epoch)))
 
@@ -239,45 +282,17 @@ class District:
         """Whom a roll call is for: the vehicles of the plant, and those that were heard."""
         return tuple(dict.fromkeys((*self._atvs, *self._neighbours.all)))
 
-    def _call_roll(self) -> None:
-        for atv in self._called:
-            if self._roll is not None and atv not in self._roll:
-                self._out.append(
-                    Send(atv, HoldsAsked(district=self._district, epoch=self._roll_epoch, roll_call=True))
-                )
-
-    def _told_in_roll_call(
-        self, roll: dict[str, PlaceWished], sender: str, wish: PlaceWished, now_s: float
-    ) -> None:
-        if wish.epoch > self._roll_epoch:
-            # The vehicle has known a later keeper: what was told under this epoch may have changed since.
-            self._roll, self._roll_epoch = {}, self.copies.next_turn(wish.epoch)
-            self._call_roll()
-            return
-        before = roll.get(sender)
-        if wish.epoch == self._roll_epoch and (
-            before is None or (wish.life, wish.seq) > (before.life, before.seq)
-        ):
-            roll[sender] = wish
-            self._close_roll(now_s)
-
     def _close_roll(self, now_s: float) -> None:
         roll = self._roll
-        if roll is None or now_s < self._roll_until_s or any(atv not in roll for atv in self._called):
+        if roll is None or not roll.is_over(self._called, now_s):
             return
-        self.copies.end_roll_call(self._roll_epoch)
+        self.copies.end_roll_call(roll.epoch)
         self._roll = None
-        self._book = Book(version=max((wish.seen for wish in roll.values()), default=0))
-        self._led_epoch = self._roll_epoch
-        self._wishes, self._hindrances, self._newest, self._owed = {}, {}, {}, set()
-        for atv, wish in roll.items():
-            self._book.lives[atv] = wish.life
-            free = [place for place in wish.holds if not self._book.holder(place)]
-            if free:
-                self._book.grant(atv, free)
-            self._newest[atv], self._wishes[atv] = (wish.life, wish.seq), wish
-            self._owed.add(atv)
-        self.copies.write(self._book.version, self._book.bookings)
+        self._book = roll.book()
+        self._led_epoch = roll.epoch
+        self._wishes, self._hindrances, self._owed = dict(roll.told), {}, set(roll.told)
+        self._newest = {atv: (wish.life, wish.seq) for atv, wish in roll.told.items()}
+        self._write()
         self._settle(now_s)
 
     # --- answers ---------------------------------------------------------------------------------
@@ -289,15 +304,19 @@ class District:
         )
         self._owed |= granted
         if self._book.version > self.copies.kept.version:
-            self.copies.write(self._book.version, self._book.bookings)
+            self._write()
         self._answer()
         self._ask_for_room(now_s)
+
+    def _write(self) -> None:
+        self.copies.write(self._book.version, self._book.bookings, self._book.removed)
 
     def _answer(self) -> None:
         """Tell whoever was granted something that counts, and whoever waits for an answer."""
         if not self.leads:
             return
         counted = self.copies.counted
+        self._tell(counted)
         for atv in sorted(self._owed):
             wish, lines = self._wishes[atv], self._book.of(atv)
             if any(line.number > counted for line in lines):
@@ -313,6 +332,7 @@ class District:
                 blocked=hindrance.blocked,
                 by=hindrance.by,
                 at=hindrance.at,
+                removal=self._book.removal_of(atv),
             )
             self._out.append(Send(atv, granted))
             if not lines and not wish.groups:
@@ -350,18 +370,31 @@ class District:
         seen, wish = self._neighbours.of(atv), self._wishes.get(atv)
         return seen is not None and not seen.stands and not (wish is not None and wish.stands)
 
+    # --- vehicles that people carry --------------------------------------------------------------
 
-def _nothing(district: str, atv: str, epoch: int) -> PlaceWished:
-    """The wish of a vehicle that is not on the floor."""
-    return PlaceWished(
-        district=district,
-        life=0,
-        seq=0,
-        epoch=epoch,
-        rank=(2, 0.0, atv),
-        holds=(),
-        groups=(),
-        seen=0,
-        stands=True,
-        docked=False,
-    )
+    def _tell(self, counted: int) -> None:
+        """Tell people what was freed and kept, once that counts."""
+        self._out += [Record(fact) for version, fact in self._to_tell if version <= counted]
+        self._to_tell = [told for told in self._to_tell if told[0] > counted]
+        for atv, (number, place) in tuple(self._keeping.items()):
+            line = next((line for line in self._book.of(atv) if line.place == place), None)
+            if line is not None and line.number <= counted:
+                self._kept[atv] = self._keeping.pop(atv)
+                self._out.append(Record(PlaceKept(atv=atv, number=number, place=place)))
+
+    def _absent(self, removal: Removal, place: str) -> PlaceWished:
+        """What is said in the place of a vehicle that is not on the floor: it wants the place where it is being put back, if any."""
+        return PlaceWished(
+            district=self._district,
+            life=removal.life,
+            seq=0,
+            epoch=self._roll.epoch if self._roll is not None else self.copies.kept.epoch,
+            rank=(0, 0.0, removal.atv),
+            holds=(),
+            groups=((place,),) if place in self._inside else (),
+            seen=0,
+            stands=True,
+            docked=False,
+            avoid=(removal.node,) if place in self._inside else (),
+            removal=removal.number,
+        )

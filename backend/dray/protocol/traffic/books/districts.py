@@ -69,10 +69,10 @@ class Districts:
         """The alarm of a district has come."""
         self.districts[name].tick(now_s)
 
-    def free(self, atv: str, now_s: float) -> None:
-        """A person says that a vehicle was carried away."""
+    def on_vehicle(self, atv: str, life: int, removal: int) -> None:
+        """A vehicle was heard; `removal` is the newest one that it knows of."""
         for district in self.districts.values():
-            district.free(atv, now_s)
+            district.on_vehicle(atv, life, removal)
 
     def kept(self) -> dict[str, Kept]:
         """What must be written down before anything is said."""

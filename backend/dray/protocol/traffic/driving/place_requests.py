@@ -97,6 +97,10 @@ class PlaceRequests:
         """Since when it stands and waits for its next group."""
         self._blocked, self._blocked_by, self._blocked_at = Blocked.NO, "", ""
         """Why it was not granted that, who is in the way and where, as the book has told last."""
+        self.removal = 0
+        """The newest time that it was carried away, as far as it knows: what it was granted before is void."""
+        self._asked = set(self.way.held)
+        """Places where the body is, or is about to be, and that no book has told to be its own yet: it drives nowhere before."""
 
     # --- how things stand ------------------------------------------------------------------------
 
@@ -110,6 +114,16 @@ class PlaceRequests:
         """Whether the body was told to end its way, and has not said that it has."""
         return self._wheels.is_finishing
 
+    @property
+    def holds(self) -> tuple[str, ...]:
+        """The places that are its own."""
+        return tuple(place for place in self.way.held if place not in self._asked)
+
+    @property
+    def is_placed(self) -> bool:
+        """Whether the places where it is are its own; else it asks for them."""
+        return not self._asked
+
     def knows(self, order: int) -> bool:
         """Whether the body was given a way of this number lately."""
         return self._wheels.knows(order)
@@ -119,7 +133,10 @@ class PlaceRequests:
         """Its rank, without what it has inherited.
 
         Who waits for a silent vehicle goes behind all that have a task: it may wait for ever, and must not stand in their way meanwhile.
+        Nobody is more urgent than one that asks for where it stands.
         """
+        if self._asked:
+            return (WITH_TASK, 0.0, self.atv)
         if self._held_up_s is not None and self._blocked is Blocked.SILENT:
             return (max(self._rank[0], IDLE), *self._rank[1:])
         return self._rank
@@ -154,7 +171,7 @@ class PlaceRequests:
         """What others are told with a heartbeat."""
         return Seen(
             at_s=now_s,
-            holds=tuple(self.way.held),
+            holds=self.holds,
             stands=self.way.stands,
             docked=self.docked,
             rank=self.rank(now_s),
@@ -203,6 +220,7 @@ class PlaceRequests:
     def _settle(self, now_s: float, *, anew: bool = False, anew_in: str = "", to: str = "") -> None:
         """Give back what it is clear of, ask for what comes next, and look again in time."""
         self.way.give_back()
+        self._asked &= self.way.held.keys()
         groups = self._groups()
         wanted_in = self._places.district_of[groups[0][0]] if groups else ""
         if self.way.stands and groups:
@@ -229,16 +247,26 @@ class PlaceRequests:
         self._look_again(now_s)
 
     def _groups(self) -> tuple[tuple[str, ...], ...]:
-        """What it wants next."""
+        """What it wants next: first of all where it is."""
+        if self._asked:
+            first = next(place for place in self.way.held if place in self._asked)
+            return self._asked_in(self._places.district_of[first])
         if self.docked or self.stuck or self.errand is Errand.REST:
             return ()
         return tuple(self.way.groups(self._wheels.needs_m(self._speed_mps, self.wishes.round_s)))
 
     def _holds_in(self, district: str) -> tuple[str, ...]:
         district_of = self._places.district_of
-        return tuple(sorted(place for place in self.way.held if district_of[place] == district))
+        return tuple(sorted(place for place in self.holds if district_of[place] == district))
+
+    def _asked_in(self, district: str) -> tuple[tuple[str, ...], ...]:
+        district_of = self._places.district_of
+        asked = tuple(sorted(place for place in self._asked if district_of[place] == district))
+        return (asked,) if asked else ()
 
     def _groups_in(self, district: str, groups: tuple[tuple[str, ...], ...]) -> tuple[tuple[str, ...], ...]:
+        if self._asked:
+            return self._asked_in(district)
         if groups and self._places.district_of[groups[0][0]] == district:
             return groups
         return ()
@@ -247,9 +275,9 @@ class PlaceRequests:
         inherited = self._yielding.of(now_s)
         route = (self.way.node, *self.way.ahead)[:ROUTE_MAX]
         if inherited is None:
-            return State(self.rank(now_s), self.way.stands, self.docked, route, ())
+            return State(self.rank(now_s), self.way.stands, self.docked, route, (), self.removal)
         avoid = tuple(dict.fromkeys((*route, *inherited.avoid)))[: 2 * ROUTE_MAX]
-        return State(self.rank(now_s), self.way.stands, self.docked, avoid, inherited.chain)
+        return State(self.rank(now_s), self.way.stands, self.docked, avoid, inherited.chain, self.removal)
 
     def _look_again(self, now_s: float) -> None:
         """Set the alarm for the moment when it may be clear of a place, or needs the next one."""

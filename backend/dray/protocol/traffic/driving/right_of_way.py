@@ -21,7 +21,13 @@ RESTED = "rested"
 
 
 class RightOfWay(PlaceRequests):
-    """One vehicle's right of way. Its alarms are those of its requests, and `RESTED`."""
+    """One vehicle's right of way. Its alarms are those of its requests, and `RESTED`.
+
+    Attributes:
+        is_denied: it was driving when it heard that it had been carried away: it drives on what is not its own.
+    """
+
+    is_denied = False
 
     # --- what its owner asks ---------------------------------------------------------------------
 
@@ -65,7 +71,9 @@ class RightOfWay(PlaceRequests):
             past_m: how far it is past `node`.
             speed_mps: how fast.
         """
+        own = self.holds
         self.way = self.way.again(node, next_node)
+        self._asked = self.way.held.keys() - own
         self.sense(past_m, speed_mps)
         self.take_control(now_s, drives_beyond=not self.way.stands)
         if self.errand is not Errand.OWN:
@@ -136,14 +144,19 @@ class RightOfWay(PlaceRequests):
         fresh = self.wishes.on_granted(sender, granted, now_s)
         if fresh is None:
             return
+        if granted.removal > self.removal:
+            self._begin_anew(granted)
+            return
         self._outlook.note(granted, now_s)
+        if self._asked and granted.removal == self.removal and self.wishes.is_answered(granted):
+            self._asked -= {booking.place for booking in granted.grants}
         self._note_hindrance(granted)
         unwanted = False
         if not self._obeys:
             self.way.keep(fresh)
         if fresh:
             asked = {place for group in self.wishes.groups(granted.district) for place in group}
-            if self.way.take(place for place in fresh if place in asked):
+            if self.is_placed and self.way.take(place for place in fresh if place in asked):
                 self._drive_on(now_s)
             unwanted = any(place not in self.way.held for place in fresh)
             if not unwanted:
@@ -233,7 +246,18 @@ class RightOfWay(PlaceRequests):
 
     @property
     def _can_yield(self) -> bool:
-        return self.way.stands and not self.docked and not self.stuck
+        return self.way.stands and self.is_placed and not self.docked and not self.stuck
+
+    def _begin_anew(self, granted: PlaceGranted) -> None:
+        """A person has said that it was carried away: nothing that it held is its own any more."""
+        self.removal = granted.removal
+        told = {booking.place for booking in granted.grants}
+        district_of = self._places.district_of
+        lost = [place for place in self.holds if district_of[place] == granted.district and place not in told]
+        self.is_denied = bool(lost) and not self.way.stands
+        self._asked = set(self.way.held)
+        for district in self._places.keepers_of:
+            self.wishes.open(district)
 
     def _leave_for(self, way: tuple[str, ...], now_s: float, *, backtracks: bool) -> None:
         self.errand = Errand.REFUGE

@@ -42,6 +42,7 @@ class State(msgspec.Struct, frozen=True, gc=False):
     docked: bool
     avoid: tuple[str, ...]
     chain: tuple[str, ...]
+    removal: int = 0
 
 
 class _Line:
@@ -194,6 +195,7 @@ class Wishes:
             docked=state.docked,
             avoid=state.avoid if groups else (),
             chain=state.chain if groups else (),
+            removal=state.removal,
         )
         self._out.append(Send(to or keepers[(line.epoch + line.turn) % len(keepers)], wish))
         patience_s = min(
@@ -204,6 +206,10 @@ class Wishes:
     def keeps(self, agent: str, district: str) -> bool:
         """Whether an agent is a keeper of a district's book: nobody else's word about it counts."""
         return agent in self._keepers_of.get(district, ())
+
+    def is_answered(self, granted: PlaceGranted) -> bool:
+        """Whether an answer was given after what was said last had come."""
+        return granted.upto >= self._lines[granted.district].since
 
     def on_granted(self, sender: str, granted: PlaceGranted, now_s: float) -> tuple[str, ...] | None:
         """What an answer grants that was not seen before; None when it is not to be believed."""

@@ -193,6 +193,11 @@ class Driver:
     def be_stuck(self, stuck: bool, now_s: float) -> None:
         """The vehicle cannot move until a person has seen to it, or can again."""
 
+    @property
+    def is_placed(self) -> bool:
+        """Whether the place where it stands is its own."""
+        return True
+
     def floor(self, now_s: float) -> FloorBrief | UnsetType:
         """What it holds of the floor, for its heartbeat."""
         return UNSET

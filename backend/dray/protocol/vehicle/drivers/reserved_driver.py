@@ -154,7 +154,8 @@ class ReservedDriver(Driver):
         if next_node:
             self.way = (next_node,)
             self.arrives_s = now_s + state.next_node_s
-        self._out.append(Subscribe(Keys(self._plant.id).all_atv_heartbeats))
+        keys = Keys(self._plant.id)
+        self._out += (Subscribe(keys.all_atv_heartbeats), Subscribe(keys.removals))
         row.start(now_s)
 
     def go(self, node: str, now_s: float) -> bool:
@@ -222,6 +223,10 @@ class ReservedDriver(Driver):
         if stuck:
             self._leg = None
 
+    @property
+    def is_placed(self) -> bool:
+        return self.right_of_way.is_placed
+
     def floor(self, now_s: float) -> FloorBrief:
         hint = self.right_of_way.hint(now_s)
         return FloorBrief(
@@ -232,6 +237,8 @@ class ReservedDriver(Driver):
             waits_for=self.right_of_way.waits_for,
             waits_at=self.right_of_way.waits_at,
             rank=hint.rank,
+            asks_where_it_stands=not self.is_placed,
+            removal=self.right_of_way.removal,
         )
 
     # --- what is its own -------------------------------------------------------------------------
@@ -246,6 +253,11 @@ class ReservedDriver(Driver):
             past_m = max(self._past_m(state.pose), 1e-6) if next_node else 0.0
             row.relocate(state.node, next_node, now_s, past_m=past_m, speed_mps=state.speed_mps)
             self.sense(state)
+
+    def begin_anew(self, now_s: float) -> None:
+        """It was carried away, as books say: it asks for where its body is now."""
+        self._is_lost = True
+        self._timers.set(LOST, now_s)
 
     def _mind_closures(self, nodes: tuple[str, ...], now_s: float) -> None:
         """Give the way anew from the end of the present lane where what lies behind it was closed or made slow."""

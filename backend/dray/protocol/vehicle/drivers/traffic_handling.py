@@ -11,14 +11,17 @@ from dray.messages import (
     HoldsAsked,
     Message,
     PlaceGranted,
+    Removals,
     YieldAsked,
     YieldRefused,
 )
 from dray.plant import Plant
-from dray.protocol.runtime.events import Effect
+from dray.protocol.runtime.events import Effect, Ignore
+from dray.protocol.runtime.trust import Trusts
 from dray.protocol.traffic.driving.place_requests import HELD_UP, LOOK, Errand
 from dray.protocol.traffic.driving.right_of_way import RESTED, RightOfWay
 from dray.protocol.traffic.driving.wishes import WISH_AGAIN
+from dray.protocol.traffic.removal_authorisation import RemovalAuthorisation
 from dray.protocol.vehicle.drivers.alone_among_others import AloneAmongOthers
 from dray.protocol.vehicle.drivers.driver import Driver
 from dray.protocol.vehicle.drivers.reserved_driver import LOST, ReservedDriver
@@ -35,6 +38,9 @@ class Owner(Protocol):
     def note_makes_room(self, now_s: float) -> None:
         """It leaves the place where it stood, for somebody else."""
 
+    def note_denied(self, now_s: float) -> None:
+        """It drives, and was said to have been carried away: what it drives on is not its own."""
+
 
 class Vehicle(Owner, Protocol):
     """One that may have right of way."""
@@ -49,11 +55,18 @@ class TrafficHandling:
     Args:
         driver: who drives with right of way.
         owner: the vehicle.
+        plant: where nodes and areas are.
+        trusts: whose word counts when people carry vehicles away.
+        out: where effects go.
     """
 
-    def __init__(self, driver: ReservedDriver, owner: Owner) -> None:
+    def __init__(
+        self, driver: ReservedDriver, owner: Owner, plant: Plant, trusts: Trusts, out: list[Effect]
+    ) -> None:
         self._driver = driver
         self._owner = owner
+        self._authorisation = RemovalAuthorisation(plant, trusts, driver.neighbours)
+        self._out = out
 
     def fill(
         self, messages: dict[type[Message], Handler], alarms: dict[str, Callable[[Any, float], None]]
@@ -66,6 +79,7 @@ class TrafficHandling:
             watches(sender, heartbeat, now_s)
 
         messages[AtvHeartbeat] = on_heartbeat
+        messages[Removals] = self._on_removals
         messages[PlaceGranted] = self._told(lambda row, *heard: row.on_granted(*heard))
         messages[YieldAsked] = self._told(lambda row, *heard: row.on_yield_asked(*heard))
         messages[YieldRefused] = self._told(lambda row, *heard: row.on_yield_refused(*heard))
@@ -76,14 +90,27 @@ class TrafficHandling:
         alarms[RESTED] = lambda _about, now_s: self._step(lambda row: row.go_on(now_s), now_s)
         alarms[WISH_AGAIN] = lambda about, now_s: self._step(lambda row: row.repeat_wish(about, now_s), now_s)
 
+    def _on_removals(self, _sender: str, said: Removals, now_s: float) -> None:
+        """Others were carried away: where they were nobody is in the way any more."""
+        for removal in said.removals:
+            if objection := self._authorisation.objection(removal, float("-inf"), now_s):
+                self._out.append(Ignore(objection))
+            else:
+                self._driver.neighbours.carry_away(removal.atv, (removal.life, removal.seq))
+
     def _told(self, take: Callable[..., None]) -> Handler:
         return lambda sender, message, now_s: self._step(lambda row: take(row, sender, message, now_s), now_s)
 
     def _step(self, take: Callable[[RightOfWay], None], now_s: float) -> None:
         """Let right of way take a step, and tell the vehicle what it means for it."""
         row = self._driver.right_of_way
-        before = row.errand
+        before, removal = row.errand, row.removal
         take(row)
+        if row.removal != removal:
+            self._driver.begin_anew(now_s)
+            if row.is_denied:
+                self._owner.note_denied(now_s)
+            return
         if row.errand is Errand.REFUGE and before is Errand.OWN:
             self._owner.note_makes_room(now_s)
         if self._driver.arrive(now_s):
@@ -94,12 +121,13 @@ def handle_traffic(
     vehicle: Vehicle,
     driver: Driver,
     plant: Plant,
+    trusts: Trusts,
     out: list[Effect],
     messages: dict[type[Message], Handler],
     alarms: dict[str, Callable[[Any, float], None]],
 ) -> None:
     """Enter what a vehicle does when it hears of right of way into its tables, whether it has it or not."""
     if isinstance(driver, ReservedDriver):
-        TrafficHandling(driver, vehicle).fill(messages, alarms)
+        TrafficHandling(driver, vehicle, plant, trusts, out).fill(messages, alarms)
     else:
         AloneAmongOthers(plant, out, vehicle.raise_problem).fill(messages)

@@ -1,0 +1,26 @@
+"""What whoever keeps a book of places tells of vehicles that people have carried away."""
+
+from __future__ import annotations
+
+from dray.messages.base import Count, Id
+from dray.messages.fact.base import Fact
+from dray.messages.traffic import Places
+
+
+class PlacesFreed(Fact, frozen=True):
+    """A vehicle was carried away: what it held here is free."""
+
+    atv: Id
+    number: Count
+    """Of the removal (`dray.messages.removal`)."""
+    by: Id
+    """The person who has said so."""
+    places: Places
+
+
+class PlaceKept(Fact, frozen=True):
+    """A vehicle is being put back: the place is its own, and nobody drives into it."""
+
+    atv: Id
+    number: Count
+    place: Id

@@ -1,0 +1,70 @@
+"""Whether a person's word that a vehicle was carried away is believed: everybody who obeys it asks this, whoever has said it.
+
+It is not believed while the vehicle is heard, or may be speaking on the worst of links, nor once it was heard after the word was given:
+then it is there, or back.
+"""
+
+from __future__ import annotations
+
+from dray.messages.removal import Removal, removed_words
+from dray.plant import Plant
+from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S, gone_s
+from dray.protocol.runtime.trust import Trusts
+from dray.protocol.traffic.neighbours import Neighbours
+
+NOT_TRUSTED = "a removal that nobody has granted who is trusted"
+EXPIRED = "a removal whose grant has expired"
+IS_HEARD = "a removal of a vehicle that is heard"
+NO_PLACE = "a vehicle is being put back where there is no place"
+NOT_THERE = "a removal by somebody who may not command where the vehicle was, or comes to"
+TOO_EARLY = "a removal that comes before one could have heard the vehicle"
+
+LISTEN_S = gone_s(IDLE_INTERVAL_S)
+"""Whoever has just begun to listen hears of every vehicle that lives within this."""
+
+
+class RemovalAuthorisation:
+    """Of one agent.
+
+    Args:
+        plant: where nodes and areas are.
+        trusts: whose signatures count.
+        neighbours: when vehicles were heard.
+    """
+
+    def __init__(self, plant: Plant, trusts: Trusts, neighbours: Neighbours) -> None:
+        self._plant, self._trusts, self._neighbours = plant, trusts, neighbours
+
+    def objection(self, removal: Removal, since_s: float, now_s: float) -> str:
+        """Why a word is not believed; empty when it is.
+
+        Args:
+            removal: the word.
+            since_s: since when this agent listens.
+            now_s: the present time.
+        """
+        if not self._trusts(removed_words(removal), removal.grant.signature):
+            return NOT_TRUSTED
+        if now_s > removal.grant.valid_until_s:
+            return EXPIRED
+        if removal.node and removal.node not in self._plant.nodes:
+            return NO_PLACE
+        last = self._neighbours.last(removal.atv)
+        if last is None:
+            return TOO_EARLY if now_s - since_s <= LISTEN_S else ""
+        if last.said > (removal.life, removal.seq) or now_s - last.at_s <= gone_s(last.every_s):
+            return IS_HEARD
+        return ""
+
+    def covers(self, removal: Removal, nodes: tuple[str, ...]) -> bool:
+        """Whether its grant reaches one of the nodes where the vehicle may have been, and the one where it comes to."""
+        grant = removal.grant
+        if grant.everywhere:
+            return True
+        return any(self._reaches(removal, node) for node in nodes) and (
+            not removal.node or self._reaches(removal, removal.node)
+        )
+
+    def _reaches(self, removal: Removal, node: str) -> bool:
+        spot = self._plant.nodes[node]
+        return not set(self._plant.areas_at(spot.x_m, spot.y_m)).isdisjoint(removal.grant.areas)

@@ -1,0 +1,152 @@
+"""Whoever says on the bus which vehicles people have carried away, and where they put them back: a gateway does so in service.
+
+A word is said again and again until the vehicle is heard. That the place is kept to which a vehicle comes back, the keeper of its book
+tells; nobody puts a vehicle down before.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from dray.adapters.security.signing import SigningKey
+from dray.messages import AtvHeartbeat, Event, Message, Removal, Removals
+from dray.messages.fact import PlaceKept
+from dray.messages.keys import Keys
+from dray.messages.removal import MAX_REMOVALS
+from dray.ports import Bus, Clock
+from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S, gone_s
+
+NAME = "floor-office"
+"""On the bus, and the person in whose name it speaks where nobody is named."""
+
+SAY_EVERY_S = 2.0
+"""Between two times that the words are said."""
+
+GRANT_S = 60.0
+"""How long a word is good for that was said once."""
+
+KEPT_WITHIN_S = gone_s(IDLE_INTERVAL_S) + 30.0
+"""So long a vehicle must have been silent, and a little for the answer. A place that is not kept by then is held by somebody who does
+not leave: another one is asked for."""
+
+
+CARELESS_S = 2.0
+"""Who was heard within this is heard, whatever somebody says of it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Word:
+    """A word that is said until the vehicle is heard."""
+
+    number: int
+    heard: tuple[int, int]
+    node: str
+    person: str
+    areas: tuple[str, ...] | None
+
+
+class FloorOffice:
+    """One for the factory.
+
+    Args:
+        bus: joined at once.
+        clock: the plant's clock.
+        keys: the plant's keys.
+        authority: signs the words.
+
+    Attributes:
+        heard: vehicle -> its newest heartbeat.
+    """
+
+    def __init__(self, bus: Bus, clock: Clock, keys: Keys, authority: SigningKey) -> None:
+        self.heard: dict[str, AtvHeartbeat] = {}
+        self._session = bus.join(NAME, self._on_message)
+        self._session.subscribe(keys.all_atv_heartbeats)
+        self._session.subscribe(keys.all_events)
+        self._clock, self._key, self._authority = clock, keys.removals, authority
+        self._numbers: dict[str, int] = {}
+        self._words: dict[str, Word] = {}
+        self._ended: dict[str, Word] = {}
+        """What was said last of a vehicle that is back."""
+        self._heard_s: dict[str, float] = {}
+        self._kept: set[tuple[str, int]] = set()
+        self._news = asyncio.Event()
+
+    async def run(self) -> None:
+        """Say what holds, until cancelled."""
+        while True:
+            self._say(self._words)
+            await asyncio.sleep(SAY_EVERY_S)
+
+    def carry_away(self, atv: str, person: str = NAME, areas: tuple[str, ...] | None = None) -> None:
+        """A vehicle is off the floor: say so."""
+        self._begin(atv, "", person, areas)
+
+    async def put_back(
+        self, atv: str, node: str, person: str = NAME, areas: tuple[str, ...] | None = None
+    ) -> bool:
+        """Have a place kept for a vehicle that is off the floor; True when it is, and the vehicle may be put down there."""
+        number = self._begin(atv, node, person, areas)
+        until_s = self._clock.now_s() + KEPT_WITHIN_S
+        while (atv, number) not in self._kept:
+            left_s = until_s - self._clock.now_s()
+            if left_s <= 0.0:
+                return False
+            self._news.clear()
+            await asyncio.wait({asyncio.ensure_future(self._news.wait())}, timeout=left_s)
+        return True
+
+    def say_carelessly(self, atv: str) -> None:
+        """Say once that a vehicle was carried away that is heard; and what was said last of one that is back. Nobody is to believe it."""
+        last = self.heard.get(atv)
+        if atv in self._words or last is None:
+            return
+        if atv in self._ended:
+            self._publish([self._signed(atv, self._ended[atv])])
+        if self._clock.now_s() - self._heard_s[atv] > CARELESS_S:
+            return
+        word = Word(self._numbers.get(atv, 0) + 1, (last.incarnation, last.seq), "", NAME, None)
+        self._numbers[atv] = word.number
+        self._publish([self._signed(atv, word)])
+
+    def _begin(self, atv: str, node: str, person: str, areas: tuple[str, ...] | None) -> int:
+        last = self.heard.get(atv)
+        heard = (last.incarnation, last.seq) if last is not None else (0, 0)
+        number = self._numbers[atv] = self._numbers.get(atv, 0) + 1
+        self._words[atv] = Word(number, heard, node, person, areas)
+        self._say([atv])
+        return number
+
+    def _say(self, atvs: Iterable[str]) -> None:
+        self._publish([self._signed(atv, self._words[atv]) for atv in atvs])
+
+    def _publish(self, removals: list[Removal]) -> None:
+        for first in range(0, len(removals), MAX_REMOVALS):
+            self._session.publish(self._key, Removals(removals=tuple(removals[first : first + MAX_REMOVALS])))
+
+    def _signed(self, atv: str, word: Word) -> Removal:
+        return self._authority.remove(
+            atv,
+            word.number,
+            heard=word.heard,
+            node=word.node,
+            person=word.person,
+            areas=word.areas,
+            valid_until_s=self._clock.now_s() + GRANT_S,
+        )
+
+    def _on_message(self, _sender: str, message: Message) -> None:
+        if isinstance(message, AtvHeartbeat):
+            said = (message.incarnation, message.seq)
+            last = self.heard.get(message.atv)
+            if last is None or said > (last.incarnation, last.seq):
+                self.heard[message.atv] = message
+                self._heard_s[message.atv] = self._clock.now_s()
+            word = self._words.get(message.atv)
+            if word is not None and said > word.heard:
+                self._ended[message.atv] = self._words.pop(message.atv)
+        elif isinstance(message, Event) and isinstance(message.fact, PlaceKept):
+            self._kept.add((message.fact.atv, message.fact.number))
+            self._news.set()

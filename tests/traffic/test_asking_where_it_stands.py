@@ -1,0 +1,144 @@
+"""A vehicle drives nowhere before the book has told that the place where it stands is its own."""
+
+from __future__ import annotations
+
+from dray.body import Drive, ReleaseWay
+from dray.messages.traffic import Blocked, PlaceBooking, PlaceGranted, PlaceWished
+from dray.plant import default_plant
+from dray.protocol.runtime.events import Effect, Instruct, Send
+from dray.protocol.runtime.timers import Timers
+from dray.protocol.traffic.driving.right_of_way import RightOfWay
+from dray.protocol.traffic.neighbours import Neighbours
+from dray.protocol.traffic.traffic_map import TrafficMap
+
+PLANT = default_plant()
+TRAFFIC = TrafficMap(PLANT)
+HERE, NEXT = "b3", "m4-lane"
+DISTRICT = TRAFFIC.places.district_of[HERE]
+KEEPER = TRAFFIC.places.keepers_of[DISTRICT][0]
+
+
+class Vehicle:
+    """A's right of way, and what it says."""
+
+    def __init__(self) -> None:
+        self.out: list[Effect] = []
+        spec = next(iter(PLANT.fleet.values()))
+        kind = PLANT.vehicle_types[spec.type]
+        orders = iter(range(1, 100))
+        self.row = RightOfWay(
+            "A",
+            1,
+            TRAFFIC.places,
+            TRAFFIC.ways(spec.type),
+            Neighbours(),
+            Timers(),
+            self.out,
+            node=HERE,
+            top_mps=kind.max_speed_mps,
+            acceleration_mps2=kind.acceleration_mps2,
+            next_order=lambda: next(orders),
+        )
+        self.row.start(0.0)
+        self.number = 0
+
+    @property
+    def said(self) -> PlaceWished:
+        """Its newest wish in the district."""
+        wishes = [effect.message for effect in self.out if isinstance(effect, Send)]
+        return [w for w in wishes if isinstance(w, PlaceWished) and w.district == DISTRICT][-1]
+
+    @property
+    def drives(self) -> bool:
+        return any(
+            isinstance(effect, Instruct) and isinstance(effect.instruction, Drive | ReleaseWay)
+            for effect in self.out
+        )
+
+    def grant(self, *places: str, removal: int = 0, upto: int | None = None, by: str = "") -> None:
+        self.number += 1
+        granted = PlaceGranted(
+            district=DISTRICT,
+            epoch=0,
+            life=1,
+            upto=self.said.seq if upto is None else upto,
+            grants=tuple(PlaceBooking(place=place, number=self.number) for place in places),
+            blocked=Blocked.WAIT if by else Blocked.NO,
+            by=by,
+            at=HERE if by else "",
+            removal=removal,
+        )
+        self.row.on_granted(KEEPER, granted, 1.0)
+
+    def placed(self) -> Vehicle:
+        self.grant(HERE)
+        return self
+
+
+def test_it_begins_by_asking_for_where_it_stands() -> None:
+    vehicle = Vehicle()
+    assert (vehicle.said.holds, vehicle.said.groups) == ((), ((HERE,),))
+    assert vehicle.row.go(NEXT, 0, 0.5)
+    assert vehicle.said.groups == ((HERE,),)
+    assert vehicle.row.holds == ()
+    vehicle.grant(HERE)
+    assert vehicle.row.is_placed
+    assert (vehicle.said.holds, vehicle.said.groups) == ((HERE,), ((NEXT,),))
+
+
+def test_what_another_one_holds_is_waited_for_and_that_is_told() -> None:
+    vehicle = Vehicle()
+    vehicle.row.go(NEXT, 0, 0.5)
+    vehicle.grant(by="B")
+    assert not vehicle.row.is_placed
+    assert vehicle.row.is_hindered
+    assert vehicle.row.waits_for == "B"
+    vehicle.grant(HERE)
+    assert vehicle.row.is_placed
+
+
+def test_it_does_not_drive_on_a_grant_of_what_lies_ahead_alone() -> None:
+    vehicle = Vehicle()
+    vehicle.row.go(NEXT, 0, 0.5)
+    vehicle.grant(NEXT)
+    assert not vehicle.drives
+    assert NEXT not in vehicle.said.holds, "it says that it does not want it now"
+
+
+def test_one_that_stands_and_hears_that_it_was_carried_away_asks_anew() -> None:
+    vehicle = Vehicle().placed()
+    vehicle.grant(removal=3)
+    assert (vehicle.row.holds, vehicle.row.is_denied) == ((), False)
+    vehicle.row.relocate(HERE, "", 2.0, past_m=0.0, speed_mps=0.0)
+    assert (vehicle.said.holds, vehicle.said.groups, vehicle.said.removal) == ((), ((HERE,),), 3)
+    vehicle.grant(HERE, removal=3)
+    assert vehicle.row.holds == (HERE,)
+
+
+def test_one_that_drives_when_it_hears_so_is_to_be_stopped() -> None:
+    vehicle = Vehicle().placed()
+    vehicle.row.go(NEXT, 0, 1.0)
+    vehicle.grant(HERE, NEXT)
+    assert vehicle.drives
+    vehicle.grant(removal=3)
+    assert vehicle.row.is_denied
+    assert vehicle.row.holds == ()
+
+
+def test_a_word_of_before_it_was_carried_away_makes_nothing_its_own() -> None:
+    vehicle = Vehicle().placed()
+    vehicle.grant(removal=3)
+    vehicle.row.relocate(HERE, "", 2.0, past_m=0.0, speed_mps=0.0)
+    vehicle.grant(HERE, removal=0)
+    assert vehicle.row.holds == ()
+
+
+def test_an_answer_to_what_was_said_before_it_was_moved_makes_nothing_its_own() -> None:
+    vehicle = Vehicle().placed()
+    before = vehicle.said.seq
+    vehicle.row.relocate("c3", "", 2.0, past_m=0.0, speed_mps=0.0)
+    vehicle.row.relocate(HERE, "", 3.0, past_m=0.0, speed_mps=0.0)
+    vehicle.grant(HERE, upto=before)
+    assert vehicle.row.holds == ()
+    vehicle.grant(HERE)
+    assert vehicle.row.holds == (HERE,)

@@ -1,0 +1,269 @@
+"""Vehicles that people carry away: whose word frees their places, when, and what is told to one that comes back."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from dray.adapters.security.signing import SigningKey, TrustedKeys
+from dray.memory import BookMemory, Note
+from dray.messages import AtvHeartbeat, AtvStatus, Message, Pose, Removal, Removals
+from dray.messages.fact import PlaceKept, PlacesFreed
+from dray.messages.heartbeat import FloorBrief
+from dray.messages.traffic import HoldsAsked, PlaceGranted, PlaceWished
+from dray.plant import default_plant
+from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S, gone_s
+from dray.protocol.runtime.events import Effect, Ignore, Record, Send
+from dray.protocol.runtime.timers import Timers
+from dray.protocol.traffic.books.bookkeeping import NOTE, Bookkeeping
+from dray.protocol.traffic.places import Places
+from dray.protocol.traffic.removal_authorisation import EXPIRED, IS_HEARD, NOT_THERE, NOT_TRUSTED, TOO_EARLY
+from dray.protocol.traffic.traffic_map import TrafficMap
+
+PLANT = default_plant()
+KEY, FORGER = SigningKey(b"k" * 32), SigningKey(b"f" * 32)
+GONE_S = gone_s(IDLE_INTERVAL_S)
+DIED_S = 100.0
+LATER_S = DIED_S + GONE_S + 1.0
+AREA = next(iter(PLANT.areas))
+
+
+PLACES = Places(PLANT, keepers=("M4",))
+(DISTRICT,) = PLACES.keepers_of
+
+
+def node_in(area: str, *, other: bool = False) -> str:
+    return next(
+        node.id
+        for node in PLANT.nodes.values()
+        if (area in PLANT.areas_at(node.x_m, node.y_m)) is not other and node.id in PLANT.stops
+    )
+
+
+HERE, ELSEWHERE = node_in(AREA), node_in(AREA, other=True)
+
+
+class Keeper:
+    """One machine that keeps all books of the plant alone."""
+
+    def __init__(self, memory: dict[str, Note] | None = None, now_s: float = 0.0) -> None:
+        traffic = TrafficMap(PLANT)
+        traffic.places = PLACES
+        self.out: list[Effect] = []
+        self.books = Bookkeeping("M4", PLANT, traffic, TrustedKeys(KEY.public), Timers(), self.out)
+        self.books.start(memory or {NOTE + DISTRICT: BookMemory(0, 0, 0)}, now_s)
+        self.table = self.books.handlers({})
+
+    def told(self, sender: str, message: Message, now_s: float) -> list[Effect]:
+        self.out.clear()
+        self.table[type(message)](sender, message, now_s)
+        return list(self.out)
+
+    def remove(self, now_s: float = LATER_S, **how: Any) -> list[str]:
+        """Returns why it is not believed."""
+        effects = self.told("gateway", Removals(removals=(word(**how),)), now_s)
+        return [effect.reason for effect in effects if isinstance(effect, Ignore)]
+
+    def holder(self, place: str) -> str:
+        books = self.books.books
+        assert books is not None
+        return books.districts[DISTRICT].book.holder(place)
+
+
+def word(
+    number: int = 1,
+    *,
+    key: SigningKey = KEY,
+    areas: tuple[str, ...] | None = None,
+    until_s: float = 1e6,
+    heard: tuple[int, int] = (1, 7),
+    node: str = "",
+    atv: str = "A",
+) -> Removal:
+    return key.remove(atv, number, heard=heard, node=node, person="eve", areas=areas, valid_until_s=until_s)
+
+
+def wish(
+    *holds: str, removal: int = 0, life: int = 1, seq: int = 1, epoch: int = 0, **more: Any
+) -> PlaceWished:
+    said: dict[str, Any] = {"seen": 0, "groups": (), **more}
+    return PlaceWished(
+        district=DISTRICT,
+        life=life,
+        seq=seq,
+        epoch=epoch,
+        rank=(0, 0.0, "A"),
+        holds=holds,
+        stands=True,
+        docked=False,
+        removal=removal,
+        **said,
+    )
+
+
+def beat(seq: int = 7, life: int = 1, removal: int = 0, node: str = HERE) -> AtvHeartbeat:
+    return AtvHeartbeat(
+        atv="A",
+        incarnation=life,
+        seq=seq,
+        at_s=0.0,
+        status=AtvStatus.IDLE,
+        pose=Pose(x_m=0.0, y_m=0.0, heading_rad=0.0),
+        node=node,
+        speed_mps=0.0,
+        battery_frac=1.0,
+        floor=FloorBrief(holds=(node,), removal=removal),
+    )
+
+
+def facts(effects: list[Effect], kind: type) -> list[Any]:
+    return [effect.fact for effect in effects if isinstance(effect, Record) and isinstance(effect.fact, kind)]
+
+
+def answers(effects: list[Effect]) -> list[PlaceGranted]:
+    return [
+        effect.message
+        for effect in effects
+        if isinstance(effect, Send) and isinstance(effect.message, PlaceGranted)
+    ]
+
+
+@pytest.fixture
+def keeper() -> Keeper:
+    """A has died with two places."""
+    keeper = Keeper()
+    keeper.told("A", wish(HERE, ELSEWHERE), 99.0)
+    keeper.told("A", beat(), DIED_S)
+    return keeper
+
+
+def test_what_a_vehicle_held_is_free_once_and_that_is_told(keeper: Keeper) -> None:
+    effects = keeper.told("gateway", Removals(removals=(word(),)), LATER_S)
+    assert (keeper.holder(HERE), keeper.holder(ELSEWHERE)) == ("", "")
+    (freed,) = facts(effects, PlacesFreed)
+    assert (freed.by, set(freed.places)) == ("eve", {HERE, ELSEWHERE})
+    again = keeper.told("gateway", Removals(removals=(word(),)), LATER_S + 1.0)
+    assert facts(again, PlacesFreed) == []
+
+
+def test_nobody_believes_it_of_a_vehicle_that_may_be_speaking_on_a_bad_link(keeper: Keeper) -> None:
+    assert keeper.remove(DIED_S + GONE_S - 0.1) == [IS_HEARD]
+    assert keeper.holder(HERE) == "A"
+
+
+def test_nor_of_one_that_was_heard_after_the_word_was_given(keeper: Keeper) -> None:
+    keeper.told("A", beat(seq=8), DIED_S + 1.0)
+    assert keeper.remove(LATER_S + 1000.0) == [IS_HEARD]
+    assert keeper.remove(LATER_S + 1000.0, heard=(1, 8)) == []
+
+
+def test_nor_of_one_that_still_asks_for_places(keeper: Keeper) -> None:
+    keeper.told("A", wish(HERE, seq=2), LATER_S - 1.0)
+    assert keeper.remove() == [IS_HEARD]
+
+
+def test_a_keeper_that_has_just_begun_to_listen_believes_nothing() -> None:
+    assert Keeper(now_s=LATER_S - 1.0).remove() == [TOO_EARLY]
+
+
+@pytest.mark.parametrize(
+    ("how", "why"),
+    [
+        ({"key": FORGER}, NOT_TRUSTED),
+        ({"until_s": LATER_S - 1.0}, EXPIRED),
+        ({"areas": ("nowhere",)}, NOT_THERE),
+        ({"areas": ()}, NOT_THERE),
+        ({"areas": (AREA,), "node": ELSEWHERE}, NOT_THERE),
+    ],
+)
+def test_only_who_may_command_where_the_vehicle_was_may_say_so(
+    keeper: Keeper, how: dict[str, Any], why: str
+) -> None:
+    assert keeper.remove(**how) == [why]
+    assert keeper.holder(HERE) == "A"
+
+
+def test_the_area_where_it_was_heard_last_is_enough_for_all_that_it_held(keeper: Keeper) -> None:
+    assert keeper.remove(areas=(AREA,)) == []
+    assert keeper.holder(ELSEWHERE) == ""
+
+
+def test_a_stale_word_frees_nothing_that_was_granted_since(keeper: Keeper) -> None:
+    keeper.remove()
+    keeper.told("A", wish(removal=1, life=2, groups=((HERE,),)), LATER_S + 10.0)
+    assert keeper.holder(HERE) == "A"
+    for number in (0, 1):
+        keeper.remove(LATER_S + 1000.0, number=number)
+        assert keeper.holder(HERE) == "A"
+
+
+def test_who_comes_back_with_a_removal_that_this_book_has_not_heard_of_holds_nothing_of_before(
+    keeper: Keeper,
+) -> None:
+    keeper.told("A", wish(removal=5, life=2, groups=((HERE,),)), LATER_S)
+    assert (keeper.holder(HERE), keeper.holder(ELSEWHERE)) == ("A", "")
+
+
+def test_one_that_stands_there_and_was_only_deaf_is_told_that_nothing_is_its_own(keeper: Keeper) -> None:
+    keeper.remove()
+    keeper.told("B", wish(groups=((HERE,),)), LATER_S + 1.0)
+    (told,) = answers(keeper.told("A", beat(seq=8), LATER_S + 2.0))
+    assert (told.removal, told.grants) == (1, ())
+    (told,) = answers(keeper.told("A", wish(HERE, ELSEWHERE, seq=2), LATER_S + 2.0))
+    assert (told.removal, told.grants) == (1, ())
+    assert (keeper.holder(HERE), keeper.holder(ELSEWHERE)) == ("B", "")
+    (told,) = answers(keeper.told("A", wish(seq=3, removal=1, groups=((HERE,),)), LATER_S + 3.0))
+    assert (told.by, told.at, told.grants) == ("B", HERE, ())
+
+
+def test_the_place_to_which_it_comes_back_is_kept_for_it(keeper: Keeper) -> None:
+    keeper.remove()
+    effects = keeper.told("gateway", Removals(removals=(word(2, node=ELSEWHERE),)), LATER_S + 1.0)
+    assert facts(effects, PlaceKept) == [PlaceKept(atv="A", number=2, place=ELSEWHERE)]
+    keeper.told("B", wish(groups=((ELSEWHERE,),)), LATER_S + 2.0)
+    assert keeper.holder(ELSEWHERE) == "A"
+    (told,) = answers(keeper.told("A", wish(life=2, groups=((ELSEWHERE,),)), LATER_S + 3.0))
+    assert (told.removal, [line.place for line in told.grants]) == (2, [ELSEWHERE])
+
+
+def test_a_place_that_another_one_holds_is_not_kept_before_it_is_free(keeper: Keeper) -> None:
+    keeper.remove()
+    keeper.told("B", wish(HERE), LATER_S + 1.0)
+    word_of = Removals(removals=(word(2, node=HERE),))
+    assert facts(keeper.told("gateway", word_of, LATER_S + 2.0), PlaceKept) == []
+    given_back = keeper.told("B", wish(seq=2, seen=10**6), LATER_S + 3.0)
+    assert facts(given_back, PlaceKept) == [PlaceKept(atv="A", number=2, place=HERE)]
+
+
+def test_one_that_is_carried_away_once_more_leaves_the_place_that_was_kept(keeper: Keeper) -> None:
+    keeper.remove()
+    keeper.remove(LATER_S + 1.0, number=2, node=HERE)
+    keeper.remove(LATER_S + 2.0, number=3)
+    assert keeper.holder(HERE) == ""
+
+
+def test_the_next_life_of_a_keeper_knows_who_was_carried_away(keeper: Keeper) -> None:
+    keeper.remove()
+    (commit,) = keeper.books.commits()
+    assert isinstance(commit.note, BookMemory)
+    again = Keeper({commit.name: commit.note}, LATER_S)
+    again.told("A", wish(HERE, seq=9), LATER_S + 1.0)
+    assert again.holder(HERE) == ""
+
+
+def test_a_carried_vehicle_keeps_no_roll_call_waiting() -> None:
+    keeper = Keeper({"nothing": BookMemory(0, 0, 0)})
+    asked = [effect.message for effect in keeper.out if isinstance(effect, Send)]
+    epochs = {message.epoch for message in asked if isinstance(message, HoldsAsked)}
+    (epoch,) = epochs
+    books = keeper.books.books
+    assert books is not None
+    for atv in PLANT.fleet:
+        if atv != "ATV1":
+            keeper.told(atv, wish(epoch=epoch), 90.0)
+    assert not books.districts[DISTRICT].leads
+    assert keeper.remove(atv="ATV1") == []
+    assert books.districts[DISTRICT].leads
+    (told,) = answers(keeper.told("ATV1", wish(HERE, epoch=epoch), LATER_S + 1.0))
+    assert (told.removal, told.grants) == (1, ())
