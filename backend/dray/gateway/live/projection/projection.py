@@ -181,9 +181,10 @@ class Projection:
         Returns:
             The alerts that had been acknowledged and have ended.
         """
-        now, heard = self._moment(wall_s), self._heard_atvs()
+        now = self._moment(wall_s)
+        heard = [each for each in self.atvs.heartbeats() if each.atv not in self.outsiders]
         of_atvs = tuple(alert_rules.of_atvs(heard, now))
-        self.waits.look(heard, now.is_lost, self.site.plant)
+        self.waits.look(self._is_heard(now), self.site.plant)
         machines = (each for each in self.machines.heartbeats() if each[0].machine not in self.outsiders)
         stations = (each for each in self.stations.heartbeats() if each.station not in self.outsiders)
         clocks = {
@@ -286,7 +287,7 @@ class Projection:
     def delta(self, number: int, wall_s: float, factory: FactoryView | None) -> Delta:
         """What has changed since the last delta."""
         if self.waits.is_stale:
-            self.waits.look(self._heard_atvs(), self._moment(wall_s).is_lost, self.site.plant)
+            self.waits.look(self._is_heard(self._moment(wall_s)), self.site.plant)
         return Delta(
             number=number,
             at_s=wall_s,
@@ -311,8 +312,14 @@ class Projection:
             now_s, heard_s, wall_s, self._time.speed, self._time.to_wall_s, self._silence
         )
 
-    def _heard_atvs(self) -> list[AtvHeartbeat]:
-        return [each for each in self.atvs.heartbeats() if each.atv not in self.outsiders]
+    def _is_heard(self, now: alert_rules.Moment) -> Callable[[str], bool]:
+        """Which vehicles are neither lost nor shut out."""
+
+        def is_heard(atv: str) -> bool:
+            last = self.atvs.last(atv)
+            return last is not None and atv not in self.outsiders and not now.is_lost(atv, last)
+
+        return is_heard
 
     def _heard_until_s(self, wall_s: float) -> float:
         """How far the plant was heard by now (plant clock)."""

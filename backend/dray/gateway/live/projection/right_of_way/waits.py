@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 
 import msgspec
 from msgspec import UNSET
@@ -20,15 +20,20 @@ from dray.store.history.clocks import ToWall
 NAMED = 8
 """Vehicles of a chain that are named at most: nobody reads more."""
 
+SILENT = Standing("silent")
 
-class Since(msgspec.Struct, frozen=True, gc=False):
-    """How a vehicle stands, and since when."""
 
+class Told(msgspec.Struct, frozen=True, gc=False):
+    """What a vehicle has told last of itself."""
+
+    standing: Standing
     node: str
-    docked: bool
-    waits: bool
-    at_s: float
-    """Plant clock."""
+    """Where it stands; empty for one that drives."""
+    needs: str
+    """The place that it waits for; empty where it does not know."""
+    has_task: bool
+    since_s: float | None
+    """Since when it has stood so (plant clock); None for one that drives."""
 
 
 class Waits:
@@ -40,11 +45,11 @@ class Waits:
 
     def __init__(self, to_wall_s: ToWall) -> None:
         self._to_wall_s = to_wall_s
-        self._since: dict[str, Since] = {}
-        """By vehicle, while it stands. Bounded by whoever lets vehicles in."""
+        self._told: dict[str, Told] = {}
+        """By vehicle. Bounded by whoever lets vehicles in."""
+        self._waiting: dict[str, None] = {}
         self._views: dict[str, WaitView] = {}
         self._chains: Mapping[str, Chain] = {}
-        self._with_task: frozenset[str] = frozenset()
         self._is_stale = False
         self._docks: tuple[Plant, dict[str, str]] | None = None
         """Of this plant: node -> whose dock it is."""
@@ -52,42 +57,39 @@ class Waits:
 
     def follow(self, heartbeat: AtvHeartbeat) -> None:
         """A vehicle tells whether it stands, and what for."""
-        floor, atv = heartbeat.floor, heartbeat.atv
-        self._is_stale |= floor is not UNSET or atv in self._since
-        if floor is UNSET or heartbeat.speed_mps:
-            self._since.pop(atv, None)
+        atv, before = heartbeat.atv, self._told.get(heartbeat.atv)
+        if heartbeat.floor is UNSET:
+            if before is not None:
+                del self._told[atv]
+                self._waiting.pop(atv, None)
+                self._is_stale = True
             return
-        before = self._since.get(atv)
-        now = Since(heartbeat.node, floor.docked, waits(heartbeat), heartbeat.at_s)
-        if before is None or msgspec.structs.replace(before, at_s=now.at_s) != now:
-            self._since[atv] = now
+        now = _told(heartbeat, heartbeat.floor, before)
+        if now == before:
+            return
+        self._told[atv] = now
+        if now.standing.waits:
+            self._waiting[atv] = None
+        else:
+            self._waiting.pop(atv, None)
+        self._is_stale = True
 
-    def look(
-        self, heartbeats: Iterable[AtvHeartbeat], is_lost: Callable[[str, AtvHeartbeat], bool], plant: Plant
-    ) -> None:
+    def look(self, is_heard: Callable[[str], bool], plant: Plant) -> None:
         """Find out who waits for whom at this moment.
 
         Args:
-            heartbeats: the last one of each vehicle that is not shut out.
-            is_lost: whether nobody hears a vehicle any more.
+            is_heard: whether a vehicle is neither lost nor shut out; nobody knows what others do.
             plant: knows docks.
         """
-        if not (self._is_stale or self._views):
-            return
         self._is_stale = False
-        last = {each.atv: each for each in heartbeats}
-        vehicles = {
-            atv: standing_of(heartbeat, floor, lost=is_lost(atv, heartbeat))
-            for atv, heartbeat in last.items()
-            if (floor := heartbeat.floor) is not UNSET
-        }
-        self._chains = chains_of(vehicles)
-        self._with_task = frozenset(atv for atv in self._chains if last[atv].task is not None)
+        if not (self._waiting or self._views):
+            return
+        self._chains = chains_of(self._concerned(is_heard))
         before, self._views = self._views, {}
         for atv, chain in self._chains.items():
-            since = self._since.get(atv)
-            if since is not None:
-                self._views[atv] = self._view(last[atv], since, chain, last, plant)
+            told = self._told[atv]
+            if told.since_s is not None:
+                self._views[atv] = self._view(atv, told, told.since_s, chain, plant)
         for atv in before.keys() - self._views.keys():
             self.changes.drop(atv)
         for atv, view in self._views.items():
@@ -96,8 +98,8 @@ class Waits:
 
     @property
     def is_stale(self) -> bool:
-        """Whether a vehicle has said something of it since the last look."""
-        return self._is_stale
+        """Whether a vehicle has said something since the last look that may change a wait."""
+        return self._is_stale and bool(self._waiting or self._views)
 
     def chain(self, atv: str) -> Chain:
         """For whom one of `views` waits."""
@@ -105,7 +107,7 @@ class Waits:
 
     def has_task(self, atv: str) -> bool:
         """Whether one of `views` is held up at work."""
-        return atv in self._with_task
+        return self._told[atv].has_task
 
     def views(self) -> tuple[WaitView, ...]:
         """All of them, by vehicle."""
@@ -115,37 +117,38 @@ class Waits:
         """Those that have come or changed since the last call."""
         return tuple(self._views[atv] for atv in self.changes.take_changed())
 
-    def _view(
-        self,
-        heartbeat: AtvHeartbeat,
-        since: Since,
-        chain: Chain,
-        last: Mapping[str, AtvHeartbeat],
-        plant: Plant,
-    ) -> WaitView:
-        floor = heartbeat.floor
-        cause = self._cause(heartbeat.atv, chain, last, plant)
+    def _concerned(self, is_heard: Callable[[str], bool]) -> dict[str, Standing]:
+        """All that wait, and all that are waited for."""
+        vehicles: dict[str, Standing] = {}
+        for first in self._waiting:
+            for atv in (first, self._told[first].standing.waits_for):
+                if atv not in vehicles and atv in self._told:
+                    vehicles[atv] = self._told[atv].standing if is_heard(atv) else SILENT
+        return vehicles
+
+    def _view(self, atv: str, told: Told, since_s: float, chain: Chain, plant: Plant) -> WaitView:
+        cause = self._cause(atv, chain, plant)
         return WaitView(
-            id=heartbeat.atv,
-            since_at_s=self._to_wall_s(since.at_s),
-            place="" if floor is UNSET else floor.waits_at,
+            id=atv,
+            since_at_s=self._to_wall_s(since_s),
+            place=told.needs,
             cause=cause,
             text=wait_text(cause),
         )
 
-    def _cause(self, atv: str, chain: Chain, last: Mapping[str, AtvHeartbeat], plant: Plant) -> WaitCauseView:
-        end = chain.ahead[-1] if chain.ahead else atv
-        since = None if chain.circle else self._since.get(end)
+    def _cause(self, atv: str, chain: Chain, plant: Plant) -> WaitCauseView:
+        last = self._told.get(chain.ahead[-1] if chain.ahead else atv)
+        since_s = None if chain.circle or last is None else last.since_s
         more = max(len(chain.ahead) - NAMED, 0)
         place = ""
-        if chain.kind in ("docked", "charging", "standing"):
-            place = self._dock(last[end].node, plant)
+        if last is not None and chain.kind in ("docked", "charging", "standing"):
+            place = self._dock(last.node, plant)
         return WaitCauseView(
             kind=chain.kind,
             chain=(*chain.ahead[: NAMED - 1], chain.ahead[-1]) if more else chain.ahead,
             more=more,
             place=place,
-            since_at_s=None if since is None else self._to_wall_s(since.at_s),
+            since_at_s=None if since_s is None else self._to_wall_s(since_s),
         )
 
     def _dock(self, node: str, plant: Plant) -> str:
@@ -155,34 +158,36 @@ class Waits:
         return self._docks[1].get(node, "")
 
 
-def standing_of(heartbeat: AtvHeartbeat, floor: FloorBrief, *, lost: bool) -> Standing:
-    """One vehicle, as others may wait for it."""
+def _told(heartbeat: AtvHeartbeat, floor: FloorBrief, before: Told | None) -> Told:
+    """What a heartbeat tells; one that stands as before has stood since then."""
+    standing, node = standing_of(heartbeat, floor), "" if heartbeat.speed_mps else heartbeat.node
+    since_s = None if heartbeat.speed_mps else heartbeat.at_s
+    if since_s is not None and before is not None and before.since_s is not None:
+        then = before.standing
+        if (before.node, then.kind, then.waits) == (node, standing.kind, standing.waits):
+            since_s = before.since_s
+    return Told(standing, node, floor.waits_at, heartbeat.task is not None, since_s)
+
+
+def standing_of(heartbeat: AtvHeartbeat, floor: FloorBrief) -> Standing:
+    """One vehicle that is heard, as others may wait for it."""
     ends: tuple[tuple[bool, WaitKind], ...] = (
-        (lost, "silent"),
         (heartbeat.status is AtvStatus.STOPPED, "stopped"),
         (heartbeat.status is AtvStatus.ERROR, "error"),
         (floor.docked, "docked"),
         (heartbeat.status is AtvStatus.CHARGING and not floor.waits, "charging"),
-        (has_no_way(heartbeat), "closed"),
+        (_has_no_way(heartbeat, floor), "closed"),
     )
     for holds, kind in ends:
         if holds:
             return Standing(kind, waits=kind == "closed")
-    if floor.waits:
-        return Standing(
-            "moving" if heartbeat.speed_mps else "unanswered", waits=True, waits_for=floor.waits_for
-        )
-    return Standing("moving" if heartbeat.speed_mps else "standing")
+    kind = "moving" if heartbeat.speed_mps else "unanswered" if floor.waits else "standing"
+    return Standing(kind, waits=floor.waits, waits_for=floor.waits_for if floor.waits else "")
 
 
-def waits(heartbeat: AtvHeartbeat) -> bool:
-    """Whether a vehicle cannot drive on, by its own words."""
-    return has_no_way(heartbeat) or (heartbeat.floor is not UNSET and heartbeat.floor.waits)
-
-
-def has_no_way(heartbeat: AtvHeartbeat) -> bool:
+def _has_no_way(heartbeat: AtvHeartbeat, floor: FloorBrief) -> bool:
     """Whether a vehicle stands with a load and nothing leads to where it is to go: lanes are closed."""
-    floor, task = heartbeat.floor, heartbeat.task
-    if floor is UNSET or floor.docked or floor.waits or heartbeat.way or heartbeat.speed_mps:
+    if floor.waits or heartbeat.way or heartbeat.speed_mps:
         return False
+    task = heartbeat.task
     return task is not None and task.phase in (Phase.CARRYING, Phase.RETURNING)
