@@ -17,6 +17,7 @@ from dray.gateway.live.views import WaitView
 from dray.messages import AtvHeartbeat, AtvStatus, Brief, Phase, Pose, Role
 from dray.messages.heartbeat import FloorBrief
 from dray.plant import default_plant
+from dray.store.factory.exclusions import Exclusion
 
 FLOOR = default_plant()
 M8 = FLOOR.node_of("M8")
@@ -112,6 +113,9 @@ def test_a_wait_is_a_sentence_down_to_the_dock(projection: Projection) -> None:
         ),
         (waiting("ATV2", status=AtvStatus.STOPPED), "waits for ATV2, which was stopped"),
         (waiting("ATV2", status=AtvStatus.ERROR, problem="wheel"), "waits for ATV2, which is in error"),
+        (atv_heartbeat("ATV2", speed_mps=1.0), "waits for ATV2, which is driving"),
+        (atv_heartbeat("ATV2", status=AtvStatus.ERROR), "waits for ATV2, which is in error"),
+        (waiting("ATV2", "ATV2"), "waits for ATV2, which makes room or has no answer yet"),
         (waiting("ATV2"), "waits for ATV2, which makes room or has no answer yet"),
         (waiting("ATV2", "ATV1"), "waits for ATV2, in a circle"),
         (docked("ATV2", "nowhere"), "waits for ATV2 at a dock"),
@@ -128,8 +132,24 @@ def test_what_holds_up_the_last_one_is_named(projection: Projection, other: AtvH
 
 
 def test_a_load_that_no_way_is_left_for_waits_though_nobody_is_ahead(projection: Projection) -> None:
-    fold(projection, atv_heartbeat("ATV2", floor=FloorBrief(holds=("c2",)), task=CARRYING))
+    for seq in (1, 2):
+        fold(projection, atv_heartbeat("ATV2", seq, floor=FloorBrief(holds=("c2",)), task=CARRYING))
     assert text_of(projection, "ATV2") == "has no way left by what is closed"
+
+
+def test_who_is_shut_out_waits_no_more_and_is_not_heard(projection: Projection) -> None:
+    fold(projection, waiting("ATV1", "ATV2"), waiting("ATV2", "ATV3"), driving("ATV3"))
+    projection.shut_out([Exclusion(agent="ATV2", reason="lies", by="Ada", at_s=NOW_S)])
+    assert {atv: view.text for atv, view in told(projection).items()} == {
+        "ATV1": "waits for ATV2, which is not heard"
+    }
+
+
+def test_who_has_just_set_off_and_has_no_answer_yet_is_not_said_to_wait(projection: Projection) -> None:
+    fold(projection, waiting("ATV1"))
+    assert told(projection) == {}
+    fold(projection, waiting("ATV1", at_s=2.0))
+    assert text_of(projection, "ATV1") == "makes room or has no answer yet"
 
 
 def test_of_a_long_chain_the_first_ones_and_the_last_are_named(projection: Projection) -> None:

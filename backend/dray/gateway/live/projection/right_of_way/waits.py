@@ -34,6 +34,8 @@ class Told(msgspec.Struct, frozen=True, gc=False):
     has_task: bool
     since_s: float | None
     """Since when it has stood so (plant clock); None for one that drives."""
+    is_repeated: bool = False
+    """It has said so before. Who sets off waits for its first answer, which is there before it speaks again."""
 
 
 class Waits:
@@ -58,13 +60,9 @@ class Waits:
     def follow(self, heartbeat: AtvHeartbeat) -> None:
         """A vehicle tells whether it stands, and what for."""
         atv, before = heartbeat.atv, self._told.get(heartbeat.atv)
-        if heartbeat.floor is UNSET:
-            if before is not None:
-                del self._told[atv]
-                self._waiting.pop(atv, None)
-                self._is_stale = True
-            return
-        now = _told(heartbeat, heartbeat.floor, before)
+        if heartbeat.floor is UNSET and not self._told:
+            return  # Nobody here drives with right of way.
+        now = _told(heartbeat, before)
         if now == before:
             return
         self._told[atv] = now
@@ -88,7 +86,7 @@ class Waits:
         before, self._views = self._views, {}
         for atv, chain in self._chains.items():
             told = self._told[atv]
-            if told.since_s is not None:
+            if told.since_s is not None and (told.is_repeated or chain.ahead):
                 self._views[atv] = self._view(atv, told, told.since_s, chain, plant)
         for atv in before.keys() - self._views.keys():
             self.changes.drop(atv)
@@ -158,36 +156,41 @@ class Waits:
         return self._docks[1].get(node, "")
 
 
-def _told(heartbeat: AtvHeartbeat, floor: FloorBrief, before: Told | None) -> Told:
+def _told(heartbeat: AtvHeartbeat, before: Told | None) -> Told:
     """What a heartbeat tells; one that stands as before has stood since then."""
-    standing, node = standing_of(heartbeat, floor), "" if heartbeat.speed_mps else heartbeat.node
+    standing, node = standing_of(heartbeat), "" if heartbeat.speed_mps else heartbeat.node
     since_s = None if heartbeat.speed_mps else heartbeat.at_s
+    is_repeated = False
     if since_s is not None and before is not None and before.since_s is not None:
         then = before.standing
         if (before.node, then.kind, then.waits) == (node, standing.kind, standing.waits):
-            since_s = before.since_s
-    return Told(standing, node, floor.waits_at, heartbeat.task is not None, since_s)
+            since_s, is_repeated = before.since_s, True
+    needs = "" if heartbeat.floor is UNSET else heartbeat.floor.waits_at
+    return Told(standing, node, needs, heartbeat.task is not None, since_s, is_repeated)
 
 
-def standing_of(heartbeat: AtvHeartbeat, floor: FloorBrief) -> Standing:
-    """One vehicle that is heard, as others may wait for it."""
+def standing_of(heartbeat: AtvHeartbeat) -> Standing:
+    """One vehicle that is heard, as others may wait for it. One that tells nothing of right of way waits for nobody."""
+    floor = FloorBrief() if heartbeat.floor is UNSET else heartbeat.floor
     ends: tuple[tuple[bool, WaitKind], ...] = (
         (heartbeat.status is AtvStatus.STOPPED, "stopped"),
         (heartbeat.status is AtvStatus.ERROR, "error"),
         (floor.docked, "docked"),
         (heartbeat.status is AtvStatus.CHARGING and not floor.waits, "charging"),
-        (_has_no_way(heartbeat, floor), "closed"),
+        (_has_no_way(heartbeat), "closed"),
     )
     for holds, kind in ends:
         if holds:
             return Standing(kind, waits=kind == "closed")
     kind = "moving" if heartbeat.speed_mps else "unanswered" if floor.waits else "standing"
-    return Standing(kind, waits=floor.waits, waits_for=floor.waits_for if floor.waits else "")
+    # Who says that it waits for itself says nothing.
+    behind = floor.waits_for if floor.waits and floor.waits_for != heartbeat.atv else ""
+    return Standing(kind, waits=floor.waits, waits_for=behind)
 
 
-def _has_no_way(heartbeat: AtvHeartbeat, floor: FloorBrief) -> bool:
+def _has_no_way(heartbeat: AtvHeartbeat) -> bool:
     """Whether a vehicle stands with a load and nothing leads to where it is to go: lanes are closed."""
-    if floor.waits or heartbeat.way or heartbeat.speed_mps:
+    floor, task = heartbeat.floor, heartbeat.task
+    if floor is UNSET or floor.waits or heartbeat.way or heartbeat.speed_mps:
         return False
-    task = heartbeat.task
     return task is not None and task.phase in (Phase.CARRYING, Phase.RETURNING)
