@@ -1,0 +1,182 @@
+"""Bodies over a wire: what an agent knows of its body is old, and whoever is killed in that state loses no place."""
+
+from __future__ import annotations
+
+import asyncio
+from collections import deque
+from collections.abc import Callable
+from functools import partial
+from random import Random
+
+import msgspec
+import pytest
+
+from dray.adapters.telemetry.passing import PassingSession
+from dray.adapters.telemetry.traffic_log import HEARD, LOGGED, SAID, Line
+from dray.body import Instruction, Report, VehicleState
+from dray.codec import encode
+from dray.messages import Message
+from dray.messages.speakers import Kind
+from dray.plant import default_plant
+from dray.ports import Body, Bus, Receive, Session
+from dray.protocol.traffic.driving.reserved_way import ReservedWay
+from dray.protocol.traffic.places import Places
+from dray_sim.bodies.floor import NEARLY_EMPTY_FRAC
+from dray_sim.bodies.vehicle.course import Course
+from dray_sim.checks.overlaps import Overlaps
+from dray_sim.checks.said_and_heard import NOT_HELD, Judgement, SaidAndHeard
+from dray_sim.clock.loop import JUMP, VirtualClock, clock, run
+from dray_sim.factory.sim_factory import SimFactory
+from dray_sim.people import demand
+from dray_sim.people.order_client import OrderClient
+
+PLANT = default_plant()
+PLACES = Places(PLANT)
+
+LAG_S = 0.25
+"""One way: far more than between two processes of one computer."""
+
+SAMPLE_S = 0.1
+"""How often a body tells its state."""
+
+SPAN_S = 900.0
+SHORT_S = 40.0
+KILL_EVERY_S = 5.0
+
+
+class LaggingBody:
+    """A vehicle's body elsewhere: its state, reports and instructions take their time, and only the newest life is obeyed."""
+
+    def __init__(self, body: Body, time: VirtualClock) -> None:
+        self._body, self._time = body, time
+        self._life = 0
+        self._states: deque[VehicleState] = deque([self._now()])
+        time.call_at(time.now_s(), self._sample)
+
+    def _now(self) -> VehicleState:
+        state = self._body.sense()
+        assert isinstance(state, VehicleState)
+        return state
+
+    def _sample(self) -> None:
+        self._time.call_at(self._time.now_s() + LAG_S, partial(self._states.append, self._now()))
+        self._time.call_at(self._time.now_s() + SAMPLE_S, self._sample)
+
+    def sense(self) -> VehicleState:
+        while len(self._states) > 1:
+            self._states.popleft()
+        return self._states[0]
+
+    def instruct(self, instruction: Instruction) -> None:
+        self._time.call_at(self._time.now_s() + LAG_S, partial(self._obey, self._life, instruction))
+
+    def _obey(self, life: int, instruction: Instruction) -> None:
+        if life == self._life:
+            self._body.instruct(instruction)
+
+    def attach(self, report: Callable[[Report], None]) -> None:
+        self._life += 1
+        life = self._life
+
+        def arrive(told: Report, state: VehicleState) -> None:
+            if life == self._life:
+                self._states.append(state)
+                report(told)
+
+        def tell(told: Report) -> None:
+            self._time.call_at(self._time.now_s() + LAG_S, partial(arrive, told, self._now()))
+
+        self._body.attach(tell)
+
+
+class Wires(SimFactory):
+    """A factory whose vehicles' bodies lag."""
+
+    def _employ(self, agent: str, kind: Kind, make: object, body: Body | None) -> None:
+        if kind is Kind.ATV and body is not None:
+            body = LaggingBody(body, self.clock)
+        super()._employ(agent, kind, make, body)  # type: ignore[arg-type]
+
+
+class Noted:
+    """A bus whose words about right of way are kept as lines."""
+
+    def __init__(self, bus: Bus, lines: list[Line]) -> None:
+        self._bus, self._lines = bus, lines
+
+    def join(self, agent: str, receive: Receive, life: int = 0) -> Session:
+        def note(did: str, other: str, sender: str, message: Message) -> None:
+            if isinstance(message, LOGGED):
+                raw = msgspec.Raw(encode(sender, message))
+                self._lines.append(Line(clock().now_s(), agent, life, did, other, raw))
+
+        def on_message(sender: str, message: Message) -> None:
+            note(HEARD, sender, sender, message)
+            receive(sender, message)
+
+        class Saying(PassingSession):
+            def send(self, to: str, message: Message) -> None:
+                note(SAID, to, agent, message)
+                self.inner.send(to, message)
+
+        return Saying(self._bus.join(agent, on_message, life))
+
+
+def judged(seed: int, span_s: float) -> Judgement:
+    """A factory under load in which one vehicle after the other is killed, and now and then a machine."""
+
+    async def main() -> Judgement:
+        lines: list[Line] = []
+        random = Random(seed)
+        factory = Wires(
+            PLANT,
+            clock(),
+            seed=seed,
+            stock_frac=NEARLY_EMPTY_FRAC,
+            traffic=True,
+            meet=lambda bus: Noted(bus, lines),
+        )
+        overlaps = Overlaps(
+            factory.vehicles,
+            strict=False,
+            told=lambda one: lines.append(Line(clock().now_s(), one.first, overlap=one.second)),
+        )
+
+        def on_course(vehicle: str, course: Course) -> None:
+            if course.lane is not None:
+                lines.append(Line(clock().now_s(), vehicle, lane=course.lane))
+
+        for vehicle in factory.vehicles.values():
+            vehicle.watch_course(on_course)
+        orders = list(demand.orders(PLANT, Random(seed), load=2.0, until_s=span_s))
+        tasks = [
+            asyncio.create_task(factory.run()),
+            asyncio.create_task(OrderClient(factory.bus, factory.clock).place(orders)),
+        ]
+        while clock().now_s() < span_s:
+            await asyncio.sleep(KILL_EVERY_S * random.random() * 2.0)
+            victim = random.choice([*PLANT.fleet, *PLANT.fleet, *PLANT.machines])
+            factory.crash(victim)
+            await asyncio.sleep(random.choice([0.0, 0.1, 1.0, 3.0]))
+            factory.restart(victim)
+        overlaps.check_end(clock().now_s())
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
+        return SaidAndHeard(PLACES).judge(lines)
+
+    return run(main(), JUMP)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [1, 2])
+def test_bodies_that_lag_and_agents_that_are_killed_lose_no_place(seed: int) -> None:
+    judgement = judged(seed, SPAN_S)
+    assert judgement.broken == []
+    assert judgement.lanes > 200
+
+
+def test_what_a_new_life_keeps_is_needed(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert judged(1, SHORT_S).broken == []
+    monkeypatch.setattr(ReservedWay, "keep", lambda *_: None)
+    assert set(judged(1, SHORT_S).counts) == {NOT_HELD}
