@@ -7,7 +7,7 @@ from itertools import count
 import pytest
 
 from dray.body import Drive, Hold
-from dray.messages import PlaceGranted, PlaceWished
+from dray.messages import HoldsAsked, PlaceGranted, PlaceWished
 from dray.messages.traffic import PlaceBooking
 from dray.plant import default_plant
 from dray.protocol.runtime.events import Effect, Instruct, Send
@@ -124,6 +124,19 @@ def test_a_way_that_the_body_refuses_keeps_all_that_was_held() -> None:
     life.row.on_reached(life.drives[-1].order, 0, 1.0)
     life.row.sense(0.0, 0.0)
     assert set(life.row.way.held) == {"c3"}
+
+
+def test_a_roll_call_is_answered_when_it_is_known_where_the_body_goes() -> None:
+    life = NewLife("b3", "m4-lane", drives_beyond=True)
+    district = TRAFFIC.places.district_of["c3"]
+    keeper = TRAFFIC.places.keepers_of[district][1]
+    asked = HoldsAsked(district=district, epoch=4, roll_call=True)
+    before = len(life.out)
+    life.row.on_holds_asked(keeper, asked, 0.2)
+    assert life.out[before:] == []
+    life.row.on_reached(life.drives[0].order, 0, 1.0)
+    life.row.on_holds_asked(keeper, asked, 1.2)
+    assert life.wish(district).epoch == 4
 
 
 @pytest.mark.parametrize("held", [False, True])
