@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from dray.plant import default_plant
+from dray.plant import default_plant, load_plant
 from dray.protocol.traffic.driving.reserved_way import SHORTEN_AT, ReservedWay
 from dray.protocol.traffic.places import Places
 
@@ -64,6 +64,23 @@ def test_the_base_is_never_taken_back() -> None:
     way.turn_to(("m4-lane", "m4"))
     assert way.base == ("m4-lane",)
     assert way.ahead == ("m4-lane", "m4")
+
+
+def test_who_stands_at_a_dock_keeps_nobody_off_the_crossing_before_it() -> None:
+    plant = load_plant("two-lanes")
+    places = Places(plant)
+    crossing, dock = "m5-lane", "m5"
+    before = next(lane.start for lane in plant.roads.entering[crossing] if lane.start != dock)
+    behind = next(lane.end for lane in plant.roads.leaving[crossing] if lane.end != dock)
+    way = ReservedWay(places, before)
+    way.turn_to((before, crossing, dock))
+    assert way.take([crossing, dock])
+    for left in ({before, crossing, dock}, {dock}):
+        way.pass_next()
+        way.give_back()
+        assert set(way.held) == left
+    way.turn_to((dock, crossing, behind))
+    assert way.groups(1.0) == [(crossing, behind)]
 
 
 def test_a_wish_names_places_of_one_district_only() -> None:

@@ -37,20 +37,26 @@ DIES_AT_S, DEAD_S = 300.0, 400.0
 PLANTS: dict[str, Callable[[], Plant]] = {
     "default-8": lambda: plants.default_with(8),
     "default-12": lambda: plants.default_with(12),
+    "two-lanes-12": lambda: plants.default_with(12, two_lanes=True),
     "bridge": plants.bridge,
     "corridor": plants.corridor,
     "generated-50": plants.generated,
+    "generated-50-two-lanes": lambda: plants.generated(two_lanes=True),
+    "generated-200": lambda: plants.generated(200, 80),
+    "generated-200-two-lanes": lambda: plants.generated(200, 80, two_lanes=True),
     "kiva-50": lambda: plants.kiva(50),
     "kiva-100": lambda: plants.kiva(100),
 }
-"""Floors by name; all of them single track."""
+"""Floors by name; single track, where the name does not say otherwise."""
 
 OF_GHOSTS = {
     "default-8": 0.75,
     "default-12": 0.68,
+    "two-lanes-12": 0.85,
     "bridge": 0.33,
     "corridor": 0.65,
     "generated-50": 0.35,
+    "generated-50-two-lanes": 0.65,
     "kiva-50": 0.55,
     "kiva-100": 0.40,
 }
@@ -63,7 +69,12 @@ MESSAGES = {"kiva-50": 2.6, "kiva-100": 2.6}
 MOST_MESSAGES = 1.3
 """To and from vehicles, per vehicle and second, when saturated."""
 
-POISSON = {"default-8": (110.0, 1.15, 1.25), "generated-50": (183.0, 1.20, 1.30)}
+POISSON = {
+    "default-8": (110.0, 1.15, 1.25),
+    "two-lanes-12": (110.0, 1.05, 1.10),
+    "generated-50": (183.0, 1.20, 1.30),
+    "generated-50-two-lanes": (183.0, 1.05, 1.10),
+}
 """Transports an hour at an ordinary load; what p50 and p95 of a transport may be, as parts of those of ghosts."""
 
 NETWORKS = {
@@ -83,7 +94,7 @@ ABLATIONS = {
     "without rerouting": Rules(reroutes=False),
 }
 
-LARGE = frozenset({"generated-50", "kiva-50", "kiva-100"})
+LARGE = frozenset(name for name in PLANTS if name.startswith(("generated", "kiva")))
 """Those whose runs take minutes: fewer seeds are enough, many vehicles tell as much."""
 
 
@@ -243,7 +254,7 @@ def _rows(names: Iterable[str], played: dict[Case, Figures]) -> Iterator[Row]:
             "/h",
             ghosts.per_h,
             "ghosts",
-            OF_GHOSTS[name] * ghosts.per_h,
+            OF_GHOSTS[name] * ghosts.per_h if name in OF_GHOSTS else None,
             ours.note,
         )
         if planner.per_h:

@@ -23,15 +23,16 @@ from dray.plant import (
     Warehouse,
     WorkingStation,
     default_plant,
+    load_plant,
 )
 from dray_sim.plants.generator import generate_plant
 
 SPUR_MPS = 0.8
 
 
-def default_with(vehicles: int) -> Plant:
+def default_with(vehicles: int, *, two_lanes: bool = False) -> Plant:
     """The default plant with another fleet: further vehicles begin on free parking places, then on chargers."""
-    file = default_plant().file
+    file = load_plant("two-lanes").file if two_lanes else default_plant().file
     taken = {spec.node for spec in file.fleet}
     nodes = [*(place.node for place in file.parkings), *(place.node for place in file.chargers)]
     free = [node for node in nodes if node not in taken]
@@ -42,9 +43,9 @@ def default_with(vehicles: int) -> Plant:
     return Plant(msgspec.structs.replace(file, fleet=(*file.fleet, *more)[:vehicles]))
 
 
-def generated(vehicles: int = 50, machines: int = 20) -> Plant:
+def generated(vehicles: int = 50, machines: int = 20, *, two_lanes: bool = False) -> Plant:
     """A plant of the generator, at the density of the default one."""
-    return generate_plant(1, machines, vehicles)
+    return generate_plant(1, machines, vehicles, two_lanes=two_lanes)
 
 
 def bridge(vehicles: int = 8) -> Plant:

@@ -187,18 +187,15 @@ class ReservedWay:
 
     def _clear_in_m(self, place: str, index: int) -> float:
         """How far the vehicle has to drive until it is clear of a place; infinite when it does not get clear of it yet."""
-        if index > self._passed or index + 1 >= len(self._nodes):
+        if index > self._passed:
             return float("inf")
         here_m = self._at_m[self._passed] + self._past_m
-        if place == self._nodes[index]:
-            if index >= self._base:
-                return float("inf")
-            return (
-                self._at_m[index] + self._places.clear_m(self._nodes[index], self._nodes[index + 1]) - here_m
-            )
-        if self._places.may_stop(self._nodes[index]):
-            return self._at_m[index] - here_m
-        return float("inf")
+        node = self._nodes[index]
+        if place != node:  # A crossing is clear where the next one may be waited for, docks included.
+            return self._at_m[index] - here_m if self._places.may_stop(node) else float("inf")
+        if index >= self._base:
+            return float("inf")
+        return self._at_m[index] + self._places.clear_m(node, self._nodes[index + 1]) - here_m
 
     def _shorten(self) -> None:
         """Forget nodes that were passed and are clear."""
