@@ -7,7 +7,7 @@ import asyncio
 import pytest
 from msgspec.structs import replace
 
-from dray.adapters.security.signing import TrustedKeys
+from dray.adapters.security.signing import SigningKey, TrustedKeys
 from dray.memory import BookMemory, Note
 from dray.messages import AtvHeartbeat, AtvStatus, HoldsAsked, Message, PlaceWished
 from dray.plant import Plant, default_plant
@@ -25,6 +25,7 @@ from dray_sim.clock.loop import JUMP, clock, run
 from dray_sim.factory.sim_factory import SimFactory
 from dray_sim.network.listeners import Listeners
 
+KEY, FORGER = SigningKey(b"k" * 32), SigningKey(b"f" * 32)
 PLANT = default_plant()
 TRAFFIC = TrafficMap(PLANT)
 
@@ -106,7 +107,7 @@ def wish(district: str) -> PlaceWished:
 
 def test_a_machine_without_right_of_way_says_why_it_answers_no_wish() -> None:
     out: list[Effect] = []
-    table = Bookkeeping("M1", PLANT, None, TrustedKeys(b""), Timers(), out).handlers({})
+    table = Bookkeeping("M1", PLANT, None, TrustedKeys(KEY.public), Timers(), out).handlers({})
     table[PlaceWished]("ATV1", wish("M1"), 0.0)
     assert out == [Ignore(WITHOUT_BOOKS)]
 
@@ -130,7 +131,7 @@ def test_the_book_of_a_district_that_is_no_more_is_forgotten() -> None:
     name = next(district for district, keepers in TRAFFIC.places.keepers_of.items() if "M1" in keepers)
     kept = BookMemory(0, 0, 1, ())
     memory: dict[str, Note] = {f"{NOTE}{name}": kept, f"{NOTE}M1.00000000": kept}
-    books = Bookkeeping("M1", PLANT, TRAFFIC, TrustedKeys(b""), Timers(), [])
+    books = Bookkeeping("M1", PLANT, TRAFFIC, TrustedKeys(KEY.public), Timers(), [])
     books.start(memory, 0.0)
     gone = [commit for commit in books.commits() if commit.note is None]
     assert gone == [Commit(None, f"{NOTE}M1.00000000")]
