@@ -25,7 +25,7 @@ from dray_sim.clock.loop import JUMP, clock, run
 from dray_sim.factory.sim_factory import SimFactory
 from dray_sim.network.listeners import Listeners
 
-KEY, FORGER = SigningKey(b"k" * 32), SigningKey(b"f" * 32)
+KEY = SigningKey(b"k" * 32)
 PLANT = default_plant()
 TRAFFIC = TrafficMap(PLANT)
 
