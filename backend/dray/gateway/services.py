@@ -19,6 +19,7 @@ from dray.gateway.access.access import Access, open_access
 from dray.gateway.access.audit_log import AuditLog
 from dray.gateway.access.login.hasher import Hasher
 from dray.gateway.factory.alerts import AlertMonitor
+from dray.gateway.factory.carrying import Carrying
 from dray.gateway.factory.closings import Closings
 from dray.gateway.factory.commands import Commands
 from dray.gateway.factory.exclusions import Exclusions
@@ -85,6 +86,7 @@ class Services:
     alerts: AlertMonitor
     exclusions: Exclusions
     closings: Closings
+    carrying: Carrying
     faults: FaultInjection
     ledger: Ledger
     panels: Panels
@@ -111,6 +113,7 @@ class Services:
             AlertMonitor: self.alerts,
             Exclusions: self.exclusions,
             Closings: self.closings,
+            Carrying: self.carrying,
             FaultInjection: self.faults,
             Ledger: self.ledger,
         }
@@ -183,6 +186,7 @@ def open_services(
             store, projection, commands, peer.tell_all, wall_s=wall_s, own=settings.gateway_name
         ),
         closings=Closings(store, projection, authority, peer.tell_all, time=time, wall_s=wall_s),
+        carrying=Carrying(store, projection, authority, peer.tell_all, time=time, wall_s=wall_s),
         faults=FaultInjection(faults, projection.faults),
         ledger=Ledger(store),
         panels=panels or Panels(),
@@ -204,6 +208,7 @@ async def restore(services: Services) -> None:
     await services.alerts.restore()
     await services.exclusions.restore()
     await services.closings.restore()
+    await services.carrying.restore()
 
 
 def measure(services: Services) -> None:
@@ -253,6 +258,7 @@ async def running(services: Services, beside: Beside | None) -> AsyncIterator[No
                 services.alerts,
                 services.exclusions,
                 services.closings,
+                services.carrying,
                 services.hub,
                 access,
                 access.watch,

@@ -71,6 +71,12 @@ RULES: Mapping[tuple[str, str], Rule] = {
     ("GET", "/api/atvs"): Rule(Scope.FACTORY_READ, by_area=True),
     ("GET", "/api/atvs/{atv}"): Rule(Scope.FACTORY_READ, by_area=True),
     ("POST", "/api/atvs/{atv}/commands"): Rule(Scope.VEHICLES_STOP, by_area=True, action="vehicle.command"),
+    ("POST", "/api/atvs/{atv}/carried-away"): Rule(
+        Scope.VEHICLES_COMMAND, by_area=True, action="vehicle.carry_away"
+    ),
+    ("POST", "/api/atvs/{atv}/put-back"): Rule(
+        Scope.VEHICLES_COMMAND, by_area=True, action="vehicle.put_back"
+    ),
     ("GET", "/api/tasks"): Rule(Scope.FACTORY_READ, by_area=True),
     ("GET", "/api/tasks/{task}"): Rule(Scope.FACTORY_READ, by_area=True),
     ("GET", "/api/alerts"): Rule(Scope.FACTORY_READ, by_area=True),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from dray.messages import Closures, Message, ShutOut
+from dray.messages import Closures, Message, Removals, ShutOut
 from dray.messages.keys import Keys
 from dray.ports import Bus, Session
 
@@ -49,10 +49,11 @@ class Peer:
         if self._session is not None:
             self._session.send(to, message)
 
-    def tell_all(self, said: ShutOut | Closures) -> None:
-        """Say to everybody who is shut out, or what is closed; lost while it does not take part."""
+    def tell_all(self, said: ShutOut | Closures | Removals) -> None:
+        """Say to everybody who is shut out, what is closed, or which vehicles were carried away; lost while it does not take part."""
+        keys = self._keys
         if self._session is not None:
-            key = self._keys.shut_out if isinstance(said, ShutOut) else self._keys.closures
+            key = {ShutOut: keys.shut_out, Closures: keys.closures, Removals: keys.removals}[type(said)]
             self._session.publish(key, said)
 
     def leave(self) -> None:

@@ -12,6 +12,7 @@ from msgspec import UNSET
 from dray.gateway.live.projection.changes import Changes
 from dray.gateway.live.projection.figures.fleet import Fleet
 from dray.gateway.live.projection.outsiders import Outsiders
+from dray.gateway.live.projection.removals import Removals
 from dray.gateway.live.projection.silence import Silence
 from dray.gateway.live.views import AtvView, BriefView, ClockView, HelpView, ProbationView
 from dray.messages import AtvHeartbeat, Brief, Heartbeat, HelpWanted
@@ -47,6 +48,7 @@ class Atvs:
         types: of vehicles.
         to_wall_s: plant clock to wall clock.
         outsiders: who is shut out.
+        removals: who was carried away.
         clocks: of all agents.
         silence: of all agents.
         top_mps: no vehicle is faster.
@@ -61,11 +63,12 @@ class Atvs:
         types: Iterable[VehicleType],
         to_wall_s: ToWall,
         outsiders: Outsiders,
+        removals: Removals,
         clocks: Clocks,
         silence: Silence,
         top_mps: float,
     ) -> None:
-        self._outsiders = outsiders
+        self._outsiders, self._removals = outsiders, removals
         self._clocks, self._silence = clocks, silence
         self._types = {vehicle.id: vehicle.type for vehicle in fleet}
         charging = {kind.id: kind.charging for kind in types}
@@ -183,6 +186,8 @@ class Atvs:
             software=heartbeat.software,
             draining=heartbeat.draining,
             probation=probation_of(heartbeat),
+            asks_where_it_stands=heartbeat.floor is not UNSET and heartbeat.floor.asks_where_it_stands,
+            removal=self._removals.view(atv),
             shut_out=self._outsiders.view(atv),
             clock=clock_of(self._clocks, atv),
             seen_at_s=self._to_wall_s(heartbeat.at_s),

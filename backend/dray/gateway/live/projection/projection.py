@@ -22,12 +22,13 @@ from dray.gateway.live.projection.news import News
 from dray.gateway.live.projection.orders import Orders
 from dray.gateway.live.projection.outsiders import Outsiders
 from dray.gateway.live.projection.recent_commands import RecentCommands
+from dray.gateway.live.projection.removals import Removals
 from dray.gateway.live.projection.right_of_way.waits import Waits
 from dray.gateway.live.projection.silence import Silence, heard_until_s, plant_bound_s
 from dray.gateway.live.projection.site import Site
 from dray.gateway.live.projection.stations import Stations
 from dray.gateway.live.timescale import TimeScale
-from dray.gateway.live.views import FactoryView, UseView
+from dray.gateway.live.views import FactoryView, RemovalView, UseView
 from dray.messages import AtvHeartbeat, Event, MachineHeartbeat, Message, StationHeartbeat
 from dray.overload import Overload
 from dray.plant.model import PlantFile
@@ -61,6 +62,7 @@ class Projection:
     ) -> None:
         self.plant, self._time, self._wall_s = plant.plant, time, wall_s
         self.outsiders = Outsiders()
+        self.removals = Removals()
         self.clocks, self.disputes, self._silence = Clocks(time.speed), Disputes(), Silence(time.speed)
         top_mps = max(kind.max_speed_mps for kind in plant.vehicle_types)
         self.atvs = Atvs(
@@ -68,6 +70,7 @@ class Projection:
             plant.vehicle_types,
             time.to_wall_s,
             self.outsiders,
+            self.removals,
             self.clocks,
             self._silence,
             top_mps,
@@ -153,6 +156,7 @@ class Projection:
                 if told:
                     self._silence.note(message.station, message, delay_s)
             case Event():
+                self.atvs.mark(self.removals.fold(message))
                 # All look: GoalWaits is about a task and an order, and news.
                 told = (
                     self.tasks.fold(message)
@@ -167,6 +171,10 @@ class Projection:
             self.heard += 1
         else:
             self.ignored += 1
+
+    def show_removals(self, removals: Iterable[tuple[str, RemovalView]]) -> None:
+        """Show these vehicles as carried away, and no others."""
+        self.atvs.mark(self.removals.put(removals))
 
     def shut_out(self, exclusions: Iterable[Exclusion]) -> None:
         """Show these agents as shut out, and no others."""

@@ -34,6 +34,22 @@ class HelpView(View, kw_only=True):
     """How long from now help may be promised for, in factory seconds."""
 
 
+class RemovalView(View, kw_only=True):
+    """A person has carried the vehicle away, and it was not heard since."""
+
+    number: int
+    by: str
+    at_s: float
+    believed_at_s: float
+    """From then on it was silent for so long that its places are freed."""
+    freed: tuple[str, ...] = ()
+    """What it held, and is free now."""
+    node: str = ""
+    """Where it is being put back; empty while it is off the floor."""
+    kept: bool = False
+    """That place is kept for it: it may be put down there."""
+
+
 class AtvView(View, kw_only=True):
     """An ATV, as its last heartbeat told."""
 
@@ -70,6 +86,10 @@ class AtvView(View, kw_only=True):
     """It was asked to leave, takes nothing new, and goes when nothing holds it any more."""
     probation: ProbationView | None = None
     """While it is on probation and takes short tasks only."""
+    asks_where_it_stands: bool = False
+    """Where it stands nothing is its own yet: it drives nowhere before."""
+    removal: RemovalView | None = None
+    """While it is off the floor, as a person has said: all else here is what it said before."""
     shut_out: ShutOutView | None = None
     """Nobody hears it any more: all else here is what it said before."""
     clock: ClockView | None = None

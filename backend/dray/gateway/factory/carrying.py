@@ -1,0 +1,201 @@
+"""Carrying: which vehicles people have carried away and are putting back, in SQL, on the panels and on the bus.
+
+A word is on disk before it is told. Then the gateway says it again and again, each time with a grant that is good for a while, until the
+vehicle is heard. Whether it is believed is decided by those who keep the books of places (`dray.messages.removal`); what they
+have freed and kept they tell as facts.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import Callable
+from http import HTTPStatus
+
+import msgspec
+
+from dray.adapters.security.signing import SigningKey
+from dray.errors import UnavailableError
+from dray.gateway.access.principal import Principal
+from dray.gateway.http.problems import Problem
+from dray.gateway.live.projection import Projection
+from dray.gateway.live.timescale import TimeScale
+from dray.gateway.live.views import RemovalView
+from dray.messages import Removals
+from dray.messages.removal import MAX_REMOVALS
+from dray.protocol.liveness.suspicion import gone_s, interval_s
+from dray.store import Store
+from dray.store.factory.removals import RemovalRow
+
+SAY_EVERY_S = 2.0
+"""Wall seconds between two times that the words are said."""
+
+GRANT_S = 60.0
+"""Wall seconds for which a word that was said once is good."""
+
+_log = logging.getLogger(__name__)
+
+
+class Carrying:
+    """Takes people's words, and tells them.
+
+    Args:
+        store: keeps them.
+        projection: shows them, and knows when vehicles were heard.
+        authority: signs them.
+        say: says something to everybody.
+        time: the two clocks.
+        wall_s: the wall clock.
+    """
+
+    def __init__(
+        self,
+        store: Store,
+        projection: Projection,
+        authority: SigningKey,
+        say: Callable[[Removals], None],
+        *,
+        time: TimeScale,
+        wall_s: Callable[[], float],
+    ) -> None:
+        self._store, self._projection, self._authority = store, projection, authority
+        self._say, self._time, self._wall_s = say, time, wall_s
+        self._rows: list[RemovalRow] = []
+        self._looking = asyncio.Lock()
+        """An older look must not end after a newer one."""
+
+    async def restore(self) -> None:
+        """Restore what was said before the gateway was started.
+
+        Raises:
+            UnavailableError: the database cannot be read.
+        """
+        await self._read()
+
+    async def carry_away(self, atv: str, by: Principal) -> None:
+        """A vehicle is off the floor.
+
+        Raises:
+            Problem: 409, it is heard.
+            UnavailableError: it could not be written down, and nothing was done.
+        """
+        self._refuse_if_heard(atv)
+        await self._put(atv, "", by)
+
+    async def put_back(self, atv: str, node: str, by: Principal) -> None:
+        """A vehicle that is off the floor is being put back at a node.
+
+        Raises:
+            Problem: 409, nobody has said that it is off the floor, or another vehicle holds that place.
+            UnavailableError: it could not be written down, and nothing was done.
+        """
+        self._refuse_if_heard(atv)
+        if self._projection.removals.view(atv) is None:
+            raise Problem(
+                HTTPStatus.CONFLICT,
+                "not-carried-away",
+                "The vehicle is on the floor",
+                f"nobody has said that {atv} was carried away; POST /api/atvs/{atv}/carried-away first",
+            )
+        for other in self._projection.atvs.views():
+            if other.id != atv and node in (*other.holds, other.node) and other.removal is None:
+                raise Problem(
+                    HTTPStatus.CONFLICT,
+                    "place-held",
+                    "Another vehicle holds this place",
+                    f"{other.id} holds {node}; choose another place, or wait until it has driven on",
+                )
+        await self._put(atv, node, by)
+
+    async def run(self) -> None:
+        """Look and say, until cancelled; while the database is away, what was read last."""
+        while True:
+            try:
+                await self.look()
+            except UnavailableError as error:
+                _log.info("which vehicles were carried away elsewhere is not seen this time: %s", error)
+                self._say_all()
+            await asyncio.sleep(SAY_EVERY_S)
+
+    async def look(self) -> None:
+        """Read what people have said, end what is over, and say the rest.
+
+        Raises:
+            UnavailableError: the database cannot be read or written.
+        """
+        async with self._looking:
+            await self._read()
+            self._say_all()
+
+    def _refuse_if_heard(self, atv: str) -> None:
+        last, view = self._projection.atvs.last(atv), self._projection.atvs.view(atv)
+        if last is None or view is None:
+            return
+        silent_s = (self._wall_s() - view.seen_at_s) * self._time.speed
+        if silent_s <= view.silence.lost_after_s:
+            raise Problem(
+                HTTPStatus.CONFLICT,
+                "is-heard",
+                "The vehicle is heard",
+                f"{atv} was heard {max(silent_s, 0.0):.0f} s ago: switch it off, and say so when nobody hears it any more",
+            )
+
+    async def _put(self, atv: str, node: str, by: Principal) -> None:
+        last = self._projection.atvs.last(atv)
+        areas = None if by.areas is None else sorted(by.areas)
+        row = RemovalRow(
+            atv=atv,
+            number=0,
+            life=0 if last is None else last.incarnation,
+            seq=0 if last is None else last.seq,
+            node=node,
+            areas=msgspec.json.encode(areas).decode(),
+            by=by.name,
+            person=f"{by.kind}:{by.id}",
+            at_s=self._wall_s(),
+        )
+        async with self._store.write() as work:
+            await work.removals.put(row)
+        await self.look()
+
+    async def _read(self) -> None:
+        async with self._store.read() as work:
+            rows = await work.removals.all()
+        back = [row for row in rows if self._is_back(row)]
+        if back:
+            async with self._store.write() as work:
+                for row in back:
+                    await work.removals.end(row.atv, row.number, self._wall_s())
+        self._rows = [row for row in rows if row not in back]
+        self._projection.show_removals((row.atv, self._view(row)) for row in self._rows)
+
+    def _is_back(self, row: RemovalRow) -> bool:
+        last = self._projection.atvs.last(row.atv)
+        return last is not None and (last.incarnation, last.seq) > row.heard
+
+    def _view(self, row: RemovalRow) -> RemovalView:
+        last = self._projection.atvs.last(row.atv)
+        believed_s = row.at_s
+        if last is not None:
+            believed_s = max(believed_s, self._time.to_wall_s(last.at_s + gone_s(interval_s(last))))
+        return RemovalView(
+            number=row.number, by=row.by, at_s=row.at_s, believed_at_s=believed_s, node=row.node
+        )
+
+    def _say_all(self) -> None:
+        until_s = self._time.to_plant_s(self._wall_s()) + GRANT_S * self._time.speed
+        removals = [
+            self._authority.remove(
+                row.atv,
+                row.number,
+                heard=row.heard,
+                node=row.node,
+                person=row.person,
+                areas=row.granted_in,
+                valid_until_s=until_s,
+            )
+            for row in self._rows
+            if not self._is_back(row)
+        ]
+        for first in range(0, len(removals), MAX_REMOVALS):
+            self._say(Removals(removals=tuple(removals[first : first + MAX_REMOVALS])))

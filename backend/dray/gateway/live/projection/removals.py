@@ -1,0 +1,49 @@
+"""Vehicles that people have carried away, as panels are told of them: by whom, what is free since, and which place is kept."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from msgspec.structs import replace
+
+from dray.gateway.live.views import RemovalView
+from dray.messages import Event
+from dray.messages.fact import PlaceKept, PlacesFreed
+
+
+class Removals:
+    """Those that were not heard since. Whoever reads them from SQL says so here."""
+
+    def __init__(self) -> None:
+        self._views: dict[str, RemovalView] = {}
+        self._freed: dict[tuple[str, int], tuple[str, ...]] = {}
+        """Vehicle and number of the removal -> places, of those that are shown."""
+        self._kept: set[tuple[str, int]] = set()
+
+    def put(self, views: Iterable[tuple[str, RemovalView]]) -> set[str]:
+        """Show these, by vehicle, and no others; returns the vehicles of which something else is said now."""
+        before, self._views = self._views, dict(views)
+        numbers = {(atv, view.number) for atv, view in self._views.items()}
+        self._kept &= numbers
+        self._freed = {key: places for key, places in self._freed.items() if key[0] in self._views}
+        return {atv for atv in before.keys() | self._views.keys() if before.get(atv) != self._views.get(atv)}
+
+    def fold(self, event: Event) -> tuple[str, ...]:
+        """Whoever keeps a book tells what was done; returns the vehicle that it is about, if one that is shown."""
+        fact = event.fact
+        if not isinstance(fact, PlacesFreed | PlaceKept) or fact.atv not in self._views:
+            return ()
+        if isinstance(fact, PlaceKept):
+            self._kept.add((fact.atv, fact.number))
+        else:
+            before = self._freed.get((fact.atv, fact.number), ())
+            self._freed[fact.atv, fact.number] = tuple(sorted({*before, *fact.places}))
+        return (fact.atv,)
+
+    def view(self, atv: str) -> RemovalView | None:
+        """What is told of one vehicle; None when it is on the floor."""
+        view = self._views.get(atv)
+        if view is None:
+            return None
+        freed = {place for (name, _), places in self._freed.items() if name == atv for place in places}
+        return replace(view, freed=tuple(sorted(freed)), kept=(atv, view.number) in self._kept)

@@ -1,0 +1,133 @@
+"""Carrying vehicles away, and putting them back: a person says so in the place of a vehicle that cannot."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from fastapi import APIRouter, Depends
+from pydantic import BaseModel, ConfigDict, Field
+
+from dray.gateway.access.audit_log import Noted
+from dray.gateway.access.caller import Caller
+from dray.gateway.access.gate import forbidden
+from dray.gateway.access.principal import Principal
+from dray.gateway.factory.carrying import Carrying
+from dray.gateway.http.problems import FieldError, not_found, unusable
+from dray.gateway.http.provided import Provided
+from dray.gateway.http.request_bodies import json_only
+from dray.gateway.http.responses import Json, described, problems
+from dray.gateway.live.projection import Projection
+from dray.gateway.live.views import AtvView
+from dray.gateway.routes.factory.atvs import area_rule
+from dray.gateway.routes.parameters import Visible
+from dray.messages import CommandKind
+from dray.plant import Plant
+
+router = APIRouter(tags=["factory"])
+
+REFUSED = problems(
+    p403="The vehicle, or the place, is not in the caller's areas",
+    p404="There is no such ATV",
+    p409="The vehicle is heard; or it is on the floor; or another one holds the place",
+)
+
+
+class CarriedAwayRequest(BaseModel):
+    """That a vehicle is off the floor, as somebody has seen who stands there."""
+
+    model_config = ConfigDict(extra="forbid", json_schema_extra={"examples": [{"off_the_floor": True}]})
+
+    off_the_floor: Annotated[bool, Field(strict=True)]
+    """True, said in so many words: others drive where it has stood."""
+
+
+class PutBackRequest(BaseModel):
+    """Where a vehicle is being put back."""
+
+    model_config = ConfigDict(extra="forbid", json_schema_extra={"examples": [{"place": "P2"}]})
+
+    place: Annotated[str, Field(min_length=1, max_length=128)]
+    """A node, or a machine, storage, warehouse, charger or parking place, whose node it is."""
+
+
+@router.post(
+    "/atvs/{atv}/carried-away",
+    dependencies=[Depends(json_only)],
+    responses={200: described(AtvView, "The ATV; its `removal` tells what is free"), **REFUSED},
+    response_class=Json,
+)
+async def carry_away(
+    carrying: Provided[Carrying],
+    projection: Provided[Projection],
+    caller: Caller,
+    visible: Visible,
+    atv: str,
+    request: CarriedAwayRequest,
+) -> Json:
+    """Say that a vehicle was carried away: nobody hears it, and it is off the floor. What it held is free once it was silent for long enough.
+
+    Whoever keeps the books of places believes it from `removal.believed_at_s` on, and not while anybody hears the vehicle.
+    """
+    area_rule(projection, caller, atv, CommandKind.ACKNOWLEDGE)
+    if not request.off_the_floor:
+        raise unusable(FieldError("off_the_floor", "say true when it is off the floor, and nothing before"))
+    await carrying.carry_away(atv, caller)
+    return _shown(projection, visible, atv)
+
+
+@router.post(
+    "/atvs/{atv}/put-back",
+    dependencies=[Depends(json_only)],
+    responses={
+        200: described(AtvView, "The ATV; put it down when `removal.kept` is true"),
+        **REFUSED,
+    },
+    response_class=Json,
+)
+async def put_back(
+    carrying: Provided[Carrying],
+    projection: Provided[Projection],
+    caller: Caller,
+    visible: Visible,
+    note: Noted,
+    atv: str,
+    request: PutBackRequest,
+) -> Json:
+    """Have a place kept for a vehicle that was carried away. When `removal.kept` is true nobody drives there: put it down, and switch it on."""
+    note.detail |= request.model_dump(mode="json")
+    area_rule(projection, caller, atv, CommandKind.ACKNOWLEDGE)
+    node = _node(projection.site.plant, request.place)
+    _must_reach(projection.site.plant, caller, node)
+    await carrying.put_back(atv, node, caller)
+    return _shown(projection, visible, atv)
+
+
+def _node(plant: Plant, place: str) -> str:
+    """The node of a place.
+
+    Raises:
+        Problem: 422, there is none, or nobody may stand there.
+    """
+    if place not in plant.nodes and place not in plant.places and place not in plant.dwell_points:
+        raise unusable(FieldError("place", f"there is no node or place {place}; GET /api/plant has them"))
+    node = place if place in plant.nodes else plant.node_of(place)
+    if node not in plant.stops:
+        raise unusable(
+            FieldError("place", f"{node} lies in a crossing, where no vehicle stops; name another")
+        )
+    return node
+
+
+def _must_reach(plant: Plant, caller: Principal, node: str) -> None:
+    spot = plant.nodes[node]
+    if caller.areas is not None and caller.areas.isdisjoint(plant.areas_at(spot.x_m, spot.y_m)):
+        areas = ", ".join(sorted(caller.areas)) or "none"
+        raise forbidden(f"{node} is not in your areas ({areas})")
+
+
+def _shown(projection: Projection, visible: Visible, atv: str) -> Json:
+    whole = projection.atvs.view(atv)
+    view = whole and visible.atv(whole)
+    if view is None:
+        raise not_found("atv", atv, "GET /api/atvs")
+    return Json(view)

@@ -1,0 +1,73 @@
+"""Removals in SQL: which vehicles people have carried away, where they are being put back, and the number of the newest word about each."""
+
+from __future__ import annotations
+
+import msgspec
+from sqlalchemy import delete, insert, select, update
+from sqlalchemy.ext.asyncio import AsyncConnection
+
+from dray.store.tables import removals
+
+
+class RemovalRow(msgspec.Struct, frozen=True, gc=False):
+    """The newest word about one vehicle. `at_s` is of the wall clock."""
+
+    atv: str
+    number: int
+    """Grows with every word about this vehicle."""
+    life: int
+    """With `seq`: the last heartbeat that was heard before the word."""
+    seq: int
+    node: str
+    """Where it is being put back; empty while it is off the floor."""
+    areas: str
+    """Where whoever has said it may command: a list in JSON, null for everywhere."""
+    by: str
+    """The name of who has said it."""
+    person: str
+    """The same, as agents are told."""
+    at_s: float
+
+    @property
+    def heard(self) -> tuple[int, int]:
+        """The heartbeat after which it was said."""
+        return self.life, self.seq
+
+    @property
+    def granted_in(self) -> tuple[str, ...] | None:
+        """The areas; None for everywhere."""
+        return msgspec.json.decode(self.areas, type=tuple[str, ...] | None)
+
+
+COLUMNS = [removals.c[name] for name in RemovalRow.__struct_fields__]
+
+
+class Removals:
+    """The removals, inside one transaction."""
+
+    def __init__(self, connection: AsyncConnection) -> None:
+        self._connection = connection
+
+    async def all(self) -> list[RemovalRow]:
+        """Of vehicles that were not heard since, by id."""
+        query = select(*COLUMNS).where(removals.c.ended_at_s.is_(None)).order_by(removals.c.atv)
+        return [RemovalRow(*row) for row in await self._connection.execute(query)]
+
+    async def put(self, removal: RemovalRow) -> RemovalRow:
+        """Write a word down, whose number is above the one before; returns it with that."""
+        last = select(removals.c.number).where(removals.c.atv == removal.atv)
+        before = (await self._connection.execute(last)).scalar() or 0
+        numbered = msgspec.structs.replace(removal, number=max(before + 1, int(removal.at_s * 1000)))
+        await self._connection.execute(delete(removals).where(removals.c.atv == removal.atv))
+        await self._connection.execute(
+            insert(removals), [msgspec.structs.asdict(numbered) | {"ended_at_s": None}]
+        )
+        return numbered
+
+    async def end(self, atv: str, number: int, at_s: float) -> None:
+        """The vehicle was heard again after this word."""
+        await self._connection.execute(
+            update(removals)
+            .where(removals.c.atv == atv, removals.c.number == number, removals.c.ended_at_s.is_(None))
+            .values(ended_at_s=at_s)
+        )

@@ -1,0 +1,126 @@
+"""Carrying a vehicle away and putting it back: who may say so, when, what is told on the bus, and what panels see."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import msgspec
+import pytest
+from fake_bus import KEYS, FakeBus
+from gateway_kit import AUTHORITY, House
+from heartbeats import atv_heartbeat
+from wall_clock import NOW_S
+
+from dray.adapters.security.signing import TrustedKeys
+from dray.gateway.factory.carrying import Carrying
+from dray.gateway.http.provided import provided
+from dray.messages import Event, Message, Removal, Removals, removed_words
+from dray.messages.fact import PlaceKept, PlacesFreed
+from dray.messages.heartbeat import FloorBrief
+
+pytestmark = pytest.mark.anyio
+
+OFF = {"off_the_floor": True}
+
+
+@pytest.fixture(autouse=True)
+def said_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("dray.gateway.factory.carrying.SAY_EVERY_S", 3600.0)
+
+
+def listener(bus: FakeBus) -> list[Removal]:
+    heard: list[Removal] = []
+
+    def receive(_sender: str, message: Message) -> None:
+        if isinstance(message, Removals):
+            heard.extend(message.removals)
+
+    bus.join("M1", receive).subscribe(KEYS.removals)
+    return heard
+
+
+def heard(house: House, *, seq: int = 7, ago_s: float = 60.0, atv: str = "ATV1", **more: Any) -> None:
+    at_s = house.projection.plant_s(NOW_S - ago_s)
+    floor = FloorBrief(**more)
+    beat = msgspec.structs.replace(atv_heartbeat(atv), seq=seq, incarnation=1, at_s=at_s, floor=floor)
+    house.projection.fold(beat)
+
+
+async def say(house: House, what: str, status: int = 200, **body: Any) -> dict[str, Any]:
+    answer = await house.client.post(f"/api/atvs/ATV1/{what}", json=body)
+    assert answer.status_code == status, answer.text
+    told: dict[str, Any] = answer.json()
+    return told
+
+
+async def test_it_is_told_to_everybody_with_a_grant_and_shown(house: House) -> None:
+    told = listener(house.bus)
+    heard(house)
+    view = await say(house, "carried-away", **OFF)
+    assert (view["removal"]["by"], view["removal"]["node"]) == ("Administrator", "")
+    assert view["removal"]["believed_at_s"] == pytest.approx(NOW_S - 60.0 + 65.0)
+    (removal,) = told
+    assert (removal.atv, removal.life, removal.seq, removal.grant.everywhere) == ("ATV1", 1, 7, True)
+    assert TrustedKeys(AUTHORITY.public)(removed_words(removal), removal.grant.signature)
+
+
+async def test_a_vehicle_that_is_heard_is_on_the_floor(house: House) -> None:
+    told = listener(house.bus)
+    heard(house, ago_s=1.0)
+    assert (await say(house, "carried-away", 409, **OFF))["type"].endswith("is-heard")
+    assert told == []
+
+
+async def test_it_must_be_said_in_so_many_words(house: House) -> None:
+    heard(house)
+    await say(house, "carried-away", 422, off_the_floor=False)
+    await say(house, "carried-away", 422)
+
+
+async def test_what_is_free_and_kept_is_shown_as_keepers_tell_it(house: House) -> None:
+    heard(house)
+    number = (await say(house, "carried-away", **OFF))["removal"]["number"]
+    house.projection.fold(fact(PlacesFreed(atv="ATV1", number=number, by="x", places=("c3", "b3"))))
+    assert (await house.get("/api/atvs/ATV1"))["removal"]["freed"] == ["b3", "c3"]
+    back = (await say(house, "put-back", place="p1"))["removal"]
+    assert (back["node"], back["kept"]) == ("p1", False)
+    assert back["number"] > number
+    house.projection.fold(fact(PlaceKept(atv="ATV1", number=back["number"], place="p1"), 2))
+    assert (await house.get("/api/atvs/ATV1"))["removal"]["kept"]
+
+
+async def test_it_ends_when_the_vehicle_is_heard_again(house: House) -> None:
+    told = listener(house.bus)
+    heard(house)
+    await say(house, "carried-away", **OFF)
+    heard(house, seq=8, ago_s=0.0)
+    await provided(house.app, Carrying).look()
+    assert (await house.get("/api/atvs/ATV1"))["removal"] is None
+    assert len(told) == 1
+
+
+async def test_it_is_said_again_with_a_new_grant_while_the_vehicle_is_silent(house: House) -> None:
+    told = listener(house.bus)
+    heard(house)
+    await say(house, "carried-away", **OFF)
+    await provided(house.app, Carrying).look()
+    assert [each.number for each in told] == [told[0].number] * 2
+
+
+async def test_only_what_was_carried_away_is_put_back_and_not_where_another_one_is(house: House) -> None:
+    heard(house)
+    assert (await say(house, "put-back", 409, place="p1"))["type"].endswith("not-carried-away")
+    await say(house, "carried-away", **OFF)
+    heard(house, atv="ATV2", ago_s=0.0, holds=("p1",))
+    assert (await say(house, "put-back", 409, place="p1"))["type"].endswith("place-held")
+    await say(house, "put-back", 422, place="nowhere")
+    await say(house, "put-back", place="p2")
+
+
+async def test_a_vehicle_that_nobody_knows_is_not_found(house: House) -> None:
+    answer = await house.client.post("/api/atvs/NOBODY/carried-away", json=OFF)
+    assert answer.status_code == 404
+
+
+def fact(told: PlacesFreed | PlaceKept, number: int = 1) -> Event:
+    return Event(agent="M4", incarnation=1, number=number, at_s=0.0, fact=told)
