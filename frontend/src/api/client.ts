@@ -131,6 +131,16 @@ export async function endClosure(closure: string): Promise<void> {
   await bodyOf(gateway.DELETE("/api/closures/{closure}", { params: { path: { closure } } }));
 }
 
+/** Says that a vehicle is off the floor. */
+export async function carryAway(atv: string): Promise<void> {
+  await bodyOf(gateway.POST("/api/atvs/{atv}/carried-away", { params: { path: { atv } }, body: { off_the_floor: true } }));
+}
+
+/** Has a place kept to which a vehicle is being put back. */
+export async function putBack(atv: string, place: string): Promise<void> {
+  await bodyOf(gateway.POST("/api/atvs/{atv}/put-back", { params: { path: { atv } }, body: { place } }));
+}
+
 export async function readmit(agent: string): Promise<void> {
   await bodyOf(gateway.POST("/api/agents/{agent}/readmit", { params: { path: { agent } } }));
 }

@@ -1,4 +1,5 @@
 import type { AtvView } from "../../api/types";
+import { Carrying } from "../../parts/Carrying";
 import { Link } from "../../parts/Link";
 import { Meter } from "../../parts/Meter";
 import { Tag } from "../../parts/Tag";
@@ -8,6 +9,7 @@ import { format, t, word } from "../../text/operator";
 import { waitText } from "../../text/wait";
 import { areaAt, distanceM } from "../area/region";
 import { CommandLine } from "../commands/CommandLine";
+import { problemText } from "../problem-text";
 import { moment, names, plant, station } from "../state";
 import { HelpAsk } from "./HelpAsk";
 import { type Need, needOf } from "./need";
@@ -38,6 +40,7 @@ export function VehicleCard({ atv }: { atv: AtvView }) {
         <div class="vehicle-now">
           <p class="doing">{need === "lost" ? lostText(atv) : taskText(atv)}</p>
           {need !== "lost" && <Waits atv={atv.id} />}
+          <Carrying atv={atv} atvs={world.value?.atvs.values() ?? []} plant={plant.value} {...moment.value} problemText={problemText} />
           {(atv.help !== null || atv.problem !== "") && need !== "lost" && <HelpAsk atv={atv} />}
         </div>
         <div class="vehicle-acts">

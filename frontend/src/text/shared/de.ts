@@ -303,5 +303,20 @@ export const de: Catalogue<typeof en> = {
   "map.silent": "{id} · {age}",
   "map.jam": "Stau {age}",
 
+  "carry.open": "{atv} wegtragen …",
+  "carry.first": "Ausschalten. Zuletzt gehört bei {node}, vor {age}.",
+  "carry.second": "Den Namen am Fahrzeug lesen: andere werden dort fahren, wo es steht.",
+  "carry.third": "Vom Boden nehmen, mit der Ladung, und weg von allen Wegen.",
+  "carry.sure": "Ich habe „{atv}“ daran gelesen, und es steht nicht mehr auf dem Boden.",
+  "carry.do": "Es ist weggetragen",
+  "carry.said": "Weggetragen, sagt {by}.",
+  "carry.freed": "Wieder frei: {places}.",
+  "carry.soon": "Was es gehalten hat, ist in {time} frei: so lange könnte es noch zu hören sein.",
+  "carry.where": "Zurückstellen auf",
+  "carry.keep": "Diesen Platz freihalten",
+  "carry.waits": "Noch nicht abstellen: {node} ist noch nicht dafür freigehalten.",
+  "carry.kept": "{node} ist freigehalten. Dort abstellen und einschalten.",
+  "carry.failed": "Nicht geschehen: {reason}",
+
   "table.sortBy": "Nach {column} ordnen",
 };

@@ -300,5 +300,20 @@ export const en = {
   "map.silent": "{id} · {age}",
   "map.jam": "Jam {age}",
 
+  "carry.open": "Carry {atv} away…",
+  "carry.first": "Switch it off. It was heard last at {node}, {age} ago.",
+  "carry.second": "Read its name on the vehicle: others will drive where it stands.",
+  "carry.third": "Take it off the floor, with its load, and clear of all lanes.",
+  "carry.sure": "I have read “{atv}” on it, and it is off the floor.",
+  "carry.do": "It is off the floor",
+  "carry.said": "Carried away, says {by}.",
+  "carry.freed": "Free again: {places}.",
+  "carry.soon": "What it held is free in {time}: nobody believes it while it could still be heard.",
+  "carry.where": "Put it back at",
+  "carry.keep": "Keep this place",
+  "carry.waits": "Do not put it down yet: {node} is not kept for it.",
+  "carry.kept": "{node} is kept for it. Put it down there, and switch it on.",
+  "carry.failed": "Not done: {reason}",
+
   "table.sortBy": "Sort by {column}",
 } as const;

@@ -303,5 +303,20 @@ export const es: Catalogue<typeof en> = {
   "map.silent": "{id} · {age}",
   "map.jam": "Atasco {age}",
 
+  "carry.open": "Retirar {atv}…",
+  "carry.first": "Apáguelo. Se oyó por última vez en {node}, hace {age}.",
+  "carry.second": "Lea su nombre en el vehículo: otros pasarán por donde está.",
+  "carry.third": "Levántelo del suelo, con su carga, lejos de todas las vías.",
+  "carry.sure": "He leído «{atv}» en él y ya no está en el suelo.",
+  "carry.do": "Ya no está en el suelo",
+  "carry.said": "Retirado, dice {by}.",
+  "carry.freed": "Libre de nuevo: {places}.",
+  "carry.soon": "Lo que ocupaba queda libre en {time}: hasta entonces aún podría oírse.",
+  "carry.where": "Devolverlo a",
+  "carry.keep": "Reservar este lugar",
+  "carry.waits": "No lo ponga aún: {node} todavía no está reservado.",
+  "carry.kept": "{node} está reservado. Póngalo allí y enciéndalo.",
+  "carry.failed": "No se hizo: {reason}",
+
   "table.sortBy": "Ordenar por {column}",
 };

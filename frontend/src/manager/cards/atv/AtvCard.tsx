@@ -1,5 +1,6 @@
 import type { AtvView, TaskView } from "../../../api/types";
 import { Card } from "../../../parts/Card";
+import { Carrying } from "../../../parts/Carrying";
 import { Fact, Facts } from "../../../parts/Facts";
 import { Link } from "../../../parts/Link";
 import { Meter } from "../../../parts/Meter";
@@ -13,6 +14,7 @@ import { ClockMark } from "../agents/ClockMark";
 import { ShutOutMenu } from "../agents/ShutOutMenu";
 import { ShutOutNote } from "../agents/ShutOutNote";
 import { UpdateFact } from "../agents/UpdateFact";
+import { problemText } from "../../problem-text";
 import { names, plant } from "../../state";
 import { doingText } from "./doing";
 import { FaultFacts } from "../faults/FaultFacts";
@@ -59,6 +61,15 @@ function AtvCard({ atv }: { atv: AtvView }) {
         </div>
       )}
       {wait && <WaitNote wait={wait} />}
+      <Carrying
+        key={atv.id}
+        atv={atv}
+        atvs={world.value?.atvs.values() ?? []}
+        plant={plant.value}
+        nowS={presentS.value}
+        speed={speed}
+        problemText={problemText}
+      />
       <Facts>
         <FaultFacts agent={atv.id} />
         <UpdateFact agent={atv} />

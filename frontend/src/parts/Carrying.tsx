@@ -1,0 +1,132 @@
+import { useSignal } from "@preact/signals";
+import { useId } from "preact/hooks";
+import { carryAway, putBack } from "../api/client";
+import type { AtvView, PlantFile } from "../api/types";
+import { byId } from "../plant/places";
+import { isLost } from "../plant/silence";
+import { format, t } from "../text";
+
+interface Props {
+  atv: AtvView;
+  atvs: Iterable<AtvView>;
+  plant: PlantFile | null;
+  nowS: number;
+  speed: number;
+  problemText: (error: unknown) => string;
+}
+
+/** With right of way a silent vehicle keeps its places: the steps by which people carry it away, and put it back. */
+export function Carrying(props: Props) {
+  const { atv, nowS, problemText, speed } = props;
+  const busy = useSignal(false);
+  const failed = useSignal("");
+  if (atv.shut_out || !isLost(atv, nowS, speed) || (!atv.removal && atv.holds.length === 0)) return null;
+  const act = (doing: Promise<void>): void => {
+    busy.value = true;
+    failed.value = "";
+    void doing
+      .catch((error: unknown) => {
+        failed.value = t("carry.failed", { reason: problemText(error) });
+      })
+      .finally(() => {
+        busy.value = false;
+      });
+  };
+  return (
+    <div class="carrying">
+      {atv.removal ? <Back {...props} act={act} busy={busy.value} /> : <Away {...props} act={act} busy={busy.value} />}
+      {failed.value !== "" && <p role="alert">{failed.value}</p>}
+    </div>
+  );
+}
+
+interface Acting extends Props {
+  act: (doing: Promise<void>) => void;
+  busy: boolean;
+}
+
+function Away({ act, atv, busy, nowS }: Acting) {
+  const sure = useSignal(false);
+  return (
+    <details>
+      <summary>{t("carry.open", { atv: atv.id })}</summary>
+      <ol>
+        <li>{t("carry.first", { node: atv.node, age: format.age(nowS - atv.seen_at_s) })}</li>
+        <li>{t("carry.second")}</li>
+        <li>{t("carry.third")}</li>
+      </ol>
+      <label>
+        <input
+          type="checkbox"
+          checked={sure.value}
+          onInput={(event) => {
+            sure.value = event.currentTarget.checked;
+          }}
+        />{" "}
+        {t("carry.sure", { atv: atv.id })}
+      </label>
+      <button
+        type="button"
+        class="button primary"
+        disabled={busy || !sure.value}
+        onClick={() => {
+          act(carryAway(atv.id));
+        }}
+      >
+        {t("carry.do")}
+      </button>
+    </details>
+  );
+}
+
+function Back({ act, atv, atvs, busy, nowS, plant, speed }: Acting) {
+  const chosen = useSignal("");
+  const id = useId();
+  const away = atv.removal;
+  if (!away) return null;
+  const leftS = away.believed_at_s - nowS;
+  const places = freePlaces(plant, atvs, atv.id);
+  const place = chosen.value === "" ? (places[0] ?? "") : chosen.value;
+  return (
+    <>
+      <p>
+        {t("carry.said", { by: away.by })}{" "}
+        {leftS > 0
+          ? t("carry.soon", { time: format.duration(leftS * speed) })
+          : away.freed.length > 0 && t("carry.freed", { places: format.list(away.freed) })}
+      </p>
+      {away.node !== "" && <p role="status">{t(away.kept ? "carry.kept" : "carry.waits", { node: away.node })}</p>}
+      <label for={id}>{t("carry.where")}</label>
+      <div class="put-back">
+        <select
+          id={id}
+          value={place}
+          onChange={(event) => {
+            chosen.value = event.currentTarget.value;
+          }}
+        >
+          {places.map((each) => (
+            <option key={each}>{each}</option>
+          ))}
+        </select>
+        <button
+          type="button"
+          class="button"
+          disabled={busy || place === ""}
+          onClick={() => {
+            act(putBack(atv.id, place));
+          }}
+        >
+          {t("carry.keep")}
+        </button>
+      </div>
+    </>
+  );
+}
+
+/** Parking places and chargers where no other vehicle is, or is about to be. */
+function freePlaces(plant: PlantFile | null, atvs: Iterable<AtvView>, but: string): string[] {
+  const taken = new Set([...atvs].filter((atv) => atv.id !== but && !atv.removal).flatMap((atv) => [atv.node, ...atv.holds]));
+  const all = [plant?.parkings, plant?.chargers].flatMap((some) => [...(some ?? [])].sort(byId));
+  return all.filter(({ node }) => !taken.has(node)).map(({ id }) => id);
+}
