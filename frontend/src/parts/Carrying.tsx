@@ -91,9 +91,9 @@ function Back({ act, atv, atvs, busy, nowS, plant, speed }: Acting) {
     <>
       <p>
         {t("carry.said", { by: away.by })}{" "}
-        {leftS > 0
-          ? t("carry.soon", { time: format.duration(leftS * speed) })
-          : away.freed.length > 0 && t("carry.freed", { places: format.list(away.freed) })}
+        {away.freed.length > 0
+          ? t("carry.freed", { places: format.list(away.freed) })
+          : leftS > 0 && t("carry.soon", { time: format.duration(leftS * speed) })}
       </p>
       {away.node !== "" && <p role="status">{t(away.kept ? "carry.kept" : "carry.waits", { node: away.node })}</p>}
       <label for={id}>{t("carry.where")}</label>

@@ -80,7 +80,7 @@ async def test_it_must_be_said_in_so_many_words(house: House) -> None:
 async def test_what_is_free_and_kept_is_shown_as_keepers_tell_it(house: House) -> None:
     heard(house)
     number = (await say(house, "carried-away", **OFF))["removal"]["number"]
-    house.projection.fold(fact(PlacesFreed(atv="ATV1", number=number, by="x", places=("c3", "b3"))))
+    house.bus.say(fact(PlacesFreed(atv="ATV1", number=number, by="x", places=("c3", "b3"))))
     assert (await house.get("/api/atvs/ATV1"))["removal"]["freed"] == ["b3", "c3"]
     back = (await say(house, "put-back", place="p1"))["removal"]
     assert (back["node"], back["kept"]) == ("p1", False)

@@ -24,6 +24,7 @@ from dray.gateway.live.views import (
     MachineView,
     NewsView,
     OpenTaskView,
+    RemovalView,
     ShutOutView,
     StationView,
     TaskView,
@@ -173,6 +174,7 @@ class AreaVisibility:
             watches=tuple(brief for brief in view.watches if self._concerned(brief)),
             dwell_point=view.dwell_point if view.dwell_point in self._places else "",
             problem=self.words(view.problem),
+            removal=self._removal(view.removal),
             shut_out=self._shut_out(view.shut_out),
         )
 
@@ -333,6 +335,15 @@ class AreaVisibility:
         """Whether a node is seen, or the middle of a crossing."""
         crossing = self._plant.crossings.get(place)
         return place in self._nodes if crossing is None else self.reaches(crossing.x_m, crossing.y_m)
+
+    def _removal(self, removal: RemovalView | None) -> RemovalView | None:
+        """Of what is free again only what lies in the areas."""
+        if removal is None:
+            return None
+        node = removal.node if removal.node in self._nodes else ""
+        return replace(
+            removal, freed=tuple(place for place in removal.freed if self._is_seen(place)), node=node
+        )
 
     def _shut_out(self, view: ShutOutView | None) -> ShutOutView | None:
         return None if view is None else replace(view, reason=self.words(view.reason))

@@ -38,7 +38,7 @@ export function VehicleCard({ atv }: { atv: AtvView }) {
           <Where atv={atv} />
         </header>
         <div class="vehicle-now">
-          <p class="doing">{need === "lost" ? lostText(atv) : taskText(atv)}</p>
+          {!atv.removal && <p class="doing">{need === "lost" ? lostText(atv) : taskText(atv)}</p>}
           {need !== "lost" && <Waits atv={atv.id} />}
           <Carrying atv={atv} atvs={world.value?.atvs.values() ?? []} plant={plant.value} {...moment.value} problemText={problemText} />
           {(atv.help !== null || atv.problem !== "") && need !== "lost" && <HelpAsk atv={atv} />}

@@ -1,0 +1,140 @@
+"""A silent vehicle is carried away and put back, step by step: on the tablet and at the vehicle's card."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+from open_house import OpenHouse, open_house
+from playwright.sync_api import Page, expect
+from puppets import Puppet
+from tablet_kit import LOOKS, Enter, card
+from test_jam import BEAT_S, GoingWall, as_manager, choose
+
+from dray.messages import Event
+from dray.messages.fact import PlaceKept, PlacesFreed
+from dray.messages.heartbeat import FloorBrief
+from dray.plant import default_plant
+
+from gateway_kit import House  # isort: skip - their folder is on the path since `puppets` is
+from wall_clock import NOW_S  # isort: skip
+
+OpenPage = Callable[..., Page]
+Screenshot = Callable[..., Path]
+
+PLANT = default_plant()
+DEAD, HERE = "ATV3", "c2"
+OTHERS = {"ATV2": "a1", "ATV5": "c3", "ATV7": "m8", "ATV8": "e1"}
+
+WORDS = {
+    "en": ("Carry ATV3 away", "It is off the floor", "Keep this place", "is kept for it"),
+    "de": ("ATV3 wegtragen", "Es ist weggetragen", "Diesen Platz freihalten", "ist freigehalten"),
+}
+
+
+@pytest.fixture
+def house(sqlite_url: str) -> Iterator[OpenHouse]:
+    with open_house(sqlite_url, wall=GoingWall()) as house:
+        yield house
+
+
+@pytest.fixture
+def dead(house: OpenHouse) -> Puppet:
+    """ATV3 was heard last 40 s ago; the others go on."""
+
+    async def join(inside: House) -> Puppet:
+        def at_s() -> float:
+            return inside.wall() - NOW_S
+
+        async def go_on() -> None:
+            while True:
+                for puppet in others:
+                    puppet.beat(at_s=at_s())
+                await asyncio.sleep(BEAT_S)
+
+        async def stand(atv: str, node: str) -> Puppet:
+            spot = PLANT.nodes[node]
+            state = {"node": node, "floor": FloorBrief((node,)), "at_s": at_s()}
+            return await Puppet.join(inside, atv, spot.x_m, spot.y_m, **state)
+
+        dead = await stand(DEAD, HERE)
+        inside.wall.now_s += 40.0
+        others = [await stand(atv, node) for atv, node in OTHERS.items()]
+        inside.telling = asyncio.create_task(go_on())  # type: ignore[attr-defined]
+        return dead
+
+    return house.do(join)
+
+
+def tell(house: OpenHouse, number: int, fact: PlacesFreed | PlaceKept) -> None:
+    async def say(inside: House) -> None:
+        inside.bus.say(Event(agent="M8", incarnation=1, number=number, at_s=0.0, fact=fact))
+
+    house.do(say)
+
+
+def number_of(house: OpenHouse) -> int:
+    async def ask(inside: House) -> int:
+        view = inside.projection.removals.view(DEAD)
+        assert view is not None
+        return view.number
+
+    return house.do(ask)
+
+
+@pytest.mark.parametrize("look", LOOKS)
+def test_an_operator_carries_a_vehicle_away_and_puts_it_back(
+    enter: Enter, house: OpenHouse, dead: Puppet, screenshot: Screenshot, look: str
+) -> None:
+    begin, off, keep, kept = WORDS[look[-2:]]
+    page = enter(**LOOKS[look])
+    steps = card(page, DEAD).locator(".carrying")
+    expect(card(page, "ATV5").locator(".carrying")).to_have_count(0)
+    steps.get_by_text(begin).click()
+    expect(steps.get_by_role("listitem")).to_have_count(3)
+    expect(steps.get_by_role("button", name=off)).to_be_disabled()
+    steps.get_by_role("checkbox").check()
+    screenshot(page, f"carry-away-{look}")
+    steps.get_by_role("button", name=off).click()
+    expect(steps).to_contain_text("Operator-South")
+    tell(house, 1, PlacesFreed(atv=DEAD, number=number_of(house), by="x", places=(HERE,)))
+    expect(steps).to_contain_text(HERE)
+
+    steps.get_by_role("combobox").select_option(index=0)
+    steps.get_by_role("button", name=keep).click()
+    expect(steps.get_by_role("status")).to_be_visible()
+    place = house.do(_node)
+    tell(house, 2, PlaceKept(atv=DEAD, number=number_of(house), place=place))
+    expect(steps.get_by_role("status")).to_contain_text(kept)
+    screenshot(page, f"put-back-{look}")
+    dead.seq += 1
+    house.do(lambda inside: _speak(inside, dead))
+    expect(steps).to_have_count(0)
+
+
+def test_a_manager_does_so_at_the_vehicle(
+    house: OpenHouse, dead: Puppet, open_page: OpenPage, screenshot: Screenshot
+) -> None:
+    page = as_manager(house, open_page)
+    choose(page, DEAD)
+    steps = page.locator(".card.atv .carrying")
+    steps.get_by_text("Carry ATV3 away").click()
+    steps.get_by_role("checkbox").check()
+    screenshot(page, "carry-away-manager")
+    steps.get_by_role("button", name="It is off the floor").click()
+    expect(steps).to_contain_text("Carried away")
+    steps.get_by_role("button", name="Keep this place").click()
+    expect(steps.get_by_role("status")).to_contain_text("Do not put it down yet")
+    screenshot(page, "put-back-manager")
+
+
+async def _node(inside: House) -> str:
+    view = inside.projection.removals.view(DEAD)
+    assert view is not None
+    return view.node
+
+
+async def _speak(inside: House, dead: Puppet) -> None:
+    dead.beat(at_s=inside.wall() - NOW_S)
