@@ -258,23 +258,6 @@ closures = Table(
     comment="Lanes, places and areas that were closed. number: of the last decision about it, the highest of all is the list's.",
 )
 
-removals = Table(
-    "removals",
-    metadata,
-    Column("atv", Id, primary_key=True),
-    Column("number", BigInteger, nullable=False),
-    Column("life", BigInteger, nullable=False),
-    Column("seq", BigInteger, nullable=False),
-    Column("node", Id, nullable=False),
-    Column("areas", Text, nullable=False),
-    Column("by", String(80), nullable=False),
-    Column("person", Id, nullable=False),
-    Column("at_s", Double, nullable=False),
-    Column("ended_at_s", Double),
-    comment="The newest word about each vehicle that was carried away; node: where it is being put back. areas: of whoever has "
-    "said it, in JSON; null for everywhere. ended_at_s: when the vehicle was heard again.",
-)
-
 incarnations = Table(
     "incarnations",
     metadata,

@@ -3,10 +3,27 @@
 from __future__ import annotations
 
 import msgspec
-from sqlalchemy import delete, insert, select, update
+from sqlalchemy import BigInteger, Column, Double, String, Table, Text, delete, insert, select, update
 from sqlalchemy.ext.asyncio import AsyncConnection
 
-from dray.store.tables import removals
+from dray.store.tables import Id, metadata
+
+removals = Table(
+    "removals",
+    metadata,
+    Column("atv", Id, primary_key=True),
+    Column("number", BigInteger, nullable=False),
+    Column("life", BigInteger, nullable=False),
+    Column("seq", BigInteger, nullable=False),
+    Column("node", Id, nullable=False),
+    Column("areas", Text, nullable=False),
+    Column("by", String(80), nullable=False),
+    Column("person", Id, nullable=False),
+    Column("at_s", Double, nullable=False),
+    Column("ended_at_s", Double),
+    comment="The newest word about each vehicle that was carried away; node: where it is being put back. areas: of whoever has "
+    "said it, in JSON; null for everywhere. ended_at_s: when the vehicle was heard again.",
+)
 
 
 class RemovalRow(msgspec.Struct, frozen=True, gc=False):
