@@ -9,7 +9,7 @@ from typing import Any
 
 from zenoh_kit import PATIENCE_S, Row, run_patiently
 
-from dray.adapters.remote_body import RemoteBody
+from dray.adapters.remote_body import BodySpec, RemoteBody
 from dray.adapters.zenoh.bus import ZenohBus
 from dray.body import Report
 from dray.plant import default_plant
@@ -31,6 +31,8 @@ class House:
         self._row, self._group = row, group
         self.here = row.buses[1].inner
         self.there = row.buses[0].inner
+        self.refusal: Callable[[BodySpec], str] = lambda _: ""
+        """Why one more body cannot be put down."""
         self.floor, self.serving = self._serve(row.buses[0])
         self.settle = row.settle
 
@@ -47,8 +49,11 @@ class House:
 
     def _serve(self, bus: ZenohBus) -> tuple[Floor, asyncio.Task[None]]:
         floor = Floor(PLANT, clock(), seed=1)
-        self.server = FloorServer(bus.inner, PLANT.id, floor)
+        self.server = FloorServer(bus.inner, PLANT.id, floor, self._refuse)
         return floor, self._group.create_task(self.server.run())
+
+    def _refuse(self, spec: BodySpec) -> str:
+        return self.refusal(spec)
 
     async def take_over(self, agent: str, life: int, session: Any = None) -> RemoteBody:
         body = RemoteBody(session or self.here, PLANT.id, agent, life)

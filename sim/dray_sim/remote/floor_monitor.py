@@ -6,8 +6,12 @@ import asyncio
 import logging
 import time
 from collections.abc import Mapping
+from math import hypot
 
+from dray.adapters.remote_body import BodySpec
 from dray.adapters.telemetry.traffic_log import BEGUN, Line, TrafficLog
+from dray.plant import Plant
+from dray.plant.model import VehicleSpec
 from dray.ports import Clock
 from dray_sim.bodies.vehicle.course import Course
 from dray_sim.bodies.vehicle.vehicle import SimVehicle
@@ -23,6 +27,7 @@ class FloorMonitor:
     """Judges the bodies of a floor by their rectangles alone, and says so in the log.
 
     Args:
+        plant: where nodes are, and how long vehicles.
         vehicles: the bodies, by the vehicle's id; further ones may come.
         clock: the plant's clock.
         lines: where it is written down which lanes they enter, if anywhere.
@@ -32,8 +37,14 @@ class FloorMonitor:
     """
 
     def __init__(
-        self, vehicles: Mapping[str, SimVehicle], clock: Clock, lines: TrafficLog | None = None
+        self,
+        plant: Plant,
+        vehicles: Mapping[str, SimVehicle],
+        clock: Clock,
+        lines: TrafficLog | None = None,
     ) -> None:
+        self._plant = plant
+        self._length_m = max(kind.length_m for kind in plant.vehicle_types.values())
         self._vehicles, self._clock, self._lines = vehicles, clock, lines
         self._overlaps = Overlaps(vehicles, strict=False, told=self._on_overlap)
         self._lanes: dict[str, tuple[str, str] | None] = {}
@@ -44,6 +55,17 @@ class FloorMonitor:
     @property
     def overlaps(self) -> int:
         return self._overlaps.count
+
+    def occupied(self, spec: BodySpec) -> str:
+        """Why a vehicle cannot be put down: another one is within its length of that node; empty when none is."""
+        if not isinstance(spec, VehicleSpec) or spec.node not in self._plant.nodes:
+            return ""
+        node = self._plant.nodes[spec.node]
+        for name, vehicle in self._vehicles.items():
+            pose = vehicle.sense().pose
+            if hypot(pose.x_m - node.x_m, pose.y_m - node.y_m) < self._length_m:
+                return f"{name} is at {spec.node}; put {spec.id} down where nobody is, nor drives to"
+        return ""
 
     async def run(self) -> None:
         """Judge until cancelled."""

@@ -16,6 +16,7 @@ from dray.adapters.remote_body.exchange import Exchange, Part
 from dray.adapters.remote_body.questions import REFUSED
 from dray.adapters.remote_body.wire import (
     NO_LIFE,
+    BodySpec,
     Do,
     Taken,
     Told,
@@ -70,10 +71,18 @@ class FloorServer:
         session: of the floor's process.
         plant: the plant's id.
         floor: further bodies are put down here.
+        refusal: why one more body cannot be put down; by default nobody is in its way.
     """
 
-    def __init__(self, session: zenoh.Session, plant: str, floor: Floor) -> None:
+    def __init__(
+        self,
+        session: zenoh.Session,
+        plant: str,
+        floor: Floor,
+        refusal: Callable[[BodySpec], str] = lambda _: "",
+    ) -> None:
         self._session, self._plant, self._floor = session, plant, floor
+        self._refusal = refusal
         self._crossing = Crossing(asyncio.get_running_loop())
         self._served = [self._serve(agent, body) for agent, body in floor.bodies.items()]
         session.declare_queryable(added_key(plant), _answering(self._crossing, self._receive))
@@ -117,6 +126,9 @@ class FloorServer:
             spec = from_part(msgspec.msgpack.decode(data, type=Part))
             try:
                 if spec.id not in self._floor.bodies:
+                    if reason := self._refusal(spec):
+                        query.reply_err(reason, encoding=REFUSED)
+                        return
                     self._served.append(self._serve(spec.id, self._floor.add(spec)))
             except PlantError as error:
                 query.reply_err(str(error), encoding=REFUSED)

@@ -37,11 +37,13 @@ async def serve_floor(surroundings: Surroundings, seed: int) -> None:
         claim = Claim(bus, FLOOR, give_way)
         clock = surroundings.clock()
         floor = Floor(plant, clock, seed=seed, stock_frac=NEARLY_EMPTY_FRAC)
-        server = FloorServer(bus.inner, plant.id, floor)
         monitor = _monitor(surroundings, floor, clock)
-        running = [group.create_task(server.run())]
-        if monitor is not None:
-            running.append(group.create_task(monitor.run()))
+        if monitor is None:
+            server = FloorServer(bus.inner, plant.id, floor)
+            running = [group.create_task(server.run())]
+        else:
+            server = FloorServer(bus.inner, plant.id, floor, monitor.occupied)
+            running = [group.create_task(server.run()), group.create_task(monitor.run())]
         async with surroundings.told(FloorMeter(server, monitor), ClockMeter(clock)):
             with stopped_by_signals(stopped.set):
                 say_ready(FLOOR)
@@ -62,4 +64,4 @@ def _monitor(surroundings: Surroundings, floor: Floor, clock: SystemClock) -> Fl
     if not settings.traffic:
         return None
     lines = None if settings.traffic_log is None else TrafficLog(settings.traffic_log, FLOOR)
-    return FloorMonitor(floor.vehicles, clock, lines)
+    return FloorMonitor(surroundings.plant, floor.vehicles, clock, lines)
