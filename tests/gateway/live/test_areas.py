@@ -5,12 +5,15 @@ from __future__ import annotations
 import json
 from typing import Any
 
+import msgspec
 import pytest
 from areas_kit import (
     AREAS,
     ATV,
+    FLOOR,
     GOAL,
     MACHINE,
+    NODE,
     ORDER,
     STORAGE,
     TASK,
@@ -32,7 +35,7 @@ from dray.gateway.live.projection import Projection
 from dray.gateway.live.stream import Client, Hub
 from dray.gateway.live.timescale import TimeScale
 from dray.gateway.live.views import CommandView
-from dray.gateway.live.visibility import ELSEWHERE
+from dray.gateway.live.visibility import ELSEWHERE, AreaVisibility
 from dray.messages import Message
 
 pytestmark = pytest.mark.anyio
@@ -254,6 +257,27 @@ async def test_no_delta_names_anything_of_other_areas(area: str) -> None:
         assert words(frame) & secrets_of(area) == set(), frame
     numbers = [json.loads(frame)["number"] for frame in said]
     assert numbers == list(range(numbers[0], numbers[0] + len(numbers))), "and no gap tells of a frame"
+
+
+@every_area
+async def test_who_waits_for_one_elsewhere_says_so_and_not_for_whom(area: str) -> None:
+    stage = Stage(*everything())
+    stage.tell(*(standing(other, seq=40) for other in AREAS))
+    stage.projection.look(NOW_S + 40.0)
+    frame = await next_of(stage.join(operator(area)))
+    (wait,) = frame["waits"]
+    assert (wait["id"], wait["place"], wait["cause"]["chain"]) == (ATV[area], NODE[area], [ELSEWHERE])
+    assert wait["text"] == "waits for *, in a circle"
+    (jam,) = (each for each in frame["alerts"] if each["kind"] == "jam")
+    assert sorted(set(jam["vehicles"])) == [ELSEWHERE, ATV[area]]
+    (atv,) = frame["atvs"]
+    seen = {
+        node["id"]
+        for node in msgspec.to_builtins(AreaVisibility(stage.projection, frozenset([area])).plant())["nodes"]
+    }
+    assert 0 < len(atv["holds"]) < len(FLOOR.nodes)
+    assert set(atv["holds"]) <= seen
+    assert words(frame) & secrets_of(area) == set()
 
 
 async def test_a_mirror_of_the_deltas_is_the_same_as_a_fresh_snapshot() -> None:

@@ -9,11 +9,13 @@ named: where there is one it says `ELSEWHERE`. Only commands that were given to 
 from __future__ import annotations
 
 import re
+from itertools import groupby
 
 from msgspec.structs import replace
 
 from dray.gateway.live.projection.projection import Projection
 from dray.gateway.live.projection.site import Site
+from dray.gateway.live.reasons import wait_text
 from dray.gateway.live.views import (
     AlertView,
     AtvView,
@@ -262,7 +264,8 @@ class AreaVisibility:
         if not self.has(view.id):
             return None
         place = view.place if self._is_seen(view.place) else ""
-        return replace(view, place=place, cause=self._wait_cause(view.cause), text=self.words(view.text))
+        cause = self._wait_cause(view.cause)
+        return replace(view, place=place, cause=cause, text=wait_text(cause))
 
     def words(self, text: str) -> str:
         """Words for people, in which no vehicle is named that stands elsewhere."""
@@ -316,8 +319,10 @@ class AreaVisibility:
         return replace(view, detail=self.words(view.detail), wait=wait, text=self.words(view.text))
 
     def _wait_cause(self, view: WaitCauseView) -> WaitCauseView:
+        """Those elsewhere, one behind the other, are one: how many there are is not said."""
         place = view.place if view.place in self._places else ""
-        return replace(view, chain=tuple(self._who(atv) for atv in view.chain), place=place)
+        chain = tuple(who for who, _ in groupby(self._who(atv) for atv in view.chain))
+        return replace(view, chain=chain, place=place)
 
     def _jam(self, view: AlertView) -> AlertView | None:
         """A jam in which somebody is seen."""
