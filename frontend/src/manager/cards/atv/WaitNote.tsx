@@ -9,7 +9,7 @@ export function WaitNote({ wait }: { wait: WaitView }) {
   const { cause, id } = wait;
   const last = cause.chain.length - 1;
   return (
-    <div class="wait-note" role="status">
+    <div class="wait-note">
       <p>{t("wait.says", { atv: id, what: waitText(cause) })}</p>
       <ol>
         <Step id={id} sinceAtS={wait.since_at_s} />

@@ -58,7 +58,7 @@ def _end(view: WaitView, waits: Waits) -> str:
     chain = waits.chain(view.id)
     if chain.circle:
         return chain.circle[0]
-    return view.cause.place or (chain.ahead[-1] if chain.ahead else view.id)
+    return view.cause.place or chain.last or view.id
 
 
 def _is_circle_stuck(views: list[WaitView], waits: Waits, present_s: float, speed: float) -> bool:
@@ -72,7 +72,7 @@ def _is_circle_stuck(views: list[WaitView], waits: Waits, present_s: float, spee
 def _jam(views: list[WaitView], waits: Waits) -> Condition:
     first = views[0]
     chain = waits.chain(first.id)
-    ends = chain.circle or chain.ahead[-1:] or (first.id,)
+    ends = chain.circle or (chain.last or first.id,)
     vehicles = tuple(view.id for view in views)
     cause = replace(first.cause, chain=ends, more=0)
     return Condition(

@@ -8,6 +8,9 @@ import msgspec
 
 from dray.gateway.live.views.wait import WaitKind
 
+NAMED = 8
+"""Vehicles of a chain that are named at most: nobody reads more."""
+
 
 class Standing(msgspec.Struct, frozen=True, gc=False):
     """What is known of one vehicle, as far as others may wait for it."""
@@ -22,12 +25,19 @@ class Standing(msgspec.Struct, frozen=True, gc=False):
 class Chain(msgspec.Struct, frozen=True, gc=False):
     """For whom one vehicle waits."""
 
-    ahead: tuple[str, ...]
-    """Whom it waits for, whom that one waits for, and so on to the last one."""
     kind: WaitKind
     """What holds up the last one; the vehicle itself where there is nobody ahead."""
+    ahead: tuple[str, ...] = ()
+    """Whom it waits for, whom that one waits for, and so on: the first `NAMED` at most."""
+    last: str = ""
+    """The one at the end; empty where there is nobody ahead."""
+    count: int = 0
+    """How many there are ahead."""
     circle: tuple[str, ...] = ()
     """Those that wait for one another, each for the next one and the last for the first, which is the least by its id."""
+
+
+UNKNOWN = Chain("silent")
 
 
 def chains_of(vehicles: Mapping[str, Standing]) -> dict[str, Chain]:
@@ -54,16 +64,25 @@ def _follow(first: str, vehicles: Mapping[str, Standing], ends: dict[str, Chain]
         onward = list(path)
         _close(onward[onward.index(here) :], ends)
     elif here not in ends and here in vehicles:
-        ends[here] = Chain((), vehicles[here].kind)
+        ends[here] = Chain(vehicles[here].kind)
     for atv in reversed(path):
         if atv not in ends:
-            after = ends.get(vehicles[atv].waits_for, Chain((), "silent"))
-            ends[atv] = Chain((vehicles[atv].waits_for, *after.ahead), after.kind, after.circle)
+            ends[atv] = _behind(vehicles[atv].waits_for, ends)
+
+
+def _behind(atv: str, ends: dict[str, Chain]) -> Chain:
+    """The chain of one that waits for this vehicle."""
+    after = ends.get(atv, UNKNOWN)
+    return Chain(
+        after.kind, (atv, *after.ahead)[:NAMED], after.last or atv, after.count + 1, circle=after.circle
+    )
 
 
 def _close(members: list[str], ends: dict[str, Chain]) -> None:
     """Those that wait in a circle: each names the others, in the order in which they wait."""
     least = members.index(min(members))
     circle = (*members[least:], *members[:least])
+    others, twice = len(circle) - 1, circle * 2
     for place, atv in enumerate(circle):
-        ends[atv] = Chain((*circle[place + 1 :], *circle[:place]), "circle", circle)
+        ahead = twice[place + 1 : place + 1 + min(others, NAMED)]
+        ends[atv] = Chain("circle", ahead, circle[place - 1] if others else "", others, circle)

@@ -8,7 +8,7 @@ import msgspec
 from msgspec import UNSET
 
 from dray.gateway.live.projection.changes import Changes
-from dray.gateway.live.projection.right_of_way.chains import Chain, Standing, chains_of
+from dray.gateway.live.projection.right_of_way.chains import NAMED, Chain, Standing, chains_of
 from dray.gateway.live.reasons import wait_text
 from dray.gateway.live.views import WaitCauseView, WaitView
 from dray.gateway.live.views.wait import WaitKind
@@ -16,9 +16,6 @@ from dray.messages import AtvHeartbeat, AtvStatus, Phase
 from dray.messages.heartbeat import FloorBrief
 from dray.plant import Plant
 from dray.store.history.clocks import ToWall
-
-NAMED = 8
-"""Vehicles of a chain that are named at most: nobody reads more."""
 
 SILENT = Standing("silent")
 
@@ -135,15 +132,15 @@ class Waits:
         )
 
     def _cause(self, atv: str, chain: Chain, plant: Plant) -> WaitCauseView:
-        last = self._told.get(chain.ahead[-1] if chain.ahead else atv)
+        last = self._told.get(chain.last or atv)
         since_s = None if chain.circle or last is None else last.since_s
-        more = max(len(chain.ahead) - NAMED, 0)
+        more = max(chain.count - NAMED, 0)
         place = ""
         if last is not None and chain.kind in ("docked", "charging", "standing"):
             place = self._dock(last.node, plant)
         return WaitCauseView(
             kind=chain.kind,
-            chain=(*chain.ahead[: NAMED - 1], chain.ahead[-1]) if more else chain.ahead,
+            chain=(*chain.ahead[: NAMED - 1], chain.last) if more else chain.ahead,
             more=more,
             place=place,
             since_at_s=None if since_s is None else self._to_wall_s(since_s),
