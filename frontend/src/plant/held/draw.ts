@@ -52,17 +52,23 @@ export function drawWaits(brush: Brush, lines: readonly WaitLine[]): void {
   }
 }
 
-/** One outline around all that are in a jam, under the vehicles. */
+/** One outline around all that are in a jam: the first thing on its canvas, and what lies under it stays legible. */
 export function drawJams(brush: Brush, jams: readonly Jam[]): void {
+  if (jams.length === 0) return;
   const { ctx, detail, palette } = brush;
   ctx.lineCap = "round";
   ctx.lineJoin = "round";
   const width = 2 * detail.vehiclePx + 14;
-  for (const [colour, px] of [["alarm", width], ["alarm-soft", width - 3]] as const) {
-    ctx.beginPath();
-    for (const { lines } of jams) for (const { from, to } of lines) trace(brush, [from, { x: to.x + 1e-4, y: to.y }]);
-    stroke(ctx, palette[colour], px);
-  }
+  ctx.beginPath();
+  // A line of no length has no round ends in every browser.
+  for (const { lines } of jams) for (const { from, to } of lines) trace(brush, [from, { x: to.x + 1e-4, y: to.y }]);
+  stroke(ctx, palette.alarm, width);
+  ctx.globalCompositeOperation = "destination-out";
+  stroke(ctx, palette.alarm, width - 4);
+  ctx.globalCompositeOperation = "source-over";
+  ctx.globalAlpha = 0.16;
+  stroke(ctx, palette.alarm, width - 4);
+  ctx.globalAlpha = 1;
   ctx.lineCap = "butt";
 }
 
