@@ -60,6 +60,7 @@ class Floor:
         gate: of all delivery warehouses; the strategist's body.
         in_hands: pieces that people carry, by item.
         lifted: vehicles that people have taken off the floor.
+        carried: the same, and those that were put down and not switched on since: what their last life held is not theirs.
     """
 
     def __init__(
@@ -85,6 +86,7 @@ class Floor:
         self.in_hands: Counter[str] = Counter()
         self.vehicles: dict[str, SimVehicle] = {}
         self.lifted: set[str] = set()
+        self.carried: set[str] = set()
         self._places: dict[str, Place] = {
             **dict.fromkeys(plant.source_warehouses, self.source),
             **self.storages,
@@ -109,6 +111,7 @@ class Floor:
         """
         self.vehicles[atv].place_at("")
         self.lifted.add(atv)
+        self.carried.add(atv)
 
     def put_down(self, atv: str, node: str) -> None:
         """Put a lifted vehicle on a node, switched off as it is; harmless when it is on the floor.

@@ -1,7 +1,7 @@
 """Invariant 14: no place is held by two vehicles, whatever was lost, restarted or torn apart.
 
 What a vehicle holds is asked of the vehicle itself, also of one whose process has ended: it holds what it held,
-as long as it is on the floor. One that lies is not asked.
+until people carry it away. One that lies is not asked.
 """
 
 from __future__ import annotations
@@ -40,7 +40,9 @@ class HeldPlaces:
             InvariantBroken: two vehicles hold one place.
         """
         holders: dict[str, str] = {}
-        for atv in self._factory.floor.standing:
+        for atv in self._factory.vehicles:
+            if atv in self._factory.floor.carried:
+                continue
             agent = self._factory.workers[atv].agent
             right_of_way = agent.right_of_way if type(agent) is Atv else None
             for place in right_of_way.holds if right_of_way is not None else ():

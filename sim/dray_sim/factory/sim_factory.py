@@ -215,6 +215,7 @@ class SimFactory:
         if agent == STRATEGIST or agent in self.storages or not self._powered(agent).off:
             installed.journal.begin_life()
             installed.clock.begin_life()
+            self.floor.carried.discard(agent)
             self._enliven(agent, probation)
             self._start(agent)
 
@@ -289,10 +290,12 @@ class SimFactory:
     def held_places(self) -> dict[str, str]:
         """Who holds which place, by the vehicles' own word; of one whose process has ended, by its last. Empty without right of way.
 
-        A vehicle that was lifted off the floor holds none.
+        A vehicle that was lifted off the floor holds none before it is switched on.
         """
         holders: dict[str, str] = {}
-        for atv in self.floor.standing:
+        for atv in self.vehicles:
+            if atv in self.floor.carried:
+                continue
             agent = self.workers[atv].agent
             right_of_way = agent.right_of_way if isinstance(agent, Atv) else None
             holders |= dict.fromkeys(right_of_way.holds if right_of_way is not None else (), atv)
