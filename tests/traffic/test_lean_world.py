@@ -15,6 +15,7 @@ from dray.protocol.traffic.places import Footprint, Places
 from dray_sim.bench.traffic import plants
 from dray_sim.bench.traffic.air import Quality
 from dray_sim.bench.traffic.checks import Found, overlap
+from dray_sim.bench.traffic.drawn import drawn
 from dray_sim.bench.traffic.faults import draw_faults
 from dray_sim.bench.traffic.run import FIRST_COME, Setting, World, build, finish, run_boxes, run_ghosts
 
@@ -59,6 +60,15 @@ def test_nobody_overlaps_and_nobody_is_stuck(floor: str, quality: Quality) -> No
     assert world.checks.found == Found()
     assert stands_s(world, 0.0) < STAND_S
     assert finish(world).per_h > 20.0
+
+
+@pytest.mark.parametrize("seed", [292, 572, 825, 930])
+def test_nobody_is_stuck_where_chance_has_put_roads(seed: int) -> None:
+    """Two who had to make room in turn did so for ever, or waited for one who could have driven on, and was asked to let them past."""
+    world = build(Setting(drawn(seed), seed, 900.0))
+    world.clock.run(900.0)
+    assert world.checks.found == Found()
+    assert stands_s(world, 0.0) < STAND_S
 
 
 @pytest.mark.parametrize("floor", FLOORS)

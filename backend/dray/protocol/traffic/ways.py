@@ -129,6 +129,7 @@ class Ways:
         taken: Container[str],
         prices: Prices,
         own: Iterable[str] = (),
+        behind_others: bool = True,
     ) -> tuple[str, ...] | None:
         """The cheapest way out of somebody's way; None when there is none.
 
@@ -139,6 +140,8 @@ class Ways:
             taken: places that somebody holds, who would have to make room in turn: no refuge, but passed if need be.
             prices: of places.
             own: the nodes of its own way.
+            behind_others: whether it may lie behind a vehicle that has to let this one past. Otherwise the way ends where that
+                vehicle is: it makes room by driving on.
         """
         mine = frozenset(own)
 
@@ -164,7 +167,15 @@ class Ways:
                 and self._places.may_stop(node)
             )
 
-        return self._search(start, lambda _: 0.0, cost_s, is_refuge)
+        def can_be_left(node: str) -> bool:
+            """Whoever is there can make room by driving on where this way leads."""
+            return node not in avoid and self._places.place_of(node) in taken and self._places.may_stop(node)
+
+        way = self._search(start, lambda _: 0.0, cost_s, is_refuge)
+        if way is None or behind_others:
+            return way
+        end = next((number for number in range(1, len(way)) if can_be_left(way[number])), len(way) - 1)
+        return way[: end + 1]
 
     def _search(
         self,

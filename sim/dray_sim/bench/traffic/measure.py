@@ -14,6 +14,7 @@ from dray.plant import Plant
 from dray_sim.bench.row import Row
 from dray_sim.bench.traffic import plants
 from dray_sim.bench.traffic.air import Quality
+from dray_sim.bench.traffic.drawn import drawn
 from dray_sim.bench.traffic.planner import run_central
 from dray_sim.bench.traffic.run import (
     FIRST_COME,
@@ -48,6 +49,13 @@ PLANTS: dict[str, Callable[[], Plant]] = {
     "kiva-100": lambda: plants.kiva(100),
 }
 """Floors by name; single track, where the name does not say otherwise."""
+
+DRAWN = "drawn"
+"""Instead of one floor: one for each seed. It is not among `PLANTS`, and runs only when it is asked for."""
+
+DRAWN_SPAN_S = 900.0
+
+DRAWN_SEEDS, QUICK_DRAWN_SEEDS = range(1000), range(20)
 
 OF_GHOSTS = {
     "default-8": 0.75,
@@ -118,7 +126,8 @@ class Case:
 
     def play(self) -> Figures:
         """Let it run."""
-        setting = Setting(PLANTS[self.plant](), self.seed, self.span_s, self.per_h, self.quality)
+        plant = drawn(self.seed) if self.plant == DRAWN else PLANTS[self.plant]()
+        setting = Setting(plant, self.seed, self.span_s, self.per_h, self.quality)
         if self.scheme == "ghosts":
             return run_ghosts(setting)
         if self.scheme == "planner":
@@ -162,16 +171,45 @@ def measure(quick: bool, plant: str = "", seeds: Sequence[int] | None = None) ->
     Raises:
         SettingsError: there is no such floor.
     """
+    if plant == DRAWN:
+        return _drawn_rows(seeds or (QUICK_DRAWN_SEEDS if quick else DRAWN_SEEDS))
     if plant and plant not in PLANTS:
-        raise SettingsError("plant", f"there is no floor {plant!r}; there are {', '.join(PLANTS)}")
+        known = ", ".join((*PLANTS, DRAWN))
+        raise SettingsError("plant", f"there is no floor {plant!r}; there are {known}")
     names = [plant] if plant else [name for name in PLANTS if not quick or name not in LARGE]
     chosen = tuple(seeds) if seeds is not None else tuple(QUICK_SEEDS if quick else SEEDS)
     span_s = QUICK_SPAN_S if quick else SPAN_S
-    cases = list(dict.fromkeys(_cases(names, chosen, span_s, all_seeds=seeds is not None)))
+    return list(_rows(names, _played(_cases(names, chosen, span_s, all_seeds=seeds is not None))))
+
+
+def _played(cases: Iterable[Case]) -> dict[Case, Figures]:
+    """All of them, on all processors."""
+    once = list(dict.fromkeys(cases))
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(max_workers=os.cpu_count(), mp_context=context) as pool:
-        played = dict(zip(cases, pool.map(Case.play, cases), strict=True))
-    return list(_rows(names, played))
+        return dict(zip(once, pool.map(Case.play, once, chunksize=4), strict=True))
+
+
+def _drawn_rows(seeds: Sequence[int]) -> list[Row]:
+    """Whether right of way works wherever chance has put roads; what does not is told by its seed."""
+    runs = {
+        case.seed: run for case, run in _played(Case(DRAWN, each, DRAWN_SPAN_S) for each in seeds).items()
+    }
+    stuck = [seed for seed, run in runs.items() if run.stuck]
+    waited = [seed for seed, run in runs.items() if run.longest_s > STAND_S]
+    faulty = [seed for seed, run in runs.items() if run.found.faults]
+
+    def row(what: str, found: list[int]) -> Row:
+        told = f"seeds {', '.join(map(str, found))}" if found else ""
+        return Row(
+            f"traffic drawn: {what}", len(found), f"of {len(runs)} floors", 1.0, "one", 0.0, told, less=True
+        )
+
+    return [
+        row("overlaps, places held twice, broken rules", faulty),
+        row("somebody stuck", stuck),
+        row("somebody waited for two minutes", waited),
+    ]
 
 
 def _cases(names: Iterable[str], seeds: tuple[int, ...], span_s: float, *, all_seeds: bool) -> Iterator[Case]:

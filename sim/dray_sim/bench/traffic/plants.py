@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Set as AbstractSet
 from math import ceil
 
 import msgspec
@@ -145,6 +146,40 @@ def kiva(vehicles: int = 100) -> Plant:
     return _plant("kiva", spots, lanes, docks, starts, vehicles, (54.0, 24.0), machines=len(stations))
 
 
+def spurred(
+    name: str,
+    spots: Mapping[str, tuple[float, float]],
+    lanes: Sequence[tuple[str, str]],
+    one_way: AbstractSet[tuple[str, str]],
+    docks: Sequence[tuple[str, tuple[float, float]]],
+    stands: Sequence[tuple[str, tuple[float, float]]],
+    size_m: tuple[float, float],
+) -> Plant:
+    """Roads with docks and parking places on spurs; a vehicle on each parking place.
+
+    Args:
+        name: of the plant.
+        spots: node -> where it is (x, y).
+        lanes: by their ends; both ways, but for those in `one_way`.
+        one_way: as they may be driven.
+        docks: the node from which a spur leads to each, and where it ends (x, y).
+        stands: the same of parking places.
+        size_m: of the floor.
+    """
+    ends = {f"d{number}": spur for number, spur in enumerate(docks)}
+    ends |= {f"p{number}": spur for number, spur in enumerate(stands)}
+    return _plant(
+        name,
+        {**spots, **{end: spot for end, (_, spot) in ends.items()}},
+        [*lanes, *((node, end) for end, (node, _) in ends.items())],
+        list(ends)[: len(docks)],
+        list(ends)[len(docks) :],
+        len(stands),
+        size_m,
+        one_way=one_way,
+    )
+
+
 def _plant(
     name: str,
     spots: Mapping[str, tuple[float, float]],
@@ -154,6 +189,7 @@ def _plant(
     vehicles: int,
     size_m: tuple[float, float],
     machines: int = 0,
+    one_way: AbstractSet[tuple[str, str]] = frozenset(),
 ) -> Plant:
     """A plant whose docks are machines, storages and warehouses in turn; vehicles begin where they may stand."""
     base = default_plant().file
@@ -178,7 +214,13 @@ def _plant(
         height_m=size_m[1],
         nodes=tuple(Node(node, *spot) for node, spot in spots.items()),
         lanes=tuple(
-            Lane(start, end, SPUR_MPS if ends & {start, end} else 1.5, both_ways=True) for start, end in lanes
+            Lane(
+                start,
+                end,
+                SPUR_MPS if ends & {start, end} else 1.5,
+                both_ways=(start, end) not in one_way,
+            )
+            for start, end in lanes
         ),
         materials=base.materials,
         products=base.products,

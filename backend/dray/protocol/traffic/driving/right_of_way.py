@@ -11,6 +11,7 @@ from dray.messages.traffic import (
     ROUTE_MAX,
     HoldsAsked,
     PlaceGranted,
+    Rank,
     YieldAsked,
     YieldRefused,
 )
@@ -93,6 +94,7 @@ class RightOfWay(PlaceRequests):
         self.docked = self._rests = False
         self._rank = (rank_class, now_s, self.atv)
         self._held_up_s = None
+        self._yielding.begin_leg()
         if self.errand is Errand.OWN:
             self.way.turn_to(way)
         self._settle(now_s)
@@ -185,14 +187,14 @@ class RightOfWay(PlaceRequests):
             return
         own = (self.way.node, *self.way.ahead)
         chain = (asked.waiting, *asked.chain)
-        way = self._yielding.refuge(self.way.node, self.goal, asked.avoid, chain, asked.rank, now_s)
+        way = self._refuge(asked.avoid, chain, asked.rank, now_s)
         # Who has nowhere to go inherits, too: it comes out with the rank of the one who makes room for it.
         self._yielding.inherit(asked, now_s)
         if way is None:
             self._yielding.refuse(asked.waiting, own[:ROUTE_MAX], self.way.held, now_s)
             self._settle(now_s)
         else:
-            self._leave_for(way, now_s, backtracks=False)
+            self._leave_for(way, now_s)
 
     def on_yield_refused(self, sender: str, refused: YieldRefused, now_s: float) -> None:
         """Whoever is in the way has nowhere to go."""
@@ -202,9 +204,9 @@ class RightOfWay(PlaceRequests):
         chain = inherited.chain if inherited is not None else ()
         avoid = refused.avoid + (inherited.avoid if inherited is not None else ())
         rank = self.rank(now_s)
-        way = self._yielding.refuge(self.way.node, self.goal, avoid, (sender, *chain), rank, now_s)
+        way = self._refuge(avoid, (sender, *chain), rank, now_s)
         if way is not None:
-            self._leave_for(way, now_s, backtracks=inherited is None)
+            self._leave_for(way, now_s, refuser=sender if inherited is None else "")
         elif inherited is not None:
             self._yielding.refuse(inherited.pusher, refused.avoid, self.way.held, now_s)
 
@@ -259,9 +261,15 @@ class RightOfWay(PlaceRequests):
         for district in self._places.keepers_of:
             self.wishes.open(district)
 
-    def _leave_for(self, way: tuple[str, ...], now_s: float, *, backtracks: bool) -> None:
+    def _refuge(
+        self, avoid: tuple[str, ...], chain: tuple[str, ...], rank: Rank, now_s: float
+    ) -> tuple[str, ...] | None:
+        again = self.errand is Errand.REFUGE
+        return self._yielding.refuge(self.way.node, self.goal, avoid, chain, rank, now_s, again=again)
+
+    def _leave_for(self, way: tuple[str, ...], now_s: float, *, refuser: str = "") -> None:
         self.errand = Errand.REFUGE
-        self._yielding.leave(now_s, backtracks=backtracks)
+        self._yielding.leave(now_s, refuser=refuser)
         self.way.turn_to(way)
         self._timers.clear(RESTED)
         self._settle(now_s)

@@ -26,6 +26,9 @@ REST_S = 1.0
 BACKTRACK_S = 6.0
 """At a refuge that was taken because somebody had nowhere to go: so long it takes him to come out and past."""
 
+BACKTRACKS_MAX = 4
+"""So often that time is doubled at most, when it was not enough for the same vehicle."""
+
 BACKTRACK_MORE_S = 2.0
 """Added to that by a part that follows from the vehicle's name, so that two do not go on together."""
 
@@ -69,6 +72,8 @@ class Yielding:
         """When the present refuge was chosen."""
         self._backtracks = False
         """It makes room because somebody else has nowhere to go."""
+        self._refuser, self._again = "", 0
+        """For whom it did so last on this leg, and how often before."""
         self._refused_s = -REFUSE_AGAIN_S
 
     # --- ranks -----------------------------------------------------------------------------------
@@ -113,6 +118,8 @@ class Yielding:
         chain: tuple[str, ...],
         rank: Rank,
         now_s: float,
+        *,
+        again: bool,
     ) -> tuple[str, ...] | None:
         """The cheapest way out of somebody's way; None when there is none.
 
@@ -123,6 +130,7 @@ class Yielding:
             chain: the vehicles for whom it makes room.
             rank: of the first one of them.
             now_s: when.
+            again: the one before was not reached: whoever was in the way there drives on itself, if it can.
         """
         forbidden, taken = self._outlook.holders(chain, rank, now_s)
         return self._ways.refuge(
@@ -132,11 +140,19 @@ class Yielding:
             taken=taken,
             prices=self._outlook.prices(now_s),
             own=self._ways.way(here, goal) or (),
+            behind_others=not again,
         )
 
-    def leave(self, now_s: float, *, backtracks: bool) -> None:
-        """It drives to a refuge from now on; because somebody else has nowhere to go, or not."""
-        self._refuge_s, self._backtracks = now_s, backtracks
+    def begin_leg(self) -> None:
+        """It goes somewhere else: what was in the way there counts no more."""
+        self._refuser, self._again = "", 0
+
+    def leave(self, now_s: float, *, refuser: str = "") -> None:
+        """It drives to a refuge from now on; because somebody else, the refuser, has nowhere to go, or not."""
+        self._refuge_s, self._backtracks = now_s, bool(refuser)
+        if refuser:
+            self._again = min(self._again + 1, BACKTRACKS_MAX) if refuser == self._refuser else 0
+            self._refuser = refuser
 
     def is_patient(self, now_s: float) -> bool:
         """Whether the refuge that was chosen last may still be reached."""
@@ -151,7 +167,7 @@ class Yielding:
         """Room is made; how long to rest there (s)."""
         rest_s = REST_S
         if self._backtracks:
-            rest_s = BACKTRACK_S + BACKTRACK_MORE_S * spread_frac(self._atv)
+            rest_s = BACKTRACK_S * 2.0**self._again + BACKTRACK_MORE_S * spread_frac(self._atv)
         self._backtracks = False
         self.stop()
         return rest_s
