@@ -159,10 +159,43 @@ def postgresql_url(postgres: Postgres) -> Iterator[str]:
     postgres.take_back(url)
 
 
+SQLITE_ONLY = frozenset(
+    f"test_{noun}"
+    for noun in (
+        "access",
+        "areas",
+        "areas_rest",
+        "audit_log",
+        # Refused before any database is asked; test_openapi tries on both what neither may hold.
+        "bad_addresses",
+        "bad_input",
+        "commands",
+        "fault_injection",
+        "keys",
+        "live",
+        "login_pages",
+        "metrics",
+        "middleware",
+        "pages",
+        "revocations",
+        "sessions",
+        "stream",
+        "stream_access",
+        "stream_socket",
+        "track",
+        "track_links",
+        "why",
+    )
+)
+"""Modules of the gateway in which the kind of database has no part, or none that the store's own tests do not have:
+on both, they would take two minutes for nothing."""
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    items[:] = [item for item in items if not _is_needless(item)]
     for item in items:
-        # What depends on the kind of database is the store's, whose own tests run on both.
-        if _place(item).parts[0] == "gateway" and _is_on_postgresql(item):
+        # What depends on the kind of database is the store's, whose own tests run on both in `make test`.
+        if _is_on_postgresql(item) and _place(item).parts[0] != "store":
             item.add_marker(pytest.mark.slow)
     items.sort(key=lambda item: item.path.stem != LONGEST)
 
@@ -172,6 +205,10 @@ def pytest_collection_finish() -> None:
     # What was imported and collected stays to the end: the collector of garbage need not look through it again and again.
     gc.collect()
     gc.freeze()
+
+
+def _is_needless(item: pytest.Item) -> bool:
+    return _is_on_postgresql(item) and _place(item).parts[0] == "gateway" and item.path.stem in SQLITE_ONLY
 
 
 def _is_on_postgresql(item: pytest.Item) -> bool:

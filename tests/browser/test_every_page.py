@@ -57,7 +57,7 @@ def opened(factory: Any, open_page: OpenPage, shown: Shown, **options: Any) -> P
     return page
 
 
-@pytest.mark.parametrize("language", LOCALES)
+@pytest.mark.parametrize("language", ["en", "de", pytest.param("es", marks=pytest.mark.slow)])
 @pytest.mark.parametrize("name", PAGES)
 def test_every_page_is_itself_in_every_language_and_theme(
     factory: Any, open_page: OpenPage, screenshot: Screenshot, name: str, language: str

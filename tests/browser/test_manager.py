@@ -327,7 +327,7 @@ def test_whoever_logs_out_is_led_to_the_login_in_every_tab(quiet_factory: str, o
     other.wait_for_url("**/login?next=*")
 
 
-@pytest.mark.parametrize("theme", ["light", "dark"])
+@pytest.mark.parametrize("theme", ["light", pytest.param("dark", marks=pytest.mark.slow)])
 def test_a_busy_plant_is_shown_without_complaints_in_both_themes(
     busy_factory: str, open_page: OpenPage, screenshot: Screenshot, theme: str
 ) -> None:

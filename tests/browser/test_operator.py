@@ -40,6 +40,8 @@ from dray.messages import AtvStatus, CommandKind
 OpenPage = Callable[..., Page]
 Screenshot = Callable[..., Path]
 
+IN_EACH_LOOK = ["upright-dark-de", pytest.param("lying-light-en", marks=pytest.mark.slow)]
+
 
 # --- coming in ---------------------------------------------------------------------------------------
 
@@ -95,7 +97,7 @@ def test_every_stop_is_as_large_as_a_thumb_and_everything_else_as_a_finger_in_a_
 # --- stop, acknowledge, resume -----------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("look", LOOKS)
+@pytest.mark.parametrize("look", IN_EACH_LOOK)
 def test_a_stop_holds_until_two_acts_in_two_places_end_it(
     house: OpenHouse, vehicles: dict[str, Puppet], enter: Enter, screenshot: Screenshot, look: str
 ) -> None:
@@ -147,7 +149,7 @@ def test_speed_is_limited_in_steps_and_the_vehicles_word_shows_which(
     assert (command.kind, command.speed_frac, command.issued_by) == (CommandKind.SET_SPEED, 0.5, WHO.title())
 
 
-@pytest.mark.parametrize("look", LOOKS)
+@pytest.mark.parametrize("look", IN_EACH_LOOK)
 def test_a_call_for_help_comes_first_and_a_promise_is_told_to_the_vehicle(
     house: OpenHouse, vehicles: dict[str, Puppet], enter: Enter, screenshot: Screenshot, look: str
 ) -> None:

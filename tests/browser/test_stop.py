@@ -148,7 +148,7 @@ def _run_until(page: Page, atv: str, text: str) -> None:
 # --- one line ----------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("count", [1, 8, 50])
+@pytest.mark.parametrize("count", [1, pytest.param(8, marks=pytest.mark.slow), 50])
 @pytest.mark.parametrize("size", [LYING, UPRIGHT], ids=["lying", "upright"])
 def test_the_bar_is_one_line_that_hides_nothing_however_many_there_are(
     house: OpenHouse, enter: Enter, screenshot: Screenshot, count: int, size: dict[str, int]

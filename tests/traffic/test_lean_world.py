@@ -54,7 +54,9 @@ def played(floor: str, seed: int, quality: Quality, *, gap_s: float = 0.0, span_
 
 
 @pytest.mark.parametrize("floor", FLOORS)
-@pytest.mark.parametrize("quality", [GOOD, POOR, SLOW], ids=["good", "poor", "slow"])
+@pytest.mark.parametrize(
+    "quality", [GOOD, pytest.param(POOR, marks=pytest.mark.slow), SLOW], ids=["good", "poor", "slow"]
+)
 def test_nobody_overlaps_and_nobody_is_stuck(floor: str, quality: Quality) -> None:
     world = played(floor, 1, quality)
     assert world.checks.found == Found()

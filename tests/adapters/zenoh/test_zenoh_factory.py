@@ -51,7 +51,9 @@ async def a_vehicle_dies_on_its_way(stage: Stage) -> object:
     return fulfilled, arrived, changed.carrier != dead
 
 
-@pytest.mark.parametrize("story", [an_order_is_delivered, a_vehicle_dies_on_its_way])
+@pytest.mark.parametrize(
+    "story", [pytest.param(an_order_is_delivered, marks=pytest.mark.slow), a_vehicle_dies_on_its_way]
+)
 def test_a_story_ends_alike_on_both_buses(story: Story) -> None:
     assert on_zenoh(story) == on_the_simulated_network(story)
 
@@ -92,6 +94,9 @@ def beside(behaviour: str, drops: bool) -> Story:
     return story
 
 
-@pytest.mark.parametrize(("behaviour", "drops"), [("bids-nothing", False), ("bids-the-least", True)])
+@pytest.mark.parametrize(
+    ("behaviour", "drops"),
+    [pytest.param("bids-nothing", False, marks=pytest.mark.slow), ("bids-the-least", True)],
+)
 def test_a_liar_on_the_real_bus_keeps_no_order_from_being_delivered(behaviour: str, drops: bool) -> None:
     assert on_zenoh(beside(behaviour, drops)) == on_the_simulated_network(an_order_is_delivered)

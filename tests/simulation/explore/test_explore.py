@@ -139,8 +139,15 @@ def test_processes_change_nothing_but_the_time(monkeypatch: pytest.MonkeyPatch) 
     assert one.rate > 0
 
 
-@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM])
-@pytest.mark.parametrize("jobs", [1, 2])
+@pytest.mark.parametrize(
+    ("jobs", "how"),
+    [
+        (1, signal.SIGINT),
+        (2, signal.SIGTERM),
+        pytest.param(1, signal.SIGTERM, marks=pytest.mark.slow),
+        pytest.param(2, signal.SIGINT, marks=pytest.mark.slow),
+    ],
+)
 def test_a_search_that_is_stopped_tells_what_it_has_seen(
     jobs: int, how: signal.Signals, monkeypatch: pytest.MonkeyPatch
 ) -> None:

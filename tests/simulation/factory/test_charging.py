@@ -128,7 +128,13 @@ def standing_s(looks: list[Look], nodes: set[str]) -> float:
 # --- numbers of vehicles and chargers -----------------------------------------------------------------
 
 
-@pytest.mark.parametrize("parkings", [8, 0], ids=["with parking places", "with no parking place"])
+@pytest.mark.parametrize(
+    "parkings",
+    [
+        pytest.param(8, id="with parking places", marks=pytest.mark.slow),
+        pytest.param(0, id="with no parking place"),
+    ],
+)
 def test_two_vehicles_share_one_charger(parkings: int) -> None:
     plant = small(vehicles=2, chargers=1, parkings=parkings, battery_frac=0.5)
     looks, _ = played(plant, hours=4.0, load=0.0)
@@ -276,7 +282,10 @@ def let_lie(stage: Stage, *, standing: bool) -> None:
         session.subscribe(factory.keys.dwell_point(charger))
 
 
-@pytest.mark.parametrize("standing", [False, True], ids=["is on its way", "stands there"])
+@pytest.mark.parametrize(
+    "standing",
+    [pytest.param(False, id="is on its way", marks=pytest.mark.slow), pytest.param(True, id="stands there")],
+)
 def test_one_that_claims_every_charger_and_never_comes_keeps_nobody_from_charging(standing: bool) -> None:
     async def script(stage: Stage) -> list[Look]:
         let_lie(stage, standing=standing)

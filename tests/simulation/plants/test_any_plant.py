@@ -61,6 +61,7 @@ def test_it_is_played_with_people_and_faults(plant: Plant) -> None:
     assert (played.invariants, played.told) == (HELD, True)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", [kind for kind in EXTREMES if kind != "many machines"])
 def test_orders_are_delivered_in_it(kind: str) -> None:
     played = play(QUIET, Plant(plant_file(**EXTREMES[kind])), 1)

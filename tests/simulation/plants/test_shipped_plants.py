@@ -13,7 +13,12 @@ HOUR_S = 3600.0
 
 
 @pytest.mark.parametrize(
-    "name", ["workshop", "two-halls", "two-lanes", pytest.param("large", marks=pytest.mark.slow)]
+    "name",
+    [
+        "workshop",
+        "two-lanes",
+        *(pytest.param(name, marks=pytest.mark.slow) for name in ("two-halls", "large")),
+    ],
 )
 def test_a_shipped_plant_delivers_all_that_is_ordered_in_an_hour(name: str) -> None:
     plant = load_plant(name)
