@@ -96,7 +96,8 @@ def test_when_nobody_takes_over_the_task_is_announced_anew() -> None:
     assert rig.task.primary == "ATV4"
 
 
-def test_a_secondary_that_has_never_heard_the_primary_is_asked_and_not_waited_for() -> None:
+def asked_to_carry() -> TransportsRig:
+    """T1's primary ATV2 was silent already when ATV4 began to watch, so ATV4 has just been asked to carry it."""
     rig = watched()
     rig.run(20.0, "ATV1", "ATV2")
     rig.run(21.0, "ATV1")
@@ -104,14 +105,29 @@ def test_a_secondary_that_has_never_heard_the_primary_is_asked_and_not_waited_fo
     rig.bids(role=Role.SECONDARY, ATV4=60.0)
     rig.run(22.5)
     rig.accepts("ATV4", Role.SECONDARY)
-    assert (rig.task.primary, rig.task.secondary) == ("ATV2", "ATV4"), (
-        "it watches somebody who is silent already"
-    )
+    assert (rig.task.primary, rig.task.secondary) == ("ATV2", "ATV4")
     rig.run(20.0 + BOUND_S + 0.1, "ATV4")
     assert rig.asked(Role.PRIMARY)[-1] == "ATV4"
-    assert not any(effect.to == "ATV4" for effect in rig.out if sent([effect], Superseded))
+    return rig
+
+
+def test_a_secondary_that_has_never_heard_the_primary_is_asked_and_not_waited_for() -> None:
+    rig = asked_to_carry()
+    assert not sent(rig.out, Superseded, to="ATV4")
     rig.accepts("ATV4", epoch=2)
     assert (rig.task.primary, rig.task.epoch) == ("ATV4", 2)
+
+
+def test_a_takeover_that_crosses_the_award_of_its_epoch_is_the_answer_to_it() -> None:
+    rig = asked_to_carry()
+    takes_over(rig, "ATV1")
+    assert sent(rig.out, Superseded, to="ATV1"), "only whoever is asked may take it"
+    takes_over(rig, "ATV4")
+    assert sent(rig.out, Confirmed, to="ATV4") == [Confirmed(task="T1", epoch=2)]
+    assert not sent(rig.out, Superseded, to="ATV4")
+    assert (rig.task.primary, rig.task.epoch, rig.task.contract.promised_s) == ("ATV4", 2, 200.0)
+    rig.accepts("ATV4", epoch=2)
+    assert rig.task.primary == "ATV4", "its answer to the award changes nothing"
 
 
 def test_without_a_secondary_it_is_announced_anew_at_once() -> None:

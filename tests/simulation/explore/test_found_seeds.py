@@ -71,7 +71,18 @@ FOUND = [
     ("all", 5816),
 ]
 
+FOUND_WITH_TRAFFIC = [
+    # A secondary took over what it was just being asked for: it was told that it does not carry it, by the machine
+    # that counted on it.
+    ("carried", 127),
+]
+
 
 @pytest.mark.parametrize(("profile", "seed"), FOUND)
 def test_a_seed_that_has_found_something_holds(profile: str, seed: int) -> None:
     assert play(draw(seed, profile)).broken == ""
+
+
+@pytest.mark.parametrize(("profile", "seed"), FOUND_WITH_TRAFFIC)
+def test_a_seed_that_has_found_something_with_right_of_way_holds(profile: str, seed: int) -> None:
+    assert play(draw(seed, profile, traffic=True)).broken == ""

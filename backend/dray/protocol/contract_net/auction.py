@@ -116,7 +116,8 @@ class Auction:
         """By when it is wanted, as it counts against what else waits (plant clock)."""
         self._behind = False
         """Nobody was asked in this round: something more urgent waits for the same vehicles."""
-        self._asked = ""
+        self.asked = ""
+        """Whose answer to an award is awaited; empty while nobody's is."""
         self._rank = 0
         self._numbers = count(1) if numbers is None else numbers
         self._vain = 0
@@ -226,31 +227,31 @@ class Auction:
         if bidder == self.winner:
             self._out.append(Ignore("accepted twice"))
             return
-        if bidder != self._asked:
+        if bidder != self.asked:
             self._release(bidder, answer.number, Reason.NOT_ASKED)
             return
         if answer.number != self.number:
             self._out.append(Ignore("an answer to an earlier award"))
             return
         self._note_answer("accepted")
-        self.winner, self._asked = bidder, ""
+        self.winner, self.asked = bidder, ""
         self.stage, self.wake_at_s = Stage.DECIDED, NEVER_S
         self.left_over = self._bids.left_over()
 
     def on_declined(self, bidder: str, answer: Declined, now_s: float) -> None:
         """Ask the next one, if this bidder is the one that was asked."""
-        if bidder != self._asked or answer.number != self.number:
+        if bidder != self.asked or answer.number != self.number:
             self._out.append(Ignore("declined without being asked"))
             return
         self._note_answer("declined", answer.reason)
-        self._asked = ""
+        self.asked = ""
         self._ask_next(now_s)
 
     def cancel(self) -> None:
         """End it without a winner; whoever was asked is released."""
-        if self._asked:
-            self._release(self._asked, self.number, Reason.WITHDRAWN)
-            self._asked = ""
+        if self.asked:
+            self._release(self.asked, self.number, Reason.WITHDRAWN)
+            self.asked = ""
         self.stage, self.wake_at_s = Stage.DECIDED, NEVER_S
 
     def wake(self, now_s: float) -> None:
@@ -261,15 +262,15 @@ class Auction:
             self._close_window(now_s)
         elif self.stage is Stage.ASKING:
             self._note_answer("silent")
-            self._release(self._asked, self.number, Reason.NO_ANSWER)
-            self._asked = ""
+            self._release(self.asked, self.number, Reason.NO_ANSWER)
+            self.asked = ""
             self._ask_next(now_s)
         elif self.stage is Stage.RESTING:
             self._announce(now_s)
 
     def _objection(self, bidder: str, bid: Bid) -> str:
         """Why a bid counts for nothing, whatever it says; empty when it is to be looked at."""
-        if self.stage is Stage.DECIDED or bidder == self._asked:
+        if self.stage is Stage.DECIDED or bidder == self.asked:
             return "a bid after the award"
         return self._bids.objection(bidder, bid, self.round)
 
@@ -347,7 +348,7 @@ class Auction:
         if isinstance(terms.work, Transport) and bid.source and bid.source not in terms.work.sources:
             # It has bid when there was more to choose from.
             bid = msgspec.structs.replace(bid, source=terms.work.sources[0])
-        self._asked, self.winning_bid = bidder, bid
+        self.asked, self.winning_bid = bidder, bid
         self._rank += 1
         self.number = next(self._numbers)
         # Who asks for what waits is answered without a new round: what was asked in vain has made us patient all the same.
@@ -375,23 +376,20 @@ class Auction:
         # Also when somebody has bid: who bids and takes nothing must not keep a deadline that nobody else can meet.
         self._vain += 1
         terms = self.terms
-        self._out.append(
-            Record(
-                RoundFailed(
-                    task=terms.task,
-                    epoch=terms.epoch,
-                    role=terms.role,
-                    round=self.round,
-                    bids=self._rank,
-                    next_round_s=self.wake_at_s,
-                )
-            )
+        failed = RoundFailed(
+            task=terms.task,
+            epoch=terms.epoch,
+            role=terms.role,
+            round=self.round,
+            bids=self._rank,
+            next_round_s=self.wake_at_s,
         )
+        self._out.append(Record(failed))
         self._rank = 0
 
     def _note_answer(self, answer: Answer, reason: Refusal | None = None) -> None:
         terms = self.terms
-        fact = AwardAnswered(terms.task, terms.epoch, terms.role, self._asked, answer, reason)
+        fact = AwardAnswered(terms.task, terms.epoch, terms.role, self.asked, answer, reason)
         self._out.append(Record(fact))
 
     def _release(self, bidder: str, number: int, reason: Reason) -> None:

@@ -114,17 +114,8 @@ class Transports(Coordinator):
         self._waits = CarrierWaits(machine, assessor.handling_max_s)
         self._auctions.waits = self.told_waits
         self._secondaries = Secondaries(self._open, self._auctions, subscriptions, timers, out)
-        self.failover = Failover(
-            self._open,
-            self._secondaries,
-            subscriptions,
-            timers,
-            out,
-            self,
-            assessor,
-            is_missing,
-            source_answers,
-        )
+        watched = (self._open, self._secondaries, subscriptions)
+        self.failover = Failover(*watched, timers, out, self, assessor, is_missing, source_answers)
         self.alarms |= self._secondaries.alarms | self.failover.alarms
 
     def superseded(self, task_id: str, epoch: int) -> Superseded:
@@ -266,6 +257,13 @@ class Transports(Coordinator):
         task = self._open.get(message.task)
         if task is not None and task.primary == sender and task.epoch == message.epoch:
             self._confirm(task)
+        elif task is not None and task.epoch == message.epoch and task.auction.asked == sender:
+            # It has taken over what it is just being asked for: the words have crossed, and its own is its answer.
+            number, at_s = task.auction.number, message.at_s
+            answer = Accepted(task.id, task.epoch, Role.PRIMARY, message.finish_s, number, at_s)
+            self.on_accepted(sender, answer, now_s)
+            if task.primary == sender:
+                self._confirm(task)
         elif task is None or message.epoch <= task.epoch:
             self._out.append(Send(sender, self.superseded(message.task, message.epoch)))
         elif objection := self.failover.objection(task, sender, message, now_s):
