@@ -93,19 +93,14 @@ class Progress(msgspec.Struct, frozen=True, gc=False):
     """When the last piece arrived that a fact tells of; None before all have arrived."""
 
 
+OfGoal = GoalContracted | GoalLost | GoalWithdrawn | PieceMade | GoodsDelivered
+"""Facts that tell something about a goal."""
+
+
 def goal_of(event: Event) -> str | None:
     """The id of the goal that this event tells something about, if any."""
-    match event.fact:
-        case (
-            GoalContracted(goal=goal)
-            | GoalLost(goal=goal)
-            | GoalWithdrawn(goal=goal)
-            | PieceMade(goal=goal)
-            | GoodsDelivered(goal=goal)
-        ):
-            return goal or None
-        case _:
-            return None
+    fact = event.fact
+    return fact.goal or None if isinstance(fact, OfGoal) else None
 
 
 def accepted_order(event: Event) -> str | None:

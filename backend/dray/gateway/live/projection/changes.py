@@ -22,7 +22,8 @@ class Changes:
     def mark(self, entity: str) -> None:
         """It has changed, or come."""
         self._changed[entity] = None
-        self._gone.pop(entity, None)
+        if self._gone:
+            self._gone.pop(entity, None)
 
     def drop(self, entity: str) -> None:
         """It has left."""

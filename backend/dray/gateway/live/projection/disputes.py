@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import ClassVar
 
 import msgspec
 
@@ -30,6 +31,9 @@ class Dispute(msgspec.Struct):
 
 class Disputes:
     """The disputes of the last half hour, by agent."""
+
+    heeded: ClassVar[tuple[type, ...]] = (HandoverDisputed, WordDisbelieved)
+    """Kinds of facts that hold something against an agent."""
 
     def __init__(self) -> None:
         self._handovers: dict[str, Dispute] = {}

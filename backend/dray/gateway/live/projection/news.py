@@ -54,6 +54,8 @@ class News:
             GoalWaits: self._goal_waits,
             MemoryLost: self._memory_lost,
         }
+        self.heeded = tuple(self._on)
+        """Kinds of facts that are news."""
         self.changes = Changes("news")
 
     def fold(self, event: Event) -> bool:

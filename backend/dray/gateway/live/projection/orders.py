@@ -5,19 +5,21 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator
 from heapq import heappop, heappush
+from typing import ClassVar, get_args
 
 from dray.gateway.live.projection.changes import Changes
 from dray.gateway.live.projection.materials import Materials
 from dray.gateway.live.reasons import failures_of, told
 from dray.gateway.live.views import CauseView, OrderItemView, OrderView
 from dray.messages import Event, MachineHeartbeat, MaterialWait, Reason
-from dray.messages.fact import GoalContracted, GoalWaits
+from dray.messages.fact import GoalContracted, GoalWaits, OrderAccepted
 from dray.store.history.clocks import ToWall
 from dray.store.orders.orders import Order, OrderTotals
 from dray.store.orders.progress import (
     ENDED,
     OPEN,
     Goal,
+    OfGoal,
     OrderStatus,
     accepted_order,
     delivered_after,
@@ -40,6 +42,9 @@ class Orders:
         products: what this plant can make.
         materials: what is lacking may be one of these; their names, and the materials that each product takes.
     """
+
+    heeded: ClassVar[tuple[type, ...]] = (GoalWaits, OrderAccepted, *get_args(OfGoal))
+    """Kinds of facts that may change an order."""
 
     def __init__(
         self, to_wall_s: ToWall, products: Collection[str], materials: Materials | None = None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 
 from dray.gateway.live.frames import Delta, Snapshot
 from dray.gateway.live.projection.alerting import alert_rules, wait_rules
@@ -95,6 +95,7 @@ class Projection:
         self.waits = Waits(time.to_wall_s)
         self.interventions = Interventions()
         self._overload = Overload()
+        self._on_fact = self._rooms_by_fact()
         kinds = (
             self.atvs,
             self.machines,
@@ -156,21 +157,31 @@ class Projection:
                 if told:
                     self._silence.note(message.station, message, delay_s)
             case Event():
-                self.atvs.mark(self.removals.fold(message))
-                # All look: GoalWaits is about a task and an order, and news.
-                told = (
-                    self.tasks.fold(message)
-                    | self.orders.fold(message)
-                    | self.news.fold(message)
-                    | self.interventions.fold(message)
-                    | self.disputes.fold(message)
-                )
+                told = False
+                for fold in self._on_fact.get(type(message.fact), ()):
+                    told |= fold(message)
             case _:
                 told = False
         if told:
             self.heard += 1
         else:
             self.ignored += 1
+
+    def _rooms_by_fact(self) -> Mapping[type, tuple[Callable[[Event], bool], ...]]:
+        """Per kind of fact, all that take it in: that a goal waits is about a task and an order, and news."""
+        rooms = self.tasks, self.orders, self.news, self.interventions, self.disputes
+        folds: dict[type, tuple[Callable[[Event], bool], ...]] = {}
+        for kinds, fold in (
+            *((room.heeded, room.fold) for room in rooms),
+            (Removals.heeded, self._on_removal),
+        ):
+            for kind in kinds:
+                folds[kind] = *folds.get(kind, ()), fold
+        return folds
+
+    def _on_removal(self, event: Event) -> bool:
+        self.atvs.mark(self.removals.fold(event))
+        return False
 
     def show_removals(self, removals: Iterable[tuple[str, RemovalView]]) -> None:
         """Show these vehicles as carried away, and no others."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import ClassVar
 
 from msgspec.structs import replace
 
@@ -13,6 +14,9 @@ from dray.messages.fact import PlaceKept, PlacesFreed
 
 class Removals:
     """Those that were not heard since. Whoever reads them from SQL says so here."""
+
+    heeded: ClassVar[tuple[type, ...]] = (PlacesFreed, PlaceKept)
+    """Kinds of facts that tell what was done about a removal."""
 
     def __init__(self) -> None:
         self._views: dict[str, RemovalView] = {}

@@ -96,6 +96,8 @@ class Tasks:
             PhaseEntered: _phase,
             GoalWaits: _waits,
         }
+        self.heeded = (TaskOpened, TaskClosed, *self._on)
+        """Kinds of facts that are about a task."""
         self.changes = Changes("task")
         self.transports = Transports()
 

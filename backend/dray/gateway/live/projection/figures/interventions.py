@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 from dray.gateway.live.projection.figures.sliding_window import Window
 from dray.gateway.live.projection.figures.time_use import HOUR_SLOTS
 from dray.messages import Event
@@ -21,6 +23,9 @@ class Interventions:
         commands: people's commands that vehicles have obeyed, since the beginning.
         helps: how often a vehicle has asked for help.
     """
+
+    heeded: ClassVar[tuple[type, ...]] = (CommandObeyed, HelpAsked)
+    """Kinds of facts that tell of people."""
 
     def __init__(self) -> None:
         self.commands = self.helps = 0

@@ -76,6 +76,10 @@ class Traffic:
             for ends in pairwise(_passed(before, now.node)):
                 if (lane := self._lanes.get(ends)) is not None:
                     lane.passed(now.at_s)
+        if now.speed_mps:
+            if self._waiting:
+                self._waiting.pop(now.atv, None)
+            return
         here = _standing(now)
         wait_s = now.at_s - before.at_s
         if here is None or here != _standing(before) or not 0.0 < wait_s <= SILENCE_S:
