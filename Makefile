@@ -14,7 +14,7 @@ PYTEST := $(PY) -m pytest
 # One more than there are processors: half of the time a test waits for a process, a page or a database.
 WORKERS ?= $(shell $(PY) -c 'import os; print(min(4, os.cpu_count() or 1) + 1)')
 ARGS ?=
-# Two checks at once, each told as a whole, where make can do that.
+# Two things at once, each told as a whole, where make can do that.
 SYNC := $(if $(filter output-sync,$(.FEATURES)),--output-sync=target)
 
 # Tests start Dray many times: what Python compiles is kept, whatever the shell says.
@@ -37,7 +37,7 @@ $(PY):
 	$(PYTHON) -m venv $(VENV)
 
 $(STAMPS)/locked: requirements-dev.txt | $(PY)
-	$(PY) -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements-dev.txt
+	$(PY) -m pip install --quiet --disable-pip-version-check --no-compile --require-hashes -r requirements-dev.txt
 	@mkdir -p $(STAMPS) && touch $@
 
 $(STAMPS)/installed: pyproject.toml hatch_build.py backend/dray/__init__.py $(STAMPS)/locked
@@ -58,7 +58,8 @@ define stage
 	@printf '\n=== %s ===\n' "$(1)"
 endef
 
-test: setup ## All checks, without the tests of `test-long`
+test: ## All checks, without the tests of `test-long`
+	@$(MAKE) --no-print-directory --jobs 2 $(SYNC) setup programs
 	@$(MAKE) --no-print-directory --jobs 2 $(SYNC) lint types imports frontend
 	@$(MAKE) --no-print-directory pytest
 
@@ -95,7 +96,7 @@ pytest: setup programs ## Python's tests: units, simulation, gateway, store, bro
 	$(call stage,pytest)
 	$(PYTEST) -n $(WORKERS) --dist worksteal --durations 20 -m "not slow" $(ARGS)
 
-programs: setup ## What tests need besides Python, where it may be installed: Chromium, PostgreSQL, iproute2
+programs: ## What tests need besides Python, where it may be installed: Chromium, PostgreSQL, iproute2
 	$(call stage,Chromium)
 	@tools/chromium.sh || true
 	$(call stage,PostgreSQL)
