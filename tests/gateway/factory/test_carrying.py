@@ -64,6 +64,22 @@ async def test_it_is_told_to_everybody_with_a_grant_and_shown(house: House) -> N
     assert TrustedKeys(AUTHORITY.public)(removed_words(removal), removal.grant.signature)
 
 
+async def test_who_was_carried_away_is_no_alarm(house: House) -> None:
+    def lost() -> list[str]:
+        house.projection.look(house.wall.now_s)
+        return [alert.agent for alert in house.projection.alerts.views() if alert.kind == "atv_lost"]
+
+    vehicles = [f"ATV{number}" for number in range(1, 7)]
+    for atv in vehicles:
+        heard(house, atv=atv, ago_s=0.0)
+    house.wall.now_s += 60.0
+    for atv in vehicles[2:]:
+        heard(house, atv=atv, seq=8, ago_s=-60.0)
+    assert lost() == ["ATV1", "ATV2"]
+    await say(house, "carried-away", **OFF)
+    assert lost() == ["ATV2"]
+
+
 async def test_a_vehicle_that_is_heard_is_on_the_floor(house: House) -> None:
     told = listener(house.bus)
     heard(house, ago_s=1.0)

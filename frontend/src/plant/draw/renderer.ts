@@ -360,6 +360,8 @@ export class PlantRenderer {
     const slack = 30;
     const seen: ShownVehicle[] = [];
     for (const vehicle of this.fleet.all()) {
+      // Carried away: it is not on the floor.
+      if (vehicle.view.removal) continue;
       const x = toScreenX(view, vehicle.x);
       const y = toScreenY(view, vehicle.y);
       if (x > -slack && x < size.width + slack && y > -slack && y < size.height + slack) {

@@ -202,7 +202,7 @@ class Projection:
         """
         now = self._moment(wall_s)
         heard = [each for each in self.atvs.heartbeats() if each.atv not in self.outsiders]
-        of_atvs = tuple(alert_rules.of_atvs(heard, now))
+        of_atvs = tuple(alert_rules.of_atvs(heard, self.removals, now))
         self.waits.look(self._is_heard(now), self.site.plant)
         machines = (each for each in self.machines.heartbeats() if each[0].machine not in self.outsiders)
         stations = (each for each in self.stations.heartbeats() if each.station not in self.outsiders)

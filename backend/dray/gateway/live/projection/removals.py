@@ -24,6 +24,10 @@ class Removals:
         """Vehicle and number of the removal -> places, of those that are shown."""
         self._kept: set[tuple[str, int]] = set()
 
+    def __contains__(self, atv: object) -> bool:
+        """Whether a vehicle is off the floor."""
+        return atv in self._views
+
     def put(self, views: Iterable[tuple[str, RemovalView]]) -> set[str]:
         """Show these, by vehicle, and no others; returns the vehicles of which something else is said now."""
         before, self._views = self._views, dict(views)
