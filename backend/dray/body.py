@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from dray.messages.base import Part
 from dray.messages.heartbeat import Link, Pose
+from dray.messages.problem import NOTHING_KNOWN, Problem
 
 # --- a vehicle: instructions ---------------------------------------------------------------------
 
@@ -121,9 +122,15 @@ class ActionFailed(Part, frozen=True):
 
 
 class ProblemRaised(Part, frozen=True):
-    """Something keeps the vehicle from going on."""
+    """Something keeps the vehicle from going on. Another one on top of it replaces it; the worst should be said last.
+
+    How long its task waits follows from `problem` (`dray.protocol.vehicle.people.patience`): say what is known, and no more.
+    """
 
     reason: str
+    """In words, for people; not empty."""
+    problem: Problem = NOTHING_KNOWN
+    """Its kind, and what is known of it."""
 
 
 class ProblemCleared(Part, frozen=True):
@@ -161,6 +168,8 @@ class VehicleState(Part, frozen=True):
     link: Link = Link.WLAN
     problem: str = ""
     """What keeps it from going on; empty for nothing."""
+    about_problem: Problem = NOTHING_KNOWN
+    """Its kind, and what is known of it; says nothing where there is none."""
     base_end: str = ""
     """The node up to which the way that it was given last is released; empty when it has come there, or has none."""
 

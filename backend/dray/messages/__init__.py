@@ -73,6 +73,7 @@ from dray.messages.order import (
     OrderTaken,
     RevocationTaken,
 )
+from dray.messages.problem import NOTHING_KNOWN, Problem, ProblemEnded, ProblemKind
 from dray.messages.reason import CommandRefusal, Implausible, Reason
 from dray.messages.removal import Removal, Removals, removed_words
 from dray.messages.shutout import ShutOut
@@ -123,6 +124,7 @@ AnyMessage = (
     | VehicleCommand
     | CommandAnswered
     | DwellPointClaimed
+    | ProblemEnded
     | WorkSought
     | Event
     | EventsAsked
@@ -146,6 +148,7 @@ AnyMessage = (
 )
 
 __all__ = [
+    "NOTHING_KNOWN",
     "WIRE_VERSION",
     "Accepted",
     "AnyFact",
@@ -206,6 +209,9 @@ __all__ = [
     "PlaceWished",
     "Pose",
     "ProbationBrief",
+    "Problem",
+    "ProblemEnded",
+    "ProblemKind",
     "Production",
     "ProductionCost",
     "Reason",

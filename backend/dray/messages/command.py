@@ -43,6 +43,8 @@ class CommandKind(StrEnum):
     SET_SPEED = "set_speed"
     PROMISE = "promise"
     """Help is on the way: keep the task for as long as was promised (paper, case 4)."""
+    HAND_OVER = "hand_over"
+    """It cannot be mended there: let another vehicle carry its task at once (paper, case 4)."""
 
     @property
     def margin_m(self) -> float:

@@ -24,6 +24,7 @@ from dray.messages.base import (
     Seconds,
     Text,
 )
+from dray.messages.problem import Problem
 from dray.messages.reason import Reason
 from dray.messages.traffic import NO_RANK, Places, Rank
 
@@ -186,6 +187,8 @@ class AtvHeartbeat(Message, frozen=True):
     """Somebody has said that the reason of its stop is gone: a resume will be obeyed."""
     problem: Text = ""
     """What keeps it in ERROR, in words; empty otherwise."""
+    about_problem: Problem | UnsetType = UNSET
+    """What is known of that problem; left out where there is none, or nothing is known."""
     help: HelpWanted | None = None
     """Set while a person could still save the task."""
     software: Text = ""

@@ -11,6 +11,7 @@ never holds any of these.
     {plant}/goal/{product}    announcements of production goals, to the machines that can make it
     {plant}/dwell-point/{id}  claims of one charger or parking place
     {plant}/free/{id}         a vehicle that is free asks for work that waits
+    {plant}/problem/{id}      how long a vehicle's problem has lasted, when it is over
     {plant}/agent/@{id}       what is said to one agent alone
     {plant}/event/{id}        an agent's numbered events
     {plant}/shut-out          who is shut out, said again and again by gateways
@@ -40,6 +41,7 @@ class Keys:
         "all_free",
         "all_heartbeats",
         "all_machine_heartbeats",
+        "all_problems",
         "closures",
         "plant",
         "removals",
@@ -53,6 +55,7 @@ class Keys:
         self.all_machine_heartbeats = f"{plant}/hb/machine/*"
         self.all_events = f"{plant}/event/*"
         self.all_free = f"{plant}/free/*"
+        self.all_problems = f"{plant}/problem/*"
         self.shut_out = f"{plant}/shut-out"
         self.closures = f"{plant}/closures"
         self.removals = f"{plant}/removals"
@@ -80,6 +83,9 @@ class Keys:
     def free(self, atv: str) -> str:
         return f"{self.plant}/free/{atv}"
 
+    def problem(self, atv: str) -> str:
+        return f"{self.plant}/problem/{atv}"
+
     def addressed(self, agent: str) -> str:
         return f"{self._addressed}{agent}"
 
@@ -92,7 +98,7 @@ class Keys:
         return f"{self.plant}/event/{agent}"
 
 
-_OWNED = frozenset({"hb/atv", "hb/machine", "hb/station", "event", "free"})
+_OWNED = frozenset({"hb/atv", "hb/machine", "hb/station", "event", "free", "problem"})
 
 
 def owner_of(key: str) -> str | None:

@@ -61,7 +61,7 @@ CARRIED_BY_RADIO: frozenset[type[Message]] = frozenset(
 DISPENSABLE: tuple[dict[str, Any], ...] = (
     {"way": ()},
     {"watches": ()},
-    {"software": "", "dwell_point": ""},
+    {"software": "", "dwell_point": "", "about_problem": UNSET},
     {"floor": UNSET, "closures": UNSET},
 )
 """What a heartbeat leaves out so that it fits into a frame, in this order: what others can do without first."""

@@ -111,6 +111,8 @@ class CommandRefusal(StrEnum):
     """Its sensors still report a problem, which stands beside it."""
     NOT_WAITING = "not_waiting"
     """The vehicle has no task that waits for help."""
+    LOAD_ABOARD = "load_aboard"
+    """Goods that are on board exist once: no other vehicle can carry them."""
     WAIT_OUT_OF_RANGE = "wait_out_of_range"
     """Help within more than 0 and at most `PROMISE_MAX_S` seconds can be promised."""
     SPEED_OUT_OF_RANGE = "speed_out_of_range"

@@ -89,6 +89,7 @@ from dray.messages.order import (
     OrderTaken,
     RevocationTaken,
 )
+from dray.messages.problem import ProblemEnded
 from dray.messages.removal import Removals
 from dray.messages.shutout import ShutOut
 from dray.messages.stock import StockAsked, StockFreed, StockReserved, StockShort
@@ -169,6 +170,7 @@ SPEAKERS: Mapping[type[Message], frozenset[Kind]] = {
     StockFreed: _MACHINES,
     DwellPointClaimed: _ATVS,
     WorkSought: _ATVS,
+    ProblemEnded: _ATVS,
     CommandAnswered: _ATVS,
     OrderReleased: _GATEWAYS,
     OrderCancelled: _GATEWAYS,
@@ -246,6 +248,7 @@ SIGNATURES: Mapping[type[Message], str] = {
     TaskAnnounced: "coordinator",
     DwellPointClaimed: "atv",
     WorkSought: "atv",
+    ProblemEnded: "atv",
     Event: "agent",
 }
 """The messages that say who speaks, and the field in which they do."""

@@ -13,6 +13,7 @@ from dray.messages import (
     Event,
     MachineHeartbeat,
     Message,
+    ProblemEnded,
     Removals,
     ShutOut,
     StationHeartbeat,
@@ -85,6 +86,12 @@ _PUBLISHED = (
         (WorkSought,),
     ),
     Channel(
+        "problems",
+        _KEYS.problem("{atv}"),
+        "How long a problem of a vehicle has lasted, to all vehicles. The vehicle alone speaks here.",
+        (ProblemEnded,),
+    ),
+    Channel(
         "events",
         _KEYS.events("{agent}"),
         "An agent's history, numbered without holes. The agent alone speaks here.",
@@ -118,6 +125,7 @@ _BROADCAST_ONLY = frozenset(
         MachineHeartbeat,
         StationHeartbeat,
         DwellPointClaimed,
+        ProblemEnded,
         WorkSought,
         ShutOut,
         Closures,

@@ -74,7 +74,7 @@ export class CommandHandling {
       this.#body.instruct({ kind: 'LimitSpeed', speed_frac });
       return '';
     }
-    if (command.kind === 'promise') return 'not_waiting';
+    if (command.kind === 'promise' || command.kind === 'hand_over') return 'not_waiting';
     if (!this.stopped) return 'not_stopped';
     if (command.kind === 'acknowledge') {
       if (this.#body.state.problem) return 'faulty';

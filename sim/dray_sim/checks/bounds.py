@@ -20,7 +20,7 @@ from math import ceil
 from dray.plant import Plant
 from dray.protocol.contract_net.auction_rules import AuctionRules
 from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S, LATENESS_MAX_S, bound_s
-from dray.protocol.vehicle.assistance import PATIENCE_MAX_S
+from dray.protocol.vehicle.people.patience import PATIENCE_MAX_S
 from dray_sim.bodies.vehicle.battery import Battery
 from dray_sim.people.habits import Habits
 from dray_sim.people.operators import LOOK_S

@@ -12,6 +12,7 @@ from functools import partial
 from types import MappingProxyType
 from typing import Protocol
 
+from dray.messages import Problem
 from dray_sim.faults.kinds import (
     ClockSet,
     Crashed,
@@ -56,13 +57,15 @@ class Network(Protocol):
 class Breakable(Protocol):
     """A body that can break."""
 
-    def break_down(self, reason: str) -> None: ...
+    def break_down(self, reason: str, /) -> None: ...
 
     def repair(self) -> None: ...
 
 
 class Loadable(Breakable, Protocol):
     """A vehicle's body."""
+
+    def break_down(self, reason: str, problem: Problem = ..., /) -> None: ...
 
     def shift_load(self) -> bool: ...
 
@@ -173,8 +176,8 @@ class Faults:
                 world.ask_to_leave(agent)
             case MachineBroken(machine, reason):
                 world.workcells[machine].break_down(reason)
-            case VehicleBroken(atv, reason):
-                world.vehicles[atv].break_down(reason)
+            case VehicleBroken(atv, reason, problem):
+                world.vehicles[atv].break_down(reason, problem)
             case LoadShifted(atv):
                 if not world.vehicles[atv].shift_load():
                     reason = f"{atv} has no load that could shift; begin it while a load is on board"

@@ -9,6 +9,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from random import Random
 
+from msgspec.structs import replace
+
+from dray.messages import Problem, ProblemKind
 from dray.plant import Plant
 from dray_sim.faults.kinds import (
     ClockSet,
@@ -113,7 +116,10 @@ def random_schedule(
         kind = random.choices(kinds, shares)[0]
         lasts_s = SHORT_S * (LONG_S / SHORT_S) ** random.random()
         end_s = min(_neat(begin_s + lasts_s), duration_s)
-        schedule.append(Timed(begin_s, _DRAW[kind](plant, random), end_s))
+        fault = _DRAW[kind](plant, random)
+        if isinstance(fault, VehicleBroken):
+            fault = replace(fault, problem=_problem(Random(f"problem at {begin_s}")))
+        schedule.append(Timed(begin_s, fault, end_s))
     return tuple(schedule)
 
 
@@ -152,6 +158,13 @@ def _some_agents(cast: Cast, random: Random) -> list[str]:
     if random.random() < 0.5:
         random.shuffle(agents)
     return agents
+
+
+def _problem(random: Random) -> Problem:
+    """Of any kind, and with any knowledge, true or not; sometimes with none."""
+    know = (None, False, True)
+    kind = random.choice(tuple(ProblemKind))
+    return Problem(kind, random.choice(know), random.choice(know), random.choice(know))
 
 
 def _neat(seconds: float) -> float:

@@ -9,6 +9,7 @@ from typing import Annotated, get_args
 
 from msgspec import Meta
 
+from dray.messages import NOTHING_KNOWN, Problem
 from dray.messages.base import Count, Id, Text
 from dray_sim.network.faults import FaultKind, NetworkFault, snake
 
@@ -62,10 +63,12 @@ class MachineBroken(FaultKind, frozen=True):
 
 
 class VehicleBroken(FaultKind, frozen=True):
-    """A vehicle has a problem that a person can solve (paper, case 4)."""
+    """A vehicle has a problem (paper, case 4)."""
 
     atv: Id
     reason: Text = "the way is blocked"
+    problem: Problem = NOTHING_KNOWN
+    """What its body knows of it."""
 
 
 class LoadShifted(FaultKind, frozen=True):

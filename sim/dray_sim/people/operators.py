@@ -27,7 +27,7 @@ from dray.messages import AtvStatus, CommandKind
 from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.ports import Bus, Clock
-from dray_sim.bodies.vehicle.vehicle import LOAD_SHIFTED
+from dray_sim.bodies.vehicle.condition import LOAD_SHIFTED
 from dray_sim.people.floor_office import FloorOffice
 from dray_sim.people.habits import Habits, Range
 from dray_sim.people.hands import Hands

@@ -31,6 +31,7 @@ WEIGHTS = {
     CommandKind.RESUME: 4,
     CommandKind.SET_SPEED: 2,
     CommandKind.PROMISE: 1,
+    CommandKind.HAND_OVER: 1,
 }
 
 LONGEST_PROMISE_S = 60.0

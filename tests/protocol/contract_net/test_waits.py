@@ -9,7 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dray.messages import Wait
-from dray.protocol.contract_net.waits import HALF_LIFE_S, KEPT, PLACES_MAX, WAIT_MAX_S, Waits
+from dray.protocol.contract_net.waits import HALF_LIFE_S, WAIT_MAX_S, Waits
+from dray.protocol.runtime.durations import KEPT, SUBJECTS_MAX
 
 
 def test_of_a_place_that_nobody_has_seen_nothing_is_expected() -> None:
@@ -69,10 +70,10 @@ def test_what_is_no_number_counts_for_nothing(said_s: float) -> None:
 
 def test_it_is_bounded_however_many_places_and_witnesses_are_made_up() -> None:
     waits = Waits()
-    for number in range(10 * PLACES_MAX):
+    for number in range(10 * SUBJECTS_MAX):
         waits.note(f"S{number}", "liar", 5.0, 0.0)
     for number in range(10 * KEPT):
         waits.note("S0", f"ATV{number}", 5.0, 0.0)
-    places = [f"S{number}" for number in range(10 * PLACES_MAX)]
-    assert len(waits.told(places, 0.0)) <= PLACES_MAX
+    places = [f"S{number}" for number in range(10 * SUBJECTS_MAX)]
+    assert len(waits.told(places, 0.0)) <= SUBJECTS_MAX
     assert waits.expect_s("S0", 0.0) == 5.0

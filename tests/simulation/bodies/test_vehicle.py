@@ -14,7 +14,7 @@ from dray.body import (
     ReleaseWay,
     WayDone,
 )
-from dray_sim.bodies.vehicle.condition import BATTERY_EMPTY
+from dray_sim.bodies.vehicle.condition import BATTERY_EMPTY, EMPTY
 from dray_sim.bodies.vehicle.odometer import Activity
 from dray_sim.bodies.vehicle.vehicle import SimVehicle
 
@@ -51,7 +51,7 @@ def test_a_repair_leaves_an_empty_battery_to_be_seen(yard: Yard) -> None:
     vehicle.break_down("wheel")
     yard.run(60.0)
     vehicle.repair()
-    assert yard.do(vehicle) == [ProblemRaised(reason=BATTERY_EMPTY)]
+    assert yard.do(vehicle) == [ProblemRaised(reason=BATTERY_EMPTY, problem=EMPTY)]
     vehicle.replace_battery(0.5)
     assert yard.do(vehicle) == [ProblemCleared()]
 

@@ -16,7 +16,7 @@ from dray.body import (
     ProblemRaised,
     WayDone,
 )
-from dray_sim.bodies.vehicle.condition import BATTERY_EMPTY
+from dray_sim.bodies.vehicle.condition import BATTERY_EMPTY, EMPTY
 from dray_sim.bodies.vehicle.odometer import Activity
 from dray_sim.bodies.vehicle.vehicle import SimVehicle
 
@@ -87,7 +87,7 @@ def test_a_full_vehicle_is_charged_at_once(yard: Yard) -> None:
 def test_a_battery_that_ends_on_the_way_stops_the_vehicle_dead(yard: Yard) -> None:
     vehicle = yard.vehicle("west", battery_frac=0.004)
     said = yard.do(vehicle, drive("west", "middle", "east"), for_s=100.0)
-    assert said[-1] == ProblemRaised(reason=BATTERY_EMPTY)
+    assert said[-1] == ProblemRaised(reason=BATTERY_EMPTY, problem=EMPTY)
     # After the first two seconds and metre 4e-4 per second or metre: at 1 m/s from 5 m/10^4 on.
     assert yard.said[-1][0] == pytest.approx(2.0 + (0.004 - 5e-4) / 4e-4)
     assert place(vehicle) == (9.75, 0.0)
@@ -100,7 +100,9 @@ def test_a_battery_that_ends_while_nothing_happens_is_reported_when_it_ends(yard
     yard.run(4999.0)
     assert yard.said == []
     yard.run(5001.0)
-    assert yard.said == [(pytest.approx(5000.0, abs=1e-3), "ATV1", ProblemRaised(reason=BATTERY_EMPTY))]
+    assert yard.said == [
+        (pytest.approx(5000.0, abs=1e-3), "ATV1", ProblemRaised(reason=BATTERY_EMPTY, problem=EMPTY))
+    ]
     assert vehicle.sense().battery_frac == 0.0
 
 

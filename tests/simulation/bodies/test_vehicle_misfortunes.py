@@ -28,8 +28,9 @@ from dray.body import (
 from dray.messages import Link
 from dray_sim.bodies.gate import NOT_ADMITTED, Gate
 from dray_sim.bodies.stores import DeliveryWarehouse
+from dray_sim.bodies.vehicle.condition import LOAD_SHIFTED, SHIFTED
 from dray_sim.bodies.vehicle.odometer import Activity
-from dray_sim.bodies.vehicle.vehicle import LOAD_SHIFTED, MOVED_BY_HAND, SimVehicle
+from dray_sim.bodies.vehicle.vehicle import MOVED_BY_HAND, SimVehicle
 
 HOLD, UNHOLD = Hold(), Unhold()
 PICK = Pick(order=5, station="S1", item="shaft", quantity=20)
@@ -225,7 +226,7 @@ def test_a_load_that_slips_while_it_is_taken_on_holds_the_manoeuvre_up(
 ) -> None:
     yard.do(vehicle, PICK, for_s=4.0)
     assert vehicle.shift_load()
-    assert yard.do(vehicle, for_s=100.0) == [ProblemRaised(reason=LOAD_SHIFTED)]
+    assert yard.do(vehicle, for_s=100.0) == [ProblemRaised(reason=LOAD_SHIFTED, problem=SHIFTED)]
     assert (vehicle.sense().problem, vehicle.sense().load) == (LOAD_SHIFTED, "")
     vehicle.repair()
     assert yard.do(vehicle, for_s=5.9) == [ProblemCleared()]

@@ -43,8 +43,8 @@ from dray.protocol.traffic.books import bookkeeping
 from dray.protocol.traffic.books.district import District
 from dray.protocol.traffic.removal_authorisation import RemovalAuthorisation
 from dray.protocol.vehicle.atv import Atv
-from dray.protocol.vehicle.command_authorisation import CommandAuthorisation
-from dray.protocol.vehicle.command_handling import CommandHandling
+from dray.protocol.vehicle.people.command_authorisation import CommandAuthorisation
+from dray.protocol.vehicle.people.command_handling import CommandHandling
 from dray_sim.clock import computer
 from dray_sim.explore.play import play
 from dray_sim.explore.run import Run, draw

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dray.messages import NOTHING_KNOWN, Problem
 from dray.plant import default_plant
 from dray_sim.clock.loop import VirtualClock
 from dray_sim.faults import (
@@ -49,7 +50,7 @@ class Body:
         self._world, self._name = world, name
         self.loaded = True
 
-    def break_down(self, reason: str) -> None:
+    def break_down(self, reason: str, problem: Problem = NOTHING_KNOWN) -> None:
         self._world.done.append(f"break {self._name}: {reason}")
 
     def repair(self) -> None:

@@ -9,7 +9,7 @@ from random import Random
 from people_floor import PLANT, QUICK, Floor, Story, play, trouble, until
 
 from dray.messages import Brief, Phase, Role
-from dray_sim.bodies.vehicle.vehicle import LOAD_SHIFTED
+from dray_sim.bodies.vehicle.condition import LOAD_SHIFTED
 from dray_sim.checks.invariants import Invariants
 from dray_sim.clock.loop import clock, run
 from dray_sim.factory.sim_factory import SimFactory

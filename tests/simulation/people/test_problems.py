@@ -10,7 +10,7 @@ import pytest
 from people_floor import AUTHORITY, PLANT, QUICK, SOUTH, Floor, play, trouble, until
 
 from dray.messages import AtvStatus, CommandKind, Pose
-from dray_sim.bodies.vehicle.vehicle import LOAD_SHIFTED
+from dray_sim.bodies.vehicle.condition import LOAD_SHIFTED
 from dray_sim.clock.loop import clock
 from dray_sim.people.operators import LOOK_S, Duty, Operator, area_at
 from dray_sim.people.tablet import ANSWER_S, TRIES

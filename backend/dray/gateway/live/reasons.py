@@ -66,6 +66,7 @@ REFUSALS: Mapping[CommandRefusal, str] = {
     CommandRefusal.NOT_ACKNOWLEDGED: "acknowledge the stop first",
     CommandRefusal.FAULTY: "its sensors still report a problem",
     CommandRefusal.NOT_WAITING: "it has no task that waits for help",
+    CommandRefusal.LOAD_ABOARD: "it has goods on board, and nobody else can carry them: take them off first",
     CommandRefusal.WAIT_OUT_OF_RANGE: f"say when you are there: above 0 and at most {PROMISE_MAX_S:.0f} s from now",
     CommandRefusal.SPEED_OUT_OF_RANGE: "a speed is above 0 and at most 1 of the vehicle's own; use stop to stop it",
 }

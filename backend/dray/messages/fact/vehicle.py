@@ -5,6 +5,7 @@ from __future__ import annotations
 from dray.messages.base import Count, Id, IdOrNone, Seconds, Text
 from dray.messages.fact.base import Fact
 from dray.messages.heartbeat import AtvStatus, Link, Phase
+from dray.messages.problem import NOTHING_KNOWN, Problem
 from dray.messages.reason import CommandRefusal
 
 
@@ -20,6 +21,7 @@ class HelpAsked(Fact, frozen=True):
     task: IdOrNone
     reason: Text
     until_s: Seconds
+    problem: Problem = NOTHING_KNOWN
 
 
 class HelpPromised(Fact, frozen=True):

@@ -24,8 +24,6 @@ from dray.body import (
     BodyState,
     LinkNoticed,
     NodePassed,
-    ProblemCleared,
-    ProblemRaised,
     VehicleState,
     WayDone,
 )
@@ -56,16 +54,17 @@ from dray.protocol.runtime.shutdown import CARRIER_LEAVES_WITHIN_S
 from dray.protocol.runtime.trust import Trusts, trusts_nobody
 from dray.protocol.traffic.driving.right_of_way import RightOfWay
 from dray.protocol.traffic.traffic_map import TrafficMap
-from dray.protocol.vehicle.assistance import Assistance
 from dray.protocol.vehicle.cell_subscription import CellSubscription
 from dray.protocol.vehicle.charging import Charging
 from dray.protocol.vehicle.closure_handling import ClosureHandling
-from dray.protocol.vehicle.command_authorisation import CommandAuthorisation
-from dray.protocol.vehicle.command_handling import CommandHandling
 from dray.protocol.vehicle.contracts import Contracts
 from dray.protocol.vehicle.drivers.reserved_driver import ReservedDriver, driver_of
 from dray.protocol.vehicle.drivers.traffic_handling import handle_traffic
 from dray.protocol.vehicle.idle_positioning import CLAIM, SETTLE, IdlePositioning
+from dray.protocol.vehicle.people.assistance import Assistance
+from dray.protocol.vehicle.people.command_authorisation import CommandAuthorisation
+from dray.protocol.vehicle.people.command_handling import CommandHandling
+from dray.protocol.vehicle.people.problem_handling import ProblemHandling
 from dray.protocol.vehicle.status_report import StatusReport
 
 
@@ -110,21 +109,22 @@ class Atv(AgentBase):
         self._idle = IdlePositioning(
             atv, plant, self._type, self._keys, self._charging, self._driver, self._timers, self._out
         )
-        self._assistance = Assistance(self._out)
         self._commands = CommandHandling(
-            CommandAuthorisation(atv, plant, trusts), self._assistance, self._driver, self._out
+            CommandAuthorisation(atv, plant, trusts), Assistance(self._out), self._driver, self._out
         )
         self._status_report = StatusReport(
             self, software, self._heartbeat_timer, self._driver, self._contracts, self._idle, self._commands
         )
         self._closures = ClosureHandling(plant, trusts, self._contracts, self._idle, self._timers, self._out)
-        self._link = Link.WLAN
+        self.problems = ProblemHandling(self, self._keys, self._contracts, self._commands, self._out)
+        self.link = Link.WLAN
         self._status = AtvStatus.IDLE
         self.battery_frac = 1.0
         self.load = ("", 0)
         self._message_handlers = {
             **self._contracts.message_handlers,
             **self._closures.message_handlers,
+            **self.problems.messages,
             VehicleCommand: self._on_command,
             DwellPointClaimed: self._on_claim,
             Disbelieved: Reproach(self._out).on_disbelieved,
@@ -134,8 +134,7 @@ class Atv(AgentBase):
             WayDone: self._way_done,
             ActionDone: self._action_done,
             ActionFailed: self._action_failed,
-            ProblemRaised: self.raise_problem,
-            ProblemCleared: self._problem_cleared,
+            **self.problems.reports,
             LinkNoticed: self._link_noticed,
         }
         self._alarm_handlers = {
@@ -156,7 +155,8 @@ class Atv(AgentBase):
         self._closures.start(memory, now_s)
         state = cast(VehicleState, body)
         self._driver.take_control(state, now_s)
-        self._assistance.problem, self._link = state.problem, state.link
+        self.problems.start(state, now_s)
+        self.link = state.link
         self._commands.stopped = state.held
         note = memory.get(WHOLE)
         if isinstance(note, AtvMemory):
@@ -196,7 +196,7 @@ class Atv(AgentBase):
             self._contracts.seek(now_s)
 
     def _say_status(self, now_s: float) -> AtvHeartbeat:
-        heartbeat = self._status_report.heartbeat(self._status, self._link, now_s)
+        heartbeat = self._status_report.heartbeat(self._status, self.link, now_s)
         self._out.append(Publish(self._beat_key, heartbeat))
         return heartbeat
 
@@ -260,35 +260,18 @@ class Atv(AgentBase):
         else:
             self._contracts.go_on(lambda job: job.action_failed(report.order, report.reason, now_s), now_s)
 
-    def raise_problem(self, report: ProblemRaised, now_s: float) -> None:
-        """It stands until a person has seen to it."""
-        self._assistance.problem = report.reason
-        if self._commands.take_back():
-            self._commit()
-        job = self._contracts.job
-        if job is not None:
-            self._assistance.ask(report.reason, job.task, job.slack_s, now_s)
-        self._contracts.standby.resign(Reason.PROBLEM)
-        self.update_status(now_s, report.reason)
-        self._heartbeat_timer.at_once(now_s)
-
-    def _problem_cleared(self, _report: ProblemCleared, now_s: float) -> None:
-        self._assistance.problem = ""
-        self._end_trouble(now_s)
-        self.update_status(now_s, "problem cleared")
-
-    def _end_trouble(self, now_s: float) -> None:
+    def end_trouble(self, now_s: float) -> None:
         """End one reason to stand; drive on when no other is left."""
         if self._is_stuck:
             return
-        self._assistance.over()
+        self._commands.assistance.over()
         if self._contracts.job is None:
             self._idle.soon(now_s)
 
     def _link_noticed(self, report: LinkNoticed, now_s: float) -> None:
-        if report.link is self._link:
+        if report.link is self.link:
             return
-        self._link = report.link
+        self.link = report.link
         self._out.append(Record(LinkChanged(link=report.link)))
         if report.link is Link.MESH:
             self._contracts.standby.resign(Reason.ON_MESH)
@@ -314,7 +297,7 @@ class Atv(AgentBase):
 
     def unfit(self) -> str:
         """Why it may take no work at all; empty when it may."""
-        return self._status_report.unfit(self._link)
+        return self._status_report.unfit(self.link)
 
     def stop_resting(self) -> None:
         """Leave the charger or parking place: there is work."""
@@ -322,7 +305,7 @@ class Atv(AgentBase):
 
     def note_ended(self, reason: str, now_s: float) -> None:
         """Look for what comes next: the contract has ended."""
-        self._assistance.over()
+        self._commands.assistance.over()
         self.update_status(now_s, reason)
         self._driver.rest(now_s)
         self._idle.soon(now_s)
@@ -368,7 +351,7 @@ class Atv(AgentBase):
     @property
     def _is_stuck(self) -> bool:
         """Whether it stands until a person has seen to it."""
-        return self._commands.stopped or bool(self._assistance.problem)
+        return self._commands.stopped or bool(self._commands.assistance.problem)
 
     def _on_claim(self, _sender: str, message: DwellPointClaimed, now_s: float) -> None:
         self._idle.on_claim(message, battery_frac=self.battery_frac, may_leave=self._may_rest(), now_s=now_s)
@@ -380,10 +363,10 @@ class Atv(AgentBase):
         if done:
             if command.kind is CommandKind.STOP:
                 if self._contracts.job is not None:
-                    self._assistance.wait(self._contracts.job.slack_s, now_s)
+                    self._commands.assistance.wait(self._contracts.job.waiting(now_s), now_s)
                 self._contracts.standby.resign(Reason.STOPPED)
             elif command.kind is CommandKind.RESUME:
-                self._end_trouble(now_s)
+                self.end_trouble(now_s)
         self.update_status(now_s, command.kind.value)
         self._heartbeat_timer.at_once(now_s)
 

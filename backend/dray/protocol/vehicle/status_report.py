@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from typing import Protocol
 
-from dray.messages import AtvHeartbeat, AtvStatus, Link
+from msgspec import UNSET
+
+from dray.messages import NOTHING_KNOWN, AtvHeartbeat, AtvStatus, Link
 from dray.protocol.closures.known_floor import KnownFloor
 from dray.protocol.runtime.heartbeat_timer import HeartbeatTimer
-from dray.protocol.vehicle.command_handling import CommandHandling
 from dray.protocol.vehicle.contracts import Contracts
 from dray.protocol.vehicle.drivers.driver import Driver
 from dray.protocol.vehicle.idle_positioning import IdlePositioning
+from dray.protocol.vehicle.people.command_handling import CommandHandling
 
 
 class Vehicle(Protocol):
@@ -111,6 +113,7 @@ class StatusReport:
             acknowledged=self._commands.acknowledged,
             link=link,
             problem=assistance.problem,
+            about_problem=UNSET if assistance.about == NOTHING_KNOWN else assistance.about,
             help=assistance.help,
             software=self._software,
             draining=self._vehicle.is_draining,

@@ -3,12 +3,23 @@
 from __future__ import annotations
 
 from dray.body import Charge, ProblemCleared, ProblemRaised
+from dray.messages import NOTHING_KNOWN, Problem, ProblemKind
 from dray_sim.bodies.reporter import Reporter
 from dray_sim.bodies.vehicle.handling import Action
 from dray_sim.bodies.vehicle.odometer import Activity
 from dray_sim.bodies.vehicle.power import Power
 
+LOAD_SHIFTED = "the load has shifted"
+SHIFTED = Problem(kind=ProblemKind.LOAD, passes=False, needs_person=True, load_movable=True)
+"""What a vehicle knows of that."""
+
 BATTERY_EMPTY = "battery empty"
+
+EMPTY = Problem(kind=ProblemKind.BATTERY, passes=False, needs_person=True, load_movable=True)
+"""What a vehicle knows of an empty battery."""
+
+
+_RAN_FLAT = ProblemRaised(reason=BATTERY_EMPTY, problem=EMPTY)
 
 
 class Condition:
@@ -21,17 +32,24 @@ class Condition:
     Attributes:
         held: somebody has stopped it.
         fault: what is broken; empty for nothing.
+        about_fault: what is known of that.
     """
 
     def __init__(self, power: Power, reporter: Reporter) -> None:
         self.held = False
         self.fault = ""
+        self.about_fault = NOTHING_KNOWN
         self._power, self._reporter = power, reporter
 
     @property
     def problem(self) -> str:
         """What keeps it from going on; empty for nothing."""
         return self.fault or (BATTERY_EMPTY if self._power.empty else "")
+
+    @property
+    def about_problem(self) -> Problem:
+        """What is known of that."""
+        return EMPTY if self._power.empty and not self.fault else self.about_fault
 
     @property
     def stopped(self) -> bool:
@@ -55,20 +73,20 @@ class Condition:
             return Activity.HANDLING
         return Activity.WAITING if waits else Activity.IDLE
 
-    def break_down(self, reason: str) -> None:
+    def break_down(self, reason: str, problem: Problem) -> None:
         """Something breaks; another breakdown on top of it replaces the reason."""
-        self.fault = reason
-        self._reporter.say(ProblemRaised(reason=reason))
+        self.fault, self.about_fault = reason, problem
+        self._reporter.say(ProblemRaised(reason=reason, problem=problem))
 
     def mend(self) -> None:
         """Nothing is broken any more. An empty battery is another problem, and stays."""
-        self.fault = ""
-        self._reporter.say(ProblemRaised(reason=BATTERY_EMPTY) if self._power.empty else ProblemCleared())
+        self.fault, self.about_fault = "", NOTHING_KNOWN
+        self._reporter.say(_RAN_FLAT if self._power.empty else ProblemCleared())
 
     def run_flat(self) -> None:
         """The battery is empty."""
         self._power.level_frac, self._power.empty = 0.0, True
-        self._reporter.say(ProblemRaised(reason=BATTERY_EMPTY))
+        self._reporter.say(_RAN_FLAT)
 
     def revive(self) -> None:
         """The battery gives power again."""

@@ -39,14 +39,14 @@ from dray.body import (
     VehicleState,
     WayDone,
 )
-from dray.messages import Link
+from dray.messages import NOTHING_KNOWN, Link, Problem
 from dray.plant import Plant
 from dray.plant.model import VehicleSpec, VehicleType
 from dray.ports import Clock
 from dray_sim.bodies.chargers import Chargers
 from dray_sim.bodies.reporter import Reporter
 from dray_sim.bodies.stores import Place
-from dray_sim.bodies.vehicle.condition import Condition
+from dray_sim.bodies.vehicle.condition import LOAD_SHIFTED, SHIFTED, Condition
 from dray_sim.bodies.vehicle.course import Course
 from dray_sim.bodies.vehicle.handling import Action, Handling
 from dray_sim.bodies.vehicle.odometer import Activity, Odometer
@@ -54,7 +54,6 @@ from dray_sim.bodies.vehicle.power import Power
 from dray_sim.bodies.vehicle.travel import NEVER_S, Travel
 from dray_sim.bodies.vehicle.way import Way
 
-LOAD_SHIFTED = "the load has shifted"
 MOVED_BY_HAND = "moved by hand"
 
 
@@ -157,6 +156,7 @@ class SimVehicle:
             charging=self._charging,
             link=self._link,
             problem=self.problem,
+            about_problem=self._condition.about_problem,
             base_end=travel.base_end,
         )
 
@@ -220,7 +220,7 @@ class SimVehicle:
         """
         if not self._handling.load and not isinstance(self._handling.action, Pick):
             return False
-        self.break_down(LOAD_SHIFTED)
+        self.break_down(LOAD_SHIFTED, SHIFTED)
         return True
 
     def recover_load(self) -> tuple[str, int]:
@@ -246,10 +246,10 @@ class SimVehicle:
         self._travel.place_at(node, self._power.settled_s)
         self._change_of_fortune()
 
-    def break_down(self, reason: str) -> None:
+    def break_down(self, reason: str, problem: Problem = NOTHING_KNOWN) -> None:
         """Stop as if held, and say why. Another breakdown on top of it replaces the reason."""
         self._settle()
-        self._condition.break_down(reason)
+        self._condition.break_down(reason, problem)
         self._change_of_fortune()
 
     def repair(self) -> None:

@@ -14,8 +14,8 @@ from dray.gateway.live.projection.figures.fleet import Fleet
 from dray.gateway.live.projection.outsiders import Outsiders
 from dray.gateway.live.projection.removals import Removals
 from dray.gateway.live.projection.silence import Silence
-from dray.gateway.live.views import AtvView, BriefView, ClockView, HelpView, ProbationView
-from dray.messages import AtvHeartbeat, Brief, Heartbeat, HelpWanted
+from dray.gateway.live.views import AtvView, BriefView, ClockView, HelpView, ProbationView, ProblemView
+from dray.messages import AtvHeartbeat, Brief, Heartbeat, HelpWanted, Problem
 from dray.plant.model import Charging, VehicleSpec, VehicleType
 from dray.store.history.clocks import Clocks, ToWall
 
@@ -182,6 +182,7 @@ class Atvs:
             speed_limit_frac=heartbeat.speed_limit_frac,
             acknowledged=heartbeat.acknowledged,
             problem=heartbeat.problem,
+            about_problem=None if heartbeat.about_problem is UNSET else _problem(heartbeat.about_problem),
             help=None if heartbeat.help is None else self._help(heartbeat.help),
             software=heartbeat.software,
             draining=heartbeat.draining,
@@ -208,6 +209,15 @@ class Atvs:
 
     def _help(self, wanted: HelpWanted) -> HelpView:
         return HelpView(until_at_s=self._to_wall_s(wanted.until_s), promised_by=wanted.promised_by)
+
+
+def _problem(problem: Problem) -> ProblemView:
+    return ProblemView(
+        kind=plain(problem.kind),
+        passes=problem.passes,
+        needs_person=problem.needs_person,
+        load_movable=problem.load_movable,
+    )
 
 
 def _stands_as(last: AtvHeartbeat, heartbeat: AtvHeartbeat) -> bool:

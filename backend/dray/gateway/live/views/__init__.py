@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from dray.gateway.live.views.agent import ClockView, ProbationView, ShutOutView, SilenceView
 from dray.gateway.live.views.alert import AlertKind, AlertResponse, AlertView
-from dray.gateway.live.views.atv import AtvView, BriefView, HelpView, RemovalView
+from dray.gateway.live.views.atv import AtvView, BriefView, HelpView, ProblemView, RemovalView
 from dray.gateway.live.views.base import View
 from dray.gateway.live.views.cause import CauseView, FailureView, HandoverView, LackView
 from dray.gateway.live.views.closure import ClosureView, LaneView
@@ -56,6 +56,7 @@ __all__ = [
     "OrderView",
     "PassedView",
     "ProbationView",
+    "ProblemView",
     "RefusalView",
     "RefusedView",
     "RemovalView",

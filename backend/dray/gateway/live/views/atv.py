@@ -23,6 +23,27 @@ class BriefView(View, kw_only=True):
     due_at_s: float | None = None
 
 
+class ProblemView(View, kw_only=True):
+    """What a vehicle knows of its problem; None for what it does not know."""
+
+    kind: Literal[
+        "load",
+        "drive",
+        "sensor",
+        "battery",
+        "way_blocked",
+        "lost_position",
+        "link",
+        "emergency_stop",
+        "dock",
+        "unknown",
+    ]
+    passes: bool | None = None
+    """It goes away by itself."""
+    needs_person: bool | None = None
+    load_movable: bool | None = None
+
+
 class HelpView(View, kw_only=True):
     """A problem that a person can solve, while its task waits for that."""
 
@@ -80,6 +101,8 @@ class AtvView(View, kw_only=True):
     acknowledged: bool = False
     """While it is stopped: somebody has said that the reason is gone, and it may be resumed."""
     problem: str = ""
+    about_problem: ProblemView | None = None
+    """None without a problem, and where there are only words."""
     help: HelpView | None = None
     software: str = ""
     draining: bool = False

@@ -45,6 +45,7 @@ class CommandRequest(BaseModel):
                 {"kind": "stop"},
                 {"kind": "set_speed", "speed_frac": 0.5},
                 {"kind": "promise", "wait_s": 120.0},
+                {"kind": "hand_over"},
             ]
         },
     )

@@ -42,11 +42,19 @@ class Owner(Protocol):
         """It drives, and was said to have been carried away: what it drives on is not its own."""
 
 
-class Vehicle(Owner, Protocol):
-    """One that may have right of way."""
+class Problems(Protocol):
+    """What is done about a vehicle's problems."""
 
     def raise_problem(self, report: ProblemRaised, now_s: float) -> None:
         """It stands until a person has seen to it."""
+
+
+class Vehicle(Owner, Protocol):
+    """One that may have right of way."""
+
+    @property
+    def problems(self) -> Problems:
+        """Those of its body, and its own."""
 
 
 class TrafficHandling:
@@ -130,4 +138,4 @@ def handle_traffic(
     if isinstance(driver, ReservedDriver):
         TrafficHandling(driver, vehicle, plant, trusts, out).fill(messages, alarms)
     else:
-        AloneAmongOthers(plant, out, vehicle.raise_problem).fill(messages)
+        AloneAmongOthers(plant, out, vehicle.problems.raise_problem).fill(messages)

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from math import inf
+
 from dray.errors import NoWay
 from dray.memory import Contract
 from dray.messages import Reason
 from dray.protocol.vehicle.job.job_moves import JobMoves
-from dray.protocol.vehicle.job.job_state import JobState
+from dray.protocol.vehicle.job.job_state import LOADED, JobState
 from dray.protocol.vehicle.job.job_status import JobStatus
+from dray.protocol.vehicle.people.assistance import Waiting
 
 
 class JobWays(JobStatus):
@@ -32,6 +35,18 @@ class JobWays(JobStatus):
             self._drive_on(now_s)
         elif self.is_given_back:
             self._moves.halt(now_s)
+
+    def waiting(self, now_s: float) -> Waiting:
+        """What it means for the task that the vehicle cannot go on."""
+        loaded = self.state in LOADED
+        relief_s = 0.0
+        if loaded:
+            try:
+                relief_s = self._moves.from_source_s() - max(0.0, self.due_s - now_s)
+            except NoWay:
+                relief_s = inf
+        goods_aboard = loaded and bool(self.work.goal)
+        return Waiting(self.task, self.slack_s, relief_s, irreplaceable=goods_aboard or self.is_void)
 
     def arrived(self, now_s: float) -> None:
         """The vehicle stands where it was sent."""

@@ -1,4 +1,4 @@
-"""People's commands to a vehicle: stop, acknowledge, resume, slow down, promise help (paper, cases 4 and 5).
+"""People's commands to a vehicle: stop, acknowledge, resume, slow down, promise help, hand over (paper, cases 4 and 5).
 
 A stop holds against everything else until the fault was acknowledged and then a resume was given, as
 two deliberate acts (invariant 5). To acknowledge says that the fault is gone: a vehicle whose own
@@ -14,9 +14,9 @@ from dray.messages import CommandAnswered, CommandKind, CommandRefusal, Grant, V
 from dray.messages.fact import CommandObeyed
 from dray.protocol.runtime.bounded_map import BoundedMap
 from dray.protocol.runtime.events import Effect, Ignore, Instruct, Record, Send
-from dray.protocol.vehicle.assistance import Assistance
-from dray.protocol.vehicle.command_authorisation import CommandAuthorisation
 from dray.protocol.vehicle.drivers.driver import Driver
+from dray.protocol.vehicle.people.assistance import Assistance
+from dray.protocol.vehicle.people.command_authorisation import CommandAuthorisation
 
 COMMANDS_KEPT = 32
 """Whoever gives a command repeats it until it is answered, and people give few: a command that comes
@@ -143,6 +143,8 @@ class CommandHandling:
             return self._limit_speed(command.speed_frac)
         if command.kind is CommandKind.PROMISE:
             return self.assistance.promise(command.issued_by or grant.person, command.wait_s, now_s)
+        if command.kind is CommandKind.HAND_OVER:
+            return self.assistance.let_go(now_s)
         if not self.stopped:
             return CommandRefusal.NOT_STOPPED
         if command.kind is CommandKind.ACKNOWLEDGE:

@@ -1,0 +1,109 @@
+"""What a vehicle does about a problem that its body reports: it stands, judges it, asks for help, and tells how long it has lasted.
+
+All vehicles hear how long the problems of others have lasted (`ProblemEnded`): a lost word of that costs nothing but experience.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Protocol
+
+from dray.body import ProblemCleared, ProblemRaised, VehicleState
+from dray.messages import NOTHING_KNOWN, Link, Message, ProblemEnded, Reason
+from dray.messages.keys import Keys
+from dray.protocol.runtime.events import Effect, Publish, Subscribe
+from dray.protocol.vehicle.contracts import Contracts
+from dray.protocol.vehicle.people.command_handling import CommandHandling
+from dray.protocol.vehicle.people.patience import Experience
+
+
+class Owner(Protocol):
+    """A vehicle, as far as its problems need it."""
+
+    id: str
+
+    @property
+    def link(self) -> Link:
+        """By which it speaks."""
+
+    def commit(self) -> None:
+        """Write what the next life must know into the journal."""
+
+    def end_trouble(self, now_s: float) -> None:
+        """End one reason to stand; drive on when no other is left."""
+
+    def update_status(self, now_s: float, reason: str) -> None:
+        """Work the status out anew, and tell the reason if it has changed."""
+
+    def beat_soon(self, now_s: float) -> None:
+        """Send the next heartbeat at once."""
+
+
+class ProblemHandling:
+    """The problems of one vehicle.
+
+    Args:
+        owner: the vehicle.
+        keys: of its plant.
+        contracts: of the vehicle.
+        commands: what people have told it, and what it asks them for.
+        out: where effects go.
+
+    Attributes:
+        messages: by the type of a message, what to call with (sender, message, now_s).
+        reports: by the type of a report, what to call with (report, now_s).
+    """
+
+    def __init__(
+        self, owner: Owner, keys: Keys, contracts: Contracts, commands: CommandHandling, out: list[Effect]
+    ) -> None:
+        self._owner = owner
+        self._keys = keys
+        self._contracts = contracts
+        self._commands = commands
+        self._assistance = commands.assistance
+        self._out = out
+        self._experience = Experience()
+        self._since_s = 0.0
+        self.messages: dict[type[Message], Callable[[str, Any, float], None]] = {ProblemEnded: self._on_ended}
+        self.reports: dict[type, Callable[[Any, float], None]] = {
+            ProblemRaised: self.raise_problem,
+            ProblemCleared: self._problem_cleared,
+        }
+
+    def start(self, state: VehicleState, now_s: float) -> None:
+        """Go on with what the body knows, and listen."""
+        self._out.append(Subscribe(self._keys.all_problems))
+        self._assistance.problem, self._assistance.about = state.problem, state.about_problem
+        self._since_s = now_s
+
+    def raise_problem(self, report: ProblemRaised, now_s: float) -> None:
+        """Stand until the problem is over."""
+        assistance = self._assistance
+        if not assistance.problem or report.problem.kind is not assistance.about.kind:
+            self._since_s = now_s
+        assistance.problem, assistance.about = report.reason, report.problem
+        if self._commands.take_back():
+            self._owner.commit()
+        job = self._contracts.job
+        if job is not None:
+            assistance.ask(job.waiting(now_s), self._experience.usual_s(report.problem, now_s), now_s)
+        self._contracts.standby.resign(Reason.PROBLEM)
+        self._owner.update_status(now_s, report.reason)
+        self._owner.beat_soon(now_s)
+
+    def _problem_cleared(self, _report: ProblemCleared, now_s: float) -> None:
+        assistance = self._assistance
+        if assistance.problem:
+            lasted_s = max(0.0, now_s - self._since_s)
+            ended = ProblemEnded(atv=self._owner.id, problem=assistance.about, lasted_s=lasted_s)
+            self._experience.note(ended, "", now_s)
+            if self._owner.link is Link.WLAN and assistance.about != NOTHING_KNOWN:
+                self._out.append(Publish(self._keys.problem(self._owner.id), ended))
+        assistance.problem, assistance.about = "", NOTHING_KNOWN
+        self._owner.end_trouble(now_s)
+        self._owner.update_status(now_s, "problem cleared")
+
+    def _on_ended(self, sender: str, message: ProblemEnded, now_s: float) -> None:
+        if sender != self._owner.id:
+            self._experience.note(message, sender, now_s)
