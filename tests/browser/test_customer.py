@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 from playwright.sync_api import Page, expect
+from variants import variants
 
 OpenPage = Callable[..., Page]
 Screenshot = Callable[[Page, str], Path]
@@ -66,7 +67,7 @@ def test_a_customer_follows_an_order_to_its_delivery_without_touching_the_page(
     assert {url.split("/")[2] for url in asked if url != "about:blank"} == {factory.url.split("/")[2]}
 
 
-@pytest.mark.parametrize("theme", ["light", "dark"])
+@pytest.mark.parametrize("theme", variants(["dark", "light"]))
 @pytest.mark.parametrize(
     ("locale", "words"), [("en-GB", "As of"), ("de-DE", "Stand"), ("es-ES", "Actualizado")]
 )

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 import pytest
 from open_house import OpenHouse, open_house
 from playwright.sync_api import Page, expect
+from variants import variants
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "gateway/kits"))
 
@@ -183,7 +184,7 @@ def open_at(factory: OpenHouse, open_page: OpenPage, story: Story, look: dict[st
     return page
 
 
-@pytest.mark.parametrize("name", STATES)
+@pytest.mark.parametrize("name", variants(STATES, "placed", "in-production", "late", "broken", "delivered"))
 def test_every_state_is_told_in_the_first_lines_and_fits_every_screen(
     factory: OpenHouse, open_page: OpenPage, screenshot: Screenshot, name: str
 ) -> None:

@@ -9,6 +9,7 @@ from typing import Any, Literal
 
 import pytest
 from playwright.sync_api import Page, expect
+from variants import variants
 
 OpenPage = Callable[..., Page]
 Screenshot = Callable[..., Path]
@@ -57,7 +58,7 @@ def opened(factory: Any, open_page: OpenPage, shown: Shown, **options: Any) -> P
     return page
 
 
-@pytest.mark.parametrize("language", ["en", "de", pytest.param("es", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("language", variants(["en", "de", "es"]))
 @pytest.mark.parametrize("name", PAGES)
 def test_every_page_is_itself_in_every_language_and_theme(
     factory: Any, open_page: OpenPage, screenshot: Screenshot, name: str, language: str
@@ -69,7 +70,9 @@ def test_every_page_is_itself_in_every_language_and_theme(
         screenshot(page, f"{name}-{language}-{theme}")
 
 
-@pytest.mark.parametrize(("language", "theme"), [("en", "light"), ("de", "dark")])
+@pytest.mark.parametrize(
+    ("language", "theme"), [pytest.param("en", "light", marks=pytest.mark.slow), ("de", "dark")]
+)
 def test_every_view_of_the_management_panel_is_fit_for_all(
     factory: Any, open_page: OpenPage, screenshot: Screenshot, language: str, theme: str
 ) -> None:

@@ -26,6 +26,7 @@ from tablet_kit import (
     kinds,
     stop_of,
 )
+from variants import variants
 from wall_clock import NOW_S
 
 from dray.messages import AtvStatus, Brief, BufferLevel, CommandKind, HelpWanted, Phase, TaskBrief
@@ -148,7 +149,7 @@ def _run_until(page: Page, atv: str, text: str) -> None:
 # --- one line ----------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("count", [1, pytest.param(8, marks=pytest.mark.slow), 50])
+@pytest.mark.parametrize("count", variants([1, 8, 50], 50))
 @pytest.mark.parametrize("size", [LYING, UPRIGHT], ids=["lying", "upright"])
 def test_the_bar_is_one_line_that_hides_nothing_however_many_there_are(
     house: OpenHouse, enter: Enter, screenshot: Screenshot, count: int, size: dict[str, int]

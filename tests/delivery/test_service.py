@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 from plants import plant_file
+from variants import variants
 from websockets.sync.client import ClientConnection, connect
 
 from dray.plant import Plant, plant_yaml
@@ -46,7 +47,7 @@ def watch(dray: Any, order_id: str, status: str) -> dict[str, Any]:
                     return view
 
 
-@pytest.mark.parametrize("by", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("by", variants([signal.SIGTERM, signal.SIGINT]))
 def test_a_signal_stops_it_cleanly_while_a_browser_watches(start_dray, by) -> None:
     dray = start_dray("--speed", "20")
     with stream(dray) as frames:

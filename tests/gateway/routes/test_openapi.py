@@ -24,6 +24,7 @@ from hypothesis import strategies as st
 from hypothesis.errors import Unsatisfiable
 from schemathesis import GenerationMode
 from schemathesis.specs.openapi.checks import ignored_auth, negative_data_rejection, positive_data_acceptance
+from variants import variants
 
 from dray.gateway.app import create_app
 from dray.gateway.live.timescale import TimeScale
@@ -103,11 +104,12 @@ class Running:
 
 @pytest.fixture
 def running(request: pytest.FixtureRequest) -> Iterator[list[Running]]:
-    """A gateway on each kind of database. To think of a request takes longer than to answer it twice."""
+    """A gateway; where much is asked, on each kind of database."""
     urls = [request.getfixturevalue("sqlite_url")]
-    # Without PostgreSQL other tests are skipped, and tell so.
-    with suppress(pytest.skip.Exception):
-        urls.append(request.getfixturevalue("postgresql_url"))
+    if request.node.callspec.params["examples"] == MANY:
+        # Without PostgreSQL other tests are skipped, and tell so.
+        with suppress(pytest.skip.Exception):
+            urls.append(request.getfixturevalue("postgresql_url"))
     with start_blocking_portal("asyncio") as portal, ExitStack() as stack:
         houses = [
             stack.enter_context(portal.wrap_async_context_manager(gateway(url, faults=FakeInjector())))
@@ -144,7 +146,7 @@ async def _fill(house: House) -> dict[str, str]:
     }
 
 
-@pytest.mark.parametrize("examples", [FEW, pytest.param(MANY, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("examples", variants([FEW, MANY]))
 @pytest.mark.parametrize(("method", "path"), OPERATIONS)
 def test_every_answer_is_one_that_the_document_tells_of_whatever_the_database(
     running: list[Running], method: str, path: str, examples: int

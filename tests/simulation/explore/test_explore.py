@@ -73,6 +73,7 @@ def test_runs_are_of_all_sorts() -> None:
 # --- playing ----------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_run_is_played_the_same_in_every_process() -> None:
     printed = {
         subprocess.run(

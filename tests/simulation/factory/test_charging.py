@@ -12,6 +12,7 @@ from random import Random
 
 import msgspec
 import pytest
+from variants import variants
 
 from dray.body import VehicleState
 from dray.messages import DwellPointClaimed, Message
@@ -166,6 +167,7 @@ def test_one_vehicle_with_one_charger_works_on() -> None:
     assert all_delivered(result)
 
 
+@pytest.mark.slow
 def test_where_every_dwell_point_is_a_charger_work_is_done() -> None:
     plant = small(vehicles=4, chargers=4, parkings=0, battery_frac=0.4)
     looks, result = played(plant, hours=2.0, load=0.3)
@@ -173,6 +175,7 @@ def test_where_every_dwell_point_is_a_charger_work_is_done() -> None:
     assert all_delivered(result)
 
 
+@pytest.mark.slow
 def test_without_a_free_parking_place_nobody_waits_at_a_machine() -> None:
     plant = small(vehicles=6, chargers=1, parkings=1, battery_frac=0.5)
     looks, result = played(plant, hours=1.5, load=0.1)
@@ -191,10 +194,7 @@ def drawn(seed: int) -> Plant:
     return Plant(msgspec.structs.replace(file, chargers=file.chargers[:kept], fleet=fleet))
 
 
-SWEEP = [pytest.param(seed, marks=() if seed < 3 else pytest.mark.slow) for seed in range(40)]
-
-
-@pytest.mark.parametrize("seed", SWEEP)
+@pytest.mark.parametrize("seed", variants(range(40), 1))
 def test_in_plants_drawn_at_random_nobody_runs_flat(seed: int) -> None:
     looks, result = played(drawn(seed), hours=1.5, load=0.05, seed=seed)
     assert flat(looks) == set()

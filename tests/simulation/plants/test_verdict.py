@@ -8,6 +8,7 @@ from __future__ import annotations
 import msgspec
 import pytest
 from msgspec.structs import replace
+from variants import variants
 
 from dray.plant import Making, Plant, PlantFile, Stock, VehicleSpec, shipped_plant
 from dray_sim.run.evidence import HELD
@@ -94,13 +95,7 @@ def played(file: PlantFile, load: float, hours: float = HOURS) -> Report:
     return report
 
 
-LONG = ("buffer", "dock")
-"""Many vehicles make these runs the longest ones."""
-
-
-@pytest.mark.parametrize(
-    "kind", [pytest.param(kind, marks=pytest.mark.slow) if kind in LONG else kind for kind in SHORT]
-)
+@pytest.mark.parametrize("kind", variants(SHORT, "vehicles"))
 def test_the_verdict_names_what_was_short(kind: str) -> None:
     verdict = played(*SHORT[kind]).verdict
     assert verdict.bottleneck == kind, "\n".join(verdict.lines())

@@ -8,6 +8,7 @@ import subprocess
 import sys
 
 import pytest
+from variants import variants
 
 from dray.plant import default_plant
 from dray_sim.run.evidence import HELD
@@ -50,7 +51,7 @@ def test_most_transports_are_watched(hour: Report) -> None:
     assert hour.watches_taken > 0.8 * hour.transports
 
 
-@pytest.mark.parametrize("hash_seed", ["0", "1", "4711"])
+@pytest.mark.parametrize("hash_seed", variants(["4711", "0", "1"]))
 def test_the_same_seed_gives_the_same_report_in_another_process(hour: Report, hash_seed: str) -> None:
     environment = {**os.environ, "PYTHONHASHSEED": hash_seed}
     printed = subprocess.run(

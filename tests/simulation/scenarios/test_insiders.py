@@ -6,6 +6,7 @@ from dataclasses import replace
 from functools import cache, partial
 
 import pytest
+from variants import variants
 
 from dray.messages.fact import ContractorRated
 from dray.plant import default_plant
@@ -19,12 +20,12 @@ SHORT = replace(SHIFT, duration_s=3600.0)
 """A fraction of a shift: what stops a factory has stopped it by then."""
 
 WORST = (
-    pytest.param("bids-nothing", marks=pytest.mark.slow),
-    pytest.param("bids-absurdly", marks=pytest.mark.slow),
+    "bids-nothing",
+    "bids-absurdly",
     "bids-the-least",
-    pytest.param("pretends", marks=pytest.mark.slow),
+    "pretends",
     "hands-over-nothing",
-    pytest.param("falls-silent-loaded", marks=pytest.mark.slow),
+    "falls-silent-loaded",
 )
 """Each of these kept every order from being delivered, or nearly."""
 
@@ -37,7 +38,7 @@ def orders_without() -> int:
     return played.told.orders
 
 
-@pytest.mark.parametrize("name", WORST)
+@pytest.mark.parametrize("name", variants(WORST, "bids-the-least"))
 def test_a_liar_stops_nothing(name: str) -> None:
     played = play(SHORT, default_plant(), 1, partial(work, behaviour=BEHAVIOURS[name]))
     assert played.invariants == HELD
