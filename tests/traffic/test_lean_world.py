@@ -64,9 +64,12 @@ def test_nobody_overlaps_and_nobody_is_stuck(floor: str, quality: Quality) -> No
     assert finish(world).per_h > 20.0
 
 
-@pytest.mark.parametrize("seed", [292, 572, 825, 930])
+@pytest.mark.parametrize(
+    "seed", [292, 969, 111, *(pytest.param(s, marks=pytest.mark.slow) for s in (572, 825, 930, 901))]
+)
 def test_nobody_is_stuck_where_chance_has_put_roads(seed: int) -> None:
-    """Two who had to make room in turn did so for ever, or waited for one who could have driven on, and was asked to let them past."""
+    """Two who had to make room in turn did so for ever, or waited for one who could have driven on, and was asked to let them past;
+    room was made again and again where it did not suffice; one waited for all that had begun before it."""
     world = build(Setting(drawn(seed), seed, 900.0))
     world.clock.run(900.0)
     assert world.checks.found == Found()

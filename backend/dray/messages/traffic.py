@@ -27,8 +27,11 @@ DISTRICT_MAX = 10_000
 Rank = tuple[Count, Seconds, Id]
 """Who goes first; the lower the more urgent: class (0 with a task, 1 idle), since when it is on this leg, its id.
 
-A new leg brings a new rank, so everybody is the most urgent one some day.
+Time that it has stood for others counts many times. A new leg brings a new rank, so everybody is the most urgent one some day.
 """
+
+FIRST_S = -1e11
+"""Instead of the time in a rank: before everybody, whenever they have begun."""
 
 NO_RANK: Rank = (2, 0.0, "-")
 """Behind everybody."""

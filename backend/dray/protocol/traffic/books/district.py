@@ -13,6 +13,7 @@ from msgspec.structs import replace
 from dray.messages import Message, Removal
 from dray.messages.fact import PlaceKept, PlacesFreed
 from dray.messages.traffic import (
+    FIRST_S,
     HOLDS_MAX,
     Blocked,
     BookAsked,
@@ -352,18 +353,10 @@ class District:
             if self._moves(holder):
                 continue
             self._asked_s[holder] = now_s
-            self._out.append(
-                Send(
-                    holder,
-                    YieldAsked(
-                        district=self._district,
-                        waiting=atv,
-                        rank=wish.rank,
-                        avoid=wish.avoid,
-                        chain=wish.chain,
-                    ),
-                )
+            room = YieldAsked(
+                district=self._district, waiting=atv, rank=wish.rank, avoid=wish.avoid, chain=wish.chain
             )
+            self._out.append(Send(holder, room))
 
     def _moves(self, atv: str) -> bool:
         """Whether a vehicle is under way, as far as one knows: it need not be asked."""
@@ -389,7 +382,7 @@ class District:
             life=removal.life,
             seq=0,
             epoch=self._roll.epoch if self._roll is not None else self.copies.kept.epoch,
-            rank=(0, 0.0, removal.atv),
+            rank=(0, FIRST_S, removal.atv),
             holds=(),
             groups=((place,),) if place in self._inside else (),
             seen=0,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from enum import Enum
 
-from dray.messages.traffic import ROUTE_MAX, Blocked, PlaceGranted, Rank
+from dray.messages.traffic import FIRST_S, ROUTE_MAX, Blocked, PlaceGranted, Rank
 from dray.plant.restrictions import OPEN, Restrictions
 from dray.protocol.runtime.events import Effect, Instruct
 from dray.protocol.runtime.timers import Timers, spread_frac
@@ -23,6 +23,10 @@ HELD_UP = "held up"
 
 REROUTE_S, REROUTE_MORE_S = 3.0, 2.0
 """Held up for so long, a vehicle looks for another way; the second part follows from its name."""
+
+AGES_EVERY_S, AGES_BY_S = 30.0, 240.0
+"""Who has been held up for so long counts as so much longer on its leg: else one that stands where many pass waits for all that have
+begun before it."""
 
 WITH_TASK, IDLE = 0, 1
 """Classes of rank."""
@@ -95,6 +99,8 @@ class PlaceRequests:
         self._speed_mps = 0.0
         self._held_up_s: float | None = None
         """Since when it stands and waits for its next group."""
+        self._aged_s = 0.0
+        """When that has made it more urgent last."""
         self._blocked, self._blocked_by, self._blocked_at = Blocked.NO, "", ""
         """Why it was not granted that, who is in the way and where, as the book has told last."""
         self.removal = 0
@@ -136,7 +142,7 @@ class PlaceRequests:
         Nobody is more urgent than one that asks for where it stands.
         """
         if self._asked:
-            return (WITH_TASK, 0.0, self.atv)
+            return (WITH_TASK, FIRST_S, self.atv)
         if self._held_up_s is not None and self._blocked is Blocked.SILENT:
             return (max(self._rank[0], IDLE), *self._rank[1:])
         return self._rank

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from dray.messages.traffic import (
     ROUTE_MAX,
+    Blocked,
     HoldsAsked,
     PlaceGranted,
     Rank,
@@ -16,7 +17,14 @@ from dray.messages.traffic import (
     YieldRefused,
 )
 from dray.protocol.runtime.events import Ignore, Instruct
-from dray.protocol.traffic.driving.place_requests import HELD_UP, IDLE, Errand, PlaceRequests
+from dray.protocol.traffic.driving.place_requests import (
+    AGES_BY_S,
+    AGES_EVERY_S,
+    HELD_UP,
+    IDLE,
+    Errand,
+    PlaceRequests,
+)
 
 RESTED = "rested"
 
@@ -204,7 +212,7 @@ class RightOfWay(PlaceRequests):
         chain = inherited.chain if inherited is not None else ()
         avoid = refused.avoid + (inherited.avoid if inherited is not None else ())
         rank = self.rank(now_s)
-        way = self._refuge(avoid, (sender, *chain), rank, now_s)
+        way = self._refuge(avoid, (sender, *chain), rank, now_s, refused=inherited is None)
         if way is not None:
             self._leave_for(way, now_s, refuser=sender if inherited is None else "")
         elif inherited is not None:
@@ -224,6 +232,9 @@ class RightOfWay(PlaceRequests):
         """Held up for a while: is there a better way by now?"""
         if self._held_up_s is None or self.docked:
             return
+        if now_s - max(self._held_up_s, self._aged_s) >= AGES_EVERY_S and self._blocked is Blocked.WAIT:
+            self._aged_s = now_s
+            self._rank = (self._rank[0], self._rank[1] - AGES_BY_S, self.atv)
         if self.errand is Errand.OWN:
             way = self._ways.way(self.way.node, self.goal, self._outlook.prices(now_s))
             if way is not None:
@@ -262,14 +273,20 @@ class RightOfWay(PlaceRequests):
             self.wishes.open(district)
 
     def _refuge(
-        self, avoid: tuple[str, ...], chain: tuple[str, ...], rank: Rank, now_s: float
+        self,
+        avoid: tuple[str, ...],
+        chain: tuple[str, ...],
+        rank: Rank,
+        now_s: float,
+        *,
+        refused: bool = False,
     ) -> tuple[str, ...] | None:
-        again = self.errand is Errand.REFUGE
-        return self._yielding.refuge(self.way.node, self.goal, avoid, chain, rank, now_s, again=again)
+        again, here = self.errand is Errand.REFUGE, self.way.node
+        return self._yielding.refuge(here, self.goal, avoid, chain, rank, now_s, again=again, refused=refused)
 
     def _leave_for(self, way: tuple[str, ...], now_s: float, *, refuser: str = "") -> None:
         self.errand = Errand.REFUGE
-        self._yielding.leave(now_s, refuser=refuser)
+        self._yielding.leave(way[-1], now_s, refuser=refuser)
         self.way.turn_to(way)
         self._timers.clear(RESTED)
         self._settle(now_s)

@@ -74,6 +74,8 @@ class Yielding:
         """It makes room because somebody else has nowhere to go."""
         self._refuser, self._again = "", 0
         """For whom it did so last on this leg, and how often before."""
+        self._tried: set[str] = set()
+        """Where it has gone for that on this leg: it was not enough, so it goes elsewhere next."""
         self._refused_s = -REFUSE_AGAIN_S
 
     # --- ranks -----------------------------------------------------------------------------------
@@ -120,6 +122,7 @@ class Yielding:
         now_s: float,
         *,
         again: bool,
+        refused: bool = False,
     ) -> tuple[str, ...] | None:
         """The cheapest way out of somebody's way; None when there is none.
 
@@ -131,7 +134,14 @@ class Yielding:
             rank: of the first one of them.
             now_s: when.
             again: the one before was not reached: whoever was in the way there drives on itself, if it can.
+            refused: because somebody else has nowhere to go: then not where it has gone for that before, as long as there is more.
         """
+        if refused and self._tried:
+            elsewhere = (*avoid, *self._tried)
+            way = self.refuge(here, goal, elsewhere, chain, rank, now_s, again=again)
+            if way is not None:
+                return way
+            self._tried.clear()
         forbidden, taken = self._outlook.holders(chain, rank, now_s)
         return self._ways.refuge(
             here,
@@ -146,11 +156,13 @@ class Yielding:
     def begin_leg(self) -> None:
         """It goes somewhere else: what was in the way there counts no more."""
         self._refuser, self._again = "", 0
+        self._tried.clear()
 
-    def leave(self, now_s: float, *, refuser: str = "") -> None:
+    def leave(self, to: str, now_s: float, *, refuser: str = "") -> None:
         """It drives to a refuge from now on; because somebody else, the refuser, has nowhere to go, or not."""
         self._refuge_s, self._backtracks = now_s, bool(refuser)
         if refuser:
+            self._tried.add(to)
             self._again = min(self._again + 1, BACKTRACKS_MAX) if refuser == self._refuser else 0
             self._refuser = refuser
 

@@ -1,0 +1,102 @@
+"""Nobody waits for ever: who stands for long becomes more urgent, and who makes room in vain goes elsewhere next."""
+
+from __future__ import annotations
+
+import pytest
+
+from dray.messages.traffic import Blocked, PlaceBooking, PlaceGranted, PlaceWished, YieldRefused
+from dray.plant import default_plant
+from dray.protocol.runtime.events import Effect, Send
+from dray.protocol.runtime.timers import Timers
+from dray.protocol.traffic.driving.place_requests import AGES_BY_S, AGES_EVERY_S, HELD_UP, WITH_TASK, Errand
+from dray.protocol.traffic.driving.right_of_way import RightOfWay
+from dray.protocol.traffic.neighbours import Neighbours
+from dray.protocol.traffic.traffic_map import TrafficMap
+
+PLANT = default_plant()
+TRAFFIC = TrafficMap(PLANT)
+HERE, GOAL = "b3", "m8-lane"
+BEGUN_S = 1000.0
+
+
+class Waiting:
+    """A's right of way on a leg that is blocked from its first lane on."""
+
+    def __init__(self, blocked: Blocked) -> None:
+        self.out: list[Effect] = []
+        spec = next(iter(PLANT.fleet.values()))
+        kind = PLANT.vehicle_types[spec.type]
+        orders = iter(range(1, 100))
+        self.timers = Timers()
+        self.row = RightOfWay(
+            "A",
+            1,
+            TRAFFIC.places,
+            TRAFFIC.ways(spec.type),
+            Neighbours(),
+            self.timers,
+            self.out,
+            node=HERE,
+            top_mps=kind.max_speed_mps,
+            acceleration_mps2=kind.acceleration_mps2,
+            next_order=lambda: next(orders),
+        )
+        self.number = 0
+        self.row.start(BEGUN_S)
+        self.answer(Blocked.NO, BEGUN_S, HERE)
+        self.row.go(GOAL, WITH_TASK, BEGUN_S)
+        self.answer(blocked, BEGUN_S)
+
+    def wish(self) -> PlaceWished:
+        """Its newest one."""
+        return [e.message for e in self.out if isinstance(e, Send) and isinstance(e.message, PlaceWished)][-1]
+
+    def answer(self, blocked: Blocked, now_s: float, *places: str) -> None:
+        """The book answers the newest wish."""
+        wish = self.wish()
+        self.number += 1
+        at = wish.groups[0][0] if blocked is not Blocked.NO else ""
+        granted = PlaceGranted(
+            district=wish.district,
+            epoch=0,
+            life=1,
+            upto=wish.seq,
+            grants=tuple(PlaceBooking(place=place, number=self.number) for place in places or (HERE,)),
+            blocked=blocked,
+            by="B" if at else "",
+            at=at,
+        )
+        self.row.on_granted(TRAFFIC.places.keepers_of[wish.district][0], granted, now_s)
+
+    def wait(self, until_s: float) -> None:
+        """Let its alarms come."""
+        while self.timers.next_s <= until_s:
+            now_s = self.timers.next_s
+            for name in self.timers.due(now_s):
+                if name == HELD_UP:
+                    self.row.reroute(now_s)
+
+
+@pytest.mark.parametrize(("blocked", "ages"), [(Blocked.WAIT, True), (Blocked.DOCKED, False)])
+def test_who_is_held_up_for_long_becomes_more_urgent_but_not_than_work_at_a_dock(
+    blocked: Blocked, *, ages: bool
+) -> None:
+    vehicle = Waiting(blocked)
+    vehicle.wait(BEGUN_S + AGES_EVERY_S - 1.0)
+    assert vehicle.wish().rank == (WITH_TASK, BEGUN_S, "A")
+    vehicle.wait(BEGUN_S + 2.0 * AGES_EVERY_S - 1.0)
+    assert vehicle.row.own_rank == (WITH_TASK, BEGUN_S - ages * AGES_BY_S, "A")
+    assert vehicle.wish().rank == vehicle.row.own_rank
+    vehicle.row.go(GOAL, WITH_TASK, BEGUN_S + 100.0)
+    assert vehicle.row.own_rank[1] == BEGUN_S + 100.0, "another leg begins anew"
+
+
+def test_who_made_room_in_vain_for_one_that_has_nowhere_to_go_goes_elsewhere_next() -> None:
+    vehicle = Waiting(Blocked.WAIT)
+    ends = []
+    for _ in range(3):
+        vehicle.row.errand = Errand.OWN
+        vehicle.row.on_yield_refused("B", YieldRefused(avoid=(), holds=()), BEGUN_S + 1.0)
+        assert vehicle.row.errand is Errand.REFUGE
+        ends.append(vehicle.row.way.goal)
+    assert len({*ends, HERE}) == 4
