@@ -12,10 +12,14 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
+from msgspec.structs import replace
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "simulation/kits"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "adapters/vda5050"))
+from vda_rig import FLOWING, PROFILE, Rig
 from yard import PLANT, Yard, drive
 
+from dray.adapters.vda5050.profile import Profile
 from dray.body import (
     ActionFailed,
     CycleDone,
@@ -52,6 +56,13 @@ def workcell(yard: Yard) -> Body:
     return SimWorkcell(PLANT.machines["M1"], PLANT, yard.clock, {"shaft": 50, "seal": 40})
 
 
+def by_wire(yard: Yard, profile: Profile) -> Body:
+    """A vehicle behind VDA 5050, of which something was heard."""
+    rig = Rig(profile, yard=yard, delay_s=0.0)
+    yard.run(0.0)
+    return rig.body
+
+
 CASES = {
     "vehicle": Case(
         make=lambda yard: yard.vehicle(),
@@ -62,6 +73,18 @@ CASES = {
         foreign=StartCycle(product="gear"),
         seconds=100.0,
     ),
+    **{
+        f"vehicle behind VDA 5050 {profile.version}, {how}": Case(
+            make=lambda yard, profile=profile: by_wire(yard, profile),
+            can=drive("west", "middle"),
+            done=WayDone,
+            cannot=drive("nowhere", order=2),
+            failed=ActionFailed,
+            foreign=StartCycle(product="gear"),
+            seconds=100.0,
+        )
+        for how, profile in (("steps", PROFILE), ("updates", replace(FLOWING, version="3.0")))
+    },
     "workcell": Case(
         make=workcell,
         can=StartCycle(product="gear"),

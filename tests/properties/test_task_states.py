@@ -19,7 +19,7 @@ from dray.protocol.contract_net.task import OpenTask
 from dray.protocol.contract_net.task_state import TRANSITIONS, TaskState
 from dray.protocol.liveness.failure_detector import UNNAMED_S
 from dray.protocol.liveness.suspicion import LATENESS_MAX_S
-from dray.protocol.runtime.states import States
+from dray.states import States
 
 SILENT_S = LATENESS_MAX_S + 8.0
 """Longer than any bound of these links, shorter than the time in which goods are given up."""

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from dray.errors import ProtocolViolation
-from dray.protocol.runtime.states import States, Transitions
 from dray.protocol.states import TABLES, document
+from dray.states import States, Transitions
 
 DRAWN = Path(__file__).parents[2] / "docs" / "states.md"
 

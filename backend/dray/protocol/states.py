@@ -6,8 +6,8 @@ import sys
 from typing import Any
 
 from dray.protocol.contract_net import task_state
-from dray.protocol.runtime.states import Transitions, diagram
 from dray.protocol.vehicle.job import job_state
+from dray.states import Transitions, diagram
 
 TABLES: dict[str, tuple[str, str, Transitions[Any]]] = {
     "A task": ("contract_net/task_state.py", "as its coordinator knows it", task_state.TRANSITIONS),

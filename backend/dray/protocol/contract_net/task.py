@@ -12,7 +12,7 @@ from dray.protocol.contract_net.task_state import TRANSITIONS, TaskState
 from dray.protocol.liveness.failure_detector import FailureDetector
 from dray.protocol.liveness.progress import Progress
 from dray.protocol.runtime.events import NEVER_S
-from dray.protocol.runtime.states import States
+from dray.states import States
 
 _AT_THE_END = frozenset({Phase.UNLOADING, Phase.HANDING_OVER})
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from enum import StrEnum
 
-from dray.protocol.runtime.states import Transitions
+from dray.states import Transitions
 
 
 class TaskState(StrEnum):

@@ -12,7 +12,7 @@ from __future__ import annotations
 from enum import StrEnum
 
 from dray.messages import Phase
-from dray.protocol.runtime.states import States, Transitions
+from dray.states import States, Transitions
 
 
 class JobState(StrEnum):

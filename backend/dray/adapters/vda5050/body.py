@@ -1,0 +1,171 @@
+"""The port `dray.ports.Body` for a vehicle that speaks VDA 5050: the master carried out on a clock and a link."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from datetime import UTC, datetime
+from typing import Any, Protocol
+
+import msgspec
+
+from dray.adapters.vda5050.control.master import MasterControl
+from dray.adapters.vda5050.events import (
+    Event,
+    Heard,
+    Instructed,
+    Linked,
+    Memory,
+    Note,
+    Remember,
+    Say,
+    Tell,
+    Unlinked,
+    Woke,
+)
+from dray.adapters.vda5050.profile import Profile
+from dray.body import Instruction, Report, VehicleInstruction, VehicleState
+from dray.ports import Clock
+
+
+class Address(msgspec.Struct, frozen=True):
+    """Whose topics a vehicle's are."""
+
+    manufacturer: str
+    serial: str
+
+
+class World(Protocol):
+    """What the body needs beside a clock."""
+
+    def publish(self, topic: str, data: bytes) -> None:
+        """Say it to the vehicle on one of its topics (the last chunk), at most once; dropped while the broker is away."""
+
+    def remember(self, memory: Memory) -> None:
+        """Write it down; it is durable at the return."""
+
+    def note(self, text: str) -> None:
+        """Tell people, once."""
+
+
+class VehicleBody:
+    """Implements `dray.ports.Body`.
+
+    Args:
+        control: its master.
+        profile: which version is spoken.
+        address: of the vehicle.
+        clock: the plant's.
+        world: the link and the disk.
+        to_wall_s: the plant's clock as unix time, for the headers of messages.
+
+    Attributes:
+        said: messages to the vehicle so far, by topic; the number of the next one is in its header.
+        control: its master.
+    """
+
+    def __init__(
+        self,
+        control: MasterControl,
+        profile: Profile,
+        address: Address,
+        clock: Clock,
+        world: World,
+        to_wall_s: Callable[[float], float] = lambda plant_s: plant_s,
+    ) -> None:
+        self.control = control
+        self._version, self._address = profile.dialect.version, address
+        self._clock, self._world, self._to_wall_s = clock, world, to_wall_s
+        self.said: dict[str, int] = {"order": 0, "instantActions": 0}
+        self._report: Callable[[Report], None] = _nobody_hears
+        self._waiting: list[Report] = []
+        self._armed_s = float("inf")
+        self._is_ended = False
+
+    # --- the port --------------------------------------------------------------------------------
+
+    def instruct(self, instruction: Instruction) -> None:
+        """See `dray.ports.Body`. What only a workcell can do is ignored: no report would fit it."""
+        if isinstance(instruction, VehicleInstruction):
+            self._handle(Instructed(instruction))
+
+    def sense(self) -> VehicleState:
+        """See `dray.ports.Body`: how it was when the vehicle told it last. Not before `control.is_known`."""
+        return self.control.sense()
+
+    def attach(self, report: Callable[[Report], None]) -> None:
+        """See `dray.ports.Body`."""
+        self._report = report
+
+    # --- the link --------------------------------------------------------------------------------
+
+    def on_message(self, topic: str, data: bytes) -> None:
+        """The vehicle has said something on one of its topics (the last chunk)."""
+        self._handle(Heard(topic, data))
+
+    def on_link(self) -> None:
+        """The broker is there."""
+        self._handle(Linked())
+
+    def on_link_lost(self, reason: str) -> None:
+        """The broker is away."""
+        self._handle(Unlinked(reason))
+
+    def end(self) -> None:
+        """Do nothing any more."""
+        self._is_ended = True
+
+    # --- how it is done --------------------------------------------------------------------------
+
+    def _handle(self, event: Event) -> None:
+        if self._is_ended:
+            return
+        for effect in self.control.handle(event, self._clock.now_s()):
+            match effect:
+                case Say(topic, body):
+                    self._world.publish(topic, msgspec.json.encode(self._header(topic) | body))
+                case Tell(report):
+                    self._waiting.append(report)
+                case Remember(memory):
+                    self._world.remember(memory)
+                case Note(text):
+                    self._world.note(text)
+        if self._waiting:
+            self._clock.call_at(self._clock.now_s(), self._flush)
+        self._arm()
+
+    def _header(self, topic: str) -> dict[str, Any]:
+        number = self.said[topic]
+        self.said[topic] += 1
+        moment = datetime.fromtimestamp(self._to_wall_s(self._clock.now_s()), UTC)
+        return {
+            "headerId": number,
+            "timestamp": moment.isoformat(timespec="milliseconds").replace("+00:00", "Z"),
+            "version": self._version,
+            "manufacturer": self._address.manufacturer,
+            "serialNumber": self._address.serial,
+        }
+
+    def _flush(self) -> None:
+        """No report comes inside an instruction."""
+        while self._waiting:
+            self._report(self._waiting.pop(0))
+
+    def _arm(self) -> None:
+        wake_s = self.control.wake_at_s
+        if wake_s < self._armed_s:
+            self._armed_s = wake_s
+            self._clock.call_at(wake_s, self._wake)
+
+    def _wake(self) -> None:
+        now_s = self._clock.now_s()
+        if now_s < self._armed_s:
+            return  # An earlier call has been asked for since, and was this one's.
+        self._armed_s = float("inf")
+        if now_s >= self.control.wake_at_s:
+            self._handle(Woke())
+        elif not self._is_ended:
+            self._arm()
+
+
+def _nobody_hears(report: Report) -> None:
+    """What is reported before an agent listens; the state tells it all the same."""

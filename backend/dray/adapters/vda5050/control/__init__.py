@@ -1,0 +1,1 @@
+"""The master of one vehicle, pure: no clock, no network, no log."""

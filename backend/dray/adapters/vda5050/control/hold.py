@@ -1,0 +1,57 @@
+"""Holding a vehicle: it is told to pause, and it is looked whether it stands."""
+
+from __future__ import annotations
+
+from dray.adapters.vda5050.control.instant import InstantActions
+from dray.adapters.vda5050.control.view import VehicleView
+from dray.adapters.vda5050.profile import Profile
+
+PAUSE, GO_ON = "startPause", "stopPause"
+
+STANDS_S = 5.0
+"""A vehicle brakes to a stand within this, and says so."""
+
+
+class Holding:
+    """Of one vehicle.
+
+    Args:
+        profile: whether it can pause.
+        view: what it says.
+        instant: its instant actions.
+
+    Attributes:
+        held: its agent wants it to stand.
+        problem: it does not; empty when it does.
+    """
+
+    def __init__(self, profile: Profile, view: VehicleView, instant: InstantActions) -> None:
+        self._profile, self._view, self._instant = profile, view, instant
+        self.held = False
+        self.problem = ""
+        self._held_s = 0.0
+
+    def hold(self, now_s: float) -> None:
+        """Let it stand; twice is harmless."""
+        if not self.held:
+            self.held, self._held_s = True, now_s
+            self._say(PAUSE, GO_ON, now_s)
+
+    def go_on(self, now_s: float) -> None:
+        """Let it go on; harmless when it is not held."""
+        if self.held:
+            self.held, self.problem = False, ""
+            self._say(GO_ON, PAUSE, now_s)
+
+    def tick(self, now_s: float) -> None:
+        """Look whether it stands."""
+        view = self._view
+        if not self.held or view.heard_s < self._held_s + STANDS_S:
+            return
+        obeys = "it does not pause" if self._profile.pause else "it does not stop"
+        self.problem = f"{obeys}: it moves although it was told to stand" if view.is_moving else ""
+
+    def _say(self, wanted: str, other: str, now_s: float) -> None:
+        if self._profile.pause:
+            self._instant.forget(other)
+            self._instant.say(wanted, now_s)

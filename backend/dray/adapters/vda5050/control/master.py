@@ -1,0 +1,288 @@
+"""The master of one vehicle: from what its agent wants to orders, and from what the vehicle says to reports.
+
+Pure: `handle(event, now_s)` returns effects, to be carried out in their order: what is remembered is written down before
+the order is said that it is about. `Work` keeps what is wanted, `Orders` the order that the vehicle has, `VehicleView` what
+it says. No order is said while there is a problem or the vehicle is held.
+"""
+
+from __future__ import annotations
+
+from dray.adapters.vda5050.control.factsheet import differences
+from dray.adapters.vda5050.control.hold import Holding
+from dray.adapters.vda5050.control.instant import InstantActions
+from dray.adapters.vda5050.control.on_board import OnBoard
+from dray.adapters.vda5050.control.orders import ASK_STATE, Orders
+from dray.adapters.vda5050.control.problems import absence, complaint, is_attended
+from dray.adapters.vda5050.control.vehicle_order import Kind, restored
+from dray.adapters.vda5050.control.view import NEVER_S, REORDERED_S, VehicleView
+from dray.adapters.vda5050.control.whereabouts import Stand
+from dray.adapters.vda5050.control.work import Work
+from dray.adapters.vda5050.events import (
+    Effect,
+    Event,
+    Heard,
+    Instructed,
+    Linked,
+    Memory,
+    Note,
+    Remember,
+    Tell,
+    Unlinked,
+    Woke,
+)
+from dray.adapters.vda5050.profile import Profile
+from dray.body import (
+    Charge,
+    Drive,
+    Drop,
+    Hold,
+    LimitSpeed,
+    Pick,
+    ProblemCleared,
+    ProblemRaised,
+    ReleaseWay,
+    Unhold,
+    VehicleInstruction,
+    VehicleState,
+)
+from dray.messages import Pose
+from dray.plant import Plant
+from dray.plant.model import VehicleType
+
+LOOK_S, REST_S = 0.5, 2.0
+"""How often it is looked whether something is due: while an order is out, and else."""
+
+ASK_FACTSHEET = "factsheetRequest"
+
+
+class MasterControl:
+    """Of one vehicle.
+
+    Args:
+        agent: its id in the plant.
+        plant: roads and stations.
+        vehicle_type: what the plant says of it.
+        profile: what it understands.
+        life: higher than that of any life before: no id of an order comes again.
+        memory: what the life before has left.
+
+    Attributes:
+        wake_at_s: when `Woke` is due.
+        view: what the vehicle has said.
+    """
+
+    def __init__(
+        self,
+        agent: str,
+        plant: Plant,
+        vehicle_type: VehicleType,
+        profile: Profile,
+        *,
+        life: int,
+        memory: Memory | None = None,
+    ) -> None:
+        memory = memory or Memory()
+        self.wake_at_s = 0.0
+        self._plant, self._type, self._profile = plant, vehicle_type, profile
+        self._out: list[Effect] = []
+        self.view = view = VehicleView(profile)
+        self._instant = InstantActions(agent, life, profile, self._out)
+        self._holding = Holding(profile, view, self._instant)
+        self._load = OnBoard(profile, memory.load, memory.quantity, memory.doubt)
+        self._work = Work(
+            plant, vehicle_type, profile, view, self._instant, self._load, self._holding, self._out
+        )
+        self._orders = self._work.orders = Orders(
+            agent, life, profile, view, self._instant, self._out, self._work, self._remember
+        )
+        self._earlier = memory.order
+        """The order of the life before, until the first state."""
+        self._remembered = memory
+        self._unlinked: tuple[str, float] | None = None
+        """Why the broker is away, and since when."""
+        self._is_attended = False
+        """People have it in their hands."""
+        self._problem = ""
+        """As it was told."""
+
+    @property
+    def is_known(self) -> bool:
+        """Whether it is known where the vehicle is: before that there is nothing to sense."""
+        return self._work.stand is not None
+
+    @property
+    def why_unknown(self) -> str:
+        """What is lacking before it is known, for people."""
+        if self._unlinked is not None:
+            return f"the broker is away: {self._unlinked[0]}"
+        if self.view.heard_s == NEVER_S:
+            odd = ", ".join(f"{count} times {reason}" for reason, count in self.view.odd.items())
+            return "the vehicle has not said anything yet" + (f" that can be used: {odd}" if odd else "")
+        return self._find_problem(self.view.heard_s) or "the vehicle has not said where it is"
+
+    def handle(self, event: Event, now_s: float) -> list[Effect]:
+        """What is to be done about an event, in this order."""
+        match event:
+            case Heard(topic, data):
+                self._hear(topic, data, now_s)
+            case Instructed(instruction):
+                self._obey(instruction, now_s)
+            case Linked():
+                self._unlinked = None
+                self._instant.say(ASK_STATE, now_s)
+                if self.view.factsheet is None:
+                    self._instant.say(ASK_FACTSHEET, now_s)
+            case Unlinked(reason):
+                self._unlinked = self._unlinked or (reason, now_s)
+            case Woke():
+                pass
+        if self._unlinked is None:
+            self._ask_when_in_doubt(now_s)
+            self._instant.tick(now_s)
+            self._orders.tick(now_s)
+            self._holding.tick(now_s)
+        self._tell_problem(now_s)
+        if self._unlinked is None and self.is_known and not self._problem and not self._holding.held:
+            self._work.go_on(now_s)
+        self._work.watch_charge()
+        self._remember()
+        self.wake_at_s = now_s + (LOOK_S if self._work.is_busy else REST_S)
+        effects = self._out[:]
+        self._out.clear()
+        return effects
+
+    def sense(self) -> VehicleState:
+        """How the vehicle is, as far as it has told.
+
+        Raises:
+            ProtocolViolation: it is not known where it is; our own bug.
+        """
+        node, ahead = self._work.between()
+        spot, view, way = self._plant.nodes[node], self.view, self._work.way
+        gap_m = self._work.gap_m(ahead) if ahead != node else 0.0
+        return VehicleState(
+            pose=view.pose or Pose(x_m=spot.x_m, y_m=spot.y_m, heading_rad=0.0),
+            node=node,
+            next_node=ahead,
+            next_node_s=gap_m / (view.speed_mps or self._type.max_speed_mps),
+            speed_mps=view.speed_mps if view.is_driving else 0.0,
+            battery_frac=view.battery_frac,
+            load=self._load.item,
+            load_quantity=self._load.quantity,
+            held=self._holding.held,
+            charging=view.is_charging,
+            problem=self._problem,
+            base_end=way.base_end if way is not None else "",
+        )
+
+    # --- what its agent wants --------------------------------------------------------------------
+
+    def _obey(self, instruction: VehicleInstruction, now_s: float) -> None:
+        match instruction:
+            case Drive():
+                self._work.drive(instruction, now_s)
+            case ReleaseWay(number, released):
+                if self._work.way is not None:
+                    self._work.way.release(number, released)
+            case Pick() | Drop() | Charge():
+                self._work.act(instruction, now_s)
+            case Hold():
+                self._holding.hold(now_s)
+                if not self._profile.pause:
+                    self._orders.cancel(now_s)
+            case Unhold():
+                self._holding.go_on(now_s)
+            case LimitSpeed(speed_frac):
+                self._work.speed_frac = min(speed_frac, 1.0)
+
+    # --- what the vehicle says -------------------------------------------------------------------
+
+    def _hear(self, topic: str, data: bytes, now_s: float) -> None:
+        sheet, was_known = self.view.factsheet, self.is_known
+        state = self.view.take(topic, data, now_s)
+        if self.view.factsheet is not None and self.view.factsheet is not sheet:
+            self._out += (Note(text) for text in differences(self.view.factsheet, self._type, self._profile))
+        if topic == "connection" and not self.view.away:
+            self._instant.say(ASK_STATE, now_s)
+        if state is None:
+            return
+        self._recognise(now_s)
+        self._instant.on_state(state)
+        self._orders.on_state(now_s)
+        self._work.locate()
+        if not was_known and self.is_known:
+            self._holding.held = state.paused is True
+        self._attend()
+        order = self._orders.present
+        is_handling = order is not None and order.kind in (Kind.PICK, Kind.DROP)
+        self._load.on_state(state, is_handling=is_handling, now_s=now_s)
+
+    def _recognise(self, now_s: float) -> None:
+        """Go on with the order of the life before: it is never given a second time under another id."""
+        memory, self._earlier = self._earlier, None
+        if memory is None or not all(node in self._plant.nodes for node in memory.nodes):
+            return
+        order = restored(memory, self._work.steps)
+        if order.is_shown(self.view.state):
+            self._work.stand = Stand(memory.nodes[0])
+            self._orders.recognise(order, now_s)
+        elif order.task is not None and not isinstance(order.task, Charge):
+            if memory.is_shown or self.view.state.loads:
+                self._work.lose_track(order)  # The vehicle has forgotten it meanwhile.
+            else:
+                self._orders.recognise(
+                    order, now_s
+                )  # Perhaps it never came there: it is said again, unchanged.
+
+    def _ask_when_in_doubt(self, now_s: float) -> None:
+        """A state with a lower number was an older one, or the vehicle was restarted: the next one tells."""
+        doubtful_s = self.view.doubtful_s
+        if doubtful_s is not None and now_s - doubtful_s >= REORDERED_S:
+            self.view.doubtful_s = None
+            self._instant.say(ASK_STATE, now_s)
+
+    def _attend(self) -> None:
+        if is_attended(self.view.state):
+            self._is_attended = True
+        elif self._is_attended:
+            self._is_attended = False
+            self._load.was_attended(self.view.state)
+
+    # --- problems, and what the next life must know ----------------------------------------------
+
+    def _find_problem(self, now_s: float) -> str:
+        """What keeps it from going on; the first of several."""
+        view = self.view
+        if reason := absence(view, self._profile, self._unlinked, now_s):
+            return reason
+        if view.heard_s == NEVER_S:
+            return ""
+        if reason := complaint(view.state):
+            return reason
+        if not view.is_on_map:
+            return f"it is on a map that is not {view.map_id}"
+        if self._work.lacks_place:
+            where = f": ({view.pose.x_m:.1f}, {view.pose.y_m:.1f})" if view.pose else ""
+            return f"it stands on no lane of the plant{where}"
+        if self._orders.does_not_cancel:
+            return "it goes on with an order that was cancelled"
+        return self._holding.problem or self._load.doubt or self._load.difference
+
+    def _tell_problem(self, now_s: float) -> None:
+        problem = self._find_problem(now_s)
+        if problem != self._problem:
+            self._problem = problem
+            self._out.append(Tell(ProblemRaised(reason=problem) if problem else ProblemCleared()))
+
+    def _remember(self) -> None:
+        """Write down what the next life must know, when that has changed."""
+        order = self._orders.present
+        memory = Memory(
+            load=self._load.item,
+            quantity=self._load.quantity,
+            order=self._earlier if order is None else order.memory(),
+            doubt=self._load.doubt,
+        )
+        if memory != self._remembered:
+            self._remembered = memory
+            self._out.append(Remember(memory))

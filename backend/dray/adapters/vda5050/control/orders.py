@@ -1,0 +1,361 @@
+"""The order that a vehicle has now: said until it is shown, followed to its end, tried again when it is refused.
+
+One order at a time. What comes of it is told to its owner: nodes that were passed, once each and in order, and its end.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Protocol
+
+from dray.adapters.vda5050.control.instant import InstantActions
+from dray.adapters.vda5050.control.order_state import ACTIVE, OrderState
+from dray.adapters.vda5050.control.vehicle_order import Kind, Place, Stop, VehicleOrder
+from dray.adapters.vda5050.control.view import NEVER_S, VehicleView
+from dray.adapters.vda5050.events import Effect, Say
+from dray.adapters.vda5050.profile import Profile
+from dray.adapters.vda5050.wire.messages import FAILED, FINISHED, RETRIABLE, WAITING, State, VehicleError
+from dray.adapters.vda5050.wire.orders import Action, order_body
+
+SETTLE_S = 3.0
+"""A vehicle that has come to the end of an order clears what it shows within this; afterwards it is taken to be idle."""
+
+STALE_S = 30.0
+"""An order of somebody who is gone, in a vehicle that stands and shows no action, is not waited for any longer."""
+
+STRANGERS = 2
+"""States in a row with another order before ours counts as forgotten: one may be an old state that came late."""
+
+FIRST_RETRY_S = 1.0
+"""A vehicle that was not idle yet is, soon; each retry waits twice as long."""
+
+CANCEL, ASK_STATE = "cancelOrder", "stateRequest"
+
+REFUSED_SILENTLY = "the vehicle does not take the order, and does not say why"
+FORGOTTEN = "the vehicle has forgotten the order: it was restarted, or has another master"
+STOPPED_SHORT = "the vehicle has ended the order before its end"
+ONLY_WAITS = "the action only waits"
+CANCELLED = "cancelled"
+VANISHED = "the action is not shown any more, and nobody saw its end"
+
+
+class Owner(Protocol):
+    """Whoever is told."""
+
+    def on_passed(self, order: VehicleOrder, index: int, now_s: float) -> None:
+        """A node of the base was reached."""
+
+    def on_over(self, order: VehicleOrder, now_s: float) -> None:
+        """An order is `OrderState.DONE` or `ENDED`; another one may be offered."""
+
+
+class Orders:
+    """What one vehicle is ordered.
+
+    Args:
+        agent: its id; all ids of orders begin with it.
+        life: of the agent: ids are unique to it.
+        profile: of the vehicle.
+        view: what it says.
+        instant: its instant actions.
+        out: where effects go.
+        owner: is told.
+        remember: an order is about to be said under a new id, or updated: the next life must know.
+
+    Attributes:
+        present: the order that is not over; None for none.
+    """
+
+    def __init__(
+        self,
+        agent: str,
+        life: int,
+        profile: Profile,
+        view: VehicleView,
+        instant: InstantActions,
+        out: list[Effect],
+        owner: Owner,
+        remember: Callable[[], None],
+    ) -> None:
+        self._ours, self._prefix = f"{agent}-", f"{agent}-{life}-"
+        self._profile, self._view, self._remember = profile, view, remember
+        self._instant, self._out, self._owner = instant, out, owner
+        self._number = 0
+        self.present: VehicleOrder | None = None
+        self._over_s = NEVER_S
+        self._still_s: float | None = None
+        """Since when the vehicle stands and shows no action that is not over."""
+
+    # --- what is wanted --------------------------------------------------------------------------
+
+    def is_ready(self, now_s: float) -> bool:
+        """Whether the vehicle would take a new order."""
+        state = self._view.state
+        if self.present is not None and self.present.now is not OrderState.REFUSED:
+            return False
+        if state.is_idle:
+            return True
+        if state.driving or self._still_s is None:
+            return False
+        # Some never clear what they show: then its standing still counts.
+        ours = (state.order_id or "").startswith(self._ours)
+        return now_s - self._still_s >= (SETTLE_S if ours or not state.order_id else STALE_S)
+
+    def offer(self, order: VehicleOrder, now_s: float) -> None:
+        """Say a new order; `present` is None or over."""
+        self.present = order
+        self._offer(order, now_s)
+
+    def recognise(self, order: VehicleOrder, now_s: float) -> None:
+        """Go on with an order of an earlier life: it runs, or it is said again."""
+        self.present, order.offered_s = order, now_s
+
+    def extend(
+        self,
+        stops: list[Stop],
+        places: list[Place],
+        speeds_mps: list[float | None],
+        beyond: list[Stop],
+        now_s: float,
+    ) -> None:
+        """Release more of the present order, or tell another horizon: an update that begins with the last node of the base."""
+        order = self.present
+        if order is None or order.now is not OrderState.RUNNING:
+            return
+        order.states.enter(OrderState.EXTENDING)
+        order.sent_base, order.from_node = len(order.stops), order.end
+        order.update += 1
+        del order.speeds_mps[len(order.stops) :]
+        order.stops += stops
+        order.places += places
+        order.speeds_mps += speeds_mps
+        order.beyond = beyond
+        order.offered_s = now_s
+        self._remember()
+        self._say(order, now_s)
+
+    def cancel(self, now_s: float) -> None:
+        """End the present order; one that the vehicle does not show is cancelled when it does."""
+        order = self.present
+        if order is None:
+            return
+        order.is_unwanted = True
+        if order.now in ACTIVE:
+            self._begin_cancel(order, now_s)
+        elif order.now is OrderState.REFUSED:
+            self._end(order, OrderState.ENDED, CANCELLED, now_s)
+
+    # --- what the vehicle says -------------------------------------------------------------------
+
+    def on_state(self, now_s: float) -> None:
+        """Follow the order by a new state."""
+        state, order = self._view.state, self.present
+        if state.driving or not state.acts_no_more:
+            self._still_s = None
+        elif self._still_s is None:
+            self._still_s = now_s
+        if order is None:
+            return
+        is_shown = order.is_shown(state)
+        if is_shown and state.order_id in order.ids:
+            order.id = state.order_id or order.id
+        match order.now:
+            case OrderState.OFFERED | OrderState.REFUSED if is_shown:
+                order.states.enter(OrderState.RUNNING)
+                order.has_horizon = bool(order.beyond)
+                self._follow(order, state, now_s)
+                if order.is_unwanted and order.now in ACTIVE:
+                    self._begin_cancel(order, now_s)
+            case OrderState.OFFERED if (error := _refusal(order, state)) is not None:
+                self._refuse(order, error.text, now_s)
+            case OrderState.RUNNING | OrderState.EXTENDING if is_shown:
+                order.strangers = 0
+                self._follow(order, state, now_s)
+            case OrderState.RUNNING | OrderState.EXTENDING:
+                self._wonder(order, state, now_s)
+            case OrderState.CANCELLING:
+                self._pass_to(order, state, now_s)
+
+    def tick(self, now_s: float) -> None:
+        """Time has passed: say again, give up, look at what only waits."""
+        order = self.present
+        if order is None:
+            return
+        match order.now:
+            case OrderState.OFFERED | OrderState.EXTENDING:
+                self._insist(order, now_s)
+            case OrderState.REFUSED if now_s >= order.retry_s and self.is_ready(now_s):
+                order.states.enter(OrderState.OFFERED)
+                self._offer(order, now_s)
+            case OrderState.CANCELLING:
+                self._watch_cancel(order, now_s)
+        if order.now in ACTIVE and order.is_shown(self._view.state):
+            self._judge(order, self._view.state, now_s)
+
+    # --- an order that is offered ----------------------------------------------------------------
+
+    def _offer(self, order: VehicleOrder, now_s: float) -> None:
+        """Say it under a fresh id: one that was refused may not come again."""
+        self._number += 1
+        order.id = f"{self._prefix}{self._number}"
+        order.ids.append(order.id)
+        if order.action is not None:
+            action = order.action
+            order.action = Action(f"{order.id}-a", action.type, action.blocking, action.parameters)
+        order.offered_s, order.waits_since_s, order.quiet_since_s, order.strangers = now_s, None, None, 0
+        self._remember()
+        self._say(order, now_s)
+
+    def _say(self, order: VehicleOrder, now_s: float) -> None:
+        order.said_s = now_s
+        self._out.append(Say("order", order_body(order.message(), self._profile.dialect)))
+
+    def _insist(self, order: VehicleOrder, now_s: float) -> None:
+        """Say it until it is shown; what is not shown in time was refused in silence."""
+        if not self._is_unseen(order, now_s):
+            if now_s - order.said_s >= self._profile.resend_s:
+                self._say(order, now_s)
+        elif order.now is OrderState.OFFERED:
+            self._refuse(order, REFUSED_SILENTLY, now_s)
+        else:
+            self._take_back_update(order)
+
+    def _is_unseen(self, order: VehicleOrder, now_s: float) -> bool:
+        """Whether the vehicle has spoken for long enough after it was said, and does not show it."""
+        silent_s = self._profile.silent_s
+        return now_s - order.offered_s >= silent_s and self._view.heard_s >= order.offered_s + silent_s / 2.0
+
+    def _refuse(self, order: VehicleOrder, reason: str, now_s: float) -> None:
+        order.reason = reason
+        order.states.enter(OrderState.REFUSED)
+        if order.is_unwanted or len(order.ids) >= self._profile.tries:
+            self._end(order, OrderState.ENDED, reason, now_s)
+        else:
+            order.retry_s = now_s + FIRST_RETRY_S * 2.0 ** (len(order.ids) - 1)
+
+    # --- an order that runs ----------------------------------------------------------------------
+
+    def _follow(self, order: VehicleOrder, state: State, now_s: float) -> None:
+        if order.now is OrderState.EXTENDING:
+            if state.order_id == order.id and (state.order_update_id or 0) >= order.update:
+                order.states.enter(OrderState.RUNNING)
+                order.sent_base, order.has_horizon = len(order.stops), bool(order.beyond)
+            elif _refusal(order, state) is not None:
+                self._take_back_update(order)
+        self._pass_to(order, state, now_s)
+        self._judge(order, state, now_s)
+
+    def _take_back_update(self, order: VehicleOrder) -> None:
+        """It drives to the end of the base that it has; the rest is another order's."""
+        order.states.enter(OrderState.RUNNING)
+        last = max(order.sent_base, order.passed + 1)
+        del order.stops[last:], order.places[last:], order.speeds_mps[last:]
+        order.beyond, order.takes_updates = [], False
+
+    def _pass_to(self, order: VehicleOrder, state: State, now_s: float) -> None:
+        """Tell every node that was passed, those that no state has shown included."""
+        if state.order_id not in order.ids:
+            return
+        reached = order.place_in(state)
+        while order.passed < reached:
+            order.passed += 1
+            self._owner.on_passed(order, order.passed, now_s)
+
+    def _judge(self, order: VehicleOrder, state: State, now_s: float) -> None:
+        """Whether it has come to an end."""
+        if order.action is not None:
+            self._judge_action(order, order.action, state, now_s)
+        elif order.passed == order.end and not state.driving:
+            if order.has_horizon and not order.beyond:
+                self._begin_cancel(
+                    order, now_s
+                )  # It waits for what nobody wants any more, and takes no update.
+            elif not order.beyond:
+                self._end(order, OrderState.DONE, "", now_s)
+        elif self._is_quiet(order, state, now_s):
+            self._end(order, OrderState.ENDED, STOPPED_SHORT, now_s)
+
+    def _judge_action(self, order: VehicleOrder, action: Action, state: State, now_s: float) -> None:
+        shown = state.action(action.id)
+        status = shown.action_status if shown is not None else ""
+        order.waits_since_s = (order.waits_since_s or now_s) if status == WAITING else None
+        if status == FINISHED:
+            self._end(order, OrderState.DONE, "", now_s)
+        elif status == FAILED and shown is not None:
+            reason = next((error.text for error in state.errors or () if error.names(action.id)), "")
+            self._end(
+                order,
+                OrderState.ENDED,
+                shown.result or reason or "the vehicle says no more than FAILED",
+                now_s,
+            )
+        elif status == RETRIABLE:
+            order.reason = shown.result if shown is not None else ""
+            self._begin_cancel(order, now_s)
+        elif order.waits_since_s is not None and now_s - order.waits_since_s >= self._profile.waiting_s:
+            order.reason = ONLY_WAITS
+            self._begin_cancel(order, now_s)
+        elif not status and self._is_quiet(order, state, now_s):
+            self._end(order, OrderState.ENDED, VANISHED, now_s)
+
+    def _is_quiet(self, order: VehicleOrder, state: State, now_s: float) -> bool:
+        """Whether the vehicle has had nothing left to do for a while, though the order is not done."""
+        order.quiet_since_s = (order.quiet_since_s or now_s) if state.is_idle else None
+        return order.quiet_since_s is not None and now_s - order.quiet_since_s >= SETTLE_S
+
+    def _wonder(self, order: VehicleOrder, state: State, now_s: float) -> None:
+        """It shows another order than ours, or none."""
+        at_end = order.kind is Kind.STEP and state.last_node_id == order.nodes[-1]
+        if at_end and not state.order_id and state.is_idle:
+            # It has come to the end, and clears its order at once.
+            while order.passed < order.end:
+                order.passed += 1
+                self._owner.on_passed(order, order.passed, now_s)
+            self._end(order, OrderState.DONE, "", now_s)
+            return
+        order.strangers += 1
+        if order.strangers >= STRANGERS:
+            self._end(order, OrderState.ENDED, FORGOTTEN, now_s)
+        else:
+            self._instant.say(ASK_STATE, now_s)
+
+    # --- an order that is cancelled --------------------------------------------------------------
+
+    def _begin_cancel(self, order: VehicleOrder, now_s: float) -> None:
+        order.states.enter(OrderState.CANCELLING)
+        self._instant.say(CANCEL, now_s)
+
+    def _watch_cancel(self, order: VehicleOrder, now_s: float) -> None:
+        """It is over when cancelOrder is FINISHED, or when there is nothing to cancel; not when it is only seen."""
+        state, status = self._view.state, self._instant.status(CANCEL)
+        given_up = self._instant.is_given_up(CANCEL)
+        over = status == FINISHED or ((status == FAILED or given_up) and state.is_idle)
+        forgotten = bool(state.order_id) and not order.is_shown(state)
+        if not over and not forgotten:
+            return
+        shown = state.action(order.action.id) if order.action is not None else None
+        if shown is not None and shown.action_status not in (FINISHED, FAILED):
+            if not state.is_idle and shown.action_status != WAITING:
+                return  # An action that cannot be cancelled ends first.
+        done = shown is not None and shown.action_status == FINISHED
+        self._instant.forget(CANCEL)
+        self._end(order, OrderState.DONE if done else OrderState.ENDED, order.reason or CANCELLED, now_s)
+
+    @property
+    def does_not_cancel(self) -> bool:
+        """Whether the vehicle goes on with an order that was cancelled as often as it is."""
+        order = self.present
+        return order is not None and order.now is OrderState.CANCELLING and self._instant.is_given_up(CANCEL)
+
+    def _end(self, order: VehicleOrder, state: OrderState, reason: str, now_s: float) -> None:
+        order.states.enter(state)
+        order.reason = "" if state is OrderState.DONE else reason
+        if self.present is order:
+            self.present = None
+        self._over_s = now_s
+        self._owner.on_over(order, now_s)
+
+
+def _refusal(order: VehicleOrder, state: State) -> VehicleError | None:
+    """An error that names this order. Warnings that linger name others, or none."""
+    return next((error for error in state.errors or () if error.names(order.id)), None)

@@ -1,0 +1,192 @@
+"""Orders as they are built: the next step of a way, more of its base, an action where the vehicle stands."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+from dray.adapters.vda5050.control.vehicle_order import Kind, Place, Stop, Task, VehicleOrder
+from dray.adapters.vda5050.control.view import VehicleView
+from dray.adapters.vda5050.control.way import Way, length_m
+from dray.adapters.vda5050.control.whereabouts import Stand
+from dray.adapters.vda5050.profile import ActionUse, Profile
+from dray.adapters.vda5050.wire.orders import Action, Spot
+from dray.body import Charge, Drop, Pick
+from dray.plant import Plant
+from dray.plant.model import VehicleType
+
+TEMPORARY = "here"
+"""What a node is called that is none of the plant's: where a vehicle stands between two."""
+
+
+@dataclass(frozen=True)
+class More:
+    """What an update adds."""
+
+    stops: list[Stop]
+    places: list[Place]
+    speeds_mps: list[float | None]
+    """Of base and horizon."""
+    beyond: list[Stop]
+
+
+class Steps:
+    """Builds orders for one vehicle.
+
+    Args:
+        plant: roads and stations.
+        vehicle_type: how fast it is.
+        profile: what it understands.
+        view: where it is.
+
+    Attributes:
+        twice: an action's node is listed twice, sequence 0 and 2.
+    """
+
+    def __init__(self, plant: Plant, vehicle_type: VehicleType, profile: Profile, view: VehicleView) -> None:
+        self._plant, self._type, self._profile, self._view = plant, vehicle_type, profile, view
+        self.twice = profile.action_node_twice
+
+    def spot(self, node: str) -> Spot:
+        """Where a node lies, as the vehicle's map has it."""
+        point = self._plant.nodes[node]
+        return self._spot_at(point.x_m, point.y_m, self._profile.deviation_m)
+
+    def next(self, way: Way, stand: Stand, speed_frac: float) -> VehicleOrder | str:
+        """The next step of a way.
+
+        Args:
+            way: not all of it is passed, and more is released.
+            stand: where the vehicle is.
+            speed_frac: the limit that people have set.
+
+        Returns:
+            An order; in words why there is none.
+        """
+        first = self._start(stand)
+        due = way.nodes[way.passed + 1]
+        here = way.nodes[way.passed] if way.passed >= 0 else ""
+        if stand.ahead and stand.ahead != due:
+            return f"the way must begin at {stand.ahead}"
+        if not stand.ahead and stand.node != here:
+            return f"the way must begin at {stand.node}"
+        end = way.reach(self._plant, way.passed, self._profile.base_m)
+        indexes = range(way.passed + 1, end + 1)
+        order = VehicleOrder(
+            Kind.STEP,
+            way.number,
+            [first, *((way.nodes[i], self.spot(way.nodes[i])) for i in indexes)],
+            self._beyond(way, end),
+            [None, *self._speeds(way, way.passed + 1, end, speed_frac)],
+        )
+        order.origin = stand.node
+        order.places = [None, *((way.number, i) for i in indexes)]
+        order.takes_updates = self._profile.updates
+        return order
+
+    def more(self, order: VehicleOrder, way: Way | None, speed_frac: float) -> More | None:
+        """What more of a way a running order should be told; None for nothing."""
+        if not order.takes_updates:
+            return None
+        place = order.places[order.end]
+        if way is None or place is None or place[0] != way.number:
+            # The rest of the way is another one's: only what is no base yet can be taken back.
+            return More([], [], [], []) if order.beyond else None
+        index = place[1]
+        # What is left to drive counts: a base that is long enough is left alone.
+        left_m = self._left_m(order)
+        end = index
+        while end + 1 < way.released and left_m <= self._profile.base_m:
+            left_m += length_m(self._plant, way.nodes[end], way.nodes[end + 1])
+            end += 1
+        beyond = self._beyond(way, end)
+        told = tuple(stop[0] for stop in order.beyond)
+        is_stale = told != tuple(stop[0] for stop in beyond)[: len(told)]
+        if end == index and not is_stale:
+            return None
+        indexes = range(index + 1, end + 1)
+        return More(
+            [(way.nodes[i], self.spot(way.nodes[i])) for i in indexes],
+            [(way.number, i) for i in indexes],
+            self._speeds(way, index + 1, end, speed_frac),
+            beyond,
+        )
+
+    def action(self, task: Task, node: str, *, twice: bool | None = None) -> VehicleOrder:
+        """An order for a task, where the vehicle stands: the node once, or twice for those that need a way to it."""
+        twice = self.twice if twice is None else twice
+        use, values = self._use(task), _values(task, node)
+        action = Action("", use.type, use.blocking, use.values(**values))
+        stop = self._start(Stand(node))
+        stops = [stop, (node, self.spot(node))] if twice else [stop]
+        kind = {Pick: Kind.PICK, Drop: Kind.DROP, Charge: Kind.CHARGE}[type(task)]
+        order = VehicleOrder(kind, task.order, stops, [], [None] * len(stops), action, task)
+        order.is_twice, order.takes_updates = twice, False
+        return order
+
+    def place(self, way: Way, order: VehicleOrder | None) -> None:
+        """Count what is left of the present order's base as nodes of a new way, as far as they agree."""
+        if order is None or order.kind is not Kind.STEP:
+            return
+        if order.passed == order.end:
+            order.places[order.end] = (way.number, 0)  # It waits there for more.
+        agrees = True
+        for index in range(order.passed + 1, order.end + 1):
+            on_way = index - order.passed - 1
+            agrees = agrees and on_way < len(way.nodes) and way.nodes[on_way] == order.nodes[index]
+            order.places[index] = (way.number, on_way) if agrees else None
+            if agrees and on_way >= way.released:
+                way.released = on_way + 1  # It cannot be taken back.
+
+    def _start(self, stand: Stand) -> Stop:
+        """The first node of an order: the vehicle is there already, wherever that is."""
+        point, wide_m = self._plant.nodes[stand.node], self._profile.first_deviation_m
+        pose = self._view.pose
+        if not stand.ahead or pose is None:
+            return stand.node, self._spot_at(point.x_m, point.y_m, wide_m)
+        name = stand.node if self._profile.restart_at == "last_node" else TEMPORARY
+        return name, self._spot_at(pose.x_m, pose.y_m, wide_m)
+
+    def _spot_at(self, x_m: float, y_m: float, deviation: float) -> Spot:
+        x, y = self._profile.map.to_map(x_m, y_m)
+        return Spot(x=x, y=y, map_id=self._view.map_id, deviation=deviation)
+
+    def _beyond(self, way: Way, end: int) -> list[Stop]:
+        told = self._profile.horizon if self._profile.updates else 0
+        return [(node, self.spot(node)) for node in way.nodes[end + 1 : end + 1 + told]]
+
+    def _speeds(self, way: Way, first: int, end: int, speed_frac: float) -> list[float | None]:
+        """The limits on the lanes to these nodes of a way, and on those of its horizon."""
+        last = end + len(self._beyond(way, end))
+        return [way.speed_mps(self._plant, i, self._type, speed_frac) for i in range(first, last + 1)]
+
+    def _left_m(self, order: VehicleOrder) -> float:
+        """What a vehicle has still to drive of its base, at least."""
+        nodes = order.nodes[order.passed :]
+        left_m = sum(length_m(self._plant, *pair) for pair in pairwise(nodes))
+        pose = self._view.pose
+        if pose is None or len(nodes) < 2:
+            return left_m
+        spot = self._plant.nodes.get(nodes[0])
+        if spot is None:
+            return left_m
+        return max(left_m - float(((spot.x_m - pose.x_m) ** 2 + (spot.y_m - pose.y_m) ** 2) ** 0.5), 0.0)
+
+    def _use(self, task: Task) -> ActionUse:
+        match task:
+            case Pick():
+                return self._profile.pick
+            case Drop():
+                return self._profile.drop
+        return self._profile.charge
+
+
+def _values(task: Task, node: str) -> dict[str, str | int]:
+    """What the parameters of a profile may name."""
+    return {
+        "station": task.charger if isinstance(task, Charge) else task.station,
+        "node": node,
+        "item": task.item if isinstance(task, Pick) else "",
+        "quantity": task.quantity if isinstance(task, Pick) else 0,
+        "goal": task.goal if isinstance(task, Drop) else "",
+    }

@@ -1,0 +1,175 @@
+"""What is known of a vehicle from what it has said: its newest state, its pose, whether it is there.
+
+Times are ours: the vehicle's own clock is not looked at. Doubled and reordered states are told by `headerId`, which may
+begin anew after a restart.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from math import hypot
+
+from dray.adapters.vda5050.profile import Profile
+from dray.adapters.vda5050.wire.lenient import read
+from dray.adapters.vda5050.wire.messages import (
+    Connection,
+    Factsheet,
+    Position,
+    State,
+    Velocity,
+    Visualization,
+)
+from dray.messages import Pose
+
+NEVER_S = float("-inf")
+
+REORDERED_MAX = 20
+"""A header id that is lower by so much at most is an older message; by more, the vehicle counts anew."""
+
+REORDERED_S = 5.0
+"""No message is overtaken by one that came so much earlier."""
+
+STANDING_MPS = 0.02
+"""Slower is standing: odometry is never quite still."""
+
+DOUBLED, REORDERED, OTHER_MAP, OTHER_TOPIC = (
+    "a doubled state",
+    "an older state",
+    "a pose on another map",
+    "another topic",
+)
+"""What is counted, beside what is odd in a message."""
+
+
+class VehicleView:
+    """What one vehicle has said of itself.
+
+    Args:
+        profile: of its type.
+
+    Attributes:
+        odd: what was ignored, by reason.
+        state: the newest one.
+        heard_s: when that came; `NEVER_S` before the first one.
+        pose: in the plant's frame; None as long as it has not told one.
+        speed_mps: at which it moves.
+        map_id: on which it is.
+        away: its own word that it is not there: what it said; empty for none.
+        away_s: when it said so.
+        factsheet: None before it was told.
+    """
+
+    def __init__(self, profile: Profile) -> None:
+        self._profile = profile
+        self.odd: Counter[str] = Counter()
+        self.state = State()
+        self.heard_s = NEVER_S
+        self.pose: Pose | None = None
+        self.speed_mps = 0.0
+        self.map_id = profile.map.id
+        self.is_on_map = True
+        """Whether its newest pose was on the map of its profile."""
+        self.away = ""
+        self.away_s = NEVER_S
+        self.factsheet: Factsheet | None = None
+        self._posed_s = NEVER_S
+        self._counts_anew = False
+        """It has connected anew: its messages may be numbered from 0 again."""
+        self.doubtful_s: float | None = None
+        """When a state came that is older, or of a vehicle that was restarted; None when newer ones have come."""
+
+    def take(self, topic: str, data: bytes, now_s: float) -> State | None:
+        """Note what it says.
+
+        Returns:
+            A new state; None for anything else.
+        """
+        match topic:
+            case "state":
+                state = read(State, data, self.odd)
+                return state if state is not None and self._take_state(state, now_s) else None
+            case "visualization":
+                shown = read(Visualization, data, self.odd)
+                if shown is not None:
+                    self._take_pose(shown.position, shown.velocity, now_s)
+            case "connection":
+                connection = read(Connection, data, self.odd)
+                if connection is not None:
+                    self.away = connection.connection_state or "" if connection.is_away else ""
+                    self.away_s, self._counts_anew = now_s, True
+            case "factsheet":
+                self.factsheet = read(Factsheet, data, self.odd) or self.factsheet
+            case _:
+                self.odd[OTHER_TOPIC] += 1
+        return None
+
+    @property
+    def battery_frac(self) -> float:
+        """How full it is; half, as long as it does not say."""
+        battery = self.state.battery
+        percent = battery.percent if battery is not None else None
+        return 0.5 if percent is None else min(max(percent / 100.0, 0.0), 1.0)
+
+    @property
+    def is_charging(self) -> bool:
+        battery = self.state.battery
+        return battery is not None and battery.charging is True
+
+    @property
+    def is_moving(self) -> bool:
+        """Whether it moves, as far as it tells: by its speed, else by its word."""
+        if self.state.velocity is not None or self.pose is not None:
+            return self.speed_mps > STANDING_MPS
+        return self.is_driving
+
+    @property
+    def is_driving(self) -> bool:
+        """Whether it says so."""
+        return self.state.driving is True
+
+    def _take_state(self, state: State, now_s: float) -> bool:
+        is_first = self.heard_s == NEVER_S
+        if not is_first and (why := self._stale(state, now_s)):
+            self.odd[why] += 1
+            if why == DOUBLED:
+                self.heard_s = now_s  # It is there, whatever it says.
+            elif self.doubtful_s is None:
+                self.doubtful_s = now_s
+            return False
+        self.doubtful_s, self._counts_anew = None, False
+        self.state, self.heard_s = state, now_s
+        self.away = ""  # Whoever speaks is there: `connection` is a hint.
+        self._take_pose(state.position, state.velocity, now_s)
+        if not state.driving and state.velocity is None:
+            self.speed_mps = 0.0
+        return True
+
+    def _stale(self, state: State, now_s: float) -> str:
+        before, now = self.state.header_id, state.header_id
+        if before is None or now is None:
+            return ""
+        if now == before:
+            return DOUBLED if state == self.state else ""
+        is_older = (
+            not self._counts_anew
+            and 0 < before - now <= REORDERED_MAX
+            and now_s - self.heard_s <= REORDERED_S
+        )
+        return REORDERED if is_older else ""
+
+    def _take_pose(self, position: Position | None, velocity: Velocity | None, now_s: float) -> None:
+        if velocity is not None:
+            self.speed_mps = hypot(velocity.vx or 0.0, velocity.vy or 0.0)
+        if position is None or position.x is None or position.y is None or not position.is_localised:
+            return
+        self.map_id = self.map_id or position.map_id or ""
+        self.is_on_map = not position.map_id or position.map_id == self.map_id
+        if not self.is_on_map:
+            self.odd[OTHER_MAP] += 1
+            return
+        before, before_s = self.pose, self._posed_s
+        self.pose = self._profile.map.to_plant(position.x, position.y, position.theta or 0.0)
+        self._posed_s = now_s
+        if velocity is None and before is not None and now_s > before_s and self.is_driving:
+            gone_m = hypot(self.pose.x_m - before.x_m, self.pose.y_m - before.y_m)
+            self.speed_mps = gone_m / (now_s - before_s)

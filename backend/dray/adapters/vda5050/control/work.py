@@ -1,0 +1,360 @@
+"""What an agent wants of its vehicle, carried out as orders: one way or one task at a time.
+
+The agent's way (`Way`) and task (`Task`) are what is wanted; the order at the vehicle (`Orders.present`) is what is done
+about it. `go_on` looks whether more can be done: a vehicle that is idle gets its next step, a running one more base where
+its profile allows updates. A base cannot be taken back, so it is kept short, and a new way begins where the lane ends that
+the vehicle is on, as `dray.body.Drive` wants it.
+"""
+
+from __future__ import annotations
+
+from dray.adapters.vda5050.control.hold import Holding
+from dray.adapters.vda5050.control.instant import InstantActions
+from dray.adapters.vda5050.control.on_board import OnBoard
+from dray.adapters.vda5050.control.order_state import OrderState
+from dray.adapters.vda5050.control.orders import (
+    CANCELLED,
+    FORGOTTEN,
+    ONLY_WAITS,
+    STOPPED_SHORT,
+    VANISHED,
+    Orders,
+)
+from dray.adapters.vda5050.control.steps import Steps
+from dray.adapters.vda5050.control.vehicle_order import Kind, Task, VehicleOrder
+from dray.adapters.vda5050.control.view import VehicleView
+from dray.adapters.vda5050.control.way import Way, objection
+from dray.adapters.vda5050.control.whereabouts import Stand, Whereabouts
+from dray.adapters.vda5050.events import Effect, Tell
+from dray.adapters.vda5050.profile import Profile
+from dray.adapters.vda5050.wire.messages import OVER
+from dray.body import ActionDone, ActionFailed, Charge, Drive, Drop, NodePassed, Pick, Report, WayDone
+from dray.errors import ProtocolViolation
+from dray.plant import Plant
+from dray.plant.model import VehicleType
+
+FRUITLESS_MAX = 3
+"""Orders in a row that ended before their end, and brought the way no farther."""
+
+
+class Work:
+    """Of one vehicle. It is told by `Orders` what becomes of them.
+
+    Args:
+        plant: roads and stations.
+        vehicle_type: what the plant says of the vehicle.
+        profile: what it understands.
+        view: what it says.
+        instant: its instant actions.
+        load: what is on board.
+        holding: whether it is held.
+        out: where effects go.
+
+    Attributes:
+        orders: what it is ordered; set by whoever puts these together.
+        stand: where it is, when no step of ours says so; None as long as that is not known.
+        lacks_place: it is at no place of the plant.
+        way, task: what its agent wants; one of them at most.
+        speed_frac: the limit that people have set.
+    """
+
+    orders: Orders
+
+    def __init__(
+        self,
+        plant: Plant,
+        vehicle_type: VehicleType,
+        profile: Profile,
+        view: VehicleView,
+        instant: InstantActions,
+        load: OnBoard,
+        holding: Holding,
+        out: list[Effect],
+    ) -> None:
+        self._plant, self._profile, self._view = plant, profile, view
+        self._instant, self._load, self._holding, self._out = instant, load, holding, out
+        self._whereabouts = Whereabouts(plant, profile)
+        self.steps = Steps(plant, vehicle_type, profile, view)
+        self.stand: Stand | None = None
+        self.lacks_place = False
+        self.way: Way | None = None
+        self.task: Task | None = None
+        self.speed_frac = 1.0
+        self._charged_s: float | None = None
+        """Since when it charges for our task."""
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether its agent waits for something."""
+        return self.orders.present is not None or self.way is not None or self.task is not None
+
+    def between(self) -> tuple[str, str]:
+        """The node that was passed last, and where a new way may begin.
+
+        Raises:
+            ProtocolViolation: it is not known where it is.
+        """
+        order, stand = self.orders.present, self.stand
+        if stand is None:
+            raise ProtocolViolation("nothing is known of the vehicle yet: wait until it has said where it is")
+        if order is None or order.kind is not Kind.STEP:
+            return stand.node, stand.ahead or stand.node
+        nodes = order.nodes
+        return nodes[order.passed], nodes[min(order.passed + 1, order.end)]
+
+    def gap_m(self, node: str) -> float:
+        """How far the vehicle is from a node; 0 as long as it does not say."""
+        return self._whereabouts.gap_m(self._view.pose, node)
+
+    # --- what its agent wants --------------------------------------------------------------------
+
+    def drive(self, drive: Drive, now_s: float) -> None:
+        node, ahead = self.between()
+        self.way = None
+        if reason := objection(drive, ahead, self._plant):
+            self._fail(drive.order, reason)
+            return
+        self._end_task("a new way was given", now_s)
+        way = self.way = Way(drive)
+        self.steps.place(way, self.orders.present)
+        if ahead != node:
+            return
+        self._begin(way)
+
+    def act(self, task: Task, now_s: float) -> None:
+        if isinstance(self.task, Charge):
+            self._end_task("", now_s)
+        if reason := self._why_not(task):
+            self._fail(task.order, reason)
+            return
+        self.task = task
+        order = self.orders.present
+        if order is not None and order.task is not None:
+            order.number = task.order  # An earlier life's, and the same.
+
+    def _why_not(self, task: Task) -> str:
+        """Why a task cannot be begun; empty when it can."""
+        node, ahead = self.between()
+        place = task.charger if isinstance(task, Charge) else task.station
+        if self.way is not None:
+            return "the way is not finished"
+        if self.task is not None:
+            return "busy with another action"
+        if place not in self._plant.places:
+            return f"no station {place}"
+        if ahead != node or self._plant.node_of(place) != node:
+            return f"not at {place}"
+        order = self.orders.present
+        if order is not None and order.task is not None and not _is_same(order.task, task):
+            return "busy with another action"
+        if isinstance(task, Pick) and self._load.item:
+            return f"{self._load.item} is on board"
+        return "nothing on board" if isinstance(task, Drop) and not self._load.item else ""
+
+    def _end_task(self, reason: str, now_s: float) -> None:
+        """A new way, or another task, ends what was going on: a charge as it should, a pick or drop with a failure."""
+        task, self._charged_s = self.task, None
+        order = self.orders.present
+        if order is not None and order.action is not None:
+            self.orders.cancel(now_s)
+        if task is None:
+            return
+        if isinstance(task, Charge) or order is None or order.action is None:
+            self.task = None
+            if not isinstance(task, Charge):
+                self._fail(task.order, reason)
+
+    # --- where it is -----------------------------------------------------------------------------
+
+    def locate(self) -> None:
+        """Where it stands when no order says so."""
+        order = self.orders.present
+        if order is not None and order.kind is Kind.STEP:
+            return
+        course = self.way.nodes if self.way is not None else ()
+        found = self._whereabouts.find(self._view.pose, self._view.state.last_node_id or "", course)
+        self.lacks_place = found is None
+        if found is None or found == self.stand:
+            return
+        before, self.stand = self.stand, found
+        way = self.way
+        if way is not None and before is not None and way.passed >= 0 and found.node != before.node:
+            self._lose_way(way, f"it was moved from {before.node} to {found.node}")
+
+    # --- what becomes of an order (`Owner`) ------------------------------------------------------
+
+    def on_passed(self, order: VehicleOrder, index: int, now_s: float) -> None:
+        """A node of its base was reached."""
+        self.stand = Stand(order.nodes[index])
+        way, place = self.way, order.places[index]
+        if way is not None and place is not None and place[0] == way.number:
+            self._reach(way, place[1])
+
+    def on_over(self, order: VehicleOrder, now_s: float) -> None:
+        """It has ended, in whatever way."""
+        done = order.now is OrderState.DONE
+        if order.kind is Kind.STEP:
+            self._end_step(order, done)
+        elif done:
+            self._end_action(order, now_s)
+        else:
+            self._miss_action(order)
+
+    def _end_step(self, order: VehicleOrder, done: bool) -> None:
+        node = order.nodes[order.passed]
+        found = self._whereabouts.find(self._view.pose, node, order.nodes[order.passed :])
+        self.stand = Stand(node) if done or found is None else found
+        way = self.way
+        if way is None:
+            return
+        if (done or order.reason == CANCELLED) and way.passed == way.last:
+            if node == way.nodes[-1]:
+                self._finish_way(way)
+            else:
+                self._lose_way(way, f"it was bound for {node} already")
+        elif done or order.reason == CANCELLED:
+            way.failures = 0
+        else:
+            way.failures += 1
+            # What was cut short goes on from where it stands; what was refused, again and again, does not.
+            if order.reason != STOPPED_SHORT or way.failures >= FRUITLESS_MAX:
+                self._lose_way(way, order.reason)
+
+    def _end_action(self, order: VehicleOrder, now_s: float) -> None:
+        task = order.task
+        if isinstance(task, Pick):
+            self._load.picked(task.item, task.quantity)
+        elif isinstance(task, Drop):
+            self._load.dropped()
+        if isinstance(task, Charge):
+            if self.task is not None:
+                self._charged_s = now_s  # The battery says when that is over.
+            return
+        self.task = None
+        self._tell(ActionDone(order=order.number))
+
+    def _miss_action(self, order: VehicleOrder) -> None:
+        if (
+            order.reason == ONLY_WAITS
+            and not order.is_twice
+            and self.task is not None
+            and not order.is_unwanted
+        ):
+            self.steps.twice = True  # Tried again, with its node listed twice.
+            return
+        self.steps.twice = self._profile.action_node_twice
+        had_begun = order.reason in (FORGOTTEN, VANISHED)
+        if had_begun and order.kind in (Kind.PICK, Kind.DROP):
+            item = self._load.item
+            self.lose_track(order)
+            if self._load.doubt == "" and (self._load.item != item):
+                self.task = None
+                self._tell(ActionDone(order=order.number))
+                return
+        self.task = None
+        if order.kind is not Kind.CHARGE or not order.is_unwanted:
+            self._fail(order.number, order.reason or CANCELLED)
+
+    def lose_track(self, order: VehicleOrder) -> None:
+        """Nobody saw the end of a pick or drop: what is on board is asked, not assumed."""
+        task = order.task
+        item, quantity = (
+            (task.item, task.quantity) if isinstance(task, Pick) else (self._load.item, self._load.quantity)
+        )
+        self._load.lose_track(order.kind.value, item, quantity, self._view.state)
+
+    # --- going on --------------------------------------------------------------------------------
+
+    def go_on(self, now_s: float) -> None:
+        """Say what comes next, if anything can: there is no problem, and it is not held."""
+        if self.orders.present is not None:
+            self._grow(self.orders.present, now_s)
+            return
+        if self.way is not None and self.way.passed < 0 and self.stand == Stand(self.way.nodes[0]):
+            self._begin(self.way)
+        way = self.way
+        wants_step = way is not None and way.passed < way.released - 1
+        wants_task = self.task is not None and self._charged_s is None
+        if (
+            not (wants_step or wants_task)
+            or not self.orders.is_ready(now_s)
+            or self._is_still_charging(now_s)
+        ):
+            return
+        if way is not None:
+            self._step(way, now_s)
+        elif self.task is not None and self.stand is not None:
+            self.orders.offer(self.steps.action(self.task, self.stand.node), now_s)
+
+    def _step(self, way: Way, now_s: float) -> None:
+        if self.stand is None:
+            return
+        step = self.steps.next(way, self.stand, self.speed_frac)
+        if isinstance(step, str):
+            self._lose_way(way, step)
+        else:
+            self.orders.offer(step, now_s)
+
+    def _grow(self, order: VehicleOrder, now_s: float) -> None:
+        """Give a running order more base, or another horizon."""
+        if order.now is not OrderState.RUNNING or order.kind is not Kind.STEP or order.is_unwanted:
+            return
+        more = self.steps.more(order, self.way, self.speed_frac)
+        if more is not None:
+            self.orders.extend(more.stops, more.places, more.speeds_mps, more.beyond, now_s)
+
+    def _is_still_charging(self, now_s: float) -> bool:
+        """Whether it charges, and has to be told to stop that first."""
+        stop = self._profile.stop_charging
+        if not self._view.is_charging or not stop or isinstance(self.task, Charge):
+            if stop:
+                self._instant.forget(stop)
+            return False
+        if not self._instant.is_open(stop):
+            self._instant.say(stop, now_s)
+        return self._instant.status(stop) not in OVER and not self._instant.is_given_up(stop)
+
+    def watch_charge(self) -> None:
+        """A charge is over when the battery is full."""
+        task = self.task
+        if isinstance(task, Charge) and (self._charged_s is not None or self._view.is_charging):
+            if self._view.battery_frac * 100.0 >= self._profile.full_percent:
+                self.task = self._charged_s = None
+                self._tell(ActionDone(order=task.order))
+
+    def _begin(self, way: Way) -> None:
+        """It stands at the first node."""
+        self._reach(way, 0)
+        if way.last == 0:
+            self._finish_way(way)
+
+    def _reach(self, way: Way, index: int) -> None:
+        way.passed, way.failures = index, 0
+        node = way.nodes[index]
+        self._tell(NodePassed(order=way.number, node=node, index=index, battery_frac=self._view.battery_frac))
+
+    def _finish_way(self, way: Way) -> None:
+        self.way = None
+        self._tell(WayDone(order=way.number, node=way.nodes[-1]))
+
+    def _lose_way(self, way: Way, reason: str) -> None:
+        self.way = None
+        self._fail(way.number, reason)
+
+    def _fail(self, number: int, reason: str) -> None:
+        self._tell(ActionFailed(order=number, reason=reason))
+
+    def _tell(self, report: Report) -> None:
+        self._out.append(Tell(report))
+
+
+def _is_same(one: Task, other: Task) -> bool:
+    """Whether two instructions are about the same."""
+    match one, other:
+        case (Pick(), Pick()):
+            return (one.station, one.item, one.quantity) == (other.station, other.item, other.quantity)
+        case (Drop(), Drop()):
+            return (one.station, one.goal) == (other.station, other.goal)
+        case (Charge(), Charge()):
+            return one.charger == other.charger
+    return False

@@ -1,0 +1,216 @@
+"""What a vehicle type understands, as a file that an integrator writes.
+
+A profile says how vehicles of one type want to be spoken to: the version, the names of their actions, whether a way may
+grow while they drive, whether they can pause, what they tell of their load, and where their map lies in the plant. What
+a profile leaves out is as in `default.yaml`: what worked with nearly all.
+"""
+
+from __future__ import annotations
+
+from importlib.resources import files
+from math import atan2, cos, radians, sin
+from pathlib import Path
+from typing import Annotated, Literal
+
+import msgspec
+from msgspec import Meta
+
+from dray.adapters.vda5050.wire.dialects import DIALECTS, Dialect, Version
+from dray.adapters.vda5050.wire.orders import Value
+from dray.errors import SettingsError
+from dray.messages import Pose
+
+DEFAULT = "default"
+LARGEST_BYTES = 2**16
+"""A profile has 2 kB."""
+
+Positive = Annotated[float, Meta(gt=0)]
+NotNegative = Annotated[float, Meta(ge=0)]
+
+
+class Item(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """Base: a misspelt field is an error."""
+
+
+class ActionUse(Item, frozen=True):
+    """How one of our instructions is said as an action."""
+
+    type: Annotated[str, Meta(min_length=1)]
+    """`actionType`."""
+    blocking: Literal["NONE", "SOFT", "HARD"] = "HARD"
+    parameters: dict[str, Value] = {}
+    """By key. In a text {station}, {node}, {item}, {quantity} and {goal} stand for those of the instruction."""
+
+    def values(self, **known: Value) -> dict[str, Value]:
+        """The parameters of one action."""
+        return {key: _filled(value, known) for key, value in self.parameters.items()}
+
+
+class MapFrame(Item, frozen=True):
+    """Where the vehicle's map lies in the plant."""
+
+    id: str = ""
+    """`mapId`; empty takes the one that the vehicle says first."""
+    x_m: float = 0.0
+    y_m: float = 0.0
+    """Of its origin, in the plant."""
+    heading_deg: float = 0.0
+    """Of its x axis, from the plant's x axis towards y."""
+
+    def to_plant(self, x: float, y: float, theta: float) -> Pose:
+        """A pose in the vehicle's map, in the plant's frame."""
+        turn = radians(self.heading_deg)
+        return Pose(
+            x_m=self.x_m + x * cos(turn) - y * sin(turn),
+            y_m=self.y_m + x * sin(turn) + y * cos(turn),
+            heading_rad=_wrapped(theta + turn),
+        )
+
+    def to_map(self, x_m: float, y_m: float) -> tuple[float, float]:
+        """A point of the plant, in the vehicle's map."""
+        turn = radians(self.heading_deg)
+        dx_m, dy_m = x_m - self.x_m, y_m - self.y_m
+        return dx_m * cos(turn) + dy_m * sin(turn), dy_m * cos(turn) - dx_m * sin(turn)
+
+
+class Profile(Item, frozen=True):
+    """Of one vehicle type."""
+
+    version: Version = "2.1"
+    topics: str = ""
+    """Before MANUFACTURER/SERIAL; empty for what the text of the version suggests."""
+    instant_actions: Literal["actions", "instantActions"] = "actions"
+    """The name of the list in `instantActions`: many vehicles want that of 1.1."""
+
+    pick: ActionUse = ActionUse("pick")
+    drop: ActionUse = ActionUse("drop")
+    charge: ActionUse = ActionUse("startCharging")
+    stop_charging: str = "stopCharging"
+    """The instant action before a charging vehicle drives; empty where its order is cancelled instead."""
+    action_node_twice: bool = False
+    """Whether an order with an action lists its node twice (sequence 0 and 2); tried anyway where an action only waits."""
+
+    updates: bool = False
+    """Whether the base may grow while it drives. Without, each step is an order of its own."""
+    base_m: NotNegative = 0.0
+    """How far ahead a base reaches: a base cannot be taken back. One lane at least."""
+    horizon: Annotated[int, Meta(ge=0, le=20)] = 0
+    """Nodes behind the base that are told and not released; only with `updates`."""
+
+    pause: bool = True
+    """Whether it obeys startPause and stopPause. Without, a stop cancels its order."""
+    restart_at: Literal["last_node", "temporary_node"] = "last_node"
+    """What a way between two nodes begins with: the last node, at the place where the vehicle is, or a node of no other name."""
+    load: Literal["none", "any", "type"] = "any"
+    """What `loads` is good for: nothing, whether something is on board, or what (`loadType` is the item)."""
+
+    map: MapFrame = MapFrame()
+    node_m: Positive = 0.5
+    """So far from a node a vehicle still stands there."""
+    lane_m: Positive = 1.0
+    """So far from a lane it is still on it."""
+    deviation_m: Positive = 0.5
+    """Allowed at a node of an order."""
+    first_deviation_m: Positive = 1.0
+    """Allowed at the first one, where it stands already."""
+
+    state_every_s: Positive = 30.0
+    """It says how it is at least so often; 30 s is the text's."""
+    resend_s: Positive = 2.0
+    """An order or instant action is said again so long after it was said."""
+    silent_s: Positive = 10.0
+    """An order that is not shown by then was refused in silence."""
+    waiting_s: Positive = 15.0
+    """An action that only waits for so long is tried again."""
+    tries: Annotated[int, Meta(ge=1, le=20)] = 4
+    """Of one order, under another id each time."""
+    full_percent: Annotated[float, Meta(gt=0, le=100)] = 99.0
+    """A battery is full from here on."""
+
+    @property
+    def dialect(self) -> Dialect:
+        """Of its version."""
+        return DIALECTS[self.version]
+
+    def topic(self, manufacturer: str, serial: str, name: str) -> str:
+        """Where something is said."""
+        return f"{self.topics or self.dialect.prefix}/{manufacturer}/{serial}/{name}"
+
+
+def shipped_profiles() -> tuple[str, ...]:
+    """The names of those that are part of the package."""
+    folder = files("dray.adapters.vda5050") / "profiles"
+    return tuple(
+        sorted(file.name.removesuffix(".yaml") for file in folder.iterdir() if file.name.endswith(".yaml"))
+    )
+
+
+def load_profile(name: str) -> Profile:
+    """Read a profile.
+
+    Args:
+        name: a YAML file, or one that is part of the package; a file of that name comes first.
+
+    Raises:
+        SettingsError: there is none, or it cannot be used; it says where.
+    """
+    file = Path(name)
+    try:
+        if file.is_file():
+            data = file.read_bytes()
+        elif name in shipped_profiles():
+            data = (files("dray.adapters.vda5050") / "profiles" / f"{name}.yaml").read_bytes()
+        else:
+            known = ", ".join(shipped_profiles())
+            raise SettingsError(
+                "--profile", f"there is no file {name}, and no profile of that name among {known}"
+            )
+    except OSError as error:
+        raise SettingsError("--profile", f"{name} cannot be read: {error.strerror}") from None
+    if len(data) > LARGEST_BYTES:
+        raise SettingsError("--profile", f"{name} has more than {LARGEST_BYTES} bytes: that is another file")
+    return parse_profile(data, name)
+
+
+def parse_profile(data: bytes, name: str) -> Profile:
+    """A profile from YAML; see `load_profile`.
+
+    Raises:
+        SettingsError: it cannot be used.
+    """
+    try:
+        # An empty file has nothing but defaults.
+        said = msgspec.yaml.decode(data) or {}
+        profile = msgspec.convert(said, Profile)
+    except (msgspec.DecodeError, msgspec.ValidationError, UnicodeDecodeError) as error:
+        raise SettingsError("--profile", f"{name}: {error}") from None
+    if profile.horizon and not profile.updates:
+        raise SettingsError(
+            "--profile", f"{name}: horizon: a vehicle without updates never drives it; set updates"
+        )
+    for use in (profile.pick, profile.drop, profile.charge):
+        try:
+            use.values(station="", node="", item="", quantity=0, goal="")
+        except (KeyError, ValueError, IndexError) as error:
+            raise SettingsError("--profile", f"{name}: {use.type}: no parameter can be {error}") from None
+    return profile
+
+
+def write_profile(profile: Profile) -> str:
+    """A profile as YAML: only what differs from the default."""
+    plain = msgspec.to_builtins(Profile())
+    said = {key: value for key, value in msgspec.to_builtins(profile).items() if plain[key] != value}
+    return msgspec.yaml.encode(said).decode() if said else "{}\n"
+
+
+def _filled(value: Value, known: dict[str, Value]) -> Value:
+    if not isinstance(value, str):
+        return value
+    # A value that is nothing but one name keeps its type: a quantity stays a number.
+    if value.startswith("{") and value.endswith("}") and value[1:-1] in known:
+        return known[value[1:-1]]
+    return value.format(**known)
+
+
+def _wrapped(angle: float) -> float:
+    return atan2(sin(angle), cos(angle))

@@ -1,0 +1,261 @@
+"""What a vehicle says, in any version: every field may be missing, null or odd.
+
+One struct for all versions. Where two versions have two names for one thing both are fields, and a property takes the
+one that is there. What must not be believed (a NaN, an unknown word) reads as if it were missing.
+"""
+
+from __future__ import annotations
+
+import msgspec
+
+
+class Said(msgspec.Struct, frozen=True, rename="camel"):
+    """Base: unknown fields are ignored, known ones may be null."""
+
+
+class Position(Said, frozen=True):
+    """`agvPosition` of 2.x, `mobileRobotPosition` of 3.0: metres and radians in the vehicle's map."""
+
+    x: float | None = None
+    y: float | None = None
+    theta: float | None = None
+    map_id: str | None = None
+    position_initialized: bool | None = None
+    localized: bool | None = None
+
+    @property
+    def is_localised(self) -> bool:
+        """Whether the vehicle knows where it is; one that does not say so is believed to."""
+        return self.position_initialized is not False and self.localized is not False
+
+
+class Velocity(Said, frozen=True):
+    """In the vehicle's frame, in metres per second."""
+
+    vx: float | None = None
+    vy: float | None = None
+
+
+class Reference(Said, frozen=True):
+    """What an error is about."""
+
+    reference_key: str | None = None
+    reference_value: str | None = None
+
+
+class VehicleError(Said, frozen=True):
+    """One of `errors`."""
+
+    error_type: str | None = None
+    error_level: str | None = None
+    error_references: tuple[Reference, ...] | None = None
+    error_description: str | None = None
+    error_hint: str | None = None
+
+    def names(self, value: str) -> bool:
+        """Whether it refers to this id."""
+        return any(reference.reference_value == value for reference in self.error_references or ())
+
+    @property
+    def text(self) -> str:
+        """For people."""
+        kind, words = self.error_type or "an error without a type", self.error_description or self.error_hint
+        return f"{kind}: {words}" if words else kind
+
+
+class ActionState(Said, frozen=True):
+    """One of `actionStates` or `instantActionStates`."""
+
+    action_id: str | None = None
+    action_type: str | None = None
+    action_status: str | None = None
+    result_description: str | None = None
+    action_result: str | None = None
+
+    @property
+    def result(self) -> str:
+        """In the vehicle's words; may be empty."""
+        return self.result_description or self.action_result or ""
+
+
+class NodeState(Said, frozen=True):
+    """One of `nodeStates`: a node that is still to come."""
+
+    node_id: str | None = None
+    sequence_id: int | None = None
+    released: bool | None = None
+
+
+class EdgeState(Said, frozen=True):
+    """One of `edgeStates`."""
+
+    edge_id: str | None = None
+    sequence_id: int | None = None
+
+
+class Battery(Said, frozen=True):
+    """`batteryState` of 2.x, `powerSupply` of 3.0."""
+
+    battery_charge: float | None = None
+    state_of_charge: float | None = None
+    charging: bool | None = None
+
+    @property
+    def percent(self) -> float | None:
+        """How full it is."""
+        return self.battery_charge if self.battery_charge is not None else self.state_of_charge
+
+
+class Safety(Said, frozen=True):
+    """`safetyState`."""
+
+    e_stop: str | None = None
+    active_emergency_stop: str | None = None
+
+    @property
+    def emergency_stop(self) -> str:
+        """Which one is active; empty for none."""
+        said = self.e_stop or self.active_emergency_stop or "NONE"
+        return "" if said == "NONE" else said
+
+
+class Load(Said, frozen=True):
+    """One of `loads`."""
+
+    load_id: str | None = None
+    load_type: str | None = None
+
+
+class State(Said, frozen=True):
+    """The topic `state`."""
+
+    header_id: int | None = None
+    order_id: str | None = None
+    order_update_id: int | None = None
+    last_node_id: str | None = None
+    last_node_sequence_id: int | None = None
+    driving: bool | None = None
+    paused: bool | None = None
+    operating_mode: str | None = None
+    node_states: tuple[NodeState, ...] | None = None
+    edge_states: tuple[EdgeState, ...] | None = None
+    agv_position: Position | None = None
+    mobile_robot_position: Position | None = None
+    velocity: Velocity | None = None
+    loads: tuple[Load, ...] | None = None
+    """None where the vehicle does not say what is on board."""
+    action_states: tuple[ActionState, ...] | None = None
+    instant_action_states: tuple[ActionState, ...] | None = None
+    battery_state: Battery | None = None
+    power_supply: Battery | None = None
+    errors: tuple[VehicleError, ...] | None = None
+    safety_state: Safety | None = None
+
+    @property
+    def position(self) -> Position | None:
+        return self.agv_position or self.mobile_robot_position
+
+    @property
+    def battery(self) -> Battery | None:
+        return self.battery_state or self.power_supply
+
+    @property
+    def actions(self) -> tuple[ActionState, ...]:
+        """Of orders and instant actions: 2.x has both in one list."""
+        return (*(self.action_states or ()), *(self.instant_action_states or ()))
+
+    def action(self, action_id: str) -> ActionState | None:
+        """The state of an action; of several with one id the one that has come farthest."""
+        states = [state for state in self.actions if state.action_id == action_id]
+        return max(states, key=lambda state: _PROGRESS.get(state.action_status or "", -1), default=None)
+
+    @property
+    def is_idle(self) -> bool:
+        """Nothing is left to do, by the words of the text: no nodes, no edges, all actions over."""
+        return self.acts_no_more and not self.node_states and not self.edge_states and not self.driving
+
+    @property
+    def acts_no_more(self) -> bool:
+        """All actions of orders are over; one that is listed twice is, when it is once."""
+        ids = {state.action_id for state in self.action_states or () if state.action_id}
+        ended = {state.action_id for state in self.action_states or () if state.action_status in OVER}
+        return ids <= ended
+
+
+FINISHED, FAILED, WAITING, RETRIABLE = "FINISHED", "FAILED", "WAITING", "RETRIABLE"
+OVER = frozenset({FINISHED, FAILED})
+
+_PROGRESS = {WAITING: 0, RETRIABLE: 1, "INITIALIZING": 2, "PAUSED": 3, "RUNNING": 4, FAILED: 5, FINISHED: 6}
+"""A vehicle may list an action twice; see docs/vehicles.md, behaviour 18."""
+
+
+class Visualization(Said, frozen=True):
+    """The topic `visualization`."""
+
+    agv_position: Position | None = None
+    mobile_robot_position: Position | None = None
+    velocity: Velocity | None = None
+
+    @property
+    def position(self) -> Position | None:
+        return self.agv_position or self.mobile_robot_position
+
+
+class Connection(Said, frozen=True):
+    """The topic `connection`: retained, and the vehicle's last will."""
+
+    connection_state: str | None = None
+
+    @property
+    def is_away(self) -> bool:
+        """Whether it says that the vehicle is not there."""
+        word = (self.connection_state or "").replace("_", "")
+        return word in {"OFFLINE", "CONNECTIONBROKEN", "HIBERNATING"}
+
+
+class PhysicalParameters(Said, frozen=True):
+    """Of a factsheet: metres, seconds."""
+
+    speed_max: float | None = None
+    maximum_speed: float | None = None
+    acceleration_max: float | None = None
+    maximum_acceleration: float | None = None
+    width: float | None = None
+    length: float | None = None
+
+
+class TypeSpecification(Said, frozen=True):
+    """Of a factsheet."""
+
+    series_name: str | None = None
+    max_load_mass: float | None = None
+    maximum_load_mass: float | None = None
+
+
+class FactsheetAction(Said, frozen=True):
+    """What the vehicle can do."""
+
+    action_type: str | None = None
+    action_scopes: tuple[str, ...] | None = None
+
+
+class ProtocolFeatures(Said, frozen=True):
+    """Of a factsheet."""
+
+    agv_actions: tuple[FactsheetAction, ...] | None = None
+    mobile_robot_actions: tuple[FactsheetAction, ...] | None = None
+
+    @property
+    def actions(self) -> tuple[FactsheetAction, ...]:
+        return self.agv_actions or self.mobile_robot_actions or ()
+
+
+class Factsheet(Said, frozen=True):
+    """The topic `factsheet`."""
+
+    version: str | None = None
+    manufacturer: str | None = None
+    serial_number: str | None = None
+    type_specification: TypeSpecification | None = None
+    physical_parameters: PhysicalParameters | None = None
+    protocol_features: ProtocolFeatures | None = None

@@ -1,0 +1,126 @@
+"""Orders and instant actions as the master means them, and as a dialect writes them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import msgspec
+
+from dray.adapters.vda5050.wire.dialects import Dialect
+
+Value = str | float | int | bool
+
+
+class Action(msgspec.Struct, frozen=True):
+    """An action at a node, or at once."""
+
+    id: str
+    type: str
+    blocking: str = "HARD"
+    """NONE, SOFT or HARD."""
+    parameters: dict[str, Value] = {}
+
+
+class Spot(msgspec.Struct, frozen=True):
+    """Where a node lies in the vehicle's map, in metres and radians."""
+
+    x: float
+    y: float
+    map_id: str
+    deviation: float
+    """How far from it the vehicle may be (m)."""
+    theta: float | None = None
+
+
+class OrderNode(msgspec.Struct, frozen=True):
+    """A node of an order."""
+
+    id: str
+    sequence: int
+    """Even; nodes and edges are counted together."""
+    released: bool
+    spot: Spot
+    actions: tuple[Action, ...] = ()
+
+
+class OrderEdge(msgspec.Struct, frozen=True):
+    """From the node before it to the node after it."""
+
+    sequence: int
+    released: bool
+    start: str
+    end: str
+    max_speed_mps: float | None = None
+
+
+class Order(msgspec.Struct, frozen=True):
+    """An order, or an update of one."""
+
+    id: str
+    update: int
+    nodes: tuple[OrderNode, ...]
+    edges: tuple[OrderEdge, ...] = ()
+
+    @property
+    def base(self) -> tuple[OrderNode, ...]:
+        """Its released nodes: they come first."""
+        return tuple(node for node in self.nodes if node.released)
+
+
+def order_body(order: Order, dialect: Dialect) -> dict[str, Any]:
+    """An order without its header."""
+    return {
+        "orderId": order.id,
+        "orderUpdateId": order.update,
+        "nodes": [_node(node, dialect) for node in order.nodes],
+        "edges": [_edge(edge, dialect) for edge in order.edges],
+    }
+
+
+def instant_body(action: Action, dialect: Dialect, field: str) -> dict[str, Any]:
+    """One instant action without its header, under the name that its vehicle wants for the list."""
+    said = _action(action)
+    kind = said.pop("actionType")
+    said |= dict.fromkeys(dialect.action_names, kind)
+    # The name of every version is said, too, where a vehicle wants an older one.
+    return {"actions": [said]} if field == "actions" else {"actions": [said], field: [said]}
+
+
+def _node(node: OrderNode, dialect: Dialect) -> dict[str, Any]:
+    spot = node.spot
+    position: dict[str, Any] = {"x": spot.x, "y": spot.y, "mapId": spot.map_id}
+    if spot.theta is not None:
+        position["theta"] = spot.theta
+    radius = spot.deviation
+    position[dialect.deviation] = {"a": radius, "b": radius, "theta": 0.0} if dialect.is_ellipse else radius
+    return {
+        "nodeId": node.id,
+        "sequenceId": node.sequence,
+        "released": node.released,
+        "nodePosition": position,
+        "actions": [_action(action) for action in node.actions],
+    }
+
+
+def _edge(edge: OrderEdge, dialect: Dialect) -> dict[str, Any]:
+    said: dict[str, Any] = {
+        "edgeId": f"{edge.start}--{edge.end}",
+        "sequenceId": edge.sequence,
+        "released": edge.released,
+        "actions": [],
+    }
+    if dialect.names_ends:
+        said |= {"startNodeId": edge.start, "endNodeId": edge.end}
+    if edge.max_speed_mps is not None:
+        said[dialect.max_speed] = edge.max_speed_mps
+    return said
+
+
+def _action(action: Action) -> dict[str, Any]:
+    parameters = [{"key": key, "value": value} for key, value in action.parameters.items()]
+    return {
+        "actionType": action.type,
+        "actionId": action.id,
+        "blockingType": action.blocking,
+        "actionParameters": parameters,
+    }

@@ -1,0 +1,105 @@
+"""The order that a simulated vehicle has, as it has read it from the wire."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from dray.body import Charge, Drop, Pick
+
+
+@dataclass
+class NodeAction:
+    """An action, and how far it has come."""
+
+    id: str
+    type: str
+    parameters: dict[str, Any]
+    status: str = "WAITING"
+    result: str = ""
+
+
+@dataclass
+class Point:
+    """A node of the order."""
+
+    id: str
+    sequence: int
+    released: bool
+    x: float | None
+    y: float | None
+    actions: list[NodeAction]
+
+
+@dataclass
+class Order:
+    """An order with its updates.
+
+    Attributes:
+        points: base and horizon.
+        edges: (edgeId, sequenceId, released).
+        reached: the index of the last point that was reached; -1 before the first one.
+    """
+
+    id: str
+    update: int
+    points: list[Point]
+    edges: list[tuple[str, int, bool]]
+    reached: int = -1
+    cancelled: bool = False
+    loses: bool = False
+    actions: list[NodeAction] = field(default_factory=list)
+
+    @property
+    def base_end(self) -> int:
+        """The index of the last released point."""
+        return max((i for i, point in enumerate(self.points) if point.released), default=-1)
+
+    @property
+    def is_over(self) -> bool:
+        """Nothing is left to do, and nothing is to come."""
+        over = all(action.status in ("FINISHED", "FAILED") for action in self.actions)
+        return self.cancelled or (over and self.reached >= len(self.points) - 1)
+
+
+def read_order(said: dict[str, Any]) -> Order:
+    """An order, or an update of one, from its JSON."""
+    points = [_point(node) for node in said["nodes"]]
+    edges = [(edge["edgeId"], edge["sequenceId"], edge["released"]) for edge in said["edges"]]
+    order = Order(said["orderId"], said["orderUpdateId"], points, edges)
+    order.actions = [action for point in points for action in point.actions]
+    return order
+
+
+def read_actions(said: dict[str, Any]) -> list[NodeAction]:
+    """Of `instantActions`, in whichever version."""
+    return [_action(action) for action in said.get("actions") or said.get("instantActions") or ()]
+
+
+def instruction_of(action: NodeAction, number: int, charger: str) -> Pick | Drop | Charge | None:
+    """An action at a node as its body does it; None for one that it cannot do."""
+    said = action.parameters
+    station = str(said.get("stationName", ""))
+    match action.type:
+        case "pick":
+            item, quantity = str(said.get("loadType", "")), int(said.get("quantity", 1))
+            return Pick(order=number, station=station, item=item, quantity=quantity)
+        case "drop":
+            return Drop(order=number, station=station, goal=str(said.get("goal", "")))
+        case "startCharging":
+            return Charge(order=number, charger=station or charger)
+    return None
+
+
+def _point(node: dict[str, Any]) -> Point:
+    position = node.get("nodePosition") or {}
+    actions = [_action(action) for action in node["actions"]]
+    return Point(
+        node["nodeId"], node["sequenceId"], node["released"], position.get("x"), position.get("y"), actions
+    )
+
+
+def _action(action: dict[str, Any]) -> NodeAction:
+    parameters = {pair["key"]: pair["value"] for pair in action.get("actionParameters") or ()}
+    kind = action.get("actionType") or action["actionName"]
+    return NodeAction(action["actionId"], kind, parameters)

@@ -1,0 +1,396 @@
+"""A simulated vehicle that speaks VDA 5050: orders in, states out, and a body that drives.
+
+It does what the text says, or what its `Misbehaviour` says instead. An order is driven up to the next node with an action,
+or to the end of its base; there the action is done. What it says goes to `publish`, what is said to it comes by `on_message`.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from functools import partial
+from math import hypot
+from typing import Any
+
+from dray.body import (
+    ActionDone,
+    ActionFailed,
+    Charge,
+    Drive,
+    Hold,
+    NodePassed,
+    ProblemCleared,
+    ProblemRaised,
+    Report,
+    Unhold,
+    WayDone,
+)
+from dray.plant.model import VehicleType
+from dray.ports import Clock
+from dray_sim.bodies.vehicle.vehicle import SimVehicle
+from dray_sim.vda5050.misbehaviour import Misbehaviour
+from dray_sim.vda5050.order import NodeAction, Order, Point, instruction_of, read_actions, read_order
+from dray_sim.vda5050.words import Condition, Words
+
+Publish = Callable[[str, bytes, bool], None]
+"""Of a topic (the last chunk), a message, and whether the broker keeps it."""
+
+STATE_EVERY_S, DRIVING_EVERY_S = 30.0, 1.0
+REACHABLE_M = 2.0
+"""An order may begin so far from where it stands."""
+
+INSTANT_KEPT = 20
+
+
+class Vda5050Vehicle:
+    """One vehicle.
+
+    Args:
+        body: drives, picks and drops.
+        kind: of its type.
+        charger_at: the charger at a node; empty for none.
+        clock: the plant's.
+        publish: says it.
+        words: its version and name.
+
+    Attributes:
+        condition: what it is beside its body; to be changed by tests, and told with `say_state`.
+        order: the one that it has; None before the first one, and after a restart.
+        done: actions that were carried out, by id: none may be there twice.
+    """
+
+    def __init__(
+        self,
+        body: SimVehicle,
+        kind: VehicleType,
+        charger_at: Callable[[str], str],
+        clock: Clock,
+        publish: Publish,
+        words: Words,
+    ) -> None:
+        self._body, self._kind, self._charger_at = body, kind, charger_at
+        self._clock, self._publish, self.words = clock, publish, words
+        self.quirks: Misbehaviour = words.quirks
+        self.condition = Condition(last_node="" if self.quirks.no_last_node else body.sense().node)
+        self.order: Order | None = None
+        self.done: list[str] = []
+        self._action: NodeAction | None = None
+        self._drive = 0
+        """The number of the newest instruction to its body."""
+        self._way: list[int] = []
+        """For each node of the present drive its index in the order."""
+        self._spoken_s = float("-inf")
+        self._asked = not self.quirks.silent_until_asked
+        self._ready_s = float("-inf")
+        self._ignored = {
+            "order": self.quirks.ignores_first_orders,
+            "instantActions": self.quirks.ignores_instant_actions,
+        }
+        self._refused_ids: set[str] = set()
+        self._accepted_ids = 0
+        self._doomed = False
+        self._life = 0
+        body.attach(self._on_report)
+        self._publish_json("connection", words.connection(self._connection, clock.now_s()), retain=True)
+        self.say_factsheet()
+        self._tick(0)
+
+    # --- what it says ----------------------------------------------------------------------------
+
+    @property
+    def _connection(self) -> str:
+        return "OFFLINE" if self.quirks.says_offline else "ONLINE"
+
+    def say_state(self) -> None:
+        """Say how it is, now."""
+        if not self._asked:
+            return
+        now_s = self._clock.now_s()
+        self._spoken_s = now_s
+        order = None if self.quirks.forgets_finished_order and self._is_idle else self.order
+        said = self.words.state(self._body.sense(), order, self.condition, now_s)
+        for _ in range(2 if self.quirks.doubles_states else 1):
+            self._publish_json("state", said)
+
+    def say_factsheet(self) -> None:
+        """Say what it is."""
+        self._publish_json("factsheet", self.words.factsheet(self._kind, self._clock.now_s()), retain=True)
+
+    def _publish_json(self, topic: str, said: dict[str, Any], *, retain: bool = False) -> None:
+        self._publish(topic, json.dumps(said).encode(), retain)
+
+    def _tick(self, life: int) -> None:
+        """Speak from time to time, more often while it drives."""
+        if life != self._life:
+            return
+        now_s, body = self._clock.now_s(), self._body.sense()
+        is_moving = body.speed_mps > 0.0
+        if now_s - self._spoken_s >= (DRIVING_EVERY_S if is_moving else STATE_EVERY_S):
+            if not (is_moving and self.quirks.tells_ends_only):
+                self.say_state()
+        if is_moving and self.quirks.no_pose_in_state:
+            self._publish_json("visualization", self.words.visualization(body, now_s))
+        self._clock.call_at(now_s + DRIVING_EVERY_S, partial(self._tick, life))
+
+    # --- what happens to it ----------------------------------------------------------------------
+
+    def restart(self) -> None:
+        """Lose the power and come back: it stands where it is, and has forgotten its order."""
+        self._life += 1
+        self._body.power_off()
+        self._body.power_on()
+        self.order, self._action, self._way = None, None, []
+        self.condition = Condition(last_node="" if self.quirks.no_last_node else self.condition.last_node)
+        self.words.numbers = {}
+        self._publish_json(
+            "connection", self.words.connection(self._connection, self._clock.now_s()), retain=True
+        )
+        self._spoken_s = float("-inf")
+        self._tick(self._life)
+        self.say_state()
+
+    # --- what is said to it ----------------------------------------------------------------------
+
+    def on_message(self, topic: str, data: bytes) -> None:
+        """An order or instant actions."""
+        if self._ignored.get(topic, 0):
+            self._ignored[topic] -= 1
+            return
+        said = json.loads(data)
+        if topic == "order":
+            self._on_order(read_order(said))
+        elif topic == "instantActions":
+            for action in read_actions(said):
+                if all(action.id != known.id for known in self.condition.instant):
+                    del self.condition.instant[: -INSTANT_KEPT + 1]
+                    self.condition.instant.append(action)
+                    self._on_instant(action)
+
+    @property
+    def _is_idle(self) -> bool:
+        return self.order is None or self.order.is_over
+
+    def _on_order(self, order: Order) -> None:
+        now = self.order
+        if self._is_refused_silently(order.id):
+            return
+        if now is not None and now.id == order.id:
+            if order.update > now.update:
+                self._on_update(now, order)
+            return
+        if not self._is_idle or self._clock.now_s() < self._ready_s:
+            self._refuse(order, "OTHER_ORDER_ACTIVE", "another order is active")
+        elif self._gap_m(order.points[0]) > REACHABLE_M:
+            self._refuse(order, "START_NODE_OUT_OF_RANGE", "the first node is out of range")
+        else:
+            self._accept(order)
+
+    def _is_refused_silently(self, id_: str) -> bool:
+        if not self.quirks.refuses_every_second or (self.order is not None and self.order.id == id_):
+            return False
+        if id_ not in self._refused_ids:
+            self._accepted_ids += 1
+            if self._accepted_ids % 2:
+                self._refused_ids.add(id_)
+        return id_ in self._refused_ids
+
+    def _accept(self, order: Order) -> None:
+        self._forget_errors()
+        if self._doomed:
+            self._doomed, order.cancelled = False, True
+            for action in order.actions:
+                action.status = "FAILED"
+        here = (self.condition.last_node, self.condition.last_sequence)
+        self.order = order
+        first = order.points[0]
+        order.reached = 0
+        self.condition.last_node, self.condition.last_sequence = first.id, first.sequence
+        if order.cancelled:
+            self.say_state()
+            return
+        if (
+            self.quirks.no_action_at_last_node
+            and first.actions
+            and len(order.points) == 1
+            and here[0] == first.id
+        ):
+            self.say_state()  # Its actions wait for a node that never comes.
+            return
+        self.say_state()
+        self._proceed()
+
+    def _on_update(self, now: Order, update: Order) -> None:
+        stitch, base_end = update.points[0], now.base_end
+        last = now.points[base_end]
+        if now.cancelled or (stitch.id, stitch.sequence) != (last.id, last.sequence):
+            self._refuse(
+                update, "OUTDATED_ORDER_UPDATE", "the update does not begin with the last node of the base"
+            )
+            return
+        now.update = update.update
+        if self.quirks.loses_updates:
+            self.say_state()
+            return
+        kept = [edge for edge in now.edges if edge[1] < last.sequence]
+        now.points = now.points[: base_end + 1] + update.points[1:]
+        now.edges = kept + update.edges
+        now.actions += [action for point in update.points[1:] for action in point.actions]
+        self.say_state()
+        self._proceed()
+
+    def _refuse(self, order: Order, kind: str, text: str) -> None:
+        old = "orderUpdateError" if self.order is not None and order.id == self.order.id else "orderError"
+        named = {"orderId": order.id, "orderUpdateId": str(order.update)}
+        self.condition.errors.append((kind if self.words.version == "3.0" else old, "WARNING", text, named))
+        self.say_state()
+
+    def _forget_errors(self) -> None:
+        if not self.quirks.lingering_warnings:
+            self.condition.errors = [error for error in self.condition.errors if error[1] != "WARNING"]
+
+    def _gap_m(self, point: Point) -> float:
+        pose = self._body.sense().pose
+        if point.x is None or point.y is None:
+            return 0.0
+        return hypot(point.x - pose.x_m, point.y - pose.y_m)
+
+    # --- instant actions -------------------------------------------------------------------------
+
+    def _on_instant(self, action: NodeAction) -> None:
+        action.status = "FINISHED"
+        match action.type:
+            case "stateRequest":
+                self._asked = True
+            case "factsheetRequest":
+                self.say_factsheet()
+            case "startPause":
+                if not self.quirks.ignores_pause:
+                    self._body.instruct(Hold())
+            case "stopPause":
+                self._body.instruct(Unhold())
+            case "stopCharging":
+                node = self._body.sense().node
+                self._instruct_drive((node,), 1, [])
+            case "cancelOrder":
+                self._on_cancel(action)
+            case _:
+                action.status, action.result = "FAILED", f"no instant action {action.type}"
+        self.say_state()
+
+    def _on_cancel(self, action: NodeAction) -> None:
+        if self._is_idle and not self._body.sense().charging:
+            self._doomed = self.quirks.idle_cancel_kills_next
+            action.status = "FAILED"
+            kind = "NO_ORDER_TO_CANCEL" if self.words.version == "3.0" else "noOrderToCancel"
+            self.condition.errors.append((kind, "WARNING", "no order to cancel", {"actionId": action.id}))
+            return
+        action.status = "RUNNING"
+        self._body.power_off()  # It stands at once; what it was about is lost.
+        self._body.power_on()
+        self._action = None
+        self._clock.call_at(self._clock.now_s() + self.quirks.cancel_s, partial(self._finish_cancel, action))
+
+    def _finish_cancel(self, action: NodeAction) -> None:
+        if self.order is not None:
+            self.order.cancelled = True
+            for one in self.order.actions:
+                one.status = one.status if one.status == "FINISHED" else "FAILED"
+        self._way = []
+        action.status = "FINISHED"
+        self.say_state()
+
+    # --- driving and acting ----------------------------------------------------------------------
+
+    def _proceed(self) -> None:
+        """Do the next action, or drive on."""
+        order = self.order
+        if order is None or order.cancelled or self._action is not None:
+            return
+        here = order.points[order.reached]
+        action = next((one for one in here.actions if one.status == "WAITING"), None)
+        if action is not None:
+            self._begin(action)
+            return
+        stop = next(
+            (i for i in range(order.reached + 1, order.base_end + 1) if order.points[i].actions),
+            order.base_end,
+        )
+        if stop <= order.reached:
+            self._finish_if_over()
+            return
+        body = self._body.sense()
+        ahead = list(range(order.reached, stop + 1))
+        if body.next_node != body.node or order.points[order.reached].id != body.node:
+            ahead = ahead[1:]  # It is on a lane, and finishes that first.
+        if order.points[ahead[0]].id == order.points[order.reached].id and len(ahead) > 1:
+            twin = order.points[ahead[1]].id == order.points[ahead[0]].id
+            if twin:
+                self._reach(ahead[1])
+                self._proceed()
+                return
+        self._instruct_drive(tuple(order.points[i].id for i in ahead), len(ahead), ahead)
+
+    def _instruct_drive(self, nodes: tuple[str, ...], released: int, indexes: list[int]) -> None:
+        self._drive += 1
+        self._way = indexes
+        self._body.instruct(Drive(order=self._drive, nodes=nodes, released=released))
+
+    def _begin(self, action: NodeAction) -> None:
+        self._drive += 1
+        self._action, action.status = action, "RUNNING"
+        instruction = instruction_of(action, self._drive, self._charger_at(self._body.sense().node))
+        if instruction is None:
+            self._end_action("FAILED", f"no action {action.type}")
+        else:
+            self._body.instruct(instruction)
+        if isinstance(instruction, Charge):
+            self._clock.call_at(self._clock.now_s() + 0.5, partial(self._plugged, action))
+        self.say_state()
+
+    def _plugged(self, action: NodeAction) -> None:
+        if self._action is action and self._body.sense().charging:
+            self._end_action("FINISHED", "")
+
+    def _end_action(self, status: str, result: str) -> None:
+        action, self._action = self._action, None
+        if action is None:
+            return
+        action.status, action.result = status, result
+        if status == "FINISHED":
+            self.done.append(action.id)
+        self._finish_if_over()
+        self.say_state()
+        self._proceed()
+
+    def _reach(self, index: int) -> None:
+        order = self.order
+        if order is None or index <= order.reached:
+            return
+        order.reached = index
+        self.condition.last_node = order.points[index].id
+        self.condition.last_sequence = order.points[index].sequence
+
+    def _finish_if_over(self) -> None:
+        if self.order is not None and self.order.is_over:
+            self._ready_s = self._clock.now_s() + self.quirks.busy_after_s
+
+    def _on_report(self, report: Report) -> None:
+        match report:
+            case NodePassed(number, _, index) if number == self._drive and index < len(self._way):
+                self._reach(self._way[index])
+                if not self.quirks.tells_ends_only:
+                    self.say_state()
+            case WayDone(number) if number == self._drive and self._way:
+                self._finish_if_over()
+                self.say_state()
+                self._proceed()
+            case ActionDone(number) if number == self._drive:
+                self._end_action("FINISHED", "")
+            case ActionFailed(number, reason) if number == self._drive:
+                self._end_action("FAILED", reason)
+            case ProblemRaised(reason):
+                self.condition.errors.append(("hardware", "FATAL", reason, {}))
+                self.say_state()
+            case ProblemCleared():
+                self.condition.errors = [error for error in self.condition.errors if error[1] != "FATAL"]
+                self.say_state()

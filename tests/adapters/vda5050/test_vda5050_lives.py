@@ -1,0 +1,268 @@
+"""Holding, and restarts of agent, vehicle and broker (behaviours 17, 19 and 20 of docs/vehicles.md)."""
+
+from __future__ import annotations
+
+from random import Random
+
+import msgspec
+import pytest
+from vda_rig import FLOWING, PROFILE, Rig
+from yard import HOLD, PICK, TO_CORNER, UNHOLD, drive
+
+from dray.adapters.vda5050.profile import Profile
+from dray.body import (
+    ActionDone,
+    ActionFailed,
+    Drive,
+    NodePassed,
+    ProblemCleared,
+    VehicleState,
+    WayDone,
+)
+from dray_sim.vda5050.misbehaviour import Misbehaviour
+
+NO_PAUSE = msgspec.structs.replace(PROFILE, pause=False)
+
+
+@pytest.mark.parametrize("profile", [PROFILE, FLOWING, NO_PAUSE], ids=["steps", "updates", "without pause"])
+def test_17_what_is_held_stands_and_goes_on_when_it_may(profile: Profile) -> None:
+    rig = Rig(profile)
+    rig.do(drive(*TO_CORNER), for_s=6.0)
+    rig.do(HOLD, for_s=10.0)
+    before = rig.sim.sense()
+    assert before.speed_mps == 0.0
+    assert rig.body.sense().held
+    rig.run(60.0)
+    assert rig.sim.sense().pose == before.pose
+    rig.do(UNHOLD, for_s=150.0)
+    assert rig.heard[-1] == WayDone(order=1, node="corner")
+    assert [report.index for report in rig.of(NodePassed)] == [0, 1, 2, 3, 4]
+    assert rig.problems() == []
+
+
+def test_17_a_vehicle_that_moves_although_it_is_held_is_a_problem() -> None:
+    rig = Rig(FLOWING, Misbehaviour(ignores_pause=True))
+    rig.do(drive(*TO_CORNER), for_s=6.0)
+    rig.do(HOLD, for_s=8.0)
+    assert rig.problems() == ["it does not pause: it moves although it was told to stand"]
+    rig.run(60.0)  # To the end of its base, and no farther.
+    assert rig.heard[-1] == ProblemCleared()
+    assert rig.sim.sense().node != "corner"
+
+
+def test_17_a_pause_that_is_lost_is_said_again() -> None:
+    rig = Rig()
+    rig.do(drive(*TO_CORNER), for_s=3.0)
+    rig.vehicle._ignored["instantActions"] = 1
+    rig.do(HOLD, for_s=10.0)
+    assert rig.sim.sense().held
+    assert len(rig.instant("startPause")) == 2
+
+
+def test_17_a_new_life_knows_that_it_is_held() -> None:
+    rig = Rig()
+    rig.do(drive(*TO_CORNER), for_s=3.0)
+    rig.do(HOLD, for_s=5.0)
+    rig.begin_life()
+    rig.run(1.0)
+    assert rig.body.sense().held
+    rig.do(UNHOLD, for_s=60.0)
+    assert not rig.sim.sense().held
+
+
+@pytest.mark.parametrize("no_loads", [False, True])
+@pytest.mark.parametrize("after_s", [0.0, 0.02, 0.5, 5.0, 9.9, 10.1, 20.0])
+def test_19_a_new_life_never_picks_twice(after_s: float, no_loads: bool) -> None:
+    rig = Rig(quirks=Misbehaviour(no_loads=no_loads))
+    rig.run(1.0)
+    rig.do(PICK, for_s=after_s)
+    rig.begin_life()
+    rig.run(1.0)
+    heard = [] if rig.body.sense().load else rig.do(msgspec.structs.replace(PICK, order=1005), for_s=90.0)
+    rig.run(90.0)
+    assert rig.body.sense().load == "shaft"
+    assert heard in ([], [ActionDone(order=1005)])
+    assert len(rig.vehicle.done) == 1
+    assert rig.problems() == []
+
+
+def test_19_a_new_life_that_wants_nothing_still_learns_what_was_picked() -> None:
+    rig = Rig(quirks=Misbehaviour(no_loads=True))
+    rig.run(1.0)
+    rig.do(PICK, for_s=2.0)
+    rig.begin_life()
+    rig.run(60.0)
+    assert rig.body.sense().load == "shaft"
+    assert rig.memory.load == "shaft"
+
+
+@pytest.mark.parametrize("after_s", [0.0, 0.5, 4.0, 12.0])
+def test_19_a_new_life_goes_on_with_its_running_way(after_s: float) -> None:
+    rig = Rig()
+    rig.do(drive(*TO_CORNER), for_s=after_s)
+    rig.begin_life()
+    rig.run(1.0)
+    state = rig.body.sense()
+    rest = TO_CORNER[TO_CORNER.index(state.next_node) :]
+    rig.do(drive(*rest, order=1001), for_s=150.0)
+    assert rig.heard[-1] == WayDone(order=1001, node="corner")
+    assert rig.problems() == []
+
+
+@pytest.mark.parametrize("profile", [PROFILE, FLOWING], ids=["steps", "updates"])
+def test_20_a_vehicle_that_is_restarted_fails_its_way(profile: Profile) -> None:
+    rig = Rig(profile)
+    rig.do(drive(*TO_CORNER), for_s=15.0)
+    rig.vehicle.restart()
+    rig.run(15.0)
+    assert rig.failures() == ["the vehicle has forgotten the order: it was restarted, or has another master"]
+    state = rig.body.sense()
+    rest = TO_CORNER[TO_CORNER.index(state.next_node) :]
+    rig.do(drive(*rest, order=2), for_s=150.0)
+    assert rig.heard[-1] == WayDone(order=2, node="corner")
+
+
+def test_20_what_is_on_board_after_a_restart_is_asked() -> None:
+    rig = Rig()
+    rig.run(1.0)
+    rig.do(PICK, for_s=4.0)
+    rig.vehicle.restart()
+    rig.run(15.0)
+    assert [type(report) for report in rig.heard] == [ActionFailed]
+    assert rig.body.sense().load == ""
+    late = Rig()
+    late.run(1.0)
+    late.do(PICK, for_s=9.0)
+    late.is_up = False
+    late.run(30.0)
+    assert late.sim.sense().load == "shaft"
+    late.is_up = True
+    late.vehicle.restart()
+    late.run(15.0)
+    assert late.heard == [ActionDone(order=5)]
+    assert late.body.sense().load == "shaft"
+
+
+def test_20_what_a_vehicle_cannot_tell_people_are_asked() -> None:
+    rig = Rig(quirks=Misbehaviour(no_loads=True))
+    rig.run(1.0)
+    rig.do(PICK, for_s=4.0)
+    rig.vehicle.restart()
+    rig.run(15.0)
+    assert rig.problems() == [
+        "nobody saw the end of its pick: see what is on board, and switch it to MANUAL and back"
+    ]
+    assert rig.do(msgspec.structs.replace(PICK, order=6), for_s=30.0) == []
+    rig.begin_life()
+    rig.run(5.0)
+    assert rig.body.sense().problem == rig.problems()[0]
+    for mode in ("SERVICE", "AUTOMATIC"):
+        rig.vehicle.condition.mode = mode
+        rig.vehicle.say_state()
+        rig.run(1.0)
+    assert rig.body.sense().problem == ""
+    assert rig.do(msgspec.structs.replace(PICK, order=7), for_s=60.0)[-1] == ActionDone(order=7)
+
+
+def test_a_broker_that_is_away_is_a_problem_with_a_name_and_the_base_is_driven_to_its_end() -> None:
+    rig = Rig()
+    rig.do(drive(*TO_CORNER), for_s=3.0)
+    rig.cut()
+    rig.run(60.0)
+    assert rig.problems() == ["the broker is away: refused"]
+    assert rig.sim.sense().node == "middle"
+    rig.link()
+    rig.run(150.0)
+    assert rig.heard[-1] == WayDone(order=1, node="corner")
+    assert [report.index for report in rig.of(NodePassed)] == [0, 1, 2, 3, 4]
+
+
+PROFILES = (PROFILE, FLOWING, msgspec.structs.replace(FLOWING, horizon=2, version="3.0"), NO_PAUSE)
+
+
+@pytest.mark.parametrize("seed", range(24))
+def test_restarts_losses_and_reordering_in_any_order_lose_nothing_and_do_nothing_twice(seed: int) -> None:
+    """A load is fetched and brought, whatever happens on the way; an agent of few words asks again for what has failed."""
+    chance = Random(seed)
+    rig = Rig(PROFILES[seed % len(PROFILES)])
+    rig.run(1.0)
+    unreliable(rig, chance)
+    agent = Agent(rig)
+    for moment in range(400):
+        if moment < 300 and chance.random() < 0.03:
+            chance.choice(
+                (rig.vehicle.restart, rig.begin_life, lambda: cut_for(rig, chance.uniform(1.0, 12.0)))
+            )()
+        agent.step()
+        rig.run(1.0)
+        if agent.is_done:
+            break
+    assert agent.is_done, (seed, rig.heard[-5:], rig.problems()[-3:], rig.body.sense())
+    assert len(rig.vehicle.done) == 1
+    assert rig.sim.sense().load_quantity == 20
+
+
+def cut_for(rig: Rig, for_s: float) -> None:
+    rig.cut()
+    rig.clock.call_at(rig.clock.now_s() + for_s, rig.link)
+
+
+def unreliable(rig: Rig, chance: Random) -> None:
+    """Every tenth message is lost, others are doubled, late or spoilt, in both directions."""
+    to_us, to_it = rig.body.on_message, rig.vehicle.on_message
+
+    def arrive(is_ours: bool, topic: str, data: bytes) -> None:
+        if rig.is_up:
+            (rig.body.on_message if is_ours else to_it)(topic, data)
+
+    def spoil(topic: str, data: bytes, hear: object) -> None:
+        draw = chance.random()
+        if draw < 0.08:
+            return
+        if draw < 0.12 and hear is to_us:
+            data = data[: len(data) // 2]
+        for late_s in (0.0, 0.3) if draw < 0.2 else (chance.uniform(0.0, 0.4),):
+            rig.clock.call_at(rig.clock.now_s() + late_s, arrive, hear is to_us, topic, data)
+
+    rig.give = lambda topic, data: spoil(topic, data, to_us)  # type: ignore[method-assign]
+    rig.vehicle.on_message = lambda topic, data: spoil(topic, data, to_it)  # type: ignore[method-assign]
+
+
+class Agent:
+    """Fetches a load at west and brings it to north; knows only what the body senses and reports."""
+
+    def __init__(self, rig: Rig) -> None:
+        self.rig, self.order, self.seen = rig, 100, 0
+        self.waits, self.lives = False, rig.lives
+        self.is_done = False
+
+    def step(self) -> None:
+        rig = self.rig
+        new, self.seen = rig.heard[self.seen :], len(rig.heard)
+        over = [report for report in new if isinstance(report, WayDone | ActionDone | ActionFailed)]
+        if self.lives != rig.lives or any(report.order == self.order for report in over):
+            self.waits, self.lives = False, rig.lives
+        if self.waits or not rig.body.control.is_known:
+            return
+        state = rig.body.sense()
+        if state.problem:
+            return
+        self.order += 1
+        self.waits = True
+        self._next(state)
+
+    def _next(self, state: VehicleState) -> None:
+        rig, goal = self.rig, "north" if self.order_is_loaded(state) else "west"
+        stands = state.next_node == state.node
+        if self.order_is_loaded(state) and stands and state.node == "north":
+            self.is_done = True
+        elif not self.order_is_loaded(state) and stands and state.node == "west":
+            rig.body.instruct(msgspec.structs.replace(PICK, order=self.order))
+        else:
+            line = TO_CORNER
+            here, there = line.index(state.next_node), line.index(goal)
+            nodes = line[here : there + 1] if here <= there else tuple(reversed(line[there : here + 1]))
+            rig.body.instruct(Drive(order=self.order, nodes=nodes, released=len(nodes)))
+
+    def order_is_loaded(self, state: VehicleState) -> bool:
+        return state.load == "shaft"
