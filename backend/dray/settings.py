@@ -103,6 +103,20 @@ def _public_url(text: str) -> str:
     return text.rstrip("/")
 
 
+def _broker(text: str) -> str:
+    if re.fullmatch(r"(mqtts?://[^\s/@?#:\[\]]+(:\d{1,5})?)?", text) is None:
+        raise ValueError(
+            "write it as mqtt://HOST:1883, or mqtts://HOST:8883 for TLS; no name and password in it"
+        )
+    return text
+
+
+def _topic(text: str) -> str:
+    if re.search(r"[\s/+#$]", text):
+        raise ValueError("it is one level of an MQTT topic: no blanks, no / + # or $")
+    return text
+
+
 def _several(text: object) -> object:
     return tuple(part.strip() for part in text.split(",") if part.strip()) if isinstance(text, str) else text
 
@@ -261,6 +275,36 @@ class Settings(BaseSettings):
 
     traffic_log: Path | None = None
     """A folder where each agent writes down what it says and hears of right of way, to be judged afterwards."""
+
+    body: Literal["floor", "vda5050"] = "floor"
+    """Of a vehicle's agent: simulated and on a floor, or a real vehicle by VDA 5050 (docs/vehicles.md)."""
+
+    broker: Annotated[str, AfterValidator(_broker)] = ""
+    """Of a real vehicle: mqtt://HOST:1883, or mqtts://HOST:8883 for TLS."""
+
+    broker_user: str = ""
+    """By which the agent logs in there; empty: without."""
+
+    broker_password: SecretStr | None = None
+    """Best given as a file (see `SECRETS`)."""
+
+    broker_authority: Path | None = None
+    """Who has signed the broker's certificate, as PEM; by default whom the computer trusts."""
+
+    broker_certificate: Path | None = None
+    """The agent's own, as PEM, where the broker asks for one."""
+
+    broker_key: Path | None = None
+    """Of that certificate; it may be in the same file."""
+
+    manufacturer: Annotated[str, AfterValidator(_topic)] = ""
+    """Of a real vehicle, as its topics name it."""
+
+    serial: Annotated[str, AfterValidator(_topic)] = ""
+    """Likewise its serial number."""
+
+    profile: str = "default"
+    """What a real vehicle understands: a file, or the name of one that is shipped."""
 
     plant_speed: Annotated[float, Field(gt=0, le=50)] = 1.0
     """Factory seconds per real second; above 1 only with simulated bodies. The same for all agents."""

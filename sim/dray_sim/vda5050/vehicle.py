@@ -91,11 +91,17 @@ class Vda5050Vehicle:
         self._doomed = False
         self._life = 0
         body.attach(self._on_report)
-        self._publish_json("connection", words.connection(self._connection, clock.now_s()), retain=True)
-        self.say_factsheet()
+        self.introduce()
         self._tick(0)
 
     # --- what it says ----------------------------------------------------------------------------
+
+    def introduce(self) -> None:
+        """Say that it is there, what it is, and how it is: the broker keeps the first two."""
+        now_s = self._clock.now_s()
+        self._publish_json("connection", self.words.connection(self._connection, now_s), retain=True)
+        self.say_factsheet()
+        self.say_state()
 
     @property
     def _connection(self) -> str:
@@ -142,12 +148,8 @@ class Vda5050Vehicle:
         self.order, self._action, self._way = None, None, []
         self.condition = Condition(last_node="" if self.quirks.no_last_node else self.condition.last_node)
         self.words.numbers = {}
-        self._publish_json(
-            "connection", self.words.connection(self._connection, self._clock.now_s()), retain=True
-        )
-        self._spoken_s = float("-inf")
+        self.introduce()
         self._tick(self._life)
-        self.say_state()
 
     # --- what is said to it ----------------------------------------------------------------------
 

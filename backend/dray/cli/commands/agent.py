@@ -7,7 +7,7 @@ certificate is ours, where the journal is.
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from dray.plant import Plant, VehicleSpec
 
 app = typer.Typer(no_args_is_help=True, help="One agent of a plant as a process of its own.")
+
+Body = Literal["floor", "vda5050"]
 
 Probation = Annotated[
     int,
@@ -51,6 +53,7 @@ def machine(
 
     from dray import __version__
     from dray.cli.runtime.agent_process import run_agent
+    from dray.cli.runtime.bodies import on_floor
     from dray.cli.runtime.output import one_of
     from dray.protocol.machine.machine import Machine
 
@@ -71,7 +74,7 @@ def machine(
             trusts=trusts,
         )
 
-    asyncio.run(run_agent(where, name, make, None if joining is None else spec))
+    asyncio.run(run_agent(where, name, make, on_floor(where, name, None if joining is None else spec)))
 
 
 @app.command()
@@ -83,17 +86,45 @@ def atv(
     node: Annotated[str | None, typer.Option(help="Where a joining vehicle stands.")] = None,
     probation: Probation = 0,
     traffic: Traffic = False,
+    body: Annotated[
+        Body | None,
+        typer.Option(help="floor: simulated, on `dray floor`; vda5050: a real vehicle; else DRAY_BODY."),
+    ] = None,
+    broker: Annotated[
+        str | None,
+        typer.Option(help="Of a real vehicle: mqtt://HOST:1883, or mqtts:// for TLS; else DRAY_BROKER."),
+    ] = None,
+    manufacturer: Annotated[
+        str | None, typer.Option(help="Of a real vehicle, as its topics name it; else DRAY_MANUFACTURER.")
+    ] = None,
+    serial: Annotated[str | None, typer.Option(help="Likewise its serial number; else DRAY_SERIAL.")] = None,
+    profile: Annotated[
+        str | None,
+        typer.Option(help="What it understands: a file, or one that is shipped; else DRAY_PROFILE."),
+    ] = None,
     settings: SettingsFile = None,
 ) -> None:
-    """Run the agent of a vehicle; one that joins takes part as soon as it is there. SIGTERM lets it shut down gracefully."""
+    """Run the agent of a vehicle, a simulated or a real one; one that joins takes part as soon as it is there.
+
+    SIGTERM lets it shut down gracefully.
+    """
     import asyncio
 
     from dray import __version__
     from dray.cli.runtime.agent_process import run_agent
+    from dray.cli.runtime.bodies import RealVehicle, by_vda5050, on_floor
     from dray.cli.runtime.output import one_of
     from dray.protocol.vehicle.atv import Atv
 
-    where = _surroundings(settings, traffic=traffic)
+    where = _surroundings(
+        settings,
+        traffic=traffic,
+        body=body,
+        broker=broker,
+        manufacturer=manufacturer,
+        serial=serial,
+        profile=profile,
+    )
     joining = _joining(where.plant, name, type_, node)
     spec = joining or one_of(where.plant.fleet, name, "NAME")
     trusts, places = _trusted(where), where.traffic
@@ -110,7 +141,12 @@ def atv(
             traffic=places,
         )
 
-    asyncio.run(run_agent(where, name, make, joining))
+    if where.settings.body == "vda5050":
+        kind = where.plant.vehicle_types[spec.type]
+        embody = by_vda5050(where, name, kind, RealVehicle.of(where.settings))
+    else:
+        embody = on_floor(where, name, joining)
+    asyncio.run(run_agent(where, name, make, embody))
 
 
 @app.command()
@@ -124,6 +160,7 @@ def station(
 
     from dray import __version__
     from dray.cli.runtime.agent_process import run_agent
+    from dray.cli.runtime.bodies import on_floor
     from dray.cli.runtime.output import one_of
     from dray.protocol.station.station import Station
 
@@ -136,7 +173,7 @@ def station(
             name, where.plant, incarnation=life, software=__version__, traffic=places, trusts=trusts
         )
 
-    asyncio.run(run_agent(where, name, make))
+    asyncio.run(run_agent(where, name, make, on_floor(where, name)))
 
 
 def strategist(settings: SettingsFile = None) -> None:
@@ -144,18 +181,20 @@ def strategist(settings: SettingsFile = None) -> None:
     import asyncio
 
     from dray.cli.runtime.agent_process import run_agent
+    from dray.cli.runtime.bodies import on_floor
     from dray.messages.keys import STRATEGIST
     from dray.protocol.strategist.strategist import Strategist
 
     where = _surroundings(settings)
-    asyncio.run(run_agent(where, STRATEGIST, lambda life: Strategist(where.plant, incarnation=life)))
+    embody = on_floor(where, STRATEGIST)
+    asyncio.run(run_agent(where, STRATEGIST, lambda life: Strategist(where.plant, incarnation=life), embody))
 
 
-def _surroundings(file: Path | None, *, traffic: bool = False) -> Surroundings:
+def _surroundings(file: Path | None, *, traffic: bool = False, **options: str | None) -> Surroundings:
     from dray.cli.runtime.options import load_settings
     from dray.cli.runtime.surroundings import Surroundings
 
-    return Surroundings.of(load_settings(settings_file=file, traffic=traffic or None))
+    return Surroundings.of(load_settings(settings_file=file, traffic=traffic or None, **options))
 
 
 def _grown(plant: Plant, file: Path, name: str) -> Plant:

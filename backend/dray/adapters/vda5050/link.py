@@ -1,0 +1,210 @@
+"""The link of one vehicle's master to its broker: MQTT on asyncio, joined again whenever it is lost.
+
+Thin on purpose: what is said and heard is decided elsewhere (`control`). QoS is 0 but for `connection`, as the text wants.
+A broker that is away is told to the body as such; nothing that was to be said meanwhile is kept, since the master says again
+what matters.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import ssl
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Protocol
+from urllib.parse import urlsplit
+
+import aiomqtt
+import msgspec
+
+from dray.errors import SettingsError
+
+PORT, TLS_PORT = 1883, 8883
+"""Where brokers listen by custom, without and with TLS."""
+
+KEEPALIVE_S = 10
+"""A broker that is silent for half as much again is gone."""
+
+CONNECT_S = 5.0
+"""Longest wait for a broker that has taken the connection."""
+
+AGAIN_S = (0.5, 1.0, 2.0, 5.0)
+"""Waits between attempts to reach it; the last one for ever."""
+
+UNSAID_MAX = 200
+"""Messages that wait to be said: a healthy link has none."""
+
+UNHEARD_MAX = 1000
+"""Messages that wait to be heard: ten states a second for more than a minute. What comes beyond that is dropped by the client."""
+
+
+class BrokerAddress(msgspec.Struct, frozen=True):
+    """Where a broker is, and how one logs in."""
+
+    host: str
+    port: int
+    tls: bool
+    user: str = ""
+    password: str = ""
+    authority: Path | None = None
+    """Who has signed the broker's certificate, as PEM; None for whom the computer trusts."""
+    certificate: Path | None = None
+    key: Path | None = None
+    """Our own, where the broker asks for one."""
+
+    def __str__(self) -> str:
+        return f"{'mqtts' if self.tls else 'mqtt'}://{self.host}:{self.port}"
+
+    def context(self) -> ssl.SSLContext | None:
+        """What TLS needs; None without.
+
+        Raises:
+            SettingsError: a file cannot be used; it names it.
+        """
+        if not self.tls:
+            return None
+        try:
+            context = ssl.create_default_context(cafile=self.authority)
+        except (OSError, ssl.SSLError) as error:
+            raise SettingsError("DRAY_BROKER_AUTHORITY", f"{self.authority}: {error}") from None
+        if self.certificate is not None:
+            try:
+                context.load_cert_chain(self.certificate, self.key)
+            except (OSError, ssl.SSLError) as error:
+                raise SettingsError("DRAY_BROKER_CERTIFICATE", f"{self.certificate}: {error}") from None
+        return context
+
+
+def read_address(text: str) -> tuple[str, int, bool]:
+    """Host, port and whether TLS is used, of mqtt://HOST:PORT or mqtts://HOST:PORT.
+
+    Raises:
+        ValueError: it is no such thing.
+    """
+    parts = urlsplit(text)
+    if parts.scheme not in ("mqtt", "mqtts") or not parts.hostname or parts.path.strip("/") or parts.username:
+        raise ValueError(
+            "write it as mqtt://HOST:1883, or as mqtts://HOST:8883 for TLS; no name and password in it"
+        )
+    tls = parts.scheme == "mqtts"
+    return parts.hostname, parts.port or (TLS_PORT if tls else PORT), tls
+
+
+class Listener(Protocol):
+    """Whoever is told what comes."""
+
+    def on_link(self) -> None:
+        """The broker is there, and the topics are subscribed to."""
+
+    def on_link_lost(self, reason: str) -> None:
+        """The broker is away."""
+
+    def on_message(self, topic: str, data: bytes) -> None:
+        """Something came on one of the topics (the last chunk)."""
+
+
+class MqttLink:
+    """One connection, joined again whenever it is lost.
+
+    Args:
+        broker: where it is.
+        prefix: of the vehicle's topics, MANUFACTURER/SERIAL included.
+        client: its name at the broker; a second one of this name ends the first.
+        topics: what is listened to, the last chunks.
+        will: what the broker is to say on `connection` when the link is cut; of a vehicle. None for none.
+
+    Attributes:
+        dropped: messages that were to be said while the broker was away, or too many at once.
+    """
+
+    def __init__(
+        self,
+        broker: BrokerAddress,
+        prefix: str,
+        client: str,
+        topics: Iterable[str],
+        will: bytes | None = None,
+    ) -> None:
+        self._broker, self._prefix, self._client = broker, prefix, client
+        self._topics = tuple(topics)
+        self._will = None if will is None else aiomqtt.Will(f"{prefix}/connection", will, qos=1, retain=True)
+        self._context = broker.context()
+        self._unsaid: asyncio.Queue[tuple[str, bytes, bool]] | None = None
+        """None while the broker is away."""
+        self.dropped = 0
+
+    def publish(self, topic: str, data: bytes, *, retain: bool = False) -> None:
+        """Say it on one of the vehicle's topics (the last chunk); dropped and counted while the broker is away."""
+        if self._unsaid is None:
+            self.dropped += 1
+            return
+        try:
+            self._unsaid.put_nowait((topic, data, retain))
+        except asyncio.QueueFull:
+            self.dropped += 1
+
+    async def run(self, listener: Listener) -> None:
+        """Be linked until cancelled."""
+        attempt = 0
+        while True:
+            try:
+                async with self._connect() as client:
+                    for topic in self._topics:
+                        await client.subscribe(
+                            f"{self._prefix}/{topic}", qos=1 if topic == "connection" else 0
+                        )
+                    attempt, self._unsaid = 0, asyncio.Queue(UNSAID_MAX)
+                    listener.on_link()
+                    await self._serve(client, self._unsaid, listener)
+            except (aiomqtt.MqttError, OSError, ValueError) as error:
+                # A ValueError is the client's own word for an address or a message that cannot be.
+                self._unsaid = None
+                listener.on_link_lost(f"{self._broker}: {_words(error)}")
+            finally:
+                self._unsaid = None
+            await asyncio.sleep(AGAIN_S[min(attempt, len(AGAIN_S) - 1)])
+            attempt += 1
+
+    def _connect(self) -> aiomqtt.Client:
+        broker = self._broker
+        return aiomqtt.Client(
+            broker.host,
+            broker.port,
+            username=broker.user or None,
+            password=broker.password or None,
+            identifier=self._client,
+            timeout=CONNECT_S,
+            keepalive=KEEPALIVE_S,
+            max_queued_incoming_messages=UNHEARD_MAX,
+            tls_context=self._context,
+            will=self._will,
+        )
+
+    async def _serve(
+        self, client: aiomqtt.Client, unsaid: asyncio.Queue[tuple[str, bytes, bool]], listener: Listener
+    ) -> None:
+        saying = asyncio.create_task(self._say(client, unsaid))
+        try:
+            async for message in client.messages:
+                topic = message.topic.value.rpartition("/")[2]
+                listener.on_message(topic, bytes(message.payload))
+                if saying.done():
+                    break
+        finally:
+            saying.cancel()
+            results = await asyncio.gather(saying, return_exceptions=True)
+        for result in results:
+            if isinstance(result, Exception):
+                raise result
+
+    async def _say(self, client: aiomqtt.Client, unsaid: asyncio.Queue[tuple[str, bytes, bool]]) -> None:
+        while True:
+            topic, data, retain = await unsaid.get()
+            await client.publish(
+                f"{self._prefix}/{topic}", data, qos=1 if topic == "connection" else 0, retain=retain
+            )
+
+
+def _words(error: Exception) -> str:
+    text = str(error).strip()
+    return text[:200] if text else type(error).__name__

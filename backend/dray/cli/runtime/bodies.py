@@ -1,0 +1,214 @@
+"""The bodies of agents in service: on a floor elsewhere, or a real vehicle behind a broker."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import AsyncIterator, Awaitable, Callable
+from contextlib import AbstractAsyncContextManager, asynccontextmanager
+from dataclasses import dataclass
+
+from dray.adapters.journal.sqlite_journal import SqliteJournal
+from dray.adapters.remote_body import BodySpec, RemoteBody, put_down
+from dray.adapters.vda5050.body import Address, VehicleBody
+from dray.adapters.vda5050.control.master import MasterControl
+from dray.adapters.vda5050.events import Memory
+from dray.adapters.vda5050.link import BrokerAddress, MqttLink, read_address
+from dray.adapters.vda5050.memory_file import MemoryFile
+from dray.adapters.vda5050.profile import Profile, load_profile
+from dray.adapters.zenoh.bus import ZenohBus
+from dray.cli.runtime.surroundings import Surroundings
+from dray.errors import SettingsError, UnavailableError
+from dray.plant.model import VehicleType
+from dray.ports import Body
+from dray.settings import Settings
+
+HEARD = ("state", "visualization", "connection", "factsheet")
+"""Topics of a vehicle that its master listens to."""
+
+LOOK_EVERY_S = 0.2
+"""How often it is looked whether the vehicle has said where it is."""
+
+REMIND_EVERY_S = 30.0
+"""How often it is said why an agent does not begin."""
+
+_log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, slots=True)
+class Embodied:
+    """A body, and who tells when it is lost.
+
+    Attributes:
+        body: the agent's.
+        lost: returns when it is there no more; never, for one whose absence is a problem and no end.
+    """
+
+    body: Body
+    lost: Callable[[], Awaitable[None]]
+
+
+Embody = Callable[[ZenohBus, SqliteJournal], AbstractAsyncContextManager[Embodied]]
+"""Makes the body of one life of an agent."""
+
+
+def on_floor(surroundings: Surroundings, name: str, added: BodySpec | None = None) -> Embody:
+    """A body on the floor of the plant.
+
+    Args:
+        surroundings: of the process.
+        name: the agent's id.
+        added: its body, when the plant file of the floor does not know it.
+    """
+
+    @asynccontextmanager
+    async def embody(bus: ZenohBus, journal: SqliteJournal) -> AsyncIterator[Embodied]:
+        plant = surroundings.plant
+        if added is not None:
+            await put_down(bus.inner, plant.id, added)
+        body = RemoteBody(bus.inner, plant.id, name, journal.incarnation)
+        await body.connect()
+        if body.is_new and journal.memory:
+            file = surroundings.settings.journal_folder / f"{name}.db"
+            remedy = "move away the journals of all agents whose bodies are on that floor"
+            raise UnavailableError(
+                f"the body that {file} is about", "is gone, for the floor has begun anew", remedy
+            )
+        yield Embodied(body, body.lost)
+
+    return embody
+
+
+@dataclass(frozen=True, slots=True)
+class RealVehicle:
+    """A vehicle behind a broker.
+
+    Attributes:
+        broker: where it is.
+        address: whose topics are the vehicle's.
+        profile: what it understands.
+    """
+
+    broker: BrokerAddress
+    address: Address
+    profile: Profile
+
+    @classmethod
+    def of(cls, settings: Settings) -> RealVehicle:
+        """What the settings say.
+
+        Raises:
+            SettingsError: something is missing, or cannot be used.
+        """
+        for name, value in (
+            ("broker", settings.broker),
+            ("manufacturer", settings.manufacturer),
+            ("serial", settings.serial),
+        ):
+            if not value:
+                raise SettingsError(f"--{name}", f"a body by VDA 5050 needs it; or DRAY_{name.upper()}")
+        host, port, tls = read_address(settings.broker)
+        password = settings.broker_password
+        broker = BrokerAddress(
+            host,
+            port,
+            tls,
+            user=settings.broker_user,
+            password="" if password is None else password.get_secret_value(),
+            authority=settings.broker_authority,
+            certificate=settings.broker_certificate,
+            key=settings.broker_key,
+        )
+        return cls(broker, Address(settings.manufacturer, settings.serial), load_profile(settings.profile))
+
+    def link(self, client: str) -> MqttLink:
+        """To its broker.
+
+        Args:
+            client: our name there; a second one of this name ends the first.
+        """
+        prefix = self.profile.topic(self.address.manufacturer, self.address.serial, "").rstrip("/")
+        return MqttLink(self.broker, prefix, client, HEARD)
+
+
+class World:
+    """What a vehicle's body needs beside a clock: a link, a disk, a log."""
+
+    def __init__(self, link: MqttLink, memory: Callable[[Memory], None], name: str) -> None:
+        self._link, self._memory, self._name = link, memory, name
+
+    def publish(self, topic: str, data: bytes) -> None:
+        self._link.publish(topic, data)
+
+    def remember(self, memory: Memory) -> None:
+        self._memory(memory)
+
+    def note(self, text: str) -> None:
+        _log.warning("%s: %s", self._name, text)
+
+
+def by_vda5050(surroundings: Surroundings, name: str, kind: VehicleType, real: RealVehicle) -> Embody:
+    """A real vehicle.
+
+    Args:
+        surroundings: of the process.
+        name: the agent's id.
+        kind: what the plant says of the vehicle.
+        real: the vehicle.
+    """
+
+    @asynccontextmanager
+    async def embody(_bus: ZenohBus, journal: SqliteJournal) -> AsyncIterator[Embodied]:
+        file = MemoryFile(surroundings.settings.journal_folder / f"{name}.vda5050.json")
+        link = real.link(f"dray-{name}")
+        memory = file.read()
+        if file.lost:
+            _log.error("%s: %s", name, file.lost)
+        control = MasterControl(
+            name, surroundings.plant, kind, real.profile, life=journal.incarnation, memory=memory
+        )
+        body = VehicleBody(
+            control,
+            real.profile,
+            real.address,
+            surroundings.clock(),
+            World(link, file.write, name),
+            surroundings.time.to_wall_s,
+        )
+        async with linked(link, body) as lost:
+            await until_known(body, name)
+            yield Embodied(body, lost)
+
+    return embody
+
+
+@asynccontextmanager
+async def linked(link: MqttLink, body: VehicleBody) -> AsyncIterator[Callable[[], Awaitable[None]]]:
+    """Keep a vehicle's link as long as the context lasts.
+
+    Yields:
+        What returns or raises when the link has ended by a fault of ours; it never does otherwise.
+    """
+    running = asyncio.create_task(link.run(body))
+
+    async def lost() -> None:
+        await asyncio.shield(running)
+
+    try:
+        yield lost
+    finally:
+        body.end()
+        running.cancel()
+        await asyncio.gather(running, return_exceptions=True)
+
+
+async def until_known(body: VehicleBody, name: str) -> None:
+    """Wait until the vehicle has said where it is: agent, vehicle and broker may be started in any order."""
+    waited_s, told = REMIND_EVERY_S, ""
+    while not body.control.is_known:
+        await asyncio.sleep(LOOK_EVERY_S)
+        waited_s += LOOK_EVERY_S
+        why = body.control.why_unknown
+        if waited_s >= REMIND_EVERY_S or why != told:
+            _log.warning("%s waits for its vehicle: %s", name, why)
+            waited_s, told = 0.0, why

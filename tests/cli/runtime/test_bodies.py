@@ -1,0 +1,156 @@
+"""The body of a real vehicle, as its agent's process makes it: broker, vehicle and agent in any order."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import sys
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "simulation/kits"))
+sys.path.insert(0, str(Path(__file__).parents[2] / "adapters/vda5050"))
+from brokers import TestBroker
+from yard import LIGHT, PICK, PLANT, Yard, drive
+
+from dray.adapters.system_clock import SystemClock
+from dray.adapters.vda5050.link import BrokerAddress
+from dray.body import ActionDone, ActionFailed, ProblemCleared, ProblemRaised, Report, WayDone
+from dray.cli.runtime.bodies import RealVehicle, by_vda5050
+from dray.cli.runtime.surroundings import Surroundings
+from dray.errors import SettingsError
+from dray.ports import Body
+from dray.settings import Settings
+from dray_sim.vda5050.on_broker import VehicleOnBroker, on_broker, words_of
+
+SPEED = 20.0
+"""Of the plant's clock: a way of 10 m takes half a second."""
+
+PATIENCE_S = 60.0
+
+
+@pytest.fixture
+def broker(tmp_path: Path) -> Any:
+    broker = TestBroker(tmp_path)
+    yield broker
+    broker.stop()
+
+
+class Hall:
+    """One vehicle and one agent's body, on one broker."""
+
+    def __init__(self, folder: Path, broker: TestBroker) -> None:
+        self.settings = Settings(
+            body="vda5050",
+            broker=broker.url,
+            manufacturer="Yard",
+            serial="4711",
+            profile="dray-sim",
+            journal_folder=folder / "journals",
+            plant_speed=SPEED,
+        )
+        self.where = Surroundings(self.settings, PLANT)
+        self.life = 0
+        self.heard: list[Report] = []
+        self._changed = asyncio.Event()
+        self.clock = SystemClock(asyncio.get_running_loop(), speed=SPEED)
+        yard = Yard()
+        yard.clock = self.clock  # type: ignore[assignment]
+        self.sim = yard.vehicle()
+
+    def vehicle(self) -> Any:
+        host, port = "127.0.0.1", int(self.settings.broker.rpartition(":")[2])
+        words = words_of("3.0", "Yard", "4711", "hall")
+        broker = BrokerAddress(host, port, tls=False)
+        return on_broker(VehicleOnBroker(self.sim, LIGHT, PLANT, self.clock, broker, words))
+
+    @asynccontextmanager
+    async def agent(self) -> AsyncIterator[Body]:
+        self.life += 1
+        embody = by_vda5050(self.where, "ATV1", LIGHT, RealVehicle.of(self.settings))
+        async with embody(None, SimpleNamespace(incarnation=self.life)) as embodied:  # type: ignore[arg-type]
+            embodied.body.attach(self._hear)
+            yield embodied.body
+
+    def _hear(self, report: Report) -> None:
+        self.heard.append(report)
+        self._changed.set()
+
+    async def until(self, holds: Callable[[], bool]) -> None:
+        async with asyncio.timeout(PATIENCE_S):
+            while not holds():
+                self._changed.clear()
+                await self._changed.wait()
+
+
+def test_a_real_vehicle_is_driven_over_a_broker_by_one_life_of_its_agent_after_the_other(
+    tmp_path: Path, broker: TestBroker, caplog: pytest.LogCaptureFixture
+) -> None:
+    async def play() -> None:
+        hall = Hall(tmp_path, broker)
+        starting = hall.agent()
+        with caplog.at_level(logging.WARNING):
+            begun = asyncio.create_task(starting.__aenter__())
+            # Nobody sets an event when something is logged.
+            while "the broker is away: mqtt://127.0.0.1" not in caplog.text:  # noqa: ASYNC110
+                await asyncio.sleep(0)
+        await asyncio.to_thread(broker.start)
+        async with hall.vehicle():
+            body = await begun
+            body.instruct(PICK)
+            await hall.until(lambda: ActionDone(order=5) in hall.heard)
+            await starting.__aexit__(None, None, None)
+            async with hall.agent() as body:
+                assert body.sense().load == "shaft"  # type: ignore[union-attr]
+                body.instruct(drive("west", "middle", "east", order=1006))
+                await hall.until(lambda: WayDone(order=1006, node="east") in hall.heard)
+                await asyncio.to_thread(broker.stop)
+                await hall.until(lambda: any(isinstance(report, ProblemRaised) for report in hall.heard))
+                assert "the broker is away: mqtt://127.0.0.1" in next(
+                    report.reason for report in hall.heard if isinstance(report, ProblemRaised)
+                )
+                await asyncio.to_thread(broker.start)
+                await hall.until(lambda: isinstance(hall.heard[-1], ProblemCleared))
+                body.instruct(drive("east", "middle", order=1007))
+                await hall.until(lambda: WayDone(order=1007, node="middle") in hall.heard)
+        assert not any(isinstance(report, ActionFailed) for report in hall.heard)
+
+    asyncio.run(play())
+
+
+@pytest.mark.parametrize("missing", ["broker", "manufacturer", "serial"])
+def test_what_is_missing_of_a_real_vehicle_is_said(missing: str) -> None:
+    given = {"broker": "mqtt://b", "manufacturer": "M", "serial": "1"} | {missing: ""}
+    with pytest.raises(
+        SettingsError, match=f"--{missing}: a body by VDA 5050 needs it; or DRAY_{missing.upper()}"
+    ):
+        RealVehicle.of(Settings(**given))
+
+
+def test_a_profile_that_is_none_is_said_by_its_place(tmp_path: Path) -> None:
+    given = {"broker": "mqtt://b", "manufacturer": "M", "serial": "1"}
+    with pytest.raises(SettingsError, match="no profile of that name among default, dray-sim, flowing"):
+        RealVehicle.of(Settings(**given, profile="nobody"))
+    file = tmp_path / "p.yaml"
+    for text, words in (
+        ("base: 3", "unknown field `base`"),
+        ("version: '4.0'", "Invalid enum value '4.0'"),
+        ("horizon: 3", "horizon: a vehicle without updates never drives it"),
+        ("pick: {type: x, parameters: {a: '{who}'}}", "x: no parameter can be 'who'"),
+        ("- 1", "Expected `object`"),
+        ("{", "p.yaml"),
+    ):
+        file.write_text(text, encoding="utf-8")
+        with pytest.raises(SettingsError, match=words):
+            RealVehicle.of(Settings(**given, profile=str(file)))
+
+
+@pytest.mark.parametrize("text", ["b:1883", "http://b", "mqtt://u:p@b"])
+def test_a_broker_that_is_no_address_is_refused(text: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(SettingsError, match="--broker: write it as mqtt://HOST:1883"):
+        Settings.load(broker=text)
