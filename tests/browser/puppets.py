@@ -92,3 +92,5 @@ class Puppet:
             case CommandKind.PROMISE:
                 wanted = HelpWanted(until_s=command.wait_s or 0.0, promised_by=command.issued_by)
                 self.beat(help=wanted)
+            case CommandKind.HAND_OVER:
+                self.beat(help=HelpWanted(until_s=0.0))

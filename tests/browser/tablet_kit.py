@@ -19,7 +19,7 @@ from gateway_kit import House
 from heartbeats import machine_heartbeat
 
 from dray.gateway.access.principal import Role
-from dray.messages import AtvStatus, BufferLevel, CommandKind, HelpWanted, MachineStatus
+from dray.messages import AtvStatus, BufferLevel, CommandKind, HelpWanted, MachineStatus, Problem, ProblemKind
 
 OpenPage = Callable[..., Page]
 Enter = Callable[..., Page]
@@ -126,7 +126,10 @@ def forgive(complaints: Complaints, *causes: str) -> None:
 def ask_for_help(vehicle: Puppet) -> Callable[[House], Any]:
     """It has a problem, and a task that waits."""
     wanted = HelpWanted(until_s=170.0)
-    return beat(vehicle, status=AtvStatus.ERROR, problem="the load has shifted", help=wanted)
+    about = Problem(kind=ProblemKind.LOAD, passes=False, needs_person=True, load_movable=True)
+    return beat(
+        vehicle, status=AtvStatus.ERROR, problem="the load has shifted", about_problem=about, help=wanted
+    )
 
 
 def beat(vehicle: Puppet, **state: Any) -> Callable[[House], Any]:

@@ -40,7 +40,10 @@ from dray.messages import AtvStatus, CommandKind
 OpenPage = Callable[..., Page]
 Screenshot = Callable[..., Path]
 
-IN_EACH_LOOK = ["upright-dark-de", pytest.param("lying-light-en", marks=pytest.mark.slow)]
+IN_EACH_LOOK = [
+    "upright-dark-de",
+    pytest.param("lying-light-en", marks=pytest.mark.slow),
+]
 
 
 # --- coming in ---------------------------------------------------------------------------------------
@@ -150,7 +153,7 @@ def test_speed_is_limited_in_steps_and_the_vehicles_word_shows_which(
 
 
 @pytest.mark.parametrize("look", IN_EACH_LOOK)
-def test_a_call_for_help_comes_first_and_a_promise_is_told_to_the_vehicle(
+def test_a_call_for_help_comes_first_and_what_a_person_says_of_it_is_told_to_the_vehicle(
     house: OpenHouse, vehicles: dict[str, Puppet], enter: Enter, screenshot: Screenshot, look: str
 ) -> None:
     page = enter(**LOOKS[look])
@@ -164,6 +167,16 @@ def test_a_call_for_help_comes_first_and_a_promise_is_told_to_the_vehicle(
     expect(asking.get_by_role("timer")).to_contain_text(WHO.title())
     [promise] = vehicles["ATV6"].heard
     assert (promise.kind, promise.wait_s) == (CommandKind.PROMISE, 180.0)
+    over = asking.locator(".hand-over")
+    over.tap()
+    expect(over).to_contain_class("leaving")
+    over.tap()
+    expect(over).not_to_contain_class("leaving")
+    assert len(vehicles["ATV6"].heard) == 1, "a slip of the finger was taken back"
+    over.tap()
+    expect(over).to_have_count(0)
+    assert kinds(vehicles["ATV6"])[1:] == [CommandKind.HAND_OVER]
+    screenshot(page, f"operator-handed-over-{look}")
 
 
 # --- what can fail -----------------------------------------------------------------------------------

@@ -44,6 +44,8 @@ function kindText(alert: AlertView, nowS: number, speed: number): string {
     }
     case "atv_battery":
       return t("alerts.what.atv_battery", { percent: format.percent(battery_frac ?? 0) });
+    case "atv_mesh":
+      return alert.vehicles.length === 0 ? t("alerts.what.atv_mesh") : t("alerts.what.atv_meshOver", { atvs: format.list(alert.vehicles) });
     case "order_late":
       return t("alerts.what.order_late", { due: format.due(until_at_s ?? nowS, nowS) });
     default:

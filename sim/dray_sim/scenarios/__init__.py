@@ -16,6 +16,7 @@ from dray_sim.scenarios import (
     latency_sweep,
     loss_sweep,
     peak_season,
+    problems,
     scale,
     soak,
     takeover,
@@ -47,6 +48,7 @@ _ALL: tuple[Playable, ...] = (
     soak.SOAK,
     takeover.TAKEOVER,
     fault_cost.FAULT_COST,
+    problems.PROBLEMS,
     insider.INSIDER,
     scale.SCALE,
 )

@@ -20,6 +20,7 @@ from dray.messages import (
     AtvStatus,
     Brief,
     HelpWanted,
+    Link,
     MachineStatus,
     MaterialWait,
     Phase,
@@ -98,6 +99,19 @@ def test_a_machine_that_starves_tells_for_what_it_waits(projection: Projection) 
 def test_a_vehicle_has_its_gravest_trouble(projection: Projection, fields: dict[str, Any], kind: str) -> None:
     projection.fold(atv_heartbeat("ATV2", **fields))
     assert the_alert(projection).kind == kind
+
+
+def test_a_vehicle_that_has_lost_its_wlan_is_an_alert_that_tells_over_whom_it_is_heard(
+    projection: Projection,
+) -> None:
+    projection.fold(atv_heartbeat("ATV2", 1, task=CARRYING))
+    assert alerts(projection) == []
+    projection.fold(atv_heartbeat("ATV2", 2, task=CARRYING, link=Link.MESH, via=("ATV4", "ATV1")))
+    alert = the_alert(projection)
+    assert (alert.kind, alert.level, alert.response) == ("atv_mesh", "warning", "repair_link")
+    assert alert.vehicles == ("ATV4", "ATV1")
+    projection.fold(atv_heartbeat("ATV2", 3, task=CARRYING))
+    assert alerts(projection) == []
 
 
 def test_a_vehicle_that_is_being_charged_may_have_an_empty_battery(projection: Projection) -> None:

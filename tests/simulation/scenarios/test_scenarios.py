@@ -21,6 +21,7 @@ from dray_sim.scenarios import (
     latency_sweep,
     loss_sweep,
     peak_season,
+    problems,
     scale,
     soak,
     takeover,
@@ -110,6 +111,12 @@ def test_dead_primaries_are_replaced_within_the_bound() -> None:
 @pytest.mark.slow
 def test_faults_cost_no_order() -> None:
     found = fault_cost.cost(1, short(fault_cost.SHIFT, 3600.0))
+    assert failed(found) == []
+
+
+@pytest.mark.slow
+def test_judging_problems_saves_time() -> None:
+    found = problems.problems(1, seeds=1)
     assert failed(found) == []
 
 

@@ -230,7 +230,7 @@ class AreaVisibility:
         """What is wrong with a machine, a station, a vehicle or a transport that is seen, and that nothing new is heard at all."""
         if view.kind == "plant_behind":
             return view
-        if view.vehicles:
+        if view.kind == "jam":
             return self._jam(view)
         if view.task:
             task = self._projection.tasks.view(view.task)
@@ -239,7 +239,8 @@ class AreaVisibility:
             return replace(view, agent=self._who(view.agent), cause=self._cause(view.cause))
         if not view.agent or not self.has(view.agent):
             return None
-        return replace(view, cause=self._cause(view.cause))
+        over = tuple(self._who(atv) for atv in view.vehicles)
+        return replace(view, cause=self._cause(view.cause), vehicles=over)
 
     def command(self, view: CommandView) -> CommandView | None:
         """A command to a vehicle that was there when it was given."""

@@ -1,9 +1,10 @@
-import type { AtvView, HelpView } from "../../api/types";
+import type { AtvView, HelpView, ProblemView } from "../../api/types";
 import { failureText } from "../../text/failure";
-import { format, t } from "../../text/operator";
+import { format, t, word } from "../../text/operator";
 import { give } from "../commands/given";
 import { hindranceOf } from "../commands/hindrance";
 import { circumstancesOf, moment } from "../state";
+import { HandOver } from "./HandOver";
 import { patienceS } from "./need";
 
 /** How long it takes to walk over and put something right; what is more than the vehicle waits for is not offered. */
@@ -15,18 +16,32 @@ export function HelpAsk({ atv }: { atv: AtvView }) {
   return (
     <div class="help">
       {atv.problem !== "" && <p class="help-what">{t("help.what", { problem: failureText(atv.problem) })}</p>}
+      {atv.about_problem && <p class="help-known">{knownText(atv.about_problem)}</p>}
       {atv.help === null || leftS === null ? (
         <p>{t("help.noTask")}</p>
       ) : leftS <= 0 ? (
-        <p>{t("help.over")}</p>
+        <>
+          <p>{t("help.over")}</p>
+          <Promises atv={atv} />
+        </>
       ) : (
         <>
           <Patience help={atv.help} leftS={leftS} />
           <Promises atv={atv} />
+          <HandOver atv={atv} />
         </>
       )}
     </div>
   );
+}
+
+/** What the vehicle knows of its problem: its kind, and what helps. */
+export function knownText({ kind, load_movable: movable, needs_person: needed, passes }: ProblemView): string {
+  const said = [word("help.kind", kind)];
+  if (passes !== null) said.push(t(passes ? "help.passes" : "help.stays"));
+  if (needed) said.push(t("help.person"));
+  if (movable !== null) said.push(t(movable ? "help.movable" : "help.fixed"));
+  return said.join(" ");
 }
 
 function Patience({ help, leftS }: { help: HelpView; leftS: number }) {

@@ -5,14 +5,14 @@ import type { Kind } from "./life";
 const well: Circumstances = { connected: true, ended: false, lost: false };
 const free = { status: "working", problem: "", acknowledged: false, help: null } as const;
 const stopped = { ...free, status: "stopped" } as const;
-const KINDS: readonly Kind[] = ["stop", "acknowledge", "resume", "set_speed", "promise"];
+const KINDS: readonly Kind[] = ["stop", "acknowledge", "resume", "set_speed", "promise", "hand_over"];
 
 describe("what keeps a command from being given", () => {
   test.each<[string, Partial<Circumstances>]>([
     ["offline", { connected: false }], ["ended", { ended: true }], ["lost", { lost: true }],
   ])("%s: all of them, but never a stop", (hindrance, more) => {
     const ready = { ...stopped, acknowledged: true, help: { until_at_s: 0, promised_by: "", promise_max_s: 900 } };
-    expect(KINDS.map((kind) => hindranceOf(kind, ready, { ...well, ...more }))).toEqual([null, ...Array<string>(4).fill(hindrance)]);
+    expect(KINDS.map((kind) => hindranceOf(kind, ready, { ...well, ...more }))).toEqual([null, ...Array<string>(5).fill(hindrance)]);
   });
 
   test("who is not stopped is neither acknowledged nor resumed", () => {
@@ -33,6 +33,7 @@ describe("what keeps a command from being given", () => {
 
   test("nobody promises to come where nothing waits", () => {
     expect(hindranceOf("promise", free, well)).toBe("no_help_wanted");
+    expect(hindranceOf("hand_over", free, well)).toBe("no_help_wanted");
     expect(hindranceOf("promise", { ...free, help: { until_at_s: 5, promised_by: "", promise_max_s: 900 } }, well)).toBeNull();
   });
 });

@@ -35,6 +35,7 @@ export function hindranceOf(kind: Kind, atv: Vehicle, around: Circumstances): Hi
 const OF_VEHICLE: Readonly<Record<Exclude<Kind, "stop">, (atv: Vehicle) => Hindrance | null>> = {
   set_speed: () => null,
   promise: (atv) => (atv.help ? null : "no_help_wanted"),
+  hand_over: (atv) => (atv.help ? null : "no_help_wanted"),
   acknowledge: (atv) => {
     if (atv.status !== "stopped") return "not_stopped";
     if (atv.acknowledged) return "acknowledged";

@@ -35,6 +35,7 @@ AlertKind = Literal[
     "atv_promised",
     "atv_stopped",
     "atv_battery",
+    "atv_mesh",
 ]
 """What can be wrong; graver kinds first."""
 
@@ -60,6 +61,7 @@ AlertResponse = Literal[
     "set_clock",
     "look_at_network",
     "clear_way",
+    "repair_link",
 ]
 """What an alert asks of people."""
 
@@ -76,7 +78,7 @@ class Condition(View, kw_only=True):
     place: str = ""
     """Of a jam before a dock: whose dock that is."""
     vehicles: tuple[str, ...] = ()
-    """Of a jam: all that wait in it, who has waited longest first."""
+    """Of a jam: all that wait in it, who has waited longest first. Of a vehicle without WLAN: those over which it is heard, in order."""
     cause: CauseView | None = None
     """What is known of why."""
     by: str = ""

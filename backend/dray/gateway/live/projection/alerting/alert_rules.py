@@ -16,7 +16,7 @@ from dray.gateway.live.projection.silence import Silence, plant_bound_s
 from dray.gateway.live.reasons import detail_of
 from dray.gateway.live.views import OrderView, TaskView
 from dray.gateway.live.views.alert import AlertKind, Condition
-from dray.messages import AtvHeartbeat, AtvStatus, MachineHeartbeat, MachineStatus, StationHeartbeat
+from dray.messages import AtvHeartbeat, AtvStatus, Link, MachineHeartbeat, MachineStatus, StationHeartbeat
 from dray.overload import Overload
 from dray.protocol.liveness.suspicion import AnyHeartbeat
 from dray.protocol.vehicle.reserve import RESERVE_FRAC
@@ -176,6 +176,9 @@ def of_atvs(
         # It goes to a charger long before it touches its reserve: something keeps it from there.
         elif heard.battery_frac < RESERVE_FRAC and heard.status is not AtvStatus.CHARGING:
             yield Condition(kind="atv_battery", agent=agent, battery_frac=round(heard.battery_frac, 2))
+        # Its heartbeat tells that at once, over others; the fact of it may be under way for long.
+        elif heard.link is Link.MESH:
+            yield Condition(kind="atv_mesh", agent=agent, vehicles=heard.via)
 
 
 def of_transports(tasks: Iterable[TaskView], told: Iterable[Condition]) -> Iterator[Condition]:

@@ -34,6 +34,7 @@ RESPONSES: Mapping[AlertKind, tuple[Literal["alarm", "warning"], AlertResponse]]
     "atv_error": ("alarm", "help"),
     "atv_stopped": ("warning", "resume"),
     "atv_battery": ("warning", "bring_to_charger"),
+    "atv_mesh": ("warning", "repair_link"),
     "jam": ("alarm", "clear_way"),
     "atv_waits": ("warning", "clear_way"),
     "handover_disputed": ("warning", "check_vehicle"),
