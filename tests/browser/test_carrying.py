@@ -19,6 +19,7 @@ from dray.messages.heartbeat import FloorBrief
 from dray.plant import default_plant
 
 from gateway_kit import House  # isort: skip - their folder is on the path since `puppets` is
+from heartbeats import machine_heartbeat  # isort: skip
 from wall_clock import NOW_S  # isort: skip
 
 OpenPage = Callable[..., Page]
@@ -138,3 +139,30 @@ async def _node(inside: House) -> str:
 
 async def _speak(inside: House, dead: Puppet) -> None:
     dead.beat(at_s=inside.wall() - NOW_S)
+
+
+@pytest.mark.slow
+def test_of_a_vehicle_that_was_never_heard_it_is_said_at_its_alert(
+    house: OpenHouse, open_page: OpenPage, screenshot: Screenshot
+) -> None:
+    async def await_it(inside: House) -> None:
+        at_s = inside.wall() - NOW_S
+        for machine in ("M3", "M4"):
+            inside.bus.say(machine_heartbeat(machine, 1, at_s=at_s, awaits=("ATV7",)))
+        await inside.alerts.look()
+
+    house.do(await_it)
+    page = as_manager(house, open_page)
+    page.locator(".alerts-button").click()
+    row = page.get_by_role("row", name="ATV7")
+    expect(row).to_contain_text("M3, M4 grant no place")
+    row.get_by_role("button", name="ATV7 is off the floor").click()
+    expect(row.get_by_role("button", name="Not yet")).to_be_focused()
+    screenshot(page, "awaited")
+    row.get_by_role("button", name="It is off the floor").click()
+    expect(row.get_by_role("status")).to_contain_text("Told to all")
+    assert house.do(_is_removed)
+
+
+async def _is_removed(inside: House) -> bool:
+    return "ATV7" in inside.projection.removals

@@ -5,18 +5,20 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+from msgspec import UNSET
 
 from dray.adapters.security.signing import SigningKey, TrustedKeys
 from dray.memory import BookMemory, Note
 from dray.messages import AtvHeartbeat, AtvStatus, Message, Pose, Removal, Removals
 from dray.messages.fact import PlaceKept, PlacesFreed
-from dray.messages.heartbeat import FloorBrief
+from dray.messages.heartbeat import AWAITED_MAX, FloorBrief
 from dray.messages.traffic import HoldsAsked, PlaceGranted, PlaceWished
 from dray.plant import default_plant
 from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S, gone_s
 from dray.protocol.runtime.events import Effect, Ignore, Record, Send
 from dray.protocol.runtime.timers import Timers
 from dray.protocol.traffic.books.bookkeeping import NOTE, Bookkeeping
+from dray.protocol.traffic.books.roll_call import ROLL_S
 from dray.protocol.traffic.places import Places
 from dray.protocol.traffic.removal_authorisation import EXPIRED, IS_HEARD, NOT_THERE, NOT_TRUSTED, TOO_EARLY
 from dray.protocol.traffic.traffic_map import TrafficMap
@@ -263,7 +265,15 @@ def test_a_carried_vehicle_keeps_no_roll_call_waiting() -> None:
         if atv != "ATV1":
             keeper.told(atv, wish(epoch=epoch), 90.0)
     assert not books.districts[DISTRICT].leads
+    assert keeper.books.awaited(90.0) == ("ATV1",)
     assert keeper.remove(atv="ATV1") == []
     assert books.districts[DISTRICT].leads
+    assert keeper.books.awaited(LATER_S) is UNSET
     (told,) = answers(keeper.told("ATV1", wish(HERE, epoch=epoch), LATER_S + 1.0))
     assert (told.removal, told.grants) == (1, ())
+
+
+def test_of_vehicles_that_have_had_no_time_to_tell_nobody_is_awaited() -> None:
+    keeper = Keeper({"nothing": BookMemory(0, 0, 0)})
+    assert keeper.books.awaited(ROLL_S - 0.1) is UNSET
+    assert keeper.books.awaited(ROLL_S) == tuple(sorted(PLANT.fleet))[:AWAITED_MAX]

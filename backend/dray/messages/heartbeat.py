@@ -8,8 +8,9 @@ one per heartbeat; `incarnation` grows by one each time the agent's process star
 from __future__ import annotations
 
 from enum import StrEnum
+from typing import Annotated
 
-from msgspec import UNSET, UnsetType
+from msgspec import UNSET, Meta, UnsetType
 
 from dray.messages.base import (
     Count,
@@ -119,6 +120,12 @@ class HelpWanted(Part, frozen=True):
     """Solved by then (plant clock), the vehicle goes on; else somebody else takes its task."""
     promised_by: Text = ""
     """Who has said to be on the way; empty while nobody has."""
+
+
+AWAITED_MAX = 8
+"""Vehicles that a heartbeat names as awaited: more than somebody goes to look for at once."""
+
+Awaited = Annotated[tuple[Id, ...], Meta(max_length=AWAITED_MAX)]
 
 
 class FloorBrief(Part, frozen=True):
@@ -330,6 +337,8 @@ class StationHeartbeat(Message, frozen=True):
     """In the order of the plant file."""
     software: Text = ""
     draining: bool = False
+    awaits: Awaited | UnsetType = UNSET
+    """Vehicles without whose word it grants no place of a book that was lost; of more than `AWAITED_MAX` the first."""
 
 
 class MachineHeartbeat(Message, frozen=True):
@@ -363,3 +372,5 @@ class MachineHeartbeat(Message, frozen=True):
     """Set while it is on probation: it takes short goals only."""
     joining: JoiningMachine | None = None
     """Set when it has come to a plant whose file did not know it."""
+    awaits: Awaited | UnsetType = UNSET
+    """Vehicles without whose word it grants no place of a book that was lost; of more than `AWAITED_MAX` the first."""

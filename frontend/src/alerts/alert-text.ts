@@ -28,6 +28,8 @@ function kindText(alert: AlertView, nowS: number, speed: number): string {
     case "machine_lost":
     case "atv_lost":
       return t("alerts.what.lost", { age: format.age(nowS - (seen_at_s ?? nowS)) });
+    case "atv_awaited":
+      return t("alerts.what.atv_awaited", { keepers: format.list(alert.keepers) });
     case "station_lost":
       return t("alerts.what.station_lost", { age: format.age(nowS - (seen_at_s ?? nowS)) });
     case "atv_help":

@@ -7,7 +7,7 @@ const cause = (more: Partial<CauseView>): CauseView => ({ reason: "", detail: ""
 
 const alert = (more: Partial<AlertView>): AlertView => ({
   id: `${more.kind ?? "machine_error"}-${more.agent ?? "M8"}`, kind: "machine_error", level: "alarm", response: "repair",
-  since_at_s: 100, agent: "M8", task: "", order: "", place: "", vehicles: [], cause: null, by: "", seen_at_s: null, until_at_s: null,
+  since_at_s: 100, agent: "M8", task: "", order: "", place: "", vehicles: [], keepers: [], cause: null, by: "", seen_at_s: null, until_at_s: null,
   battery_frac: null, behind_s: null, clock_ahead_s: null, waiting: null, carried_frac: null,
   acknowledged_by: "", acknowledged_at_s: null, ...more,
 });
@@ -19,6 +19,12 @@ describe("alerts", () => {
     const old = alert({ agent: "M3", since_at_s: 10 });
     const fresh = alert({ agent: "M4", since_at_s: 20 });
     expect(inOrder([taken, warning, old, fresh]).map(({ agent }) => agent)).toEqual(["M4", "M3", "M2", "M1"]);
+  });
+
+  test("name who grants no places before an awaited vehicle has told", () => {
+    const awaited = alert({ kind: "atv_awaited", agent: "ATV7", keepers: ["M3", "M4"], response: "switch_on" });
+    expect(whatText(awaited, 100, 1)).toMatch(/^Not heard, and M3, M4 grant no place/);
+    expect(asksText(awaited)).toBe("Switch it on; or say that it is off the floor");
   });
 
   test("lead to what they are about", () => {

@@ -9,6 +9,7 @@ from alerts_kit import alerts, the_alert
 from facts_kit import wall_s
 from fake_bus import PLANT
 from heartbeats import atv_heartbeat, events, machine_heartbeat, station_heartbeat
+from msgspec import UNSET
 from wall_clock import NOW_S
 
 from dray.gateway.live.projection import Projection
@@ -151,6 +152,26 @@ def test_a_storage_whose_station_is_silent_is_an_alarm_until_it_speaks_again(pro
     )
     projection.fold(station_heartbeat("S3", 2, at_s=22.0))
     assert alerts(projection, 23.0) == []
+
+
+def test_a_vehicle_that_keepers_of_books_await_is_one_alarm_that_names_them(projection: Projection) -> None:
+    def say(seq: int, at_s: float, *awaits: str) -> None:
+        for machine in ("M4", "M3"):
+            projection.fold(machine_heartbeat(machine, seq, at_s=at_s, awaits=awaits or UNSET))
+
+    say(1, 1.0, "ATV7")
+    awaited = the_alert(projection, 2.0)
+    assert (awaited.kind, awaited.level, awaited.response, awaited.agent, awaited.keepers) == (
+        "atv_awaited",
+        "alarm",
+        "switch_on",
+        "ATV7",
+        ("M3", "M4"),
+    )
+    projection.shut_out([Exclusion("M3", "lies", "Maria Weber", NOW_S)])
+    assert [each.keepers for each in alerts(projection, 2.0) if each.kind == "atv_awaited"] == [("M4",)]
+    say(2, 3.0)
+    assert [each.kind for each in alerts(projection, 4.0)] == ["machine_shut_out"]
 
 
 def test_a_station_that_is_shut_out_or_stands_nowhere_is_not_called_silent(projection: Projection) -> None:

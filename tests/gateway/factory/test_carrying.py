@@ -57,8 +57,8 @@ async def test_it_is_told_to_everybody_with_a_grant_and_shown(house: House) -> N
     told = listener(house.bus)
     heard(house)
     view = await say(house, "carried-away", **OFF)
-    assert (view["removal"]["by"], view["removal"]["node"]) == ("Administrator", "")
-    assert view["removal"]["believed_at_s"] == pytest.approx(NOW_S - 60.0 + 65.0)
+    assert (view["by"], view["node"]) == ("Administrator", "")
+    assert view["believed_at_s"] == pytest.approx(NOW_S - 60.0 + 65.0)
     (removal,) = told
     assert (removal.atv, removal.life, removal.seq, removal.grant.everywhere) == ("ATV1", 1, 7, True)
     assert TrustedKeys(AUTHORITY.public)(removed_words(removal), removal.grant.signature)
@@ -87,6 +87,14 @@ async def test_a_vehicle_that_is_heard_is_on_the_floor(house: House) -> None:
     assert told == []
 
 
+async def test_one_that_was_never_heard_is_off_the_floor_too(house: House) -> None:
+    told = listener(house.bus)
+    view = await say(house, "carried-away", **OFF)
+    assert (view["by"], view["freed"]) == ("Administrator", [])
+    (removal,) = told
+    assert (removal.atv, removal.life, removal.seq) == ("ATV1", 0, 0)
+
+
 async def test_it_must_be_said_in_so_many_words(house: House) -> None:
     heard(house)
     await say(house, "carried-away", 422, off_the_floor=False)
@@ -95,10 +103,10 @@ async def test_it_must_be_said_in_so_many_words(house: House) -> None:
 
 async def test_what_is_free_and_kept_is_shown_as_keepers_tell_it(house: House) -> None:
     heard(house)
-    number = (await say(house, "carried-away", **OFF))["removal"]["number"]
+    number = (await say(house, "carried-away", **OFF))["number"]
     house.bus.say(fact(PlacesFreed(atv="ATV1", number=number, by="x", places=("c3", "b3"))))
     assert (await house.get("/api/atvs/ATV1"))["removal"]["freed"] == ["b3", "c3"]
-    back = (await say(house, "put-back", place="p1"))["removal"]
+    back = await say(house, "put-back", place="p1")
     assert (back["node"], back["kept"]) == ("p1", False)
     assert back["number"] > number
     house.projection.fold(fact(PlaceKept(atv="ATV1", number=back["number"], place="p1"), 2))

@@ -231,6 +231,7 @@ class Machine(AgentBase):
             draining=self._shutdown.begun,
             probation=self._probation.brief(),
             joining=self._joining,
+            awaits=self._bookkeeping.awaited(now_s),
         )
         self._out.append(Publish(self._beat_key, heartbeat))
         return heartbeat

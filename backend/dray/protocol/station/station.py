@@ -125,6 +125,7 @@ class Station(AgentBase):
             stocks=self._told,
             software=self._software,
             draining=self._shutdown.begun,
+            awaits=self._bookkeeping.awaited(now_s),
         )
         self._out.append(Publish(self._beat_key, heartbeat))
         return heartbeat

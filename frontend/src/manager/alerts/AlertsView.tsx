@@ -7,6 +7,7 @@ import { nowS, world } from "../../stream/stream";
 import { format, t } from "../../text/manager";
 import { NewsList } from "../cards/news/NewsList";
 import { alerts } from "../state";
+import { AwaitedActions } from "./AwaitedActions";
 import { showSubject, subjectOf } from "./subject";
 import { failed } from "./take";
 import { TakeButton } from "./TakeButton";
@@ -42,7 +43,9 @@ function Row({ alert }: { alert: AlertView }) {
       <td>
         <Tag tone={alert.level === "alarm" ? "alarm" : "warn"}>{t(`alerts.kind.${alert.level}`)}</Tag> {what}
       </td>
-      <td>{asksText(alert)}</td>
+      <td>
+        {asksText(alert)} {alert.kind === "atv_awaited" && <AwaitedActions atv={alert.agent} />}
+      </td>
       <td class="num">{format.due(alert.since_at_s, nowS.value)}</td>
       <td>
         {open ? (

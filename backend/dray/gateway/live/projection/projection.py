@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 
+from msgspec import UNSET
+
 from dray.gateway.live.frames import Delta, Snapshot
 from dray.gateway.live.projection.alerting import alert_rules, wait_rules
 from dray.gateway.live.projection.alerting.alerts import Alerts
@@ -202,7 +204,9 @@ class Projection:
         """
         now = self._moment(wall_s)
         heard = [each for each in self.atvs.heartbeats() if each.atv not in self.outsiders]
-        of_atvs = tuple(alert_rules.of_atvs(heard, self.removals, now))
+        awaited = self._awaited(now)
+        explained = {*awaited, *(each.atv for each in heard if each.atv in self.removals)}
+        of_atvs = tuple(alert_rules.of_atvs(heard, explained, now))
         self.waits.look(self._is_heard(now), self.site.plant)
         machines = (each for each in self.machines.heartbeats() if each[0].machine not in self.outsiders)
         stations = (each for each in self.stations.heartbeats() if each.station not in self.outsiders)
@@ -219,6 +223,7 @@ class Projection:
             *alert_rules.of_machines(machines, self._materials, now),
             *alert_rules.of_stations(stations, now),
             *of_atvs,
+            *wait_rules.of_roll_calls(awaited),
             *wait_rules.of_waits(self.waits, {each.agent for each in of_atvs}, now),
             *alert_rules.of_transports(self.tasks.under_way(), of_atvs),
             *alert_rules.of_orders(self.orders.in_trouble(wall_s), self.orders.impossible(), now),
@@ -330,6 +335,20 @@ class Projection:
         return alert_rules.Moment(
             now_s, heard_s, wall_s, self._time.speed, self._time.to_wall_s, self._silence
         )
+
+    def _awaited(self, now: alert_rules.Moment) -> dict[str, set[str]]:
+        """Vehicles without whose word places are not granted -> who keeps the books of these places, as far as it lives."""
+        awaited: dict[str, set[str]] = {}
+        keepers: list[tuple[str, MachineHeartbeat | StationHeartbeat]] = [
+            *((last.machine, last) for last, _ in self.machines.heartbeats()),
+            *((last.station, last) for last in self.stations.heartbeats()),
+        ]
+        for keeper, last in keepers:
+            if last.awaits is UNSET or keeper in self.outsiders or now.is_lost(keeper, last):
+                continue
+            for atv in last.awaits:
+                awaited.setdefault(atv, set()).add(keeper)
+        return awaited
 
     def _is_heard(self, now: alert_rules.Moment) -> Callable[[str], bool]:
         """Which vehicles are neither lost nor shut out."""

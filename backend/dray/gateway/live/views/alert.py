@@ -14,6 +14,7 @@ AlertKind = Literal[
     "machine_error",
     "station_lost",
     "atv_lost",
+    "atv_awaited",
     "atv_help",
     "atv_error",
     "jam",
@@ -48,6 +49,7 @@ AlertResponse = Literal[
     "see_to_supply",
     "see_to_removal",
     "find_vehicle",
+    "switch_on",
     "put_right_and_readmit",
     "promise_help",
     "help",
@@ -79,6 +81,8 @@ class Condition(View, kw_only=True):
     """Of a jam before a dock: whose dock that is."""
     vehicles: tuple[str, ...] = ()
     """Of a jam: all that wait in it, who has waited longest first. Of a vehicle without WLAN: those over which it is heard, in order."""
+    keepers: tuple[str, ...] = ()
+    """Of a vehicle that is awaited: the machines and storages that grant no places before it has told what it holds."""
     cause: CauseView | None = None
     """What is known of why."""
     by: str = ""

@@ -17,9 +17,8 @@ from dray.gateway.http.provided import Provided
 from dray.gateway.http.request_bodies import json_only
 from dray.gateway.http.responses import Json, described, problems
 from dray.gateway.live.projection import Projection
-from dray.gateway.live.views import AtvView
+from dray.gateway.live.views import RemovalView
 from dray.gateway.routes.factory.atvs import area_rule
-from dray.gateway.routes.parameters import Visible
 from dray.messages import CommandKind
 from dray.plant import Plant
 
@@ -53,33 +52,32 @@ class PutBackRequest(BaseModel):
 @router.post(
     "/atvs/{atv}/carried-away",
     dependencies=[Depends(json_only)],
-    responses={200: described(AtvView, "The ATV; its `removal` tells what is free"), **REFUSED},
+    responses={200: described(RemovalView, "What is said of it, and what is free since"), **REFUSED},
     response_class=Json,
 )
 async def carry_away(
     carrying: Provided[Carrying],
     projection: Provided[Projection],
     caller: Caller,
-    visible: Visible,
     atv: str,
     request: CarriedAwayRequest,
 ) -> Json:
     """Say that a vehicle was carried away: nobody hears it, and it is off the floor. What it held is free once it was silent for long enough.
 
-    Whoever keeps the books of places believes it from `removal.believed_at_s` on, and not while anybody hears the vehicle.
+    Whoever keeps the books of places believes it from `believed_at_s` on, and not while anybody hears the vehicle.
     """
     area_rule(projection, caller, atv, CommandKind.ACKNOWLEDGE)
     if not request.off_the_floor:
         raise unusable(FieldError("off_the_floor", "say true when it is off the floor, and nothing before"))
     await carrying.carry_away(atv, caller)
-    return _shown(projection, visible, atv)
+    return _said(projection, atv)
 
 
 @router.post(
     "/atvs/{atv}/put-back",
     dependencies=[Depends(json_only)],
     responses={
-        200: described(AtvView, "The ATV; put it down when `removal.kept` is true"),
+        200: described(RemovalView, "What is said of it; put it down when `kept` is true"),
         **REFUSED,
     },
     response_class=Json,
@@ -88,18 +86,17 @@ async def put_back(
     carrying: Provided[Carrying],
     projection: Provided[Projection],
     caller: Caller,
-    visible: Visible,
     note: Noted,
     atv: str,
     request: PutBackRequest,
 ) -> Json:
-    """Have a place kept for a vehicle that was carried away. When `removal.kept` is true nobody drives there: put it down, and switch it on."""
+    """Have a place kept for a vehicle that was carried away. When `kept` is true nobody drives there: put it down, and switch it on."""
     note.detail |= request.model_dump(mode="json")
     area_rule(projection, caller, atv, CommandKind.ACKNOWLEDGE)
     node = _node(projection.site.plant, request.place)
     _must_reach(projection.site.plant, caller, node)
     await carrying.put_back(atv, node, caller)
-    return _shown(projection, visible, atv)
+    return _said(projection, atv)
 
 
 def _node(plant: Plant, place: str) -> str:
@@ -125,9 +122,10 @@ def _must_reach(plant: Plant, caller: Principal, node: str) -> None:
         raise forbidden(f"{node} is not in your areas ({areas})")
 
 
-def _shown(projection: Projection, visible: Visible, atv: str) -> Json:
-    whole = projection.atvs.view(atv)
-    view = whole and visible.atv(whole)
+def _said(projection: Projection, atv: str) -> Json:
+    """What is said of a vehicle; of one that was never heard there is nothing else to show."""
+    view = projection.removals.view(atv)
     if view is None:
-        raise not_found("atv", atv, "GET /api/atvs")
+        # It was heard while this was written down.
+        raise not_found("removal", atv, f"GET /api/atvs/{atv}")
     return Json(view)

@@ -23,6 +23,7 @@ from dray.gateway.live.views import (
     FactoryView,
     FaultView,
     MachineView,
+    RemovalView,
     TaskView,
     WaitView,
 )
@@ -67,6 +68,7 @@ SHAPES = (
     ProblemDetails,
     ProductAnswer,
     PromiseLedger,
+    RemovalView,
     Snapshot,
     StorageAnswer,
     TaskView,

@@ -20,6 +20,7 @@ from dray.gateway.live.views import (
     MachineView,
     OpenTaskView,
     RefusalView,
+    RemovalView,
     SilenceView,
     TaskView,
     UseView,
@@ -84,6 +85,7 @@ _STRUCTS = (
         due_at=ORDER.due_at,
         delivered_at=None,
     ),
+    RemovalView(number=1, by="Maria Weber", at_s=NOW_S, believed_at_s=NOW_S + 12, freed=("b3", "c3")),
     InventoryLine(item="P1", place="M1", kind="goods", quantity=3, capacity=8, spare=1, seen_at_s=NOW_S),
     StorageAnswer(id="S1", name="North", node="n4", stocks=(StoredMaterial("shaft", 200),)),
     MaterialAnswer(

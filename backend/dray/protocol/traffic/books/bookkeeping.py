@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from msgspec import UNSET
+from msgspec import UNSET, UnsetType
 
 from dray.memory import BookMemory, Memory
 from dray.messages import (
@@ -23,6 +23,7 @@ from dray.messages import (
     Removals,
     StationHeartbeat,
 )
+from dray.messages.heartbeat import AWAITED_MAX
 from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.protocol.liveness.suspicion import WORKING_INTERVAL_S, gone_s
@@ -98,6 +99,11 @@ class Bookkeeping:
     def books(self) -> Districts | None:
         """Those that it keeps; None before it was started, and where there are none."""
         return self._books
+
+    def awaited(self, now_s: float) -> tuple[str, ...] | UnsetType:
+        """What a heartbeat tells of vehicles that are awaited; unset where none is."""
+        awaited = set() if self._books is None else self._books.awaited(now_s)
+        return tuple(sorted(awaited)[:AWAITED_MAX]) or UNSET
 
     def start(self, memory: Memory, now_s: float) -> None:
         """Go on with what an earlier life has kept."""

@@ -6,7 +6,7 @@ counts is decided with those who keep copies (`copies`).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from msgspec.structs import replace
 
@@ -122,6 +122,11 @@ class District:
         """Whether this keeper answers wishes."""
         return self.copies.leads and self._roll is None
 
+    def awaited(self, now_s: float) -> Iterator[str]:
+        """Vehicles without whose word nothing is granted here."""
+        if self._roll is not None:
+            yield from self._roll.awaited(self._called, now_s)
+
     @property
     def book(self) -> Book:
         """As it is, whether it counts yet or not."""
@@ -216,19 +221,11 @@ class District:
         """A vehicle was heard: if it does not know that it was carried away, it is told, and asks anew for where it stands."""
         known = self._book.removal_of(atv)
         if self.leads and removal < known and self.copies.counted >= self._book.version:
-            self._out.append(
-                Send(
-                    atv,
-                    PlaceGranted(
-                        district=self._district,
-                        epoch=self.copies.kept.epoch,
-                        life=life,
-                        upto=0,
-                        grants=self._book.of(atv),
-                        removal=known,
-                    ),
-                )
+            epoch, lines = self.copies.kept.epoch, self._book.of(atv)
+            told = PlaceGranted(
+                district=self._district, epoch=epoch, life=life, upto=0, grants=lines, removal=known
             )
+            self._out.append(Send(atv, told))
 
     def tick(self, now_s: float) -> None:
         """A second has passed."""

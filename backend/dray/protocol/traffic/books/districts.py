@@ -74,6 +74,10 @@ class Districts:
         for district in self.districts.values():
             district.on_vehicle(atv, life, removal)
 
+    def awaited(self, now_s: float) -> set[str]:
+        """Vehicles without whose word some district grants nothing."""
+        return {atv for district in self.districts.values() for atv in district.awaited(now_s)}
+
     def kept(self) -> dict[str, Kept]:
         """What must be written down before anything is said."""
         return {

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 
 from dray.messages.traffic import HoldsAsked, PlaceGranted, PlaceWished
 from dray.protocol.runtime.events import Effect, Send
@@ -72,6 +72,11 @@ class RollCall:
     def is_over(self, atvs: Iterable[str], now_s: float) -> bool:
         """Whether all have told who may hold something."""
         return now_s >= self._until_s and all(atv in self.told for atv in atvs)
+
+    def awaited(self, atvs: Iterable[str], now_s: float) -> Iterator[str]:
+        """Those that have not told, though whoever is awake has had the time."""
+        if now_s >= self._until_s:
+            yield from (atv for atv in atvs if atv not in self.told)
 
     def book(self) -> Book:
         """The book as they have told it; of two that hold one place the first counts."""

@@ -144,4 +144,8 @@ export const panel: Catalogue<typeof english> = {
   "agent.probation": "auf Probe: {done} von {of}",
 
   "fleet.show": "{id} im Plan zeigen",
+  "alerts.awaited.open": "{atv} steht nicht auf der Fläche…",
+  "alerts.awaited.sure": "Hat jemand gesehen, dass {atv} auf keiner Strecke steht? Andere werden dort fahren.",
+  "alerts.awaited.not": "Noch nicht",
+  "alerts.awaited.done": "Allen gesagt. Die Plätze werden vergeben, sobald es geglaubt wird.",
 };

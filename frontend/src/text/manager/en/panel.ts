@@ -141,4 +141,8 @@ export const panel = {
   "agent.probation": "on probation: {done} of {of}",
 
   "fleet.show": "Show {id} on the plant",
+  "alerts.awaited.open": "{atv} is off the floor…",
+  "alerts.awaited.sure": "Has somebody seen that {atv} stands on no lane? Others will drive there.",
+  "alerts.awaited.not": "Not yet",
+  "alerts.awaited.done": "Told to all. The places are granted as soon as it is believed.",
 } as const;

@@ -144,4 +144,8 @@ export const panel: Catalogue<typeof english> = {
   "agent.probation": "a prueba: {done} de {of}",
 
   "fleet.show": "Mostrar {id} en el plano",
+  "alerts.awaited.open": "{atv} no está en la planta…",
+  "alerts.awaited.sure": "¿Ha visto alguien que {atv} no está en ningún carril? Otros pasarán por allí.",
+  "alerts.awaited.not": "Todavía no",
+  "alerts.awaited.done": "Dicho a todos. Los lugares se conceden en cuanto se crea.",
 };

@@ -145,19 +145,19 @@ def of_stations(heartbeats: Iterable[StationHeartbeat], now: Moment) -> Iterator
 
 
 def of_atvs(
-    heartbeats: Iterable[AtvHeartbeat], carried_away: Container[str], now: Moment
+    heartbeats: Iterable[AtvHeartbeat], explained: Container[str], now: Moment
 ) -> Iterator[Condition]:
     """What is wrong with vehicles.
 
     Args:
         heartbeats: the last one of each.
-        carried_away: by people, who know then why these are silent.
+        explained: of whose silence people know, or are told something graver.
         now: when it is looked at.
     """
     for heard in heartbeats:
         agent, help_ = heard.atv, heard.help
         if now.is_lost(agent, heard):
-            if agent in carried_away:
+            if agent in explained:
                 continue
             yield Condition(kind="atv_lost", agent=agent, seen_at_s=now.to_wall_s(heard.at_s))
         elif help_ is not None and (help_.promised_by or heard.status is not AtvStatus.STOPPED):

@@ -35,6 +35,7 @@ RESPONSES: Mapping[AlertKind, tuple[Literal["alarm", "warning"], AlertResponse]]
     "atv_stopped": ("warning", "resume"),
     "atv_battery": ("warning", "bring_to_charger"),
     "atv_mesh": ("warning", "repair_link"),
+    "atv_awaited": ("alarm", "switch_on"),
     "jam": ("alarm", "clear_way"),
     "atv_waits": ("warning", "clear_way"),
     "handover_disputed": ("warning", "check_vehicle"),

@@ -5,7 +5,7 @@ A wait that ends by itself asks nothing of people, and most do.
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterator
+from collections.abc import Collection, Container, Iterator, Mapping
 
 from msgspec.structs import replace
 
@@ -51,6 +51,16 @@ def of_waits(waits: Waits, told_of: Container[str], now: Moment) -> Iterator[Con
             if view.id not in told_of and waits.has_task(view.id):
                 cause = told(CauseView(wait=view.cause))
                 yield Condition(kind="atv_waits", agent=view.id, cause=cause)
+
+
+def of_roll_calls(awaited: Mapping[str, Collection[str]]) -> Iterator[Condition]:
+    """Vehicles that were not heard since books of places were lost, so that nothing is granted there.
+
+    Args:
+        awaited: by vehicle, who awaits its word.
+    """
+    for atv, keepers in sorted(awaited.items()):
+        yield Condition(kind="atv_awaited", agent=atv, keepers=tuple(sorted(keepers)))
 
 
 def _end(view: WaitView, waits: Waits) -> str:
