@@ -47,6 +47,23 @@ class Row:
             return True
         return self.figure <= self.target if self.less else self.figure >= self.target
 
+    @property
+    def cells(self) -> tuple[str, ...]:
+        """The row as people read it, under `HEADS`."""
+        aim = ""
+        if self.target is not None:
+            aim = f"{'at most ' if self.less else ''}{_number(self.target)} {'met' if self.met else 'MISSED'}"
+        figure = f"{_number(self.figure)} {self.unit}"
+        return (self.name, figure, f"{self.ratio:.3g} x {self.baseline_name}", aim, self.note)
+
+
+HEADS = ("benchmark", "figure", "times the baseline", "aim", "")
+"""Of a table of rows."""
+
+
+def _number(value: float) -> str:
+    return f"{value:,.0f}" if abs(value) >= 100 else f"{value:.3g}"
+
 
 def rates(
     work: Callable[[], int], baseline: Callable[[], int], repeats: int = REPEATS

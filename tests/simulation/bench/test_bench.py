@@ -15,6 +15,7 @@ from dray.gateway.live.timescale import TimeScale
 from dray.messages import AtvHeartbeat
 from dray_sim import bench
 from dray_sim.bench import Row, orders, rates
+from dray_sim.bench.document import document
 from dray_sim.bench.network import bus, zenoh
 from dray_sim.bench.panels import projection
 from dray_sim.bench.panels.crowd import GROUP, Crowd
@@ -44,6 +45,17 @@ def test_a_row_says_its_ratio_and_whether_its_target_was_met() -> None:
     assert [(row["ratio"], row["met"], row["target"]) for row in document["rows"]] == [
         (3.0, True, None),
         (3.0, False, 31.0),
+    ]
+
+
+def test_a_document_has_every_figure_and_says_how_many_aims_are_missed() -> None:
+    rows = [Row("a", 30.0, "1/s", 10.0, "plain"), Row("b|c", 30.0, "1/s", 10.0, "plain", target=31.0)]
+    text = document(rows, "dray bench bus --out docs/benchmarks.md")
+    assert "Made by `dray bench bus --out docs/benchmarks.md`" in text
+    assert "2 figures, 1 with an aim, 1 of which are missed." in text
+    assert text.splitlines()[-2:] == [
+        "| a | 30 1/s | 3 x plain |  |  |",
+        "| b/c | 30 1/s | 3 x plain | 31 MISSED |  |",
     ]
 
 

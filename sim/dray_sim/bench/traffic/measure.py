@@ -50,6 +50,9 @@ PLANTS: dict[str, Callable[[], Plant]] = {
 }
 """Floors by name; single track, where the name does not say otherwise."""
 
+UNPLANNED = frozenset(name for name in PLANTS if "two-lanes" in name)
+"""The planner knows nodes only: where a crossing is passed by one vehicle at a time, it is no judge."""
+
 DRAWN = "drawn"
 """Instead of one floor: one for each seed. It is not among `PLANTS`, and runs only when it is asked for."""
 
@@ -216,7 +219,8 @@ def _cases(names: Iterable[str], seeds: tuple[int, ...], span_s: float, *, all_s
     for name in names:
         for seed in seeds if all_seeds or name not in LARGE else seeds[:1]:
             for scheme in ("ghosts", "first come", "planner", "ours"):
-                yield Case(name, seed, span_s, scheme)
+                if scheme != "planner" or name not in UNPLANNED:
+                    yield Case(name, seed, span_s, scheme)
             if name in POISSON:
                 per_h = POISSON[name][0]
                 yield Case(name, seed, span_s, "ghosts", "ordinary load", per_h)
@@ -285,6 +289,8 @@ def _rows(names: Iterable[str], played: dict[Case, Figures]) -> Iterator[Row]:
         ours = _Played(played, name, "ours")
         label = f"traffic {name}:"
         for scheme, runs in (("first come", _Played(played, name, "first come")), ("planner", planner)):
+            if not runs.runs:
+                continue
             yield Row(f"{label} {scheme}", runs.per_h, "/h", ghosts.per_h, "ghosts", note=runs.note)
         yield Row(
             f"{label} ours",
@@ -295,7 +301,7 @@ def _rows(names: Iterable[str], played: dict[Case, Figures]) -> Iterator[Row]:
             OF_GHOSTS[name] * ghosts.per_h if name in OF_GHOSTS else None,
             ours.note,
         )
-        if planner.per_h:
+        if planner.runs and planner.per_h:
             yield Row(
                 f"{label} ours", ours.per_h, "/h", planner.per_h, "the planner", OF_PLANNER * planner.per_h
             )

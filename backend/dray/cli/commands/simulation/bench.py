@@ -20,6 +20,7 @@ def bench(
     ] = None,
     quick: Annotated[bool, typer.Option("--quick", help="Less work: less exact, for a first look.")] = False,
     json: Annotated[Path | None, typer.Option(help="Write the figures here too.")] = None,
+    out: Annotated[Path | None, typer.Option(help="Write them here as a Markdown document, too.")] = None,
     plant: Annotated[str, typer.Option(help="With `traffic`: this floor only.", show_default=False)] = "",
     seeds: Annotated[
         str, typer.Option(help="With `traffic`: from A to before B.", metavar="A:B", show_default=False)
@@ -31,6 +32,8 @@ def bench(
     from dray.cli.runtime.output import one_of, table, write_text
     from dray.errors import SettingsError, UnavailableError
     from dray_sim.bench import BENCHES, LONG, as_json
+    from dray_sim.bench.document import document
+    from dray_sim.bench.row import HEADS
     from dray_sim.bench.traffic.measure import measure as traffic
 
     asked = names or [name for name in BENCHES if name not in LONG]
@@ -52,9 +55,13 @@ def bench(
             if names:
                 raise
             progress.print(f"{name} is left out: {missing}")
-    table(("benchmark", "figure", "times the baseline", "aim", ""), [_cells(row) for row in rows])
+    table(HEADS, [row.cells for row in rows])
     if json is not None:
         write_text(json, as_json(rows) + "\n")
+    if out is not None:
+        said = [*asked, *(["--quick"] if quick else []), *(["--plant", plant] if plant else [])]
+        said += ["--seeds", seeds] if seeds else []
+        write_text(out, document(rows, " ".join(("dray bench", *said, "--out", str(out)))))
 
 
 def _range(seeds: str) -> range:
@@ -64,23 +71,3 @@ def _range(seeds: str) -> range:
     if match is None or int(match[1]) >= int(match[2]):
         raise SettingsError("--seeds", f"{seeds!r} is not A:B, two whole numbers, the second one larger")
     return range(int(match[1]), int(match[2]))
-
-
-def _cells(row: Row) -> tuple[str, ...]:
-    return (
-        row.name,
-        f"{_number(row.figure)} {row.unit}",
-        f"{row.ratio:.3g} x {row.baseline_name}",
-        _aim(row),
-        row.note,
-    )
-
-
-def _aim(row: Row) -> str:
-    if row.target is None:
-        return ""
-    return f"{'at most ' if row.less else ''}{_number(row.target)} {'met' if row.met else 'MISSED'}"
-
-
-def _number(value: float) -> str:
-    return f"{value:,.0f}" if abs(value) >= 100 else f"{value:.3g}"
