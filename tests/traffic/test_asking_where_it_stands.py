@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dray.body import Drive, ReleaseWay
+from dray.messages.keys import Keys
 from dray.messages.traffic import Blocked, PlaceBooking, PlaceGranted, PlaceWished
 from dray.plant import default_plant
 from dray.protocol.runtime.events import Effect, Instruct, Send
 from dray.protocol.runtime.timers import Timers
 from dray.protocol.traffic.driving.right_of_way import RightOfWay
-from dray.protocol.traffic.neighbours import Neighbours
+from dray.protocol.traffic.surroundings import Surroundings
 from dray.protocol.traffic.traffic_map import TrafficMap
 
 PLANT = default_plant()
@@ -31,7 +32,7 @@ class Vehicle:
             1,
             TRAFFIC.places,
             TRAFFIC.ways(spec.type),
-            Neighbours(),
+            Surroundings("A", TRAFFIC.places, Keys(PLANT.id).floor, self.out),
             Timers(),
             self.out,
             node=HERE,

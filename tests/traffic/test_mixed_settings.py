@@ -10,8 +10,10 @@ from msgspec.structs import replace
 from dray.adapters.security.signing import SigningKey, TrustedKeys
 from dray.memory import BookMemory, Note
 from dray.messages import AtvHeartbeat, AtvStatus, HoldsAsked, Message, PlaceWished
+from dray.messages.keys import Keys
 from dray.plant import Plant, default_plant
 from dray.plant.model import VehicleSpec
+from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
 from dray.protocol.runtime.events import Commit, Effect, Heard, Ignore, Instruct, Started
 from dray.protocol.runtime.timers import Timers
 from dray.protocol.traffic.books.bookkeeping import NOTE, WITHOUT_BOOKS, Bookkeeping
@@ -107,7 +109,15 @@ def wish(district: str) -> PlaceWished:
 
 def test_a_machine_without_right_of_way_says_why_it_answers_no_wish() -> None:
     out: list[Effect] = []
-    table = Bookkeeping("M1", PLANT, None, TrustedKeys(KEY.public), Timers(), out).handlers({})
+    table = Bookkeeping(
+        "M1",
+        PLANT,
+        None,
+        TrustedKeys(KEY.public),
+        HeartbeatSubscriptions(Keys(PLANT.id).atv_heartbeat, out),
+        Timers(),
+        out,
+    ).handlers({})
     table[PlaceWished]("ATV1", wish("M1"), 0.0)
     assert out == [Ignore(WITHOUT_BOOKS)]
 
@@ -131,7 +141,8 @@ def test_the_book_of_a_district_that_is_no_more_is_forgotten() -> None:
     name = next(district for district, keepers in TRAFFIC.places.keepers_of.items() if "M1" in keepers)
     kept = BookMemory(0, 0, 1, ())
     memory: dict[str, Note] = {f"{NOTE}{name}": kept, f"{NOTE}M1.00000000": kept}
-    books = Bookkeeping("M1", PLANT, TRAFFIC, TrustedKeys(KEY.public), Timers(), [])
+    heartbeats = HeartbeatSubscriptions(Keys(PLANT.id).atv_heartbeat, [])
+    books = Bookkeeping("M1", PLANT, TRAFFIC, TrustedKeys(KEY.public), heartbeats, Timers(), [])
     books.start(memory, 0.0)
     gone = [commit for commit in books.commits() if commit.note is None]
     assert gone == [Commit(None, f"{NOTE}M1.00000000")]

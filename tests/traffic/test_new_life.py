@@ -8,12 +8,13 @@ import pytest
 
 from dray.body import Drive, Hold
 from dray.messages import HoldsAsked, PlaceGranted, PlaceWished
+from dray.messages.keys import Keys
 from dray.messages.traffic import PlaceBooking
 from dray.plant import default_plant
 from dray.protocol.runtime.events import Effect, Instruct, Send
 from dray.protocol.runtime.timers import Timers
 from dray.protocol.traffic.driving.right_of_way import RightOfWay
-from dray.protocol.traffic.neighbours import Neighbours
+from dray.protocol.traffic.surroundings import Surroundings
 from dray.protocol.traffic.traffic_map import TrafficMap
 from dray_sim.bodies.floor import Floor
 from dray_sim.clock.loop import JUMP, clock, run
@@ -35,7 +36,7 @@ class NewLife:
             LIFE,
             TRAFFIC.places,
             TRAFFIC.ways(TYPE),
-            Neighbours(),
+            Surroundings("ATV1", TRAFFIC.places, Keys(PLANT.id).floor, self.out),
             Timers(),
             self.out,
             node=node,

@@ -12,10 +12,12 @@ from dray.memory import BookMemory, Note
 from dray.messages import AtvHeartbeat, AtvStatus, Message, Pose, Removal, Removals
 from dray.messages.fact import PlaceKept, PlacesFreed
 from dray.messages.heartbeat import AWAITED_MAX, FloorBrief
-from dray.messages.traffic import HoldsAsked, PlaceGranted, PlaceWished
+from dray.messages.keys import Keys
+from dray.messages.traffic import Blocked, HoldsAsked, PlaceGranted, PlaceWished
 from dray.plant import default_plant
+from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
 from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S, gone_s
-from dray.protocol.runtime.events import Effect, Ignore, Record, Send
+from dray.protocol.runtime.events import Effect, Ignore, Publish, Record, Send, Subscribe, Unsubscribe
 from dray.protocol.runtime.timers import Timers
 from dray.protocol.traffic.books.bookkeeping import NOTE, Bookkeeping
 from dray.protocol.traffic.books.roll_call import ROLL_S
@@ -53,7 +55,15 @@ class Keeper:
         traffic = TrafficMap(PLANT)
         traffic.places = PLACES
         self.out: list[Effect] = []
-        self.books = Bookkeeping("M4", PLANT, traffic, TrustedKeys(KEY.public), Timers(), self.out)
+        self.books = Bookkeeping(
+            "M4",
+            PLANT,
+            traffic,
+            TrustedKeys(KEY.public),
+            HeartbeatSubscriptions(Keys(PLANT.id).atv_heartbeat, self.out),
+            Timers(),
+            self.out,
+        )
         self.books.start(memory or {NOTE + DISTRICT: BookMemory(0, 0, 0)}, now_s)
         self.table = self.books.handlers({})
 
@@ -277,3 +287,58 @@ def test_of_vehicles_that_have_had_no_time_to_tell_nobody_is_awaited() -> None:
     keeper = Keeper({"nothing": BookMemory(0, 0, 0)})
     assert keeper.books.awaited(ROLL_S - 0.1) is UNSET
     assert keeper.books.awaited(ROLL_S) == tuple(sorted(PLANT.fleet))[:AWAITED_MAX]
+
+
+def test_a_wish_that_was_overtaken_gives_nothing_back(keeper: Keeper) -> None:
+    """It was said before the vehicle knew that the place where it stands is its own."""
+    keeper.told("A", wish(HERE, seq=3, seen=10), 101.0)
+    keeper.told("A", wish(seq=2, seen=10, groups=((HERE,),)), 102.0)
+    keeper.told("B", wish(groups=((HERE,),)), 103.0)
+    assert keeper.holder(HERE) == "A"
+
+
+def listened_to(keeper: Keeper, before: int) -> list[tuple[type, str]]:
+    return [
+        (type(effect), effect.key.rsplit("/", 1)[1])
+        for effect in keeper.out[before:]
+        if isinstance(effect, Subscribe | Unsubscribe)
+    ]
+
+
+def test_a_keeper_listens_to_those_that_its_book_is_about_and_to_nobody_else() -> None:
+    keeper = Keeper()
+    assert listened_to(keeper, 0) == [(Subscribe, "removals")]
+    keeper.told("A", wish(HERE), 99.0)
+    assert listened_to(keeper, 0) == [(Subscribe, "A")]
+    keeper.told("A", wish(HERE, seq=2, groups=((ELSEWHERE,),)), 100.0)
+    assert listened_to(keeper, 0) == []
+    keeper.told("A", wish(seq=3, seen=10), 101.0)
+    assert listened_to(keeper, 0) == [(Unsubscribe, "A")]
+    keeper.told("gateway", Removals(removals=(word(),)), LATER_S)
+    assert listened_to(keeper, 0) == [(Subscribe, "A")]
+
+
+def test_whoever_is_in_a_book_and_was_never_heard_is_silent_after_a_while() -> None:
+    keeper = Keeper()
+    keeper.told("A", wish(HERE), 99.0)
+    for now_s, why in ((100.0, Blocked.WAIT), (200.0, Blocked.SILENT)):
+        told = keeper.told("B", wish(seq=int(now_s), groups=((HERE,),)), now_s)
+        assert [answer.blocked for answer in answers(told)] == [why]
+
+
+def test_a_keeper_tells_who_holds_something_in_its_district() -> None:
+    keeper = Keeper()
+    keeper.told("A", wish(HERE), 99.0)
+    keeper.told("A", beat(), DIED_S)
+    (district,) = keeper.books.books.districts.values()  # type: ignore[union-attr]
+    words = []
+    for now_s in (101.0, 101.2, 102.0, 104.1, 200.0):
+        keeper.out.clear()
+        district.tick(now_s)
+        words += [(now_s, e.message) for e in keeper.out if isinstance(e, Publish)]
+    assert [(at_s, [(v.atv, v.holds, v.silent) for v in told.vehicles]) for at_s, told in words] == [
+        (101.0, [("A", (HERE,), False)]),
+        (104.1, [("A", (HERE,), False)]),
+        (200.0, [("A", (HERE,), True)]),
+    ]
+    assert [told.number for _, told in words] == [1, 2, 3]

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import pytest
 
+from dray.messages.keys import Keys
 from dray.messages.traffic import Blocked, PlaceBooking, PlaceGranted, PlaceWished, YieldRefused
 from dray.plant import default_plant
 from dray.protocol.runtime.events import Effect, Send
 from dray.protocol.runtime.timers import Timers
 from dray.protocol.traffic.driving.place_requests import AGES_BY_S, AGES_EVERY_S, HELD_UP, WITH_TASK, Errand
 from dray.protocol.traffic.driving.right_of_way import RightOfWay
-from dray.protocol.traffic.neighbours import Neighbours
+from dray.protocol.traffic.surroundings import Surroundings
 from dray.protocol.traffic.traffic_map import TrafficMap
 
 PLANT = default_plant()
@@ -33,7 +34,7 @@ class Waiting:
             1,
             TRAFFIC.places,
             TRAFFIC.ways(spec.type),
-            Neighbours(),
+            Surroundings("A", TRAFFIC.places, Keys(PLANT.id).floor, self.out),
             self.timers,
             self.out,
             node=HERE,

@@ -82,6 +82,7 @@ from dray.messages.traffic import (
     BookAsked,
     BookKept,
     BookTold,
+    FloorTold,
     HoldsAsked,
     PlaceBooked,
     PlaceGranted,
@@ -138,6 +139,7 @@ AnyMessage = (
     | StockFreed
     | PlaceWished
     | PlaceGranted
+    | FloorTold
     | YieldAsked
     | YieldRefused
     | HoldsAsked
@@ -182,6 +184,7 @@ __all__ = [
     "EventsAsked",
     "EventsKept",
     "Fact",
+    "FloorTold",
     "GoalBrief",
     "GoalClosed",
     "Grant",

@@ -16,6 +16,7 @@ never holds any of these.
     {plant}/event/{id}        an agent's numbered events
     {plant}/shut-out          who is shut out, said again and again by gateways
     {plant}/closures          what is closed to vehicles, likewise
+    {plant}/floor/{district}  which vehicles hold something in a district, to those that drive there or close by
     {plant}/removals          vehicles that people have carried away, or are putting back, likewise
     {plant}/alive/{id}/{life}/{seal}  a token that is there as long as this life of the agent is
 """
@@ -38,6 +39,7 @@ class Keys:
         "alive",
         "all_atv_heartbeats",
         "all_events",
+        "all_floors",
         "all_free",
         "all_heartbeats",
         "all_machine_heartbeats",
@@ -56,6 +58,7 @@ class Keys:
         self.all_events = f"{plant}/event/*"
         self.all_free = f"{plant}/free/*"
         self.all_problems = f"{plant}/problem/*"
+        self.all_floors = f"{plant}/floor/*"
         self.shut_out = f"{plant}/shut-out"
         self.closures = f"{plant}/closures"
         self.removals = f"{plant}/removals"
@@ -85,6 +88,9 @@ class Keys:
 
     def problem(self, atv: str) -> str:
         return f"{self.plant}/problem/{atv}"
+
+    def floor(self, district: str) -> str:
+        return f"{self.plant}/floor/{district}"
 
     def addressed(self, agent: str) -> str:
         return f"{self._addressed}{agent}"

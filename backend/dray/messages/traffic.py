@@ -24,6 +24,9 @@ HOLDS_MAX = 64
 DISTRICT_MAX = 10_000
 """Places of one district: those of a whole large plant that one machine keeps alone."""
 
+NEAR_NODES = 12
+"""So far ahead a vehicle's way counts as announced traffic: what it does later may change."""
+
 Rank = tuple[Count, Seconds, Id]
 """Who goes first; the lower the more urgent: class (0 with a task, 1 idle), since when it is on this leg, its id.
 
@@ -122,6 +125,36 @@ class PlaceGranted(Message, frozen=True):
     """The place that is held by it."""
     removal: Count = 0
     """The newest time that the vehicle was carried away, as the book knows: whatever it was granted before is void."""
+
+
+class OnFloor(Part, frozen=True):
+    """A vehicle that holds something in a district, for others' prices of ways and places to make room: a hint, and no right to anything."""
+
+    atv: Id
+    holds: Places
+    """In this district."""
+    stands: bool
+    """It may not drive anywhere at present."""
+    docked: bool
+    """It stays where it stands until its work is done there."""
+    silent: bool
+    """Nobody knows when it moves again: it was not heard for a while, or stands until a person has seen to it."""
+    rank: Rank
+    route: Annotated[tuple[Id, ...], Meta(max_length=NEAR_NODES)]
+    """The node where it is and the next ones of its way."""
+
+
+class FloorTold(Message, frozen=True):
+    """What the keeper of a book knows of the vehicles in its district: to all that drive there or close by.
+
+    Said when it has changed, twice a second at most, and again every few seconds while there is a vehicle.
+    """
+
+    district: Id
+    epoch: Count
+    number: Count
+    """Grows with every word of one epoch."""
+    vehicles: Annotated[tuple[OnFloor, ...], Meta(max_length=DISTRICT_MAX)]
 
 
 class YieldAsked(Message, frozen=True):

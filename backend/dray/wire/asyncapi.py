@@ -29,6 +29,7 @@ _PARAMETERS = {
     "station": "The id of a storage.",
     "cell": "A cell of the grid.",
     "product": "A product's id.",
+    "district": "The name of a district: the places around a machine.",
     "dwell_point": "The id of a charger or parking place.",
 }
 

@@ -11,6 +11,7 @@ from dray.messages import (
     Closures,
     DwellPointClaimed,
     Event,
+    FloorTold,
     MachineHeartbeat,
     Message,
     ProblemEnded,
@@ -92,6 +93,12 @@ _PUBLISHED = (
         (ProblemEnded,),
     ),
     Channel(
+        "floor",
+        _KEYS.floor("{district}"),
+        "Which vehicles hold something in a district, to the vehicles that drive there or close by. A hint: the book says who holds what.",
+        (FloorTold,),
+    ),
+    Channel(
         "events",
         _KEYS.events("{agent}"),
         "An agent's history, numbered without holes. The agent alone speaks here.",
@@ -124,6 +131,7 @@ _BROADCAST_ONLY = frozenset(
         AtvHeartbeat,
         MachineHeartbeat,
         StationHeartbeat,
+        FloorTold,
         DwellPointClaimed,
         ProblemEnded,
         WorkSought,

@@ -45,6 +45,7 @@ class Apart:
             keys.goals("*"),
             keys.shut_out,
             keys.closures,
+            keys.floor("*"),
             *(keys.events(agent) for agent in self.wired),
         ]
         rules = {

@@ -108,6 +108,10 @@ class FailureDetector:
         return self.last is not None and now_s - self.heard_s < self.bound_s / 2
 
 
+EVERYBODY = "*"
+"""Instead of an agent: whoever beats, of the kind that is followed."""
+
+
 class HeartbeatSubscriptions:
     """Whose heartbeats an agent listens to, counted, since one may matter for two reasons.
 
@@ -128,7 +132,7 @@ class HeartbeatSubscriptions:
         self._count: dict[str, int] = {}
 
     def follow(self, agent: str) -> None:
-        """Subscribe to this agent's heartbeats, and count the reason."""
+        """Subscribe to this agent's heartbeats, or to those of `EVERYBODY`, and count the reason."""
         count = self._count.get(agent, 0)
         self._count[agent] = count + 1
         if not count:

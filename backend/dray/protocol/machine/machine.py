@@ -146,7 +146,8 @@ class Machine(AgentBase):
             **self._closures.message_handlers,
             Disbelieved: Reproach(self._out).on_disbelieved,
         }
-        self._bookkeeping = Bookkeeping(machine, plant, traffic, trusts, self._timers, self._out)
+        heard = self._flow.subscriptions
+        self._bookkeeping = Bookkeeping(machine, plant, traffic, trusts, heard, self._timers, self._out)
         self._message_handlers = self._bookkeeping.handlers(self._message_handlers)
         self._report_handlers = {
             CycleDone: self._cycle_done,
@@ -179,7 +180,7 @@ class Machine(AgentBase):
         self._out.append(Subscribe(self._keys.all_free))
         self._closures.listen()
         if self.incarnation > 1:
-            self._flow.recover(note is None, now_s, listens_on=self._bookkeeping.keeps_books)
+            self._flow.recover(note is None, now_s)
         self._bookkeeping.start(memory, now_s)
         self._heartbeat_timer.at_once(now_s)
         self.pursue(now_s)

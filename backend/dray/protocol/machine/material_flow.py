@@ -173,7 +173,7 @@ class MaterialFlow:
             ask=owner.ask_for_count,
             settled=self._settle_counted,
         )
-        self._recovery = Recovery(machine, plant, keys, self.tasks, supply, timers, out)
+        self._recovery = Recovery(machine, plant, self.subscriptions, self.tasks, supply, timers)
         self.message_handlers: dict[type[Message], Callable[..., None]] = {
             AtvHeartbeat: self._on_vehicle,
             Bid: self.tasks.on_bid,
@@ -210,9 +210,9 @@ class MaterialFlow:
             elif work.destination == self._machine:
                 self._supply.ordered(work)
 
-    def recover(self, forgetful: bool, now_s: float, *, listens_on: bool) -> None:
+    def recover(self, forgetful: bool, now_s: float) -> None:
         """Listen for vehicles that work for this machine, and that it does not know of."""
-        self._recovery.listen(forgetful, now_s, listens_on=listens_on)
+        self._recovery.listen(forgetful, now_s)
 
     def _end_recovery(self, _about: None, now_s: float) -> None:
         self._recovery.stop_listening()

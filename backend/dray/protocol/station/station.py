@@ -24,6 +24,7 @@ from dray.messages import (
 from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.protocol.contract_net.dock import Door
+from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
 from dray.protocol.liveness.suspicion import WORKING_INTERVAL_S, interval_s
 from dray.protocol.runtime.agent import AgentBase
 from dray.protocol.runtime.events import Commit, Ignore, Instruct, Publish, Send
@@ -79,7 +80,10 @@ class Station(AgentBase):
             Docked: self._on_docked,
         }
         self._report_handlers = {StockChanged: self._stock_changed}
-        self._bookkeeping = Bookkeeping(storage, plant, traffic, trusts, self._timers, self._out)
+        subscriptions = HeartbeatSubscriptions(Keys(plant.id).atv_heartbeat, self._out)
+        self._bookkeeping = Bookkeeping(
+            storage, plant, traffic, trusts, subscriptions, self._timers, self._out
+        )
         self._message_handlers = self._bookkeeping.handlers(self._message_handlers)
         self._alarm_handlers = {BEAT: self._beat, LAPSE: self._lapse, **self._bookkeeping.alarms}
 

@@ -1,23 +1,18 @@
-"""What is known of other vehicles' traffic from their heartbeats: hints for prices and refuges, and never a right to anything."""
+"""What the keeper of books knows of vehicles, from their heartbeats and wishes: who is silent, who moves. Never a right to anything."""
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Mapping
-from itertools import pairwise
 
 import msgspec
 from msgspec import UNSET
 
 from dray.messages import AtvHeartbeat, AtvStatus
-from dray.messages.traffic import NO_RANK, ROUTE_MAX, Rank
-from dray.protocol.liveness.suspicion import WORKING_INTERVAL_S, bound_s, interval_s
+from dray.messages.traffic import NO_RANK, ROUTE_MAX, PlaceWished, Rank
+from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S, WORKING_INTERVAL_S, bound_s, interval_s
 
 SILENT_S = bound_s(WORKING_INTERVAL_S)
 """A keeper of books beats once a second: who was not heard for so long is counted as silent."""
-
-NEAR_NODES = 12
-"""So far ahead a vehicle's way counts as announced traffic: what it does later may change."""
 
 
 class Seen(msgspec.Struct, frozen=True, gc=False):
@@ -41,45 +36,33 @@ class Seen(msgspec.Struct, frozen=True, gc=False):
 
 
 class Neighbours:
-    """The newest word of each vehicle.
-
-    Attributes:
-        holders: place -> who has said last that it holds it.
-        announced: lane, by its ends -> how many vehicles mean to drive it soon.
-    """
+    """The newest word of each vehicle that a keeper listens to."""
 
     def __init__(self) -> None:
+        self._expected_s: dict[str, float] = {}
+        """Vehicle -> since when it is listened to."""
         self._seen: dict[str, Seen] = {}
         self._brief: dict[str, Seen] = {}
         """Vehicles that have told nothing of traffic yet."""
         self._away: dict[str, Seen] = {}
         """Vehicles that people have carried away, as they were heard last: what they have said until then counts no more."""
-        self.holders: dict[str, str] = {}
-        self.announced: Counter[tuple[str, str]] = Counter()
 
     def on_heartbeat(self, atv: str, seen: Seen) -> None:
         """A heartbeat has come."""
-        before = self._seen.get(atv)
-        if before is not None:
-            if seen.holds != before.holds:
-                self._forget_holds(atv, before)
-            if seen.route != before.route:
-                self.announced.subtract(pairwise(before.route[:NEAR_NODES]))
-                self.announced.update(pairwise(seen.route[:NEAR_NODES]))
-        else:
-            self.announced.update(pairwise(seen.route[:NEAR_NODES]))
-        for place in seen.holds:
-            self.holders[place] = atv
         self._seen[atv] = seen
 
-    def on_vehicle(self, heartbeat: AtvHeartbeat, now_s: float) -> None:
-        """A vehicle's heartbeat. One that tells nothing of traffic is shortened for the radio, or drives without right of way."""
+    def on_vehicle(self, heartbeat: AtvHeartbeat, now_s: float) -> bool:
+        """A vehicle's heartbeat. One that tells nothing of traffic is shortened for the radio, or drives without right of way.
+
+        Returns:
+            Whether it tells something new, beside that it is there.
+        """
         floor, before = heartbeat.floor, self._seen.get(heartbeat.atv)
         said = (heartbeat.incarnation, heartbeat.seq)
         away = self._away.get(heartbeat.atv)
         if away is not None:
             if said <= away.said:
-                return
+                return False
             del self._away[heartbeat.atv]
         every_s = interval_s(heartbeat)
         stuck = heartbeat.status in (AtvStatus.ERROR, AtvStatus.STOPPED)
@@ -99,8 +82,35 @@ class Neighbours:
             seen = msgspec.structs.replace(before, at_s=now_s, every_s=every_s, stuck=stuck, said=said)
         else:
             self._brief[heartbeat.atv] = Seen(at_s=now_s, route=(heartbeat.node,), every_s=every_s, said=said)
-            return
-        self.on_heartbeat(heartbeat.atv, seen)
+            return True
+        self._seen[heartbeat.atv] = seen
+        return before is None or _is_news(before, seen)
+
+    def on_wish(self, atv: str, wish: PlaceWished, now_s: float) -> None:
+        """A vehicle has said what it holds and wants in one district: so it is there, and stands, or does not."""
+        before = self._seen.get(atv) or self._brief.get(atv) or Seen(at_s=now_s, every_s=IDLE_INTERVAL_S)
+        self._seen[atv] = msgspec.structs.replace(
+            before,
+            at_s=now_s,
+            stands=wish.stands,
+            docked=wish.docked,
+            rank=wish.rank,
+            route=wish.avoid[:ROUTE_MAX] if wish.avoid and not wish.chain else before.route,
+        )
+
+    def expect(self, atv: str, now_s: float) -> None:
+        """It is listened to from now on."""
+        self._expected_s.setdefault(atv, now_s)
+
+    def expected_since_s(self, atv: str) -> float | None:
+        """Since when it is listened to; None where it is not."""
+        return self._expected_s.get(atv)
+
+    def forget(self, atv: str) -> None:
+        """It is listened to no more."""
+        self._expected_s.pop(atv, None)
+        self._seen.pop(atv, None)
+        self._brief.pop(atv, None)
 
     def carry_away(self, atv: str, said: tuple[int, int]) -> None:
         """It was carried away: what it has said up to this heartbeat, by its life and number, counts no more."""
@@ -115,8 +125,6 @@ class Neighbours:
                 self._away[atv] = Seen(at_s=float("-inf"), said=said, route=route)
         elif seen.said <= said:
             del self._seen[atv]
-            self._forget_holds(atv, seen)
-            self.announced.subtract(pairwise(seen.route[:NEAR_NODES]))
             self._away[atv] = msgspec.structs.replace(seen, said=said)
 
     def last(self, atv: str) -> Seen | None:
@@ -136,10 +144,17 @@ class Neighbours:
         """Whether nobody knows when a vehicle moves again: it was not heard for a while, or stands until a person has seen to it."""
         seen = self._seen.get(atv)
         if seen is None:
-            return atv in self._away
+            since_s = self._expected_s.get(atv, now_s)
+            return atv in self._away or now_s - since_s > bound_s(IDLE_INTERVAL_S)
         return seen.stuck or now_s - seen.at_s > bound_s(seen.every_s)
 
-    def _forget_holds(self, atv: str, seen: Seen) -> None:
-        for place in seen.holds:
-            if self.holders.get(place) == atv:
-                del self.holders[place]
+
+def _is_news(before: Seen, seen: Seen) -> bool:
+    """Whether others' prices or refuges change with it."""
+    return (
+        seen.stands is not before.stands
+        or seen.docked is not before.docked
+        or seen.stuck is not before.stuck
+        or seen.rank != before.rank
+        or seen.route != before.route
+    )

@@ -134,6 +134,11 @@ class Places:
         self.keepers_of: Mapping[str, tuple[str, ...]] = {
             names[first]: keepers for first, keepers in keepers_of.items()
         }
+        self._around = self._side_by_side()
+
+    def around(self, district: str) -> tuple[str, ...]:
+        """A district, and those that lanes lead to from it or come from."""
+        return self._around[district]
 
     def places_in(self, district: str) -> frozenset[str]:
         """All places of a district."""
@@ -199,6 +204,14 @@ class Places:
         return max(
             (self._footprint.clear_m(_between(angle)) for angle in others), default=self._footprint.spacing_m
         )
+
+    def _side_by_side(self) -> dict[str, tuple[str, ...]]:
+        """Each district, with those that lanes lead to or come from."""
+        around: dict[str, dict[str, None]] = {district: {district: None} for district in self.keepers_of}
+        for start, end in self._needs:
+            one, other = (self.district_of[self.place_of(node)] for node in (start, end))
+            around[one][other] = around[other][one] = None
+        return {district: tuple(near) for district, near in around.items()}
 
     def _names(
         self,

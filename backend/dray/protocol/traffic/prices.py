@@ -1,15 +1,17 @@
-"""What a vehicle knows of the traffic around it, as prices of places: others' heartbeats, the word of books, its own late waits.
+"""What a vehicle knows of the traffic around it, as prices of places: what keepers tell of others, its own late waits.
 
 Hints and nothing more: who is wrong about them takes a longer way.
 """
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Mapping
+from itertools import pairwise
 
-from dray.messages.traffic import Blocked, PlaceGranted, Rank
+from dray.messages.traffic import Blocked, OnFloor, PlaceGranted, Rank
 from dray.plant.restrictions import OPEN, Restrictions
-from dray.protocol.traffic.neighbours import Neighbours
+from dray.protocol.traffic.surroundings import Surroundings
 
 STANDS_S, DOCKED_S, SILENT_S = 3.0, 12.0, 300.0
 """For a place that is held by one who stands, is docked, or was not heard for a while."""
@@ -28,8 +30,7 @@ class Prices:
     """What is added to lane times, at one moment.
 
     Args:
-        me: whose prices these are: its own word is no traffic.
-        neighbours: what is known of others.
+        others: the other vehicles, as far as they are known.
         waits_s: place -> seconds of one's own late waits there, as `Waits` tells them.
         told: place -> seconds, told by whoever keeps the book there.
         restrictions: what people have closed.
@@ -37,9 +38,7 @@ class Prices:
 
     def __init__(
         self,
-        me: str,
-        neighbours: Neighbours,
-        now_s: float,
+        others: Mapping[str, OnFloor],
         *,
         waits_s: Mapping[str, float] | None = None,
         told_s: Mapping[str, float] | None = None,
@@ -47,16 +46,12 @@ class Prices:
     ) -> None:
         self.admits = restrictions.admits if restrictions.nodes or restrictions.lanes else None
         """Whether a lane, by its ends, may be entered; None where nothing is closed."""
-        self._announced = neighbours.announced
-        own = neighbours.of(me)
-        self._mine = (
-            frozenset(zip(own.route, own.route[1:], strict=False)) if own is not None else frozenset()
-        )
+        self._announced: Counter[tuple[str, str]] = Counter()
+        """Lane, by its ends -> how many others mean to drive it soon."""
         self.place_s: dict[str, float] = {}
-        for atv, seen in neighbours.all.items():
-            if atv == me:
-                continue
-            if neighbours.is_silent(atv, now_s):
+        for seen in others.values():
+            self._announced.update(pairwise(seen.route))
+            if seen.silent:
                 price_s = SILENT_S
             elif seen.docked:
                 price_s = DOCKED_S
@@ -72,8 +67,7 @@ class Prices:
 
     def oncoming(self, start: str, end: str) -> int:
         """How many others have announced to drive a lane the other way."""
-        number = self._announced[end, start]
-        return number - 1 if number and (end, start) in self._mine else max(number, 0)
+        return self._announced[end, start]
 
 
 class Waits:
@@ -104,15 +98,13 @@ class Outlook:
     """What one vehicle knows.
 
     Args:
-        me: the vehicle.
-        neighbours: what others have said of themselves.
+        surroundings: what it is told of others.
         restrictions: what people have closed, as far as the vehicle knows now.
     """
 
-    def __init__(self, me: str, neighbours: Neighbours, restrictions: Callable[[], Restrictions]) -> None:
-        self._me = me
+    def __init__(self, surroundings: Surroundings, restrictions: Callable[[], Restrictions]) -> None:
         self._restrictions = restrictions
-        self._neighbours = neighbours
+        self._surroundings = surroundings
         self._waits = Waits()
         self._told: dict[str, tuple[float, float]] = {}
         """Place -> its price as the book told it, and until when that counts."""
@@ -132,9 +124,7 @@ class Outlook:
         self._told = {place: told for place, told in self._told.items() if told[1] > now_s}
         told_s = {place: price_s for place, (price_s, _) in self._told.items()}
         return Prices(
-            self._me,
-            self._neighbours,
-            now_s,
+            self._surroundings.others(now_s),
             waits_s=self._waits.all(now_s),
             told_s=told_s,
             restrictions=self._restrictions(),
@@ -144,15 +134,8 @@ class Outlook:
         """Places that cannot be had by one who makes room for `chain` with this rank, and those whose holders would make room."""
         forbidden: set[str] = set()
         taken: set[str] = set()
-        for other, seen in self._neighbours.all.items():
-            if other == self._me:
-                continue
-            fixed = (
-                other in chain
-                or seen.docked
-                or (seen.stands and seen.rank < rank)
-                or self._neighbours.is_silent(other, now_s)
-            )
+        for other, seen in self._surroundings.others(now_s).items():
+            fixed = other in chain or seen.docked or seen.silent or (seen.stands and seen.rank < rank)
             (forbidden if fixed else taken).update(seen.holds)
         for place, (price_s, until_s) in self._told.items():
             if price_s >= DOCKED_S and until_s > now_s:

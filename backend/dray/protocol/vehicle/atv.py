@@ -145,7 +145,7 @@ class Atv(AgentBase):
             CLAIM: lambda _about, now_s: self._rest_on(CLAIM, now_s),
         }
         tables = self._message_handlers, self._alarm_handlers
-        handle_traffic(self, self._driver, plant, trusts, self._out, *tables)
+        handle_traffic(self, self._driver, plant, self._out, *tables)
 
     # --- the beginning, and time passing ---
 

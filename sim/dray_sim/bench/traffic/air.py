@@ -49,7 +49,9 @@ class Air:
         deaf: who neither hears nor is heard.
         mute: kinds of messages that nobody is told: what a scheme does without.
         parts: who is in which part of a torn wired network; all others are in part 0.
+        listeners: key -> who hears what is published there.
         said: messages to and from vehicles, each counted once.
+        told: what vehicles heard that was published.
         wired: messages between machines.
     """
 
@@ -62,8 +64,10 @@ class Air:
         self.deaf: set[str] = set()
         self.mute: frozenset[type[Message]] = frozenset()
         self.parts: dict[str, int] = {}
+        self.listeners: dict[str, dict[str, None]] = {}
         self.said = 0
         self.wired = 0
+        self.told = 0
 
     def send(self, sender: str, to: str, message: Message) -> None:
         """Let it arrive, or not."""
@@ -86,8 +90,25 @@ class Air:
                 self._clock.now_s + self.delay_s(latency_s), self._arrive, sender, to, message
             )
 
+    def subscribe(self, name: str, key: str) -> None:
+        self.listeners.setdefault(key, {})[name] = None
+
+    def unsubscribe(self, name: str, key: str) -> None:
+        self.listeners[key].pop(name, None)
+
+    def publish(self, sender: str, key: str, message: Message) -> None:
+        """Let it come to all that listen there, each by a way of its own."""
+        random, quality = self._random, self._quality
+        for to in self.listeners.get(key, ()):
+            if to in self.deaf or (quality.loss_frac and random.random() < quality.loss_frac):
+                continue
+            self.told += 1
+            self._clock.call_at(
+                self._clock.now_s + self.delay_s(quality.latency_s), self._arrive, sender, to, message
+            )
+
     def hint(self, sender: str, deliver: Callable[[], None]) -> None:
-        """A heartbeat, heard by all or by nobody."""
+        """A vehicle's heartbeat, heard by all machines or by none."""
         quality = self._quality
         if sender in self.deaf or (quality.loss_frac and self._random.random() < quality.loss_frac):
             return

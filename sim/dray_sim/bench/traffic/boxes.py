@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from dray.messages import Message
-from dray.messages.traffic import HoldsAsked, PlaceGranted, YieldAsked, YieldRefused
-from dray.protocol.runtime.events import Effect, Instruct, Send
+from dray.messages.keys import Keys
+from dray.messages.traffic import FloorTold, HoldsAsked, PlaceGranted, YieldAsked, YieldRefused
+from dray.protocol.runtime.events import Effect, Instruct, Publish, Send, Subscribe, Unsubscribe
 from dray.protocol.runtime.timers import Timers
 from dray.protocol.traffic.books.copies import Kept
 from dray.protocol.traffic.books.district import BOOK_TICK
@@ -16,12 +17,15 @@ from dray.protocol.traffic.driving.right_of_way import RESTED, RightOfWay
 from dray.protocol.traffic.driving.wishes import WISH_AGAIN
 from dray.protocol.traffic.neighbours import Neighbours
 from dray.protocol.traffic.places import Places
+from dray.protocol.traffic.surroundings import Surroundings
 from dray.protocol.traffic.ways import Ways
 from dray_sim.bench.traffic.air import Air
 from dray_sim.bench.traffic.carrier import Carrier
 from dray_sim.bench.traffic.clock import LeanClock
 
 BEAT_S = 1.0
+
+KEYS = Keys("lean")
 
 
 class Agent:
@@ -56,6 +60,12 @@ class Agent:
                     self.air.send(self.name, effect.to, effect.message)
                 elif isinstance(effect, Instruct):
                     self.instruct(effect)
+                elif isinstance(effect, Publish):
+                    self.air.publish(self.name, effect.key, effect.message)
+                elif isinstance(effect, Subscribe):
+                    self.air.subscribe(self.name, effect.key)
+                elif isinstance(effect, Unsubscribe):
+                    self.air.unsubscribe(self.name, effect.key)
         next_s = self.timers.next_s
         if next_s < self._wake_s:
             self._wake_s = next_s
@@ -87,7 +97,7 @@ class BoxMachine(Agent):
     ) -> None:
         super().__init__(name, clock, air)
         self._make: Callable[[Mapping[str, Kept]], Districts] = lambda kept: Districts(
-            name, places, atvs, kept, neighbours, self.timers, self.out
+            name, places, atvs, kept, neighbours, KEYS.floor, self.timers, self.out
         )
         self.books = self._make(kept)
         self.colleagues: tuple[BoxMachine, ...] = ()
@@ -118,7 +128,7 @@ class BoxMachine(Agent):
 
     def revive(self, *, forget: bool = False) -> None:
         """Live again, with what was written down, or without."""
-        kept = {} if forget else self.books.kept()
+        kept = {} if forget else dict(self.books.kept())
         self.off = False
         self.timers = Timers()
         self._wake_s = float("inf")
@@ -148,6 +158,7 @@ class BoxPilot(Agent):
         self._order = 0
         self._places, self._ways = places, ways
         self._life = 1
+        self._surroundings = Surroundings(carrier.atv, places, KEYS.floor, self.out)
         self.right_of_way = self._make("")
         self.was_cut = False
         """Its way was ended where the lane ended."""
@@ -161,7 +172,7 @@ class BoxPilot(Agent):
             self._life,
             self._places,
             self._ways,
-            self._neighbours,
+            self._surroundings,
             self.timers,
             self.out,
             node=self.carrier.travel.node,
@@ -182,7 +193,7 @@ class BoxPilot(Agent):
         self.clock.call_at(beat_at_s, self._beat)
 
     def beat(self) -> None:
-        """Say how it stands, to everybody who hears it."""
+        """Say how it stands, to the machines."""
         hint = self.right_of_way.hint(self.clock.now_s)
         self.air.hint(self.name, lambda: self._neighbours.on_heartbeat(self.name, hint))
 
@@ -220,8 +231,12 @@ class BoxPilot(Agent):
     def receive(self, sender: str, message: Message) -> None:
         if self.off:
             return
-        self._sense()
         now_s = self.clock.now_s
+        if isinstance(message, FloorTold):
+            self._surroundings.on_floor(sender, message, now_s)
+            if not any(vehicle.silent for vehicle in message.vehicles):
+                return
+        self._sense()
         row = self.right_of_way
         if isinstance(message, PlaceGranted):
             row.on_granted(sender, message, now_s)
@@ -231,6 +246,8 @@ class BoxPilot(Agent):
             row.on_yield_refused(sender, message, now_s)
         elif isinstance(message, HoldsAsked):
             row.on_holds_asked(sender, message, now_s)
+        elif isinstance(message, FloorTold):
+            row.on_silence_told(now_s)
         self._done()
 
     def sound(self, name: object) -> None:

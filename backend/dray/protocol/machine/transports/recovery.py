@@ -7,11 +7,10 @@ while it was away is in nobody's notes but the vehicle's, and so is everything w
 from __future__ import annotations
 
 from dray.messages import AtvHeartbeat, Brief, Phase, Transport
-from dray.messages.keys import Keys
 from dray.plant import Plant
+from dray.protocol.liveness.failure_detector import EVERYBODY, HeartbeatSubscriptions
 from dray.protocol.machine.supply import Supply
 from dray.protocol.machine.transports.transports import RECOVERY_WAIT_S, Transports
-from dray.protocol.runtime.events import Effect, Subscribe, Unsubscribe
 from dray.protocol.runtime.timers import Timers
 
 RECOVERY_WAIT = "recovery wait"
@@ -26,44 +25,39 @@ class Recovery:
     Args:
         machine: who was started again.
         plant: its materials, and where they come from.
-        keys: the plant's bus keys.
+        subscriptions: whose heartbeats the machine listens to.
         tasks: its transports.
         supply: its buffers.
         timers: its alarms; this class uses `RECOVERY_WAIT`.
-        out: where effects go.
     """
 
     def __init__(
         self,
         machine: str,
         plant: Plant,
-        keys: Keys,
+        subscriptions: HeartbeatSubscriptions,
         tasks: Transports,
         supply: Supply,
         timers: Timers,
-        out: list[Effect],
     ) -> None:
         self._machine = machine
         self._plant = plant
-        self._key = keys.all_atv_heartbeats
+        self._subscriptions = subscriptions
         self._tasks = tasks
         self._supply = supply
         self._timers = timers
-        self._out = out
         self._forgetful = False
         """It has no notes of the life before."""
-        self._listens_on = False
 
-    def listen(self, forgetful: bool, now_s: float, *, listens_on: bool) -> None:
-        """Listen to all vehicles for a while; `listens_on` where the machine goes on listening for another reason."""
-        self._forgetful, self._listens_on = forgetful, listens_on
-        self._out.append(Subscribe(self._key))
+    def listen(self, forgetful: bool, now_s: float) -> None:
+        """Listen to all vehicles for a while."""
+        self._forgetful = forgetful
+        self._subscriptions.follow(EVERYBODY)
         self._timers.set(RECOVERY_WAIT, now_s + RECOVERY_WAIT_S)
 
     def stop_listening(self) -> None:
         """The alarm has come: listen to all vehicles no longer."""
-        if not self._listens_on:
-            self._out.append(Unsubscribe(self._key))
+        self._subscriptions.unfollow(EVERYBODY)
 
     def waits_for_word_on(self, task: str) -> bool:
         """Whether a task that is not known may be one of an earlier life, of which its carrier's heartbeat tells."""

@@ -50,6 +50,11 @@ class Book:
         return tuple(self._by_atv.get(atv, {}).values())
 
     @property
+    def atvs(self) -> tuple[str, ...]:
+        """All that hold something."""
+        return tuple(atv for atv, lines in self._by_atv.items() if lines)
+
+    @property
     def bookings(self) -> tuple[PlaceBooking, ...]:
         """All lines."""
         return tuple(self._lines.values())

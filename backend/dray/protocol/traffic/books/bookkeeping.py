@@ -13,8 +13,6 @@ from dray.messages import (
     BookAsked,
     BookKept,
     BookTold,
-    HoldsAsked,
-    Link,
     MachineHeartbeat,
     Message,
     PlaceBooked,
@@ -26,15 +24,16 @@ from dray.messages import (
 from dray.messages.heartbeat import AWAITED_MAX
 from dray.messages.keys import Keys
 from dray.plant import Plant
+from dray.protocol.liveness.failure_detector import EVERYBODY, HeartbeatSubscriptions
 from dray.protocol.liveness.suspicion import WORKING_INTERVAL_S, gone_s
-from dray.protocol.runtime.events import Commit, Effect, Ignore, Send, Subscribe
+from dray.protocol.runtime.events import Commit, Effect, Ignore, Subscribe
 from dray.protocol.runtime.timers import Timers
 from dray.protocol.runtime.trust import Trusts
 from dray.protocol.traffic.books.copies import Kept
 from dray.protocol.traffic.books.district import BOOK_TICK
 from dray.protocol.traffic.books.districts import Districts
 from dray.protocol.traffic.neighbours import Neighbours
-from dray.protocol.traffic.removal_authorisation import IS_HEARD, NOT_THERE, RemovalAuthorisation
+from dray.protocol.traffic.removal_authorisation import IS_HEARD, NOT_THERE, TOO_EARLY, RemovalAuthorisation
 from dray.protocol.traffic.traffic_map import TrafficMap
 
 NOT_KEPT_HERE = "about a book that is not kept here; or the plant file is another one"
@@ -45,6 +44,9 @@ ABOUT_BOOKS: tuple[type[Message], ...] = (PlaceWished, PlaceBooked, BookKept, Bo
 
 WISHED_S = gone_s(WORKING_INTERVAL_S)
 """Whoever has said within this what it holds is heard, whatever becomes of its heartbeats."""
+
+NAMED_S = 300.0
+"""A vehicle that people carry is listened to for so long after they have said so last: it may be put back anywhere."""
 
 NOTE = "book "
 """Names the note of a book, before the district."""
@@ -58,6 +60,7 @@ class Bookkeeping:
         plant: for keys, and to know machines from stations.
         traffic: of the plant; None where vehicles drive without right of way.
         trusts: whose word counts when people carry vehicles away.
+        subscriptions: to whose heartbeats the agent listens.
         timers: the agent's alarms.
         out: where effects go.
     """
@@ -68,6 +71,7 @@ class Bookkeeping:
         plant: Plant,
         traffic: TrafficMap | None,
         trusts: Trusts,
+        subscriptions: HeartbeatSubscriptions,
         timers: Timers,
         out: list[Effect],
     ) -> None:
@@ -75,12 +79,17 @@ class Bookkeeping:
         self._plant = plant
         self._keys = Keys(plant.id)
         self._traffic = traffic
+        self._subscriptions = subscriptions
         self._timers = timers
         self._out = out
         self._neighbours = Neighbours()
         self._authorisation = RemovalAuthorisation(plant, trusts, self._neighbours)
-        self._since_s = 0.0
-        """When it has begun to listen."""
+        self._followed: set[str] = set()
+        """The vehicles that it listens to."""
+        self._hears_all_since_s: float | None = None
+        """Since when it listens to all vehicles; None when it does not."""
+        self._named_s: dict[str, float] = {}
+        """Vehicle -> when a person's word that it was carried away was heard last."""
         self._wished_s: dict[str, float] = {}
         """Vehicle -> when it has said last what it holds."""
         self._written: dict[str, Kept] = {}
@@ -110,7 +119,6 @@ class Bookkeeping:
         traffic = self._traffic
         if traffic is None or not self.keeps_books:
             return
-        self._since_s = now_s
         kept = {
             name.removeprefix(NOTE): Kept(
                 note.epoch, note.kept_epoch, note.version, note.bookings, note.removed
@@ -121,9 +129,16 @@ class Bookkeeping:
         self._written = dict(kept)
         self._outdated = [name for name in kept if self._me not in traffic.places.keepers_of.get(name, ())]
         self._books = Districts(
-            self._me, traffic.places, traffic.atvs, kept, self._neighbours, self._timers, self._out
+            self._me,
+            traffic.places,
+            traffic.atvs,
+            kept,
+            self._neighbours,
+            self._keys.floor,
+            self._timers,
+            self._out,
         )
-        self._out += (Subscribe(self._keys.all_atv_heartbeats), Subscribe(self._keys.removals))
+        self._out.append(Subscribe(self._keys.removals))
         others = {
             keeper
             for keepers in traffic.places.keepers_of.values()
@@ -138,6 +153,7 @@ class Bookkeeping:
             )
             self._out.append(Subscribe(key(keeper)))
         self._books.start(now_s)
+        self._follow(now_s)
 
     def commits(self) -> list[Commit]:
         """What of the books has changed: it is written down before anything is said."""
@@ -145,11 +161,12 @@ class Bookkeeping:
             return []
         commits = [Commit(None, NOTE + district) for district in self._outdated]
         self._outdated = []
-        for district, kept in self._books.kept().items():
-            if self._written.get(district) != kept:
-                self._written[district] = kept
+        for district, kept in self._books.kept():
+            written = self._written.get(district)
+            if written is not kept and written != kept:
                 note = BookMemory(kept.epoch, kept.kept_epoch, kept.version, kept.bookings, kept.removed)
                 commits.append(Commit(note, NOTE + district))
+            self._written[district] = kept
         return commits
 
     # --- messages and alarms ---------------------------------------------------------------------
@@ -184,14 +201,18 @@ class Bookkeeping:
         for removal in said.removals:
             if objection := self._remove(removal, now_s):
                 self._out.append(Ignore(objection))
+        self._follow(now_s)
 
     def _remove(self, removal: Removal, now_s: float) -> str:
         """A person has carried a vehicle away, or puts it back. Returns why that is not believed; empty when it is."""
         if self._books is None or self._traffic is None:
             return NOT_KEPT_HERE
         atv = removal.atv
-        if objection := self._authorisation.objection(removal, self._since_s, now_s):
+        if objection := self._authorisation.objection(removal, self._since_s(atv, now_s), now_s):
+            if objection in (TOO_EARLY, IS_HEARD):
+                self._named_s[atv] = now_s
             return objection
+        self._named_s[atv] = now_s
         if now_s - self._wished_s.get(atv, -WISHED_S) < WISHED_S:
             return IS_HEARD
         last = self._neighbours.last(atv)
@@ -215,17 +236,15 @@ class Bookkeeping:
             self._wished_s[sender] = now_s
         if self._books is None or not self._books.on_message(sender, message.district, message, now_s):
             self._out.append(Ignore(NOT_KEPT_HERE))
+        self._follow(now_s)
 
     def _on_vehicle(self, _sender: str, heartbeat: AtvHeartbeat, now_s: float) -> None:
-        self._neighbours.on_vehicle(heartbeat, now_s)
-        if self._books is None:
+        atv = heartbeat.atv
+        if self._books is None or (self._hears_all_since_s is None and atv not in self._followed):
             return
-        if heartbeat.floor is not UNSET:
-            self._books.on_vehicle(heartbeat.atv, heartbeat.incarnation, heartbeat.floor.removal)
-        elif heartbeat.link is Link.WLAN:
-            # It drives as if it were alone (`drivers.alone_among_others`); by radio nobody tells what he holds.
-            name, district = next(iter(self._books.districts.items()))
-            self._out.append(Send(heartbeat.atv, HoldsAsked(district=name, epoch=district.copies.kept.epoch)))
+        is_news = self._neighbours.on_vehicle(heartbeat, now_s)
+        removal = heartbeat.floor.removal if heartbeat.floor is not UNSET else None
+        self._books.on_vehicle(atv, heartbeat.incarnation, removal, now_s, is_news=is_news)
 
     def _on_mixed_settings(self, _sender: str, _message: Message, _now_s: float) -> None:
         self._out.append(Ignore(WITHOUT_BOOKS))
@@ -237,6 +256,36 @@ class Bookkeeping:
     def _tick(self, district: str, now_s: float) -> None:
         if self._books is not None:
             self._books.tick(district, now_s)
+            self._follow(now_s)
+
+    # --- whom it listens to ----------------------------------------------------------------------
+
+    def _since_s(self, atv: str, now_s: float) -> float:
+        """Since when it would have heard a vehicle that lives."""
+        since_s = (self._neighbours.expected_since_s(atv), self._hears_all_since_s)
+        return min((one_s for one_s in since_s if one_s is not None), default=now_s)
+
+    def _follow(self, now_s: float) -> None:
+        """Listen to those vehicles that the books are about, and to all of them while a roll is called."""
+        books = self._books.districts.values() if self._books is not None else ()
+        hears_all = any(district.calls_roll for district in books)
+        if hears_all is not (self._hears_all_since_s is not None):
+            self._hears_all_since_s = now_s if hears_all else None
+            (self._subscriptions.follow if hears_all else self._subscriptions.unfollow)(EVERYBODY)
+        if self._named_s:
+            self._named_s = {atv: at_s for atv, at_s in self._named_s.items() if now_s - at_s < NAMED_S}
+        wanted = set(self._named_s)
+        for district in books:
+            wanted |= district.listens_to
+        if wanted == self._followed:
+            return
+        for atv in sorted(self._followed - wanted):
+            self._subscriptions.unfollow(atv)
+            self._neighbours.forget(atv)
+        for atv in sorted(wanted - self._followed):
+            self._subscriptions.follow(atv)
+            self._neighbours.expect(atv, now_s)
+        self._followed = wanted
 
 
 def _both(

@@ -11,10 +11,7 @@ from collections.abc import Iterator, Sequence
 from msgspec.structs import replace
 
 from dray.messages import Message, Removal
-from dray.messages.fact import PlaceKept, PlacesFreed
 from dray.messages.traffic import (
-    FIRST_S,
-    HOLDS_MAX,
     Blocked,
     BookAsked,
     BookKept,
@@ -25,18 +22,18 @@ from dray.messages.traffic import (
     PlaceWished,
     YieldAsked,
 )
-from dray.protocol.runtime.events import Effect, Ignore, Record, Send
+from dray.protocol.runtime.events import NEVER_S, Effect, Ignore, Send
 from dray.protocol.runtime.timers import Timers
 from dray.protocol.traffic.books.allotment import FREE, Hindrance, allot
 from dray.protocol.traffic.books.book import Book
+from dray.protocol.traffic.books.carried import Carried, absent
 from dray.protocol.traffic.books.copies import Copies, Kept
+from dray.protocol.traffic.books.floor_report import NEWS_S, FloorReport
 from dray.protocol.traffic.books.roll_call import RollCall
-from dray.protocol.traffic.neighbours import SILENT_S, Neighbours
+from dray.protocol.traffic.books.turns import Turns
+from dray.protocol.traffic.neighbours import Neighbours
 
 BOOK_TICK = "book tick"
-
-NO_KEEPER = "the word of somebody who does not keep this book"
-NOT_ITS_TURN = "a book written by one whose turn it is not"
 
 TICK_S = 1.0
 """A holder is asked to make room, and a copy that was not answered for is sent, once in so long."""
@@ -53,6 +50,7 @@ class District:
         atvs: the vehicles of the plant: a roll call is over when all of them have told.
         kept: what an earlier life has left; None for nothing.
         neighbours: what is known of the vehicles.
+        report: what is told of them to other vehicles.
         timers: the agent's alarms; this one's is ``(BOOK_TICK, district)``.
         out: where effects go.
     """
@@ -66,6 +64,7 @@ class District:
         atvs: Sequence[str],
         kept: Kept | None,
         neighbours: Neighbours,
+        report: FloorReport,
         timers: Timers,
         out: list[Effect],
     ) -> None:
@@ -73,9 +72,10 @@ class District:
         self._district = district
         self._inside = inside
         self._me = me
-        self._keepers = tuple(keepers)
         self._atvs = tuple(atvs)
         self._neighbours = neighbours
+        self._report = report
+        self._turns = Turns(me, keepers)
         self._timers = timers
         self._out = out
         self._book = Book()
@@ -86,36 +86,50 @@ class District:
         """Vehicles that are to be told what the book says of them, once that counts."""
         self._newest: dict[str, tuple[int, int]] = {}
         """Vehicle -> life and number of its newest wish."""
+        self._look_s = NEVER_S
+        """When the alarm sounds."""
         self._asked_s: dict[str, float] = {}
         """Holder -> when it was asked to make room."""
         self._roll: RollCall | None = None
         """While vehicles are asked what they hold."""
         self._led_epoch = -1
         """Under which this keeper has taken the book over last."""
-        self._heard_s: dict[str, float] = {}
-        self._to_tell: list[tuple[int, PlacesFreed]] = []
-        """What was freed, and the version with which that counts."""
-        self._keeping: dict[str, tuple[int, str]] = {}
-        """Vehicles that are being put back -> number of the removal, and the place that is to be kept."""
-        self._kept: dict[str, tuple[int, str]] = {}
-        """Those whose place is kept, and that was told."""
+        self._carried = Carried(out)
 
     # --- its life --------------------------------------------------------------------------------
 
     def start(self, now_s: float) -> None:
         """Begin: the first keeper seeks to keep the book, the others listen; who has lost its memory asks."""
-        self._heard_s = dict.fromkeys(self._keepers, now_s)
+        self._turns.start(now_s)
         if self.copies.lost:
             self.copies.ask()
             self._after_copies(now_s)
         elif self.copies.leader == self._me:
             self.copies.seek()
             self._after_copies(now_s)
-        self._timers.set((BOOK_TICK, self._district), now_s + TICK_S)
+        self._look_within(NEWS_S, now_s)
 
     def on_heartbeat(self, keeper: str, now_s: float) -> None:
         """Another keeper lives."""
-        self._heard_s[keeper] = now_s
+        self._turns.on_keeper(keeper, now_s)
+
+    @property
+    def calls_roll(self) -> bool:
+        """Whether it must hear everybody."""
+        return self._roll is not None
+
+    @property
+    def listens_to(self) -> set[str]:
+        """The vehicles whose heartbeats it must hear: those in its book, or that want to be, or are to be told something."""
+        if not self.leads:
+            return set()
+        return {*self._book.atvs, *self._wishes, *self._carried.unaware}
+
+    def concerns(self, removal: Removal, place: str) -> bool:
+        """Whether a word that a vehicle was carried away means anything here."""
+        if self._roll is not None:
+            return True
+        return self.leads and (place in self._inside or bool(self._book.of(removal.atv)))
 
     @property
     def leads(self) -> bool:
@@ -136,14 +150,14 @@ class District:
 
     def on_message(self, sender: str, message: Message, now_s: float) -> None:
         """One of the messages that name this district."""
-        if reason := self._objection(sender, message):
+        if reason := self._turns.objection(sender, message):
             self._out.append(Ignore(reason))
             return
         match message:
             case PlaceWished():
                 self._on_wish(sender, message, now_s)
             case PlaceBooked():
-                self._heard_s[sender] = now_s
+                self._turns.on_keeper(sender, now_s)
                 self.copies.on_booked(sender, message)
             case BookKept():
                 if self.copies.on_kept(sender, message):
@@ -155,16 +169,7 @@ class District:
                 self._after_copies(now_s)
             case _:
                 self._out.append(Ignore("no message for the keeper of a book"))
-
-    def _objection(self, sender: str, message: Message) -> str:
-        """Why a message is not believed, whatever it says: among keepers only keepers count, and only one of them writes."""
-        if isinstance(message, PlaceWished):
-            return ""
-        if sender not in self._keepers:
-            return NO_KEEPER
-        if isinstance(message, PlaceBooked) and self._keepers[message.epoch % len(self._keepers)] != sender:
-            return NOT_ITS_TURN
-        return ""
+        self._look_within(NEWS_S, now_s)
 
     def _on_wish(self, sender: str, wish: PlaceWished, now_s: float) -> None:
         if not self._inside.issuperset((*wish.holds, *(place for group in wish.groups for place in group))):
@@ -176,9 +181,8 @@ class District:
             return
         if not self.copies.leads:
             if not self.copies.lost and self.copies.leader != self._me:
-                self._out.append(
-                    Send(sender, HoldsAsked(district=self._district, epoch=self.copies.kept.epoch))
-                )
+                asked = HoldsAsked(district=self._district, epoch=self.copies.kept.epoch)
+                self._out.append(Send(sender, asked))
             return
         known = self._book.removal_of(sender)
         self._book.remove(sender, wish.removal)
@@ -187,12 +191,17 @@ class District:
             # It does not know that it was carried away: what it held is void, and that is all that it is told.
             wish = replace(wish, holds=(), groups=())
         else:
-            self._book.strike(wish, sender)
+            self._carried.unaware.discard(sender)
         if (wish.life, wish.seq) > self._newest.get(sender, (0, 0)):
+            # One that was overtaken gives nothing back: what it did not hold then it may hold now.
+            if wish.removal >= known:
+                self._book.strike(wish, sender)
             self._newest[sender] = (wish.life, wish.seq)
             self._wishes[sender] = wish
             self._owed.add(sender)
             self._book.claim(sender, wish.holds)
+            if wish.removal >= known:
+                self._neighbours.on_wish(sender, wish, now_s)
         self._settle(now_s)
 
     def remove(self, removal: Removal, place: str, now_s: float) -> None:
@@ -207,20 +216,25 @@ class District:
             self._wishes.pop(atv, None)
             self._owed.discard(atv)
             places = self._book.remove(atv, removal.number)
-            if places:
-                freed = PlacesFreed(
-                    atv=atv, number=removal.number, by=removal.grant.person, places=places[:HOLDS_MAX]
-                )
-                self._to_tell.append((self._book.version, freed))
-        if place in self._inside and self._kept.get(atv) != (removal.number, place):
+            self._carried.free(removal, places, self._book.version)
+        if place in self._inside and not self._carried.is_kept(removal, place):
             self._wishes[atv] = self._absent(removal, place)
-            self._keeping[atv] = (removal.number, place)
+            self._carried.keep(removal, place)
         self._settle(now_s)
+        self._look_within(NEWS_S, now_s)
 
-    def on_vehicle(self, atv: str, life: int, removal: int) -> None:
+    def on_vehicle(self, atv: str, life: int, removal: int | None, now_s: float, *, is_news: bool) -> None:
         """A vehicle was heard: if it does not know that it was carried away, it is told, and asks anew for where it stands."""
+        if not self.leads:
+            return
+        if is_news and self._book.of(atv):
+            self._look_within(NEWS_S, now_s)
         known = self._book.removal_of(atv)
-        if self.leads and removal < known and self.copies.counted >= self._book.version:
+        if removal is None:
+            return
+        if removal >= known:
+            self._carried.unaware.discard(atv)
+        elif self.copies.counted >= self._book.version:
             epoch, lines = self.copies.kept.epoch, self._book.of(atv)
             told = PlaceGranted(
                 district=self._district, epoch=epoch, life=life, upto=0, grants=lines, removal=known
@@ -228,8 +242,7 @@ class District:
             self._out.append(Send(atv, told))
 
     def tick(self, now_s: float) -> None:
-        """A second has passed."""
-        self._timers.set((BOOK_TICK, self._district), now_s + TICK_S)
+        """A second has passed, or there is something to see to."""
         if self._roll is not None:
             self._roll.call(self._called)
             self._close_roll(now_s)
@@ -240,19 +253,29 @@ class District:
             self.copies.repeat()
             if self._hindrances:
                 self._settle(now_s)
-        elif self._misses_the_leader(now_s):
+            self._report.tell(self._book, self.copies.kept.epoch, now_s)
+        elif self._turns.mine_at_s(self.copies.kept.epoch, now_s) <= now_s:
             self.copies.seek()
             self._after_copies(now_s)
+        self._look_later(now_s)
 
-    def _misses_the_leader(self, now_s: float) -> bool:
-        """Whether it is this keeper's turn because those before it are silent."""
-        turns = len(self._keepers)
-        epoch = self.copies.kept.epoch
-        while (keeper := self._keepers[epoch % turns]) != self._me:
-            if now_s - self._heard_s.get(keeper, now_s) <= SILENT_S:
-                return False
-            epoch += 1
-        return True
+    def _look_later(self, now_s: float) -> None:
+        """Set the alarm for when there is something to see to, as far as one knows now."""
+        if self._roll is not None or self.copies.asks:
+            at_s = now_s + TICK_S
+        elif not self.copies.leads:
+            at_s = max(self._turns.mine_at_s(self.copies.kept.epoch, now_s), now_s + TICK_S)
+        else:
+            waits = bool(self._hindrances) or self.copies.is_behind
+            at_s = now_s + TICK_S if waits else self._report.due_s
+        self._look_s = at_s
+        self._timers.set((BOOK_TICK, self._district), at_s)
+
+    def _look_within(self, span_s: float, now_s: float) -> None:
+        """Something has happened: set the alarm for sooner, if it is later."""
+        if self._look_s > now_s + span_s:
+            self._look_s = now_s + span_s
+            self._timers.set((BOOK_TICK, self._district), self._look_s)
 
     # --- whose book it is ------------------------------------------------------------------------
 
@@ -270,7 +293,7 @@ class District:
         # Under a number of its own, so that a majority has it under this epoch before anything of it is said.
         self._book = Book(kept.bookings, kept.version + 1, kept.removed)
         self._wishes, self._hindrances, self._newest, self._owed = {}, {}, {}, set()
-        self._to_tell, self._keeping = [], {}
+        self._carried.take_over(one.atv for one in kept.removed)
         self._write()
         for atv in self._atvs:
             self._out.append(Send(atv, HoldsAsked(district=self._district, epoch=kept.epoch)))
@@ -290,6 +313,7 @@ class District:
         self._led_epoch = roll.epoch
         self._wishes, self._hindrances, self._owed = dict(roll.told), {}, set(roll.told)
         self._newest = {atv: (wish.life, wish.seq) for atv, wish in roll.told.items()}
+        self._carried.take_over(one.atv for one in self._book.removed)
         self._write()
         self._settle(now_s)
 
@@ -314,7 +338,7 @@ class District:
         if not self.leads:
             return
         counted = self.copies.counted
-        self._tell(counted)
+        self._carried.tell(self._book, counted)
         for atv in sorted(self._owed):
             wish, lines = self._wishes[atv], self._book.of(atv)
             if any(line.number > counted for line in lines):
@@ -360,31 +384,6 @@ class District:
         seen, wish = self._neighbours.of(atv), self._wishes.get(atv)
         return seen is not None and not seen.stands and not (wish is not None and wish.stands)
 
-    # --- vehicles that people carry --------------------------------------------------------------
-
-    def _tell(self, counted: int) -> None:
-        """Tell people what was freed and kept, once that counts."""
-        self._out += [Record(fact) for version, fact in self._to_tell if version <= counted]
-        self._to_tell = [told for told in self._to_tell if told[0] > counted]
-        for atv, (number, place) in tuple(self._keeping.items()):
-            line = next((line for line in self._book.of(atv) if line.place == place), None)
-            if line is not None and line.number <= counted:
-                self._kept[atv] = self._keeping.pop(atv)
-                self._out.append(Record(PlaceKept(atv=atv, number=number, place=place)))
-
     def _absent(self, removal: Removal, place: str) -> PlaceWished:
-        """What is said in the place of a vehicle that is not on the floor: it wants the place where it is being put back, if any."""
-        return PlaceWished(
-            district=self._district,
-            life=removal.life,
-            seq=0,
-            epoch=self._roll.epoch if self._roll is not None else self.copies.kept.epoch,
-            rank=(0, FIRST_S, removal.atv),
-            holds=(),
-            groups=((place,),) if place in self._inside else (),
-            seen=0,
-            stands=True,
-            docked=False,
-            avoid=(removal.node,) if place in self._inside else (),
-            removal=removal.number,
-        )
+        epoch = self._roll.epoch if self._roll is not None else self.copies.kept.epoch
+        return absent(self._district, removal, place if place in self._inside else "", epoch)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 from dray.messages import Message
 from dray.protocol.runtime.events import Effect
 from dray.protocol.runtime.timers import Timers
 from dray.protocol.traffic.books.copies import Kept
 from dray.protocol.traffic.books.district import District
+from dray.protocol.traffic.books.floor_report import FloorReport
 from dray.protocol.traffic.neighbours import Neighbours
 from dray.protocol.traffic.places import Places
 
@@ -22,6 +23,7 @@ class Districts:
         atvs: the vehicles of the plant.
         kept: district -> what an earlier life has left; without an entry it is lost, or there was none.
         neighbours: what is known of the vehicles.
+        key_of: the bus key on which a district is told.
         timers: the agent's alarms; those of this one are ``(BOOK_TICK, district)``.
         out: where effects go.
 
@@ -36,12 +38,22 @@ class Districts:
         atvs: Sequence[str],
         kept: Mapping[str, Kept],
         neighbours: Neighbours,
+        key_of: Callable[[str], str],
         timers: Timers,
         out: list[Effect],
     ) -> None:
         self.districts = {
             name: District(
-                name, places.places_in(name), me, keepers, atvs, kept.get(name), neighbours, timers, out
+                name,
+                places.places_in(name),
+                me,
+                keepers,
+                atvs,
+                kept.get(name),
+                neighbours,
+                FloorReport(name, key_of(name), neighbours, out),
+                timers,
+                out,
             )
             for name, keepers in places.keepers_of.items()
             if me in keepers
@@ -69,19 +81,27 @@ class Districts:
         """The alarm of a district has come."""
         self.districts[name].tick(now_s)
 
-    def on_vehicle(self, atv: str, life: int, removal: int) -> None:
-        """A vehicle was heard; `removal` is the newest one that it knows of."""
+    def on_vehicle(self, atv: str, life: int, removal: int | None, now_s: float, *, is_news: bool) -> None:
+        """A vehicle was heard.
+
+        Args:
+            atv: the vehicle.
+            life: its incarnation.
+            removal: the newest one that it knows of; None where it tells nothing of traffic.
+            now_s: when.
+            is_news: it tells more than that it is there.
+        """
         for district in self.districts.values():
-            district.on_vehicle(atv, life, removal)
+            district.on_vehicle(atv, life, removal, now_s, is_news=is_news)
 
     def awaited(self, now_s: float) -> set[str]:
         """Vehicles without whose word some district grants nothing."""
         return {atv for district in self.districts.values() for atv in district.awaited(now_s)}
 
-    def kept(self) -> dict[str, Kept]:
-        """What must be written down before anything is said."""
-        return {
-            name: district.copies.kept
+    def kept(self) -> list[tuple[str, Kept]]:
+        """What must be written down before anything is said, by district."""
+        return [
+            (name, district.copies.kept)
             for name, district in self.districts.items()
             if not district.copies.lost
-        }
+        ]

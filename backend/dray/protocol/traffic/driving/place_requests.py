@@ -13,9 +13,10 @@ from dray.protocol.traffic.driving.reserved_way import ReservedWay
 from dray.protocol.traffic.driving.wheels import Wheels
 from dray.protocol.traffic.driving.wishes import State, Wishes
 from dray.protocol.traffic.driving.yielding import Yielding
-from dray.protocol.traffic.neighbours import Neighbours, Seen
+from dray.protocol.traffic.neighbours import Seen
 from dray.protocol.traffic.places import Places
 from dray.protocol.traffic.prices import Outlook
+from dray.protocol.traffic.surroundings import Surroundings
 from dray.protocol.traffic.ways import Ways
 
 LOOK = "look"
@@ -50,7 +51,7 @@ class PlaceRequests:
         atv: the vehicle.
         life: its incarnation.
         places, ways: of the plant.
-        neighbours: what is known of others.
+        surroundings: what is known of others.
         timers: the agent's alarms; this one's are `LOOK`, `HELD_UP` and those of `Wishes`.
         out: where effects go.
         node, next_node: where the vehicle stands, or the lane that it is on; its way ends with that lane.
@@ -65,7 +66,7 @@ class PlaceRequests:
         life: int,
         places: Places,
         ways: Ways,
-        neighbours: Neighbours,
+        surroundings: Surroundings,
         timers: Timers,
         out: list[Effect],
         *,
@@ -94,9 +95,12 @@ class PlaceRequests:
         self._out = out
         self._wheels = Wheels(top_mps, acceleration_mps2, next_order, restrictions)
         self._rank: Rank = (IDLE, 0.0, atv)
-        self._outlook = Outlook(atv, neighbours, restrictions)
+        self._surroundings = surroundings
+        self._outlook = Outlook(surroundings, restrictions)
         self._yielding = Yielding(atv, ways, self._outlook, out)
         self._speed_mps = 0.0
+        self._went_round: frozenset[str] = frozenset()
+        """Places of silent vehicles for which it has looked for another way on this leg."""
         self._held_up_s: float | None = None
         """Since when it stands and waits for its next group."""
         self._aged_s = 0.0
@@ -250,7 +254,18 @@ class PlaceRequests:
                 anew=anew or district == anew_in,
                 to=to if district == anew_in else "",
             )
+        self._surroundings.listen(() if self._is_in_no_hurry(now_s) else districts, now_s)
         self._look_again(now_s)
+
+    def _is_in_no_hurry(self, now_s: float) -> bool:
+        """Whether it rests at its own place, and nobody has asked it for room: it need not know who is around."""
+        return (
+            self._rests
+            and self.way.stands
+            and self.errand is Errand.OWN
+            and not self._asked
+            and self._yielding.of(now_s) is None
+        )
 
     def _groups(self) -> tuple[tuple[str, ...], ...]:
         """What it wants next: first of all where it is."""
@@ -281,9 +296,19 @@ class PlaceRequests:
         inherited = self._yielding.of(now_s)
         route = (self.way.node, *self.way.ahead)[:ROUTE_MAX]
         if inherited is None:
-            return State(self.rank(now_s), self.way.stands, self.docked, route, (), self.removal)
+            return State(
+                self.rank(now_s), self.way.stands, self.docked, route, (), self.removal, bool(self._asked)
+            )
         avoid = tuple(dict.fromkeys((*route, *inherited.avoid)))[: 2 * ROUTE_MAX]
-        return State(self.rank(now_s), self.way.stands, self.docked, avoid, inherited.chain, self.removal)
+        return State(
+            self.rank(now_s),
+            self.way.stands,
+            self.docked,
+            avoid,
+            inherited.chain,
+            self.removal,
+            bool(self._asked),
+        )
 
     def _look_again(self, now_s: float) -> None:
         """Set the alarm for the moment when it may be clear of a place, or needs the next one."""

@@ -92,6 +92,11 @@ class ReservedWay:
         return tuple(self._nodes[self._passed + 1 :])
 
     @property
+    def beyond(self) -> tuple[str, ...]:
+        """The nodes after its base."""
+        return tuple(self._nodes[self._base + 1 :])
+
+    @property
     def base_left_m(self) -> float:
         """From the vehicle to the end of its base."""
         return max(self._at_m[self._base] - self._at_m[self._passed] - self._past_m, 0.0)

@@ -7,6 +7,8 @@ carries out its instructions to the body, and tells where the vehicle is (`sense
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 from dray.messages.traffic import (
     ROUTE_MAX,
     Blocked,
@@ -102,6 +104,7 @@ class RightOfWay(PlaceRequests):
         self.docked = self._rests = False
         self._rank = (rank_class, now_s, self.atv)
         self._held_up_s = None
+        self._went_round = frozenset()
         self._yielding.begin_leg()
         if self.errand is Errand.OWN:
             self.way.turn_to(way)
@@ -176,6 +179,21 @@ class RightOfWay(PlaceRequests):
                         granted.district, self._holds_in(granted.district), (), self._state(now_s)
                     )
         self._settle(now_s, anew_in=granted.district if unwanted else "")
+
+    def on_silence_told(self, now_s: float) -> None:
+        """A keeper has told of silent vehicles: whoever would come to one looks for another way, once on each leg."""
+        if self.errand is not Errand.OWN or self.docked or self.way.base_end == self.way.goal:
+            return
+        ahead = (self.way.base_end, *self.way.beyond)
+        needed = {place for lane in pairwise(ahead) for place in self._places.needs(*lane)}
+        met = needed & self._surroundings.silent_at(now_s)
+        if met <= self._went_round:
+            return
+        self._went_round |= met
+        way = self._ways.way(self.way.base_end, self.goal, self._outlook.prices(now_s))
+        if way is not None:
+            self.way.turn_to(way)
+            self._settle(now_s)
 
     def on_yield_asked(self, sender: str, asked: YieldAsked, now_s: float) -> None:
         """Somebody wants to come by."""

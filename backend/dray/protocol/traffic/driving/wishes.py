@@ -43,6 +43,8 @@ class State(msgspec.Struct, frozen=True, gc=False):
     avoid: tuple[str, ...]
     chain: tuple[str, ...]
     removal: int = 0
+    asks: bool = False
+    """It asks for where it stands, and does not count that among what it holds: a wish gives nothing back then."""
 
 
 class _Line:
@@ -190,7 +192,7 @@ class Wishes:
             rank=state.rank,
             holds=holds,
             groups=groups,
-            seen=line.seen,
+            seen=0 if state.asks else line.seen,
             stands=state.stands,
             docked=state.docked,
             avoid=state.avoid if groups else (),

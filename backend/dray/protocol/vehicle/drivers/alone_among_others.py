@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from dray.body import Hold, ProblemRaised
-from dray.messages import HoldsAsked, Message, YieldAsked
+from dray.messages import FloorTold, HoldsAsked, Message, YieldAsked
+from dray.messages.keys import Keys
 from dray.plant import Plant
-from dray.protocol.runtime.events import Effect, Instruct
+from dray.protocol.runtime.events import Effect, Instruct, Subscribe
 
 PROBLEM = "started without right of way, and others drive with it; set DRAY_TRAFFIC alike for all"
 
@@ -16,7 +17,7 @@ BELIEVED_BY = 2
 
 
 class AloneAmongOthers:
-    """Notices that others drive with right of way: those who keep the books ask it what it holds.
+    """Notices that others drive with right of way: those who keep the books ask it what it holds, or tell of their districts.
 
     Args:
         plant: whose machines and storages may keep books.
@@ -33,8 +34,9 @@ class AloneAmongOthers:
         self._asked_by: set[str] = set()
 
     def fill(self, messages: dict[type[Message], Callable[..., None]]) -> None:
-        """Enter what there is to see to into the vehicle's table."""
-        messages[HoldsAsked] = messages[YieldAsked] = self._on_asked
+        """Enter what there is to see to into the vehicle's table, and listen to whoever keeps a book: where none is kept, nobody speaks."""
+        messages[HoldsAsked] = messages[YieldAsked] = messages[FloorTold] = self._on_asked
+        self._out.append(Subscribe(Keys(self._plant.id).all_floors))
 
     def _on_asked(self, sender: str, _message: Message, now_s: float) -> None:
         if sender not in self._plant.machines and sender not in self._plant.storages:

@@ -12,11 +12,11 @@ from dray.messages.heartbeat import FloorBrief
 from dray.messages.keys import Keys
 from dray.messages.traffic import HOLDS_MAX
 from dray.plant import Plant
-from dray.protocol.runtime.events import Effect, Subscribe
+from dray.protocol.runtime.events import Effect
 from dray.protocol.runtime.timers import Timers
 from dray.protocol.traffic.driving.place_requests import IDLE, WITH_TASK, Errand
 from dray.protocol.traffic.driving.right_of_way import RightOfWay
-from dray.protocol.traffic.neighbours import Neighbours
+from dray.protocol.traffic.surroundings import Surroundings
 from dray.protocol.traffic.traffic_map import TrafficMap
 from dray.protocol.vehicle.drivers.driver import ORDERS_PER_LIFE, Driver, limited_s
 
@@ -57,7 +57,7 @@ class ReservedDriver(Driver):
         first_order: ways and actions are numbered from here on.
 
     Attributes:
-        neighbours: what is known of others.
+        surroundings: what is known of others.
     """
 
     def __init__(
@@ -74,7 +74,7 @@ class ReservedDriver(Driver):
         super().__init__(plant, vehicle_type, out, first_order=first_order)
         self._kind = plant.vehicle_types[vehicle_type]
         self._owner = owner
-        self.neighbours = Neighbours()
+        self.surroundings = Surroundings(owner.id, traffic.places, Keys(plant.id).floor, out)
         self._traffic = traffic
         self._ways = traffic.ways(vehicle_type)
         self._timers = timers
@@ -139,7 +139,7 @@ class ReservedDriver(Driver):
             self._owner.incarnation,
             self._traffic.places,
             self._ways,
-            self.neighbours,
+            self.surroundings,
             self._timers,
             self._out,
             node=state.node,
@@ -154,8 +154,6 @@ class ReservedDriver(Driver):
         if next_node:
             self.way = (next_node,)
             self.arrives_s = now_s + state.next_node_s
-        keys = Keys(self._plant.id)
-        self._out += (Subscribe(keys.all_atv_heartbeats), Subscribe(keys.removals))
         row.start(now_s)
 
     def go(self, node: str, now_s: float) -> bool:

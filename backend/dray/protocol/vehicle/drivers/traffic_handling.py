@@ -7,26 +7,25 @@ from typing import Any, Protocol
 
 from dray.body import ProblemRaised
 from dray.messages import (
-    AtvHeartbeat,
+    FloorTold,
     HoldsAsked,
     Message,
     PlaceGranted,
-    Removals,
     YieldAsked,
     YieldRefused,
 )
 from dray.plant import Plant
 from dray.protocol.runtime.events import Effect, Ignore
-from dray.protocol.runtime.trust import Trusts
 from dray.protocol.traffic.driving.place_requests import HELD_UP, LOOK, Errand
 from dray.protocol.traffic.driving.right_of_way import RESTED, RightOfWay
 from dray.protocol.traffic.driving.wishes import WISH_AGAIN
-from dray.protocol.traffic.removal_authorisation import RemovalAuthorisation
 from dray.protocol.vehicle.drivers.alone_among_others import AloneAmongOthers
 from dray.protocol.vehicle.drivers.driver import Driver
 from dray.protocol.vehicle.drivers.reserved_driver import LOST, ReservedDriver
 
 Handler = Callable[[str, Any, float], None]
+
+NO_NEWS = "what somebody else than its keeper says of a district, or what is known"
 
 
 class Owner(Protocol):
@@ -63,31 +62,19 @@ class TrafficHandling:
     Args:
         driver: who drives with right of way.
         owner: the vehicle.
-        plant: where nodes and areas are.
-        trusts: whose word counts when people carry vehicles away.
         out: where effects go.
     """
 
-    def __init__(
-        self, driver: ReservedDriver, owner: Owner, plant: Plant, trusts: Trusts, out: list[Effect]
-    ) -> None:
+    def __init__(self, driver: ReservedDriver, owner: Owner, out: list[Effect]) -> None:
         self._driver = driver
         self._owner = owner
-        self._authorisation = RemovalAuthorisation(plant, trusts, driver.neighbours)
         self._out = out
 
     def fill(
         self, messages: dict[type[Message], Handler], alarms: dict[str, Callable[[Any, float], None]]
     ) -> None:
-        """Enter what there is to see to into the vehicle's tables; heartbeats are heard by both."""
-        watches = messages[AtvHeartbeat]
-
-        def on_heartbeat(sender: str, heartbeat: AtvHeartbeat, now_s: float) -> None:
-            self._driver.neighbours.on_vehicle(heartbeat, now_s)
-            watches(sender, heartbeat, now_s)
-
-        messages[AtvHeartbeat] = on_heartbeat
-        messages[Removals] = self._on_removals
+        """Enter what there is to see to into the vehicle's tables."""
+        messages[FloorTold] = self._on_floor
         messages[PlaceGranted] = self._told(lambda row, *heard: row.on_granted(*heard))
         messages[YieldAsked] = self._told(lambda row, *heard: row.on_yield_asked(*heard))
         messages[YieldRefused] = self._told(lambda row, *heard: row.on_yield_refused(*heard))
@@ -98,13 +85,12 @@ class TrafficHandling:
         alarms[RESTED] = lambda _about, now_s: self._step(lambda row: row.go_on(now_s), now_s)
         alarms[WISH_AGAIN] = lambda about, now_s: self._step(lambda row: row.repeat_wish(about, now_s), now_s)
 
-    def _on_removals(self, _sender: str, said: Removals, now_s: float) -> None:
-        """Others were carried away: where they were nobody is in the way any more."""
-        for removal in said.removals:
-            if objection := self._authorisation.objection(removal, float("-inf"), now_s):
-                self._out.append(Ignore(objection))
-            else:
-                self._driver.neighbours.carry_away(removal.atv, (removal.life, removal.seq))
+    def _on_floor(self, sender: str, told: FloorTold, now_s: float) -> None:
+        """What a keeper knows of its district: of itself it changes a way only where somebody is silent."""
+        if not self._driver.surroundings.on_floor(sender, told, now_s):
+            self._out.append(Ignore(NO_NEWS))
+        elif any(vehicle.silent for vehicle in told.vehicles):
+            self._step(lambda row: row.on_silence_told(now_s), now_s)
 
     def _told(self, take: Callable[..., None]) -> Handler:
         return lambda sender, message, now_s: self._step(lambda row: take(row, sender, message, now_s), now_s)
@@ -129,13 +115,12 @@ def handle_traffic(
     vehicle: Vehicle,
     driver: Driver,
     plant: Plant,
-    trusts: Trusts,
     out: list[Effect],
     messages: dict[type[Message], Handler],
     alarms: dict[str, Callable[[Any, float], None]],
 ) -> None:
     """Enter what a vehicle does when it hears of right of way into its tables, whether it has it or not."""
     if isinstance(driver, ReservedDriver):
-        TrafficHandling(driver, vehicle, plant, trusts, out).fill(messages, alarms)
+        TrafficHandling(driver, vehicle, out).fill(messages, alarms)
     else:
         AloneAmongOthers(plant, out, vehicle.problems.raise_problem).fill(messages)
