@@ -7,6 +7,7 @@ from collections import deque
 from collections.abc import Callable, Coroutine
 from functools import partial
 from random import Random
+from typing import Any
 
 import msgspec
 import pytest
@@ -16,13 +17,13 @@ from dray.adapters.telemetry.traffic_log import HEARD, LOGGED, SAID, Line
 from dray.body import Instruction, Report, VehicleState
 from dray.codec import encode
 from dray.messages import Message
-from dray.messages.speakers import Kind
-from dray.plant import default_plant
+from dray.plant import Plant, VehicleSpec, default_plant
 from dray.ports import Body, Bus, Receive, Session
 from dray.protocol.traffic.driving.reserved_way import ReservedWay
 from dray.protocol.traffic.places import Places
 from dray_sim.bodies.floor import NEARLY_EMPTY_FRAC
 from dray_sim.bodies.vehicle.course import Course
+from dray_sim.bodies.vehicle.vehicle import SimVehicle
 from dray_sim.checks.overlaps import Overlaps
 from dray_sim.checks.said_and_heard import NOT_HELD, Judgement, SaidAndHeard
 from dray_sim.clock.loop import JUMP, VirtualClock, clock, run
@@ -92,10 +93,15 @@ class LaggingBody:
 class Wires(SimFactory):
     """A factory whose vehicles' bodies lag."""
 
-    def _employ(self, agent: str, kind: Kind, make: object, body: Body | None) -> None:
-        if kind is Kind.ATV and body is not None:
-            body = LaggingBody(body, self.clock)
-        super()._employ(agent, kind, make, body)  # type: ignore[arg-type]
+    def __init__(self, plant: Plant, time: VirtualClock, **options: Any) -> None:
+        bodies: dict[str, LaggingBody] = {}
+
+        def embody(spec: VehicleSpec, vehicle: SimVehicle, _life: int) -> Body:
+            if spec.id not in bodies:
+                bodies[spec.id] = LaggingBody(vehicle, time)
+            return bodies[spec.id]
+
+        super().__init__(plant, time, embody=embody, **options)
 
 
 class Noted:

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from hashlib import sha256
 from math import hypot
 from random import Random
@@ -22,7 +21,7 @@ from dray.messages.keys import STRATEGIST, Keys
 from dray.messages.speakers import Kind
 from dray.plant import Plant, with_machine
 from dray.plant.model import MachineSpec, VehicleSpec
-from dray.ports import Body, Bus, Clock
+from dray.ports import Bus, Clock
 from dray.protocol.machine.machine import Machine
 from dray.protocol.runtime.events import Agent
 from dray.protocol.runtime.trust import Trusts
@@ -36,34 +35,12 @@ from dray_sim.bodies.vehicle.vehicle import SimVehicle
 from dray_sim.bodies.workcell import SimWorkcell
 from dray_sim.clock.computer import ComputerClock
 from dray_sim.clock.loop import VirtualClock
+from dray_sim.factory.installation import Embody, Installation, MakeAgent, MakeBody, always
 from dray_sim.factory.journal import HeldJournal
 from dray_sim.network.coverage import Coverage
 from dray_sim.network.latency import WLAN, Latency
 from dray_sim.network.listeners import Listener
 from dray_sim.network.sim_network import SimNetwork
-
-MakeAgent = Callable[[int, str, int], Agent]
-"""Makes an agent for one life, from the number of that life, the version of its software, and the transports
-that it has to do well on probation."""
-
-
-@dataclass(slots=True)
-class Installation:
-    """What of an agent outlives its process.
-
-    Attributes:
-        make: its next life.
-        body: what it acts with, if anything.
-        journal: what it has written down.
-        clock: of its computer.
-        software: the version that it runs.
-    """
-
-    make: MakeAgent
-    body: Body | None
-    journal: HeldJournal
-    clock: ComputerClock
-    software: str
 
 
 class SimFactory:
@@ -81,6 +58,7 @@ class SimFactory:
         meet: makes where the agents meet out of the simulated network.
         trusts: whose grants vehicles believe; by default those of `authority`.
         traffic: whether vehicles drive with right of way; else as if each were alone.
+        embody: what stands between a vehicle and each life of its agent; nothing by default.
 
     Attributes:
         authority: grants the commands of simulated people.
@@ -108,7 +86,9 @@ class SimFactory:
         meet: Callable[[Bus], Bus] = lambda network: network,
         trusts: Trusts | None = None,
         traffic: bool = False,
+        embody: Embody = lambda _spec, vehicle, _life: vehicle,
     ) -> None:
+        self._embody = embody
         self.plant = plant
         self.clock = clock
         self.keys = Keys(plant.id)
@@ -137,12 +117,12 @@ class SimFactory:
         self._incarnation = incarnation
         self._group: asyncio.TaskGroup | None = None
         for machine, workcell in self.workcells.items():
-            self._employ(machine, Kind.MACHINE, self._machine(machine, plant), workcell)
+            self._employ(machine, Kind.MACHINE, self._machine(machine, plant), always(workcell))
         for storage, place in self.storages.items():
-            self._employ(storage, Kind.STATION, self._station(storage), place)
+            self._employ(storage, Kind.STATION, self._station(storage), always(place))
         for spec in plant.fleet.values():
             self._man(spec)
-        self._employ(STRATEGIST, Kind.STRATEGIST, self._strategist, self.gate)
+        self._employ(STRATEGIST, Kind.STRATEGIST, self._strategist, always(self.gate))
 
     @property
     def journals(self) -> Mapping[str, HeldJournal]:
@@ -312,7 +292,7 @@ class SimFactory:
         """
         workcell = self.floor.add_machine(spec)
         plant = with_machine(self.plant, spec, spec.id)
-        self._employ(spec.id, Kind.MACHINE, self._machine(spec.id, plant, joining=True), workcell)
+        self._employ(spec.id, Kind.MACHINE, self._machine(spec.id, plant, joining=True), always(workcell))
         self._start(spec.id)
         return workcell
 
@@ -331,7 +311,9 @@ class SimFactory:
         """Give a vehicle that is on the floor its modem and its agent."""
         vehicle = self.vehicles[spec.id]
         self.bus.equip(spec.id, lambda: vehicle.sense().pose, vehicle.notice_link)
-        self._employ(spec.id, Kind.ATV, make or self._atv(spec), vehicle)
+        self._employ(
+            spec.id, Kind.ATV, make or self._atv(spec), lambda life: self._embody(spec, vehicle, life)
+        )
 
     def _powered(self, agent: str) -> SimVehicle | SimWorkcell:
         return self.vehicles[agent] if agent in self.vehicles else self.workcells[agent]
@@ -368,7 +350,7 @@ class SimFactory:
     def _strategist(self, life: int, _software: str, _probation: int) -> Agent:
         return Strategist(self.plant, incarnation=life)
 
-    def _employ(self, agent: str, kind: Kind, make: MakeAgent, body: Body | None) -> None:
+    def _employ(self, agent: str, kind: Kind, make: MakeAgent, body: MakeBody) -> None:
         self.bus.kinds[agent] = kind
         journal = HeldJournal(incarnation=self._incarnation)
         self._installations[agent] = Installation(make, body, journal, ComputerClock(self.clock), __version__)
@@ -382,7 +364,7 @@ class SimFactory:
             bus=self._meet,
             clock=installed.clock,
             keys=self.keys,
-            body=installed.body,
+            body=installed.body(installed.journal.incarnation),
             journal=installed.journal,
         )
 

@@ -11,6 +11,7 @@ from vda_rig import PROFILE, Rig
 from yard import PICK, TO_CORNER, drive
 
 from dray.body import ActionDone, NodePassed, ProblemCleared, WayDone
+from dray.messages.problem import Problem, ProblemKind
 from dray_sim.vda5050.misbehaviour import Misbehaviour
 
 AROUND = ("west", "middle", "east")
@@ -196,6 +197,23 @@ def test_21_what_keeps_it_from_going_on_is_a_problem_until_it_is_gone(why: str) 
     assert ProblemCleared() in rig.heard
     rig.run(40.0)
     assert rig.of(WayDone)
+
+
+KINDS = {
+    "localizationError": ProblemKind.LOST_POSITION,
+    "LASER_DIRTY": ProblemKind.SENSOR,
+    "forkJammed": ProblemKind.LOAD,
+    "E-17": ProblemKind.DRIVE,
+    "E-18": ProblemKind.UNKNOWN,
+}
+
+
+@pytest.mark.parametrize("error", KINDS)
+def test_21_the_kind_of_a_problem_follows_from_the_profile_or_from_the_words_of_its_error(error: str) -> None:
+    rig = Rig(msgspec.structs.replace(PROFILE, problems={"E-17": ProblemKind.DRIVE}))
+    rig.run(1.0)
+    rig.give("state", state_of(rig, headerId=1000, errors=[{"errorType": error, "errorLevel": "FATAL"}]))
+    assert rig.body.sense().about_problem == Problem(kind=KINDS[error], needs_person=True)
 
 
 @pytest.mark.parametrize("level", ["WARNING", "URGENT", "SOMETHING"])

@@ -19,6 +19,7 @@ from dray.adapters.vda5050.wire.dialects import DIALECTS, Dialect, Version
 from dray.adapters.vda5050.wire.orders import Value
 from dray.errors import SettingsError
 from dray.messages import Pose
+from dray.messages.problem import ProblemKind
 
 DEFAULT = "default"
 LARGEST_BYTES = 2**16
@@ -113,6 +114,9 @@ class Profile(Item, frozen=True):
     """Allowed at a node of an order."""
     first_deviation_m: Positive = 1.0
     """Allowed at the first one, where it stands already."""
+
+    problems: dict[str, ProblemKind] = {}
+    """What is wrong, by the vehicle's `errorType`; what is not here is guessed from words in it."""
 
     state_every_s: Positive = 30.0
     """It says how it is at least so often; 30 s is the text's."""

@@ -12,7 +12,7 @@ from dray.adapters.vda5050.control.hold import Holding
 from dray.adapters.vda5050.control.instant import InstantActions
 from dray.adapters.vda5050.control.on_board import OnBoard
 from dray.adapters.vda5050.control.orders import ASK_STATE, Orders
-from dray.adapters.vda5050.control.problems import absence, complaint, is_attended
+from dray.adapters.vda5050.control.problems import absence, complaint, is_attended, problem
 from dray.adapters.vda5050.control.vehicle_order import Kind, restored
 from dray.adapters.vda5050.control.view import NEVER_S, REORDERED_S, VehicleView
 from dray.adapters.vda5050.control.whereabouts import Stand
@@ -46,6 +46,7 @@ from dray.body import (
     VehicleState,
 )
 from dray.messages import Pose
+from dray.messages.problem import NOTHING_KNOWN, ProblemKind
 from dray.plant import Plant
 from dray.plant.model import VehicleType
 
@@ -102,7 +103,7 @@ class MasterControl:
         """Why the broker is away, and since when."""
         self._is_attended = False
         """People have it in their hands."""
-        self._problem = ""
+        self._problem: ProblemRaised | None = None
         """As it was told."""
 
     @property
@@ -118,7 +119,8 @@ class MasterControl:
         if self.view.heard_s == NEVER_S:
             odd = ", ".join(f"{count} times {reason}" for reason, count in self.view.odd.items())
             return "the vehicle has not said anything yet" + (f" that can be used: {odd}" if odd else "")
-        return self._find_problem(self.view.heard_s) or "the vehicle has not said where it is"
+        found = self._find_problem(self.view.heard_s)
+        return found.reason if found is not None else "the vehicle has not said where it is"
 
     def handle(self, event: Event, now_s: float) -> list[Effect]:
         """What is to be done about an event, in this order."""
@@ -171,7 +173,8 @@ class MasterControl:
             load_quantity=self._load.quantity,
             held=self._holding.held,
             charging=view.is_charging,
-            problem=self._problem,
+            problem=self._problem.reason if self._problem else "",
+            about_problem=self._problem.problem if self._problem else NOTHING_KNOWN,
             base_end=way.base_end if way is not None else "",
         )
 
@@ -250,29 +253,31 @@ class MasterControl:
 
     # --- problems, and what the next life must know ----------------------------------------------
 
-    def _find_problem(self, now_s: float) -> str:
+    def _find_problem(self, now_s: float) -> ProblemRaised | None:
         """What keeps it from going on; the first of several."""
-        view = self.view
-        if reason := absence(view, self._profile, self._unlinked, now_s):
-            return reason
-        if view.heard_s == NEVER_S:
-            return ""
-        if reason := complaint(view.state):
-            return reason
+        view, load = self.view, self._load
+        if (found := absence(view, self._profile, self._unlinked, now_s)) or view.heard_s == NEVER_S:
+            return found
+        if found := complaint(view.state, self._profile):
+            return found
         if not view.is_on_map:
-            return f"it is on a map that is not {view.map_id}"
+            return problem(f"it is on a map that is not {view.map_id}", ProblemKind.LOST_POSITION)
         if self._work.lacks_place:
             where = f": ({view.pose.x_m:.1f}, {view.pose.y_m:.1f})" if view.pose else ""
-            return f"it stands on no lane of the plant{where}"
+            return problem(f"it stands on no lane of the plant{where}", ProblemKind.LOST_POSITION)
         if self._orders.does_not_cancel:
-            return "it goes on with an order that was cancelled"
-        return self._holding.problem or self._load.doubt or self._load.difference
+            return problem("it goes on with an order that was cancelled")
+        if self._holding.problem:
+            return problem(self._holding.problem)
+        if load.doubt or load.difference:
+            return problem(load.doubt or load.difference, ProblemKind.LOAD, needs_person=True)
+        return None
 
     def _tell_problem(self, now_s: float) -> None:
-        problem = self._find_problem(now_s)
-        if problem != self._problem:
-            self._problem = problem
-            self._out.append(Tell(ProblemRaised(reason=problem) if problem else ProblemCleared()))
+        found = self._find_problem(now_s)
+        if found != self._problem:
+            self._problem = found
+            self._out.append(Tell(found or ProblemCleared()))
 
     def _remember(self) -> None:
         """Write down what the next life must know, when that has changed."""

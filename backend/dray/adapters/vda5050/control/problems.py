@@ -9,6 +9,8 @@ from __future__ import annotations
 from dray.adapters.vda5050.control.view import NEVER_S, VehicleView
 from dray.adapters.vda5050.profile import Profile
 from dray.adapters.vda5050.wire.messages import State
+from dray.body import ProblemRaised
+from dray.messages.problem import Problem, ProblemKind
 
 AWAY_S = 5.0
 """A vehicle that says it is away, or a broker that is, may be back before that."""
@@ -25,8 +27,22 @@ MODES = frozenset(
 )
 
 
-def absence(view: VehicleView, profile: Profile, unlinked: tuple[str, float] | None, now_s: float) -> str:
-    """Why nothing is known of the vehicle now; empty when it is there.
+KINDS = (
+    (ProblemKind.LOST_POSITION, ("locali", "position", "unknown_map")),
+    (ProblemKind.BATTERY, ("battery", "charg", "power")),
+    (ProblemKind.SENSOR, ("sensor", "scanner", "laser", "lidar", "camera")),
+    (ProblemKind.LOAD, ("load", "fork", "lift", "gripper")),
+    (ProblemKind.DRIVE, ("motor", "drive", "brake", "wheel", "steer")),
+    (ProblemKind.WAY_BLOCKED, ("obstacle", "block", "unreachable", "no_route", "noroute", "path")),
+    (ProblemKind.DOCK, ("dock", "conveyor", "station", "door")),
+)
+"""Pieces of an error's type, and what is probably wrong; the first that fits. A profile says it better."""
+
+
+def absence(
+    view: VehicleView, profile: Profile, unlinked: tuple[str, float] | None, now_s: float
+) -> ProblemRaised | None:
+    """Why nothing is known of the vehicle now; None when it is there.
 
     Args:
         view: what it has said.
@@ -35,32 +51,48 @@ def absence(view: VehicleView, profile: Profile, unlinked: tuple[str, float] | N
         now_s: the present time.
     """
     if unlinked is not None and now_s - unlinked[1] >= AWAY_S:
-        return f"the broker is away: {unlinked[0]}"
+        return problem(f"the broker is away: {unlinked[0]}", ProblemKind.LINK)
     if view.heard_s == NEVER_S:
-        return ""
+        return None
     silent_s = now_s - view.heard_s
     if view.away and now_s - view.away_s >= AWAY_S and silent_s >= AWAY_S:
-        return f"the vehicle is not there: {view.away}"
+        return problem(f"the vehicle is not there: {view.away}", ProblemKind.LINK)
     if unlinked is None and silent_s >= SILENT_PERIODS * profile.state_every_s:
-        return f"the vehicle says nothing, for {SILENT_PERIODS * profile.state_every_s:.0f} s and more"
-    return ""
+        bound_s = SILENT_PERIODS * profile.state_every_s
+        return problem(f"the vehicle says nothing, for {bound_s:.0f} s and more", ProblemKind.LINK)
+    return None
 
 
-def complaint(state: State) -> str:
-    """What the vehicle itself says keeps it from going on; empty for nothing."""
+def complaint(state: State, profile: Profile) -> ProblemRaised | None:
+    """What the vehicle itself says keeps it from going on; None for nothing."""
     safety = state.safety_state
-    if safety is not None and safety.emergency_stop:
-        return f"emergency stop ({safety.emergency_stop})"
+    if safety is not None and (stop := safety.emergency_stop):
+        # AUTOACK is taken back by the vehicle itself.
+        person = stop != "AUTOACK"
+        return problem(f"emergency stop ({stop})", ProblemKind.EMERGENCY_STOP, needs_person=person)
     mode = state.operating_mode or ""
     if mode in MODES and mode not in OBEYS:
-        return f"its mode is {mode}"
+        return problem(f"its mode is {mode}", needs_person=mode != "STARTUP")
     for error in state.errors or ():
         if error.error_level in STOPPING:
-            return error.text
+            kind = profile.problems.get(error.error_type or "") or _kind(error.error_type or "")
+            return problem(error.text, kind, needs_person=True if error.error_level == "FATAL" else None)
     position = state.position
     if position is not None and not position.is_localised:
-        return "it does not know where it is: not localised"
-    return ""
+        return problem("it does not know where it is: not localised", ProblemKind.LOST_POSITION)
+    return None
+
+
+def problem(
+    reason: str, kind: ProblemKind = ProblemKind.UNKNOWN, *, needs_person: bool | None = None
+) -> ProblemRaised:
+    """As it is reported."""
+    return ProblemRaised(reason=reason, problem=Problem(kind=kind, needs_person=needs_person))
+
+
+def _kind(error_type: str) -> ProblemKind:
+    words = error_type.lower()
+    return next((kind for kind, parts in KINDS if any(part in words for part in parts)), ProblemKind.UNKNOWN)
 
 
 def is_attended(state: State) -> bool:

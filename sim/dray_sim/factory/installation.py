@@ -1,0 +1,49 @@
+"""What of a simulated agent outlives its process, and how its lives and their bodies are made."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from dray.plant.model import VehicleSpec
+from dray.ports import Body
+from dray.protocol.runtime.events import Agent
+from dray_sim.bodies.vehicle.vehicle import SimVehicle
+from dray_sim.clock.computer import ComputerClock
+from dray_sim.factory.journal import HeldJournal
+
+MakeAgent = Callable[[int, str, int], Agent]
+"""Makes an agent for one life, from the number of that life, the version of its software, and the transports
+that it has to do well on probation."""
+
+
+Embody = Callable[[VehicleSpec, SimVehicle, int], Body]
+"""Makes the body of one life of a vehicle's agent, from the vehicle and the number of that life."""
+
+
+MakeBody = Callable[[int], Body]
+"""Makes the body of one life of an agent, from its number."""
+
+
+@dataclass(slots=True)
+class Installation:
+    """What of an agent outlives its process.
+
+    Attributes:
+        make: its next life.
+        body: makes what each life of it acts with.
+        journal: what it has written down.
+        clock: of its computer.
+        software: the version that it runs.
+    """
+
+    make: MakeAgent
+    body: MakeBody
+    journal: HeldJournal
+    clock: ComputerClock
+    software: str
+
+
+def always(body: Body) -> MakeBody:
+    """The same for all lives."""
+    return lambda _life: body

@@ -1,0 +1,121 @@
+"""A simulated factory whose vehicles are behind VDA 5050, joined to their agents in memory: no broker, and time may jump."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+
+from msgspec.structs import replace
+
+from dray.adapters.vda5050.body import Address, VehicleBody
+from dray.adapters.vda5050.control.master import MasterControl
+from dray.adapters.vda5050.events import Memory
+from dray.adapters.vda5050.profile import Profile
+from dray.plant import Plant
+from dray.plant.model import VehicleSpec
+from dray.ports import Body, Clock
+from dray_sim.bodies.vehicle.vehicle import SimVehicle
+from dray_sim.vda5050.misbehaviour import Misbehaviour
+from dray_sim.vda5050.vehicle import Vda5050Vehicle
+from dray_sim.vda5050.words import Words
+
+DELAY_S = 0.02
+"""From one to the other: a broker on the vehicle's own computer."""
+
+MANUFACTURER = "Dray"
+
+
+class MemoryFleet:
+    """The vehicles of a factory, each with its master.
+
+    Args:
+        plant: what stands where.
+        clock: the plant's.
+        profile_of: what each vehicle understands, by its id; None for one that is simulated without VDA 5050.
+        quirks_of: how each misbehaves.
+
+    Attributes:
+        vehicles: by id.
+        bodies: of the present lives, by id.
+        notes: what the masters have told people.
+    """
+
+    def __init__(
+        self,
+        plant: Plant,
+        clock: Clock,
+        profile_of: Callable[[str], Profile | None],
+        quirks_of: Callable[[str], Misbehaviour] = lambda _: Misbehaviour(),
+    ) -> None:
+        self._plant, self._clock = plant, clock
+        self._profile_of, self._quirks_of = profile_of, quirks_of
+        self._chargers = {plant.node_of(charger): charger for charger in plant.chargers}
+        self.vehicles: dict[str, Vda5050Vehicle] = {}
+        self.bodies: dict[str, VehicleBody] = {}
+        self.notes: list[str] = []
+        self._memories: dict[str, Memory] = {}
+        self._is_meeting = False
+        """A new life is told how its vehicle is, before anything else happens."""
+
+    def embody(self, spec: VehicleSpec, sim: SimVehicle, life: int) -> Body:
+        """The body of one life of a vehicle's agent: it has heard the vehicle."""
+        profile = self._profile_of(spec.id)
+        if profile is None:
+            return sim
+        kind, address = self._plant.vehicle_types[spec.type], Address(MANUFACTURER, spec.id)
+        if spec.id not in self.vehicles:
+            words = Words(profile.version, MANUFACTURER, spec.id, self._plant.id, self._quirks_of(spec.id))
+            self.vehicles[spec.id] = Vda5050Vehicle(
+                sim,
+                kind,
+                lambda node: self._chargers.get(node, ""),
+                self._clock,
+                lambda topic, data, _retain: self._tell(spec.id, topic, data),
+                words,
+            )
+        else:
+            self.bodies[spec.id].end()
+        control = MasterControl(
+            spec.id, self._plant, kind, profile, life=life, memory=self._memories.get(spec.id)
+        )
+        world = _World(self, spec.id)
+        body = self.bodies[spec.id] = VehicleBody(control, profile, address, self._clock, world)
+        self._is_meeting = True
+        self.vehicles[spec.id].introduce()
+        self._is_meeting = False
+        body.on_link()
+        return body
+
+    def _tell(self, atv: str, topic: str, data: bytes) -> None:
+        if self._is_meeting:
+            self.bodies[atv].on_message(topic, data)
+        elif atv in self.bodies:
+            self._clock.call_at(
+                self._clock.now_s() + DELAY_S, partial(self.bodies[atv].on_message, topic, data)
+            )
+
+    def say(self, atv: str, topic: str, data: bytes) -> None:
+        """What a master says to its vehicle."""
+        self._clock.call_at(
+            self._clock.now_s() + DELAY_S, partial(self.vehicles[atv].on_message, topic, data)
+        )
+
+    def remember(self, atv: str, memory: Memory) -> None:
+        """What the next life must know."""
+        self._memories[atv] = replace(memory)
+
+
+class _World:
+    """Of one master."""
+
+    def __init__(self, fleet: MemoryFleet, atv: str) -> None:
+        self._fleet, self._atv = fleet, atv
+
+    def publish(self, topic: str, data: bytes) -> None:
+        self._fleet.say(self._atv, topic, data)
+
+    def remember(self, memory: Memory) -> None:
+        self._fleet.remember(self._atv, memory)
+
+    def note(self, text: str) -> None:
+        self._fleet.notes.append(f"{self._atv}: {text}")
