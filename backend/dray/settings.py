@@ -306,6 +306,9 @@ class Settings(BaseSettings):
     profile: str = "default"
     """What a real vehicle understands: a file, or the name of one that is shipped."""
 
+    vehicle_log: Path | None = None
+    """A folder where the agent of a real vehicle writes down its dialogue, for `dray vehicle replay`."""
+
     plant_speed: Annotated[float, Field(gt=0, le=50)] = 1.0
     """Factory seconds per real second; above 1 only with simulated bodies. The same for all agents."""
 

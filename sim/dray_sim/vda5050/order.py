@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from math import hypot
 from typing import Any
 
 from dray.body import Charge, Drop, Pick
+from dray.messages import Pose
 
 
 @dataclass
@@ -29,6 +31,10 @@ class Point:
     x: float | None
     y: float | None
     actions: list[NodeAction]
+
+    def gap_m(self, pose: Pose) -> float:
+        """How far a vehicle is from it; 0 where the order does not say where it lies."""
+        return 0.0 if self.x is None or self.y is None else hypot(self.x - pose.x_m, self.y - pose.y_m)
 
 
 @dataclass

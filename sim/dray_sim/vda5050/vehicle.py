@@ -9,7 +9,6 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from functools import partial
-from math import hypot
 from typing import Any
 
 from dray.body import (
@@ -29,7 +28,7 @@ from dray.plant.model import VehicleType
 from dray.ports import Clock
 from dray_sim.bodies.vehicle.vehicle import SimVehicle
 from dray_sim.vda5050.misbehaviour import Misbehaviour
-from dray_sim.vda5050.order import NodeAction, Order, Point, instruction_of, read_actions, read_order
+from dray_sim.vda5050.order import NodeAction, Order, instruction_of, read_actions, read_order
 from dray_sim.vda5050.words import Condition, Words
 
 Publish = Callable[[str, bytes, bool], None]
@@ -90,6 +89,7 @@ class Vda5050Vehicle:
         self._accepted_ids = 0
         self._doomed = False
         self._life = 0
+        self._was_moving = False
         body.attach(self._on_report)
         self.introduce()
         self._tick(0)
@@ -131,6 +131,9 @@ class Vda5050Vehicle:
             return
         now_s, body = self._clock.now_s(), self._body.sense()
         is_moving = body.speed_mps > 0.0
+        has_stopped, self._was_moving = self._was_moving and not is_moving, is_moving
+        if has_stopped:
+            self.say_state()
         if now_s - self._spoken_s >= (DRIVING_EVERY_S if is_moving else STATE_EVERY_S):
             if not (is_moving and self.quirks.tells_ends_only):
                 self.say_state()
@@ -182,7 +185,7 @@ class Vda5050Vehicle:
             return
         if not self._is_idle or self._clock.now_s() < self._ready_s:
             self._refuse(order, "OTHER_ORDER_ACTIVE", "another order is active")
-        elif self._gap_m(order.points[0]) > REACHABLE_M:
+        elif order.points[0].gap_m(self._body.sense().pose) > REACHABLE_M:
             self._refuse(order, "START_NODE_OUT_OF_RANGE", "the first node is out of range")
         else:
             self._accept(order)
@@ -249,12 +252,6 @@ class Vda5050Vehicle:
     def _forget_errors(self) -> None:
         if not self.quirks.lingering_warnings:
             self.condition.errors = [error for error in self.condition.errors if error[1] != "WARNING"]
-
-    def _gap_m(self, point: Point) -> float:
-        pose = self._body.sense().pose
-        if point.x is None or point.y is None:
-            return 0.0
-        return hypot(point.x - pose.x_m, point.y - pose.y_m)
 
     # --- instant actions -------------------------------------------------------------------------
 

@@ -28,7 +28,7 @@ def test_01_it_asks_for_a_state_at_its_start_and_believes_what_the_broker_has_ke
     rig.retained["connection"] = json.dumps(old).encode()
     rig.run(40.0)
     assert not rig.body.control.is_known
-    assert "has not said anything" in rig.body.control.why_unknown
+    assert rig.body.control.why_unknown == "the broker has not answered yet"
     rig.link()
     rig.run(1.0)
     assert rig.body.sense().node == "west"

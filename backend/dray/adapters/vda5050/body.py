@@ -61,6 +61,8 @@ class VehicleBody:
     Attributes:
         said: messages to the vehicle so far, by topic; the number of the next one is in its header.
         control: its master.
+        address: of the vehicle.
+        record: is told every event with its effects; nobody by default.
     """
 
     def __init__(
@@ -73,7 +75,8 @@ class VehicleBody:
         to_wall_s: Callable[[float], float] = lambda plant_s: plant_s,
     ) -> None:
         self.control = control
-        self._version, self._address = profile.dialect.version, address
+        self._version, self.address = profile.dialect.version, address
+        self.record: Callable[..., None] | None = None
         self._clock, self._world, self._to_wall_s = clock, world, to_wall_s
         self.said: dict[str, int] = {"order": 0, "instantActions": 0}
         self._report: Callable[[Report], None] = _nobody_hears
@@ -119,7 +122,11 @@ class VehicleBody:
     def _handle(self, event: Event) -> None:
         if self._is_ended:
             return
-        for effect in self.control.handle(event, self._clock.now_s()):
+        now_s = self._clock.now_s()
+        effects = self.control.handle(event, now_s)
+        if self.record is not None:
+            self.record(now_s, event, *effects)
+        for effect in effects:
             match effect:
                 case Say(topic, body):
                     self._world.publish(topic, msgspec.json.encode(self._header(topic) | body))
@@ -141,8 +148,8 @@ class VehicleBody:
             "headerId": number,
             "timestamp": moment.isoformat(timespec="milliseconds").replace("+00:00", "Z"),
             "version": self._version,
-            "manufacturer": self._address.manufacturer,
-            "serialNumber": self._address.serial,
+            "manufacturer": self.address.manufacturer,
+            "serialNumber": self.address.serial,
         }
 
     def _flush(self) -> None:

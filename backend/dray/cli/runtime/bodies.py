@@ -12,6 +12,7 @@ from dray.adapters.journal.sqlite_journal import SqliteJournal
 from dray.adapters.remote_body import BodySpec, RemoteBody, put_down
 from dray.adapters.vda5050.body import Address, VehicleBody
 from dray.adapters.vda5050.control.master import MasterControl
+from dray.adapters.vda5050.dialogue import Head, Recorder
 from dray.adapters.vda5050.events import Memory
 from dray.adapters.vda5050.link import BrokerAddress, MqttLink, read_address
 from dray.adapters.vda5050.memory_file import MemoryFile
@@ -175,6 +176,9 @@ def by_vda5050(surroundings: Surroundings, name: str, kind: VehicleType, real: R
             World(link, file.write, name),
             surroundings.time.to_wall_s,
         )
+        if (folder := surroundings.settings.vehicle_log) is not None:
+            head = Head(name, surroundings.plant.id, kind.id, real.profile, journal.incarnation, memory)
+            body.record = Recorder(folder / f"{name}-{journal.incarnation}.jsonl", head).write
         async with linked(link, body) as lost:
             await until_known(body, name)
             yield Embodied(body, lost)

@@ -11,6 +11,7 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
+from dray.adapters.vda5050.dialogue import Line
 from dray.errors import SettingsError, UnavailableError
 
 T = TypeVar("T")
@@ -41,6 +42,13 @@ def one_of(choices: Mapping[str, T], name: str, kind: str) -> T:
     if name not in choices:
         raise SettingsError(kind, f"there is no {name!r}; choose one of {', '.join(choices)}")
     return choices[name]
+
+
+def line_text(line: Line) -> str:
+    """A line of a vehicle's dialogue, for people."""
+    arrow = "->" if line.effect else "<-"
+    fields = msgspec.json.encode(line.fields).decode() if line.fields else line.text
+    return f"{line.at_s:12.2f} {arrow} {line.effect or line.event:10} {line.about:14} {fields[:200]}".rstrip()
 
 
 def write_json(file: Path, content: object) -> None:

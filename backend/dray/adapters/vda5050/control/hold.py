@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dray.adapters.vda5050.control.instant import InstantActions
+from dray.adapters.vda5050.control.instant import ASK_STATE, InstantActions
 from dray.adapters.vda5050.control.view import VehicleView
 from dray.adapters.vda5050.profile import Profile
 
 PAUSE, GO_ON = "startPause", "stopPause"
+
 
 STANDS_S = 5.0
 """A vehicle brakes to a stand within this, and says so."""
@@ -30,11 +31,13 @@ class Holding:
         self.held = False
         self.problem = ""
         self._held_s = 0.0
+        self._has_asked = False
+        """How it is, since nothing was heard after it should stand."""
 
     def hold(self, now_s: float) -> None:
         """Let it stand; twice is harmless."""
         if not self.held:
-            self.held, self._held_s = True, now_s
+            self.held, self._held_s, self._has_asked = True, now_s, False
             self._say(PAUSE, GO_ON, now_s)
 
     def go_on(self, now_s: float) -> None:
@@ -46,7 +49,12 @@ class Holding:
     def tick(self, now_s: float) -> None:
         """Look whether it stands."""
         view = self._view
-        if not self.held or view.heard_s < self._held_s + STANDS_S:
+        if not self.held or now_s < self._held_s + STANDS_S:
+            return
+        if view.heard_s < self._held_s + STANDS_S:
+            if not self._has_asked:
+                self._has_asked = True
+                self._instant.say(ASK_STATE, now_s)
             return
         obeys = "it does not pause" if self._profile.pause else "it does not stop"
         self.problem = f"{obeys}: it moves although it was told to stand" if view.is_moving else ""

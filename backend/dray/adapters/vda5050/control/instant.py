@@ -9,6 +9,9 @@ from dray.adapters.vda5050.profile import Profile
 from dray.adapters.vda5050.wire.messages import State
 from dray.adapters.vda5050.wire.orders import Action, instant_body
 
+ASK_STATE = "stateRequest"
+"""Let the vehicle say how it is."""
+
 SAID_MAX = 5
 """Times one action is said: a vehicle that has not shown it by then never will."""
 

@@ -9,9 +9,9 @@ from __future__ import annotations
 
 from dray.adapters.vda5050.control.factsheet import differences
 from dray.adapters.vda5050.control.hold import Holding
-from dray.adapters.vda5050.control.instant import InstantActions
+from dray.adapters.vda5050.control.instant import ASK_STATE, InstantActions
 from dray.adapters.vda5050.control.on_board import OnBoard
-from dray.adapters.vda5050.control.orders import ASK_STATE, Orders
+from dray.adapters.vda5050.control.orders import Orders
 from dray.adapters.vda5050.control.problems import absence, complaint, is_attended, problem
 from dray.adapters.vda5050.control.vehicle_order import Kind, restored
 from dray.adapters.vda5050.control.view import NEVER_S, REORDERED_S, VehicleView
@@ -70,6 +70,7 @@ class MasterControl:
     Attributes:
         wake_at_s: when `Woke` is due.
         view: what the vehicle has said.
+        is_linked: the broker is there.
     """
 
     def __init__(
@@ -99,6 +100,7 @@ class MasterControl:
         self._earlier = memory.order
         """The order of the life before, until the first state."""
         self._remembered = memory
+        self.is_linked = False
         self._unlinked: tuple[str, float] | None = None
         """Why the broker is away, and since when."""
         self._is_attended = False
@@ -116,11 +118,18 @@ class MasterControl:
         """What is lacking before it is known, for people."""
         if self._unlinked is not None:
             return f"the broker is away: {self._unlinked[0]}"
+        if not self.is_linked:
+            return "the broker has not answered yet"
         if self.view.heard_s == NEVER_S:
             odd = ", ".join(f"{count} times {reason}" for reason, count in self.view.odd.items())
             return "the vehicle has not said anything yet" + (f" that can be used: {odd}" if odd else "")
         found = self._find_problem(self.view.heard_s)
         return found.reason if found is not None else "the vehicle has not said where it is"
+
+    @property
+    def needs_node_twice(self) -> bool:
+        """Whether an action was only done when its node was listed twice, or that is known."""
+        return self._work.steps.twice
 
     def handle(self, event: Event, now_s: float) -> list[Effect]:
         """What is to be done about an event, in this order."""
@@ -130,21 +139,21 @@ class MasterControl:
             case Instructed(instruction):
                 self._obey(instruction, now_s)
             case Linked():
-                self._unlinked = None
+                self.is_linked, self._unlinked = True, None
                 self._instant.say(ASK_STATE, now_s)
                 if self.view.factsheet is None:
                     self._instant.say(ASK_FACTSHEET, now_s)
             case Unlinked(reason):
-                self._unlinked = self._unlinked or (reason, now_s)
+                self.is_linked, self._unlinked = False, self._unlinked or (reason, now_s)
             case Woke():
                 pass
-        if self._unlinked is None:
+        if self.is_linked:
             self._ask_when_in_doubt(now_s)
             self._instant.tick(now_s)
             self._orders.tick(now_s)
             self._holding.tick(now_s)
         self._tell_problem(now_s)
-        if self._unlinked is None and self.is_known and not self._problem and not self._holding.held:
+        if self.is_linked and self.is_known and not self._problem and not self._holding.held:
             self._work.go_on(now_s)
         self._work.watch_charge()
         self._remember()

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Protocol
 
-from dray.adapters.vda5050.control.instant import InstantActions
+from dray.adapters.vda5050.control.instant import ASK_STATE, InstantActions
 from dray.adapters.vda5050.control.order_state import ACTIVE, OrderState
 from dray.adapters.vda5050.control.vehicle_order import Kind, Place, Stop, VehicleOrder
 from dray.adapters.vda5050.control.view import NEVER_S, VehicleView
@@ -29,7 +29,7 @@ STRANGERS = 2
 FIRST_RETRY_S = 1.0
 """A vehicle that was not idle yet is, soon; each retry waits twice as long."""
 
-CANCEL, ASK_STATE = "cancelOrder", "stateRequest"
+CANCEL = "cancelOrder"
 
 REFUSED_SILENTLY = "the vehicle does not take the order, and does not say why"
 FORGOTTEN = "the vehicle has forgotten the order: it was restarted, or has another master"

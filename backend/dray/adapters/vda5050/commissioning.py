@@ -1,0 +1,322 @@
+"""Commissioning: a vehicle is walked through all that its agent will want of it, and each step is written down.
+
+Nothing moves before it is asked for: the first steps only listen. What is found out becomes a profile.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator, Callable
+from dataclasses import dataclass, field
+from math import hypot
+
+import msgspec
+
+from dray.adapters.vda5050.body import VehicleBody
+from dray.adapters.vda5050.control.factsheet import differences
+from dray.adapters.vda5050.control.view import NEVER_S
+from dray.adapters.vda5050.profile import Profile, write_profile
+from dray.body import (
+    ActionDone,
+    ActionFailed,
+    Drive,
+    Drop,
+    Hold,
+    Pick,
+    Report,
+    Unhold,
+    VehicleInstruction,
+    VehicleState,
+    WayDone,
+)
+from dray.plant import Plant
+from dray.plant.model import VehicleType
+from dray.ports import Clock
+
+LOOK_S = 0.2
+
+FIRST_STATE_S = 65.0
+"""A vehicle says how it is within 30 s, by the text; twice that, and a little."""
+
+FACTSHEET_S = 10.0
+DRIVE_S = 300.0
+"""Longest wait for one lane."""
+
+ACT_S = 600.0
+STAND_S = 10.0
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """What came of one step.
+
+    Attributes:
+        name: what was tried.
+        passed: None when it was left out.
+        text: what was seen.
+    """
+
+    name: str
+    passed: bool | None
+    text: str
+
+    @property
+    def line(self) -> str:
+        mark = {True: "ok", False: "NO", None: "--"}[self.passed]
+        return f"{mark:4} {self.name:12} {self.text}"
+
+
+@dataclass(frozen=True, slots=True)
+class Wanted:
+    """How far commissioning goes.
+
+    Attributes:
+        drive: the vehicle may move: to this neighbouring node and back; empty for any; None for not at all.
+        station: where it picks and drops; empty for nowhere. It must stand there, or be sent there by `drive`.
+        item: what it picks.
+        quantity: how many.
+    """
+
+    drive: str | None = None
+    station: str = ""
+    item: str = ""
+    quantity: int = 1
+
+
+@dataclass
+class Commissioning:
+    """Of one vehicle.
+
+    Args:
+        body: it has been linked, or will be.
+        plant: where it is.
+        kind: what the plant file says of it.
+        profile: with which it is spoken to.
+        clock: the plant's.
+        wanted: how far to go.
+
+    Attributes:
+        steps: what came of them so far.
+    """
+
+    body: VehicleBody
+    plant: Plant
+    kind: VehicleType
+    profile: Profile
+    clock: Clock
+    wanted: Wanted
+    steps: list[Step] = field(default_factory=list)
+    _heard: list[Report] = field(default_factory=list)
+    _order: int = 0
+
+    async def run(self) -> AsyncIterator[Step]:
+        """Walk through all steps; a step on which others stand ends it when it fails."""
+        self.body.attach(self._heard.append)
+        for step in (self._listen, self._state, self._factsheet, self._position, self._ready):
+            self.steps.append(await step())
+            yield self.steps[-1]
+            if self.steps[-1].passed is False and step is not self._factsheet:
+                return
+        for step in (self._drive, self._pause, self._back, self._pick, self._drop):
+            if self.wanted.drive is None and step in (self._drive, self._pause, self._back):
+                self.steps.append(
+                    Step(step.__name__.strip("_"), None, "left out: give --drive, and it moves")
+                )
+            elif not self.wanted.station and step in (self._pick, self._drop):
+                self.steps.append(Step(step.__name__.strip("_"), None, "left out: give --station and --item"))
+            else:
+                self.steps.append(await step())
+            yield self.steps[-1]
+            if self.steps[-1].passed is False and step is self._drive:
+                return
+
+    @property
+    def passed(self) -> bool:
+        """Nothing that was tried has failed."""
+        return bool(self.steps) and all(step.passed is not False for step in self.steps)
+
+    def suggested(self) -> Profile:
+        """The profile with which it was spoken to, with what was found out about the vehicle."""
+        view = self.body.control.view
+        changes: dict[str, object] = {}
+        if view.heard_s != NEVER_S and view.state.loads is None:
+            changes["load"] = "none"
+        if view.map_id and not self.profile.map.id:
+            changes["map"] = msgspec.structs.replace(self.profile.map, id=view.map_id)
+        if self.body.control.needs_node_twice:
+            changes["action_node_twice"] = True
+        return msgspec.structs.replace(self.profile, **changes)
+
+    def report(self) -> str:
+        """All of it, to be kept: Markdown."""
+        address = self.body.address
+        odd = [f"- {count} times {reason}" for reason, count in self.body.control.view.odd.items()]
+        return "\n".join(
+            [
+                f"# {address.manufacturer} {address.serial}, VDA 5050 {self.profile.version}",
+                "",
+                *(f"    {step.line}" for step in self.steps),
+                "",
+                "Ignored of what it said:" if odd else "Nothing of what it said was ignored.",
+                *odd,
+                "",
+                "The profile that this suggests, beside the defaults:",
+                "",
+                *(f"    {line}" for line in write_profile(self.suggested()).splitlines()),
+                "",
+            ]
+        )
+
+    # --- steps that listen -----------------------------------------------------------------------
+
+    async def _listen(self) -> Step:
+        begun_s = self.clock.now_s()
+        linked = await self._until(lambda: self.body.control.is_linked, FIRST_STATE_S)
+        if not linked:
+            return Step("connection", False, self.body.control.why_unknown)
+        return Step("connection", True, f"the broker answers after {self.clock.now_s() - begun_s:.1f} s")
+
+    async def _state(self) -> Step:
+        begun_s, view = self.clock.now_s(), self.body.control.view
+        if not await self._until(lambda: view.heard_s != NEVER_S, FIRST_STATE_S):
+            return Step(
+                "state", False, f"{self.body.control.why_unknown}; see its manufacturer and serial number"
+            )
+        text = f"the first one after {self.clock.now_s() - begun_s:.1f} s, battery {100 * view.battery_frac:.0f} %"
+        return Step("state", True, text)
+
+    async def _factsheet(self) -> Step:
+        view = self.body.control.view
+        if not await self._until(lambda: view.factsheet is not None, FACTSHEET_S) or view.factsheet is None:
+            return Step(
+                "factsheet", None, "none was told: compare speed and size with the plant file yourself"
+            )
+        found = differences(view.factsheet, self.kind, self.profile)
+        return Step("factsheet", not found, "; ".join(found) or "as the plant file has it")
+
+    async def _position(self) -> Step:
+        if not await self._until(lambda: self.body.control.is_known, FACTSHEET_S):
+            return Step("position", False, self.body.control.why_unknown)
+        state = self._sensed()
+        pose = f"({state.pose.x_m:.2f}, {state.pose.y_m:.2f})"
+        spot = self.plant.nodes[state.node]
+        off_m = hypot(spot.x_m - state.pose.x_m, spot.y_m - state.pose.y_m)
+        where = (
+            f"at {state.node}"
+            if state.next_node == state.node
+            else f"between {state.node} and {state.next_node}"
+        )
+        return Step("position", True, f"{pose} is {where}, {off_m:.2f} m from {state.node}")
+
+    async def _ready(self) -> Step:
+        state = self._sensed()
+        if state.problem:
+            return Step("ready", False, state.problem)
+        return Step("ready", True, "AUTOMATIC, localised, nothing keeps it from going on")
+
+    # --- steps that move -------------------------------------------------------------------------
+
+    async def _drive(self) -> Step:
+        state = self._sensed()
+        self._home = state.node
+        goals = [lane.end for lane in self.plant.roads.leaving[state.node]]
+        goal = self.wanted.drive or (goals[0] if goals else "")
+        if state.next_node != state.node or goal not in goals:
+            return Step(
+                "drive",
+                False,
+                f"no lane leads from {state.node} to {goal or 'anywhere'}: choose one of {goals}",
+            )
+        return await self._go("drive", state.node, goal)
+
+    async def _pause(self) -> Step:
+        """On the way back, if there is one; it ends where it stands."""
+        state = self._sensed()
+        if self.plant.roads.lane(state.node, self._home) is None:
+            return Step("pause", None, f"left out: no lane leads back to {self._home}")
+        self._instruct(Drive(order=self._next(), nodes=(state.node, self._home), released=2))
+        if not await self._until(lambda: self._sensed().speed_mps > 0.1, DRIVE_S):
+            return Step("pause", False, "it did not set off")
+        begun_s = self.clock.now_s()
+        self._instruct(Hold())
+        stood = await self._until(lambda: not self.body.control.view.is_moving, STAND_S)
+        took_s = self.clock.now_s() - begun_s
+        await asyncio.sleep(STAND_S)
+        moves = self.body.control.view.is_moving
+        self._instruct(Unhold())
+        if not stood or moves:
+            return Step(
+                "pause", False, "it moves although it was told to stand; try a profile with pause: false"
+            )
+        return Step("pause", True, f"it stands {took_s:.1f} s after it was told so")
+
+    async def _back(self) -> Step:
+        if not self._order or self._home == self._sensed().node:
+            return Step("back", None, "left out")
+        begun_s = self.clock.now_s()
+        if await self._until(self._is_over, DRIVE_S) and not self._failure():
+            return Step("back", True, f"at {self._home} again after {self.clock.now_s() - begun_s:.1f} s")
+        return Step("back", False, self._failure() or f"not at {self._home} after {DRIVE_S:.0f} s")
+
+    async def _pick(self) -> Step:
+        want = self.wanted
+        return await self._act(
+            "pick", Pick(order=self._next(), station=want.station, item=want.item, quantity=want.quantity)
+        )
+
+    async def _drop(self) -> Step:
+        return await self._act("drop", Drop(order=self._next(), station=self.wanted.station))
+
+    # --- how it is done --------------------------------------------------------------------------
+
+    async def _go(self, name: str, start: str, goal: str) -> Step:
+        begun_s = self.clock.now_s()
+        self._instruct(Drive(order=self._next(), nodes=(start, goal), released=2))
+        if not await self._until(self._is_over, DRIVE_S):
+            return Step(name, False, self._sensed().problem or f"not at {goal} after {DRIVE_S:.0f} s")
+        if failure := self._failure():
+            return Step(name, False, failure)
+        return Step(name, True, f"from {start} to {goal} in {self.clock.now_s() - begun_s:.1f} s")
+
+    async def _act(self, name: str, task: Pick | Drop) -> Step:
+        begun_s = self.clock.now_s()
+        self._instruct(task)
+        if not await self._until(self._is_over, ACT_S):
+            return Step(name, False, self._sensed().problem or f"not done after {ACT_S:.0f} s")
+        if failure := self._failure():
+            return Step(name, False, failure)
+        twice = "; its node had to be listed twice" if self.body.control.needs_node_twice else ""
+        return Step(name, True, f"{self.clock.now_s() - begun_s:.1f} s{twice}")
+
+    def _instruct(self, instruction: VehicleInstruction) -> None:
+        self.body.instruct(instruction)
+
+    def _sensed(self) -> VehicleState:
+        return self.body.sense()
+
+    def _next(self) -> int:
+        self._order += 1
+        return self._order
+
+    def _is_over(self) -> bool:
+        ends = (WayDone, ActionDone, ActionFailed)
+        return any(isinstance(report, ends) and report.order == self._order for report in self._heard)
+
+    def _failure(self) -> str:
+        failed = (
+            report
+            for report in self._heard
+            if isinstance(report, ActionFailed) and report.order == self._order
+        )
+        return next((report.reason for report in failed), "")
+
+    async def _until(self, holds: Callable[[], bool], within_s: float) -> bool:
+        """Wait until it holds, in looks; by the plant's clock."""
+        ends_s = self.clock.now_s() + within_s
+        while not holds():
+            if self.clock.now_s() >= ends_s:
+                return False
+            await asyncio.sleep(LOOK_S)
+        return True
+
+    _home: str = ""

@@ -1,0 +1,122 @@
+"""What `dray vehicle` runs: a vehicle that is commissioned, and one that is listened to."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+from dray.adapters.vda5050.body import VehicleBody
+from dray.adapters.vda5050.commissioning import Commissioning, Wanted
+from dray.adapters.vda5050.control.master import MasterControl
+from dray.adapters.vda5050.dialogue import Head, Recorder
+from dray.adapters.vda5050.events import Heard, Linked, Memory, Say, Unlinked
+from dray.adapters.vda5050.link import MqttLink
+from dray.cli.runtime.bodies import HEARD, RealVehicle, linked
+from dray.cli.runtime.surroundings import Surroundings
+from dray.plant.model import VehicleType
+
+SAID = ("order", "instantActions")
+
+NAME = "check"
+"""The agent that commissions: its orders begin with it."""
+
+
+class _World:
+    """A link, people who read, and nothing that is remembered: the one who commissions lives once."""
+
+    def __init__(self, link: MqttLink, say: Callable[[str], None]) -> None:
+        self._link, self._say = link, say
+
+    def publish(self, topic: str, data: bytes) -> None:
+        self._link.publish(topic, data)
+
+    def remember(self, memory: Memory) -> None:
+        """Nobody comes after it."""
+
+    def note(self, text: str) -> None:
+        self._say(f"     {text}")
+
+
+async def commission(
+    where: Surroundings, kind: VehicleType, wanted: Wanted, record: Path | None, say: Callable[[str], None]
+) -> Commissioning:
+    """Walk a vehicle through its commissioning.
+
+    Args:
+        where: the settings name broker and vehicle.
+        kind: its type in the plant.
+        wanted: how far to go.
+        record: where the dialogue is written; None for nowhere.
+        say: tells people.
+
+    Raises:
+        SettingsError: something is missing, or cannot be used.
+    """
+    real = RealVehicle.of(where.settings)
+    link = real.link(f"dray-{NAME}-{real.address.serial}")
+    life = int(time.time())
+    control = MasterControl(NAME, where.plant, kind, real.profile, life=life)
+    clock = where.clock()
+    body = VehicleBody(control, real.profile, real.address, clock, _World(link, say), where.time.to_wall_s)
+    recorder = None
+    if record is not None:
+        recorder = Recorder(record, Head(NAME, where.plant.id, kind.id, real.profile, life))
+        body.record = recorder.write
+    done = Commissioning(body, where.plant, kind, real.profile, clock, wanted)
+    async with linked(link, body):
+        async for step in done.run():
+            say(step.line)
+    if recorder is not None:
+        recorder.close()
+    return done
+
+
+async def listen(where: Surroundings, kind: VehicleType, file: Path, say: Callable[[str], None]) -> None:
+    """Write down what a vehicle and its master say, until cancelled.
+
+    Raises:
+        SettingsError: something is missing, or cannot be used.
+    """
+    real = RealVehicle.of(where.settings)
+    prefix = real.profile.topic(real.address.manufacturer, real.address.serial, "").rstrip("/")
+    link = MqttLink(real.broker, prefix, f"dray-record-{real.address.serial}", (*HEARD, *SAID))
+    clock = where.clock()
+    recorder = Recorder(file, Head(real.address.serial, where.plant.id, kind.id, real.profile))
+    try:
+        await link.run(_Ear(recorder, clock.now_s, say))
+    except asyncio.CancelledError:
+        say(f"written: {file}")
+        raise
+    finally:
+        recorder.close()
+
+
+class _Ear:
+    """Hears both sides."""
+
+    def __init__(self, recorder: Recorder, now_s: Callable[[], float], say: Callable[[str], None]) -> None:
+        self._recorder, self._now_s, self._say = recorder, now_s, say
+        self._count = 0
+
+    def on_link(self) -> None:
+        self._say("the broker is there; Ctrl-C ends the record")
+        self._recorder.write(self._now_s(), Linked())
+
+    def on_link_lost(self, reason: str) -> None:
+        self._say(f"the broker is away: {reason}")
+        self._recorder.write(self._now_s(), Unlinked(reason))
+
+    def on_message(self, topic: str, data: bytes) -> None:
+        if topic == "order":
+            self._recorder.write(self._now_s(), Say("order", {"text": data.decode("utf-8", "replace")}))
+        elif topic == "instantActions":
+            self._recorder.write(
+                self._now_s(), Say("instantActions", {"text": data.decode("utf-8", "replace")})
+            )
+        else:
+            self._recorder.write(self._now_s(), Heard(topic, data))
+        self._count += 1
+        if self._count == 1:
+            self._say("the first message has come")
