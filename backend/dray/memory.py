@@ -10,7 +10,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from dray.messages import Closures, CommandRefusal, OrderItem, Phase, Production, Reason, TakenOver, Transport
+from dray.messages import (
+    Closures,
+    CommandRefusal,
+    OrderItem,
+    OutOfService,
+    Phase,
+    Production,
+    Reason,
+    TakenOver,
+    Transport,
+)
 from dray.messages.base import Part
 from dray.messages.traffic import AllRemoved, Bookings
 
@@ -25,6 +35,8 @@ class AtvMemory(Part, tag_field="kind", tag="atv", frozen=True):
     acknowledged: bool = False
     """A stop was acknowledged and not resumed yet; whether it is stopped is for the body to know."""
     speed_frac: float = 1.0
+    out_of_service: OutOfService | None = None
+    """By a person's word; None while it is in service."""
     answered: tuple[CommandMemory, ...] = ()
     """People's commands that are not obeyed again, the oldest first: those whose grant was still good when
     the last one came."""

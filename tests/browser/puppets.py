@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from msgspec import UNSET
+
 from dray.messages import CommandRefusal
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "gateway/kits"))
@@ -20,6 +22,7 @@ from dray.messages import (
     CommandKind,
     HelpWanted,
     Message,
+    OutOfService,
     Pose,
     VehicleCommand,
 )
@@ -92,5 +95,13 @@ class Puppet:
             case CommandKind.PROMISE:
                 wanted = HelpWanted(until_s=command.wait_s or 0.0, promised_by=command.issued_by)
                 self.beat(help=wanted)
+            case CommandKind.TAKE_OUT:
+                back_s = None if command.wait_s is None else LATER_S + command.wait_s
+                out = OutOfService(
+                    by=command.issued_by, since_s=LATER_S, reason=command.reason, back_s=back_s
+                )
+                self.beat(out_of_service=out)
+            case CommandKind.PUT_IN:
+                self.beat(out_of_service=UNSET)
             case CommandKind.HAND_OVER:
                 self.beat(help=HelpWanted(until_s=0.0))

@@ -179,6 +179,28 @@ def test_a_call_for_help_comes_first_and_what_a_person_says_of_it_is_told_to_the
     screenshot(page, f"operator-handed-over-{look}")
 
 
+@pytest.mark.parametrize("look", IN_EACH_LOOK)
+def test_a_vehicle_is_taken_out_of_service_and_put_into_service_again(
+    house: OpenHouse, vehicles: dict[str, Puppet], enter: Enter, screenshot: Screenshot, look: str
+) -> None:
+    page = enter(**LOOKS[look])
+    own = card(page, "ATV2")
+    own.locator(".service-open").tap()
+    choice = own.locator(".service")
+    expect(choice.locator("button").nth(4)).to_be_disabled()
+    choice.locator("button").nth(1).tap()
+    screenshot(page, f"operator-take-out-{look}")
+    choice.locator("button").nth(5).tap()
+    back = own.locator(".service-back")
+    expect(back).to_contain_text(WHO.title())
+    screenshot(page, f"operator-out-of-service-{look}")
+    press_and_hold(page, back.locator("button"))
+    expect(own.locator(".service-open")).to_have_count(1)
+    taken, put = vehicles["ATV2"].heard
+    assert (taken.kind, taken.wait_s, put.kind) == (CommandKind.TAKE_OUT, 8 * 3600.0, CommandKind.PUT_IN)
+    assert taken.reason
+
+
 # --- what can fail -----------------------------------------------------------------------------------
 
 

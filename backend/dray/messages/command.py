@@ -32,6 +32,10 @@ PROMISE_MAX_S = 900.0
 promise may be forgotten."""
 
 
+OUT_MAX_S = 30 * 86_400.0
+"""Longer than a month nobody knows when a vehicle will be back."""
+
+
 class CommandKind(StrEnum):
     """What a person may ask of a vehicle (paper, case 5)."""
 
@@ -45,6 +49,10 @@ class CommandKind(StrEnum):
     """Help is on the way: keep the task for as long as was promised (paper, case 4)."""
     HAND_OVER = "hand_over"
     """It cannot be mended there: let another vehicle carry its task at once (paper, case 4)."""
+    TAKE_OUT = "take_out"
+    """Take no work until somebody puts it into service again: it is to be mended or looked after (paper, 4.3)."""
+    PUT_IN = "put_in"
+    """Take work again."""
 
     @property
     def margin_m(self) -> float:
@@ -76,7 +84,12 @@ class VehicleCommand(Message, frozen=True):
     speed_frac: Fraction | None = None
     """For SET_SPEED: 0 to 1 of the vehicle's own top speed."""
     wait_s: Seconds | None = None
-    """For PROMISE: how long from now the help will take, `PROMISE_MAX_S` at most."""
+    """For PROMISE: how long from now the help will take, `PROMISE_MAX_S` at most. For TAKE_OUT: how long it is expected to be out of
+    service, `OUT_MAX_S` at most; None where nobody knows."""
+    reason: Text = ""
+    """For TAKE_OUT: why."""
+    after_work: bool = False
+    """For TAKE_OUT: what it carries it brings to its end first. Else it gives back what is not on board yet."""
     issued_by: Text = ""
     """Whom the vehicle names when it tells of the command; what counts is the grant."""
     grant: Grant | None = None
@@ -104,21 +117,22 @@ def signed_words(atv: str, command: VehicleCommand, grant: Grant) -> bytes:
         command: what is asked; its own `grant` is not looked at.
         grant: its `signature` is not looked at.
     """
-    return _encoder.encode(
-        (
-            "dray command 2",
-            atv,
-            command.command,
-            command.kind.value,
-            _thousandths(command.speed_frac),
-            _thousandths(command.wait_s),
-            command.issued_by,
-            grant.person,
-            grant.areas,
-            grant.everywhere,
-            _thousandths(grant.valid_until_s),
-        )
+    words: tuple[object, ...] = (
+        "dray command 2",
+        atv,
+        command.command,
+        command.kind.value,
+        _thousandths(command.speed_frac),
+        _thousandths(command.wait_s),
+        command.issued_by,
+        grant.person,
+        grant.areas,
+        grant.everywhere,
+        _thousandths(grant.valid_until_s),
     )
+    if command.kind is CommandKind.TAKE_OUT:
+        words += (command.reason, command.after_work)
+    return _encoder.encode(words)
 
 
 _encoder = msgspec.json.Encoder()

@@ -128,6 +128,19 @@ AWAITED_MAX = 8
 Awaited = Annotated[tuple[Id, ...], Meta(max_length=AWAITED_MAX)]
 
 
+class OutOfService(Part, frozen=True):
+    """A person has taken an agent out of service: it takes no work."""
+
+    by: Text
+    """Who."""
+    since_s: Seconds
+    reason: Text = ""
+    back_s: Seconds | None = None
+    """When it is expected back (plant clock); None where nobody knows."""
+    after_work: bool = False
+    """What it carries it brings to its end first."""
+
+
 class FloorBrief(Part, frozen=True):
     """What a vehicle holds of the floor, for others' prices of ways and places to make room: a hint, and no right to anything."""
 
@@ -201,6 +214,8 @@ class AtvHeartbeat(Message, frozen=True):
     software: Text = ""
     draining: bool = False
     """It was asked to leave: it takes nothing new, and goes when nothing holds it any more."""
+    out_of_service: OutOfService | UnsetType = UNSET
+    """Left out while it is in service."""
     probation: ProbationBrief | None = None
     """Set while it is on probation: it takes short tasks only."""
     floor: FloorBrief | UnsetType = UNSET

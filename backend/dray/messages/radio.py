@@ -63,6 +63,7 @@ DISPENSABLE: tuple[dict[str, Any], ...] = (
     {"watches": ()},
     {"software": "", "dwell_point": "", "about_problem": UNSET},
     {"floor": UNSET, "closures": UNSET},
+    {"out_of_service": UNSET},
 )
 """What a heartbeat leaves out so that it fits into a frame, in this order: what others can do without first."""
 

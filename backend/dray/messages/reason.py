@@ -37,6 +37,8 @@ class Reason(StrEnum):
 
     # A contractor gives a contract back, as it says itself.
     GRACEFUL_SHUTDOWN = "graceful_shutdown"
+    OUT_OF_SERVICE = "out_of_service"
+    """By a person's word."""
     PROBLEM = "problem"
     """It reports a problem."""
     STOPPED = "stopped"
@@ -114,7 +116,9 @@ class CommandRefusal(StrEnum):
     LOAD_ABOARD = "load_aboard"
     """Goods that are on board exist once: no other vehicle can carry them."""
     WAIT_OUT_OF_RANGE = "wait_out_of_range"
-    """Help within more than 0 and at most `PROMISE_MAX_S` seconds can be promised."""
+    """Help within more than 0 and at most `PROMISE_MAX_S` seconds can be promised; a vehicle is out of service for `OUT_MAX_S` at most."""
+    IN_SERVICE = "in_service"
+    """The vehicle is not out of service."""
     SPEED_OUT_OF_RANGE = "speed_out_of_range"
     """A speed is above 0 and at most 1 of the vehicle's own; 0 is a stop."""
 

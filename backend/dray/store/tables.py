@@ -187,6 +187,7 @@ kpi_samples = Table(
     Column("helps", Integer, nullable=False),
     *(Column(f"atv_{doing}_s", Double, nullable=False) for doing in ATV_DOINGS),
     *(Column(f"machine_{doing}_s", Double, nullable=False) for doing in MACHINE_DOINGS),
+    Column("atv_out_of_service_s", Double, nullable=False, server_default="0"),
     Index(None, "at_s"),
     sqlite_autoincrement=True,
     comment="What every wall minute has added to the factory's figures; times are factory seconds.",

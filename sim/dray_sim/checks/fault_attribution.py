@@ -8,12 +8,12 @@ was started again so soon that nobody need have missed it, or a clock that someb
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterator
+from collections.abc import Container, Iterator, Mapping
 from fnmatch import fnmatchcase
 from typing import NamedTuple
 
-from dray.messages import AtvHeartbeat, AtvStatus, Event, Message, Reason
-from dray.messages.fact import AtvStatusChanged, CarrierChanged, GoalLost
+from dray.messages import AtvHeartbeat, AtvStatus, CommandKind, Event, Message, Reason
+from dray.messages.fact import AtvStatusChanged, CarrierChanged, CommandObeyed, GoalLost
 from dray.messages.keys import STRATEGIST
 from dray_sim.checks.broken import InvariantBroken
 from dray_sim.faults import (
@@ -45,6 +45,10 @@ EVERYBODY = ""
 
 FLOOR = "the floor"
 """Stands for what people have closed, which may hold up anybody. No agent has a name with white space."""
+
+
+OUT_UNTIL_S: Mapping[str, float] = {CommandKind.TAKE_OUT: float("inf"), CommandKind.PUT_IN: 0.0}
+"""For how long from a person's word a vehicle is out of service, which explains what it gives back for that."""
 
 
 class _Spell(NamedTuple):
@@ -172,11 +176,10 @@ class FaultAttribution:
                 self._stands[sender] = None
             elif self._stands.pop(sender, "") is None:
                 self._touched_s[sender] = at_s
+        elif type(fact) is CommandObeyed and fact.done and fact.what in OUT_UNTIL_S:
+            self._touched_s[_taken_out(sender)] = at_s + OUT_UNTIL_S[fact.what]
         elif type(fact) is CarrierChanged:
-            concerned: tuple[str, ...] = (sender, _away(sender), fact.replaced, fact.carrier)
-            if fact.reason == Reason.GRACEFUL_SHUTDOWN:
-                concerned = (_away(fact.replaced),)
-            if not self.in_trouble(at_s, *concerned):
+            if not self.in_trouble(at_s, *_concerned(sender, fact)):
                 seen = f"{fact.replaced} lost {fact.task} ({fact.reason}), and nothing was wrong with it"
                 raise InvariantBroken(6, at_s, seen)
         elif type(fact) is GoalLost:
@@ -229,6 +232,20 @@ class FaultAttribution:
 def _away(agent: str) -> str:
     """What stands for an agent's being away after a graceful shutdown: that is trouble to those only who rely on its answers."""
     return f"{agent} away"
+
+
+def _concerned(machine: str, fact: CarrierChanged) -> tuple[str, ...]:
+    """Whose trouble explains that a task has lost its carrier."""
+    if fact.reason == Reason.GRACEFUL_SHUTDOWN:
+        return (_away(fact.replaced),)
+    if fact.reason == Reason.OUT_OF_SERVICE:
+        return (_taken_out(fact.replaced),)
+    return (machine, _away(machine), fact.replaced, fact.carrier)
+
+
+def _taken_out(atv: str) -> str:
+    """What stands for a person's having taken a vehicle out of service: that explains what it gives back for that, and nothing else."""
+    return f"{atv} out of service"
 
 
 def _touched(fault: Fault) -> str:

@@ -37,6 +37,7 @@ from dray.messages.keys import STRATEGIST
 from dray_sim.checks.broken import InvariantBroken
 from dray_sim.checks.delivered import DeliveredExactly
 from dray_sim.checks.granted import GrantedOnly
+from dray_sim.checks.in_service import InServiceOnly
 from dray_sim.checks.isolation import ReplacedInTime, SpeaksOn
 from dray_sim.checks.overlaps import Overlaps
 from dray_sim.factory.sim_factory import SimFactory
@@ -297,6 +298,7 @@ class Invariants:
             ReplacedInTime(factory),
             GrantedOnly(factory),
             PromisedLiesThere(),
+            InServiceOnly(),
             self._conservation,
             *more,
         )

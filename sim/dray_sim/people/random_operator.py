@@ -32,6 +32,8 @@ WEIGHTS = {
     CommandKind.SET_SPEED: 2,
     CommandKind.PROMISE: 1,
     CommandKind.HAND_OVER: 1,
+    CommandKind.TAKE_OUT: 1,
+    CommandKind.PUT_IN: 1,
 }
 
 LONGEST_PROMISE_S = 60.0
@@ -86,13 +88,14 @@ class RandomOperator:
             self._session.send(atv, self._granted_somehow(atv, self._command(kind)))
 
     async def put_right(self) -> None:
-        """Let every vehicle drive on, at full speed; returns when all do."""
+        """Let every vehicle drive on, at full speed and in service; returns when all do."""
         async with asyncio.TaskGroup() as group:
             for atv in self._fleet:
                 group.create_task(self._let_go(atv))
 
     async def _let_go(self, atv: str) -> None:
         await self._repeat_until_answered(atv, CommandKind.SET_SPEED)
+        await self._repeat_until_answered(atv, CommandKind.PUT_IN)
         while True:
             await self._repeat_until_answered(atv, CommandKind.ACKNOWLEDGE)
             resumed = await self._repeat_until_answered(atv, CommandKind.RESUME)
@@ -118,6 +121,8 @@ class RandomOperator:
             kind=kind,
             speed_frac=(speed_frac or draw(0.2, 1.0)) if kind is CommandKind.SET_SPEED else None,
             wait_s=draw(1.0, LONGEST_PROMISE_S) if kind is CommandKind.PROMISE else None,
+            reason="a look at its wheels" if kind is CommandKind.TAKE_OUT else "",
+            after_work=kind is CommandKind.TAKE_OUT and draw(0.0, 1.0) < 0.5,
             issued_by=NAME,
         )
 

@@ -24,6 +24,7 @@ from dray.messages import (
     Link,
     MachineStatus,
     MaterialWait,
+    OutOfService,
     Phase,
     Reason,
     Role,
@@ -113,6 +114,21 @@ def test_a_vehicle_that_has_lost_its_wlan_is_an_alert_that_tells_over_whom_it_is
     assert alert.vehicles == ("ATV4", "ATV1")
     projection.fold(atv_heartbeat("ATV2", 3, task=CARRYING))
     assert alerts(projection) == []
+
+
+def test_of_a_vehicle_that_is_out_of_service_nothing_is_an_alarm_while_it_carries_nothing(
+    projection: Projection,
+) -> None:
+    out = OutOfService(by="Maria", since_s=0.0, reason="brakes")
+    broken: dict[str, Any] = {"status": AtvStatus.ERROR, "problem": "brakes", "out_of_service": out}
+    projection.fold(atv_heartbeat("ATV2", 1, task=CARRYING, **broken))
+    assert the_alert(projection).kind == "atv_error"
+    projection.fold(atv_heartbeat("ATV2", 2, **broken))
+    assert alerts(projection) == []
+    assert alerts(projection, 3600.0) == [], "it is switched off meanwhile"
+    (view,) = projection.atvs.views()
+    assert view.out_of_service is not None
+    assert (view.out_of_service.by, view.out_of_service.reason) == ("Maria", "brakes")
 
 
 def test_a_vehicle_that_is_being_charged_may_have_an_empty_battery(projection: Projection) -> None:

@@ -42,6 +42,9 @@ async def ask(house: House, body: Any, atv: str = "ATV1") -> httpx.Response:
         {"kind": "resume"},
         {"kind": "set_speed", "speed_frac": 0.5},
         {"kind": "promise", "wait_s": 120.0},
+        {"kind": "hand_over"},
+        {"kind": "take_out", "reason": "brakes", "wait_s": 3600.0, "after_work": True},
+        {"kind": "put_in"},
     ],
     ids=lambda body: body["kind"],
 )
@@ -59,6 +62,7 @@ async def test_a_command_is_answered_with_the_vehicles_word(house: House, body: 
     }
     assert command.kind is CommandKind(body["kind"])
     assert (command.speed_frac, command.wait_s) == (body.get("speed_frac"), body.get("wait_s"))
+    assert (command.reason, command.after_work) == (body.get("reason", ""), body.get("after_work", False))
     assert command.issued_by == "Administrator"
 
 

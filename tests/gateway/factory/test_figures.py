@@ -201,6 +201,7 @@ async def test_the_figures_of_now_tell_what_the_fleet_does(house: House) -> None
         "blocked": 0.5,
         "idle": 0.0,
         "silent": 0.0,
+        "out_of_service": 0.0,
     }
     assert figures["atv_available_frac"] == 0.5
 

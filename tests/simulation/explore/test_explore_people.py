@@ -75,6 +75,7 @@ def test_a_passerby_presses_all_buttons_and_puts_everything_right() -> None:
     once = list(dict.fromkeys((command.command, command.kind, command.speed_frac) for command in said))
     assert [kind for _, kind, _ in once] == [
         CommandKind.SET_SPEED,
+        CommandKind.PUT_IN,
         CommandKind.ACKNOWLEDGE,
         CommandKind.RESUME,
     ]

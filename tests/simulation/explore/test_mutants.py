@@ -22,6 +22,7 @@ from dray.messages import (
     DockOpened,
     Grant,
     Handover,
+    Link,
     Removal,
     Role,
     Transport,
@@ -45,6 +46,7 @@ from dray.protocol.traffic.removal_authorisation import RemovalAuthorisation
 from dray.protocol.vehicle.atv import Atv
 from dray.protocol.vehicle.people.command_authorisation import CommandAuthorisation
 from dray.protocol.vehicle.people.command_handling import CommandHandling
+from dray.protocol.vehicle.status_report import StatusReport
 from dray_sim.clock import computer
 from dray_sim.explore.play import play
 from dray_sim.explore.run import Run, draw
@@ -243,7 +245,19 @@ def that_believes_stale_removals(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(District, "remove", take_for_new)
 
 
+def that_works_out_of_service(patch: pytest.MonkeyPatch) -> None:
+    """A vehicle says that it is out of service, and bids as ever."""
+    unfit = StatusReport.unfit
+
+    def fit(self: StatusReport, link: Link) -> str:
+        why = unfit(self, link)
+        return "" if why == "out of service" else why
+
+    patch.setattr(StatusReport, "unfit", fit)
+
+
 MUTANTS = [
+    pytest.param(that_works_out_of_service, "hands", 0, "invariant 16", id="works-out-of-service"),
     pytest.param(that_waits_for_whoever_lives, "liars", 0, "invariant 1", id="no-progress-deadline"),
     pytest.param(with_clocks_that_jump, "clocks", 0, "invariant 6", id="clocks-that-jump"),
     pytest.param(

@@ -101,6 +101,8 @@ class Commands:
         command: str | None = None,
         speed_frac: float | None = None,
         wait_s: float | None = None,
+        reason: str = "",
+        after_work: bool = False,
     ) -> CommandAnswered:
         """Send a command with a grant, and wait for the vehicle's word.
 
@@ -110,7 +112,9 @@ class Commands:
             by: who asks.
             command: its name, when the caller has one; one that was sent already is only waited for.
             speed_frac: a part of the vehicle's own top speed.
-            wait_s: how long help will take, in plant seconds.
+            wait_s: how long help will take, or a vehicle be out of service, in plant seconds.
+            reason: why it is taken out of service.
+            after_work: it is taken out of service after its present work.
 
         Raises:
             Problem: 504 when the vehicle does not answer in time, 503 when too many are waiting, 409 when
@@ -118,7 +122,13 @@ class Commands:
         """
         name = command or self._new_name()
         said = VehicleCommand(
-            command=name, kind=kind, speed_frac=speed_frac, wait_s=wait_s, issued_by=by.name
+            command=name,
+            kind=kind,
+            speed_frac=speed_frac,
+            wait_s=wait_s,
+            issued_by=by.name,
+            reason=reason,
+            after_work=after_work,
         )
         person = f"{by.kind}:{by.id}"
         sent = self._sent.get(name)

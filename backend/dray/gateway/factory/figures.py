@@ -38,8 +38,10 @@ class KpiPoint(msgspec.Struct, frozen=True, kw_only=True):
     blocked_frac: float | None
     idle_frac: float | None
     silent_frac: float | None
+    out_of_service_frac: float | None
+    """Of all their time, by a person's word; it is no part of the fleet's time otherwise."""
     atv_available_frac: float | None
-    """Part of the vehicles' time in which they were heard and neither stopped nor in error."""
+    """Part of the vehicles' time in service in which they were heard and neither stopped nor in error."""
     machine_available_frac: float | None
     """Part of the machines' time in which they were heard and not in error."""
     commands: int
@@ -81,7 +83,7 @@ def _point(at_s: float, samples: list[KpiSample]) -> KpiPoint:
         return float(sum(getattr(sample, name) for sample in samples for name in names))
 
     atv = {doing: total(f"atv_{doing}_s") for doing in FLEET}
-    fleet_s = sum(atv.values())
+    fleet_s, out_s = sum(atv.values()), total("atv_out_of_service_s")
     up_s = total("machine_making_s", "machine_starved_s", "machine_idle_s")
     machines_s = up_s + total("machine_broken_s", "machine_down_s", "machine_silent_s")
     with_goal_s = total("machine_making_s", "machine_starved_s", "machine_broken_s")
@@ -103,6 +105,7 @@ def _point(at_s: float, samples: list[KpiSample]) -> KpiPoint:
         blocked_frac=part(atv["blocked"], fleet_s),
         idle_frac=part(atv["idle"], fleet_s),
         silent_frac=part(atv["silent"], fleet_s),
+        out_of_service_frac=part(out_s, fleet_s + out_s),
         atv_available_frac=part(fleet_s - atv["blocked"] - atv["silent"], fleet_s),
         machine_available_frac=part(up_s, machines_s),
         commands=int(total("commands")),

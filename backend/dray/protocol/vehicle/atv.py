@@ -177,6 +177,7 @@ class Atv(AgentBase):
             contract=job.memory() if job is not None else None,
             acknowledged=self._commands.acknowledged,
             speed_frac=self._driver.speed_frac,
+            out_of_service=self._commands.out_of_service,
             answered=self._commands.answered,
         )
 
@@ -295,6 +296,14 @@ class Atv(AgentBase):
         """Whether it was asked to leave."""
         return self._shutdown.begun
 
+    @property
+    def gives_back(self) -> Reason | None:
+        """Why it gives back what is not on board yet; None while it does not."""
+        if self._shutdown.begun:
+            return Reason.GRACEFUL_SHUTDOWN
+        out = self._commands.out_of_service
+        return None if out is None or out.after_work else Reason.OUT_OF_SERVICE
+
     def unfit(self) -> str:
         """Why it may take no work at all; empty when it may."""
         return self._status_report.unfit(self.link)
@@ -367,6 +376,11 @@ class Atv(AgentBase):
                 self._contracts.standby.resign(Reason.STOPPED)
             elif command.kind is CommandKind.RESUME:
                 self.end_trouble(now_s)
+            elif command.kind is CommandKind.TAKE_OUT:
+                self._contracts.standby.resign(Reason.OUT_OF_SERVICE)
+                self._contracts.go_on(lambda _job: None, now_s)
+            elif command.kind is CommandKind.PUT_IN:
+                self._contracts.seek(now_s)
         self.update_status(now_s, command.kind.value)
         self._heartbeat_timer.at_once(now_s)
 

@@ -59,8 +59,8 @@ class Owner(Protocol):
     """What is on board, and how much of it; empty and 0 for nothing."""
 
     @property
-    def is_draining(self) -> bool:
-        """Whether it was asked to leave."""
+    def gives_back(self) -> Reason | None:
+        """Why it gives back what is not on board yet; None while it does not."""
 
     def unfit(self) -> str:
         """Why it may take no work at all; empty when it may."""
@@ -356,8 +356,8 @@ class Contracts:
         step(job)
         if job.phase is not phase:
             self._note_wait(job, phase, now_s)
-        if self._owner.is_draining:
-            job.give_back(Reason.GRACEFUL_SHUTDOWN, now_s)
+        if (why := self._owner.gives_back) is not None:
+            job.give_back(why, now_s)
         self._owner.beat_soon(now_s)
         if job.ended:
             self._end_job(job, now_s)

@@ -77,6 +77,8 @@ class StatusReport:
             return "stopped by an operator"
         if link is Link.MESH:
             return "on the radio mesh"
+        if self._commands.out_of_service is not None:
+            return "out of service"
         if not self._driver.is_placed:
             return "the place where it stands is not its own yet"
         if self._vehicle.is_draining:
@@ -117,6 +119,7 @@ class StatusReport:
             help=assistance.help,
             software=self._software,
             draining=self._vehicle.is_draining,
+            out_of_service=self._commands.out_of_service or UNSET,
             probation=self._contracts.probation.brief(),
             floor=driver.floor(now_s),
             closures=self._vehicle.floor.closures_known,

@@ -47,6 +47,8 @@ class KpiSample(msgspec.Struct, frozen=True, kw_only=True, gc=False):
     machine_down_s: float
     """In error, without one."""
     machine_silent_s: float
+    atv_out_of_service_s: float = 0.0
+    """By a person's word; no part of the fleet's time otherwise."""
 
 
 class Kpis:

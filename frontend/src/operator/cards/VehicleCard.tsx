@@ -14,10 +14,11 @@ import { moment, names, plant, station } from "../state";
 import { HelpAsk } from "./HelpAsk";
 import { type Need, needOf } from "./need";
 import { Release } from "./Release";
+import { Service } from "./Service";
 import { SpeedSteps } from "./SpeedSteps";
 
 const TONES = {
-  help: "warn", coming: "warn", problem: "alarm", lost: "alarm", stopped: "warn", working: "normal", resting: "normal",
+  help: "warn", coming: "warn", problem: "alarm", lost: "alarm", stopped: "warn", out: "normal", working: "normal", resting: "normal",
 } as const;
 
 
@@ -47,6 +48,7 @@ export function VehicleCard({ atv }: { atv: AtvView }) {
           {atv.status === "stopped" && <Release atv={atv} />}
           {atv.status !== "stopped" && atv.problem !== "" && <p class="advice">{t("release.stopFirst")}</p>}
           <SpeedSteps atv={atv} />
+          <Service atv={atv} />
         </div>
         <CommandLine atv={atv.id} stopped={atv.status === "stopped"} />
       </div>

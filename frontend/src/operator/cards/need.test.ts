@@ -4,7 +4,7 @@ import { groupsOf, needOf, patienceS, shownGroups } from "./need";
 
 const NOW = { nowS: 1000, speed: 1 };
 const atv = (id: string, more: Partial<AtvView> = {}): AtvView =>
-  ({ id, status: "idle", problem: "", help: null, task: null, seen_at_s: 999, shut_out: null, silence: { beat_s: 5, overdue_after_s: 5.5, lost_after_s: 15.5 }, ...more }) as AtvView;
+  ({ id, status: "idle", problem: "", help: null, out_of_service: null, task: null, seen_at_s: 999, shut_out: null, silence: { beat_s: 5, overdue_after_s: 5.5, lost_after_s: 15.5 }, ...more }) as AtvView;
 const waiting = (until_at_s: number, promised_by = ""): Partial<AtvView> => ({
   problem: "the load has shifted", status: "error", help: { until_at_s, promised_by, promise_max_s: 900 } satisfies HelpView,
 });

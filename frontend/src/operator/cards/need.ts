@@ -16,6 +16,8 @@ export const NEEDS = [
   /** A person has stopped it, and has to let it go on. */
   "stopped",
   "working",
+  /** A person has taken it out of service: nothing of it asks for anybody. */
+  "out",
   "resting",
 ] as const;
 export type Need = (typeof NEEDS)[number];
@@ -37,6 +39,7 @@ export interface Moment {
 }
 
 export function needOf(atv: AtvView, { nowS, speed }: Moment): Need {
+  if (atv.out_of_service && !atv.task) return "out";
   if (isLost(atv, nowS, speed)) return "lost";
   // Its task may wait for a person then, too; but it is a person who has brought that about.
   if (atv.status === "stopped") return "stopped";

@@ -3,16 +3,16 @@ import { type Circumstances, hindranceOf } from "./hindrance";
 import type { Kind } from "./life";
 
 const well: Circumstances = { connected: true, ended: false, lost: false };
-const free = { status: "working", problem: "", acknowledged: false, help: null } as const;
+const free = { status: "working", problem: "", acknowledged: false, help: null, out_of_service: null } as const;
 const stopped = { ...free, status: "stopped" } as const;
-const KINDS: readonly Kind[] = ["stop", "acknowledge", "resume", "set_speed", "promise", "hand_over"];
+const KINDS: readonly Kind[] = ["stop", "acknowledge", "resume", "set_speed", "promise", "hand_over", "take_out", "put_in"];
 
 describe("what keeps a command from being given", () => {
   test.each<[string, Partial<Circumstances>]>([
     ["offline", { connected: false }], ["ended", { ended: true }], ["lost", { lost: true }],
   ])("%s: all of them, but never a stop", (hindrance, more) => {
     const ready = { ...stopped, acknowledged: true, help: { until_at_s: 0, promised_by: "", promise_max_s: 900 } };
-    expect(KINDS.map((kind) => hindranceOf(kind, ready, { ...well, ...more }))).toEqual([null, ...Array<string>(5).fill(hindrance)]);
+    expect(KINDS.map((kind) => hindranceOf(kind, ready, { ...well, ...more }))).toEqual([null, ...Array<string>(7).fill(hindrance)]);
   });
 
   test("who is not stopped is neither acknowledged nor resumed", () => {

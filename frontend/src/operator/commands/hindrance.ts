@@ -10,7 +10,9 @@ export type Hindrance =
   | "faulty"
   | "acknowledged"
   | "not_acknowledged"
-  | "no_help_wanted";
+  | "no_help_wanted"
+  | "in_service"
+  | "out_of_service";
 
 export interface Circumstances {
   /** Frames are coming. */
@@ -21,7 +23,7 @@ export interface Circumstances {
   readonly lost: boolean;
 }
 
-type Vehicle = Pick<AtvView, "status" | "problem" | "acknowledged" | "help">;
+type Vehicle = Pick<AtvView, "status" | "problem" | "acknowledged" | "help" | "out_of_service">;
 
 /** @returns null where the command may be given; a stop always may, whatever its chances */
 export function hindranceOf(kind: Kind, atv: Vehicle, around: Circumstances): Hindrance | null {
@@ -35,6 +37,8 @@ export function hindranceOf(kind: Kind, atv: Vehicle, around: Circumstances): Hi
 const OF_VEHICLE: Readonly<Record<Exclude<Kind, "stop">, (atv: Vehicle) => Hindrance | null>> = {
   set_speed: () => null,
   promise: (atv) => (atv.help ? null : "no_help_wanted"),
+  take_out: (atv) => (atv.out_of_service ? "out_of_service" : null),
+  put_in: (atv) => (atv.out_of_service ? null : "in_service"),
   hand_over: (atv) => (atv.help ? null : "no_help_wanted"),
   acknowledge: (atv) => {
     if (atv.status !== "stopped") return "not_stopped";

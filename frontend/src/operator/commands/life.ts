@@ -71,7 +71,7 @@ export interface Command {
   readonly atS: number;
 }
 
-export type Kind = "stop" | "acknowledge" | "resume" | "set_speed" | "promise" | "hand_over";
+export type Kind = "stop" | "acknowledge" | "resume" | "set_speed" | "promise" | "hand_over" | "take_out" | "put_in";
 
 /** The command after a word about it; the same one where the word is no news. */
 /** What somebody has said of why not. */

@@ -23,5 +23,5 @@ export function tileStateOf(atv: AtvView | undefined, open: Command | undefined,
 export const TILE_TONES: Readonly<Record<TileState, "normal" | "warn" | "alarm">> = {
   sent: "warn", accepted: "warn", refused: "alarm", not_confirmed: "alarm", not_sent: "alarm",
   away: "normal", lost: "alarm", help: "warn", problem: "warn", coming: "normal", stopped: "normal",
-  working: "normal", resting: "normal",
+  out: "normal", working: "normal", resting: "normal",
 };

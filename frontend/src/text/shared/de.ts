@@ -178,6 +178,7 @@ export const de: Catalogue<typeof en> = {
   "reason.why.broken": "ausgefallen",
   "reason.why.graceful_shutdown": "meldet sich ab",
   "reason.why.problem": "gestört",
+  "reason.why.out_of_service": "außer Betrieb genommen",
   "reason.why.stopped": "von Hand angehalten",
   "reason.why.on_mesh": "nur über Funk erreichbar",
   "reason.why.has_work": "hat selbst zu tun",

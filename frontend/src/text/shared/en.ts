@@ -175,6 +175,7 @@ export const en = {
   "reason.why.broken": "broken",
   "reason.why.graceful_shutdown": "graceful shutdown",
   "reason.why.problem": "in error",
+  "reason.why.out_of_service": "taken out of service",
   "reason.why.stopped": "stopped by an operator",
   "reason.why.on_mesh": "on the radio mesh",
   "reason.why.has_work": "has work of its own",

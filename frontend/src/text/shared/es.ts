@@ -178,6 +178,7 @@ export const es: Catalogue<typeof en> = {
   "reason.why.broken": "averiada",
   "reason.why.graceful_shutdown": "se retira en orden",
   "reason.why.problem": "averiado",
+  "reason.why.out_of_service": "puesto fuera de servicio",
   "reason.why.stopped": "parado por un operario",
   "reason.why.on_mesh": "solo por radio",
   "reason.why.has_work": "tiene trabajo propio",

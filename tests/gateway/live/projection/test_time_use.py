@@ -14,7 +14,17 @@ from dray.gateway.live.projection.figures.fleet import Fleet, doing
 from dray.gateway.live.projection.figures.interventions import Interventions
 from dray.gateway.live.projection.figures.time_use import SILENCE_S, SILENT, TimeUse
 from dray.gateway.live.projection.machines import doing as machine_doing
-from dray.messages import AtvHeartbeat, AtvStatus, CommandRefusal, GoalBrief, MachineStatus, Pose
+from dray.messages import (
+    AtvHeartbeat,
+    AtvStatus,
+    Brief,
+    CommandRefusal,
+    GoalBrief,
+    MachineStatus,
+    OutOfService,
+    Pose,
+    Role,
+)
 from dray.messages.fact import CommandObeyed, HelpAsked
 
 GOALS = (GoalBrief(goal="G1", product="P1", quantity=4, made=0, delivered=0),)
@@ -166,3 +176,14 @@ def test_what_was_seen_is_not_remembered_for_ever(monkeypatch: pytest.MonkeyPatc
     for event in events("ATV1", *[CommandObeyed(command=f"c{n}", what="stop", done=True) for n in range(9)]):
         assert seen.fold(event)
     assert len(seen._seen) == 3
+
+
+def test_time_out_of_service_is_counted_apart_and_lasts_through_silence() -> None:
+    fleet = Fleet(2.0)
+    out = OutOfService(by="Maria", since_s=0.0)
+    fleet.fold(None, atv_heartbeat(at_s=0.0, status=AtvStatus.ERROR, out_of_service=out))
+    fleet.use.settle(1000.0)
+    assert fleet.use.totals_s["out_of_service"] == 1000.0
+    assert sum(fleet.use.totals_s.values()) == 1000.0
+    carrying = Brief(task="T1", epoch=1, role=Role.PRIMARY, coordinator="M1")
+    assert doing(atv_heartbeat(task=carrying, status=AtvStatus.WORKING, out_of_service=out)) == "waiting"

@@ -14,8 +14,16 @@ from dray.gateway.live.projection.figures.fleet import Fleet
 from dray.gateway.live.projection.outsiders import Outsiders
 from dray.gateway.live.projection.removals import Removals
 from dray.gateway.live.projection.silence import Silence
-from dray.gateway.live.views import AtvView, BriefView, ClockView, HelpView, ProbationView, ProblemView
-from dray.messages import AtvHeartbeat, Brief, Heartbeat, HelpWanted, Problem
+from dray.gateway.live.views import (
+    AtvView,
+    BriefView,
+    ClockView,
+    HelpView,
+    OutOfServiceView,
+    ProbationView,
+    ProblemView,
+)
+from dray.messages import AtvHeartbeat, Brief, Heartbeat, HelpWanted, OutOfService, Problem
 from dray.plant.model import Charging, VehicleSpec, VehicleType
 from dray.store.history.clocks import Clocks, ToWall
 
@@ -186,6 +194,7 @@ class Atvs:
             help=None if heartbeat.help is None else self._help(heartbeat.help),
             software=heartbeat.software,
             draining=heartbeat.draining,
+            out_of_service=None if heartbeat.out_of_service is UNSET else self._out(heartbeat.out_of_service),
             probation=probation_of(heartbeat),
             asks_where_it_stands=heartbeat.floor is not UNSET and heartbeat.floor.asks_where_it_stands,
             removal=self._removals.view(atv),
@@ -205,6 +214,15 @@ class Atvs:
             item=brief.item,
             quantity=brief.quantity,
             due_at_s=None if brief.due_s is None else self._to_wall_s(brief.due_s),
+        )
+
+    def _out(self, out: OutOfService) -> OutOfServiceView:
+        return OutOfServiceView(
+            by=out.by,
+            since_at_s=self._to_wall_s(out.since_s),
+            reason=out.reason,
+            back_at_s=None if out.back_s is None else self._to_wall_s(out.back_s),
+            after_work=out.after_work,
         )
 
     def _help(self, wanted: HelpWanted) -> HelpView:

@@ -13,7 +13,7 @@ from dray.gateway.live.projection.atvs import Atvs
 from dray.gateway.live.projection.auctions.tasks import Tasks
 from dray.gateway.live.projection.closures import Closures
 from dray.gateway.live.projection.disputes import Disputes
-from dray.gateway.live.projection.figures.fleet import BLOCKED
+from dray.gateway.live.projection.figures.fleet import BLOCKED, OUT_OF_SERVICE
 from dray.gateway.live.projection.figures.interventions import Interventions
 from dray.gateway.live.projection.figures.time_use import SILENT
 from dray.gateway.live.projection.figures.traffic import Traffic
@@ -251,7 +251,7 @@ class Projection:
             transport_p95_s=transports.quantile_s(0.95),
             empty_frac=self.atvs.fleet.empty_frac(now_s),
             use=UseView(**use) if use else None,
-            atv_available_frac=1.0 - use[BLOCKED] - use[SILENT] if use else None,
+            atv_available_frac=_available(use),
             machine_available_frac=1.0 - sum(machines[each] for each in (BROKEN, DOWN, SILENT))
             if machines
             else None,
@@ -385,3 +385,9 @@ def _materials(plant: PlantFile) -> Materials:
         {material.id: material.name for material in plant.materials},
         {product.id: [line.material for line in product.bill] for product in plant.products},
     )
+
+
+def _available(use: Mapping[str, float]) -> float | None:
+    """Part of the time in service in which vehicles could work; None where there was none."""
+    in_service = 1.0 - use.get(OUT_OF_SERVICE, 0.0)
+    return (in_service - use[BLOCKED] - use[SILENT]) / in_service if use and in_service > 0 else None

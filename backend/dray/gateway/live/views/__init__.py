@@ -12,7 +12,14 @@ from __future__ import annotations
 
 from dray.gateway.live.views.agent import ClockView, ProbationView, ShutOutView, SilenceView
 from dray.gateway.live.views.alert import AlertKind, AlertResponse, AlertView
-from dray.gateway.live.views.atv import AtvView, BriefView, HelpView, ProblemView, RemovalView
+from dray.gateway.live.views.atv import (
+    AtvView,
+    BriefView,
+    HelpView,
+    OutOfServiceView,
+    ProblemView,
+    RemovalView,
+)
 from dray.gateway.live.views.base import View
 from dray.gateway.live.views.cause import CauseView, FailureView, HandoverView, LackView
 from dray.gateway.live.views.closure import ClosureView, LaneView
@@ -54,6 +61,7 @@ __all__ = [
     "OpenTaskView",
     "OrderItemView",
     "OrderView",
+    "OutOfServiceView",
     "PassedView",
     "ProbationView",
     "ProblemView",

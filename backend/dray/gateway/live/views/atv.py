@@ -55,6 +55,18 @@ class HelpView(View, kw_only=True):
     """How long from now help may be promised for, in factory seconds."""
 
 
+class OutOfServiceView(View, kw_only=True):
+    """A person has taken a vehicle out of service: it takes no work, and nothing of it is an alarm."""
+
+    by: str
+    since_at_s: float
+    reason: str = ""
+    back_at_s: float | None = None
+    """When it is expected back; None where nobody knows."""
+    after_work: bool = False
+    """What it carries it brings to its end first."""
+
+
 class RemovalView(View, kw_only=True):
     """A person has carried the vehicle away, and it was not heard since."""
 
@@ -107,6 +119,7 @@ class AtvView(View, kw_only=True):
     software: str = ""
     draining: bool = False
     """It was asked to leave, takes nothing new, and goes when nothing holds it any more."""
+    out_of_service: OutOfServiceView | None = None
     probation: ProbationView | None = None
     """While it is on probation and takes short tasks only."""
     asks_where_it_stands: bool = False

@@ -15,7 +15,7 @@ class CommandView(View, kw_only=True):
     id: str
     """As whoever gave it has named it, else as the gateway has."""
     atv: str
-    kind: Literal["stop", "acknowledge", "resume", "set_speed", "promise", "hand_over"]
+    kind: Literal["stop", "acknowledge", "resume", "set_speed", "promise", "hand_over", "take_out", "put_in"]
     speed_frac: float | None = None
     by: str
     """The name of who gave it."""

@@ -45,6 +45,8 @@ class UseView(View, kw_only=True):
     idle: float
     silent: float
     """Not heard for longer than three heartbeats of an idle agent take."""
+    out_of_service: float = 0.0
+    """By a person's word."""
 
 
 class FactoryView(View, kw_only=True):

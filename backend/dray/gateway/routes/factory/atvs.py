@@ -7,7 +7,7 @@ from typing import Annotated, Self
 
 import msgspec
 from fastapi import APIRouter, Depends, Response
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator, model_validator
 
 from dray.gateway.access.audit_log import Noted
 from dray.gateway.access.caller import Caller
@@ -24,7 +24,7 @@ from dray.gateway.live.reasons import refusal_text
 from dray.gateway.live.views import AtvView
 from dray.gateway.routes.parameters import Visible
 from dray.messages import CommandKind, CommandRefusal
-from dray.messages.command import PROMISE_MAX_S
+from dray.messages.command import OUT_MAX_S, PROMISE_MAX_S
 
 router = APIRouter(tags=["factory"])
 
@@ -46,6 +46,8 @@ class CommandRequest(BaseModel):
                 {"kind": "set_speed", "speed_frac": 0.5},
                 {"kind": "promise", "wait_s": 120.0},
                 {"kind": "hand_over"},
+                {"kind": "take_out", "reason": "brakes", "wait_s": 3600.0, "after_work": True},
+                {"kind": "put_in"},
             ]
         },
     )
@@ -53,18 +55,33 @@ class CommandRequest(BaseModel):
     kind: CommandKind
     speed_frac: Annotated[float | None, Field(strict=True, gt=0, le=1)] = None
     """For `set_speed` only: a part of the vehicle's own top speed."""
-    wait_s: Annotated[float | None, Field(strict=True, gt=0, le=PROMISE_MAX_S)] = None
-    """For `promise` only: how long from now the help will take, in factory seconds."""
+    wait_s: Annotated[float | None, Field(strict=True, gt=0, le=OUT_MAX_S)] = None
+    """For `promise`: how long from now the help will take, in factory seconds, 900 at most. For `take_out`: how long it is expected to be
+    out of service; left out where nobody knows."""
+    reason: Annotated[str, Field(max_length=200)] = ""
+    """For `take_out` only: why."""
+    after_work: bool = False
+    """For `take_out` only: what it carries it brings to its end first."""
     command: Annotated[str | None, Field(pattern=r"^[A-Za-z0-9._:-]{1,64}$")] = None
     """A name for this command, by which the caller finds it in the stream. A command that is sent again under
     its name is not given again."""
+
+    @field_validator("wait_s")
+    @classmethod
+    def _a_promise_is_short(cls, wait_s: float | None, info: ValidationInfo) -> float | None:
+        if wait_s is not None and wait_s > PROMISE_MAX_S and info.data.get("kind") is CommandKind.PROMISE:
+            raise ValueError(f"a promise is for {PROMISE_MAX_S:g} s at most")
+        return wait_s
 
     @model_validator(mode="after")
     def _numbers_belong_to_their_kinds(self) -> Self:
         if (self.speed_frac is not None) != (self.kind is CommandKind.SET_SPEED):
             raise ValueError("speed_frac is given with kind set_speed, and with no other")
-        if (self.wait_s is not None) != (self.kind is CommandKind.PROMISE):
-            raise ValueError("wait_s is given with kind promise, and with no other")
+        out = self.kind is CommandKind.TAKE_OUT
+        if (self.wait_s is not None) != (self.kind is CommandKind.PROMISE) and not out:
+            raise ValueError("wait_s is given with kind promise, and may be with take_out, and with no other")
+        if not out and (self.reason or self.after_work):
+            raise ValueError("reason and after_work are given with kind take_out, and with no other")
         return self
 
 
@@ -135,7 +152,7 @@ async def command_atv(
     atv: str,
     command: CommandRequest,
 ) -> Json:
-    """Stop a vehicle, acknowledge, let it go on, limit its speed, or promise help; waits for its word."""
+    """Stop a vehicle, acknowledge, let it go on, limit its speed, promise help, hand its task over, or take it out of service; waits for its word."""
     note.detail |= command.model_dump(mode="json", exclude_none=True)
     note.waits = command.kind is not CommandKind.STOP
     if command.kind is not CommandKind.STOP and not caller.may(Scope.VEHICLES_COMMAND):
@@ -156,6 +173,8 @@ async def command_atv(
             command=command.command,
             speed_frac=command.speed_frac,
             wait_s=command.wait_s,
+            reason=command.reason,
+            after_work=command.after_work,
         )
     finally:
         note.elsewhere = commands.went_beside(command.command)

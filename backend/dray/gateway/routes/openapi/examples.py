@@ -227,6 +227,7 @@ _STRUCTS = (
                 blocked_frac=0.01,
                 idle_frac=0.29,
                 silent_frac=0.0,
+                out_of_service_frac=0.0,
                 atv_available_frac=0.99,
                 machine_available_frac=0.97,
                 commands=1,

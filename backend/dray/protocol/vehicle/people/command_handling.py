@@ -1,4 +1,4 @@
-"""People's commands to a vehicle: stop, acknowledge, resume, slow down, promise help, hand over (paper, cases 4 and 5).
+"""People's commands to a vehicle: stop, acknowledge, resume, slow down, promise help, hand over, out of service (paper, cases 4 and 5).
 
 A stop holds against everything else until the fault was acknowledged and then a resume was given, as
 two deliberate acts (invariant 5). To acknowledge says that the fault is gone: a vehicle whose own
@@ -10,7 +10,8 @@ from __future__ import annotations
 
 from dray.body import Hold, Unhold
 from dray.memory import AtvMemory, CommandMemory
-from dray.messages import CommandAnswered, CommandKind, CommandRefusal, Grant, VehicleCommand
+from dray.messages import CommandAnswered, CommandKind, CommandRefusal, Grant, OutOfService, VehicleCommand
+from dray.messages.command import OUT_MAX_S
 from dray.messages.fact import CommandObeyed
 from dray.protocol.runtime.bounded_map import BoundedMap
 from dray.protocol.runtime.events import Effect, Ignore, Instruct, Record, Send
@@ -48,6 +49,8 @@ class CommandHandling:
         self.acknowledged = False
         """The present stop was acknowledged, and not resumed yet."""
         self.stopped = False
+        self.out_of_service: OutOfService | None = None
+        """Set until somebody puts it into service again."""
 
     def on_command(
         self, sender: str, command: VehicleCommand, place_m: tuple[float, float], now_s: float
@@ -100,6 +103,7 @@ class CommandHandling:
         """Go on with what an earlier life was told; whether it is stopped, its body knows."""
         self.acknowledged = memory.acknowledged and self.stopped and not self.assistance.problem
         self._driver.speed_frac = memory.speed_frac
+        self.out_of_service = memory.out_of_service
         self._answered.update({(each.person, each.command): each for each in memory.answered})
 
     def take_back(self) -> bool:
@@ -145,6 +149,10 @@ class CommandHandling:
             return self.assistance.promise(command.issued_by or grant.person, command.wait_s, now_s)
         if command.kind is CommandKind.HAND_OVER:
             return self.assistance.let_go(now_s)
+        if command.kind is CommandKind.TAKE_OUT:
+            return self._take_out(command, command.issued_by or grant.person, now_s)
+        if command.kind is CommandKind.PUT_IN:
+            return self._put_in()
         if not self.stopped:
             return CommandRefusal.NOT_STOPPED
         if command.kind is CommandKind.ACKNOWLEDGE:
@@ -162,6 +170,27 @@ class CommandHandling:
         """Stand until somebody has acknowledged the reason, and resumes."""
         self.stopped, self.acknowledged = True, False
         self._out.append(Instruct(Hold()))
+
+    def _take_out(self, command: VehicleCommand, by: str, now_s: float) -> CommandRefusal | None:
+        """Out of service from now on; said again it gives another reason, or another time."""
+        wait_s = command.wait_s
+        if wait_s is not None and not 0.0 < wait_s <= OUT_MAX_S:
+            return CommandRefusal.WAIT_OUT_OF_RANGE
+        since_s = now_s if self.out_of_service is None else self.out_of_service.since_s
+        self.out_of_service = OutOfService(
+            by=by,
+            since_s=since_s,
+            reason=command.reason,
+            back_s=None if wait_s is None else now_s + wait_s,
+            after_work=command.after_work,
+        )
+        return None
+
+    def _put_in(self) -> CommandRefusal | None:
+        if self.out_of_service is None:
+            return CommandRefusal.IN_SERVICE
+        self.out_of_service = None
+        return None
 
     def _limit_speed(self, speed_frac: float | None) -> CommandRefusal | None:
         if speed_frac is None or not 0.0 < speed_frac <= 1.0:

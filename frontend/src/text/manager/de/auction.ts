@@ -121,6 +121,7 @@ export const auction: Catalogue<typeof english> = {
   "why.refusedBy": "{count} {reason}",
 
   "refusal.command.not_waiting": "keiner seiner Aufträge wartet auf Hilfe",
+  "refusal.command.in_service": "es ist in Betrieb",
   "refusal.command.load_aboard": "die Ware ist an Bord: erst abnehmen",
   "refusal.command.wait_out_of_range": "höchstens 15 Minuten können zugesagt werden",
   "refusal.busy": "beschäftigt",

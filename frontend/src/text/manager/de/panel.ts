@@ -141,6 +141,7 @@ export const panel: Catalogue<typeof english> = {
   "shutOut.readmit": "{id} wieder zulassen",
 
   "agent.draining": "meldet sich ab",
+  "agent.outOfService": "außer Betrieb, durch {by}. {reason}",
   "agent.probation": "auf Probe: {done} von {of}",
 
   "fleet.show": "{id} im Plan zeigen",

@@ -118,6 +118,7 @@ export const auction = {
   "why.refusedBy": "{count} {reason}",
 
   "refusal.command.not_waiting": "it has no task that waits for help",
+  "refusal.command.in_service": "it is in service",
   "refusal.command.load_aboard": "goods are on board: take them off first",
   "refusal.command.wait_out_of_range": "say when you are there, at most 15 minutes from now",
   "refusal.busy": "busy",

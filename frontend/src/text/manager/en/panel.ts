@@ -138,6 +138,7 @@ export const panel = {
   "shutOut.readmit": "Readmit {id}",
 
   "agent.draining": "draining",
+  "agent.outOfService": "out of service, by {by}. {reason}",
   "agent.probation": "on probation: {done} of {of}",
 
   "fleet.show": "Show {id} on the plant",

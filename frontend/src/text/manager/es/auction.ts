@@ -121,6 +121,7 @@ export const auction: Catalogue<typeof english> = {
   "why.refusedBy": "{count} {reason}",
 
   "refusal.command.not_waiting": "ninguna tarea suya espera ayuda",
+  "refusal.command.in_service": "está en servicio",
   "refusal.command.load_aboard": "lleva producto a bordo: quítelo primero",
   "refusal.command.wait_out_of_range": "se pueden prometer 15 minutos como mucho",
   "refusal.busy": "por tener trabajo",

@@ -141,6 +141,7 @@ export const panel: Catalogue<typeof english> = {
   "shutOut.readmit": "Readmitir {id}",
 
   "agent.draining": "se retira",
+  "agent.outOfService": "fuera de servicio, por {by}. {reason}",
   "agent.probation": "a prueba: {done} de {of}",
 
   "fleet.show": "Mostrar {id} en el plano",

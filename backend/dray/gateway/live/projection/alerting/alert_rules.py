@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Container, Iterable, Iterator
 
 import msgspec
+from msgspec import UNSET
 
 from dray.gateway.live.projection.auctions.tasks import Tasks
 from dray.gateway.live.projection.disputes import Disputes
@@ -156,6 +157,8 @@ def of_atvs(
     """
     for heard in heartbeats:
         agent, help_ = heard.atv, heard.help
+        if heard.out_of_service is not UNSET and heard.task is None:
+            continue  # Whoever has taken it out knows; what it still carries is others' business.
         if now.is_lost(agent, heard):
             if agent in explained:
                 continue

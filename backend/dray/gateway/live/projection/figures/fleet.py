@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from math import hypot
 
+from msgspec import UNSET
+
 from dray.gateway.live.projection.figures.sliding_window import Window
 from dray.gateway.live.projection.figures.time_use import HOUR_SLOTS, SILENCE_S, TimeUse
 from dray.messages import AtvHeartbeat, AtvStatus
 
 MOVING, WAITING, CHARGING, BLOCKED, IDLE = "moving", "waiting", "charging", "blocked", "idle"
+OUT_OF_SERVICE = "out_of_service"
 
-DOINGS = (MOVING, WAITING, CHARGING, BLOCKED, IDLE)
+DOINGS = (MOVING, WAITING, CHARGING, BLOCKED, IDLE, OUT_OF_SERVICE)
 """What a vehicle may do. It waits at work: while it loads, unloads, or has no way. It is blocked when it was
-stopped, or has a problem."""
+stopped, or has a problem. It is out of service by a person's word, once it carries nothing any more."""
 
 
 _STOPPED, _ERROR, _CHARGING, _WORKING = (
@@ -41,7 +44,7 @@ class Fleet:
 
     def __init__(self, top_mps: float) -> None:
         self._top_mps = top_mps
-        self.use = TimeUse(DOINGS)
+        self.use = TimeUse(DOINGS, lasting=OUT_OF_SERVICE)
         self.empty_m = self.loaded_m = 0.0
         self._empty, self._loaded = Window(*HOUR_SLOTS), Window(*HOUR_SLOTS)
 
@@ -78,6 +81,8 @@ class Fleet:
 
 def doing(heartbeat: AtvHeartbeat) -> str:
     """What a vehicle does."""
+    if heartbeat.out_of_service is not UNSET and heartbeat.task is None:
+        return OUT_OF_SERVICE
     status = heartbeat.status
     if status is _STOPPED or status is _ERROR:
         return BLOCKED

@@ -37,12 +37,14 @@ class TimeUse:
 
     Args:
         doings: everything that an agent may do, but for being silent.
+        lasting: what goes on though the agent says nothing.
 
     Attributes:
         totals_s: since the beginning, by doing. Their sum grows by one second per second and agent.
     """
 
-    def __init__(self, doings: Iterable[str]) -> None:
+    def __init__(self, doings: Iterable[str], lasting: str = "") -> None:
+        self._lasting = lasting
         self.totals_s = dict.fromkeys((*doings, SILENT), 0.0)
         self._hour = {doing: Window(*HOUR_SLOTS) for doing in self.totals_s}
         self._spells: dict[str, _Spell] = {}
@@ -82,7 +84,7 @@ class TimeUse:
         return {doing: each_s / total_s for doing, each_s in spent_s.items()} if total_s > 0 else {}
 
     def _count(self, spell: _Spell, until_s: float) -> None:
-        believed_s = min(until_s, spell.heard_s + SILENCE_S)
+        believed_s = until_s if spell.what == self._lasting else min(until_s, spell.heard_s + SILENCE_S)
         if believed_s > spell.counted_s:
             self._spend(spell.what, believed_s, believed_s - spell.counted_s)
             spell.counted_s = believed_s
