@@ -21,8 +21,10 @@ from dray.messages.contract import (
     Declined,
     Disbelieved,
     Docked,
+    DockExpected,
     DockHeld,
     DockOpened,
+    DockTime,
     GoalClosed,
     Handover,
     HandoverAccepted,
@@ -111,6 +113,7 @@ AnyMessage = (
     | Docked
     | DockOpened
     | DockHeld
+    | DockExpected
     | Handover
     | HandoverAccepted
     | Superseded
@@ -177,8 +180,10 @@ __all__ = [
     "Cost",
     "Declined",
     "Disbelieved",
+    "DockExpected",
     "DockHeld",
     "DockOpened",
+    "DockTime",
     "Docked",
     "DwellPointClaimed",
     "Event",

@@ -85,12 +85,43 @@ class ProductionCost(Part, tag_field="kind", tag="production", frozen=True):
 Cost = TransportCost | ProductionCost
 
 
-class Wait(Part, frozen=True):
+DOCK_TIMES_MAX = 8
+"""Vehicles that are told of one place: who comes later does not concern a transport that begins now."""
+
+
+class DockTime(Part, frozen=True):
+    """When a vehicle expects to be at a dock (plant clock). A hint for others' promises, and no right to the dock."""
+
+    atv: Id
+    comes_s: Seconds
+    """It is there, or stands behind whoever is."""
+    leaves_s: Seconds
+    """From then on the next one can be there."""
+
+
+class DockExpected(Message, frozen=True):
+    """A vehicle with right of way tells whoever hires vehicles for a place when it will be at the dock there.
+
+    Said when the contract is taken, whenever the vehicle knows better, when it stands there and when it is done.
+    """
+
+    place: Id
+    comes_s: Seconds
+    """It is there, or stands behind whoever is (plant clock)."""
+    stays_s: Seconds
+    """How long it takes there; 0 when it is done."""
+    docked: bool = False
+    """It stands there."""
+
+
+class Wait(Part, frozen=True, omit_defaults=True):
     """How long vehicles wait at a place."""
 
     place: Id
     wait_s: Seconds
-    """Beyond the handling itself."""
+    """Beyond the handling itself, lately."""
+    expected: Annotated[tuple[DockTime, ...], Meta(max_length=DOCK_TIMES_MAX)] = ()
+    """Who is expected at the dock there, as these vehicles have told."""
 
 
 class TaskAnnounced(Message, frozen=True):

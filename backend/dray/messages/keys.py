@@ -11,6 +11,7 @@ never holds any of these.
     {plant}/goal/{product}    announcements of production goals, to the machines that can make it
     {plant}/dwell-point/{id}  claims of one charger or parking place
     {plant}/free/{id}         a vehicle that is free asks for work that waits
+    {plant}/dock/{place}      when vehicles will be at the dock of a place, to those who hire vehicles for it
     {plant}/problem/{id}      how long a vehicle's problem has lasted, when it is over
     {plant}/agent/@{id}       what is said to one agent alone
     {plant}/event/{id}        an agent's numbered events
@@ -85,6 +86,9 @@ class Keys:
 
     def free(self, atv: str) -> str:
         return f"{self.plant}/free/{atv}"
+
+    def dock(self, place: str) -> str:
+        return f"{self.plant}/dock/{place}"
 
     def problem(self, atv: str) -> str:
         return f"{self.plant}/problem/{atv}"

@@ -28,6 +28,7 @@ _PARAMETERS = {
     "machine": "A machine's id.",
     "station": "The id of a storage.",
     "cell": "A cell of the grid.",
+    "place": "The id of a machine, a storage or a warehouse.",
     "product": "A product's id.",
     "district": "The name of a district: the places around a machine.",
     "dwell_point": "The id of a charger or parking place.",

@@ -9,6 +9,7 @@ from dray.messages import (
     AnyMessage,
     AtvHeartbeat,
     Closures,
+    DockExpected,
     DwellPointClaimed,
     Event,
     FloorTold,
@@ -85,6 +86,12 @@ _PUBLISHED = (
         _KEYS.free("{atv}"),
         "A vehicle that had no time is free, and asks all coordinators for work that waits. The vehicle alone speaks here.",
         (WorkSought,),
+    ),
+    Channel(
+        "docks",
+        _KEYS.dock("{place}"),
+        "When vehicles will be at the dock of a place, to those who hire vehicles for it.",
+        (DockExpected,),
     ),
     Channel(
         "problems",

@@ -9,9 +9,11 @@ from defaults import KEYS
 from effects import deeds, facts, listening, published, sent
 from transports_rig import TransportsRig, contracted, watched
 
-from dray.messages import Phase, Reason, Role, TaskAnnounced, Transport, Withdrawn
+from dray.messages import DockExpected, DockTime, Phase, Reason, Role, TaskAnnounced, Transport, Withdrawn
 from dray.messages.fact import PrimarySuspected, TaskClosed, WatchLost
+from dray.protocol.contract_net.dock_queues import TURN_S
 from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S, LATENESS_MAX_S, WORKING_INTERVAL_S, bound_s
+from dray.protocol.machine.transports.carrier_waits import ONE_AFTER_ANOTHER_S
 from dray.protocol.runtime.events import NEVER_S
 from dray.protocol.takeover.secondaries import WATCH_RULES
 
@@ -218,6 +220,43 @@ def test_who_stands_at_its_dock_now_counts_too() -> None:
     rig.now_s += 33.0
     waits = {wait.place: wait.wait_s for wait in rig.transports.told_waits(work, rig.now_s)}
     assert waits["M8"] == pytest.approx(33.0)
+
+
+def expected(comes_s: float) -> DockExpected:
+    return DockExpected(place="M8", comes_s=comes_s, stays_s=15.0)
+
+
+def test_who_is_expected_at_its_dock_is_told_to_those_who_bid() -> None:
+    rig = TransportsRig()
+    rig.transports.docks.on_expected("ATV9", expected(60.0), rig.now_s)
+    rig.open()
+    [announced] = published(rig.out, TaskAnnounced)
+    [told] = announced.waits
+    assert (told.place, told.wait_s) == ("M8", 0.0)
+    assert told.expected == (DockTime(atv="ATV9", comes_s=60.0, leaves_s=75.0 + TURN_S),)
+
+
+def test_a_promise_counts_those_before_it_at_the_dock_of_whom_its_carrier_had_not_heard() -> None:
+    rig, alone = TransportsRig(), contracted()
+    rig.open()
+    rig.bids(ATV2=54.8)
+    rig.run(1.0)
+    done_s = alone.task.contract.promised_s
+    comes_s = done_s - Credulous().handling_max_s
+    rig.transports.docks.on_expected("ATV9", expected(comes_s - 10.0), rig.now_s)
+    rig.transports.docks.on_expected("ATV2", expected(comes_s), rig.now_s)
+    rig.accepts("ATV2")
+    assert rig.task.contract.promised_s == pytest.approx(done_s + 5.0 + TURN_S)
+
+
+def test_where_carriers_queue_at_docks_one_is_hired_after_the_other() -> None:
+    rig = TransportsRig()
+    rig.transports.docks.on_expected("ATV9", expected(60.0), rig.now_s)
+    rig.open("T1")
+    rig.open("T2")
+    assert [said.task for said in published(rig.out, TaskAnnounced)] == ["T1"]
+    rig.run(ONE_AFTER_ANOTHER_S)
+    assert list(dict.fromkeys(said.task for said in published(rig.out, TaskAnnounced))) == ["T1", "T2"]
 
 
 def test_nothing_stands_behind_what_only_stood_behind_something_else() -> None:

@@ -10,7 +10,7 @@ from defaults import PLANT
 from effects import facts, sent
 from spoken import announcement, award, production, transport
 
-from dray.messages import Bid, Refusal, Role, TransportCost, Wait
+from dray.messages import Bid, DockTime, Refusal, Role, TransportCost, Wait
 from dray.messages.fact import BidRefused, BidSent
 from dray.protocol.contract_net.trust.probation import Probation
 from dray.protocol.contract_net.waits import Waits
@@ -190,6 +190,19 @@ def test_a_promise_and_a_price_count_what_the_coordinator_tells_of_waits() -> No
     # Who stands uses energy, too, though little.
     assert plain.cost.total_s + 40.0 < waits.cost.total_s < plain.cost.total_s + 42.0
     assert waits.finish_s == pytest.approx(plain.finish_s + 40.0)
+
+
+def test_a_promise_and_a_price_count_who_is_at_the_dock_before_it() -> None:
+    [plain] = sent(on_announcement(), Bid)
+    comes_s = plain.finish_s - PLANT.vehicle_types["light"].unload_s
+    before = DockTime(atv="ATV9", comes_s=comes_s - 10.0, leaves_s=comes_s + 17.0)
+    own = DockTime(atv="ATV1", comes_s=comes_s - 10.0, leaves_s=comes_s + 90.0)
+    behind = DockTime(atv="ATV8", comes_s=comes_s + 10.0, leaves_s=comes_s + 50.0)
+    told = Wait(place="M8", wait_s=0.0, expected=(before, own, behind))
+    [bid] = sent(on_announcement(waits=(told,)), Bid)
+    assert isinstance(bid.cost, TransportCost)
+    assert bid.cost.waiting_s == pytest.approx(17.0)
+    assert bid.finish_s == pytest.approx(plain.finish_s + 17.0)
 
 
 def test_a_source_at_which_nobody_waits_is_chosen_before_a_nearer_one_at_which_all_do() -> None:

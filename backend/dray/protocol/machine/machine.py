@@ -55,6 +55,7 @@ from dray.protocol.machine.goal_bidding import GoalBidder
 from dray.protocol.machine.material_flow import MaterialFlow
 from dray.protocol.machine.production import Goal, GoalBook
 from dray.protocol.machine.supply import Supply
+from dray.protocol.machine.transports.carrier_waits import docks_heard
 from dray.protocol.runtime.agent import AgentBase
 from dray.protocol.runtime.events import (
     Commit,
@@ -113,9 +114,8 @@ class Machine(AgentBase):
         self._supply = Supply(machine, plant, self._goals)
         self._probation = Probation(probation)
         lots = {product: plant.products[product].lot for product in self._products}
-        self._bidder = GoalBidder(
-            lots, self._goals, self._supply, self._probation, self._timers, self._out, self._commit
-        )
+        made = (lots, self._goals, self._supply, self._probation)
+        self._bidder = GoalBidder(*made, self._timers, self._out, self._commit)
         self._flow = MaterialFlow(
             machine,
             plant,
@@ -134,9 +134,7 @@ class Machine(AgentBase):
         self._status = MachineStatus.IDLE
         self._message_handlers = {
             **self._flow.message_handlers,
-            TaskAnnounced: lambda _sender, message, now_s: self._bidder.on_announced(
-                message, self._unfit(), now_s
-            ),
+            TaskAnnounced: lambda _from, said, now_s: self._bidder.on_announced(said, self._unfit(), now_s),
             Award: self._on_award,
             Confirmed: self._on_confirmed,
             Release: self._on_goal_over,
@@ -146,6 +144,7 @@ class Machine(AgentBase):
             **self._closures.message_handlers,
             Disbelieved: Reproach(self._out).on_disbelieved,
         }
+        self._docks = () if traffic is None else docks_heard(machine, plant, self._keys)
         heard = self._flow.subscriptions
         self._bookkeeping = Bookkeeping(machine, plant, traffic, trusts, heard, self._timers, self._out)
         self._message_handlers = self._bookkeeping.handlers(self._message_handlers)
@@ -177,7 +176,7 @@ class Machine(AgentBase):
             self._restore(note, now_s)
         self._flow.goods.count()
         self._out.extend(Subscribe(self._keys.goals(product)) for product in self._products)
-        self._out.append(Subscribe(self._keys.all_free))
+        self._out += (Subscribe(self._keys.all_free), *self._docks)
         self._closures.listen()
         if self.incarnation > 1:
             self._flow.recover(note is None, now_s)

@@ -21,6 +21,7 @@ from dray.messages import (
     Bid,
     Declined,
     Docked,
+    DockExpected,
     Handover,
     Message,
     Resigned,
@@ -184,6 +185,7 @@ class MaterialFlow:
             StockShort: self.sourcing.on_short,
             TakenOver: self._on_taken_over,
             Docked: self._on_docked,
+            DockExpected: self.tasks.docks.on_expected,
             Handover: self._handovers.on_handover,
         }
         self.alarms: Mapping[str, Callable[[Any, float], None]] = {

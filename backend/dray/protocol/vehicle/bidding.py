@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import msgspec
 
-from dray.messages import Award, Refusal, Role, TaskAnnounced, Transport, Work
+from dray.messages import Award, DockTime, Refusal, Role, TaskAnnounced, Transport, Work
 from dray.plant import Plant
+from dray.protocol.contract_net.dock_queues import DOCKS_MAX, wait_s
 from dray.protocol.contract_net.replies import Refusals, offer
 from dray.protocol.contract_net.trust.probation import ON_PROBATION, SHORT_S, Probation
 from dray.protocol.contract_net.waits import Waits
+from dray.protocol.runtime.bounded_map import BoundedMap
 from dray.protocol.runtime.events import Effect
 from dray.protocol.vehicle.charging import Charging
 from dray.protocol.vehicle.pricing import Pricer, Quote, Unable
@@ -65,6 +67,8 @@ class Bidder:
         self._pricer = Pricer(plant, vehicle_type)
         self._probation = probation
         self._waits = waits
+        self._expected: BoundedMap[str, tuple[DockTime, ...]] = BoundedMap(DOCKS_MAX)
+        """Place -> who is expected there, as announcements have told last."""
         self._charging = charging
         self._refusals = Refusals(out)
         self._out = out
@@ -79,7 +83,10 @@ class Bidder:
         if dx_m * dx_m + dy_m * dy_m > message.radius_m * message.radius_m:
             return None  # A neighbour of those who were asked: its cell only touches the circle.
         for told in message.waits[:PLACES_TOLD]:
-            self._waits.note(told.place, message.coordinator, told.wait_s, now_s)
+            if told.wait_s or not told.expected:
+                self._waits.note(told.place, message.coordinator, told.wait_s, now_s)
+            if told.expected:
+                self._expected[told.place] = told.expected
         answer = self._consider(
             message.work, message.role, message.primary, message.deadline_s, standing, now_s
         )
@@ -142,7 +149,10 @@ class Bidder:
             now_s=now_s,
             deadline_s=deadline_s,
             speed_frac=standing.speed_frac,
-            wait_s=lambda place: self._waits.expect_s(place, now_s),
+            wait_s=lambda place, comes_s: (
+                self._waits.expect_s(place, now_s)
+                + wait_s(self._expected.get(place) or (), comes_s, self._atv)
+            ),
         )
         if isinstance(quote, Unable) and quote.reason is Refusal.BATTERY:
             self._charging.note_short()

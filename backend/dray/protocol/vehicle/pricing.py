@@ -76,7 +76,7 @@ class Pricer:
         now_s: float,
         deadline_s: float,
         speed_frac: float = 1.0,
-        wait_s: Callable[[str], float] = lambda _place: 0.0,
+        wait_s: Callable[[str, float], float] = lambda _place, _comes_s: 0.0,
     ) -> Quote | Unable:
         """Price a transport from a node.
 
@@ -88,7 +88,7 @@ class Pricer:
             now_s: the present time.
             deadline_s: when it should be done.
             speed_frac: what a person's limit and other vehicles leave of the vehicle's own speed (`Driver.pace_frac`).
-            wait_s: how long it would have to wait at a place beyond the handling.
+            wait_s: how long it would have to wait at a place beyond the handling, where it comes at a time (plant clock).
 
         Returns:
             The cheapest offer that can be kept, over all sources; or why there is none, of the cheapest of all.
@@ -111,7 +111,9 @@ class Pricer:
                 continue
             empty_s = max(0.0, node_at_s - now_s) + limited_s(empty.duration_s, speed_frac)
             loaded_s = limited_s(loaded.duration_s, speed_frac)
-            waiting_s = wait_s(source) + wait_s(work.destination)
+            waiting_s = wait_s(source, now_s + empty_s)
+            comes_s = now_s + empty_s + waiting_s + kind.load_s + loaded_s
+            waiting_s += wait_s(work.destination, comes_s)
             took_s = empty_s + kind.load_s + loaded_s + kind.unload_s + waiting_s
             used_wh = (
                 empty.length_m * kind.drive_wh_per_m

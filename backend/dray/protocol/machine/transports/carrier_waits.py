@@ -5,10 +5,25 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import cast
 
+from msgspec.structs import replace
+
 from dray.messages import AtvHeartbeat, Phase, Transport, Wait
+from dray.messages.keys import Keys
+from dray.plant import Plant
+from dray.protocol.contract_net.dock_queues import DockQueues, wait_s
 from dray.protocol.contract_net.task import OpenTask
 from dray.protocol.contract_net.waits import Waits
-from dray.protocol.runtime.events import NEVER_S
+from dray.protocol.runtime.events import NEVER_S, Subscribe
+
+ONE_AFTER_ANOTHER_S = 1.2
+"""From one announcement to the next where carriers queue at docks: a window for bids, and the award."""
+
+
+def docks_heard(machine: str, plant: Plant, keys: Keys) -> tuple[Subscribe, ...]:
+    """What a machine listens to, to know who is expected where its transports begin and end."""
+    storages = (storage for item in plant.materials_of(machine) for storage in plant.storages_of(item))
+    places = dict.fromkeys((machine, *storages, *plant.delivery_warehouses))
+    return tuple(Subscribe(keys.dock(place)) for place in places)
 
 
 class CarrierWaits:
@@ -17,12 +32,16 @@ class CarrierWaits:
     Args:
         machine: whose carriers.
         handling_s: the longest loading or unloading; what is beyond that is a wait.
+
+    Attributes:
+        docks: who is expected where, as vehicles with right of way have told.
     """
 
     def __init__(self, machine: str, handling_s: float) -> None:
         self._machine = machine
         self._handling_s = handling_s
         self._waits = Waits()
+        self.docks = DockQueues()
 
     def note_phase(self, task: OpenTask, heartbeat: AtvHeartbeat, now_s: float) -> None:
         """See how far a carrier has come, and how long it had to wait for that."""
@@ -36,9 +55,20 @@ class CarrierWaits:
             self._waits.note(cast(Transport, task.work).destination, task.primary, waited_s, now_s)
         contract.phase, contract.phase_s = brief.phase, now_s
 
+    def foresee(self, task: OpenTask, now_s: float) -> None:
+        """A task has its carrier: it may stand at the destination behind others, of whom it had not heard when it promised."""
+        contract = task.contract
+        times = self.docks.told(cast(Transport, task.work).destination, now_s)
+        contract.promised_s += wait_s(times, contract.promised_s - self._handling_s, contract.primary)
+
     def told(self, work: Transport, tasks: Iterable[OpenTask], now_s: float) -> tuple[Wait, ...]:
-        """What is known of waits at the places of a transport: lately, and of who stands there now."""
+        """What is known of waits at the places of a transport: lately, of who stands there now, and of who is expected there."""
         for task in tasks:
             if task.contract.held_s < NEVER_S:
                 self._waits.note(self._machine, task.primary, now_s - task.contract.held_s, now_s)
-        return self._waits.told((*work.sources, work.destination), now_s)
+        places = (*work.sources, work.destination)
+        told = {wait.place: wait for wait in self._waits.told(places, now_s)}
+        for place in places:
+            if expected := self.docks.told(place, now_s):
+                told[place] = replace(told.get(place, Wait(place=place, wait_s=0.0)), expected=expected)
+        return tuple(told.values())

@@ -43,7 +43,7 @@ from dray.protocol.contract_net.trust.plausibility import by_our_clock
 from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
 from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S, WORKING_INTERVAL_S
 from dray.protocol.machine.transports.backlog import most_urgent, stands_back
-from dray.protocol.machine.transports.carrier_waits import CarrierWaits
+from dray.protocol.machine.transports.carrier_waits import ONE_AFTER_ANOTHER_S, CarrierWaits
 from dray.protocol.runtime.events import Effect, Ignore, Send
 from dray.protocol.runtime.timers import Timers
 from dray.protocol.takeover.failover import Failover
@@ -78,6 +78,7 @@ class Transports(Coordinator):
     Attributes:
         failover: the watch over its carriers.
         reliability: what it has learned of them.
+        docks: who is expected at the docks of its transports.
     """
 
     def __init__(
@@ -112,7 +113,7 @@ class Transports(Coordinator):
         self._left = left
         self._unloaded = unloaded
         self._waits = CarrierWaits(machine, assessor.handling_max_s)
-        self._auctions.waits = self.told_waits
+        self.docks, self._auctions.waits = self._waits.docks, self.told_waits
         self._secondaries = Secondaries(self._open, self._auctions, subscriptions, timers, out)
         watched = (self._open, self._secondaries, subscriptions)
         self.failover = Failover(*watched, timers, out, self, assessor, is_missing, source_answers)
@@ -284,10 +285,7 @@ class Transports(Coordinator):
 
     def offer(self, atv: str, abilities: Collection[str], now_s: float) -> bool:
         """Offer the most urgent transport that waits to a vehicle that asks for work; False when none does."""
-        if any(task.primary == atv for task in self):
-            return False
-        task = most_urgent(self, abilities)
-        if task is None:
+        if any(task.primary == atv for task in self) or (task := most_urgent(self, abilities)) is None:
             return False
         task.auction.offer(atv, now_s)
         return True
@@ -310,10 +308,15 @@ class Transports(Coordinator):
             self._commit()  # Somebody may accept from now on: another life must use a higher epoch.
 
     def _announce(self, task: OpenTask, now_s: float) -> None:
-        if task.auction.has_candidates or not stands_back(task, self):
+        asked = sum(other.auction.awaits_answers for other in self) if self.docks else 0
+        stands_behind = stands_back(task, self)
+        if task.auction.has_candidates or not (asked or stands_behind):
             super()._announce(task, now_s)
             return
-        task.auction.stand_behind(now_s)
+        if stands_behind:
+            task.auction.stand_behind(now_s)
+        else:  # Whoever bids is to know of those before it at the docks: one is hired after the other.
+            task.auction.open_later(now_s + asked * ONE_AFTER_ANOTHER_S)
         self._auctions.arm(PRIMARY_AUCTION, task.auction)
 
     def _may_be_carried(self, task: OpenTask, epoch: int) -> bool:
@@ -341,6 +344,7 @@ class Transports(Coordinator):
             self._secondaries.seek(task, (), now_s)
 
     def _bound(self, task: OpenTask, runners_up: tuple[tuple[str, Bid], ...], now_s: float) -> None:
+        self._waits.foresee(task, now_s)
         self.failover.follow(task, WORKING_INTERVAL_S, now_s)
         self._secondaries.seek(task, runners_up, now_s)
 
@@ -353,10 +357,9 @@ class Transports(Coordinator):
 
     def _bind(self, task: OpenTask, atv: str, source: str, promised_s: float, now_s: float) -> None:
         """A vehicle carries a task, though no auction of this life has found it."""
-        believed_s = (
-            self._assessor.believed_s(task.work, None, promised_s, now_s) if task.witnessed else promised_s
-        )
-        task.assign(CarrierContract(atv, source, believed_s))
+        if task.witnessed:
+            promised_s = self._assessor.believed_s(task.work, None, promised_s, now_s)
+        task.assign(CarrierContract(atv, source, promised_s))
         self._bound(task, (), now_s)
 
     def _change_carrier(self, task: OpenTask, atv: str, message: TakenOver, now_s: float) -> None:

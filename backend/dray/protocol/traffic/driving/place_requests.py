@@ -105,6 +105,8 @@ class PlaceRequests:
         """Since when it stands and waits for its next group."""
         self._aged_s = 0.0
         """When that has made it more urgent last."""
+        self.waited_at_goal_s = 0.0
+        """How long it has stood on this leg for nothing but the goal itself: for whoever was at the dock before it."""
         self._blocked, self._blocked_by, self._blocked_at = Blocked.NO, "", ""
         """Why it was not granted that, who is in the way and where, as the book has told last."""
         self.removal = 0
@@ -220,6 +222,8 @@ class PlaceRequests:
     def _note_wait(self, now_s: float) -> None:
         if self._held_up_s is not None:
             waited_s = now_s - self._held_up_s
+            if self.way.base_end == self.goal:
+                self.waited_at_goal_s += waited_s
             if waited_s > 1.0 and self.way.base:
                 self._outlook.waited(self._places.place_of(self.way.base[0]), waited_s, now_s)
             self._held_up_s = None

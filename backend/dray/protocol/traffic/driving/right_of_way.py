@@ -103,7 +103,7 @@ class RightOfWay(PlaceRequests):
         self.goal = goal
         self.docked = self._rests = False
         self._rank = (rank_class, now_s, self.atv)
-        self._held_up_s = None
+        self._held_up_s, self.waited_at_goal_s = None, 0.0
         self._went_round = frozenset()
         self._yielding.begin_leg()
         if self.errand is Errand.OWN:

@@ -193,6 +193,16 @@ class Driver:
     def be_stuck(self, stuck: bool, now_s: float) -> None:
         """The vehicle cannot move until a person has seen to it, or can again."""
 
+    def expect_at(self, place: str, comes_s: float, stays_s: float, *, docked: bool = False) -> None:
+        """Tell when the vehicle will be at a place, where that concerns others.
+
+        Args:
+            place: where it is loaded or unloaded.
+            comes_s: when it will be there (plant clock).
+            stays_s: how long it takes there; 0 when it is done.
+            docked: it stands there.
+        """
+
     @property
     def is_placed(self) -> bool:
         """Whether the place where it stands is its own."""

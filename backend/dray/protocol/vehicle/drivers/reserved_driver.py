@@ -7,12 +7,12 @@ from typing import Protocol
 
 from dray.body import ActionFailed, NodePassed, VehicleState, WayDone
 from dray.errors import NoWay, ProtocolViolation
-from dray.messages import Pose
+from dray.messages import DockExpected, Pose
 from dray.messages.heartbeat import FloorBrief
 from dray.messages.keys import Keys
 from dray.messages.traffic import HOLDS_MAX
 from dray.plant import Plant
-from dray.protocol.runtime.events import Effect
+from dray.protocol.runtime.events import Effect, Publish
 from dray.protocol.runtime.timers import Timers
 from dray.protocol.traffic.driving.place_requests import IDLE, WITH_TASK, Errand
 from dray.protocol.traffic.driving.right_of_way import RightOfWay
@@ -22,8 +22,8 @@ from dray.protocol.vehicle.drivers.driver import ORDERS_PER_LIFE, Driver, limite
 
 LOST = "lost"
 
-FIRST_PACE_FRAC = 0.8
-"""Of the pace that an empty floor allows, as long as nothing was learned: about what the default plant leaves at full load."""
+FIRST_PACE_FRAC = 0.9
+"""Of the pace that an empty floor allows, as long as nothing was learned: about what the default plant leaves at 85 % load."""
 
 PACE_GAIN = 0.1
 """Weight of the newest leg."""
@@ -221,6 +221,10 @@ class ReservedDriver(Driver):
         if stuck:
             self._leg = None
 
+    def expect_at(self, place: str, comes_s: float, stays_s: float, *, docked: bool = False) -> None:
+        told = DockExpected(place=place, comes_s=comes_s, stays_s=stays_s, docked=docked)
+        self._out.append(Publish(Keys(self._plant.id).dock(place), told))
+
     @property
     def is_placed(self) -> bool:
         return self.right_of_way.is_placed
@@ -268,7 +272,9 @@ class ReservedDriver(Driver):
         """A leg is over: how much longer than alone has it taken?"""
         if self._leg is not None:
             begun_s, alone_s = self._leg
-            frac = min(max(alone_s / max(now_s - begun_s, alone_s), SLOWEST_PACE_FRAC), 1.0)
+            # Who stands at the dock before it is counted by itself (`dock_queues`).
+            took_s = now_s - begun_s - self.right_of_way.waited_at_goal_s
+            frac = min(max(alone_s / max(took_s, alone_s), SLOWEST_PACE_FRAC), 1.0)
             self._pace_frac += PACE_GAIN * (frac - self._pace_frac)
             self._leg = None
 

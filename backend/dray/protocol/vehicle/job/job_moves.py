@@ -83,6 +83,20 @@ class JobMoves:
         """How long unloading takes."""
         return self._type.unload_s
 
+    # --- what others are told of them ---
+
+    def expect_to_load(self, comes_s: float, *, docked: bool = False) -> None:
+        """Tell when the vehicle will be at the source (plant clock), or that it stands there."""
+        self._driver.expect_at(self._source, comes_s, self._type.load_s, docked=docked)
+
+    def expect_to_unload(self, comes_s: float, *, docked: bool = False) -> None:
+        """Tell when it will be at the destination, or that it stands there."""
+        self._driver.expect_at(self._work.destination, comes_s, self._type.unload_s, docked=docked)
+
+    def leave(self, place: str, now_s: float) -> None:
+        """Tell that it is done at a place."""
+        self._driver.expect_at(place, now_s, 0.0)
+
     # --- manoeuvres ---
 
     def pick(self) -> None:

@@ -64,8 +64,11 @@ class JobWays(JobStatus):
             arrives_s = now_s if there_s is None else there_s
             if self.state is JobState.APPROACHING:
                 self.due_s = arrives_s + self._moves.from_source_s()
+                self._moves.expect_to_load(arrives_s)
+                self._moves.expect_to_unload(self.due_s - self._moves.unloading_s())
             elif self.state is JobState.CARRYING:
                 self.due_s = arrives_s + self._moves.unloading_s()
+                self._moves.expect_to_unload(arrives_s)
         except NoWay:
             self._wait_for_way(now_s)
             return

@@ -140,9 +140,11 @@ class TransportJob(JobWays):
             case JobState.APPROACHING:
                 self._enter(JobState.AT_SOURCE, self.source)
                 self._stands_s = now_s
+                self._moves.expect_to_load(now_s, docked=True)
                 self._ask_for_dock(now_s)
             case JobState.CARRYING:
                 self._enter(JobState.AT_DESTINATION, self.work.destination)
+                self._moves.expect_to_unload(now_s, docked=True)
                 self._ask_to_unload(now_s)
             case JobState.RETURNING:
                 self._drop(JobState.PUTTING_BACK)
@@ -301,10 +303,12 @@ class TransportJob(JobWays):
         self._out.append(Record(fact))
 
     def _carry(self, now_s: float) -> None:
+        self._moves.leave(self.source, now_s)
         self._enter(JobState.CARRYING, self.work.destination)
         self._drive(self.work.destination, now_s)
 
     def _hand_over(self, now_s: float) -> None:
+        self._moves.leave(self.work.destination, now_s)
         self._enter(JobState.HANDING_OVER, self.work.destination)
         self._ask_for_handover(now_s)
 
