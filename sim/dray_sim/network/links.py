@@ -39,6 +39,8 @@ class Links:
 
     def __init__(self, coverage: Coverage) -> None:
         self._faults: list[NetworkFault] = []
+        self._mended: list[NetworkFault] = []
+        """Active ones that a person has put right: nothing is left of them but their end."""
         self._plain = coverage
         self.coverage = coverage
         self.wlan_cut: frozenset[str] = frozenset()
@@ -73,8 +75,19 @@ class Links:
         Raises:
             ValueError: this fault is not active.
         """
+        if fault in self._mended:
+            self._mended.remove(fault)
+            return
         self._faults.remove(fault)
         self._reckon()
+
+    def plug_in(self, agent: str) -> bool:
+        """A person has put an agent's own WLAN right; returns whether that was what was wrong."""
+        cuts = [fault for fault in self._faults if fault == WlanCut(agent)]
+        self._mended += cuts
+        self._faults = [fault for fault in self._faults if fault not in cuts]
+        self._reckon()
+        return bool(cuts)
 
     def troubles(self, sender: str, receiver: str) -> Troubles | None:
         """What messages on this link suffer; None when none gets through."""

@@ -175,6 +175,12 @@ class SimNetwork:
         self._links.end(fault)
         self._modems.look_around()
 
+    def plug_in(self, agent: str) -> bool:
+        """A person has put an agent's own WLAN right; returns whether that was what was wrong."""
+        mended = self._links.plug_in(agent)
+        self._modems.look_around()
+        return mended
+
     def link_of(self, agent: str) -> Link:
         """What an agent's modem uses at present; the wired have no other than WLAN."""
         modem = self._modems.stations.get(agent)

@@ -1,4 +1,4 @@
-"""What people can do to things with their hands: mend a vehicle, carry its load, push it to a charger.
+"""What people can do to things with their hands: mend a vehicle or its WLAN, carry its load, push it to a charger.
 
 The deeds only, each at one instant; when somebody does what is left to `dray_sim.people.operators`. Pieces that a
 person carries are counted, so that material can be balanced meanwhile (invariant 2).
@@ -38,6 +38,10 @@ class Hands:
         vehicle.repair()
         if vehicle.problem == BATTERY_EMPTY:
             vehicle.replace_battery()
+
+    def plug_in(self, atv: str) -> None:
+        """Put its WLAN right, where it is the vehicle's own that is wrong."""
+        self._factory.bus.plug_in(atv)
 
     def unload(self, atv: str) -> tuple[str, int]:
         """Take the load off, into one's hands. Returns the item and how many; `("", 0)` for nothing."""

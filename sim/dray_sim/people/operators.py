@@ -7,6 +7,7 @@ are is chance, from a generator of each operator's own.
 
     problem    react -> promise -> walk -> mend
     shifted    react -> promise -> walk -> STOP -> mend -> slow down -> ACKNOWLEDGE -> RESUME
+    no WLAN    once it has delivered: react -> walk -> plug in
     silence    react -> walk -> carry the load away -> push it to a charger -> switch it on
 
 Who was interrupted, by a vehicle that went silent in the middle say, remembers which stops are own ones
@@ -23,7 +24,7 @@ from random import Random
 from typing import TYPE_CHECKING
 
 from dray.adapters.security.signing import SigningKey
-from dray.messages import AtvStatus, CommandKind
+from dray.messages import AtvStatus, CommandKind, Link
 from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.ports import Bus, Clock
@@ -57,6 +58,8 @@ class Duty(IntEnum):
     """A vehicle is silent."""
     SPEED_UP = 3
     """A vehicle has driven slowly for long enough."""
+    RECONNECT = 4
+    """A vehicle has delivered, and is left with its radio (paper, 4.3)."""
 
 
 OWN = frozenset({Duty.RELEASE, Duty.SPEED_UP})
@@ -117,6 +120,8 @@ class Operator:
         """All that is known of vehicles from afar."""
         self._stops: dict[str, float] = {}
         """Vehicles that a stop may hold which is this person's to end, and since when."""
+        self._mesh_s: dict[str, float] = {}
+        """Since when vehicles are heard over their radios; for ever where somebody has looked after that in vain."""
         self._slowed: dict[str, float] = {}
         """Vehicles that a limit holds back which is this person's to end, and until when."""
 
@@ -170,6 +175,10 @@ class Operator:
             return Duty.HELP, heartbeat.help.until_s if heartbeat.help is not None else float("inf")
         if self._slowed.get(atv, now_s) < now_s:
             return Duty.SPEED_UP, now_s
+        if heartbeat.link is Link.WLAN:
+            self._mesh_s.pop(atv, None)
+        elif self._mesh_s.setdefault(atv, now_s) + self._habits.silent_s < now_s and heartbeat.task is None:
+            return Duty.RECONNECT, self._mesh_s[atv]
         return None
 
     def _is_here(self, heard: LastHeard) -> bool:
@@ -191,6 +200,8 @@ class Operator:
             await self._release(atv)
         elif duty is Duty.RECOVER:
             await self._recover(atv)
+        elif duty is Duty.RECONNECT:
+            await self._reconnect(atv)
         else:
             await self._speed_up(atv)
         self.done[duty] += 1
@@ -255,6 +266,12 @@ class Operator:
         # One that lives has only lost its voice, which hands cannot mend. Heard again, it is seen again.
         if self._heard[atv] is heard:
             del self._heard[atv]
+
+    async def _reconnect(self, atv: str) -> None:
+        """Put a vehicle's WLAN right. Where an access point is down that helps nothing, and is tried once."""
+        await self._spend(self._habits.walk_s)
+        self._hands.plug_in(atv)
+        self._mesh_s[atv] = float("inf")
 
     async def _bring_home(self, atv: str) -> None:
         """Push a vehicle to a charger and switch it on; where others need its place, say so."""

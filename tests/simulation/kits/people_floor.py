@@ -14,6 +14,7 @@ from dray.messages import (
     CommandAnswered,
     CommandKind,
     HelpWanted,
+    Link,
     Message,
     Pose,
     VehicleCommand,
@@ -48,7 +49,7 @@ class Puppet:
     """A vehicle that says what the test wants, beats once a second, and answers as it is told.
 
     Attributes:
-        status, problem, help, pose: for the heartbeats.
+        status, problem, help, pose, task, link: for the heartbeats.
         silent: says nothing at all.
         deaf: so many of the next commands are not heard.
         refuses: kinds that are refused.
@@ -61,6 +62,7 @@ class Puppet:
         self.status, self.problem, self.pose = AtvStatus.WORKING, "", NORTH
         self.help: HelpWanted | None = None
         self.task: Brief | None = None
+        self.link = Link.WLAN
         self.silent, self.deaf = False, 0
         self.refuses: set[CommandKind] = set()
         self.heard: list[tuple[float, VehicleCommand]] = []
@@ -92,6 +94,7 @@ class Puppet:
             speed_mps=0.0,
             battery_frac=0.5,
             task=self.task,
+            link=self.link,
             problem=self.problem,
             help=self.help,
         )
@@ -123,6 +126,7 @@ class FakeHands:
     def __init__(self, puppet: Puppet) -> None:
         self.puppet = puppet
         self.off = False
+        self.can_plug_in = True
         self.load = ("", 0)
         self.deeds: list[tuple[str, float]] = []
         self.put: tuple[object, ...] = ()
@@ -138,6 +142,11 @@ class FakeHands:
         self.puppet.problem, self.puppet.help = "", None
         if self.puppet.status is AtvStatus.ERROR:
             self.puppet.status = AtvStatus.WORKING
+
+    def plug_in(self, _atv: str) -> None:
+        self._note("plug in")
+        if self.can_plug_in:
+            self.puppet.link = Link.WLAN
 
     def unload(self, _atv: str) -> tuple[str, int]:
         self._note("unload")

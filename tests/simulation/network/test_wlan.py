@@ -273,3 +273,19 @@ def test_what_is_under_way_when_a_link_fails_still_arrives() -> None:
         assert talk.arrivals == [(1.0, 1)]
 
     run(main())
+
+
+def test_what_a_person_has_plugged_in_stays_so_when_the_fault_ends() -> None:
+    async def main() -> None:
+        network = SimNetwork(clock(), Random(1), NO_DELAY)
+        cut = WlanCut("A")
+        network.begin(cut)
+        network.begin(cut)
+        assert network.plug_in("A")
+        assert not network.plug_in("A"), "nothing is left to be put right"
+        network.end(cut)
+        network.end(cut)
+        with pytest.raises(ValueError, match="not in list"):
+            network.end(cut)
+
+    run(main())

@@ -7,9 +7,9 @@ from dataclasses import replace
 from random import Random
 
 import pytest
-from people_floor import AUTHORITY, PLANT, QUICK, SOUTH, Floor, play, trouble, until
+from people_floor import AUTHORITY, PLANT, QUICK, SOUTH, Floor, Story, play, trouble, until
 
-from dray.messages import AtvStatus, CommandKind, Pose
+from dray.messages import AtvStatus, Brief, CommandKind, Link, Pose, Role
 from dray_sim.bodies.vehicle.condition import LOAD_SHIFTED
 from dray_sim.clock.loop import clock
 from dray_sim.people.operators import LOOK_S, Duty, Operator, area_at
@@ -192,3 +192,31 @@ def test_a_vehicle_in_another_area_is_somebody_elses() -> None:
 def test_nobody_comes_while_nobody_is_there() -> None:
     away = replace(QUICK, present_frac=0.0, away_s=(50.0, 50.0))
     assert play(trouble("blocked way"), away).deeds == []
+
+
+# --- a lost WLAN ---------------------------------------------------------------------------------------
+
+
+def left_with_its_radio(*, mended: bool, until_delivered_s: float = 200.0) -> Story:
+    """A vehicle that carries something loses its WLAN, delivers, and waits."""
+
+    async def story(floor: Floor) -> None:
+        floor.hands.can_plug_in = mended
+        floor.puppet.link = Link.MESH
+        floor.puppet.task = Brief(task="T1", epoch=1, role=Role.PRIMARY, coordinator="M1")
+        await asyncio.sleep(until_delivered_s)
+        assert floor.deeds == [], "it is let deliver"
+        floor.puppet.task = None
+        await asyncio.sleep(600.0)
+
+    return story
+
+
+def test_a_lost_wlan_is_put_right_after_the_delivery() -> None:
+    floor = play(left_with_its_radio(mended=True))
+    assert floor.deeds == ["plug in"]
+    assert floor.operator.done[Duty.RECONNECT] == 1
+
+
+def test_where_an_access_point_is_down_nobody_walks_there_again_and_again() -> None:
+    assert play(left_with_its_radio(mended=False)).deeds == ["plug in"]
