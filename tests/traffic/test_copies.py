@@ -7,8 +7,9 @@ from random import Random
 import pytest
 
 from dray.messages.traffic import BookAsked, BookKept, BookTold, PlaceBooked, PlaceBooking
-from dray.protocol.runtime.events import Effect, Send
+from dray.protocol.runtime.events import NEVER_S, Effect, Send
 from dray.protocol.traffic.books.copies import Copies, Kept
+from dray.protocol.traffic.books.turns import DOUBT_S, Turns
 
 NAMES = ("M1", "M2", "M3")
 
@@ -178,3 +179,25 @@ def test_two_versions_never_both_count_whatever_is_lost(seed: int) -> None:
                 book = written.get((name, keeper.kept.epoch, keeper.counted))
                 if book is not None:
                     assert counted.setdefault(keeper.counted, book) == book
+
+
+# --- whether the keeper before lives ---------------------------------------------------------------
+
+
+def test_nobody_asks_whether_a_keeper_lives_of_whom_nobody_wants_anything() -> None:
+    turns = Turns("M2", ("M1", "M2", "M3"))
+    assert (turns.asked(0), turns.mine_at_s(0, 0.0)) == ((), NEVER_S)
+    assert turns.mine_at_s(1, 5.0) == 5.0
+
+
+def test_a_keeper_that_does_not_answer_is_followed_by_the_next_one_and_one_that_does_is_not() -> None:
+    turns = Turns("M3", ("M1", "M2", "M3"))
+    assert turns.doubt(10.0)
+    assert not turns.doubt(11.0)
+    assert turns.asked(0) == ("M1", "M2")
+    assert turns.mine_at_s(0, 11.0) == 10.0 + DOUBT_S
+    turns.on_keeper("M2", 11.0)
+    assert (turns.mine_at_s(0, 11.0), turns.asked(0)) == (NEVER_S, ())
+    assert turns.doubt(12.0)
+    assert turns.mine_at_s(0, 12.0) == 12.0 + DOUBT_S
+    assert turns.asked(1) == ("M2",)

@@ -49,7 +49,7 @@ from dray.protocol.contract_net.auction_rules import AuctionRules
 from dray.protocol.contract_net.parties import objection
 from dray.protocol.contract_net.trust.disbelief import Reproach
 from dray.protocol.contract_net.trust.probation import Probation
-from dray.protocol.liveness.suspicion import WORKING_INTERVAL_S, interval_s
+from dray.protocol.liveness.suspicion import interval_s
 from dray.protocol.machine.cycle import Cycle
 from dray.protocol.machine.goal_bidding import GoalBidder
 from dray.protocol.machine.material_flow import MaterialFlow
@@ -210,8 +210,7 @@ class Machine(AgentBase):
             self.pursue(now_s)
 
     def _beat(self, _about: None, now_s: float) -> None:
-        every_s = interval_s(self._say_status(now_s))
-        self._heartbeat_timer.go_on(WORKING_INTERVAL_S if self._bookkeeping.keeps_books else every_s, now_s)
+        self._heartbeat_timer.go_on(interval_s(self._say_status(now_s)), now_s)
 
     def _say_status(self, now_s: float) -> MachineHeartbeat:
         heartbeat = MachineHeartbeat(

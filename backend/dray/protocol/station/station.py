@@ -25,7 +25,7 @@ from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.protocol.contract_net.dock import Door
 from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
-from dray.protocol.liveness.suspicion import WORKING_INTERVAL_S, interval_s
+from dray.protocol.liveness.suspicion import interval_s
 from dray.protocol.runtime.agent import AgentBase
 from dray.protocol.runtime.events import Commit, Ignore, Instruct, Publish, Send
 from dray.protocol.runtime.heartbeat_timer import BEAT, HeartbeatTimer
@@ -117,8 +117,7 @@ class Station(AgentBase):
         return self._written
 
     def _beat(self, _about: None, now_s: float) -> None:
-        every_s = interval_s(self._say_status(now_s))
-        self._heartbeat_timer.go_on(WORKING_INTERVAL_S if self._bookkeeping.keeps_books else every_s, now_s)
+        self._heartbeat_timer.go_on(interval_s(self._say_status(now_s)), now_s)
 
     def _say_status(self, now_s: float) -> StationHeartbeat:
         heartbeat = StationHeartbeat(

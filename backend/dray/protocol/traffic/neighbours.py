@@ -11,9 +11,6 @@ from dray.messages import AtvHeartbeat, AtvStatus
 from dray.messages.traffic import NO_RANK, ROUTE_MAX, PlaceWished, Rank
 from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S, WORKING_INTERVAL_S, bound_s, interval_s
 
-SILENT_S = bound_s(WORKING_INTERVAL_S)
-"""A keeper of books beats once a second: who was not heard for so long is counted as silent."""
-
 
 class Seen(msgspec.Struct, frozen=True, gc=False):
     """What one vehicle has said of itself last."""

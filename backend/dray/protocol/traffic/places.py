@@ -8,7 +8,7 @@ somebody who has left. Places that must be granted together belong to one *distr
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from itertools import pairwise
+from itertools import combinations, pairwise
 from math import cos, hypot, pi, sin
 from zlib import crc32
 
@@ -24,6 +24,10 @@ MARGIN_M = 0.2
 
 SHARPEST_SIN = 0.2
 """Lanes that leave a node at less than 12 degrees are one road: they are told apart by their ends only."""
+
+NEAR_M = 8.0
+"""Districts that are nearer to one another lie side by side: a vehicle in one is told who is in the other. In a warehouse of narrow aisles
+50 vehicles carry 7 % less when they hear only where lanes lead (`dray bench traffic --plant kiva-50`)."""
 
 STILL_M = 0.01
 """So near to a place counts as there."""
@@ -134,10 +138,10 @@ class Places:
         self.keepers_of: Mapping[str, tuple[str, ...]] = {
             names[first]: keepers for first, keepers in keepers_of.items()
         }
-        self._around = self._side_by_side()
+        self._around = self._side_by_side(spots)
 
     def around(self, district: str) -> tuple[str, ...]:
-        """A district, and those that lanes lead to from it or come from."""
+        """A district, and those side by side with it: lanes lead from one to the other, or they are near (`NEAR_M`)."""
         return self._around[district]
 
     def places_in(self, district: str) -> frozenset[str]:
@@ -205,12 +209,16 @@ class Places:
             (self._footprint.clear_m(_between(angle)) for angle in others), default=self._footprint.spacing_m
         )
 
-    def _side_by_side(self) -> dict[str, tuple[str, ...]]:
-        """Each district, with those that lanes lead to or come from."""
+    def _side_by_side(self, spots: Mapping[str, tuple[float, float]]) -> dict[str, tuple[str, ...]]:
+        """Each district, with those that a vehicle in it is told of."""
         around: dict[str, dict[str, None]] = {district: {district: None} for district in self.keepers_of}
         for start, end in self._needs:
             one, other = (self.district_of[self.place_of(node)] for node in (start, end))
             around[one][other] = around[other][one] = None
+        boxes = {district: _Box(spots[place] for place in self.places_in(district)) for district in around}
+        for one, other in combinations(around, 2):
+            if boxes[one].gap_m(boxes[other]) < NEAR_M:
+                around[one][other] = around[other][one] = None
         return {district: tuple(near) for district, near in around.items()}
 
     def _names(
@@ -244,6 +252,21 @@ class Places:
                         together.join(places[-1], place)
         nearest = {place: _nearest(spot, at_m)[0] for place, spot in spots.items()}
         return {place: nearest[together.first_of(place)] for place in spots}
+
+
+class _Box:
+    """The least rectangle with some points in it."""
+
+    def __init__(self, spots: Iterable[tuple[float, float]]) -> None:
+        xs_m, ys_m = zip(*spots, strict=True)
+        self._left_m, self._right_m = min(xs_m), max(xs_m)
+        self._low_m, self._high_m = min(ys_m), max(ys_m)
+
+    def gap_m(self, other: _Box) -> float:
+        """To another one; 0 where they overlap."""
+        beside_m = max(self._left_m - other._right_m, other._left_m - self._right_m, 0.0)
+        above_m = max(self._low_m - other._high_m, other._low_m - self._high_m, 0.0)
+        return hypot(beside_m, above_m)
 
 
 class _Together:

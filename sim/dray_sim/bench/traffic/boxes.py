@@ -100,19 +100,10 @@ class BoxMachine(Agent):
             name, places, atvs, kept, neighbours, KEYS.floor, self.timers, self.out
         )
         self.books = self._make(kept)
-        self.colleagues: tuple[BoxMachine, ...] = ()
 
     def start(self) -> None:
         self.books.start(self.clock.now_s)
         self.flush()
-        self.clock.call_at(self.clock.now_s + BEAT_S, self._beat)
-
-    def _beat(self) -> None:
-        if not self.off:
-            for other in self.colleagues:
-                if self.air.parts.get(self.name, 0) == self.air.parts.get(other.name, 0):
-                    other.books.on_heartbeat(self.name, self.clock.now_s)
-        self.clock.call_at(self.clock.now_s + BEAT_S, self._beat)
 
     def receive(self, sender: str, message: Message) -> None:
         if not self.off:

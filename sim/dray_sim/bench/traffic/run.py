@@ -191,8 +191,6 @@ def build(
         for name in names
     }
     for machine in machines.values():
-        near = {k for keepers in places.keepers_of.values() if machine.name in keepers for k in keepers}
-        machine.colleagues = tuple(machines[name] for name in sorted(near - {machine.name}))
         machine.start()
     pilots = {}
     for number, carrier in enumerate(carriers):

@@ -13,13 +13,11 @@ from dray.messages import (
     BookAsked,
     BookKept,
     BookTold,
-    MachineHeartbeat,
     Message,
     PlaceBooked,
     PlaceWished,
     Removal,
     Removals,
-    StationHeartbeat,
 )
 from dray.messages.heartbeat import AWAITED_MAX
 from dray.messages.keys import Keys
@@ -99,7 +97,7 @@ class Bookkeeping:
 
     @property
     def keeps_books(self) -> bool:
-        """Whether it has any: others judge its silence then, so it beats as one that works."""
+        """Whether it has any."""
         return self._traffic is not None and any(
             self._me in keepers for keepers in self._traffic.places.keepers_of.values()
         )
@@ -139,19 +137,6 @@ class Bookkeeping:
             self._out,
         )
         self._out.append(Subscribe(self._keys.removals))
-        others = {
-            keeper
-            for keepers in traffic.places.keepers_of.values()
-            if self._me in keepers
-            for keeper in keepers
-        }
-        for keeper in sorted(others - {self._me}):
-            key = (
-                self._keys.machine_heartbeat
-                if keeper in self._plant.machines
-                else self._keys.station_heartbeat
-            )
-            self._out.append(Subscribe(key(keeper)))
         self._books.start(now_s)
         self._follow(now_s)
 
@@ -179,14 +164,9 @@ class Bookkeeping:
             return {**before, **dict.fromkeys(ABOUT_BOOKS, self._on_mixed_settings)}
         if not self.keeps_books:
             return dict(before)
-        heard: dict[type[Message], Callable[[str, Any, float], None]] = {
-            AtvHeartbeat: self._on_vehicle,
-            MachineHeartbeat: lambda sender, _message, now_s: self._on_keeper(sender, now_s),
-            StationHeartbeat: lambda sender, _message, now_s: self._on_keeper(sender, now_s),
-        }
         table = dict(before)
-        for kind, note in heard.items():
-            table[kind] = _both(note, before[kind]) if kind in before else note
+        watches = before.get(AtvHeartbeat)
+        table[AtvHeartbeat] = self._on_vehicle if watches is None else _both(self._on_vehicle, watches)
         for kind in ABOUT_BOOKS:
             table[kind] = self._on_message
         table[Removals] = self._on_removals
@@ -248,10 +228,6 @@ class Bookkeeping:
 
     def _on_mixed_settings(self, _sender: str, _message: Message, _now_s: float) -> None:
         self._out.append(Ignore(WITHOUT_BOOKS))
-
-    def _on_keeper(self, keeper: str, now_s: float) -> None:
-        if self._books is not None:
-            self._books.on_heartbeat(keeper, now_s)
 
     def _tick(self, district: str, now_s: float) -> None:
         if self._books is not None:

@@ -30,7 +30,7 @@ from dray.protocol.traffic.books.carried import Carried, absent
 from dray.protocol.traffic.books.copies import Copies, Kept
 from dray.protocol.traffic.books.floor_report import NEWS_S, FloorReport
 from dray.protocol.traffic.books.roll_call import RollCall
-from dray.protocol.traffic.books.turns import Turns
+from dray.protocol.traffic.books.turns import ASK_S, Turns
 from dray.protocol.traffic.neighbours import Neighbours
 
 BOOK_TICK = "book tick"
@@ -100,7 +100,6 @@ class District:
 
     def start(self, now_s: float) -> None:
         """Begin: the first keeper seeks to keep the book, the others listen; who has lost its memory asks."""
-        self._turns.start(now_s)
         if self.copies.lost:
             self.copies.ask()
             self._after_copies(now_s)
@@ -108,10 +107,6 @@ class District:
             self.copies.seek()
             self._after_copies(now_s)
         self._look_within(NEWS_S, now_s)
-
-    def on_heartbeat(self, keeper: str, now_s: float) -> None:
-        """Another keeper lives."""
-        self._turns.on_keeper(keeper, now_s)
 
     @property
     def calls_roll(self) -> bool:
@@ -121,15 +116,7 @@ class District:
     @property
     def listens_to(self) -> set[str]:
         """The vehicles whose heartbeats it must hear: those in its book, or that want to be, or are to be told something."""
-        if not self.leads:
-            return set()
-        return {*self._book.atvs, *self._wishes, *self._carried.unaware}
-
-    def concerns(self, removal: Removal, place: str) -> bool:
-        """Whether a word that a vehicle was carried away means anything here."""
-        if self._roll is not None:
-            return True
-        return self.leads and (place in self._inside or bool(self._book.of(removal.atv)))
+        return {*self._book.atvs, *self._wishes, *self._carried.unaware} if self.leads else set()
 
     @property
     def leads(self) -> bool:
@@ -153,17 +140,19 @@ class District:
         if reason := self._turns.objection(sender, message):
             self._out.append(Ignore(reason))
             return
+        self._turns.on_keeper(sender, now_s)
         match message:
             case PlaceWished():
                 self._on_wish(sender, message, now_s)
             case PlaceBooked():
-                self._turns.on_keeper(sender, now_s)
                 self.copies.on_booked(sender, message)
             case BookKept():
                 if self.copies.on_kept(sender, message):
                     self._answer()
             case BookAsked():
                 self.copies.on_asked(sender, message)
+                if not message.epoch:
+                    self._doubt(now_s)
             case BookTold():
                 self.copies.on_told(sender, message)
                 self._after_copies(now_s)
@@ -183,6 +172,7 @@ class District:
             if not self.copies.lost and self.copies.leader != self._me:
                 asked = HoldsAsked(district=self._district, epoch=self.copies.kept.epoch)
                 self._out.append(Send(sender, asked))
+                self._doubt(now_s)
             return
         known = self._book.removal_of(sender)
         self._book.remove(sender, wish.removal)
@@ -211,6 +201,8 @@ class District:
             if self._roll.note(atv, self._absent(removal, place), self._called):
                 self._close_roll(now_s)
         if not self.leads or removal.number < known:
+            if any(line.atv == atv for line in self.copies.kept.bookings) or place in self._inside:
+                self._doubt(now_s)
             return
         if removal.number > known and (place in self._inside or self._book.of(atv)):
             self._wishes.pop(atv, None)
@@ -255,16 +247,29 @@ class District:
                 self._settle(now_s)
             self._report.tell(self._book, self.copies.kept.epoch, now_s)
         elif self._turns.mine_at_s(self.copies.kept.epoch, now_s) <= now_s:
+            self._turns.lead()
             self.copies.seek()
             self._after_copies(now_s)
+        else:
+            self._ask_whether_they_live()
         self._look_later(now_s)
+
+    def _doubt(self, now_s: float) -> None:
+        """Somebody wants something of this keeper that is another one's to do: does that one live?"""
+        if not (self.copies.leads or self.copies.asks or self.calls_roll) and self._turns.doubt(now_s):
+            self._ask_whether_they_live()
+
+    def _ask_whether_they_live(self) -> None:
+        for keeper in self._turns.asked(self.copies.kept.epoch):
+            self._out.append(Send(keeper, BookAsked(district=self._district, epoch=0)))
 
     def _look_later(self, now_s: float) -> None:
         """Set the alarm for when there is something to see to, as far as one knows now."""
         if self._roll is not None or self.copies.asks:
             at_s = now_s + TICK_S
         elif not self.copies.leads:
-            at_s = max(self._turns.mine_at_s(self.copies.kept.epoch, now_s), now_s + TICK_S)
+            waits = self._turns.mine_at_s(self.copies.kept.epoch, now_s) < NEVER_S
+            at_s = now_s + ASK_S if waits else NEVER_S
         else:
             waits = bool(self._hindrances) or self.copies.is_behind
             at_s = now_s + TICK_S if waits else self._report.due_s

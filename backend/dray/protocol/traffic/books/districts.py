@@ -64,11 +64,6 @@ class Districts:
         for district in self.districts.values():
             district.start(now_s)
 
-    def on_heartbeat(self, keeper: str, now_s: float) -> None:
-        """Another machine, or station, lives."""
-        for district in self.districts.values():
-            district.on_heartbeat(keeper, now_s)
-
     def on_message(self, sender: str, name: str, message: Message, now_s: float) -> bool:
         """A message about a district; False when it is none of this keeper's."""
         district = self.districts.get(name)

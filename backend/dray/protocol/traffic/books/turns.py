@@ -1,4 +1,8 @@
-"""Whose turn it is to keep a book: the next keeper's, when those before it are silent."""
+"""Whose turn it is to keep a book: the next keeper's, when those before it do not answer.
+
+Nobody watches a keeper of whom nobody wants anything. Whoever is asked in its place, by a vehicle that had no answer, asks it
+whether it lives.
+"""
 
 from __future__ import annotations
 
@@ -6,14 +10,23 @@ from collections.abc import Sequence
 
 from dray.messages import Message
 from dray.messages.traffic import PlaceBooked, PlaceWished
-from dray.protocol.traffic.neighbours import SILENT_S
+from dray.protocol.runtime.events import NEVER_S
 
 NO_KEEPER = "the word of somebody who does not keep this book"
 NOT_ITS_TURN = "a book written by one whose turn it is not"
 
+ASK_S = 0.5
+"""Between two questions to a keeper whether it lives."""
+
+DOUBT_S = 2.5
+"""Who has not answered after this, and five questions, is taken for dead: at 20 % loss each way one of 160 that live."""
+
+
+NO_WORD_S = float("-inf")
+
 
 class Turns:
-    """What one keeper has heard of the others.
+    """What one keeper knows of the others.
 
     Args:
         me: the keeper.
@@ -23,14 +36,19 @@ class Turns:
     def __init__(self, me: str, keepers: Sequence[str]) -> None:
         self._me, self._keepers = me, tuple(keepers)
         self._heard_s: dict[str, float] = {}
+        self._doubted_s: float | None = None
+        """Since when it is not known whether those before it live; None while nobody doubts it."""
 
-    def start(self, now_s: float) -> None:
-        """Count as heard whoever has had no time to speak."""
-        self._heard_s = dict.fromkeys(self._keepers, now_s)
+    def doubt(self, now_s: float) -> bool:
+        """Somebody has had no answer from the one whose turn it is; False when that is known."""
+        if self._doubted_s is not None:
+            return False
+        self._doubted_s = now_s
+        return True
 
     def on_keeper(self, keeper: str, now_s: float) -> None:
         """Another keeper lives."""
-        if keeper in self._heard_s:
+        if keeper in self._keepers:
             self._heard_s[keeper] = now_s
 
     def of(self, epoch: int) -> str:
@@ -47,10 +65,28 @@ class Turns:
             return NOT_ITS_TURN
         return ""
 
+    def asked(self, epoch: int) -> tuple[str, ...]:
+        """Who is to be asked whether he lives: those whose turn comes before, while it is doubted."""
+        return () if self._doubted_s is None else self._before(epoch)
+
     def mine_at_s(self, epoch: int, now_s: float) -> float:
-        """When it is this keeper's turn, if none of those before it is heard until then."""
-        at_s = now_s
-        while (keeper := self.of(epoch)) != self._me:
-            at_s = max(at_s, self._heard_s.get(keeper, now_s) + SILENT_S)
-            epoch += 1
-        return at_s
+        """When it is this keeper's turn, if none of those before it is heard until then; never while nobody doubts that they live."""
+        before = self._before(epoch)
+        if not before:
+            return now_s
+        doubted_s = self._doubted_s
+        if doubted_s is not None and any(
+            self._heard_s.get(keeper, NO_WORD_S) >= doubted_s for keeper in before
+        ):
+            self._doubted_s = doubted_s = None
+        return NEVER_S if doubted_s is None else doubted_s + DOUBT_S
+
+    def lead(self) -> None:
+        """It is this keeper's turn: there is nothing to doubt."""
+        self._doubted_s = None
+
+    def _before(self, epoch: int) -> tuple[str, ...]:
+        before: list[str] = []
+        while (keeper := self.of(epoch + len(before))) != self._me:
+            before.append(keeper)
+        return tuple(before)

@@ -21,7 +21,7 @@ one holds where more than `LOSSY_FRAC` of the wishes went unanswered at first.""
 
 LOSSY_FRAC = 0.05
 
-NEXT_KEEPER_AFTER = 3
+NEXT_KEEPER_AFTER = 2
 """So often a wish is said to one keeper without an answer, then to the next one."""
 
 FIRST_ROUND_S = 0.3
