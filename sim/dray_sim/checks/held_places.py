@@ -6,7 +6,7 @@ until people carry it away. One that lies is not asked.
 
 from __future__ import annotations
 
-from dray.messages import Message, PlaceGranted, PlaceWished
+from dray.messages import Message
 from dray.protocol.vehicle.atv import Atv
 from dray_sim.checks.broken import InvariantBroken
 from dray_sim.factory.sim_factory import SimFactory
@@ -15,7 +15,7 @@ NUMBER = 14
 
 
 class HeldPlaces:
-    """Looks whenever a place may have changed hands.
+    """Looks at a vehicle whenever it says something or something is said to it.
 
     Args:
         factory: whose vehicles are asked.
@@ -23,29 +23,34 @@ class HeldPlaces:
 
     def __init__(self, factory: SimFactory) -> None:
         self._factory = factory
+        self._holders: dict[str, str] = {}
+        """Place -> who was seen last to hold it."""
 
-    def on_message(self, at_s: float, _sender: str, _address: str, message: Message) -> None:
+    def on_message(self, at_s: float, sender: str, address: str, _message: Message) -> None:
         """See `Listener`.
 
         Raises:
             InvariantBroken: two vehicles hold one place.
         """
-        if type(message) is PlaceWished or type(message) is PlaceGranted:
-            self.check(at_s)
+        for atv in (sender, address.removeprefix(">")):
+            if atv in self._factory.vehicles:
+                self.check(at_s, atv)
 
-    def check(self, at_s: float) -> None:
-        """Look now.
+    def check(self, at_s: float, atv: str) -> None:
+        """Look at one vehicle now.
 
         Raises:
-            InvariantBroken: two vehicles hold one place.
+            InvariantBroken: it holds a place that another one holds, too.
         """
-        holders: dict[str, str] = {}
-        for atv in self._factory.vehicles:
-            if atv in self._factory.floor.carried:
-                continue
-            agent = self._factory.workers[atv].agent
-            right_of_way = agent.right_of_way if type(agent) is Atv else None
-            for place in right_of_way.holds if right_of_way is not None else ():
-                other = holders.setdefault(place, atv)
-                if other != atv:
-                    raise InvariantBroken(NUMBER, at_s, f"{other} and {atv} both hold {place}")
+        for place in self._holds(atv):
+            other = self._holders.get(place, atv)
+            if other != atv and place in self._holds(other):
+                raise InvariantBroken(NUMBER, at_s, f"{other} and {atv} both hold {place}")
+            self._holders[place] = atv
+
+    def _holds(self, atv: str) -> tuple[str, ...]:
+        if atv in self._factory.floor.carried:
+            return ()
+        agent = self._factory.workers[atv].agent
+        right_of_way = agent.right_of_way if type(agent) is Atv else None
+        return right_of_way.holds if right_of_way is not None else ()
