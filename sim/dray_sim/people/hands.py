@@ -25,12 +25,14 @@ class Hands:
         self._factory = factory
 
     def problem(self, atv: str) -> str:
-        """What somebody who stands beside it sees to be wrong; empty for nothing."""
-        return self._factory.vehicles[atv].problem
+        """What somebody who stands beside it sees to be wrong; empty for nothing, and where no vehicle stands but its agent's word."""
+        vehicle = self._factory.vehicles.get(atv)
+        return "" if vehicle is None else vehicle.problem
 
     def is_off(self, atv: str) -> bool:
         """Whether it stands there and its lights are out."""
-        return self._factory.vehicles[atv].off and atv not in self._factory.floor.lifted
+        vehicle = self._factory.vehicles.get(atv)
+        return vehicle is not None and vehicle.off and atv not in self._factory.floor.lifted
 
     def mend(self, atv: str) -> None:
         """Put right what is wrong; an empty battery is exchanged."""

@@ -14,10 +14,12 @@ from dray.messages import (
     AtvHeartbeat,
     AtvStatus,
     CommandKind,
+    OutOfService,
     Pose,
+    Role,
     VehicleCommand,
 )
-from dray.messages.fact import AtvStatusChanged, CommandObeyed
+from dray.messages.fact import AtvStatusChanged, CommandObeyed, ContractTaken
 from dray_sim.bodies.vehicle.vehicle import SimVehicle
 
 
@@ -161,3 +163,18 @@ def test_a_grant_for_another_vehicle_is_noticed(watched: Watched) -> None:
     give(watched, "ATV3", "stop")
     watched.say("ATV1", command("stop"))
     assert watched.broken == 9
+
+
+def test_a_contract_that_is_taken_out_of_service_is_noticed(watched: Watched) -> None:
+    beat = replace(stopped_heartbeat(watched.factory.vehicles["ATV2"]), status=AtvStatus.IDLE)
+    out = replace(beat, out_of_service=OutOfService(by="Maria", since_s=0.0))
+    taken = ContractTaken(task="M8-1", epoch=1, role=Role.SECONDARY, coordinator="M8")
+    watched.say("ATV2", out)
+    watched.say("ATV3", out, "a neighbour passes it on")
+    watched.say("ATV3", taken)
+    watched.say("ATV2", replace(beat, seq=2))
+    watched.say("ATV3", out, "and once more")
+    assert watched.broken == 0
+    watched.say("ATV2", replace(out, seq=3))
+    watched.say("ATV2", taken)
+    assert watched.broken == 16

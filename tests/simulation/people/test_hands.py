@@ -25,6 +25,11 @@ def carry(factory: SimFactory, item: str, quantity: int) -> Hands:
     return Hands(factory)
 
 
+def test_somebody_without_a_body_is_looked_for_and_nothing_is_found(factory: SimFactory) -> None:
+    hands = Hands(factory)
+    assert (hands.problem("ATV99"), hands.is_off("ATV99")) == ("", False)
+
+
 def test_material_goes_to_the_nearest_storage_that_has_room(factory: SimFactory) -> None:
     material = next(item for item in PLANT.materials if len(PLANT.storages_of(item)) > 1)
     far, near = PLANT.storages_of(material)[:2]
