@@ -18,6 +18,7 @@ from dray_sim.bench.network import bus, links, zenoh
 from dray_sim.bench.panels import paint, plant_map, projection
 from dray_sim.bench.row import Row, rates
 from dray_sim.bench.traffic import measure as traffic
+from dray_sim.bench.vda5050 import measure as vda5050
 
 __all__ = ["BENCHES", "LONG", "Bench", "Row", "as_json", "rates"]
 
@@ -38,6 +39,7 @@ BENCHES: dict[str, Bench] = {
     "losses": losses.measure,
     "stop": stop.measure,
     "traffic": traffic.measure,
+    "vda5050": vda5050.measure,
     "wired": wired.measure,
 }
 """Name -> benchmark, in the order in which they run."""

@@ -44,6 +44,11 @@ class Installation:
     software: str
 
 
+def directly(_spec: VehicleSpec, vehicle: SimVehicle, _life: int) -> Body:
+    """An `Embody` that puts nothing between a vehicle and its agent."""
+    return vehicle
+
+
 def always(body: Body) -> MakeBody:
     """The same for all lives."""
     return lambda _life: body

@@ -35,7 +35,7 @@ from dray_sim.bodies.vehicle.vehicle import SimVehicle
 from dray_sim.bodies.workcell import SimWorkcell
 from dray_sim.clock.computer import ComputerClock
 from dray_sim.clock.loop import VirtualClock
-from dray_sim.factory.installation import Embody, Installation, MakeAgent, MakeBody, always
+from dray_sim.factory.installation import Embody, Installation, MakeAgent, MakeBody, always, directly
 from dray_sim.factory.journal import HeldJournal
 from dray_sim.network.coverage import Coverage
 from dray_sim.network.latency import WLAN, Latency
@@ -86,7 +86,7 @@ class SimFactory:
         meet: Callable[[Bus], Bus] = lambda network: network,
         trusts: Trusts | None = None,
         traffic: bool = False,
-        embody: Embody = lambda _spec, vehicle, _life: vehicle,
+        embody: Embody = directly,
     ) -> None:
         self._embody = embody
         self.plant = plant

@@ -26,6 +26,9 @@ from dray.adapters.vda5050.profile import Profile
 from dray.body import Instruction, Report, VehicleInstruction, VehicleState
 from dray.ports import Clock
 
+HEARD = ("state", "visualization", "connection", "factsheet")
+"""Topics of a vehicle that its master listens to."""
+
 
 class Address(msgspec.Struct, frozen=True):
     """Whose topics a vehicle's are."""

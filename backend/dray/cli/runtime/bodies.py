@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from dray.adapters.journal.sqlite_journal import SqliteJournal
 from dray.adapters.remote_body import BodySpec, RemoteBody, put_down
-from dray.adapters.vda5050.body import Address, VehicleBody
+from dray.adapters.vda5050.body import HEARD, Address, VehicleBody
 from dray.adapters.vda5050.control.master import MasterControl
 from dray.adapters.vda5050.dialogue import Head, Recorder
 from dray.adapters.vda5050.events import Memory
@@ -23,9 +23,6 @@ from dray.errors import SettingsError, UnavailableError
 from dray.plant.model import VehicleType
 from dray.ports import Body
 from dray.settings import Settings
-
-HEARD = ("state", "visualization", "connection", "factsheet")
-"""Topics of a vehicle that its master listens to."""
 
 LOOK_EVERY_S = 0.2
 """How often it is looked whether the vehicle has said where it is."""

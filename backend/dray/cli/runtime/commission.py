@@ -7,13 +7,13 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from dray.adapters.vda5050.body import VehicleBody
+from dray.adapters.vda5050.body import HEARD, VehicleBody
 from dray.adapters.vda5050.commissioning import Commissioning, Wanted
 from dray.adapters.vda5050.control.master import MasterControl
 from dray.adapters.vda5050.dialogue import Head, Recorder
 from dray.adapters.vda5050.events import Heard, Linked, Memory, Say, Unlinked
 from dray.adapters.vda5050.link import MqttLink
-from dray.cli.runtime.bodies import HEARD, RealVehicle, linked
+from dray.cli.runtime.bodies import RealVehicle, linked
 from dray.cli.runtime.surroundings import Surroundings
 from dray.plant.model import VehicleType
 

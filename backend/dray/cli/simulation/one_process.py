@@ -17,6 +17,7 @@ from fastapi import FastAPI
 from opentelemetry.sdk.trace import TracerProvider
 
 from dray.adapters.security.signing import SigningKey, TrustedKeys
+from dray.adapters.vda5050.link import BrokerAddress
 from dray.cli.runtime.authority import authority_of
 from dray.cli.runtime.first_users import welcome
 from dray.cli.runtime.service import (
@@ -39,9 +40,11 @@ from dray.ports import Bus
 from dray.store import Store, open_store
 from dray_sim.bodies.floor import NEARLY_EMPTY_FRAC
 from dray_sim.clock.loop import clock, paced
+from dray_sim.factory.installation import directly
 from dray_sim.factory.sim_factory import SimFactory
 from dray_sim.faults import Faults
 from dray_sim.network.bridge import BridgedBus, SimThread
+from dray_sim.vda5050.broker_fleet import BrokerFleet
 
 BUILDING_S = 60.0
 """Longest wait for the factory to be built: one of 1,000 vehicles takes some seconds."""
@@ -65,12 +68,13 @@ class Inside:
 Factory = SimThread[Inside]
 
 
-async def run_service(service: Service, seed: int) -> None:
+async def run_service(service: Service, seed: int, broker: BrokerAddress | None = None) -> None:
     """Run until a signal.
 
     Args:
         service: what is to be run.
         seed: of everything that is left to chance in the factory.
+        broker: through which vehicles speak VDA 5050 with their agents; None for vehicles without it.
 
     Raises:
         UnavailableError: the port or the database is not to be had.
@@ -89,7 +93,7 @@ async def run_service(service: Service, seed: int) -> None:
             incarnation = await store.next_incarnation(service.plant.id)
             authority = await authority_of(store)
             tracing = stack.enter_context(traced(settings))
-            life = _life(service, seed, incarnation, authority.public, tracing)
+            life = _life(service, seed, incarnation, authority.public, tracing, broker)
             factory = SimThread(life, paced(service.speed))
             try:
                 inside = await asyncio.to_thread(factory.start, BUILDING_S)
@@ -111,6 +115,7 @@ def _life(
     incarnation: int,
     trusted: bytes,
     tracing: TracerProvider | None,
+    broker: BrokerAddress | None,
 ) -> Callable[[Callable[[Inside], None]], Coroutine[None, None, None]]:
     """What the factory's thread runs."""
 
@@ -121,6 +126,7 @@ def _life(
             """The clocks are compared when the factory has been built; nobody speaks before."""
             return scale.to_wall_s(plant_s)
 
+        fleet = None if broker is None else BrokerFleet(service.plant, now, broker, to_wall_s)
         factory = SimFactory(
             service.plant,
             now,
@@ -130,10 +136,17 @@ def _life(
             trusts=TrustedKeys(trusted),
             meet=watched(service.settings, tracing, to_wall_s),
             traffic=service.settings.traffic,
+            embody=directly if fleet is None else fleet.embody,
         )
         scale = TimeScale(now.now_s(), time.time(), service.speed)
+        if fleet is not None:
+            await fleet.ready()
         ready(Inside(factory, Faults(factory), scale))
-        await factory.run()
+        try:
+            await factory.run()
+        finally:
+            if fleet is not None:
+                await fleet.end()
 
     return live
 

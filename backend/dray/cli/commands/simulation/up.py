@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from dray.cli.runtime.options import Traffic
+
+if TYPE_CHECKING:
+    from dray.adapters.vda5050.link import BrokerAddress
 
 
 def up(
@@ -36,6 +41,16 @@ def up(
         bool, typer.Option("--demand/--no-demand", help="Place orders, so that there is something to see.")
     ] = True,
     traffic: Traffic = False,
+    vda5050: Annotated[
+        bool,
+        typer.Option(
+            "--vda5050", help="Vehicles speak VDA 5050 (2.0, 2.1 and 3.0 by turns) over an MQTT broker."
+        ),
+    ] = False,
+    broker: Annotated[
+        str | None,
+        typer.Option(help="With --vda5050: mqtt://HOST:PORT; else one that is started on this machine."),
+    ] = None,
 ) -> None:
     """Run a simulated factory with its panels; Ctrl-C stops it."""
     if not (math.isfinite(speed) and speed > 0):
@@ -52,4 +67,37 @@ def up(
     settings = load_settings(host=host, port=port, database_url=db, plant_file=plant, traffic=traffic or None)
     chosen = chosen_plant(settings.plant_file)
     customers = customers_of(chosen, speed=speed, seed=seed) if demand else None
-    asyncio.run(run_service(Service(settings, chosen, speed, customers), seed))
+    with brokered(vda5050=vda5050, url=broker) as address:
+        asyncio.run(run_service(Service(settings, chosen, speed, customers), seed, address))
+
+
+@contextmanager
+def brokered(*, vda5050: bool, url: str | None) -> Iterator[BrokerAddress | None]:
+    """The broker of vehicles that speak VDA 5050, as long as the context lasts; None without them.
+
+    Raises:
+        BadParameter: an address that is none, or without --vda5050.
+        UnavailableError: none can be started here.
+    """
+    if not vda5050:
+        if url is not None:
+            raise typer.BadParameter("only with --vda5050", param_hint="--broker")
+        yield None
+        return
+
+    from dray.adapters.vda5050.link import BrokerAddress, read_address
+    from dray_sim.vda5050.local_broker import local_broker
+
+    if url is None:
+        with local_broker() as address:
+            typer.echo(
+                f"MQTT broker        {address}, manufacturer Dray, serial numbers are the vehicles' ids",
+                err=True,
+            )
+            yield address
+    else:
+        try:
+            host, port, tls = read_address(url)
+        except ValueError as error:
+            raise typer.BadParameter(str(error), param_hint="--broker") from None
+        yield BrokerAddress(host, port, tls)
