@@ -80,6 +80,24 @@ def test_what_a_vehicle_cannot_do_goes_into_the_profile_that_is_suggested() -> N
     assert "    action_node_twice: true" in done.report()
 
 
+def test_a_vehicle_that_cannot_read_instant_actions_gets_the_older_name_of_their_list() -> None:
+    async def play() -> Commissioning:
+        yard = Yard()
+        yard.clock = clock()
+        rig = Rig(PROFILE, yard=yard)
+        done = Commissioning(rig.body, PLANT, LIGHT, PROFILE, rig.clock, Wanted())
+        rig.vehicle.condition.errors.append(
+            ("validationError", "WARNING", "required", {"topic": "instantActions"})
+        )
+        async for _ in done.run():
+            pass
+        return done
+
+    done = run(play(), JUMP)
+    assert done.passed
+    assert done.suggested().instant_actions == "instantActions"
+
+
 @pytest.mark.parametrize(
     ("quirks", "options", "name", "words"),
     [

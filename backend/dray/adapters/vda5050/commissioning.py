@@ -143,6 +143,9 @@ class Commissioning:
             changes["load"] = "none"
         if view.map_id and not self.profile.map.id:
             changes["map"] = msgspec.structs.replace(self.profile.map, id=view.map_id)
+        # It says which topic it could not read: the list has another name in 1.1.
+        if any(error.names("instantActions") for error in view.state.errors or ()):
+            changes["instant_actions"] = "instantActions"
         if self.body.control.needs_node_twice:
             changes["action_node_twice"] = True
         return msgspec.structs.replace(self.profile, **changes)
