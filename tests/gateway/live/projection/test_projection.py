@@ -11,8 +11,8 @@ from heartbeats import atv_heartbeat, machine_heartbeat
 from wall_clock import NOW_S
 
 from dray.gateway.live.projection import Projection
-from dray.gateway.live.projection import atvs as atvs_module
-from dray.gateway.live.projection import machines as machines_module
+from dray.gateway.live.projection.agents import atvs as atvs_module
+from dray.gateway.live.projection.agents import machines as machines_module
 from dray.gateway.live.views import ProbationView
 from dray.messages import (
     AtvStatus,

@@ -9,11 +9,11 @@ from heartbeats import atv_heartbeat, events, machine_heartbeat
 from hypothesis import given
 from hypothesis import strategies as st
 
+from dray.gateway.live.projection.agents.machines import doing as machine_doing
 from dray.gateway.live.projection.figures import interventions as interventions_module
 from dray.gateway.live.projection.figures.fleet import Fleet, doing
 from dray.gateway.live.projection.figures.interventions import Interventions
 from dray.gateway.live.projection.figures.time_use import SILENCE_S, SILENT, TimeUse
-from dray.gateway.live.projection.machines import doing as machine_doing
 from dray.messages import (
     AtvHeartbeat,
     AtvStatus,

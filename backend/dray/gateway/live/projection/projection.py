@@ -7,28 +7,28 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from msgspec import UNSET
 
 from dray.gateway.live.frames import Delta, Snapshot
+from dray.gateway.live.projection.agents.atvs import Atvs
+from dray.gateway.live.projection.agents.disputes import Disputes
+from dray.gateway.live.projection.agents.machines import BROKEN, DOWN, Machines
+from dray.gateway.live.projection.agents.outsiders import Outsiders
+from dray.gateway.live.projection.agents.removals import Removals
+from dray.gateway.live.projection.agents.silence import Silence, heard_until_s, plant_bound_s
+from dray.gateway.live.projection.agents.stations import Stations
 from dray.gateway.live.projection.alerting import alert_rules, wait_rules
 from dray.gateway.live.projection.alerting.alerts import Alerts
-from dray.gateway.live.projection.atvs import Atvs
 from dray.gateway.live.projection.auctions.tasks import Tasks
 from dray.gateway.live.projection.closures import Closures
-from dray.gateway.live.projection.disputes import Disputes
 from dray.gateway.live.projection.figures.fleet import BLOCKED, OUT_OF_SERVICE
 from dray.gateway.live.projection.figures.interventions import Interventions
 from dray.gateway.live.projection.figures.time_use import SILENT
 from dray.gateway.live.projection.figures.traffic import Traffic
 from dray.gateway.live.projection.injected_faults import InjectedFaults
-from dray.gateway.live.projection.machines import BROKEN, DOWN, Machines
 from dray.gateway.live.projection.materials import Materials
 from dray.gateway.live.projection.news import News
 from dray.gateway.live.projection.orders import Orders
-from dray.gateway.live.projection.outsiders import Outsiders
 from dray.gateway.live.projection.recent_commands import RecentCommands
-from dray.gateway.live.projection.removals import Removals
 from dray.gateway.live.projection.right_of_way.waits import Waits
-from dray.gateway.live.projection.silence import Silence, heard_until_s, plant_bound_s
 from dray.gateway.live.projection.site import Site
-from dray.gateway.live.projection.stations import Stations
 from dray.gateway.live.timescale import TimeScale
 from dray.gateway.live.views import FactoryView, RemovalView, UseView
 from dray.messages import AtvHeartbeat, Event, MachineHeartbeat, Message, StationHeartbeat

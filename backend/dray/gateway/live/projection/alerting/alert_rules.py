@@ -10,10 +10,10 @@ from collections.abc import Container, Iterable, Iterator
 import msgspec
 from msgspec import UNSET
 
+from dray.gateway.live.projection.agents.disputes import Disputes
+from dray.gateway.live.projection.agents.silence import Silence, plant_bound_s
 from dray.gateway.live.projection.auctions.tasks import Tasks
-from dray.gateway.live.projection.disputes import Disputes
 from dray.gateway.live.projection.materials import Materials
-from dray.gateway.live.projection.silence import Silence, plant_bound_s
 from dray.gateway.live.reasons import detail_of
 from dray.gateway.live.views import OrderView, TaskView
 from dray.gateway.live.views.alert import AlertKind, Condition

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import TypeVar
 
-from dray.gateway.live.projection.atvs import plain
+from dray.gateway.live.projection.agents.atvs import plain
 from dray.gateway.live.views import BidView, RefusalView, TaskView
 from dray.messages import Cost, Event, Role, TransportCost
 from dray.messages.fact import AwardGiven, BidReceived, BidRefused

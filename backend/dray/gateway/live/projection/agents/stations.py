@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-from dray.gateway.live.projection.atvs import clock_of
+from dray.gateway.live.projection.agents.atvs import clock_of
+from dray.gateway.live.projection.agents.outsiders import Outsiders
+from dray.gateway.live.projection.agents.silence import Silence
 from dray.gateway.live.projection.changes import Changes
-from dray.gateway.live.projection.outsiders import Outsiders
-from dray.gateway.live.projection.silence import Silence
 from dray.gateway.live.views import StationView, StockView
 from dray.messages import StationHeartbeat, StockLevel
 from dray.plant.model import Storage

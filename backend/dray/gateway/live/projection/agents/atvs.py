@@ -9,11 +9,11 @@ from typing import Any
 import msgspec
 from msgspec import UNSET
 
+from dray.gateway.live.projection.agents.outsiders import Outsiders
+from dray.gateway.live.projection.agents.removals import Removals
+from dray.gateway.live.projection.agents.silence import Silence
 from dray.gateway.live.projection.changes import Changes
 from dray.gateway.live.projection.figures.fleet import Fleet
-from dray.gateway.live.projection.outsiders import Outsiders
-from dray.gateway.live.projection.removals import Removals
-from dray.gateway.live.projection.silence import Silence
 from dray.gateway.live.views import (
     AtvView,
     BriefView,

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Iterator
 
-from dray.gateway.live.projection.atvs import clock_of, joining_max, plain, probation_of
+from dray.gateway.live.projection.agents.atvs import clock_of, joining_max, plain, probation_of
+from dray.gateway.live.projection.agents.outsiders import Outsiders
+from dray.gateway.live.projection.agents.silence import Silence
 from dray.gateway.live.projection.changes import Changes
 from dray.gateway.live.projection.figures.time_use import TimeUse
 from dray.gateway.live.projection.materials import Materials
-from dray.gateway.live.projection.outsiders import Outsiders
-from dray.gateway.live.projection.silence import Silence
 from dray.gateway.live.projection.site import Site
 from dray.gateway.live.reasons import trouble_of
 from dray.gateway.live.views import BufferView, GoalView, MachineView, OpenTaskView
