@@ -10,7 +10,16 @@ from array import array
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
-from dray.messages import Event, Heartbeat, MachineStatus, Message, Role, StationHeartbeat, Transport
+from dray.messages import (
+    Event,
+    FloorTold,
+    Heartbeat,
+    MachineStatus,
+    Message,
+    Role,
+    StationHeartbeat,
+    Transport,
+)
 from dray.messages.fact import (
     AwardAnswered,
     BidReceived,
@@ -71,7 +80,7 @@ class Observer:
         self.carriers_changed = 0
         self.messages = 0
         self.negotiation = 0
-        """Messages that are neither heartbeats nor history: what the contracts cost."""
+        """Messages that are neither heartbeats, hints of who is around, nor history: what the contracts and right of way cost."""
         self.machines: dict[str, MachineTimes] = {}
         self._transport_tasks: dict[str, None] = {}
 
@@ -80,7 +89,7 @@ class Observer:
         self.messages += 1
         if type(message) is Event:
             self._note(message.fact, sender, at_s)
-        elif not isinstance(message, Heartbeat | StationHeartbeat):
+        elif not isinstance(message, Heartbeat | StationHeartbeat | FloorTold):
             self.negotiation += 1
 
     def close(self, now_s: float) -> None:
