@@ -51,7 +51,10 @@ def run(call: Coroutine[Any, Any, Any]) -> Any:
 def test_every_kind_of_fault_is_offered_with_its_fields(injector: SimFaultInjector) -> None:
     kinds = {kind.kind: kind for kind in injector.kinds}
     assert tuple(kinds) == KIND_NAMES
-    assert (kinds["vehicle_broken"].fields, kinds["vehicle_broken"].optional) == (("atv",), ("reason",))
+    assert (kinds["vehicle_broken"].fields, kinds["vehicle_broken"].optional) == (
+        ("atv",),
+        ("reason", "problem"),
+    )
     assert all(kind.what for kind in injector.kinds)
 
 
