@@ -152,10 +152,12 @@ class Auction:
         else:
             self._announce(now_s)
 
-    def open_later(self, at_s: float) -> None:
-        """Begin at `at_s`, unless it is cancelled before."""
+    def open_later(self, at_s: float, *, tell: bool = False) -> None:
+        """Begin at `at_s`, unless it is cancelled before; `tell` where nobody has told of the task yet."""
         self._begin(at_s)
         self.stage, self.wake_at_s = Stage.RESTING, at_s
+        if tell:
+            self._tell_opened(at_s)
 
     @property
     def has_candidates(self) -> bool:

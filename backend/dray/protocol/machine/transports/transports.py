@@ -316,7 +316,7 @@ class Transports(Coordinator):
         if stands_behind:
             task.auction.stand_behind(now_s)
         else:  # Whoever bids is to know of those before it at the docks: one is hired after the other.
-            task.auction.open_later(now_s + asked * ONE_AFTER_ANOTHER_S)
+            task.auction.open_later(now_s + asked * ONE_AFTER_ANOTHER_S, tell=True)
         self._auctions.arm(PRIMARY_AUCTION, task.auction)
 
     def _may_be_carried(self, task: OpenTask, epoch: int) -> bool:
