@@ -16,13 +16,14 @@ from playwright.sync_api import Page, expect
 OpenPage = Callable[..., Page]
 Screenshot = Callable[..., Path]
 
-SPEED = 2
-"""Slow enough that a vehicle waits for a promise, and a transport lasts, as long as people need to act."""
+SPEED = 1
+"""As people live: a vehicle waits for a promise for half a minute, whatever its task, and on a busy computer two panels need most
+of a quarter to show the call and to answer it."""
 
-LOADED_MS = 180_000
+LOADED_MS = 300_000
 """The first vehicle has a load after a minute of the factory's time."""
 
-DELIVERED_MS = 300_000
+DELIVERED_MS = 600_000
 """What is left of a transport takes less than two minutes of the factory's time, and twice that at half speed."""
 
 TABLET = {"width": 1024, "height": 768}
@@ -32,7 +33,7 @@ HOLD_MS = 1200
 
 OPERATOR = "floater"
 AREAS = ("AREA1", "AREA2", "AREA3", "AREA4")
-"""Everywhere: a vehicle waits for a promise for ten seconds, too short to choose whom to send and let them log in."""
+"""Everywhere: a vehicle waits for a promise for half a minute, too short to choose whom to send and let them log in."""
 
 
 @pytest.fixture(scope="module")
