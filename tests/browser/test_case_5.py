@@ -16,9 +16,12 @@ from playwright.sync_api import Page, expect
 OpenPage = Callable[..., Page]
 Screenshot = Callable[..., Path]
 
-SPEED = 1
-"""As people live: a vehicle waits for a promise for half a minute, whatever its task, and on a busy computer two panels need most
-of a quarter to show the call and to answer it."""
+SPEED = 2
+"""Slow enough that a vehicle waits for a promise, and a transport lasts, as long as people need to act."""
+
+SLACK_S = 110.0
+"""Factory seconds that the task can be late: a load that has shifted is usually seen to in 90 s, and a task that cannot wait so long
+goes to another vehicle at once."""
 
 LOADED_MS = 300_000
 """The first vehicle has a load after a minute of the factory's time."""
@@ -52,17 +55,22 @@ def dray(start_dray: Callable[..., Any], tmp_path_factory: pytest.TempPathFactor
 
 
 class Loaded:
-    """Waits for a vehicle that has just set off with its load."""
+    """Waits for a vehicle that has just set off with its load, and whose task can wait for people."""
 
     def __init__(self) -> None:
         self.atv: dict[str, Any] = {}
         self._before: dict[str, str] = {}
+        self._deadline_at_s: dict[str, float] = {}
 
     def __call__(self, payload: str | bytes) -> bool:
-        for atv in json.loads(payload).get("atvs", ()):
+        frame = json.loads(payload)
+        self._deadline_at_s |= {task["id"]: task["deadline_at_s"] or 0.0 for task in frame.get("tasks", ())}
+        for atv in frame.get("atvs", ()):
             phase = atv["task"]["phase"] if atv["task"] else ""
             if phase == "carrying" and self._before.get(atv["id"]) == "loading":
-                self.atv = atv
+                slack_s = self._deadline_at_s.get(atv["task"]["task"], 0.0) - (atv["task"]["due_at_s"] or 0.0)
+                if slack_s * SPEED >= SLACK_S:
+                    self.atv = atv
             self._before[atv["id"]] = phase
         return bool(self.atv)
 
