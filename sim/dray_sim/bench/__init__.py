@@ -20,7 +20,7 @@ from dray_sim.bench.row import Row, rates
 from dray_sim.bench.traffic import measure as traffic
 from dray_sim.bench.vda5050 import measure as vda5050
 
-__all__ = ["BENCHES", "LONG", "Bench", "Row", "as_json", "rates"]
+__all__ = ["BENCHES", "DRIVEN", "LONG", "Bench", "Row", "as_json", "rates"]
 
 Bench = Callable[[bool], list[Row]]
 """Measures; True means quick: a tenth of the work, for a look and for tests."""
@@ -43,6 +43,14 @@ BENCHES: dict[str, Bench] = {
     "wired": wired.measure,
 }
 """Name -> benchmark, in the order in which they run."""
+
+DRIVEN: dict[str, Callable[..., list[Row]]] = {
+    "sim": sim.measure,
+    "fleet": fleet.measure,
+    "losses": losses.measure,
+}
+"""Those with a whole factory, whose vehicles can drive with right of way or without (`traffic`). `wired` has it
+always, `traffic` compares."""
 
 LONG = frozenset({"losses", "stop", "traffic", "wired"})
 """Those that take some minutes or more, or all of the computer: they run only when they are asked for by name."""

@@ -120,25 +120,28 @@ class Listener:
             self.heard[SAID.get(kind, "other")] += 1
 
 
-def measure(quick: bool) -> list[Row]:
+def measure(quick: bool, traffic: bool | None = None) -> list[Row]:
     """Measure a large factory and one of the usual size.
 
     Args:
         quick: far smaller ones, and for a shorter time.
+        traffic: whether vehicles drive with right of way; None: as `dray fleet up` does.
 
     Raises:
         UnavailableError: a fleet does not start, or one of its processes ends meanwhile.
     """
     sizes = QUICK_SIZES if quick else SIZES
-    large, usual = (asyncio.run(_observe(size)) for size in sizes)
+    large, usual = (asyncio.run(_observe(size, traffic)) for size in sizes)
     return list(_rows(large, usual, *sizes))
 
 
-async def _observe(size: Size) -> Observed:
+async def _observe(size: Size, traffic: bool | None) -> Observed:
     plant = generate_plant(SEED, size.machines, size.vehicles)
     with tempfile.TemporaryDirectory() as folder:
         began_s = time.monotonic()
-        async with running(Path(folder), plant, speed=1.0, plain=False, lease_s=LEASE_S) as fleet:
+        async with running(
+            Path(folder), plant, speed=1.0, plain=False, lease_s=LEASE_S, traffic=traffic
+        ) as fleet:
             with fleet.bus() as bus:
                 await gathered(fleet, bus, JOIN_S)
                 joined_s = time.monotonic() - began_s

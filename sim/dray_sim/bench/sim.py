@@ -78,14 +78,15 @@ class Measured:
     memory_mb: float
 
 
-def measure(quick: bool) -> list[Row]:
+def measure(quick: bool, traffic: bool = False) -> list[Row]:
     """Measure the whole simulation.
 
     Args:
         quick: a twelfth of the time.
+        traffic: whether vehicles drive with right of way.
     """
     span_s = QUICK_SPAN_S if quick else SPAN_S
-    return [_row(size, _alone(size, span_s)) for size in SIZES]
+    return [_row(size, _alone(size, span_s, traffic)) for size in SIZES]
 
 
 def _row(size: Size, measured: Measured) -> Row:
@@ -103,20 +104,20 @@ def _row(size: Size, measured: Measured) -> Row:
     )
 
 
-def _alone(size: Size, span_s: float) -> Measured:
+def _alone(size: Size, span_s: float, traffic: bool) -> Measured:
     """Run one size in a fresh process."""
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(max_workers=1, mp_context=context) as pool:
-        return pool.submit(run_size, size, span_s).result()
+        return pool.submit(run_size, size, span_s, traffic).result()
 
 
-def run_size(size: Size, span_s: float) -> Measured:
+def run_size(size: Size, span_s: float, traffic: bool) -> Measured:
     """Run one size in this process."""
-    return run(_play(size.plant(), span_s))
+    return run(_play(size.plant(), span_s, traffic))
 
 
-async def _play(plant: Plant, span_s: float) -> Measured:
-    factory = SimFactory(plant, clock(), seed=SEED)
+async def _play(plant: Plant, span_s: float, traffic: bool) -> Measured:
+    factory = SimFactory(plant, clock(), seed=SEED, traffic=traffic)
     until_s = WARM_UP_S + span_s
     orders = demand.orders(plant, Random(SEED), load=LOAD, until_s=until_s)
     life = asyncio.create_task(_live(factory, orders))

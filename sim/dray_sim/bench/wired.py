@@ -90,7 +90,7 @@ async def play(campaign: Campaign, folder: Path) -> list[Row]:
     """Play a campaign in an empty folder; its figures."""
     lines, places = folder / "traffic", Places(campaign.plant)
     async with running(
-        folder, campaign.plant, speed=1.0, plain=False, demand=True, traffic_log=lines
+        folder, campaign.plant, speed=1.0, plain=False, demand=True, traffic=True, traffic_log=lines
     ) as fleet:
         with fleet.bus() as bus:
             await gathered(fleet, bus, JOIN_S)

@@ -33,7 +33,9 @@ class Outcome(msgspec.Struct, frozen=True):
     def replay(self) -> str:
         """The command that plays this run again."""
         profile = "" if self.profile == "all" else f" --profile {self.profile}"
-        return f"dray sim explore --seed {self.seed}{profile}{' --traffic' if self.traffic else ''}"
+        return (
+            f"dray sim explore --seed {self.seed}{profile}{' --traffic' if self.traffic else ' --no-traffic'}"
+        )
 
 
 class Summary(msgspec.Struct, frozen=True):

@@ -14,7 +14,7 @@ from dray_sim.run.workers import end_with_parent
 
 
 def play_seeds(
-    first: int, count: int, *, small: bool = False, hours: float = HOURS, jobs: int = 1
+    first: int, count: int, *, small: bool = False, hours: float = HOURS, traffic: bool = False, jobs: int = 1
 ) -> Iterator[Judgement]:
     """Play the plants of so many seeds.
 
@@ -23,12 +23,13 @@ def play_seeds(
         count: how many.
         small: few machines and vehicles each.
         hours: of demand.
+        traffic: whether vehicles drive with right of way.
         jobs: processes; 1 plays them in this one.
 
     Raises:
         UnavailableError: a process was killed from outside.
     """
-    play = partial(play_seed, small=small, hours=hours)
+    play = partial(play_seed, small=small, hours=hours, traffic=traffic)
     seeds = range(first, first + count)
     if jobs == 1:
         yield from map(play, seeds)

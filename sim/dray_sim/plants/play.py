@@ -16,7 +16,7 @@ from dray_sim.people import demand
 from dray_sim.plants.draw import draw_plant
 from dray_sim.plants.watch import Waiting, Watch
 from dray_sim.run.evidence import HELD
-from dray_sim.run.stage import Shift, Stage, play
+from dray_sim.run.stage import Shift, Stage, play, with_right_of_way
 from dray_sim.run.verdict import NOTHING, Verdict
 
 HOURS = 4.0
@@ -173,8 +173,15 @@ def _orders(plant: Plant, random: Random, load: float, until_s: float) -> Iterat
         now_s += random.expovariate(1.0) * work_s / (len(plant.machines) * load)
 
 
-def play_seed(seed: int, *, small: bool = False, hours: float = HOURS) -> Judgement:
-    """Draw a plant, and let it work."""
+def play_seed(seed: int, *, small: bool = False, hours: float = HOURS, traffic: bool = False) -> Judgement:
+    """Draw a plant, and let it work.
+
+    Args:
+        seed: decides everything.
+        small: a few machines and vehicles.
+        hours: of demand.
+        traffic: whether vehicles drive with right of way.
+    """
     run = draw(seed, small=small, hours=hours)
     began_s = time.process_time()
     watch = Watch(run.plant)
@@ -188,7 +195,8 @@ def play_seed(seed: int, *, small: bool = False, hours: float = HOURS) -> Judgem
         return await stage.settle(SETTLE_S)
 
     shift = Shift(name="plants", duration_s=run.hours * 3600.0)
-    played = play(shift, run.plant, seed, work)
+    with with_right_of_way(traffic):
+        played = play(shift, run.plant, seed, work)
     report, longest = played.report, watch.longest
     warned = advice(run.plant)
     return Judgement(
@@ -213,7 +221,10 @@ def play_seed(seed: int, *, small: bool = False, hours: float = HOURS) -> Judgem
         messages_per_task=report.messages_per_task,
         invariants=report.invariants,
         took_s=time.process_time() - began_s,
-        replay=f"dray sim plants --seed {seed}{' --small' if small else ''}{f' --hours {hours:g}' if hours != HOURS else ''}",
+        replay=(
+            f"dray sim plants --seed {seed}{' --small' if small else ''}{f' --hours {hours:g}' if hours != HOURS else ''}"
+            f" {'--traffic' if traffic else '--no-traffic'}"
+        ),
         foreseen=next((each.text for each in warned if each.load_frac < NO_LOAD_FRAC), ""),
         verdict=report.verdict,
         warnings=tuple(f"{each.kind}: {each.text}" for each in warned),

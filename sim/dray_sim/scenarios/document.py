@@ -11,6 +11,8 @@ from concurrent.futures import ProcessPoolExecutor, as_completed
 
 import msgspec
 
+from dray_sim.run.scenario import HERE
+from dray_sim.run.site import Site
 from dray_sim.scenarios import SCENARIOS
 
 COMMAND = "dray sim report --out docs/scenarios.md"
@@ -27,10 +29,10 @@ class Section(msgspec.Struct, frozen=True):
     text: str
 
 
-def section(name: str, seed: int) -> Section:
+def section(name: str, seed: int, site: Site = HERE) -> Section:
     """Play a scenario, and write its part."""
     scenario = SCENARIOS[name]
-    outcome = scenario.run(seed)
+    outcome = scenario.run(seed, site)
     return Section(
         name=name,
         shows=scenario.shows,
@@ -42,7 +44,11 @@ def section(name: str, seed: int) -> Section:
 
 
 def sections(
-    seed: int, jobs: int, done: Callable[[Section], None], names: Iterable[str] = tuple(SCENARIOS)
+    seed: int,
+    jobs: int,
+    done: Callable[[Section], None],
+    names: Iterable[str] = tuple(SCENARIOS),
+    site: Site = HERE,
 ) -> list[Section]:
     """Play scenarios in processes of their own, for the memory of one must not show in another.
 
@@ -51,6 +57,7 @@ def sections(
         jobs: how many at once.
         done: told of each as soon as it has ended.
         names: which.
+        site: where; most can be played as they stand only, with right of way or without.
 
     Returns:
         Their parts, in the order of the names.
@@ -58,23 +65,24 @@ def sections(
     ordered = list(names)
     spawn = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(jobs, mp_context=spawn, max_tasks_per_child=1) as pool:
-        futures = {name: pool.submit(section, name, seed) for name in ordered}
+        futures = {name: pool.submit(section, name, seed, site) for name in ordered}
         for future in as_completed(futures.values()):
             done(future.result())
         return [futures[name].result() for name in ordered]
 
 
-def write(parts: list[Section], seed: int) -> str:
+def write(parts: list[Section], seed: int, site: Site = HERE) -> str:
     """The whole document."""
-    return "\n\n".join((_head(parts, seed), *(part.text for part in parts))) + "\n"
+    return "\n\n".join((_head(parts, seed, site), *(part.text for part in parts))) + "\n"
 
 
-def _head(parts: list[Section], seed: int) -> str:
+def _head(parts: list[Section], seed: int, site: Site) -> str:
     held = sum(part.held for part in parts)
+    command = COMMAND if site == HERE else f"{COMMAND} {'--traffic' if site.traffic else '--no-traffic'}"
     lines = [
         "# Scenarios",
         "",
-        f"Made by `{COMMAND}` with seed {seed}; do not edit. Every figure comes from a run",
+        f"Made by `{command}` with seed {seed}; do not edit. Every figure comes from a run",
         "in virtual time with all invariants of [protocol.md](protocol.md) on, and the same seed gives the same",
         "figures. Times are factory seconds. `dray sim run NAME --seed N` plays one with another seed; it exits",
         "with 1 when its claim does not hold.",

@@ -108,8 +108,8 @@ def test_an_error_in_a_run_is_an_outcome(monkeypatch: pytest.MonkeyPatch) -> Non
 def test_an_outcome_passes_as_data() -> None:
     outcome = play(draw(2))
     assert msgspec.json.decode(msgspec.json.encode(outcome), type=Outcome) == outcome
-    assert outcome.replay == "dray sim explore --seed 2"
-    assert play(draw(0, "faultless")).replay == "dray sim explore --seed 0 --profile faultless"
+    assert outcome.replay == "dray sim explore --seed 2 --no-traffic"
+    assert play(draw(0, "faultless")).replay == "dray sim explore --seed 0 --profile faultless --no-traffic"
 
 
 def test_a_violation_is_told_with_what_came_before_it(monkeypatch: pytest.MonkeyPatch) -> None:

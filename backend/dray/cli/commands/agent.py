@@ -45,7 +45,7 @@ def machine(
         typer.Option("--joining", help="A plant file that has it, when that of the others does not know it."),
     ] = None,
     probation: Probation = 0,
-    traffic: Traffic = False,
+    traffic: Traffic = None,
     settings: SettingsFile = None,
 ) -> None:
     """Run the agent of a machine; one that joins takes part as soon as it is there. SIGTERM lets it shut down gracefully."""
@@ -85,7 +85,7 @@ def atv(
     ] = None,
     node: Annotated[str | None, typer.Option(help="Where a joining vehicle stands.")] = None,
     probation: Probation = 0,
-    traffic: Traffic = False,
+    traffic: Traffic = None,
     body: Annotated[
         Body | None,
         typer.Option(help="floor: simulated, on `dray floor`; vda5050: a real vehicle; else DRAY_BODY."),
@@ -152,7 +152,7 @@ def atv(
 @app.command()
 def station(
     name: Annotated[str, typer.Argument(help="The id of its storage in the plant, as S3.")],
-    traffic: Traffic = False,
+    traffic: Traffic = None,
     settings: SettingsFile = None,
 ) -> None:
     """Run the station of a storage, without which nobody fetches anything there. SIGTERM lets it shut down gracefully."""
@@ -190,11 +190,11 @@ def strategist(settings: SettingsFile = None) -> None:
     asyncio.run(run_agent(where, STRATEGIST, lambda life: Strategist(where.plant, incarnation=life), embody))
 
 
-def _surroundings(file: Path | None, *, traffic: bool = False, **options: str | None) -> Surroundings:
+def _surroundings(file: Path | None, *, traffic: bool | None = None, **options: str | None) -> Surroundings:
     from dray.cli.runtime.options import load_settings
     from dray.cli.runtime.surroundings import Surroundings
 
-    return Surroundings.of(load_settings(settings_file=file, traffic=traffic or None, **options))
+    return Surroundings.of(load_settings(settings_file=file, traffic=traffic, **options))
 
 
 def _grown(plant: Plant, file: Path, name: str) -> Plant:

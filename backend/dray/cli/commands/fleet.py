@@ -45,7 +45,7 @@ def up(
         bool,
         typer.Option("--metrics", help="Each process tells Prometheus its own; metrics.json says where."),
     ] = False,
-    traffic: Traffic = False,
+    traffic: Traffic = None,
 ) -> None:
     """Start every agent of a plant as a process; whatever ends is started again. Ctrl-C stops all."""
     if not math.isfinite(speed):
@@ -58,7 +58,7 @@ def up(
     from dray.cli.fleet.supervisor import FleetOptions, run_fleet
     from dray.cli.runtime.options import load_settings
 
-    load = partial(load_settings, port=port, plant_file=plant, traffic=traffic or None)
+    load = partial(load_settings, port=port, plant_file=plant, traffic=traffic)
     settings = load(database_url=db)
     if "database_url" not in settings.model_fields_set:
         settings = load(database_url=f"sqlite:///{folder.resolve() / 'dray.db'}")

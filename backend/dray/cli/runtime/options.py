@@ -19,15 +19,26 @@ SettingsFile = Annotated[
 ]
 
 Traffic = Annotated[
-    bool,
+    bool | None,
     typer.Option(
-        "--traffic", help="Vehicles take up room, and drive with right of way; or DRAY_TRAFFIC=true."
+        "--traffic/--no-traffic",
+        help="Whether vehicles take up room, and drive with right of way; else DRAY_TRAFFIC.",
+        show_default=False,
     ),
 ]
-"""Given as `traffic or None`: without it the setting counts."""
+"""None: the setting counts (`right_of_way`)."""
 
 OPTIONS = {"--database-url": "--db", "--gateway-name": "--name", "--plant-file": "--plant"}
 """Options whose name is not that of the setting."""
+
+
+def right_of_way(traffic: bool | None) -> bool:
+    """Whether vehicles drive with right of way: as the option says, else as the setting does.
+
+    Raises:
+        SettingsError: a variable cannot be used.
+    """
+    return load_settings(traffic=traffic).traffic
 
 
 def load_settings(settings_file: Path | None = None, **options: object) -> Settings:

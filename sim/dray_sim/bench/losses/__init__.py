@@ -38,11 +38,12 @@ QUICK = 10
 _log = logging.getLogger(__name__)
 
 
-def measure(quick: bool) -> list[Row]:
+def measure(quick: bool, traffic: bool | None = None) -> list[Row]:
     """Kill, and see what is lost.
 
     Args:
         quick: a tenth of the kills.
+        traffic: whether vehicles drive with right of way; None: as `dray fleet up` does.
 
     Returns:
         The figures. When something was found that must not be, the fleet's folder stays, to be looked into.
@@ -69,6 +70,7 @@ def measure(quick: bool) -> list[Row]:
         dark_s=5.0,
         drain_s=600.0,
         seed=1,
+        traffic=traffic,
     )
     folder = Path(tempfile.mkdtemp(prefix="dray-losses-"))
     with contextlib.ExitStack() as stack:

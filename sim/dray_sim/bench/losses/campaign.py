@@ -71,6 +71,7 @@ class Campaign:
         dark_s: real seconds before a killed database is started again.
         drain_s: real seconds for the last orders, at most.
         seed: of the demand, and of who is killed.
+        traffic: whether vehicles drive with right of way; None: as `dray fleet up` does.
     """
 
     plant: Plant
@@ -89,6 +90,7 @@ class Campaign:
     dark_s: float
     drain_s: float
     seed: int
+    traffic: bool | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,7 +129,12 @@ async def play(campaign: Campaign, folder: Path, server: PostgresServer | None =
     plant = campaign.plant
     database_url = "" if server is None else server.url()
     async with running(
-        folder, plant, speed=campaign.speed, plain=campaign.plain, database_url=database_url
+        folder,
+        plant,
+        speed=campaign.speed,
+        plain=campaign.plain,
+        database_url=database_url,
+        traffic=campaign.traffic,
     ) as fleet:
         store = await open_store(fleet.database_url)
         try:

@@ -99,6 +99,7 @@ async def running(
     lease_s: float | None = None,
     database_url: str = "",
     demand: bool = False,
+    traffic: bool | None = None,
     traffic_log: Path | None = None,
 ) -> AsyncIterator[Fleet]:
     """A fleet; it has ended when the context has.
@@ -111,7 +112,8 @@ async def running(
         lease_s: of its links; None for the usual one.
         database_url: empty for SQLite in the folder.
         demand: whether it places orders itself.
-        traffic_log: where agents write down what they say of right of way; None where vehicles drive without.
+        traffic: whether vehicles drive with right of way; None: as `dray fleet up` does.
+        traffic_log: where agents write down what they say of right of way; None for nowhere.
 
     Raises:
         UnavailableError: it does not start.
@@ -122,8 +124,9 @@ async def running(
     database_url = database_url or f"sqlite:///{(folder / 'dray.db').resolve()}"
     options += ["--demand" if demand else "--no-demand", *(["--plain"] if plain else [])]
     own = {} if lease_s is None else {f"{PREFIX}BUS_LEASE_S": str(lease_s)}
+    if traffic is not None:
+        options.append("--traffic" if traffic else "--no-traffic")
     if traffic_log is not None:
-        options.append("--traffic")
         own[f"{PREFIX}TRAFFIC_LOG"] = str(traffic_log)
     # Our own settings may name a database that is in service: no order of ours belongs there.
     others = {name: value for name, value in os.environ.items() if not name.startswith(PREFIX)}

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from dray.cli.runtime.options import Traffic
+
 if TYPE_CHECKING:
     from dray_sim.bench import Row
 
@@ -25,25 +27,29 @@ def bench(
     seeds: Annotated[
         str, typer.Option(help="With `traffic`: from A to before B.", metavar="A:B", show_default=False)
     ] = "",
+    traffic: Traffic = None,
 ) -> None:
     """Measure; every figure stands beside a baseline that was measured in the same run."""
     from rich.console import Console
 
+    from dray.cli.runtime.options import right_of_way
     from dray.cli.runtime.output import one_of, table, write_text
     from dray.errors import SettingsError, UnavailableError
-    from dray_sim.bench import BENCHES, LONG, as_json
+    from dray_sim.bench import BENCHES, DRIVEN, LONG, as_json
     from dray_sim.bench.document import document
     from dray_sim.bench.row import HEADS
-    from dray_sim.bench.traffic.measure import measure as traffic
+    from dray_sim.bench.traffic.measure import measure as compare
 
     asked = names or [name for name in BENCHES if name not in LONG]
     chosen = {name: one_of(BENCHES, name, "benchmark") for name in asked}
+    on = right_of_way(traffic)
+    chosen |= {name: partial(DRIVEN[name], traffic=on) for name in chosen if name in DRIVEN}
     if plant or seeds:
         if names != ["traffic"]:
             raise SettingsError(
                 "--plant and --seeds", "they choose runs of one benchmark; write `dray bench traffic`"
             )
-        chosen = {"traffic": partial(traffic, plant=plant, seeds=_range(seeds) if seeds else None)}
+        chosen = {"traffic": partial(compare, plant=plant, seeds=_range(seeds) if seeds else None)}
     rows: list[Row] = []
     progress = Console(stderr=True)
     for name, measure in chosen.items():
@@ -61,6 +67,7 @@ def bench(
     if out is not None:
         said = [*asked, *(["--quick"] if quick else []), *(["--plant", plant] if plant else [])]
         said += ["--seeds", seeds] if seeds else []
+        said += [] if traffic is None else ["--traffic" if traffic else "--no-traffic"]
         write_text(out, document(rows, " ".join(("dray bench", *said, "--out", str(out)))))
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from dray.cli.runtime.options import Traffic
 from dray.errors import SettingsError
 
 if TYPE_CHECKING:
@@ -28,24 +29,24 @@ def explore(
     ] = None,
     jobs: Annotated[int, typer.Option(help="Processes; 0 for one per core.", min=0)] = 0,
     profile: Annotated[str, typer.Option(help="From where runs are drawn.")] = "all",
-    traffic: Annotated[
-        bool, typer.Option("--traffic", help="Vehicles take up room, and drive with right of way.")
-    ] = False,
+    traffic: Traffic = None,
     json: Annotated[Path | None, typer.Option(help="Write the summary here too.")] = None,
 ) -> None:
     """Try many seeds: a random plant, load and schedule of faults each. Exit 1 on a broken invariant."""
+    from dray.cli.runtime.options import right_of_way
     from dray.cli.runtime.output import one_of, write_json
     from dray_sim.explore.profile import PROFILES
     from dray_sim.explore.search import cores
 
     one_of(PROFILES, profile, "--profile")
+    on = right_of_way(traffic)
     if seed is not None:
-        outcome = _replay(seed, profile, traffic=traffic)
+        outcome = _replay(seed, profile, traffic=on)
         if json is not None:
             write_json(json, outcome)
         raise typer.Exit(1 if outcome.broken else 0)
     first, last = _range(seeds)
-    summary, took_s = _search(first, last, profile, jobs or cores(), traffic=traffic)
+    summary, took_s = _search(first, last, profile, jobs or cores(), traffic=on)
     _tell(summary, took_s)
     if json is not None:
         write_json(json, summary)

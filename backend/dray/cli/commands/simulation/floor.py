@@ -12,7 +12,7 @@ from dray.cli.runtime.options import SettingsFile, Traffic
 def floor(
     settings: SettingsFile = None,
     seed: Annotated[int, typer.Option(help="How full buffers are at the start follows from it.")] = 1,
-    traffic: Traffic = False,
+    traffic: Traffic = None,
 ) -> None:
     """Run the simulated floor: the bodies of all vehicles and machines, for agents that have none of their own."""
     import asyncio
@@ -21,6 +21,4 @@ def floor(
     from dray.cli.runtime.surroundings import Surroundings
     from dray.cli.simulation.floor_process import serve_floor
 
-    asyncio.run(
-        serve_floor(Surroundings.of(load_settings(settings_file=settings, traffic=traffic or None)), seed)
-    )
+    asyncio.run(serve_floor(Surroundings.of(load_settings(settings_file=settings, traffic=traffic)), seed))

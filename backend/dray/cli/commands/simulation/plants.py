@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from dray.cli.runtime.options import Traffic
+
 if TYPE_CHECKING:
     from dray_sim.plants.play import Judgement
 
@@ -20,6 +22,7 @@ def plants(
     small: Annotated[bool, typer.Option("--small", help="Plants of a few machines and vehicles.")] = False,
     hours: Annotated[float, typer.Option(help="Of demand.", min=0.1, max=1000.0)] = 4.0,
     jobs: Annotated[int, typer.Option(help="Processes; 0 for one per core.", min=0)] = 0,
+    traffic: Traffic = None,
     json: Annotated[Path | None, typer.Option(help="Write the judgements here too.")] = None,
     write: Annotated[Path | None, typer.Option(help="Write the plant of --seed to this file.")] = None,
 ) -> None:
@@ -28,6 +31,7 @@ def plants(
     Asked of each: every order delivered, no battery empty, no carrier that waits for longer than its promise and two
     minutes, every invariant held. Exit 1 when a plant fails and neither `dray plant check` nor the verdict says why.
     """
+    from dray.cli.runtime.options import right_of_way
     from dray.cli.runtime.output import write_json
     from dray_sim.explore.search import cores
     from dray_sim.plants.many import play_seeds
@@ -37,7 +41,8 @@ def plants(
         if write is not None:
             _write(seed, small, write)
     judged: list[Judgement] = []
-    for each in play_seeds(first, count, small=small, hours=hours, jobs=jobs or cores()):
+    on = right_of_way(traffic)
+    for each in play_seeds(first, count, small=small, hours=hours, traffic=on, jobs=jobs or cores()):
         judged.append(each)
         for line in each.tell(whole=seed is not None):
             typer.echo(line)

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from dray.cli.commands.simulation.explore import explore
 from dray.cli.commands.simulation.plants import plants
+from dray.cli.runtime.options import Traffic
+
+if TYPE_CHECKING:
+    from dray_sim.scenarios.document import Section
 
 app = typer.Typer(no_args_is_help=True, help="Named scenarios in virtual time.")
 app.command()(explore)
@@ -43,9 +47,7 @@ def run(
         typer.Option(help="Part of the machines' time that the orders take.", min=0.001, max=10.0),
     ] = None,
     hours: Annotated[float | None, typer.Option(help="Of demand.", min=0.05, max=2_000.0)] = None,
-    traffic: Annotated[
-        bool, typer.Option("--traffic", help="Vehicles take up room, and drive with right of way.")
-    ] = False,
+    traffic: Traffic = None,
     json: Annotated[Path | None, typer.Option(help="Write the report here too.")] = None,
 ) -> None:
     """Play a scenario and print its report; the same seed gives the same report.
@@ -55,12 +57,13 @@ def run(
 
     Exit 1 when its claim did not hold, or an invariant was broken.
     """
+    from dray.cli.runtime.options import right_of_way
     from dray.cli.runtime.output import one_of, write_json
     from dray.plant import load_plant
     from dray_sim.run.site import Site
     from dray_sim.scenarios import SCENARIOS
 
-    site = Site(None if plant is None else load_plant(plant), load, hours, traffic)
+    site = Site(None if plant is None else load_plant(plant), load, hours, right_of_way(traffic))
     outcome = one_of(SCENARIOS, name, "scenario").run(seed, site)
     typer.echo(outcome.describe())
     if json is not None:
@@ -68,7 +71,7 @@ def run(
     if outcome.failure:
         options = {"plant": plant, "load": load, "hours": hours}
         given = "".join(f" --{option} {value}" for option, value in options.items() if value is not None)
-        given += " --traffic" if traffic else ""
+        given += " --traffic" if site.traffic else " --no-traffic"
         typer.echo(f"dray: {outcome.failure}\nreplay: dray sim run {name} --seed {seed}{given}", err=True)
         raise typer.Exit(1)
 
@@ -78,15 +81,22 @@ def report(
     out: Annotated[Path, typer.Option(help="The Markdown file to write.")] = Path("docs/scenarios.md"),
     seed: Annotated[int, typer.Option(help="Of all scenarios.")] = 1,
     jobs: Annotated[int, typer.Option(help="How many run at once.", min=1)] = 2,
+    traffic: Traffic = None,
 ) -> None:
     """Play all scenarios and write their reports into one document. Takes some minutes.
 
     Exit 1 when a claim did not hold; the document is written all the same, and says so.
     """
+    from dray.cli.runtime.options import right_of_way
     from dray.cli.runtime.output import write_text
+    from dray_sim.run.site import Site
     from dray_sim.scenarios.document import sections, write
 
-    parts = sections(seed, jobs, lambda part: typer.echo(f"{part.name}: {part.failure or 'held'}", err=True))
-    write_text(out, write(parts, seed), "--out")
+    def done(part: Section) -> None:
+        typer.echo(f"{part.name}: {part.failure or 'held'}", err=True)
+
+    site = Site(traffic=right_of_way(traffic))
+    parts = sections(seed, jobs, done, site=site)
+    write_text(out, write(parts, seed, site), "--out")
     if not all(part.held for part in parts):
         raise typer.Exit(1)

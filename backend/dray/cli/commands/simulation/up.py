@@ -40,7 +40,7 @@ def up(
     demand: Annotated[
         bool, typer.Option("--demand/--no-demand", help="Place orders, so that there is something to see.")
     ] = True,
-    traffic: Traffic = False,
+    traffic: Traffic = None,
     vda5050: Annotated[
         bool,
         typer.Option(
@@ -64,7 +64,7 @@ def up(
     from dray.cli.simulation.customers import customers_of
     from dray.cli.simulation.one_process import run_service
 
-    settings = load_settings(host=host, port=port, database_url=db, plant_file=plant, traffic=traffic or None)
+    settings = load_settings(host=host, port=port, database_url=db, plant_file=plant, traffic=traffic)
     chosen = chosen_plant(settings.plant_file)
     customers = customers_of(chosen, speed=speed, seed=seed) if demand else None
     with brokered(vda5050=vda5050, url=broker) as address:
