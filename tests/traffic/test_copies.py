@@ -138,6 +138,50 @@ def test_when_two_have_lost_their_memory_the_first_of_them_calls_the_roll() -> N
     assert epoch > trio.keepers["M1"].kept.epoch
 
 
+def test_whoever_is_lost_too_takes_the_book_of_the_roll_call() -> None:
+    trio = Trio()
+    for name in NAMES:
+        trio.keepers[name] = Copies("M1", name, NAMES, None, trio.outs[name])
+    for name in NAMES:
+        trio.keepers[name].ask()
+    trio.carry()
+    assert [name for name in NAMES if trio.keepers[name].needs_roll_call] == ["M1"]
+    caller = trio.keepers["M1"]
+    caller.end_roll_call(3)
+    caller.write(1, line("A", 1))
+    trio.carry()
+    assert caller.counted == 1
+    for name in ("M2", "M3"):
+        assert not trio.keepers[name].lost
+        assert (trio.keepers[name].kept.epoch, trio.keepers[name].kept.bookings) == (3, line("A", 1))
+
+
+def told_of(epoch: int, *, lost: bool) -> BookTold:
+    return BookTold(district="M1", epoch=epoch, lost=lost, kept_epoch=0, version=0, bookings=())
+
+
+@pytest.mark.parametrize(
+    "told",
+    [
+        {},
+        {"M1": told_of(2, lost=False), "M2": told_of(0, lost=True)},
+        {"M1": told_of(0, lost=True), "M2": told_of(7, lost=False)},
+        {"M1": told_of(0, lost=True)},
+    ],
+    ids=["nobody was heard", "the writer remembers", "a later epoch", "one was not heard"],
+)
+def test_whoever_is_lost_takes_no_book_that_may_lack_what_it_has_promised(told: dict[str, BookTold]) -> None:
+    """The writer remembers of old, or somebody may lead under a later epoch by a promise that is forgotten."""
+    out: list[Effect] = []
+    lost = Copies("M1", "M3", NAMES, None, out)
+    for keeper, message in told.items():
+        lost.on_told(keeper, message)
+    assert not lost.needs_roll_call
+    lost.on_booked("M1", PlaceBooked(district="M1", epoch=3, version=4, bookings=line("A", 4)))
+    assert lost.lost
+    assert out == []
+
+
 def test_one_keeper_alone_is_its_own_majority() -> None:
     out: list[Effect] = []
     alone = Copies("M1", "M1", ("M1",), Kept(), out)

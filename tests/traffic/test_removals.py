@@ -20,7 +20,7 @@ from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S, gone_s
 from dray.protocol.runtime.events import Effect, Ignore, Publish, Record, Send, Subscribe, Unsubscribe
 from dray.protocol.runtime.timers import Timers
 from dray.protocol.traffic.books.bookkeeping import NOTE, Bookkeeping
-from dray.protocol.traffic.books.roll_call import ROLL_S
+from dray.protocol.traffic.books.roll_call import QUIET_S, ROLL_S
 from dray.protocol.traffic.places import Places
 from dray.protocol.traffic.removal_authorisation import EXPIRED, IS_HEARD, NOT_THERE, NOT_TRUSTED, TOO_EARLY
 from dray.protocol.traffic.traffic_map import TrafficMap
@@ -275,7 +275,8 @@ def test_a_carried_vehicle_keeps_no_roll_call_waiting() -> None:
         if atv != "ATV1":
             keeper.told(atv, wish(epoch=epoch), 90.0)
     assert not books.districts[DISTRICT].leads
-    assert keeper.books.awaited(90.0) == ("ATV1",)
+    assert keeper.books.awaited(90.0) is UNSET
+    assert keeper.books.awaited(90.0 + QUIET_S) == ("ATV1",)
     assert keeper.remove(atv="ATV1") == []
     assert books.districts[DISTRICT].leads
     assert keeper.books.awaited(LATER_S) is UNSET

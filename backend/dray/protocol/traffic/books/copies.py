@@ -5,7 +5,9 @@ it has that epoch from a majority, and learned from them the newest copy that th
 was left behind by a torn network finds no majority any more: traffic in the district waits, and no place is given twice.
 
 A keeper that has lost its memory takes no part until it has heard all others, for it may have promised what it does not know. When too
-few remember, the vehicles are asked what they hold (a roll call), every one of them.
+few remember, the vehicles are asked what they hold (a roll call), every one of them. Another one that has lost its memory, too, and
+has heard since that the caller had, takes the caller's book: each vehicle has told under that epoch, and follows no earlier one. It has heard of
+no later one from anybody since, so nobody leads by a promise that it has forgotten.
 """
 
 from __future__ import annotations
@@ -68,6 +70,10 @@ class Copies:
         """Epoch that anybody has told of."""
         self._sought = 0
         """The epoch under which `me` asks to keep the book; 0 when it does not."""
+        self._heard: dict[str, int] = {}
+        """While it is lost: keeper -> the epoch that it has told of."""
+        self._lost_too: set[str] = set()
+        """While it is lost: those that have told that they were."""
 
     @property
     def majority(self) -> int:
@@ -129,8 +135,9 @@ class Copies:
 
     def on_booked(self, sender: str, booked: PlaceBooked) -> None:
         """The keeper of the book has written."""
-        if self.lost:
+        if self.lost and not self._may_join(sender, booked):
             return
+        self.lost = False
         if booked.epoch >= self.kept.epoch and sender != self._me:
             if booked.epoch > self.kept.epoch:
                 self._step_down(booked.epoch)
@@ -139,6 +146,14 @@ class Copies:
                 self.kept = Kept(booked.epoch, booked.epoch, booked.version, booked.bookings, booked.removed)
         self._out.append(
             Send(sender, BookKept(district=self.district, epoch=self.kept.epoch, version=self.kept.version))
+        )
+
+    def _may_join(self, sender: str, booked: PlaceBooked) -> bool:
+        """Whether a lost memory is made good by a book: its writer was lost, too, and all have told of no later epoch since."""
+        return (
+            not self.needs_roll_call
+            and sender in self._lost_too
+            and all(self._heard.get(other, booked.epoch + 1) <= booked.epoch for other in self._others)
         )
 
     # --- whose turn ------------------------------------------------------------------------------
@@ -178,6 +193,10 @@ class Copies:
         self._highest = max(self._highest, told.epoch)
         if not self.asks:
             return
+        if self.lost:
+            self._heard[sender] = max(self._heard.get(sender, 0), told.epoch)
+            if told.lost:
+                self._lost_too.add(sender)
         if self._sought and told.epoch > self._sought:
             self._step_down(told.epoch)
             return

@@ -126,7 +126,7 @@ class District:
     def awaited(self, now_s: float) -> Iterator[str]:
         """Vehicles without whose word nothing is granted here."""
         if self._roll is not None:
-            yield from self._roll.awaited(self._called, now_s)
+            yield from self._roll.awaited(self._called(), now_s)
 
     @property
     def book(self) -> Book:
@@ -165,7 +165,7 @@ class District:
             self._out.append(Ignore("a place that is not in this district"))
             return
         if self._roll is not None:
-            if self._roll.note(sender, wish, self._called):
+            if self._roll.note(sender, wish, now_s):
                 self._close_roll(now_s)
             return
         if not self.copies.leads:
@@ -198,7 +198,7 @@ class District:
         """A person has carried a vehicle away: whatever it held is free. One that is being put back has `place` kept for it."""
         atv, known = removal.atv, self._book.removal_of(removal.atv)
         if self._roll is not None:
-            if self._roll.note(atv, self._absent(removal, place), self._called):
+            if self._roll.note(atv, self._absent(removal, place), now_s):
                 self._close_roll(now_s)
         if not self.leads or removal.number < known:
             if any(line.atv == atv for line in self.copies.kept.bookings) or place in self._inside:
@@ -236,7 +236,7 @@ class District:
     def tick(self, now_s: float) -> None:
         """A second has passed, or there is something to see to."""
         if self._roll is not None:
-            self._roll.call(self._called)
+            self._roll.call(self._called(), now_s)
             self._close_roll(now_s)
         elif self.copies.asks:
             self.copies.ask()
@@ -288,7 +288,7 @@ class District:
         """Something was told: perhaps this keeper leads now, or must call the roll."""
         if self.copies.needs_roll_call and self._roll is None:
             self._roll = RollCall(self._district, self.copies.next_turn, now_s, self._out)
-            self._roll.call(self._called)
+            self._roll.call(self._called(), now_s)
         elif self.copies.leads and self._led_epoch != self.copies.kept.epoch:
             self._take_over()
 
@@ -303,7 +303,6 @@ class District:
         for atv in self._atvs:
             self._out.append(Send(atv, HoldsAsked(district=self._district, epoch=kept.epoch)))
 
-    @property
     def _called(self) -> tuple[str, ...]:
         """Whom a roll call is for: the vehicles of the plant, and those that were heard."""
         return tuple(dict.fromkeys((*self._atvs, *self._neighbours.all)))
@@ -316,7 +315,9 @@ class District:
         self._roll = None
         self._book = roll.book()
         self._led_epoch = roll.epoch
-        self._wishes, self._hindrances, self._owed = dict(roll.told), {}, set(roll.told)
+        # Who has said that it holds and wants nothing here waits for no answer, and need not be listened to.
+        self._wishes = {atv: wish for atv, wish in roll.told.items() if wish.holds or wish.groups}
+        self._hindrances, self._owed = {}, set(self._wishes)
         self._newest = {atv: (wish.life, wish.seq) for atv, wish in roll.told.items()}
         self._carried.take_over(one.atv for one in self._book.removed)
         self._write()

@@ -11,6 +11,16 @@ from dray.protocol.traffic.books.book import Book
 ROLL_S = 6.0
 """A roll is called for so long at least: every vehicle beats in that time, also one that the plant file does not know."""
 
+WAVE = 200
+"""Vehicles asked at one time, at most: a plant of a thousand is asked within `ROLL_S`, and no link or inbox is flooded."""
+
+AGAIN_S, AGAIN_AT_MOST_S = 1.0, 5.0
+"""Who has not told is asked again after this, doubled each time, up to as long as an idle vehicle is quiet anyway."""
+
+QUIET_S = 6.0
+"""When nobody new has told for so long the roll call stands still, and those that are missing are awaited by name: as long as
+others tell, it is merely under way, however slow the machines are."""
+
 
 class RollCall:
     """Of one district, by the keeper who will lead.
@@ -33,18 +43,31 @@ class RollCall:
         self.epoch = next_turn(0)
         self._district, self._next_turn, self._out = district, next_turn, out
         self._until_s = now_s + ROLL_S
+        self._news_s = now_s
+        """When somebody has told for the first time, last."""
+        self._asks: dict[str, tuple[float, float]] = {}
+        """Vehicle -> when it is asked again, and how long after that once more."""
 
-    def call(self, atvs: Iterable[str]) -> None:
-        """Ask those that have not told."""
+    def call(self, atvs: Iterable[str], now_s: float) -> None:
+        """Ask those that have not told, and were not asked a moment ago."""
         asked = HoldsAsked(district=self._district, epoch=self.epoch, roll_call=True)
-        self._out += [Send(atv, asked) for atv in atvs if atv not in self.told]
+        room = WAVE
+        for atv in atvs:
+            at_s, then_s = self._asks.get(atv, (now_s, AGAIN_S))
+            if atv in self.told or at_s > now_s:
+                continue
+            if not room:
+                return
+            room -= 1
+            self._asks[atv] = (now_s + then_s, min(2.0 * then_s, AGAIN_AT_MOST_S))
+            self._out.append(Send(atv, asked))
 
-    def note(self, atv: str, wish: PlaceWished, atvs: Iterable[str]) -> bool:
+    def note(self, atv: str, wish: PlaceWished, now_s: float) -> bool:
         """A vehicle has told, or a person in its place; True when that counts."""
         if wish.epoch > self.epoch:
             # The vehicle has known a later keeper: what was told under this epoch may have changed since.
             self.told, self.epoch = {}, self._next_turn(wish.epoch)
-            self.call(atvs)
+            self._asks, self._news_s = {}, now_s
             return False
         before = self.told.get(atv)
         if before is not None and wish.removal < before.removal:
@@ -66,16 +89,18 @@ class RollCall:
             return False
         if before is not None and _age(wish) <= _age(before):
             return False
+        if before is None:
+            self._news_s = now_s
         self.told[atv] = wish
         return True
 
-    def is_over(self, atvs: Iterable[str], now_s: float) -> bool:
+    def is_over(self, atvs: Callable[[], Iterable[str]], now_s: float) -> bool:
         """Whether all have told who may hold something."""
-        return now_s >= self._until_s and all(atv in self.told for atv in atvs)
+        return now_s >= self._until_s and all(atv in self.told for atv in atvs())
 
     def awaited(self, atvs: Iterable[str], now_s: float) -> Iterator[str]:
         """Those that have not told, though whoever is awake has had the time."""
-        if now_s >= self._until_s:
+        if now_s >= max(self._until_s, self._news_s + QUIET_S):
             yield from (atv for atv in atvs if atv not in self.told)
 
     def book(self) -> Book:

@@ -231,7 +231,7 @@ class PlaceRequests:
 
     # --- wishes ----------------------------------------------------------------------------------
 
-    def _settle(self, now_s: float, *, anew: bool = False, anew_in: str = "", to: str = "") -> None:
+    def _settle(self, now_s: float, *, anew: bool = False, anew_in: str = "") -> None:
         """Give back what it is clear of, ask for what comes next, and look again in time."""
         self.way.give_back()
         self._asked &= self.way.held.keys()
@@ -256,10 +256,15 @@ class PlaceRequests:
                 state,
                 now_s,
                 anew=anew or district == anew_in,
-                to=to if district == anew_in else "",
             )
         self._surroundings.listen(() if self._is_in_no_hurry(now_s) else districts, now_s)
         self._look_again(now_s)
+
+    def _tell(self, district: str, keeper: str, now_s: float) -> None:
+        """Answer a roll call: how things stand in one district, and nothing else."""
+        groups = self._groups_in(district, self._groups())
+        holds = self._holds_in(district)
+        self.wishes.say(district, holds, groups, self._state(now_s), now_s, anew=True, to=keeper)
 
     def _is_in_no_hurry(self, now_s: float) -> bool:
         """Whether it rests at its own place, and nobody has asked it for room: it need not know who is around."""

@@ -239,10 +239,14 @@ class RightOfWay(PlaceRequests):
     def on_holds_asked(self, sender: str, asked: HoldsAsked, now_s: float) -> None:
         """Somebody else keeps a book from now on."""
         if asked.roll_call and not self._obeys:
-            # Where the body goes is not known yet; the roll is called again every second.
+            # Where the body goes is not known yet; whoever has not told is asked again.
             return
-        if self.wishes.on_holds_asked(sender, asked):
-            self._settle(now_s, anew_in=asked.district, to=sender if asked.roll_call else "")
+        if not self.wishes.on_holds_asked(sender, asked):
+            return
+        if asked.roll_call:
+            self._tell(asked.district, sender, now_s)
+        else:
+            self._settle(now_s, anew_in=asked.district)
 
     # --- alarms ----------------------------------------------------------------------------------
 

@@ -183,7 +183,10 @@ class Wishes:
     ) -> None:
         keepers = self._keepers_of[district]
         line.seq += 1
-        line.unanswered, line.said_s, line.lives = True, now_s, bool(holds or groups)
+        lives = bool(holds or groups)
+        # Who calls the roll asks again if this is lost: whoever has nothing there waits for no answer.
+        waits = lives or line.unanswered or not to
+        line.unanswered, line.said_s, line.lives = waits, now_s, lives
         wish = PlaceWished(
             district=district,
             life=self.life,
@@ -200,6 +203,8 @@ class Wishes:
             removal=state.removal,
         )
         self._out.append(Send(to or keepers[(line.epoch + line.turn) % len(keepers)], wish))
+        if not waits:
+            return
         patience_s = min(
             max(2.0 * self.round_s + 0.2, LEAST_AGAIN_S) * 2.0 ** min(line.tries, 3), MOST_AGAIN_S
         )
