@@ -3,7 +3,7 @@
 An agent decides, a body acts. A vehicle's body may be simulated or a real vehicle behind VDA 5050:
 a way is given as nodes of which a first part is released (VDA 5050's base and horizon), picking and
 dropping are actions at a node, holding and going on work at once, and every step comes back as a
-report. A machine's body is its workcell: cycles, buffers and the dock.
+report. A machine's body is its workcell: cycles, buffers and the dock. An operator's is a person with a tablet.
 
 Every way and action has an `order` number that its agent chose; reports carry it back, so that a
 report about something that was replaced meanwhile is recognised and ignored.
@@ -11,9 +11,12 @@ report about something that was replaced meanwhile is recognised and ignored.
 
 from __future__ import annotations
 
+from enum import StrEnum
+
 from dray.messages.base import Part
+from dray.messages.call import CallAnswer, HelpCall
 from dray.messages.heartbeat import Link, Pose
-from dray.messages.problem import NOTHING_KNOWN, Problem
+from dray.messages.problem import NOTHING_KNOWN, Problem, ProblemKind
 
 # --- a vehicle: instructions ---------------------------------------------------------------------
 
@@ -327,6 +330,65 @@ class GateState(Part, frozen=True):
     """Pieces by goal, for every goal that was ever admitted and is not forgotten."""
 
 
-Instruction = VehicleInstruction | WorkcellInstruction | StorageInstruction | Admit
-Report = VehicleReport | WorkcellReport | GoodsArrived
-BodyState = VehicleState | WorkcellState | StorageState | GateState
+# --- a person with a tablet: the operator's body ---------------------------------------------------
+
+
+class DutyState(Part, frozen=True):
+    """What a tablet knows of the person who is on duty at it."""
+
+    there: bool = True
+    """The tablet is connected; an operator whose tablet is not leaves after a while."""
+    on_break: bool = False
+    busy_until_s: float | None = None
+    """Busy by the person's own word until then (plant clock); None for not."""
+    areas: tuple[str, ...] = ()
+    everywhere: bool = False
+    station: str = ""
+    helps_with: tuple[ProblemKind, ...] = ()
+    """Empty for everything."""
+    label: str = ""
+    """What others are shown of the person; empty where names are not told."""
+
+
+class DutyChanged(Part, frozen=True):
+    """The person or the tablet is otherwise than before."""
+
+    state: DutyState
+
+
+class CallReplied(Part, frozen=True):
+    """The person answers a call, promises anew, or gives it back."""
+
+    call: str
+    answer: CallAnswer
+    wait_s: float | None = None
+
+
+class CallPart(StrEnum):
+    """What the operator has to do with a call."""
+
+    ASKED = "asked"
+    TAKING = "taking"
+    """Taken; the caller has not confirmed it yet."""
+    TAKEN = "taken"
+    """Confirmed: this operator is expected."""
+
+
+class ShownCall(Part, frozen=True):
+    """A call that concerns this operator."""
+
+    call: HelpCall
+    part: CallPart
+
+
+class ShowCalls(Part, frozen=True):
+    """All calls that concern this operator at this moment; what was shown before and is not here is over."""
+
+    calls: tuple[ShownCall, ...]
+
+
+OperatorReport = DutyChanged | CallReplied
+
+Instruction = VehicleInstruction | WorkcellInstruction | StorageInstruction | Admit | ShowCalls
+Report = VehicleReport | WorkcellReport | GoodsArrived | OperatorReport
+BodyState = VehicleState | WorkcellState | StorageState | GateState | DutyState

@@ -1,6 +1,6 @@
 """Everything agents say to one another: frozen structs, one per utterance.
 
-`heartbeat` is what everybody may hear at any time, `contract` the negotiation, `order` and `command` what
+`heartbeat` is what everybody may hear at any time, `operator` the same of people on duty, `call` how they are asked for help, `contract` the negotiation, `order` and `command` what
 comes from people, `shutout` the agents whom a manager has excluded, `dwell_point` how vehicles share places to stand, `stock` how
 material in storages is reserved, `traffic` who may drive where, `fact` what each writes into its `history`.
 How messages become bytes is `dray.codec`; when they are said is `dray.protocol`.
@@ -9,6 +9,7 @@ How messages become bytes is `dray.codec`; when they are said is `dray.protocol`
 from __future__ import annotations
 
 from dray.messages.base import WIRE_VERSION, Message, Part
+from dray.messages.call import CallAnswer, CallAnswered, CallState, HelpCall
 from dray.messages.closure import Closure, ClosureKind, Closures, closed_words
 from dray.messages.command import CommandAnswered, CommandKind, Grant, VehicleCommand, signed_words
 from dray.messages.contract import (
@@ -67,6 +68,7 @@ from dray.messages.heartbeat import (
     TaskBrief,
 )
 from dray.messages.history import Event, EventsAsked, EventsKept
+from dray.messages.operator import OPERATOR_PREFIX, DutyStatus, OperatorHeartbeat
 from dray.messages.order import (
     CancellationTaken,
     OrderCancelled,
@@ -101,6 +103,9 @@ AnyMessage = (
     AtvHeartbeat
     | MachineHeartbeat
     | StationHeartbeat
+    | OperatorHeartbeat
+    | HelpCall
+    | CallAnswered
     | TaskAnnounced
     | Bid
     | Award
@@ -155,6 +160,7 @@ AnyMessage = (
 
 __all__ = [
     "NOTHING_KNOWN",
+    "OPERATOR_PREFIX",
     "WIRE_VERSION",
     "Accepted",
     "AnyFact",
@@ -169,6 +175,9 @@ __all__ = [
     "Brief",
     "Brought",
     "BufferLevel",
+    "CallAnswer",
+    "CallAnswered",
+    "CallState",
     "CancellationTaken",
     "Closure",
     "ClosureKind",
@@ -185,6 +194,7 @@ __all__ = [
     "DockOpened",
     "DockTime",
     "Docked",
+    "DutyStatus",
     "DwellPointClaimed",
     "Event",
     "EventsAsked",
@@ -197,6 +207,7 @@ __all__ = [
     "Handover",
     "HandoverAccepted",
     "Heartbeat",
+    "HelpCall",
     "HelpWanted",
     "HoldsAsked",
     "Implausible",
@@ -206,6 +217,7 @@ __all__ = [
     "MachineStatus",
     "MaterialWait",
     "Message",
+    "OperatorHeartbeat",
     "OrderCancelled",
     "OrderItem",
     "OrderReleased",

@@ -7,6 +7,8 @@ never holds any of these.
     {plant}/hb/atv/{id}       heartbeats of a vehicle
     {plant}/hb/machine/{id}   heartbeats of a machine
     {plant}/hb/station/{id}   heartbeats of a storage's station
+    {plant}/hb/operator/{id}  heartbeats of an operator on duty
+    {plant}/call/{id}         whom an agent calls for help, and who comes
     {plant}/task/{cell}       announcements of transports, to the grid cells within the radius
     {plant}/goal/{product}    announcements of production goals, to the machines that can make it
     {plant}/dwell-point/{id}  claims of one charger or parking place
@@ -39,11 +41,13 @@ class Keys:
         "_addressed",
         "alive",
         "all_atv_heartbeats",
+        "all_calls",
         "all_events",
         "all_floors",
         "all_free",
         "all_heartbeats",
         "all_machine_heartbeats",
+        "all_operator_heartbeats",
         "all_problems",
         "closures",
         "plant",
@@ -56,6 +60,8 @@ class Keys:
         self.all_heartbeats = f"{plant}/hb/**"
         self.all_atv_heartbeats = f"{plant}/hb/atv/*"
         self.all_machine_heartbeats = f"{plant}/hb/machine/*"
+        self.all_operator_heartbeats = f"{plant}/hb/operator/*"
+        self.all_calls = f"{plant}/call/*"
         self.all_events = f"{plant}/event/*"
         self.all_free = f"{plant}/free/*"
         self.all_problems = f"{plant}/problem/*"
@@ -74,6 +80,12 @@ class Keys:
 
     def station_heartbeat(self, station: str) -> str:
         return f"{self.plant}/hb/station/{station}"
+
+    def operator_heartbeat(self, operator: str) -> str:
+        return f"{self.plant}/hb/operator/{operator}"
+
+    def call(self, caller: str) -> str:
+        return f"{self.plant}/call/{caller}"
 
     def transports(self, cell: str) -> str:
         return f"{self.plant}/task/{cell}"
@@ -108,7 +120,7 @@ class Keys:
         return f"{self.plant}/event/{agent}"
 
 
-_OWNED = frozenset({"hb/atv", "hb/machine", "hb/station", "event", "free", "problem"})
+_OWNED = frozenset({"hb/atv", "hb/machine", "hb/station", "hb/operator", "event", "free", "problem", "call"})
 
 
 def owner_of(key: str) -> str | None:

@@ -1,6 +1,6 @@
 """What goes over the radio between vehicles when there is no WLAN (paper, case 3).
 
-Heartbeats, what a transport that is under way needs to come to its end, and who may drive where. No negotiation: bids, announcements,
+Heartbeats, what a transport that is under way needs to come to its end, who may drive where, and calls for help. No negotiation: bids, announcements,
 awards, claims and history do not fit.
 
 The radio itself (range, hops, length of a frame) is hardware, and not said here.
@@ -15,6 +15,7 @@ from msgspec import UNSET
 from msgspec.structs import replace
 
 from dray.messages.base import Message
+from dray.messages.call import CallAnswered, HelpCall
 from dray.messages.command import CommandAnswered, VehicleCommand
 from dray.messages.contract import (
     Confirmed,
@@ -35,6 +36,7 @@ from dray.messages.traffic import HoldsAsked, PlaceGranted, PlaceWished, YieldAs
 
 CARRIED_BY_RADIO: frozenset[type[Message]] = frozenset(
     {
+        CallAnswered,
         CommandAnswered,
         Confirmed,
         Declined,
@@ -43,6 +45,7 @@ CARRIED_BY_RADIO: frozenset[type[Message]] = frozenset(
         Docked,
         Handover,
         HandoverAccepted,
+        HelpCall,
         HoldsAsked,
         PlaceGranted,
         PlaceWished,
@@ -72,12 +75,19 @@ AVOID_NODES = (16, 4, 0)
 """Of where nobody may make room, a wish or a request says so many nodes, the nearest first, until it fits into a frame."""
 
 
+CALL_ASKED, REASON_CHARS = (8, 2), 100
+"""Of a call's words so much is said by radio, and of whom it asks so many names, the nearest first, until it fits."""
+
+
 def shortened_word(message: Message) -> Iterator[Message]:
     """What is no heartbeat as it goes over the radio: whole, and then ever shorter."""
     yield message
     if isinstance(message, PlaceWished | YieldAsked | YieldRefused):
         for nodes in AVOID_NODES:
             yield replace(message, avoid=message.avoid[:nodes])
+    elif isinstance(message, HelpCall):
+        for asked in CALL_ASKED:
+            yield replace(message, reason=message.reason[:REASON_CHARS], asked=message.asked[:asked])
 
 
 def shortened(heartbeat: AtvHeartbeat) -> Iterator[AtvHeartbeat]:

@@ -11,6 +11,7 @@ from collections.abc import Container, Mapping
 from enum import StrEnum
 
 from dray.messages.base import Message
+from dray.messages.call import CallAnswered, HelpCall
 from dray.messages.closure import Closures
 from dray.messages.command import CommandAnswered, VehicleCommand
 from dray.messages.contract import (
@@ -57,6 +58,7 @@ from dray.messages.fact import (
     GoodsDelivered,
     HandoverDisputed,
     HelpAsked,
+    HelpCallEnded,
     HelpPromised,
     LinkChanged,
     MachineStatusChanged,
@@ -82,6 +84,7 @@ from dray.messages.fact import (
 from dray.messages.heartbeat import AtvHeartbeat, MachineHeartbeat, StationHeartbeat
 from dray.messages.history import Event, EventsAsked, EventsKept
 from dray.messages.keys import owner_of
+from dray.messages.operator import OPERATOR_PREFIX, OperatorHeartbeat
 from dray.messages.order import (
     CancellationTaken,
     OrderCancelled,
@@ -116,6 +119,8 @@ class Kind(StrEnum):
     STATION = "station"
     """Of a storage."""
     STRATEGIST = "strategist"
+    OPERATOR = "operator"
+    """Somebody on duty. A gateway speaks for those at its tablets."""
     GATEWAY = "gateway"
     HISTORIAN = "historian"
 
@@ -134,11 +139,22 @@ def names_of(agent: str, kind: Kind) -> dict[str, Kind]:
     return dict.fromkeys(names, kind)
 
 
+def kind_in(agent: str, certified: Mapping[str, Kind]) -> Kind | None:
+    """What an agent is by a certificate that names these; None when the certificate is not good for it.
+
+    People come and go, so no certificate names them: whoever may speak for a gateway may speak for the operators at its tablets.
+    """
+    if agent.startswith(OPERATOR_PREFIX) and Kind.GATEWAY in certified.values():
+        return Kind.OPERATOR
+    return certified.get(agent)
+
+
 _ATVS = frozenset({Kind.ATV})
 _MACHINES = frozenset({Kind.MACHINE})
 _STATIONS = frozenset({Kind.STATION})
 _STRATEGISTS = frozenset({Kind.STRATEGIST})
 _GATEWAYS = frozenset({Kind.GATEWAY})
+_OPERATORS = frozenset({Kind.OPERATOR})
 _BIDDERS = _ATVS | _MACHINES
 _COORDINATORS = _MACHINES | _STRATEGISTS
 _DOCKS = _MACHINES | _STATIONS
@@ -148,6 +164,9 @@ SPEAKERS: Mapping[type[Message], frozenset[Kind]] = {
     AtvHeartbeat: _ATVS,
     MachineHeartbeat: _MACHINES,
     StationHeartbeat: _STATIONS,
+    OperatorHeartbeat: _OPERATORS,
+    HelpCall: _BIDDERS | _STATIONS,
+    CallAnswered: _OPERATORS,
     TaskAnnounced: _COORDINATORS,
     Bid: _BIDDERS,
     Award: _COORDINATORS,
@@ -222,6 +241,7 @@ TELLERS: Mapping[type[Fact], frozenset[Kind]] = {
     TookOver: _ATVS,
     LinkChanged: _ATVS,
     HelpAsked: _ATVS,
+    HelpCallEnded: _BIDDERS | _STATIONS,
     HelpPromised: _ATVS,
     PhaseEntered: _ATVS,
     AtvStatusChanged: _ATVS,
@@ -249,6 +269,9 @@ SIGNATURES: Mapping[type[Message], str] = {
     AtvHeartbeat: "atv",
     MachineHeartbeat: "machine",
     StationHeartbeat: "station",
+    OperatorHeartbeat: "operator",
+    HelpCall: "caller",
+    CallAnswered: "operator",
     TaskAnnounced: "coordinator",
     DwellPointClaimed: "atv",
     WorkSought: "atv",

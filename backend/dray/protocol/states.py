@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from typing import Any
 
+from dray.protocol.calls import call_state
 from dray.protocol.contract_net import task_state
 from dray.protocol.vehicle.job import job_state
 from dray.states import Transitions, diagram
@@ -16,6 +17,7 @@ TABLES: dict[str, tuple[str, str, Transitions[Any]]] = {
         "as the vehicle that carries it lives it",
         job_state.TRANSITIONS,
     ),
+    "A call for help": ("calls/call_state.py", "as its caller knows it", call_state.TRANSITIONS),
 }
 """By title: the file, what it is, and the table."""
 

@@ -15,7 +15,7 @@ from cryptography.x509.verification import PolicyBuilder, Store, VerificationErr
 
 from dray.adapters.security.certificates import agents_of
 from dray.errors import SealError
-from dray.messages.speakers import Kind
+from dray.messages.speakers import Kind, kind_in
 
 KNOWN = 1000
 """Certificates whose examination is remembered, and agents whose certificate is: three times those of a large plant.
@@ -76,7 +76,7 @@ class Register:
             SealError: it is not.
         """
         certified = self._examined.get(certificate) or self._examine(certificate, data)
-        kind = certified.agents.get(agent)
+        kind = kind_in(agent, certified.agents)
         if kind is None:
             raise SealError(f"its certificate does not name {agent}", data)
         if certified.serial in self._revoked:

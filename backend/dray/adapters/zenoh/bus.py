@@ -37,7 +37,7 @@ from dray.adapters.zenoh.tokens import NO_LIFE, Tokens
 from dray.codec import decode_with_context, encode
 from dray.errors import NewerVersion, ProtocolViolation, SealError, SettingsError, WireError
 from dray.messages.keys import Keys
-from dray.messages.speakers import objection
+from dray.messages.speakers import kind_in, objection
 
 if TYPE_CHECKING:
     from dray.adapters.zenoh.links import Links
@@ -272,7 +272,7 @@ class ZenohBus:
         Raises:
             SettingsError: the process's certificate does not name the agent.
         """
-        if self.seals is not None and agent not in self.seals.agents:
+        if self.seals is not None and kind_in(agent, self.seals.agents) is None:
             raise SettingsError(agent, f"the certificate names {', '.join(self.seals.agents)} only")
         before = self._sessions.get(agent)
         if before is not None and before.life <= life:

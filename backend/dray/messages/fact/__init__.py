@@ -60,6 +60,7 @@ from dray.messages.fact.vehicle import (
     ClosuresKnown,
     CommandObeyed,
     HelpAsked,
+    HelpCallEnded,
     HelpPromised,
     LinkChanged,
     PhaseEntered,
@@ -82,6 +83,7 @@ AnyFact = (
     | TookOver
     | LinkChanged
     | HelpAsked
+    | HelpCallEnded
     | HelpPromised
     | BidSent
     | BidRefused
@@ -131,6 +133,7 @@ __all__ = [
     "GoodsDelivered",
     "HandoverDisputed",
     "HelpAsked",
+    "HelpCallEnded",
     "HelpPromised",
     "LinkChanged",
     "MachineFailure",

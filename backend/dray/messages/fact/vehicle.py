@@ -5,7 +5,7 @@ from __future__ import annotations
 from dray.messages.base import Count, Id, IdOrNone, Seconds, Text
 from dray.messages.fact.base import Fact
 from dray.messages.heartbeat import AtvStatus, Link, Phase
-from dray.messages.problem import NOTHING_KNOWN, Problem
+from dray.messages.problem import NOTHING_KNOWN, Problem, ProblemKind
 from dray.messages.reason import CommandRefusal
 
 
@@ -29,6 +29,22 @@ class HelpPromised(Fact, frozen=True):
 
     until_s: Seconds
     promised_by: Text
+
+
+class HelpCallEnded(Fact, frozen=True):
+    """A call for help is over: how many were asked and how long it took. Nobody is named."""
+
+    call: Id
+    kind: ProblemKind
+    asked: Count
+    rounds: Count
+    taken: Count
+    """How often it was taken: of more than 1, somebody has given it back or did not come."""
+    helped: bool
+    """Somebody had taken it when it ended."""
+    lasted_s: Seconds
+    waited_s: Seconds | None = None
+    """Until it was taken first; None where it never was."""
 
 
 class PhaseEntered(Fact, frozen=True):

@@ -116,7 +116,9 @@ class Atv(AgentBase):
             self, software, self._heartbeat_timer, self._driver, self._contracts, self._idle, self._commands
         )
         self._closures = ClosureHandling(plant, trusts, self._contracts, self._idle, self._timers, self._out)
-        self.problems = ProblemHandling(self, self._keys, self._contracts, self._commands, self._out)
+        self.problems = ProblemHandling(
+            self, plant, self._driver, self._contracts, self._commands, self._timers, self._out
+        )
         self.link = Link.WLAN
         self._status = AtvStatus.IDLE
         self.battery_frac = 1.0
@@ -141,6 +143,7 @@ class Atv(AgentBase):
             BEAT: self._beat,
             **self._contracts.alarms,
             **self._closures.alarms,
+            **self.problems.alarms,
             SETTLE: lambda _about, now_s: self._rest_on(SETTLE, now_s),
             CLAIM: lambda _about, now_s: self._rest_on(CLAIM, now_s),
         }
@@ -190,6 +193,7 @@ class Atv(AgentBase):
 
     def _beat(self, _about: None, now_s: float) -> None:
         self._contracts.bring_back(now_s)
+        self.problems.update_call(now_s)
         self._heartbeat_timer.go_on(interval_s(self._say_status(now_s)), now_s)
         self._charging.note(self.battery_frac, self._driver.next_node)
         if self._contracts.job is None:

@@ -9,18 +9,23 @@ from collections.abc import Callable
 from typing import Any, Protocol
 
 from dray.body import ProblemCleared, ProblemRaised, VehicleState
-from dray.messages import NOTHING_KNOWN, Link, Message, ProblemEnded, Reason
+from dray.messages import NOTHING_KNOWN, Link, Message, Problem, ProblemEnded, ProblemKind, Reason
 from dray.messages.keys import Keys
+from dray.plant import Plant
+from dray.protocol.calls.help_calls import HelpCalls
 from dray.protocol.runtime.events import Effect, Publish, Subscribe
+from dray.protocol.runtime.timers import Timers
 from dray.protocol.vehicle.contracts import Contracts
+from dray.protocol.vehicle.drivers.driver import Driver
 from dray.protocol.vehicle.people.command_handling import CommandHandling
-from dray.protocol.vehicle.people.patience import Experience
+from dray.protocol.vehicle.people.patience import PASSES_AT_FIRST_S, Experience
 
 
 class Owner(Protocol):
     """A vehicle, as far as its problems need it."""
 
     id: str
+    incarnation: int
 
     @property
     def link(self) -> Link:
@@ -38,34 +43,79 @@ class Owner(Protocol):
     def beat_soon(self, now_s: float) -> None:
         """Send the next heartbeat at once."""
 
+    @property
+    def is_busy(self) -> bool:
+        """Whether it has a task."""
+
+    @property
+    def is_draining(self) -> bool:
+        """Whether it was asked to leave."""
+
+
+WLAN_LOST = Problem(kind=ProblemKind.LINK, needs_person=True)
+
+WLAN_LOST_S = 10.0
+"""A dead spot is crossed in less."""
+
+
+class _Caller:
+    """A vehicle as its calls see it."""
+
+    def __init__(self, owner: Owner, driver: Driver) -> None:
+        self._owner, self._driver = owner, driver
+        self.id, self.incarnation = owner.id, owner.incarnation
+
+    @property
+    def place_m(self) -> tuple[float, float]:
+        return self._driver.position_m
+
+    @property
+    def hears_all(self) -> bool:
+        return self._owner.link is Link.WLAN
+
 
 class ProblemHandling:
     """The problems of one vehicle.
 
     Args:
         owner: the vehicle.
-        keys: of its plant.
+        plant: where it drives.
+        driver: of the vehicle.
         contracts: of the vehicle.
         commands: what people have told it, and what it asks them for.
+        timers: its alarms.
         out: where effects go.
 
     Attributes:
         messages: by the type of a message, what to call with (sender, message, now_s).
         reports: by the type of a report, what to call with (report, now_s).
+        alarms: by name, what to call with (None, now_s).
     """
 
     def __init__(
-        self, owner: Owner, keys: Keys, contracts: Contracts, commands: CommandHandling, out: list[Effect]
+        self,
+        owner: Owner,
+        plant: Plant,
+        driver: Driver,
+        contracts: Contracts,
+        commands: CommandHandling,
+        timers: Timers,
+        out: list[Effect],
     ) -> None:
         self._owner = owner
-        self._keys = keys
+        self._keys = Keys(plant.id)
         self._contracts = contracts
         self._commands = commands
         self._assistance = commands.assistance
         self._out = out
         self._experience = Experience()
+        self._calls = calls = HelpCalls(_Caller(owner, driver), plant, timers, out)
         self._since_s = 0.0
-        self.messages: dict[type[Message], Callable[[str, Any, float], None]] = {ProblemEnded: self._on_ended}
+        self.messages: dict[type[Message], Callable[[str, Any, float], None]] = {
+            ProblemEnded: self._on_ended,
+            **calls.message_handlers,
+        }
+        self.alarms = calls.alarms
         self.reports: dict[type, Callable[[Any, float], None]] = {
             ProblemRaised: self.raise_problem,
             ProblemCleared: self._problem_cleared,
@@ -74,6 +124,7 @@ class ProblemHandling:
     def start(self, state: VehicleState, now_s: float) -> None:
         """Go on with what the body knows, and listen."""
         self._out.append(Subscribe(self._keys.all_problems))
+        self._calls.listen()
         self._assistance.problem, self._assistance.about = state.problem, state.about_problem
         self._since_s = now_s
 
@@ -91,6 +142,24 @@ class ProblemHandling:
         self._contracts.standby.resign(Reason.PROBLEM)
         self._owner.update_status(now_s, report.reason)
         self._owner.beat_soon(now_s)
+
+    def update_call(self, now_s: float) -> None:
+        """Call somebody while a person is needed, and nobody longer than that.
+
+        Out of service it calls nobody: people know of it. What may pass by itself is waited for first. A lost WLAN is no reason to come
+        before the delivery is done (paper, 4.3).
+        """
+        problem, owner = self._assistance.problem, self._owner
+        if self._commands.out_of_service is not None or owner.is_draining:
+            self._calls.close(now_s)
+        elif problem:
+            about = self._assistance.about
+            waits = about.passes is True and not about.needs_person
+            self._calls.open(about, problem, now_s, after_s=PASSES_AT_FIRST_S if waits else 0.0)
+        elif owner.link is Link.MESH and not owner.is_busy and not self._commands.stopped:
+            self._calls.open(WLAN_LOST, "no WLAN", now_s, after_s=WLAN_LOST_S)
+        else:
+            self._calls.close(now_s)
 
     def _problem_cleared(self, _report: ProblemCleared, now_s: float) -> None:
         assistance = self._assistance

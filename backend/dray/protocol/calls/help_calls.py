@@ -1,0 +1,348 @@
+"""The call of one agent that needs somebody: asks who is on duty, tells everybody who comes, and asks others when nobody does.
+
+It is said again and again while help is needed, whether anybody is there or not, so that no call is lost: whoever comes on duty hears
+it, and managers see that nobody is there. The next life of the agent calls anew, and who had taken the call of the last one
+takes it again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import inf, isfinite
+from typing import Any, Protocol
+
+from msgspec.structs import replace
+
+from dray.messages import (
+    CallAnswer,
+    CallAnswered,
+    CallState,
+    HelpCall,
+    Message,
+    OperatorHeartbeat,
+    Problem,
+)
+from dray.messages.call import CALL_WAIT_MAX_S
+from dray.messages.fact import HelpCallEnded
+from dray.messages.keys import Keys
+from dray.plant import Plant
+from dray.protocol.calls.call_rules import ANSWER_S, LATE_S, SAY_EVERY_S, is_there_for, next_asked, rest_s
+from dray.protocol.calls.call_state import TRANSITIONS
+from dray.protocol.calls.on_duty import OnDuty
+from dray.protocol.runtime.events import Effect, Ignore, Publish, Record, Subscribe
+from dray.protocol.runtime.timers import Timers
+from dray.states import States
+
+CALL = "call"
+"""The alarm of an open call: something is to be said or done."""
+
+END_SAID = 3
+"""How often the end of a call is said: whoever misses all of it hears no more of the call, and forgets it."""
+
+TAKEN_BEFORE = "answered a call that another one has taken"
+NO_CALL = "answered a call that is over, or never was"
+NO_PROMISE = "took a call without a time that can be promised"
+NOT_ON_DUTY = "answered a call without being on duty"
+
+
+class Caller(Protocol):
+    """An agent that may need somebody."""
+
+    id: str
+    incarnation: int
+
+    @property
+    def place_m(self) -> tuple[float, float]:
+        """Where it is (x, y)."""
+
+    @property
+    def hears_all(self) -> bool:
+        """Whether it hears what is said to everybody; one that is left with its radio does not."""
+
+
+class HelpCalls:
+    """The calls of one agent, one at a time.
+
+    Args:
+        caller: the agent.
+        plant: where areas and stations are.
+        timers: its alarms; this class uses `CALL`.
+        out: where effects go.
+
+    Attributes:
+        message_handlers, alarms: for the agent's tables.
+    """
+
+    def __init__(self, caller: Caller, plant: Plant, timers: Timers, out: list[Effect]) -> None:
+        self._caller, self._plant, self._timers, self._out = caller, plant, timers, out
+        keys = Keys(plant.id)
+        self._heartbeats, self._key = keys.all_operator_heartbeats, keys.call(caller.id)
+        self._duty = OnDuty()
+        self._call: _Call | None = None
+        self._ended: HelpCall | None = None
+        self._end_said = 0
+        self._calls = self._number = 0
+        self.message_handlers: dict[type[Message], Callable[[str, Any, float], None]] = {
+            OperatorHeartbeat: self._on_heartbeat,
+            CallAnswered: self._on_answered,
+        }
+        self.alarms: dict[str, Callable[[Any, float], None]] = {CALL: self._wake}
+
+    @property
+    def is_open(self) -> bool:
+        """Whether somebody is called, has been taken on, or is on the way."""
+        return self._call is not None
+
+    @property
+    def taken_by(self) -> str:
+        """Who comes; empty for nobody."""
+        return "" if self._call is None else self._call.taken_by
+
+    def listen(self) -> None:
+        """Hear who is on duty, from the beginning of the agent's life."""
+        self._out.append(Subscribe(self._heartbeats))
+
+    def open(self, problem: Problem, reason: str, now_s: float, *, after_s: float = 0.0) -> None:
+        """Call for help; what is called for already is only told anew.
+
+        Args:
+            problem: what is known of it.
+            reason: in words.
+            now_s: the present time.
+            after_s: nobody is asked sooner; it may pass by itself.
+        """
+        call = self._call
+        if call is not None:
+            call.problem, call.reason = problem, reason
+            return
+        self._calls += 1
+        name = f"{self._caller.id}-{self._caller.incarnation}-{self._calls}"
+        self._call = _Call(name, problem, reason, now_s)
+        self._ended = None
+        if after_s > 0.0:
+            self._timers.set(CALL, now_s + after_s)
+        else:
+            self._ask(self._call, now_s)
+
+    def close(self, now_s: float) -> None:
+        """Nobody is needed any more; harmless when nobody was called."""
+        call, self._call = self._call, None
+        if call is None:
+            return
+        self._timers.clear(CALL)
+        if not call.said:
+            return
+        call.states.enter(CallState.ENDED)
+        call.asked, call.until_s, taken_by = (), None, call.taken_by
+        self._ended, self._end_said = self._say(call, now_s), 1
+        self._timers.set(CALL, now_s + SAY_EVERY_S)
+        fact = HelpCallEnded(
+            call=call.name,
+            kind=call.problem.kind,
+            asked=len(call.ever_asked),
+            rounds=call.rounds,
+            taken=call.turn,
+            waited_s=None if call.taken_s is None else call.taken_s - call.since_s,
+            lasted_s=max(0.0, now_s - call.since_s),
+            helped=bool(taken_by),
+        )
+        self._out.append(Record(fact))
+
+    # --- time passes -------------------------------------------------------------------------------
+
+    def _wake(self, _about: None, now_s: float) -> None:
+        call = self._call
+        if call is None:
+            if self._ended is not None and self._end_said < END_SAID:
+                self._end_said += 1
+                self._publish(self._ended, now_s)
+                self._timers.set(CALL, now_s + SAY_EVERY_S)
+        elif not call.said:
+            self._ask(call, now_s)
+        elif call.states.now is CallState.TAKEN:
+            if self._has_gone(call.taken_by, now_s) or now_s >= _due_s(call) + LATE_S:
+                self._ask_others(call, now_s)
+            else:
+                self._go_on(call, now_s)
+        elif call.until_s is not None and now_s >= call.until_s:
+            # Silence declines; and a rest is over.
+            if call.states.now is CallState.RESTING:
+                call.round, call.spared = 1, set(call.cannot)
+            self._ask(call, now_s)
+        else:
+            self._go_on(call, now_s)
+
+    # --- who is there, and what they say ---------------------------------------------------------------
+
+    def _on_heartbeat(self, sender: str, heartbeat: OperatorHeartbeat, now_s: float) -> None:
+        could_be_asked = self._duty.can_be_asked(sender, now_s)
+        if not self._duty.note(heartbeat, now_s):
+            self._out.append(Ignore("a heartbeat that was overtaken"))
+            return
+        call = self._call
+        if call is None or not call.said:
+            return
+        if heartbeat.draining:
+            self._declined(call, sender, CallAnswer.DECLINE, now_s)
+        elif call.states.now is CallState.RESTING and not could_be_asked and sender not in call.cannot:
+            # Whoever has come on duty, or back from a break, is asked at once.
+            call.round = 1
+            call.spared.discard(sender)
+            self._ask(call, now_s)
+
+    def _on_answered(self, sender: str, answered: CallAnswered, now_s: float) -> None:
+        call = self._call
+        if call is None or answered.call != call.name or not call.said:
+            self._out.append(Ignore(NO_CALL))
+            if self._ended is not None and answered.call == self._ended.call:
+                self._publish(self._ended, now_s)
+        elif answered.answer is not CallAnswer.TAKE:
+            self._declined(call, sender, answered.answer, now_s)
+        elif call.taken_by not in ("", sender):
+            self._out.append(Ignore(TAKEN_BEFORE))
+            self._go_on(call, now_s)
+        elif not _can_be_promised(answered.wait_s):
+            self._out.append(Ignore(NO_PROMISE))
+        elif self._has_gone(sender, now_s):
+            self._out.append(Ignore(NOT_ON_DUTY))
+        else:
+            self._taken(call, sender, answered.wait_s or 0.0, now_s)
+
+    def _taken(self, call: _Call, sender: str, wait_s: float, now_s: float) -> None:
+        if call.taken_by != sender:
+            call.states.enter(CallState.TAKEN)
+            call.taken_by, call.asked = sender, ()
+            call.turn += 1
+            call.turn_s = now_s
+            if call.taken_s is None:
+                call.taken_s = now_s
+        # However often it is promised anew, it is not for ever.
+        call.until_s = min(now_s + wait_s, call.turn_s + 2.0 * CALL_WAIT_MAX_S)
+        self._go_on(call, now_s)
+
+    def _declined(self, call: _Call, sender: str, answer: CallAnswer, now_s: float) -> None:
+        if answer is CallAnswer.CANNOT:
+            call.cannot.add(sender)
+        call.spared.add(sender)
+        if call.taken_by == sender:
+            self._ask_others(call, now_s)
+        elif sender in call.asked:
+            call.asked = tuple(each for each in call.asked if each != sender)
+            if call.asked:
+                self._go_on(call, now_s)
+            else:
+                self._ask(call, now_s)
+
+    # --- asking ----------------------------------------------------------------------------------------
+
+    def _ask_others(self, call: _Call, now_s: float) -> None:
+        """Who has taken it gives it back, has gone, or does not come."""
+        call.spared.add(call.taken_by)
+        call.taken_by, call.round = "", 1
+        self._ask(call, now_s)
+
+    def _ask(self, call: _Call, now_s: float) -> None:
+        """Ask the next ones; rest where nobody is left."""
+        call.spared.update(call.asked)
+        if call.states.now is CallState.ASKING:
+            call.round += 1
+        call.round, call.asked = next_asked(
+            self._there(now_s),
+            self._plant,
+            self._caller.place_m,
+            call.problem.kind,
+            call.round,
+            call.spared,
+        )
+        call.ever_asked.update(call.asked)
+        call.rounds += 1
+        if call.asked:
+            _enter(call, CallState.ASKING)
+            call.until_s = now_s + ANSWER_S
+        else:
+            call.passes += 1
+            _enter(call, CallState.RESTING)
+            call.until_s = now_s + rest_s(call.passes)
+        self._go_on(call, now_s)
+
+    def _there(self, now_s: float) -> list[OperatorHeartbeat]:
+        """Who is on duty; who was, for one that cannot hear who is."""
+        return self._duty.there(now_s if self._caller.hears_all else -inf)
+
+    def _has_gone(self, operator: str, now_s: float) -> bool:
+        return self._duty.has_gone(operator, now_s) and self._caller.hears_all
+
+    def _go_on(self, call: _Call, now_s: float) -> None:
+        """Say how it stands, and again after a while."""
+        self._say(call, now_s)
+        at_s = now_s + SAY_EVERY_S
+        if call.states.now is not CallState.TAKEN and call.until_s is not None:
+            at_s = min(at_s, call.until_s)
+        self._timers.set(CALL, at_s)
+
+    def _say(self, call: _Call, now_s: float) -> HelpCall:
+        x_m, y_m = self._caller.place_m
+        here = frozenset(self._plant.areas_at(x_m, y_m))
+        call.said = True
+        told = HelpCall(
+            call=call.name,
+            caller=self._caller.id,
+            incarnation=self._caller.incarnation,
+            number=0,
+            at_s=now_s,
+            state=call.states.now,
+            since_s=call.since_s,
+            problem=call.problem,
+            reason=call.reason,
+            x_m=x_m,
+            y_m=y_m,
+            round=call.round,
+            asked=call.asked,
+            until_s=call.until_s,
+            taken_by=call.taken_by,
+            turn=call.turn,
+            on_duty=sum(is_there_for(each, here) for each in self._there(now_s)),
+        )
+        return self._publish(told, now_s)
+
+    def _publish(self, told: HelpCall, now_s: float) -> HelpCall:
+        self._number += 1
+        said = replace(told, number=self._number, at_s=now_s)
+        self._out.append(Publish(self._key, said))
+        return said
+
+
+class _Call:
+    """An open call."""
+
+    def __init__(self, name: str, problem: Problem, reason: str, now_s: float) -> None:
+        self.name, self.problem, self.reason, self.since_s = name, problem, reason, now_s
+        # Before anybody was asked it rests.
+        self.states = States("a call", TRANSITIONS, CallState.RESTING)
+        self.said = False
+        self.round = 1
+        self.rounds = self.passes = self.turn = 0
+        self.asked: tuple[str, ...] = ()
+        self.until_s: float | None = None
+        self.taken_by = ""
+        self.turn_s = 0.0
+        """When the present one has taken it."""
+        self.taken_s: float | None = None
+        """When it was taken first."""
+        self.spared: set[str] = set()
+        """Who is not asked again in this pass."""
+        self.cannot: set[str] = set()
+        self.ever_asked: set[str] = set()
+
+
+def _enter(call: _Call, state: CallState) -> None:
+    if call.states.now is not state:
+        call.states.enter(state)
+
+
+def _due_s(call: _Call) -> float:
+    return call.since_s if call.until_s is None else call.until_s
+
+
+def _can_be_promised(wait_s: float | None) -> bool:
+    return wait_s is not None and isfinite(wait_s) and 0.0 < wait_s <= CALL_WAIT_MAX_S

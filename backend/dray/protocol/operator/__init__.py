@@ -1,0 +1,1 @@
+"""An operator on duty: is there for others to see, is asked for help, and answers what the person decides."""
