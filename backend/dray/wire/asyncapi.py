@@ -27,6 +27,8 @@ _PARAMETERS = {
     "atv": "A vehicle's id.",
     "machine": "A machine's id.",
     "station": "The id of a storage.",
+    "operator": "The name of an operator's duty.",
+    "caller": "The id of the agent that calls.",
     "cell": "A cell of the grid.",
     "place": "The id of a machine, a storage or a warehouse.",
     "product": "A product's id.",

@@ -1,6 +1,6 @@
 """How long anything may take once all faults are over: pure arithmetic over a plant.
 
-    settle_s      = NOTICE_S + PATIENCE_MAX_S + vehicles * one duty of an operator, where there are any
+    settle_s      = NOTICE_S + PATIENCE_MAX_S + calling + vehicles * one duty of an operator, where there are any
                     + 2 * vehicles / chargers * one full charge, where that takes minutes
     transport_s   = bidding + 2 * longest way + loading + unloading + ASKING_S
     task bound_s  = settle_s + transport_s * (1 + tasks that were done meanwhile / vehicles that are able)
@@ -18,6 +18,8 @@ from __future__ import annotations
 from math import ceil
 
 from dray.plant import Plant
+from dray.protocol.calls.call_rules import ANSWER_S as CALL_ANSWER_S
+from dray.protocol.calls.call_rules import ASKED_IN_ROUND, LATE_S, REST_MAX_S
 from dray.protocol.contract_net.auction_rules import AuctionRules
 from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S, LATENESS_MAX_S, bound_s
 from dray.protocol.vehicle.people.patience import PATIENCE_MAX_S
@@ -57,7 +59,7 @@ class Bounds:
         }
         self._plant = plant
         # In the worst case every vehicle needs somebody, and all stand in one area.
-        duties_s = 0.0 if habits is None else len(kinds) * _duty_s(habits)
+        duties_s = 0.0 if habits is None else _calling_s(habits) + len(kinds) * _duty_s(habits)
         self.settle_s = NOTICE_S + PATIENCE_MAX_S + duties_s + _charging_s(plant)
         """Until everybody has noticed that the faults are over, and people have put everything right (s)."""
         handling_s = max(kind.load_s + kind.unload_s for kind in kinds)
@@ -99,6 +101,12 @@ def _longest_way_s(plant: Plant) -> float:
     nodes = sorted({plant.node_of(place) for place in places})
     routes = [plant.routes(kind) for kind in sorted({spec.type for spec in plant.fleet.values()})]
     return max(each.duration_s(start, end) for each in routes for start in nodes for end in nodes)
+
+
+def _calling_s(habits: Habits) -> float:
+    """Until a call is answered by somebody who comes: who has taken it before does not, and nobody was there for a while."""
+    promised_s = habits.estimate[1] * (habits.walk_s[1] + habits.mend_s[1])
+    return promised_s + LATE_S + len(ASKED_IN_ROUND) * CALL_ANSWER_S + REST_MAX_S
 
 
 def _duty_s(habits: Habits) -> float:

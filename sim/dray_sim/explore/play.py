@@ -10,9 +10,11 @@ from dray.adapters.system_clock import SLEW_FRAC
 from dray.errors import DrayError
 from dray.messages import AtvHeartbeat, Event, Message
 from dray.messages.fact import TaskClosed, TookOver
+from dray.messages.speakers import Kind
 from dray_sim.bodies.vehicle.condition import BATTERY_EMPTY
 from dray_sim.checks.bounds import Bounds
 from dray_sim.checks.broken import InvariantBroken
+from dray_sim.checks.called import NoCallIsLost, OneTakerEach
 from dray_sim.checks.closed_lanes import ClosedLanes
 from dray_sim.checks.fault_attribution import FaultAttribution
 from dray_sim.checks.held_places import HeldPlaces
@@ -37,8 +39,10 @@ from dray_sim.people.canceller import Canceller
 from dray_sim.people.carriers import Carriers
 from dray_sim.people.floor_manager import FloorManager
 from dray_sim.people.floor_office import FloorOffice
-from dray_sim.people.operators import hire
+from dray_sim.people.operators import Operator, hire
 from dray_sim.people.order_client import OrderClient
+from dray_sim.people.random_answers import NAME as AT_RANDOM
+from dray_sim.people.random_answers import RandomAnswers
 from dray_sim.people.random_operator import RandomOperator
 from dray_sim.people.revoker import Revoker
 from dray_sim.run.trace import Trace
@@ -169,6 +173,14 @@ class _Game:
         )
         if liar:
             attribution.distrust(liar)
+        people: tuple[Operator, ...] = ()
+        office = None
+        if run.traffic:
+            office = FloorOffice(factory.bus, factory.clock, factory.keys, factory.authority)
+        if run.habits is not None:
+            people = hire(factory, seed=run.seed, habits=run.habits, office=office)
+        checks.add(OneTakerEach(people))
+        checks.add(NoCallIsLost(factory, lambda atv: atv == liar))
         if run.closings:
             attribution.restrict(max(each.until_s for each in run.closings))
             checks.add(ClosedLanes(factory))
@@ -185,7 +197,7 @@ class _Game:
             self._tally,
             checks,
         )
-        life = asyncio.create_task(self._live(factory, faults))
+        life = asyncio.create_task(self._live(factory, faults, office, people))
         broken = asyncio.create_task(checks.wait_broken())
         end = asyncio.create_task(self._await_end(factory, liveness))
         try:
@@ -215,11 +227,14 @@ class _Game:
             story=self._story.tell(self.broken) if self._story is not None and self.broken else (),
         )
 
-    async def _live(self, factory: SimFactory, faults: Faults) -> None:
+    async def _live(
+        self,
+        factory: SimFactory,
+        faults: Faults,
+        office: FloorOffice | None,
+        people: tuple[Operator, ...],
+    ) -> None:
         run = self._run
-        office = None
-        if run.traffic:
-            office = FloorOffice(factory.bus, factory.clock, factory.keys, factory.authority)
         async with asyncio.TaskGroup() as group:
             group.create_task(factory.run())
             group.create_task(OrderClient(factory.bus, factory.clock).place(run.orders))
@@ -237,9 +252,10 @@ class _Game:
                 if run.carryings:
                     careless = Random(f"{run.seed} careless")
                     group.create_task(carriers.say_carelessly(careless, run.faults_until_s))
-            if run.habits is not None:
-                for operator in hire(factory, seed=run.seed, habits=run.habits, office=office):
-                    group.create_task(operator.run())
+            for operator in people:
+                group.create_task(operator.run())
+            if run.random_answers:
+                group.create_task(self._answer_at_random(factory))
             if run.random_operator:
                 group.create_task(self._press_at_random(factory))
             if run.insider:
@@ -264,6 +280,16 @@ class _Game:
             await asyncio.wait_for(random_operator.meddle(), run.faults_until_s)
         except TimeoutError:
             await random_operator.put_right()
+
+    async def _answer_at_random(self, factory: SimFactory) -> None:
+        run = self._run
+        random = Random(f"{run.seed} answers at random")
+        answers = RandomAnswers(factory.bus, factory.clock, factory.keys, random)
+        factory.bus.kinds[AT_RANDOM] = Kind.OPERATOR
+        try:
+            await asyncio.wait_for(answers.meddle(), run.faults_until_s)
+        except TimeoutError:
+            await answers.put_right()
 
     async def _await_end(self, factory: SimFactory, liveness: LivenessCheck) -> None:
         """The faults, the quiet phase, and the end of everything that is open."""

@@ -8,7 +8,7 @@ meet more of it than one large one.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from random import Random
 
 from dray.plant import Plant
@@ -55,6 +55,7 @@ class Run:
         codec: whether all messages go through the wire format.
         habits: of the operators; None where there are none.
         random_operator: whether somebody presses buttons at random.
+        random_answers: whether somebody answers calls for help at random.
         cancelled: orders that are cancelled, and when (plant clock), in the order of their times.
         revocations: orders that are taken back and published again.
         closings: what a manager closes, and when.
@@ -81,6 +82,7 @@ class Run:
     carryings: tuple[Carrying, ...] = field(repr=False, default=())
     insider: str = ""
     traffic: bool = False
+    random_answers: bool = False
 
     @property
     def has_faults(self) -> bool:
@@ -137,8 +139,11 @@ def draw(seed: int, profile: str = "all", *, traffic: bool = False) -> Run:
         duration_s=DURATION_S,
         # It costs time and finds little that the other nine would not: some of them see that it is harmless.
         codec=random.random() < 0.1,
-        habits=_habits(random) if random.random() < ranges.operators_frac else None,
+        habits=_careless(_habits(random), Random(f"{seed} careless"))
+        if random.random() < ranges.operators_frac
+        else None,
         random_operator=random.random() < ranges.random_operator_frac,
+        random_answers=Random(f"{seed} answers").random() < ranges.random_operator_frac,
         orders=orders,
         schedule=_schedule(seed, plant, ranges, random.uniform(*ranges.intensity)),
         cancelled=_cancelled(orders, ranges.cancelled_frac, Random(f"{seed} regret")),
@@ -228,4 +233,18 @@ def _habits(random: Random) -> Habits:
         push_s=(10.0, 30.0),
         silent_s=random.uniform(10.0, 40.0),
         slow_frac=random.uniform(0.3, 1.0),
+    )
+
+
+def _careless(habits: Habits, random: Random) -> Habits:
+    """Some forget what they have promised, and some come on duty and go."""
+    forgets_frac = random.uniform(0.0, 0.6) if random.random() < 0.5 else 0.0
+    on_duty_s = (20.0, random.uniform(60.0, 400.0)) if random.random() < 0.5 else None
+    off_duty_s = (5.0, random.uniform(10.0, 200.0))
+    return replace(
+        habits,
+        forgets_frac=forgets_frac,
+        on_duty_s=on_duty_s,
+        off_duty_s=off_duty_s,
+        careless_until_s=FAULTS_UNTIL_S,
     )

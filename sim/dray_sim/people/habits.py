@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import inf
 
 Range = tuple[float, float]
 """From and to; chance takes anything in between."""
@@ -26,6 +27,9 @@ class Habits:
             takes, so that people come after the agents have helped themselves.
         slow_frac: a shifted load is driven on with this part of the top speed; 1 for as before.
         slow_s: how long.
+        forgets_frac: the chance that somebody who has taken a call does not come.
+        on_duty_s, off_duty_s: how long somebody is on duty, and then is not; None for always.
+        careless_until_s: who forgets, or goes off duty, does so until then (plant clock).
     """
 
     present_frac: float = 1.0
@@ -40,3 +44,7 @@ class Habits:
     silent_s: float = 30.0
     slow_frac: float = 0.5
     slow_s: float = 60.0
+    forgets_frac: float = 0.0
+    on_duty_s: Range | None = None
+    off_duty_s: Range = (30.0, 300.0)
+    careless_until_s: float = inf

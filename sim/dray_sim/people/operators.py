@@ -5,6 +5,7 @@ at a time. All that an operator knows comes from heartbeats and from own eyes on
 operator says to a vehicle is a command like any other, repeated until it is answered. How quick people
 are is chance, from a generator of each operator's own.
 
+    call       react -> take -> as for a problem
     problem    react -> promise -> walk -> mend
     shifted    react -> promise -> walk -> STOP -> mend -> slow down -> ACKNOWLEDGE -> RESUME
     no WLAN    once it has delivered: react -> walk -> plug in
@@ -19,16 +20,18 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Mapping
-from enum import IntEnum
 from random import Random
 from typing import TYPE_CHECKING
 
 from dray.adapters.security.signing import SigningKey
-from dray.messages import AtvStatus, CommandKind, Link
+from dray.messages import AtvStatus, CallAnswer, CommandKind, Link
 from dray.messages.keys import Keys
+from dray.messages.speakers import Kind
 from dray.plant import Plant
 from dray.ports import Bus, Clock
 from dray_sim.bodies.vehicle.condition import LOAD_SHIFTED
+from dray_sim.people.areas import EVERYWHERE, area_at
+from dray_sim.people.duty import CALLED, OWN, Duty, PersonOnDuty
 from dray_sim.people.floor_office import FloorOffice
 from dray_sim.people.habits import Habits, Range
 from dray_sim.people.hands import Hands
@@ -42,28 +45,6 @@ LATEST_S = 10.0
 
 LOOK_S = 5.0
 """How often somebody glances at the tablet."""
-
-EVERYWHERE = "plant"
-"""The area of the only operator of a plant that has no areas."""
-
-
-class Duty(IntEnum):
-    """What may be asked of an operator, the most urgent first."""
-
-    HELP = 0
-    """A vehicle has a problem."""
-    RELEASE = 1
-    """A vehicle still stands by an own stop."""
-    RECOVER = 2
-    """A vehicle is silent."""
-    SPEED_UP = 3
-    """A vehicle has driven slowly for long enough."""
-    RECONNECT = 4
-    """A vehicle has delivered, and is left with its radio (paper, 4.3)."""
-
-
-OWN = frozenset({Duty.RELEASE, Duty.SPEED_UP})
-"""What is left of something that the operator has begun, wherever the vehicle is by now."""
 
 
 class Operator:
@@ -83,9 +64,11 @@ class Operator:
         random: all chance in this person's life.
         habits: how this person works.
         office: says which vehicles are carried, where they drive with right of way; else nobody needs to be told.
+        careless: all chance in what this person forgets.
 
     Attributes:
         name: on the bus.
+        duty: what others know of this person, and who calls.
         done: how often which duty was done.
         colleagues: all operators of the plant, by area, this one too.
     """
@@ -102,6 +85,7 @@ class Operator:
         random: Random,
         habits: Habits,
         office: FloorOffice | None = None,
+        careless: Random | None = None,
     ) -> None:
         self.name = f"operator-{area}"
         self.done = dict.fromkeys(Duty, 0)
@@ -116,6 +100,8 @@ class Operator:
         own = None if area == EVERYWHERE else (area,)
         keys = Keys(plant.id)
         self._tablet = Tablet(self.name, own, keys=keys, bus=bus, clock=clock, authority=authority)
+        self.duty = PersonOnDuty(area, own, keys=keys, bus=bus, clock=clock)
+        self._careless = careless or Random(self.name)
         self._heard = self._tablet.heard
         """All that is known of vehicles from afar."""
         self._stops: dict[str, float] = {}
@@ -136,15 +122,34 @@ class Operator:
     async def run(self) -> None:
         """Work until cancelled."""
         with self._tablet.on():
-            while True:
-                await asyncio.sleep(LOOK_S)
-                alarm = self._most_urgent()
-                if alarm is None:
-                    continue
-                if self._random.random() < self._habits.present_frac:
-                    await self._attend(*alarm)
-                else:
-                    await self._spend(self._habits.away_s)
+            async with asyncio.TaskGroup() as group:
+                group.create_task(self.duty.run())
+                group.create_task(self._come_and_go())
+                group.create_task(self._look())
+
+    async def _come_and_go(self) -> None:
+        """Be on duty for some time and then not, some of the times without a word."""
+        habits, draw = self._habits, self._careless
+        while habits.on_duty_s is not None:
+            await asyncio.sleep(draw.uniform(*habits.on_duty_s))
+            if self._clock.now_s() >= habits.careless_until_s:
+                return
+            tells = draw.random() < 0.5
+            (self.duty.go if tells else self.duty.lose_tablet)()
+            await asyncio.sleep(draw.uniform(*habits.off_duty_s))
+            (self.duty.come if tells else self.duty.have_tablet)()
+
+    async def _look(self) -> None:
+        """See what is to be done, and do it, one thing at a time."""
+        while True:
+            await asyncio.sleep(LOOK_S)
+            alarm = self._most_urgent()
+            if alarm is None:
+                continue
+            if self._random.random() < self._habits.present_frac:
+                await self._attend(*alarm)
+            else:
+                await self._spend(self._habits.away_s)
 
     # --- seeing ----------------------------------------------------------------------------------
 
@@ -154,12 +159,18 @@ class Operator:
         alarms: list[tuple[Duty, float, str]] = []
         for atv, heard in self._heard.items():
             alarm = self._alarm(atv, heard, now_s)
-            if alarm is not None and (alarm[0] in OWN or self._is_here(heard)):
+            if alarm is not None and self._concerns(alarm[0], atv, heard):
                 alarms.append((*alarm, atv))
         if not alarms:
             return None
         duty, _, atv = min(alarms)
         return duty, atv
+
+    def _concerns(self, duty: Duty, atv: str, heard: LastHeard) -> bool:
+        """Whether this person is to see to it: what was called for, by whoever is asked; all else by whose area it is in."""
+        if duty in CALLED and self._tablet.calls(atv):
+            return self.duty.shown(atv) is not None
+        return duty in OWN or self._is_here(heard)
 
     def _alarm(self, atv: str, heard: LastHeard, now_s: float) -> tuple[Duty, float] | None:
         """What a vehicle needs, and by when."""
@@ -211,6 +222,8 @@ class Operator:
         walk_s, mend_s = self._draw(self._habits.walk_s), self._draw(self._habits.mend_s)
         promises = self._random.random() < self._habits.promises_frac
         estimate_s = (walk_s + mend_s) * self._draw(self._habits.estimate)
+        if not await self._is_taken(atv, estimate_s):
+            return
         if promises and self._heard[atv].heartbeat.help is not None:
             await self._tablet.say(atv, CommandKind.PROMISE, wait_s=estimate_s)
         await asyncio.sleep(walk_s)
@@ -221,6 +234,24 @@ class Operator:
         elif problem:
             await asyncio.sleep(mend_s)
             self._hands.mend(atv)
+        if self._hands.problem(atv) and (call := self.duty.shown(atv)) is not None:
+            # What may not be stopped here is for somebody who may.
+            self.duty.reply(call.call.call, CallAnswer.CANNOT)
+
+    async def _is_taken(self, atv: str, estimate_s: float) -> bool:
+        """Answer the call of a vehicle, if it calls; False when somebody else comes, or this person does not."""
+        shown = self.duty.shown(atv)
+        if shown is None:
+            return not self._tablet.calls(atv)
+        if not await self.duty.take(shown.call, estimate_s):
+            return False
+        habits = self._habits
+        if not habits.forgets_frac or self._clock.now_s() >= habits.careless_until_s:
+            return True
+        if self._careless.random() >= habits.forgets_frac:
+            return True
+        await asyncio.sleep(estimate_s)
+        return False
 
     async def _secure(self, atv: str, mend_s: float) -> None:
         """Put a shifted load right: nobody reaches into a vehicle that could drive on by itself."""
@@ -269,7 +300,10 @@ class Operator:
 
     async def _reconnect(self, atv: str) -> None:
         """Put a vehicle's WLAN right. Where an access point is down that helps nothing, and is tried once."""
-        await self._spend(self._habits.walk_s)
+        walk_s = self._draw(self._habits.walk_s)
+        if not await self._is_taken(atv, walk_s + LOOK_S):
+            return
+        await asyncio.sleep(walk_s)
         self._hands.plug_in(atv)
         self._mesh_s[atv] = float("inf")
 
@@ -309,22 +343,6 @@ class Operator:
         await asyncio.sleep(self._draw(seconds))
 
 
-def area_at(plant: Plant, x_m: float, y_m: float) -> str:
-    """The one area whose operator answers for a point.
-
-    On a common border it is the first area in the plant file; outside of all, the one with the closest
-    corner; `EVERYWHERE` where the plant has none.
-    """
-    areas = plant.areas_at(x_m, y_m)
-    if areas:
-        return areas[0]
-    away_m2 = {
-        area.id: min((corner.x_m - x_m) ** 2 + (corner.y_m - y_m) ** 2 for corner in area.polygon)
-        for area in plant.areas.values()
-    }
-    return min(away_m2, key=away_m2.__getitem__, default=EVERYWHERE)
-
-
 def hire(
     factory: SimFactory,
     *,
@@ -356,11 +374,13 @@ def hire(
             random=Random(f"{seed} operator {area}"),
             habits=special.get(area, of_all),
             office=office,
+            careless=Random(f"{seed} operator {area} careless"),
         )
         for area in factory.plant.areas or (EVERYWHERE,)
     }
     for operator in crew.values():
         operator.colleagues = crew
+        factory.bus.kinds[operator.duty.agent_id] = Kind.OPERATOR
     return tuple(crew.values())
 
 

@@ -8,7 +8,15 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 
 from dray.adapters.security.signing import SigningKey
-from dray.messages import AtvHeartbeat, CommandAnswered, CommandKind, Message, VehicleCommand
+from dray.messages import (
+    AtvHeartbeat,
+    CallState,
+    CommandAnswered,
+    CommandKind,
+    HelpCall,
+    Message,
+    VehicleCommand,
+)
 from dray.messages.keys import Keys
 from dray.ports import Bus, Clock, Session
 from dray_sim.people.answers import Answers
@@ -21,6 +29,10 @@ TRIES = 15
 
 GRANT_S = 60.0
 """How long a command is good for: as long as it is repeated, and as it may then be under way."""
+
+
+CALL_OLD_S = 15.0
+"""A call is said every 5 s; one that was not heard for so long is not shown any more."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,6 +70,8 @@ class Tablet:
         authority: SigningKey,
     ) -> None:
         self.heard: dict[str, LastHeard] = {}
+        self._calls: dict[str, tuple[HelpCall, float]] = {}
+        """By caller, the newest call, and when it was heard."""
         self._person = person
         self._areas = areas
         self._keys = keys
@@ -74,6 +88,7 @@ class Tablet:
         """While this lasts, vehicles are heard and commands can be said."""
         self._session = self._bus.join(self._person, self._on_message)
         self._session.subscribe(self._keys.atv_heartbeat("*"))
+        self._session.subscribe(self._keys.all_calls)
         try:
             yield
         finally:
@@ -111,8 +126,23 @@ class Tablet:
                     return answer.result()
         return None
 
+    def calls(self, caller: str) -> bool:
+        """Whether an agent calls somebody, as far as the tablet shows."""
+        known = self._calls.get(caller)
+        if known is None or self._clock.now_s() - known[1] > CALL_OLD_S:
+            return False
+        return known[0].state is not CallState.ENDED
+
     def _on_message(self, _sender: str, message: Message) -> None:
         if isinstance(message, AtvHeartbeat):
             self.heard[message.atv] = LastHeard(message, self._clock.now_s())
+        elif isinstance(message, HelpCall):
+            before = self._calls.get(message.caller)
+            if before is None or _order(before[0]) < _order(message):
+                self._calls[message.caller] = message, self._clock.now_s()
         elif isinstance(message, CommandAnswered):
             self._answers.take(message)
+
+
+def _order(call: HelpCall) -> tuple[int, int]:
+    return call.incarnation, call.number

@@ -18,6 +18,7 @@ from typing import Any, Generic, TypeVar
 from dray.messages import OrderItem
 from dray.plant import Plant
 from dray_sim.bodies.floor import FIRST_STOCK_FRAC
+from dray_sim.checks.called import NoCallIsLost, OneTakerEach
 from dray_sim.checks.held_places import HeldPlaces
 from dray_sim.checks.invariants import Invariants
 from dray_sim.checks.overlaps import Overlaps
@@ -157,6 +158,8 @@ class Stage:
         if shift.people is not None:
             self.people = hire(self.factory, seed=seed, habits=shift.people, office=self.office)
         self.checks = Invariants(self.factory)
+        self.checks.add(OneTakerEach(self.people))
+        self.checks.add(NoCallIsLost(self.factory))
         self.overlaps: Overlaps | None = None
         if self.factory.traffic is not None:
             self.checks.add(HeldPlaces(self.factory))

@@ -12,7 +12,9 @@ from people_floor import AUTHORITY, PLANT, QUICK, SOUTH, Floor, Story, play, tro
 from dray.messages import AtvStatus, Brief, CommandKind, Link, Pose, Role
 from dray_sim.bodies.vehicle.condition import LOAD_SHIFTED
 from dray_sim.clock.loop import clock
-from dray_sim.people.operators import LOOK_S, Duty, Operator, area_at
+from dray_sim.people.areas import area_at
+from dray_sim.people.duty import Duty
+from dray_sim.people.operators import LOOK_S, Operator
 from dray_sim.people.tablet import ANSWER_S, TRIES
 
 BEYOND = Pose(x_m=30.0, y_m=25.5, heading_rad=0.0)

@@ -35,7 +35,7 @@ class HelpCallEnded(Fact, frozen=True):
     """A call for help is over: how many were asked and how long it took. Nobody is named."""
 
     call: Id
-    kind: ProblemKind
+    problem: ProblemKind
     asked: Count
     rounds: Count
     taken: Count

@@ -138,7 +138,7 @@ class HelpCalls:
         self._timers.set(CALL, now_s + SAY_EVERY_S)
         fact = HelpCallEnded(
             call=call.name,
-            kind=call.problem.kind,
+            problem=call.problem.kind,
             asked=len(call.ever_asked),
             rounds=call.rounds,
             taken=call.turn,

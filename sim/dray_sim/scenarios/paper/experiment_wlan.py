@@ -8,8 +8,8 @@ from dray.messages import Bid, Link, Phase
 from dray.messages.fact import AwardAnswered, CarrierChanged, LinkChanged, PrimarySuspected, TookOver
 from dray.protocol.liveness.suspicion import WORKING_INTERVAL_S, bound_s
 from dray_sim.faults import WlanCut
+from dray_sim.people.duty import Duty
 from dray_sim.people.habits import Habits
-from dray_sim.people.operators import Duty
 from dray_sim.run.evidence import Check
 from dray_sim.run.scenario import Findings, Scenario
 from dray_sim.run.stage import Shift, Stage

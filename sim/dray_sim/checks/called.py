@@ -1,0 +1,124 @@
+"""Invariants 17 to 19: calls for help. A call has one taker, nobody takes two calls or one unasked for, and no call is lost.
+
+Checks like those of `dray_sim.checks.invariants`: they hear what is said, look at the agents, and take no part.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+
+from msgspec import UNSET
+
+from dray.messages import (
+    AtvHeartbeat,
+    CallState,
+    DutyStatus,
+    HelpCall,
+    Link,
+    Message,
+    OperatorHeartbeat,
+)
+from dray_sim.checks.broken import InvariantBroken
+from dray_sim.factory.sim_factory import SimFactory
+from dray_sim.people.operators import Operator
+
+LOST_S = 60.0
+"""A vehicle with a problem that needs somebody calls at once; one that may pass after half a minute, and says so every 5 s."""
+
+
+class OneTakerEach:
+    """Invariant 17: no two operators are expected for one turn of one call, and nobody is for two calls.
+
+    Invariant 18: whom a caller expects has answered: people are asked and never assigned.
+    """
+
+    def __init__(self, people: Iterable[Operator]) -> None:
+        self._people = tuple(people)
+        self._own = {person.duty.agent_id: person.duty for person in self._people}
+        self._turns: dict[tuple[str, int], str] = {}
+        """By call and turn, who has it, as its caller has said."""
+        self._lives: dict[str, int] = {}
+        """By operator, the newest life that was heard."""
+
+    def on_message(self, at_s: float, sender: str, _address: str, message: Message) -> None:
+        """Note one utterance.
+
+        Raises:
+            InvariantBroken: see the class.
+        """
+        if type(message) is HelpCall:
+            self._note(message, at_s)
+        elif type(message) is OperatorHeartbeat:
+            self._count(message, sender, at_s)
+
+    def _note(self, call: HelpCall, at_s: float) -> None:
+        if call.state is CallState.TAKEN and (not call.taken_by or call.asked):
+            raise InvariantBroken(
+                17, at_s, f"{call.call} is taken by {call.taken_by!r}, and asks {call.asked}"
+            )
+        if call.taken_by and call.state is not CallState.ENDED:
+            before = self._turns.setdefault((call.call, call.turn), call.taken_by)
+            if before != call.taken_by:
+                raise InvariantBroken(17, at_s, f"{call.call} was taken by {before} and by {call.taken_by}")
+            duty = self._own.get(call.taken_by)
+            if duty is not None and not duty.has_taken_of(call.caller):
+                raise InvariantBroken(
+                    18, at_s, f"{call.taken_by} was assigned {call.call}, and has not taken it"
+                )
+        expected: dict[tuple[str, int], str] = {}
+        for person in self._people:
+            agent = person.duty.agent
+            taken = None if agent is None else agent.taken
+            if taken is not None and expected.setdefault(taken, person.duty.agent_id) != person.duty.agent_id:
+                seen = f"{expected[taken]} and {person.duty.agent_id} both believe that they have {taken[0]}"
+                raise InvariantBroken(17, at_s, seen)
+
+    def _count(self, heartbeat: OperatorHeartbeat, sender: str, at_s: float) -> None:
+        """Of one person there is one agent: an older life of it says nothing after a newer one was heard."""
+        newest = self._lives.get(sender, 0)
+        if heartbeat.incarnation < newest and not heartbeat.draining:
+            raise InvariantBroken(
+                17, at_s, f"{sender} is counted twice: life {heartbeat.incarnation} after {newest}"
+            )
+        self._lives[sender] = max(newest, heartbeat.incarnation)
+        if heartbeat.caller and heartbeat.status is not DutyStatus.BUSY:
+            raise InvariantBroken(
+                17, at_s, f"{sender} is {heartbeat.status}, and busy with {heartbeat.caller}"
+            )
+
+
+class NoCallIsLost:
+    """Invariant 19: a vehicle that cannot go on without somebody calls, and goes on calling until it can.
+
+    Args:
+        factory: whose vehicles they are.
+        excused: called with a vehicle: whether it is off, off the floor, or held up by a fault of its own.
+    """
+
+    def __init__(self, factory: SimFactory, excused: Callable[[str], bool] = lambda _atv: False) -> None:
+        self._factory, self._excused = factory, excused
+        self._since_s: dict[str, float] = {}
+        """By vehicle that has a problem: since when, or since its call was said last."""
+
+    def on_message(self, at_s: float, sender: str, _address: str, message: Message) -> None:
+        """Note one utterance.
+
+        Raises:
+            InvariantBroken: see the class.
+        """
+        if type(message) is HelpCall:
+            if message.state is not CallState.ENDED and sender in self._since_s:
+                self._since_s[sender] = at_s
+        elif type(message) is AtvHeartbeat and sender == message.atv:
+            self._note(message, at_s)
+
+    def _note(self, heartbeat: AtvHeartbeat, at_s: float) -> None:
+        atv = heartbeat.atv
+        calls = heartbeat.problem and heartbeat.out_of_service is UNSET and not heartbeat.draining
+        if not calls or heartbeat.link is not Link.WLAN or self._excused(atv):
+            self._since_s.pop(atv, None)
+        elif at_s - self._since_s.setdefault(atv, at_s) > LOST_S:
+            lost_s = at_s - self._since_s[atv]
+            raise InvariantBroken(
+                19, at_s, f"{atv} has had {heartbeat.problem!r} for {lost_s:.0f} s and calls nobody"
+            )

@@ -1,0 +1,179 @@
+"""What is asked of operators, and a simulated person on duty: the agent that runs in service, too, with the person as its body."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from contextlib import suppress
+from enum import IntEnum
+
+from dray.body import CallPart, CallReplied, DutyChanged, DutyState, Instruction, Report, ShowCalls, ShownCall
+from dray.messages import OPERATOR_PREFIX, CallAnswer, HelpCall
+from dray.messages.call import CALL_WAIT_MAX_S
+from dray.messages.keys import Keys
+from dray.ports import Bus, Clock
+from dray.protocol.operator.operator import Operator as OperatorAgent
+from dray.worker.worker import Worker
+from dray_sim.factory.journal import HeldJournal
+
+
+class Duty(IntEnum):
+    """What may be asked of an operator, the most urgent first."""
+
+    HELP = 0
+    """A vehicle has a problem."""
+    RELEASE = 1
+    """A vehicle still stands by an own stop."""
+    RECOVER = 2
+    """A vehicle is silent."""
+    SPEED_UP = 3
+    """A vehicle has driven slowly for long enough."""
+    RECONNECT = 4
+    """A vehicle has delivered, and is left with its radio (paper, 4.3)."""
+
+
+OWN = frozenset({Duty.RELEASE, Duty.SPEED_UP})
+"""What is left of something that the operator has begun, wherever the vehicle is by now."""
+
+
+CALLED = frozenset({Duty.HELP, Duty.RECONNECT})
+"""What vehicles call for."""
+
+
+CONFIRMED_S = 20.0
+"""Longer than the agent tries to have a call confirmed: then it has said how it went."""
+
+
+class PersonOnDuty:
+    """One person's duty. It implements `dray.ports.Body`.
+
+    Args:
+        name: of the person; the agent's name on the bus follows from it.
+        areas: for which the person is there; None for all.
+        keys: the plant's.
+        bus: joined while on duty.
+        clock: the plant's clock.
+
+    Attributes:
+        agent_id: the agent's name on the bus.
+        answered: calls that the person has answered, and how last: what nobody has touched nobody has taken.
+    """
+
+    def __init__(
+        self, name: str, areas: tuple[str, ...] | None, *, keys: Keys, bus: Bus, clock: Clock
+    ) -> None:
+        self.agent_id = OPERATOR_PREFIX + name
+        self.answered: dict[str, CallAnswer] = {}
+        self._callers: set[str] = set()
+        self._state = DutyState(areas=areas or (), everywhere=areas is None)
+        self._keys, self._bus, self._clock = keys, bus, clock
+        self._journal = HeldJournal(incarnation=0)
+        self._report: Callable[[Report], None] | None = None
+        self._worker: Worker | None = None
+        self._shown: dict[str, ShownCall] = {}
+        self._changed = asyncio.Event()
+        self._wanted = asyncio.Event()
+        self._wanted.set()
+
+    async def run(self) -> None:
+        """Be on duty whenever the person wants to, until cancelled."""
+        while True:
+            await self._wanted.wait()
+            self._journal.begin_life()
+            agent = OperatorAgent(self.agent_id, self._keys.plant, incarnation=self._journal.incarnation)
+            self._worker = Worker(
+                agent, bus=self._bus, clock=self._clock, keys=self._keys, body=self, journal=self._journal
+            )
+            await self._worker.run()
+            self._worker = None
+            self._show({})
+            # Who goes on duty again at once does so a moment later.
+            await asyncio.sleep(1.0)
+
+    @property
+    def agent(self) -> OperatorAgent | None:
+        """The one that runs; None while off duty."""
+        if self._worker is None or not isinstance(self._worker.agent, OperatorAgent):
+            return None
+        return self._worker.agent
+
+    def go(self) -> None:
+        """Go off duty."""
+        self._wanted.clear()
+        if self._worker is not None:
+            self._worker.leave()
+
+    def come(self) -> None:
+        """Come on duty."""
+        self._wanted.set()
+
+    def lose_tablet(self) -> None:
+        """The tablet is lost, or its battery is empty: nobody is told so."""
+        self._change(there=False)
+        self._wanted.clear()
+
+    def have_tablet(self) -> None:
+        """Another tablet, or another battery."""
+        self._change(there=True)
+        self._wanted.set()
+
+    def shown(self, caller: str) -> ShownCall | None:
+        """The call of this agent that concerns the person; None for none."""
+        return self._shown.get(caller)
+
+    @property
+    def calls(self) -> tuple[ShownCall, ...]:
+        """All that concern the person."""
+        return tuple(self._shown.values())
+
+    def has_taken_of(self, caller: str) -> bool:
+        """Whether the person has ever taken a call of this caller."""
+        return caller in self._callers
+
+    async def take(self, call: HelpCall, wait_s: float) -> bool:
+        """Take a call; True when its caller has confirmed it."""
+        self._callers.add(call.caller)
+        self.reply(call.call, CallAnswer.TAKE, max(1.0, min(wait_s, CALL_WAIT_MAX_S)))
+        end_s = self._clock.now_s() + CONFIRMED_S
+        while True:
+            shown = self._shown.get(call.caller)
+            if shown is None or shown.call.call != call.call or shown.part is CallPart.ASKED:
+                return False
+            if shown.part is CallPart.TAKEN:
+                return True
+            self._changed.clear()
+            with suppress(TimeoutError):
+                await asyncio.wait_for(self._changed.wait(), max(end_s - self._clock.now_s(), 0.0))
+            if self._clock.now_s() >= end_s:
+                return False
+
+    def reply(self, call: str, answer: CallAnswer, wait_s: float | None = None) -> None:
+        """Touch a button of a call."""
+        self.answered[call] = answer
+        if self._report is not None and self._worker is not None:
+            self._report(CallReplied(call=call, answer=answer, wait_s=wait_s))
+
+    # --- dray.ports.Body -------------------------------------------------------------------------------
+
+    def instruct(self, instruction: Instruction) -> None:
+        """See `dray.ports.Body`."""
+        if isinstance(instruction, ShowCalls):
+            self._show({shown.call.caller: shown for shown in instruction.calls})
+
+    def sense(self) -> DutyState:
+        """See `dray.ports.Body`."""
+        return self._state
+
+    def attach(self, report: Callable[[Report], None]) -> None:
+        """See `dray.ports.Body`."""
+        self._report = report
+
+    def _show(self, shown: dict[str, ShownCall]) -> None:
+        self._shown = shown
+        self._changed.set()
+
+    def _change(self, *, there: bool) -> None:
+        state = self._state
+        self._state = DutyState(there=there, areas=state.areas, everywhere=state.everywhere)
+        if self._report is not None and self._worker is not None:
+            self._report(DutyChanged(self._state))
