@@ -65,7 +65,7 @@ class Commitment:
             return True
         return self._turn > 0 and not self.waits
 
-    def end(self) -> None:
+    def clear(self) -> None:
         """It is over."""
         self.call = self.caller = ""
         self.until_s, self.waits, self._turn = None, False, 0

@@ -260,10 +260,10 @@ class Operator(AgentBase):
         taken = self._commitment
         self._declined[taken.call] = True
         self._answer(taken.call, taken.caller, answer)
-        taken.end()
+        taken.clear()
 
     def _let_go(self, now_s: float) -> None:
-        self._commitment.end()
+        self._commitment.clear()
         self._heartbeat_timer.at_once(now_s)
 
     def _answer(self, call: str, caller: str, answer: CallAnswer, wait_s: float | None = None) -> None:
