@@ -125,7 +125,7 @@ class FullStage(Stage):
         # Straight into the inbox, as a bus does that delivers more than the worker gets turns for.
         for each in flood:
             sender, message = each if isinstance(each, tuple) else ("S", each)
-            worker._on_message(sender, message)
+            worker.inbox.on_message(sender, message)
         await asyncio.sleep(0.01)
 
 

@@ -9,6 +9,7 @@ from dray import messages
 from dray.protocol.runtime.events import Heard
 
 if TYPE_CHECKING:
+    import asyncio
     from collections.abc import Iterable
 
     from dray.protocol.runtime.events import Event
@@ -59,7 +60,7 @@ class Inbox:
         dropped_messages: other messages that were beyond their sender's room, or pushed out of a full inbox.
     """
 
-    __slots__ = ("_crowd", "dropped_heartbeats", "dropped_messages", "waiting")
+    __slots__ = ("_crowd", "_waiter", "dropped_heartbeats", "dropped_messages", "waiting")
 
     def __init__(self) -> None:
         self.dropped_heartbeats = 0
@@ -67,17 +68,34 @@ class Inbox:
         self.waiting: list[Event | _Newest] = []
         self._crowd: _Crowd | None = None
         """Who fills the inbox, once it is crowded; None until then, and when the agent's turn comes."""
+        self._waiter: asyncio.Future[None] | None = None
 
     def put(self, event: Event) -> None:
         """Take in what is never dropped: a report of the body, a wake-up, the wish to leave."""
         self.waiting.append(event)
+        if self._waiter is not None:
+            self.wake()
 
-    def put_heard(self, heard: Heard) -> None:
+    def on_message(self, sender: str, message: messages.Message) -> None:
         """Take in a message, or drop it, or drop another one for it."""
+        heard = Heard(sender, message)
         if len(self.waiting) < CROWDED:
             self.waiting.append(heard)
         elif (queued := self._queue_up(heard)) is not None:
             self.waiting.append(queued)
+        if self._waiter is not None:
+            self.wake()
+
+    def next_event(self, loop: asyncio.AbstractEventLoop) -> asyncio.Future[None]:
+        """Done when something has come, or at `wake`. One at a time."""
+        waiter = self._waiter = loop.create_future()
+        return waiter
+
+    def wake(self) -> None:
+        """End the wait for the next event."""
+        waiter, self._waiter = self._waiter, None
+        if waiter is not None and not waiter.done():
+            waiter.set_result(None)
 
     def turn(self) -> list[Event]:
         """Take out all that waits now, in its order; what comes in meanwhile waits for the next turn."""

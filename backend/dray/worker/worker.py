@@ -109,7 +109,6 @@ class Worker:
         """A wake-up waits in the inbox; until its turn no other is needed."""
         self._late_s = 0.0
         """How much later than asked for the clock has called since the agent was woken last, at most."""
-        self._waiter: asyncio.Future[None] | None = None
         self._session: Session | None = None
         """Its place on the bus while it lives."""
         self._stopping = False
@@ -125,15 +124,14 @@ class Worker:
         if self._killed:
             return
         loop = asyncio.get_running_loop()
-        session = self._session = self._bus.join(self.agent.id, self._on_message, self.agent.incarnation)
+        session = self._session = self._bus.join(self.agent.id, self.inbox.on_message, self.agent.incarnation)
         try:
             if self._body is not None:
                 self._body.attach(self._report)
             self._handle(Started(self._sense(), self._journal.memory, self._journal.lost), session)
             while not self._stopping:
                 if not self.inbox.waiting:
-                    self._waiter = loop.create_future()
-                    await self._waiter
+                    await self.inbox.next_event(loop)
                 self._handle_inbox(session)
                 if self.inbox.waiting:
                     # Let others have their turn before whatever came in meanwhile.
@@ -144,13 +142,11 @@ class Worker:
     def leave(self) -> None:
         """Ask the agent to shut down gracefully; `run` returns when nothing holds it any more. Twice is harmless."""
         self.inbox.put(Leaving())
-        if self._waiter is not None:
-            self._wake_task()
 
     def stop(self) -> None:
         """Let `run` return after the event in hand. Twice is harmless."""
         self._stopping = True
-        self._wake_task()
+        self.inbox.wake()
 
     @property
     def ended(self) -> bool:
@@ -165,7 +161,7 @@ class Worker:
         """
         self._killed = True
         self._end()
-        self._wake_task()
+        self.inbox.wake()
 
     def _end(self) -> None:
         """Leave bus and body; what is left already may belong to the next life."""
@@ -178,16 +174,9 @@ class Worker:
 
     # --- what comes in ---------------------------------------------------------------------------
 
-    def _on_message(self, sender: str, message: messages.Message) -> None:
-        self.inbox.put_heard(Heard(sender, message))
-        if self._waiter is not None:
-            self._wake_task()
-
     def _report(self, report: Report) -> None:
         # Never dropped: a body says things once. It cannot flood either, for it answers to instructions.
         self.inbox.put(Reported(report))
-        if self._waiter is not None:
-            self._wake_task()
 
     def _wake(self) -> None:
         due_s = self._wakes_s.pop()
@@ -201,13 +190,6 @@ class Worker:
         elif not self._woken:
             self._woken = True
             self.inbox.put(_WOKEN)
-            if self._waiter is not None:
-                self._wake_task()
-
-    def _wake_task(self) -> None:
-        waiter, self._waiter = self._waiter, None
-        if waiter is not None and not waiter.done():
-            waiter.set_result(None)
 
     # --- the agent's turn ------------------------------------------------------------------------
 

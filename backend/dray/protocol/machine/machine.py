@@ -58,7 +58,6 @@ from dray.protocol.machine.supply import Supply
 from dray.protocol.machine.transports.carrier_waits import docks_heard
 from dray.protocol.runtime.agent import AgentBase
 from dray.protocol.runtime.events import (
-    Commit,
     Ignore,
     Publish,
     Record,
@@ -148,6 +147,7 @@ class Machine(AgentBase):
         heard = self._flow.subscriptions
         self._bookkeeping = Bookkeeping(machine, plant, traffic, trusts, heard, self._timers, self._out)
         self._message_handlers = self._bookkeeping.handlers(self._message_handlers)
+        self._committers += self._bookkeeping.committers
         self._report_handlers = {
             CycleDone: self._cycle_done,
             CycleFailed: self._cycle_failed,
@@ -183,9 +183,6 @@ class Machine(AgentBase):
         self._bookkeeping.start(memory, now_s)
         self._heartbeat_timer.at_once(now_s)
         self.pursue(now_s)
-
-    def _commits(self) -> list[Commit]:
-        return [*super()._commits(), *self._bookkeeping.commits()]
 
     def _restore(self, memory: MachineMemory, now_s: float) -> None:
         """Go on with what an earlier life was bound by."""

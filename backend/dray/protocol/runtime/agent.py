@@ -62,6 +62,8 @@ class AgentBase:
         self._message_handlers: dict[type[Message], Handler] = {}
         self._report_handlers: Mapping[type[Report], Callable[[Any, float], None]] = {}
         self._alarm_handlers: Mapping[str, Alarm] = {}
+        self._committers: list[Callable[[], Sequence[Commit]]] = [self._own_commit]
+        """Each says what it wants written down, once a step has ended."""
 
     @property
     def wake_at_s(self) -> float:
@@ -92,7 +94,10 @@ class AgentBase:
             self._start(started.body, started.memory, now_s)
         if self._shutdown.lasts:
             self._leave_if_free(now_s)
-        effects = [*self._commits(), *self._out]
+        effects: list[Effect] = []
+        for commits in self._committers:
+            effects += commits()
+        effects += self._out
         self._out.clear()
         return effects
 
@@ -103,8 +108,7 @@ class AgentBase:
         """
         self._unwritten = True
 
-    def _commits(self) -> Sequence[Commit]:
-        """What is to be written down now that a step has ended."""
+    def _own_commit(self) -> Sequence[Commit]:
         if not self._unwritten:
             return ()
         self._unwritten = False

@@ -27,7 +27,7 @@ from dray.protocol.contract_net.dock import Door
 from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
 from dray.protocol.liveness.suspicion import interval_s
 from dray.protocol.runtime.agent import AgentBase
-from dray.protocol.runtime.events import Commit, Ignore, Instruct, Publish, Send
+from dray.protocol.runtime.events import Ignore, Instruct, Publish, Send
 from dray.protocol.runtime.heartbeat_timer import BEAT, HeartbeatTimer
 from dray.protocol.runtime.shutdown import COORDINATOR_LEAVES_WITHIN_S
 from dray.protocol.runtime.trust import Trusts, trusts_nobody
@@ -85,6 +85,7 @@ class Station(AgentBase):
             storage, plant, traffic, trusts, subscriptions, self._timers, self._out
         )
         self._message_handlers = self._bookkeeping.handlers(self._message_handlers)
+        self._committers += self._bookkeeping.committers
         self._alarm_handlers = {BEAT: self._beat, LAPSE: self._lapse, **self._bookkeeping.alarms}
 
     # --- the beginning, time passing, and the end ---
@@ -100,9 +101,6 @@ class Station(AgentBase):
         self._go_on(now_s)
         self._bookkeeping.start(memory, now_s)
         self._heartbeat_timer.at_once(now_s)
-
-    def _commits(self) -> list[Commit]:
-        return [*super()._commits(), *self._bookkeeping.commits()]
 
     def _sense(self, body: BodyState | None, now_s: float) -> None:
         state = self._storage(body)

@@ -57,7 +57,7 @@ from dray.plant import Plant
 from dray.protocol.contract_net.trust.assessment import Assessor
 from dray.protocol.liveness.suspicion import GOAL_SILENCE_S
 from dray.protocol.runtime.agent import AgentBase
-from dray.protocol.runtime.events import Commit, Ignore, Instruct, Record, Send, Subscribe
+from dray.protocol.runtime.events import Ignore, Instruct, Record, Send, Subscribe
 from dray.protocol.runtime.shutdown import COORDINATOR_LEAVES_WITHIN_S
 from dray.protocol.strategist.goal_auctions import GoalAuctions
 from dray.protocol.strategist.machine_monitor import MachineMonitor
@@ -83,6 +83,7 @@ class Strategist(AgentBase):
         self._monitor = MachineMonitor(plant)
         life = "" if incarnation == 1 else f"r{incarnation}"
         self._book = OrderBook(plant, self._monitor.machines_for, life)
+        self._committers = [self._book.commits]
         self._auctions = GoalAuctions(
             agent,
             self._keys,
@@ -135,9 +136,6 @@ class Strategist(AgentBase):
             self._shut(order)
         for product in self._plant.products:
             self._auctions.ask_next(product, now_s)
-
-    def _commits(self) -> list[Commit]:
-        return self._book.commits()
 
     def _is_held(self) -> bool:
         return self._auctions.awaits_answers

@@ -383,7 +383,7 @@ class Atv(AgentBase):
             elif command.kind is CommandKind.TAKE_OUT:
                 self._contracts.standby.resign(Reason.OUT_OF_SERVICE)
                 self._contracts.go_on(lambda _job: None, now_s)
-            elif command.kind is CommandKind.PUT_IN:
+            elif command.kind is CommandKind.PUT_IN and not self.is_busy:
                 self._contracts.seek(now_s)
         self.update_status(now_s, command.kind.value)
         self._heartbeat_timer.at_once(now_s)

@@ -200,8 +200,8 @@ class Contracts:
         return reason is None
 
     def seek(self, now_s: float) -> None:
-        """Ask for work that waits, if it can take any."""
-        if self.job is None and not self._owner.unfit() and not self._charging.is_needy:
+        """It has no job: ask for work that waits, if it can take any."""
+        if self._work_search.is_known and not self._charging.is_needy and not self._owner.unfit():
             self._work_search.ask_for_work(self._owner.battery_frac, now_s)
 
     def _ask_for_work(self, _about: str, now_s: float) -> None:

@@ -79,7 +79,7 @@ class WorkSearch:
         self._reach_m = plant.diameter_m
         self._timers = timers
         self._question = Retransmitter(ASK_FOR_WORK, timers, out, every_s=COLLECT_S + ASK_AGAIN_S, most=ASKS)
-        self._known = False
+        self.is_known = False
         """Work waits, as far as the vehicle knows."""
         self._seeks = False
         """It has asked, and chooses from what is offered."""
@@ -97,13 +97,13 @@ class WorkSearch:
         """An announcement was refused: somebody waits, if all vehicles have heard it."""
         everybody = message.radius_m >= self._reach_m - ROUNDING_M
         if everybody and message.role is Role.PRIMARY and reason in PASSING:
-            self._known = True
+            self.is_known = True
             if reason is Refusal.BATTERY:
                 self._enough_frac = battery_frac + CHARGED_FRAC
 
     def ask_for_work(self, battery_frac: float, now_s: float) -> None:
         """The vehicle is free: ask for what waits, if anything may and this vehicle may be able to carry it."""
-        if not self._known or self._seeks or now_s < self._not_before_s:
+        if not self.is_known or self._seeks or now_s < self._not_before_s:
             return
         if battery_frac >= self._enough_frac:
             self._enough_frac = 0.0
@@ -152,7 +152,7 @@ class WorkSearch:
             self.stop()  # All that waits was given to others, or is not for this vehicle.
             self._not_before_s = now_s + PAUSE_S
         elif self._question.is_exhausted(self._atv):
-            self._known = False
+            self.is_known = False
             self.stop()
         return None
 

@@ -109,8 +109,9 @@ class Bookkeeping:
 
     def awaited(self, now_s: float) -> tuple[str, ...] | UnsetType:
         """What a heartbeat tells of vehicles that are awaited; unset where none is."""
-        awaited = set() if self._books is None else self._books.awaited(now_s)
-        return tuple(sorted(awaited)[:AWAITED_MAX]) or UNSET
+        if self._books is None:
+            return UNSET
+        return tuple(sorted(self._books.awaited(now_s))[:AWAITED_MAX]) or UNSET
 
     def start(self, memory: Memory, now_s: float) -> None:
         """Go on with what an earlier life has kept."""
@@ -139,6 +140,11 @@ class Bookkeeping:
         self._out.append(Subscribe(self._keys.removals))
         self._books.start(now_s)
         self._follow(now_s)
+
+    @property
+    def committers(self) -> tuple[Callable[[], list[Commit]], ...]:
+        """What asks, after each step, for what is to be written down; nothing where no books are kept."""
+        return (self.commits,) if self.keeps_books else ()
 
     def commits(self) -> list[Commit]:
         """What of the books has changed: it is written down before anything is said."""
