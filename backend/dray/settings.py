@@ -226,6 +226,8 @@ class Settings(BaseSettings):
     samples_kept: Annotated[int, Field(ge=1000)] = 200_000
     """Rows of sampled heartbeats kept, some 50 MB: about three days of the default plant in real time."""
 
+    operator_names: Literal["code", "name"] = "code"
+    """What of a person on duty is told on the bus and to colleagues: a code of the day, or the name."""
     audit_kept: Annotated[int, Field(ge=1000)] = 1_000_000
     """Lines of the audit log kept, some 300 MB: years of what people do."""
 

@@ -16,6 +16,7 @@ from dray.gateway.access.caller import admitted, takes_files
 from dray.gateway.access.gate import Gate
 from dray.gateway.access.login.hasher import Hasher
 from dray.gateway.access.queries import KnownQueries
+from dray.gateway.factory.duty import OperatorHost
 from dray.gateway.factory.fault_injection import FaultInjector
 from dray.gateway.http import problems
 from dray.gateway.http.assets import PREFIX, STATIC, BuiltFiles, Panels
@@ -50,6 +51,7 @@ def create_app(
     wall_s: Callable[[], float] = clock.time,
     hasher: Hasher | None = None,
     beside: Beside | None = None,
+    operators: OperatorHost | None = None,
 ) -> FastAPI:
     """Put a gateway together. It joins the bus when the server starts, and leaves it when it ends.
 
@@ -68,6 +70,7 @@ def create_app(
         wall_s: the wall clock.
         hasher: of secrets, when not the usual one.
         beside: runs as long as the application does: the stop path.
+        operators: runs the agents of people on duty; None where nobody can be.
     """
 
     @asynccontextmanager
@@ -86,6 +89,7 @@ def create_app(
             collectors=collectors,
             wall_s=wall_s,
             hasher=hasher,
+            operators=operators,
         )
         await restore(services)
         measure(services)

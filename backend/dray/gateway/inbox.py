@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from dray.gateway.factory.commands import Commands
@@ -10,7 +11,15 @@ from dray.gateway.live.strategist_probe import StrategistProbe
 from dray.gateway.metrics.meter import Meter
 from dray.gateway.orders.completions import Completions
 from dray.gateway.orders.outbox import Outbox
-from dray.messages import CancellationTaken, CommandAnswered, Message, OrderTaken, RevocationTaken
+from dray.messages import (
+    CancellationTaken,
+    CommandAnswered,
+    HelpCall,
+    Message,
+    OperatorHeartbeat,
+    OrderTaken,
+    RevocationTaken,
+)
 from dray.messages.keys import STRATEGIST
 
 
@@ -24,7 +33,8 @@ class Inbox:
         completions: how orders have ended.
         outbox: the strategist's other answers about orders.
         commands: vehicles' answers to people.
-        projection: heartbeats and events.
+        projection: heartbeats and events; who is on duty, and who calls.
+        plant_s: the plant's clock.
     """
 
     meter: Meter
@@ -33,6 +43,7 @@ class Inbox:
     outbox: Outbox
     commands: Commands
     projection: Projection
+    plant_s: Callable[[], float]
 
     def receive(self, sender: str, message: Message) -> bool:
         """Hand a message on; returns whether anybody waited for it."""
@@ -45,6 +56,8 @@ class Inbox:
             case OrderTaken() | CancellationTaken():
                 if sender == STRATEGIST:
                     self.outbox.answered(message)
+            case OperatorHeartbeat() | HelpCall():
+                return self.projection.people.fold(message, self.plant_s())
             case CommandAnswered():
                 return self.commands.answered(sender, message)
             case _:

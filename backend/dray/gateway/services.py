@@ -22,6 +22,7 @@ from dray.gateway.factory.alerts import AlertMonitor
 from dray.gateway.factory.carrying import Carrying
 from dray.gateway.factory.closings import Closings
 from dray.gateway.factory.commands import Commands
+from dray.gateway.factory.duty import DutyRota, OperatorHost
 from dray.gateway.factory.exclusions import Exclusions
 from dray.gateway.factory.fault_injection import FaultInjection, FaultInjector
 from dray.gateway.factory.figure_sampler import Sampler
@@ -87,6 +88,7 @@ class Services:
     exclusions: Exclusions
     closings: Closings
     carrying: Carrying
+    duty: DutyRota
     faults: FaultInjection
     ledger: Ledger
     panels: Panels
@@ -114,6 +116,8 @@ class Services:
             Exclusions: self.exclusions,
             Closings: self.closings,
             Carrying: self.carrying,
+            DutyRota: self.duty,
+            TimeScale: self.time,
             FaultInjection: self.faults,
             Ledger: self.ledger,
         }
@@ -134,6 +138,7 @@ def open_services(
     collectors: Iterable[Collector],
     wall_s: Callable[[], float],
     hasher: Hasher | None,
+    operators: OperatorHost | None,
 ) -> Services:
     """Make the services; `dray.gateway.app.create_app` says of what."""
     peer = Peer(bus, Keys(plant.plant), settings.gateway_name, incarnation)
@@ -187,6 +192,7 @@ def open_services(
         ),
         closings=Closings(store, projection, authority, peer.tell_all, time=time, wall_s=wall_s),
         carrying=Carrying(store, projection, authority, peer.tell_all, time=time, wall_s=wall_s),
+        duty=DutyRota(operators, authority, names=settings.operator_names == "name", wall_s=wall_s),
         faults=FaultInjection(faults, projection.faults),
         ledger=Ledger(store),
         panels=panels or Panels(),
@@ -240,6 +246,7 @@ async def running(services: Services, beside: Beside | None) -> AsyncIterator[No
         outbox=services.outbox,
         commands=services.commands,
         projection=projection,
+        plant_s=lambda: services.time.to_plant_s(services.wall_s()),
     )
     async with AsyncExitStack() as stack:
         if services.historian is not None:
@@ -259,6 +266,7 @@ async def running(services: Services, beside: Beside | None) -> AsyncIterator[No
                 services.exclusions,
                 services.closings,
                 services.carrying,
+                services.duty,
                 services.hub,
                 access,
                 access.watch,

@@ -2,9 +2,12 @@
 import { bodyOf, gateway } from "./gateway";
 import { firstWord, stopOrigins } from "./stop-ways";
 import type {
+  CallAnswerRequest,
   ClosureRequest,
   CommandAnswer,
   CommandRequest,
+  DutyRequest,
+  DutyView,
   FaultRequest,
   ImportAnswer,
   KpiHistory,
@@ -105,6 +108,21 @@ export type AuditPage = Awaited<ReturnType<typeof fetchAudit>>;
 
 export async function fetchAudit(query: AuditQuery) {
   return await bodyOf(gateway.GET("/api/audit", { params: { query } }));
+}
+
+/** Whether one is on duty, who else is, and who calls for help; to ask is to be there. */
+export async function fetchDuty(): Promise<DutyView> {
+  return await bodyOf(gateway.GET("/api/duty"));
+}
+
+/** Goes on duty, has a break, or goes off duty. */
+export async function putDuty(duty: DutyRequest): Promise<DutyView> {
+  return await bodyOf(gateway.PUT("/api/duty", { body: duty }));
+}
+
+/** Answers a call for help; returns whether one is expected there. */
+export async function answerCall(call: string, answer: CallAnswerRequest): Promise<boolean> {
+  return (await bodyOf(gateway.POST("/api/calls/{call}/answer", { params: { path: { call } }, body: answer }))).expected;
 }
 
 /** Says by one's own name that an alert is in good hands. */

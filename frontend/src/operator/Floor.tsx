@@ -5,6 +5,8 @@ import { world } from "../stream/stream";
 import { format, t } from "../text/operator";
 import { AreaMap } from "./area/AreaMap";
 import { Cards } from "./cards/Cards";
+import { CallCards } from "./duty/CallCards";
+import { DutyCard } from "./duty/DutyCard";
 import { groupsOf, type Groups, shownGroups } from "./cards/need";
 import { watchTouch } from "./cards/touch";
 import { moment, placeName, plant, plantFailed } from "./state";
@@ -38,6 +40,7 @@ export function Floor() {
   return (
     <>
       <main ref={page} id="vehicles" tabIndex={-1}>
+        <CallCards />
         {needing.length > 0 && (
           <p class="needing-head">
             <b>{t("cards.needingCount", { count: format.count(needing.length) })}</b> <span class="muted">{t("cards.joinBelow")}</span>
@@ -45,6 +48,7 @@ export function Floor() {
         )}
         <Cards class="needing" ids={needing} label={t("cards.needing")} />
         <Place />
+        <DutyCard />
         <Cards class="well" ids={well} label={t("cards.well", { name })} />
         {needing.length + well.length === 0 && <p class="empty">{t(world.value ? "cards.none" : "loading")}</p>}
       </main>

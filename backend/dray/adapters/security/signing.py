@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from hashlib import sha256
 
 from cryptography.exceptions import InvalidSignature
 from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey, Ed25519PublicKey
@@ -65,6 +66,10 @@ class SigningKey:
         grant = _unsigned(person, areas, valid_until_s)
         signature = self._key.sign(signed_words(atv, command, grant))
         return replace(command, grant=replace(grant, signature=signature))
+
+    def code(self, what: str) -> bytes:
+        """32 bytes that follow from a text and this key, and that nobody else can compute."""
+        return sha256(self._key.sign(f"dray code {what}".encode())).digest()
 
     def close(self, number: int, closures: Iterable[Closure]) -> Closures:
         """A list of closures, signed.

@@ -9,6 +9,7 @@ import time
 from dray.adapters.system_clock import SystemClock
 from dray.cli.runtime.authority import authority_of
 from dray.cli.runtime.first_users import welcome
+from dray.cli.runtime.operators import OperatorWorkers
 from dray.cli.runtime.readiness import say_ready
 from dray.cli.runtime.service import (
     Customers,
@@ -27,6 +28,8 @@ from dray.cli.runtime.telemetry.clock_meter import ClockMeter
 from dray.errors import UnavailableError
 from dray.gateway.app import create_app
 from dray.gateway.metrics.history import History
+from dray.messages import OPERATOR_PREFIX
+from dray.messages.keys import Keys
 from dray.store import open_store
 from dray.store.historian import AGENT as HISTORIAN
 
@@ -44,6 +47,14 @@ async def run_gateway(where: Surroundings, customers: Customers | None = None) -
     """
     plant = where.plant
     elsewhere = asyncio.Event()
+    operators: OperatorWorkers | None = None
+
+    def give_way(agent: str) -> None:
+        if operators is not None and agent.startswith(OPERATOR_PREFIX):
+            operators.give_way(agent)
+        else:
+            elsewhere.set()
+
     service, token = with_admin_token(
         Service(where.settings, plant, speed=where.settings.plant_speed, customers=customers)
     )
@@ -57,11 +68,12 @@ async def run_gateway(where: Surroundings, customers: Customers | None = None) -
         settings = service.settings
         store = await open_store(settings.database_url)
         try:
-            async with where.bus(settings.gateway_name, lambda _: elsewhere.set()) as bus:
+            async with where.bus(settings.gateway_name, give_way) as bus:
                 authority = await authority_of(store)
                 incarnation = await store.next_incarnation(plant.id)
                 # Steered as the agents' clocks are: should the computer's be set, nobody seems silent for it.
                 wall = SystemClock(asyncio.get_running_loop())
+                operators = OperatorWorkers(bus, Keys(plant.id), where.time, wall.now_s)
                 app = create_app(
                     settings=settings,
                     plant=plant.file,
@@ -75,10 +87,13 @@ async def run_gateway(where: Surroundings, customers: Customers | None = None) -
                     beside=StopPath(
                         stops, port, settings, bus.beside, authority, where.time, incarnation
                     ).beside,
+                    operators=operators,
                 )
                 url = address_of(listener, settings.host)
                 links = await welcome(store, plant.file, time.time())
-                await serve(service, app, listener, greeting_of(service, url, token, links), elsewhere.wait)
+                async with operators.running():
+                    greeting = greeting_of(service, url, token, links)
+                    await serve(service, app, listener, greeting, elsewhere.wait)
         finally:
             await store.close()
     if elsewhere.is_set():

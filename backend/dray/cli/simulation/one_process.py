@@ -20,6 +20,7 @@ from dray.adapters.security.signing import SigningKey, TrustedKeys
 from dray.adapters.vda5050.link import BrokerAddress
 from dray.cli.runtime.authority import authority_of
 from dray.cli.runtime.first_users import welcome
+from dray.cli.runtime.operators import OperatorWorkers
 from dray.cli.runtime.service import (
     Service,
     greeting_of,
@@ -36,6 +37,7 @@ from dray.cli.simulation.factory_meter import FactoryMeter
 from dray.cli.simulation.fault_injection import SimFaultInjector
 from dray.gateway.app import create_app
 from dray.gateway.live.timescale import TimeScale
+from dray.messages.keys import Keys
 from dray.ports import Bus
 from dray.store import Store, open_store
 from dray_sim.bodies.floor import NEARLY_EMPTY_FRAC
@@ -180,4 +182,5 @@ def _app(
         collectors=(FactoryMeter(inside.factory, bus),),
         faults=SimFaultInjector(inside.faults, factory.loop, time.time),
         beside=StopPath(*stops, settings, beside, authority, inside.time, incarnation).beside,
+        operators=OperatorWorkers(bus, Keys(plant.id), inside.time, time.time),
     )

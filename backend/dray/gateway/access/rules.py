@@ -83,6 +83,9 @@ RULES: Mapping[tuple[str, str], Rule] = {
     ("POST", "/api/alerts/{alert}/acknowledge"): Rule(
         Scope.ALERTS_ACKNOWLEDGE, by_area=True, action="alert.acknowledge"
     ),
+    ("GET", "/api/duty"): Rule(Scope.VEHICLES_COMMAND, by_area=True),
+    ("PUT", "/api/duty"): Rule(Scope.VEHICLES_COMMAND, by_area=True, action="duty.set"),
+    ("POST", "/api/calls/{call}/answer"): Rule(Scope.VEHICLES_COMMAND, by_area=True, action="call.answer"),
     ("GET", "/api/agents/shut-out"): Rule(Scope.FACTORY_READ),
     ("POST", "/api/agents/{agent}/shut-out"): Rule(Scope.AGENTS_WRITE, action="agent.shut_out"),
     ("POST", "/api/agents/{agent}/readmit"): Rule(Scope.AGENTS_WRITE, action="agent.readmit"),

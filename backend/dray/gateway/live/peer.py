@@ -43,6 +43,7 @@ class Peer:
         self._session = self._bus.join(self._name, counted, self._life)
         self._session.subscribe(self._keys.all_heartbeats)
         self._session.subscribe(self._keys.all_events)
+        self._session.subscribe(self._keys.all_calls)
 
     def send(self, to: str, message: Message) -> None:
         """Say it to one agent; lost while it does not take part."""

@@ -11,6 +11,7 @@ from dray.gateway.live.projection.agents.atvs import Atvs
 from dray.gateway.live.projection.agents.disputes import Disputes
 from dray.gateway.live.projection.agents.machines import BROKEN, DOWN, Machines
 from dray.gateway.live.projection.agents.outsiders import Outsiders
+from dray.gateway.live.projection.agents.people import People
 from dray.gateway.live.projection.agents.removals import Removals
 from dray.gateway.live.projection.agents.silence import Silence, heard_until_s, plant_bound_s
 from dray.gateway.live.projection.agents.stations import Stations
@@ -63,7 +64,7 @@ class Projection:
         wall_s: Callable[[], float] | None = None,
     ) -> None:
         self.plant, self._time, self._wall_s = plant.plant, time, wall_s
-        self.outsiders = Outsiders()
+        self.outsiders, self.people = Outsiders(), People()
         self.removals = Removals()
         self.clocks, self.disputes, self._silence = Clocks(time.speed), Disputes(), Silence(time.speed)
         top_mps = max(kind.max_speed_mps for kind in plant.vehicle_types)
@@ -222,6 +223,7 @@ class Projection:
             *alert_rules.of_strangers(self.atvs.strangers + self.machines.strangers),
             *alert_rules.of_machines(machines, self._materials, now),
             *alert_rules.of_stations(stations, now),
+            *alert_rules.of_calls(self.people.calls(now.plant_s), now),
             *of_atvs,
             *wait_rules.of_roll_calls(awaited),
             *wait_rules.of_waits(self.waits, {each.agent for each in of_atvs}, now),

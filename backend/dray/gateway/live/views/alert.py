@@ -15,6 +15,8 @@ AlertKind = Literal[
     "station_lost",
     "atv_lost",
     "atv_awaited",
+    "call_nobody",
+    "call_unanswered",
     "atv_help",
     "atv_error",
     "jam",
@@ -64,6 +66,7 @@ AlertResponse = Literal[
     "look_at_network",
     "clear_way",
     "repair_link",
+    "send_somebody",
 ]
 """What an alert asks of people."""
 
@@ -88,7 +91,7 @@ class Condition(View, kw_only=True):
     by: str = ""
     """Who is on the way to help, or has shut the agent out."""
     seen_at_s: float | None = None
-    """Of who is lost: when it was last heard."""
+    """Of who is lost: when it was last heard. Of a call for help: since when."""
     until_at_s: float | None = None
     """How long help is waited for, or when the order was due."""
     battery_frac: float | None = None

@@ -27,8 +27,10 @@ from dray.gateway.live.views import (
     TaskView,
     WaitView,
 )
+from dray.gateway.live.views.duty import DutyView
 from dray.gateway.orders.feasibility import OrderPreview
 from dray.gateway.routes.factory.atvs import CommandAnswer
+from dray.gateway.routes.factory.duty import CallAnswered
 from dray.gateway.routes.factory.faults import FaultsAnswer
 from dray.gateway.routes.factory.inventory import InventoryLine, MaterialAnswer, StorageAnswer
 from dray.gateway.routes.factory.traffic import TrafficAnswer
@@ -48,8 +50,10 @@ SHAPES = (
     AtvView,
     AuditRow,
     ClosureView,
+    CallAnswered,
     CommandAnswer,
     Delta,
+    DutyView,
     EventAnswer,
     Exclusion,
     FactoryView,

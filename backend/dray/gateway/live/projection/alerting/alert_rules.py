@@ -17,7 +17,16 @@ from dray.gateway.live.projection.materials import Materials
 from dray.gateway.live.reasons import detail_of
 from dray.gateway.live.views import OrderView, TaskView
 from dray.gateway.live.views.alert import AlertKind, Condition
-from dray.messages import AtvHeartbeat, AtvStatus, Link, MachineHeartbeat, MachineStatus, StationHeartbeat
+from dray.messages import (
+    AtvHeartbeat,
+    AtvStatus,
+    CallState,
+    HelpCall,
+    Link,
+    MachineHeartbeat,
+    MachineStatus,
+    StationHeartbeat,
+)
 from dray.overload import Overload
 from dray.protocol.liveness.suspicion import AnyHeartbeat
 from dray.protocol.vehicle.reserve import RESERVE_FRAC
@@ -143,6 +152,18 @@ def of_stations(heartbeats: Iterable[StationHeartbeat], now: Moment) -> Iterator
     for heard in heartbeats:
         if now.is_lost(heard.station, heard):
             yield Condition(kind="station_lost", agent=heard.station, seen_at_s=now.to_wall_s(heard.at_s))
+
+
+def of_calls(calls: Iterable[HelpCall], now: Moment) -> Iterator[Condition]:
+    """Who calls for help in vain: nobody is on duty there, or nobody who was asked has taken the call."""
+    for call in calls:
+        if call.state is CallState.RESTING:
+            yield Condition(
+                kind="call_nobody" if call.on_duty == 0 else "call_unanswered",
+                agent=call.caller,
+                cause=detail_of(call.reason),
+                seen_at_s=now.to_wall_s(call.since_s),
+            )
 
 
 def of_atvs(

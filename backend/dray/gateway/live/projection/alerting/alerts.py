@@ -29,6 +29,8 @@ RESPONSES: Mapping[AlertKind, tuple[Literal["alarm", "warning"], AlertResponse]]
     "machine_starved": ("warning", "see_to_supply"),
     "machine_blocked": ("warning", "see_to_removal"),
     "atv_lost": ("alarm", "find_vehicle"),
+    "call_nobody": ("alarm", "send_somebody"),
+    "call_unanswered": ("alarm", "send_somebody"),
     "atv_help": ("alarm", "promise_help"),
     "atv_promised": ("warning", "help"),
     "atv_error": ("alarm", "help"),

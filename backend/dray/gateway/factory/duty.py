@@ -1,0 +1,230 @@
+"""Duty: people who are logged in at a panel go on duty, and their agents are asked for help.
+
+The agent runs beside the gateway (`OperatorHost`), with the tablet as its body. A tablet that asks here regularly is there. What is known
+of a person is held in memory as long as the duty lasts, and nowhere else; what a person has decided is in the audit log, as all is. On
+the bus a person has a code: the same on all tablets and gateways of one day, so that nobody is counted twice.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from base64 import b32encode
+from collections.abc import Callable
+from http import HTTPStatus
+from typing import Protocol
+
+from msgspec.structs import replace
+
+from dray.adapters.security.signing import SigningKey
+from dray.body import CallPart, CallReplied, DutyChanged, DutyState, Instruction, Report, ShowCalls, ShownCall
+from dray.gateway.access.principal import Principal
+from dray.gateway.http.problems import Problem
+from dray.messages import OPERATOR_PREFIX, CallAnswer, ProblemKind
+from dray.ports import Body
+
+AWAY_S = 15.0
+"""Wall seconds after which a tablet that has not asked is away; a panel asks every 3 s."""
+
+CODE_CHARS = 8
+
+DAY_S = 86_400.0
+
+CONFIRMED_S = 8.0
+"""Wall seconds to wait for the caller's word."""
+
+LOOK_S = 0.1
+
+
+class Employed(Protocol):
+    """An operator's agent that runs."""
+
+    @property
+    def ended(self) -> bool:
+        """Whether it has left, or another gateway runs a later life of it."""
+        ...
+
+    def leave(self) -> None:
+        """Ask it to leave. Twice is harmless."""
+        ...
+
+
+class OperatorHost(Protocol):
+    """Runs operators' agents."""
+
+    def employ(self, operator: str, body: Body) -> Employed:
+        """Run the agent of somebody who goes on duty now."""
+        ...
+
+
+class Tablet:
+    """A person at a panel, as the body of the operator's agent. Implements `dray.ports.Body`."""
+
+    def __init__(self, state: DutyState, seen_s: float) -> None:
+        self.state, self.seen_s = state, seen_s
+        self.calls: tuple[ShownCall, ...] = ()
+        self.employed: Employed | None = None
+        self._report: Callable[[Report], None] | None = None
+
+    def change(self, state: DutyState) -> None:
+        """The person or the tablet is otherwise now."""
+        if state != self.state:
+            self.state = state
+            self._say(DutyChanged(state))
+
+    def reply(self, call: str, answer: CallAnswer, wait_s: float | None) -> None:
+        """The person has answered a call."""
+        self._say(CallReplied(call=call, answer=answer, wait_s=wait_s))
+
+    def instruct(self, instruction: Instruction) -> None:
+        """See `dray.ports.Body`."""
+        if isinstance(instruction, ShowCalls):
+            self.calls = instruction.calls
+
+    def sense(self) -> DutyState:
+        """See `dray.ports.Body`."""
+        return self.state
+
+    def attach(self, report: Callable[[Report], None]) -> None:
+        """See `dray.ports.Body`."""
+        self._report = report
+
+    def _say(self, report: Report) -> None:
+        if self._report is not None and self.employed is not None and not self.employed.ended:
+            self._report(report)
+
+
+class DutyRota:
+    """Who is on duty at this gateway.
+
+    Args:
+        host: runs the agents; None where nobody can be on duty.
+        authority: makes the codes, which nobody else can guess.
+        names: whether others are told the names of people, and not only their codes.
+        wall_s: the wall clock.
+    """
+
+    def __init__(
+        self, host: OperatorHost | None, authority: SigningKey, *, names: bool, wall_s: Callable[[], float]
+    ) -> None:
+        self._host, self._authority, self._names, self.wall_s = host, authority, names, wall_s
+        self._tablets: dict[str, tuple[str, Tablet]] = {}
+        """By person: the code, and the tablet."""
+
+    def code_of(self, person: str) -> str:
+        """A person's name on the bus today."""
+        code = self._authority.code(f"duty {int(self.wall_s() // DAY_S)} {person}")
+        return OPERATOR_PREFIX + b32encode(code).decode()[:CODE_CHARS].lower()
+
+    def tablet(self, by: Principal) -> tuple[str, Tablet] | None:
+        """The code and tablet of somebody who is on duty here; None for who is not."""
+        known = self._tablets.get(by.id)
+        if known is None or known[1].employed is None or known[1].employed.ended:
+            self._tablets.pop(by.id, None)
+            return None
+        return known
+
+    def look(self, by: Principal) -> tuple[str, Tablet] | None:
+        """The same, for a tablet that is there now."""
+        known = self.tablet(by)
+        if known is not None:
+            known[1].seen_s = self.wall_s()
+            known[1].change(replace(known[1].state, there=True))
+        return known
+
+    def go_on(
+        self,
+        by: Principal,
+        *,
+        on_break: bool = False,
+        busy_until_s: float | None = None,
+        helps_with: tuple[ProblemKind, ...] = (),
+    ) -> None:
+        """Somebody is on duty from now on, or otherwise than before.
+
+        Args:
+            by: who, for the areas and the station of the login.
+            on_break: not to be asked.
+            busy_until_s: busy by the person's own word (plant clock).
+            helps_with: what for; empty for everything.
+
+        Raises:
+            Problem: 409, keys and the administrator are nobody to be asked; 503, no agents run here.
+        """
+        if by.kind != "person":
+            raise Problem(
+                HTTPStatus.CONFLICT, "no-person", "Not a person", "log in as a person to go on duty"
+            )
+        if self._host is None:
+            raise Problem(
+                HTTPStatus.SERVICE_UNAVAILABLE,
+                "no-duty-here",
+                "Nobody can be on duty here",
+                "this gateway runs no agents of operators",
+            )
+        state = DutyState(
+            on_break=on_break,
+            busy_until_s=busy_until_s,
+            areas=() if by.areas is None else tuple(sorted(by.areas)),
+            everywhere=by.areas is None,
+            station=by.station,
+            helps_with=helps_with,
+            label=by.name if self._names else "",
+        )
+        known = self.tablet(by)
+        if known is not None:
+            known[1].seen_s = self.wall_s()
+            known[1].change(state)
+            return
+        code, tablet = self.code_of(by.id), Tablet(state, self.wall_s())
+        tablet.employed = self._host.employ(code, tablet)
+        self._tablets[by.id] = code, tablet
+
+    def go_off(self, by: Principal) -> None:
+        """Somebody is not on duty any more. Harmless when that was so before."""
+        known = self._tablets.pop(by.id, None)
+        if known is not None and known[1].employed is not None:
+            known[1].employed.leave()
+
+    async def answer(self, by: Principal, call: str, answer: CallAnswer, wait_s: float | None) -> bool:
+        """Somebody answers a call.
+
+        Returns:
+            Whether this person is expected there now, as the caller has said.
+
+        Raises:
+            Problem: 409, the person is not on duty, or the call is over or another one's.
+        """
+        known = self.look(by)
+        if known is None:
+            raise Problem(
+                HTTPStatus.CONFLICT, "not-on-duty", "Not on duty", "PUT /api/duty with state on first"
+            )
+        tablet = known[1]
+        if not any(shown.call.call == call for shown in tablet.calls):
+            raise Problem(
+                HTTPStatus.CONFLICT,
+                "call-over",
+                "Nobody is asked any more",
+                f"{call} is over, or somebody else has taken it",
+            )
+        tablet.reply(call, answer, wait_s)
+        if answer is not CallAnswer.TAKE:
+            return False
+        until_s = self.wall_s() + CONFIRMED_S
+        while self.wall_s() < until_s:
+            await asyncio.sleep(LOOK_S)
+            part = next((shown.part for shown in tablet.calls if shown.call.call == call), None)
+            if part is CallPart.TAKEN:
+                return True
+            if part is None:
+                break
+        return False
+
+    async def run(self) -> None:
+        """See whose tablet is away, until cancelled."""
+        while True:
+            await asyncio.sleep(AWAY_S / 3)
+            now_s = self.wall_s()
+            for _, tablet in self._tablets.values():
+                if now_s - tablet.seen_s > AWAY_S:
+                    tablet.change(replace(tablet.state, there=False))

@@ -1,0 +1,73 @@
+"""Who is on duty, and who calls for help, as it was heard last. Nothing of it is kept: who is not heard any more is gone."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from dray.messages import CallState, HelpCall, OperatorHeartbeat
+from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S, bound_s
+
+PEOPLE_MAX, CALLS_MAX = 256, 2_000
+"""More people than one shift has; a call for each vehicle and machine of the largest plant."""
+
+SILENT_S = bound_s(IDLE_INTERVAL_S)
+"""Plant seconds: operators and callers speak every 5 s."""
+
+
+class People:
+    """Of one plant. Times are the gateway's own, on the plant's clock."""
+
+    def __init__(self) -> None:
+        self._operators: dict[str, tuple[OperatorHeartbeat, float]] = {}
+        self._calls: dict[str, tuple[HelpCall, float]] = {}
+        """By caller."""
+
+    def fold(self, message: OperatorHeartbeat | HelpCall, now_s: float) -> bool:
+        """Note what was said; False for what was overtaken."""
+        if isinstance(message, HelpCall):
+            return self._on_call(message, now_s)
+        before = self._operators.get(message.operator)
+        if before is not None and (message.incarnation, message.seq) <= (
+            before[0].incarnation,
+            before[0].seq,
+        ):
+            return False
+        self._operators.pop(message.operator, None)
+        self._operators[message.operator] = message, now_s
+        _forget_oldest(self._operators, PEOPLE_MAX)
+        return True
+
+    def _on_call(self, call: HelpCall, now_s: float) -> bool:
+        before = self._calls.get(call.caller)
+        if before is not None and (call.incarnation, call.number) <= (
+            before[0].incarnation,
+            before[0].number,
+        ):
+            return False
+        self._calls.pop(call.caller, None)
+        self._calls[call.caller] = call, now_s
+        _forget_oldest(self._calls, CALLS_MAX)
+        return True
+
+    def on_duty(self, now_s: float) -> Iterator[OperatorHeartbeat]:
+        """Who is there at this moment."""
+        for heartbeat, heard_s in self._operators.values():
+            if now_s - heard_s <= SILENT_S and not heartbeat.draining:
+                yield heartbeat
+
+    def calls(self, now_s: float) -> Iterator[HelpCall]:
+        """Who calls at this moment."""
+        for call, heard_s in self._calls.values():
+            if call.state is not CallState.ENDED and now_s - heard_s <= SILENT_S:
+                yield call
+
+    def call(self, name: str) -> HelpCall | None:
+        """A call by its id, open or just ended; None for one that was never heard."""
+        return next((call for call, _ in self._calls.values() if call.call == name), None)
+
+
+def _forget_oldest(
+    heard: dict[str, tuple[OperatorHeartbeat, float]] | dict[str, tuple[HelpCall, float]], most: int
+) -> None:
+    if len(heard) > most:
+        del heard[next(iter(heard))]

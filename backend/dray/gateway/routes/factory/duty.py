@@ -1,0 +1,197 @@
+"""Duty: who is there to be asked for help, and what people answer."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from typing import Annotated
+
+import msgspec
+from fastapi import APIRouter, Depends
+from pydantic import BaseModel, ConfigDict, Field
+
+from dray.body import CallPart
+from dray.gateway.access.audit_log import Noted
+from dray.gateway.access.caller import Caller
+from dray.gateway.access.principal import Principal
+from dray.gateway.factory.commands import Commands
+from dray.gateway.factory.duty import DutyRota
+from dray.gateway.http.problems import FieldError, Problem, unusable
+from dray.gateway.http.provided import Provided
+from dray.gateway.http.request_bodies import json_only
+from dray.gateway.http.responses import Json, described, problems
+from dray.gateway.live.projection import Projection
+from dray.gateway.live.timescale import TimeScale
+from dray.gateway.live.views.duty import CallView, ColleagueView, DutyChoice, DutyView
+from dray.messages import CallAnswer, CallState, CommandKind, HelpCall, ProblemKind
+from dray.messages.call import CALL_WAIT_MAX_S
+
+router = APIRouter(tags=["factory"])
+
+EXAMPLE = DutyView(state="on", code="k3x7m2qa", areas_without=("AREA3",))
+
+
+class DutyRequest(BaseModel):
+    """How the caller is on duty from now on."""
+
+    model_config = ConfigDict(extra="forbid", json_schema_extra={"examples": [{"state": "on"}]})
+
+    state: DutyChoice
+    """`break`: there, and not to be asked."""
+    busy_for_s: Annotated[float, Field(gt=0, le=86_400)] | None = None
+    """Busy by one's own word for so many factory seconds."""
+    helps_with: Annotated[list[ProblemKind], Field(max_length=len(ProblemKind))] = []
+    """What for; empty for everything."""
+
+
+class CallAnswerRequest(BaseModel):
+    """What the caller answers to a call for help."""
+
+    model_config = ConfigDict(
+        extra="forbid", json_schema_extra={"examples": [{"answer": "take", "wait_s": 120}]}
+    )
+
+    answer: CallAnswer
+    wait_s: Annotated[float, Field(gt=0, le=CALL_WAIT_MAX_S)] | None = None
+    """With `take`: within which time (factory seconds) it will be done."""
+
+
+class CallAnswered(msgspec.Struct, frozen=True):
+    """What has become of an answer."""
+
+    expected: bool
+    """The caller is expected there; false where somebody else was quicker, or the answer was no."""
+
+
+@router.get("/duty", responses={200: described(DutyView, "Duty", EXAMPLE)}, response_class=Json)
+async def get_duty(
+    rota: Provided[DutyRota], projection: Provided[Projection], time: Provided[TimeScale], caller: Caller
+) -> Json:
+    """Whether you are on duty, who else is, and who calls for help. A panel asks every few seconds: by that it is known to be there."""
+    return Json(_view(rota, projection, time, caller))
+
+
+@router.put(
+    "/duty",
+    dependencies=[Depends(json_only)],
+    responses={
+        200: described(DutyView, "Duty", EXAMPLE),
+        **problems(p409="Not a person", p503="No agents of operators run here"),
+    },
+    response_class=Json,
+)
+async def put_duty(
+    rota: Provided[DutyRota],
+    projection: Provided[Projection],
+    time: Provided[TimeScale],
+    caller: Caller,
+    note: Noted,
+    request: DutyRequest,
+) -> Json:
+    """Go on duty, have a break, or go off duty."""
+    note.detail |= request.model_dump(mode="json", exclude_defaults=True)
+    if request.state == "off":
+        rota.go_off(caller)
+    else:
+        busy_s = request.busy_for_s
+        rota.go_on(
+            caller,
+            on_break=request.state == "break",
+            busy_until_s=None if busy_s is None else projection.plant_s(rota.wall_s()) + busy_s,
+            helps_with=tuple(request.helps_with),
+        )
+    return Json(_view(rota, projection, time, caller))
+
+
+@router.post(
+    "/calls/{call}/answer",
+    dependencies=[Depends(json_only)],
+    responses={
+        200: described(CallAnswered, "What has become of it", CallAnswered(expected=True)),
+        **problems(p409="Not on duty, or nobody is asked any more"),
+    },
+    response_class=Json,
+)
+async def answer_call(
+    rota: Provided[DutyRota],
+    projection: Provided[Projection],
+    commands: Provided[Commands],
+    caller: Caller,
+    note: Noted,
+    call: str,
+    request: CallAnswerRequest,
+) -> Json:
+    """Take a call for help, decline it, or say that you cannot. Who takes the call of a vehicle whose task waits promises that to the vehicle, too."""
+    note.detail |= request.model_dump(mode="json", exclude_none=True)
+    if request.answer is CallAnswer.TAKE and request.wait_s is None:
+        raise unusable(FieldError("wait_s", "say within which time it will be done"))
+    expected = await rota.answer(caller, call, request.answer, request.wait_s)
+    known = projection.people.call(call)
+    atv = None if known is None else projection.atvs.last(known.caller)
+    if expected and atv is not None and atv.help is not None:
+        # A vehicle that is elsewhere, or waits for nobody any more, says so; the call is taken all the same.
+        with suppress(Problem):
+            await commands.order(atv.atv, CommandKind.PROMISE, by=caller, wait_s=request.wait_s)
+    return Json(CallAnswered(expected=expected))
+
+
+def _view(rota: DutyRota, projection: Projection, time: TimeScale, by: Principal) -> DutyView:
+    now_s = projection.plant_s(rota.wall_s())
+    known, people = rota.look(by), projection.people
+    plant = projection.site.plant
+    seen = set(plant.areas) if by.areas is None else set(by.areas)
+    state: DutyChoice = "off" if known is None else "break" if known[1].state.on_break else "on"
+    own = "" if known is None else known[0]
+    colleagues, covered = [], set[str]()
+    for each in people.on_duty(now_s):
+        areas = set(plant.areas) if each.everywhere else set(each.areas)
+        covered |= areas
+        if each.operator == own or not (each.everywhere or areas & seen or by.areas is None):
+            continue
+        colleagues.append(
+            ColleagueView(
+                code=_code(each.operator),
+                label=each.label,
+                areas=tuple(sorted(areas & seen)),
+                station=each.station,
+                status=each.status,
+                busy_with=each.caller,
+                until_at_s=None if each.until_s is None else time.to_wall_s(each.until_s),
+            )
+        )
+    parts = {} if known is None else {shown.call.call: shown.part for shown in known[1].calls}
+    calls = [
+        _call(call, parts.get(call.call), time)
+        for call in people.calls(now_s)
+        if call.call in parts or by.areas is None or seen & set(plant.areas_at(call.x_m, call.y_m))
+    ]
+    return DutyView(
+        state=state,
+        code=_code(own),
+        colleagues=tuple(sorted(colleagues, key=lambda each: each.code)),
+        areas_without=tuple(sorted(seen - covered)),
+        calls=tuple(sorted(calls, key=lambda each: each.since_at_s)),
+    )
+
+
+def _call(call: HelpCall, part: CallPart | None, time: TimeScale) -> CallView:
+    left_s = None if call.until_s is None else max(0.0, call.until_s - call.at_s)
+    return CallView(
+        id=call.call,
+        caller=call.caller,
+        state=call.state,
+        part=part,
+        problem=call.problem.kind,
+        needs_person=call.problem.needs_person,
+        reason=call.reason,
+        since_at_s=time.to_wall_s(call.since_s),
+        until_at_s=None if left_s is None else time.to_wall_s(call.at_s + left_s),
+        asked=tuple(_code(each) for each in call.asked),
+        taken_by=_code(call.taken_by) if call.state is CallState.TAKEN else "",
+        on_duty=call.on_duty,
+        x_m=call.x_m,
+        y_m=call.y_m,
+    )
+
+
+def _code(operator: str) -> str:
+    return operator.partition(".")[2]

@@ -1,0 +1,77 @@
+/**
+ * Whether this person is on duty. The panel asks for it every few seconds while that is so: by that the gateway knows that somebody
+ * is there. A gateway that was started again has forgotten it, and is told anew.
+ */
+import { signal } from "@preact/signals";
+import { answerCall, fetchDuty, putDuty } from "../../api/client";
+import { Problem } from "../../api/problem";
+import type { CallAnswerRequest, CallView, DutyRequest, DutyView } from "../../api/types";
+import { isPast } from "../../stream/freshness";
+import { freshness } from "../../stream/stream";
+import { ended } from "../session/session";
+
+export type DutyState = DutyView["state"];
+
+/** Well below the 20 seconds that somebody has to answer. */
+const ASK_MS = 3000;
+
+const KEPT = "dray-duty";
+
+export const duty = signal<DutyView | null>(null);
+/** What could not be done, in the server's words; empty for nothing. */
+export const dutyFailed = signal("");
+
+let wanted: DutyState = (sessionStorage.getItem(KEPT) as DutyState | null) ?? "off";
+let timer = 0;
+
+export function beginDuty(): void {
+  void ask();
+}
+
+/** Goes on duty, has a break, or goes off duty. */
+export async function be(state: DutyState, more: Omit<DutyRequest, "state"> = {}): Promise<void> {
+  wanted = state;
+  sessionStorage.setItem(KEPT, state);
+  await tell(() => putDuty({ state, ...more }));
+}
+
+/** Answers a call for help. */
+export async function answer(call: CallView, said: CallAnswerRequest): Promise<void> {
+  await tell(async () => {
+    await answerCall(call.id, said);
+    return await fetchDuty();
+  });
+}
+
+async function ask(): Promise<void> {
+  if (ended.value !== null || (wanted === "off" && duty.value !== null)) return;
+  if (!isPast(freshness.value)) {
+    await tell(async () => {
+      const view = await fetchDuty();
+      return view.state === "off" && wanted !== "off" ? await putDuty({ state: wanted }) : view;
+    });
+  }
+  again();
+}
+
+function again(): void {
+  clearTimeout(timer);
+  timer = window.setTimeout(() => void ask(), ASK_MS);
+}
+
+async function tell(what: () => Promise<DutyView>): Promise<void> {
+  try {
+    const before = duty.value;
+    duty.value = await what();
+    dutyFailed.value = "";
+    if (isAsked(duty.value) && !isAsked(before)) navigator.vibrate?.([200, 100, 200]);
+    again();
+  } catch (error) {
+    if (!(error instanceof Problem)) throw error;
+    dutyFailed.value = error.message;
+  }
+}
+
+function isAsked(view: DutyView | null): boolean {
+  return view?.calls.some(({ part }) => part === "asked") ?? false;
+}
