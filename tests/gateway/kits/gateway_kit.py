@@ -19,6 +19,7 @@ from prometheus_client.registry import Collector
 from wall_clock import NOW_S, Wall
 
 from dray.adapters.security.signing import SigningKey
+from dray.cli.runtime.operators import OperatorWorkers
 from dray.gateway.access.access import Access
 from dray.gateway.access.login.hasher import Hasher
 from dray.gateway.access.principal import Role, Scope
@@ -202,6 +203,7 @@ async def gateway(
     faults: FaultInjector | None = None,
     collectors: Iterable[Collector] = (),
     change: Callable[[FastAPI], None] = lambda _app: None,
+    duty: bool = False,
     **settings: Any,
 ) -> AsyncIterator[House]:
     """Run a gateway on the database at `url`; the plant's clock is 0 at `NOW_S`, its client the administrator.
@@ -217,6 +219,7 @@ async def gateway(
         faults: the injector of a simulated factory.
         collectors: of metrics beside the gateway's own.
         change: something to do to the application before it starts.
+        duty: whether people can be on duty.
         settings: fields of `Settings` that differ from the defaults.
     """
     bus, wall = bus or FakeBus(), wall or Wall()
@@ -226,6 +229,7 @@ async def gateway(
         historian = Historian(
             store=store, bus=bus, keys=KEYS, to_wall_s=time.to_wall_s, wall_s=wall, linger_s=0
         )
+        operators = OperatorWorkers(bus, KEYS, time, wall) if duty else None
         app = create_app(
             settings=Settings.load(
                 **{"database_url": url, "admin_token": ADMIN_TOKEN, "allowed_hosts": "dray.test"} | settings
@@ -242,6 +246,7 @@ async def gateway(
             collectors=collectors,
             wall_s=wall,
             hasher=QUICK,
+            operators=operators,
         )
         change(app)
         transport = httpx.ASGITransport(app=app, raise_app_exceptions=False)

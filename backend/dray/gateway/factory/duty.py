@@ -210,21 +210,22 @@ class DutyRota:
         tablet.reply(call, answer, wait_s)
         if answer is not CallAnswer.TAKE:
             return False
-        until_s = self.wall_s() + CONFIRMED_S
-        while self.wall_s() < until_s:
+        for _ in range(round(CONFIRMED_S / LOOK_S)):
             await asyncio.sleep(LOOK_S)
             part = next((shown.part for shown in tablet.calls if shown.call.call == call), None)
-            if part is CallPart.TAKEN:
-                return True
-            if part is None:
-                break
+            if part is not CallPart.TAKING and part is not CallPart.ASKED:
+                return part is CallPart.TAKEN
         return False
 
     async def run(self) -> None:
         """See whose tablet is away, until cancelled."""
         while True:
             await asyncio.sleep(AWAY_S / 3)
-            now_s = self.wall_s()
-            for _, tablet in self._tablets.values():
-                if now_s - tablet.seen_s > AWAY_S:
-                    tablet.change(replace(tablet.state, there=False))
+            self.look_away()
+
+    def look_away(self) -> None:
+        """See whose tablet has not asked for so long that it is away."""
+        now_s = self.wall_s()
+        for _, tablet in self._tablets.values():
+            if now_s - tablet.seen_s > AWAY_S:
+                tablet.change(replace(tablet.state, there=False))
