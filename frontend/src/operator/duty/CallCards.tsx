@@ -11,13 +11,16 @@ const MINUTES = [2, 5, 10];
 /** Calls for help that ask this person, or that this person has taken. */
 export function CallCards() {
   const calls = duty.value?.calls.filter(({ part }) => part !== null) ?? [];
-  if (calls.length === 0) return null;
   return (
-    <ul class="cards calls" aria-label={t("call.title")}>
-      {calls.map((call) => (
-        <CallCard key={call.id} call={call} />
-      ))}
-    </ul>
+    <div class="calls-live" aria-live="assertive">
+      {calls.length > 0 && (
+        <ul class="cards calls" aria-label={t("call.title")}>
+          {calls.map((call) => (
+            <CallCard key={call.id} call={call} />
+          ))}
+        </ul>
+      )}
+    </div>
   );
 }
 
@@ -27,7 +30,7 @@ function CallCard({ call }: { call: CallView }) {
   const mine = call.part === "taken";
   const others = call.asked.filter((code) => code !== duty.value?.code);
   return (
-    <li class="card call" role={mine ? undefined : "alert"}>
+    <li class="card call">
       <header>
         <h2>{call.caller}</h2>
         <Tag tone="warn">{t(mine ? "call.expected" : "call.asks")}</Tag>
@@ -49,7 +52,7 @@ function CallCard({ call }: { call: CallView }) {
             disabled={call.part === "taking"}
             onClick={() => void answer(call, { answer: "take", wait_s: minutes * 60 })}
           >
-            <span>{t(mine ? "call.later" : "call.iTake")}</span> {t("call.within", { minutes })}
+            <b>{t(mine ? "call.later" : "call.iTake")}</b> {t("call.within", { minutes })}
           </button>
         ))}
         <button type="button" class="button" onClick={() => void answer(call, { answer: "decline" })}>

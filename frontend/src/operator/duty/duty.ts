@@ -6,8 +6,6 @@ import { signal } from "@preact/signals";
 import { answerCall, fetchDuty, putDuty } from "../../api/client";
 import { Problem } from "../../api/problem";
 import type { CallAnswerRequest, CallView, DutyRequest, DutyView } from "../../api/types";
-import { isPast } from "../../stream/freshness";
-import { freshness } from "../../stream/stream";
 import { ended } from "../session/session";
 
 export type DutyState = DutyView["state"];
@@ -45,13 +43,14 @@ export async function answer(call: CallView, said: CallAnswerRequest): Promise<v
 
 async function ask(): Promise<void> {
   if (ended.value !== null || (wanted === "off" && duty.value !== null)) return;
-  if (!isPast(freshness.value)) {
+  try {
     await tell(async () => {
       const view = await fetchDuty();
       return view.state === "off" && wanted !== "off" ? await putDuty({ state: wanted }) : view;
     });
+  } finally {
+    again();
   }
-  again();
 }
 
 function again(): void {
