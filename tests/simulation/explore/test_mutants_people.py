@@ -1,0 +1,75 @@
+"""The search is able to fail about people: with a safeguard of calls for help taken out, it finds a violation."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from dray.messages import CallState
+from dray.protocol.calls.help_calls import CALL, HelpCalls
+from dray_sim.explore.play import play
+from dray_sim.explore.run import draw
+
+WITHIN = 40
+"""Seeds in which a mutant must be found; it takes one to eight."""
+
+Mutant = Callable[[pytest.MonkeyPatch], None]
+
+
+def with_two_takers_of_one_turn(patch: pytest.MonkeyPatch) -> None:
+    """Who takes a call after somebody else had it gets the same turn."""
+    taken = HelpCalls._taken
+
+    def take(self: HelpCalls, call: Any, sender: str, wait_s: float, now_s: float) -> None:
+        call.turn = 0
+        taken(self, call, sender, wait_s, now_s)
+
+    patch.setattr(HelpCalls, "_taken", take)
+
+
+def that_assigns(patch: pytest.MonkeyPatch) -> None:
+    """Who is asked is expected, whether that one answers or not."""
+    ask = HelpCalls._ask
+
+    def assign(self: HelpCalls, call: Any, now_s: float) -> None:
+        ask(self, call, now_s)
+        if call.states.now is CallState.ASKING:
+            self._taken(call, call.asked[0], 120.0, now_s)
+
+    patch.setattr(HelpCalls, "_ask", assign)
+
+
+def that_says_a_call_once(patch: pytest.MonkeyPatch) -> None:
+    """A call that nobody has answered is not said again."""
+    go_on = HelpCalls._go_on
+
+    def say_once(self: HelpCalls, call: Any, now_s: float) -> None:
+        go_on(self, call, now_s)
+        if call.states.now is CallState.RESTING:
+            self._timers.clear(CALL)
+
+    patch.setattr(HelpCalls, "_go_on", say_once)
+
+
+MUTANTS = [
+    pytest.param(with_two_takers_of_one_turn, 0, "invariant 17 .* was taken by", id="two-takers"),
+    pytest.param(that_assigns, 0, "invariant 18 .* was assigned", id="assigned"),
+    pytest.param(that_says_a_call_once, 3, "invariant 19 .* calls nobody", id="said-once"),
+]
+"""A mutant, the seed to begin with, and what will be seen."""
+
+
+@pytest.mark.parametrize(("mutant", "first", "finding"), MUTANTS)
+def test_the_search_finds_what_calls_for_help_guard_against(
+    mutant: Mutant, first: int, finding: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for seed in range(first, first + WITHIN):
+        with monkeypatch.context() as patch:
+            mutant(patch)
+            found = re.search(finding, play(draw(seed, "hands")).broken)
+        if found and not play(draw(seed, "hands")).broken:
+            return
+    pytest.fail(f"{WITHIN} seeds, and nothing was found")
