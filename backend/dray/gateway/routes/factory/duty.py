@@ -141,7 +141,11 @@ def _view(rota: DutyRota, projection: Projection, time: TimeScale, by: Principal
     seen = set(plant.areas) if by.areas is None else set(by.areas)
     state: DutyChoice = "off" if known is None else "break" if known[1].state.on_break else "on"
     own = "" if known is None else known[0]
-    colleagues, covered = [], set[str]()
+    colleagues: list[ColleagueView] = []
+    # One's own word counts before it was heard.
+    covered = (
+        set() if known is None else set(plant.areas if known[1].state.everywhere else known[1].state.areas)
+    )
     for each in people.on_duty(now_s):
         areas = set(plant.areas) if each.everywhere else set(each.areas)
         covered |= areas
