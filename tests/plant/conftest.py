@@ -70,6 +70,12 @@ def small_text() -> str:
     return SMALL
 
 
+@pytest.fixture(scope="session")
+def small_text_once() -> str:
+    """The same for tests that draw many examples."""
+    return SMALL
+
+
 @pytest.fixture
 def broken() -> Break:
     """Replace pieces of the small plant; the faults that follow, as (field, reason) in file order."""

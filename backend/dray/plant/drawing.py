@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterator
 from xml.sax.saxutils import escape, quoteattr
 
-from dray.plant.model import Box
+from dray.plant.model import Box, Node
 from dray.plant.plant import Plant
 
 Spot = tuple[float, float, float, float]
@@ -37,6 +37,9 @@ KINDS = {
     "parking": ("Parking", "#e8e8e8", "#555555"),
 }
 """Label, fill and line of every kind of place; lines are dark enough to be read on their fill and on white."""
+
+UNASSIGNED = ("Nobody has said", "#ffffff", "#7a1f1f")
+"""The same for stations of which nobody has said what they are; in the legend only where there are any."""
 
 VEHICLE = "#c2410c"
 
@@ -123,7 +126,9 @@ class _Picture:
     def _lanes(self) -> Iterator[str]:
         """One line for a lane that runs both ways, one with an arrow for another, a thin one for a way over a crossing."""
         roads, nodes, drawn = self._plant.roads, self._plant.nodes, set[tuple[str, str]]()
-        crossed = {lane: each.id for each in self._plant.crossings.values() for lane in each.lanes}
+        crossed = {
+            lane: each.id for each in self._plant.crossings.values() if each.nodes for lane in each.lanes
+        }
         for lane in self._plant.lanes:
             back = roads.lane(lane.end, lane.start)
             if (lane.end, lane.start) in drawn:
@@ -144,7 +149,12 @@ class _Picture:
 
     def _stops(self) -> Iterator[str]:
         """Where vehicles stop on roads of two lanes."""
-        waits = {stop for each in self._plant.crossings.values() for stop in (*each.entries, *each.exits)}
+        waits = {
+            stop
+            for each in self._plant.crossings.values()
+            if each.nodes
+            for stop in (*each.entries, *each.exits)
+        }
         docks = {self._plant.node_of(place) for place in self._plant.places}
         for stop in self._plant.stops:
             if stop in waits and stop not in docks:
@@ -179,8 +189,15 @@ class _Picture:
             box = Box(spot.x_m, spot.y_m, 1.1 * self._letter_m, 1.1 * self._letter_m)
             yield from self._place("parking", parking.id, "Parking place", parking.node, box)
 
+        for station in plant.file.unassigned:
+            spot = plant.nodes.get(station.node) or Node(station.node, 0.0, 0.0)
+            side_m = 1.6 * self._letter_m
+            box = station.box or Box(spot.x_m, spot.y_m, side_m, side_m)
+            title = f"{station.name}: nobody has said what it is"
+            yield from self._place("unassigned", station.id, title, station.node, box)
+
     def _place(self, kind: str, name: str, title: str, node: str, box: Box) -> Iterator[str]:
-        _, fill, line = KINDS[kind]
+        _, fill, line = UNASSIGNED if kind == "unassigned" else KINDS[kind]
         dock = self._plant.nodes[node]
         thin_m = self._letter_m / 8
         yield (
@@ -250,7 +267,8 @@ class _Picture:
         """What the colours mean, and a scale."""
         letter_m = self._letter_m
         x_m = letter_m
-        for label, fill, line in KINDS.values():
+        kinds = [*KINDS.values(), *([UNASSIGNED] if self._plant.file.unassigned else [])]
+        for label, fill, line in kinds:
             yield (
                 f'<rect x="{x_m:.4g}" y="{y_m - 0.8 * letter_m:.6g}" width="{letter_m:.3g}" height="{letter_m:.3g}" '
                 f'fill="{fill}" stroke="{line}" stroke-width="{letter_m / 8:.3g}"/>'

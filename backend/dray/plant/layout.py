@@ -80,9 +80,10 @@ class Crossing(msgspec.Struct, frozen=True):
     """A part of the floor that one vehicle at a time crosses, and where none stops."""
 
     id: str
-    """Its first node in the plant file. It is a node of the floor only where a single track begins in it."""
+    """Its first node in the plant file. It is a node of the floor only where a single track begins in it. A lane with a shape
+    is a crossing, too: it has the name of its first corner's lane (`dray.plant.shapes`)."""
     nodes: tuple[str, ...]
-    """Of the plant file: more than one where there is no stop point between them."""
+    """Of the plant file: more than one where there is no stop point between them; none for a lane with a shape."""
     x_m: float
     y_m: float
     """Its middle."""
@@ -112,7 +113,7 @@ class Layout(msgspec.Struct, frozen=True):
 
 
 def lay_out(file: PlantFile) -> Layout:
-    """The floor of a plant file whose ids and references are right."""
+    """The floor of a plant file whose ids and references are right; lanes with a shape are still whole (`dray.plant.shapes`)."""
     if not any(_has_two_lanes(lane, file, frozenset()) for lane in file.lanes):
         return Layout(file.nodes, file.lanes, {}, {}, {})
     return _Draft(file).layout()
@@ -136,12 +137,12 @@ def stop_points(file: PlantFile) -> frozenset[str]:
 
 def name_after(start: str, end: str) -> str:
     """The stop point of the lane from `start` to `end` that comes first."""
-    return _short(f"{start}.to-{end}")
+    return short_name(f"{start}.to-{end}")
 
 
 def name_before(start: str, end: str) -> str:
     """The stop point of the lane from `start` to `end` that comes last, where there is room for two."""
-    return _short(f"{end}.from-{start}")
+    return short_name(f"{end}.from-{start}")
 
 
 def dock_nodes(file: PlantFile) -> frozenset[str]:
@@ -155,7 +156,8 @@ def dock_nodes(file: PlantFile) -> frozenset[str]:
 
 def _has_two_lanes(lane: Lane, file: PlantFile, docks: frozenset[str]) -> bool:
     wanted = file.two_lanes if lane.two_lanes is None else lane.two_lanes
-    return wanted and lane.both_ways and lane.start not in docks and lane.end not in docks
+    straight = not lane.shape
+    return wanted and straight and lane.both_ways and lane.start not in docks and lane.end not in docks
 
 
 def _both(lanes: Iterable[Lane]) -> list[tuple[str, str]]:
@@ -167,7 +169,8 @@ def _both(lanes: Iterable[Lane]) -> list[tuple[str, str]]:
     ]
 
 
-def _short(name: str) -> str:
+def short_name(name: str) -> str:
+    """A name that is made of others; at most as long as an id may be."""
     if len(name) <= LONGEST_ID:
         return name
     digest = sha256(name.encode()).hexdigest()[:DIGEST_CHARS]
@@ -238,7 +241,7 @@ class _Draft:
     # --- where vehicles stop ----------------------------------------------------------------------
 
     def _split(self, lane: Lane) -> tuple[_Road, ...]:
-        """The directions of a lane between two crossings; none for a single track that is driven both ways."""
+        """The directions of a lane between two crossings; none for a single track that is driven both ways or has a shape."""
         limit_mps = lane.speed_limit_mps
         if (lane.start, lane.end) in self._wide:
             offset_m = self._size.offset_m
@@ -246,7 +249,7 @@ class _Draft:
                 _Road(lane.start, lane.end, limit_mps, offset_m),
                 _Road(lane.end, lane.start, limit_mps, offset_m),
             )
-        return () if lane.both_ways else (_Road(lane.start, lane.end, limit_mps, 0.0),)
+        return () if lane.both_ways or lane.shape else (_Road(lane.start, lane.end, limit_mps, 0.0),)
 
     def _find_arms(self) -> dict[str, list[tuple[float, float]]]:
         """What leaves each crossing's node: direction (rad) and half of the width that vehicles take there (m)."""

@@ -39,6 +39,13 @@ class Item(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """Base of everything in a plant file: immutable, and a misspelt field is an error."""
 
 
+class Point(Item, frozen=True):
+    """A corner of an area, or of a lane that is not straight."""
+
+    x_m: float
+    y_m: float
+
+
 class Node(Item, frozen=True):
     """A point of the road network."""
 
@@ -48,7 +55,7 @@ class Node(Item, frozen=True):
 
 
 class Lane(Item, frozen=True):
-    """A road from one node to another, straight, wide enough for one vehicle unless it says otherwise."""
+    """A road from one node to another, straight and wide enough for one vehicle unless it says otherwise."""
 
     start: Id
     end: Id
@@ -58,6 +65,9 @@ class Lane(Item, frozen=True):
     two_lanes: bool | None = None
     """Only with `both_ways`: whether two vehicles can pass one another, each on a lane of its own on the right. What the
     plant says if it is left out; a road to a dock is single track. See `dray.plant.layout`."""
+    shape: Annotated[tuple[Point, ...], Meta(max_length=200)] = ()
+    """The corners between its ends, from `start` on, of a lane that is not straight: a curve is written as short pieces.
+    Such a lane is single track, and nobody stops on it. See `dray.plant.shapes`."""
 
 
 class Box(Item, frozen=True):
@@ -182,19 +192,21 @@ class WorkingStation(Item, frozen=True):
     name: Name
 
 
-class Point(Item, frozen=True):
-    """A corner of an area."""
-
-    x_m: float
-    y_m: float
-
-
 class Area(Item, frozen=True):
     """A part of the floor that operators are responsible for."""
 
     id: Id
     name: Name
     polygon: Annotated[tuple[Point, ...], Meta(min_length=3)]
+
+
+class Unassigned(Item, frozen=True):
+    """A station of an imported layout, which does not tell what it is for. A plant with one is not finished."""
+
+    id: Id
+    name: Name
+    node: Id
+    box: Box | None = None
 
 
 Dock = Warehouse | Storage | Charger | Parking | MachineSpec
@@ -294,6 +306,7 @@ class PlantFile(Item, frozen=True):
     fleet: Annotated[tuple[VehicleSpec, ...], Meta(min_length=1)]
     parkings: tuple[Parking, ...] = ()
     areas: tuple[Area, ...] = ()
+    unassigned: tuple[Unassigned, ...] = ()
     two_lanes: bool = False
     """Whether roads that run both ways have two lanes, where a lane does not say it itself."""
     cell_m: Positive = 20.0

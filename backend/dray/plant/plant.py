@@ -15,7 +15,7 @@ from msgspec.structs import replace
 
 from dray.plant.geometry import box_of, distance_m, inside
 from dray.plant.grid import Grid
-from dray.plant.layout import Crossing, Layout, lay_out
+from dray.plant.layout import Crossing, Layout
 from dray.plant.model import (
     Area,
     Charger,
@@ -36,6 +36,7 @@ from dray.plant.model import (
 from dray.plant.restrictions import OPEN, Extent, Restrictions, extent_of
 from dray.plant.roads import DirectedLane, Roads
 from dray.plant.routes import Routes
+from dray.plant.shapes import floor_of
 
 
 class _HasId(Protocol):
@@ -68,7 +69,7 @@ class Plant:
         self.file = file
         self.id, self.name = file.plant, file.name
         self.width_m, self.height_m, self.cell_m = file.width_m, file.height_m, file.cell_m
-        layout = lay_out(file)
+        layout = floor_of(file)
         self.driven = _as_driven(file, layout)
         """The file with the nodes and lanes that vehicles drive on; the file itself where no road has two lanes."""
         self.nodes: Mapping[str, Node] = _by_id(layout.nodes)

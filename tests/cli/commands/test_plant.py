@@ -11,7 +11,7 @@ import pytest
 from typer.testing import CliRunner
 
 from dray.cli import app
-from dray.errors import PlantError, SettingsError
+from dray.errors import PlantError, PlantErrors, SettingsError
 from dray.plant import load_plant
 
 TINY_SHIFT = ("--hours", "0.3", "--load", "0.5")
@@ -185,3 +185,38 @@ def test_drawn_plants_are_played_judged_and_kept(tmp_path: Path) -> None:
     assert load_plant(kept).id == "p3"
     [each] = json.loads(judged.read_text())
     assert each["replay"] == "dray sim plants --seed 3 --small --hours 0.3"
+
+
+# --- layouts of other systems -------------------------------------------------------------------------
+
+
+def test_a_layout_is_exported_imported_checked_and_drawn(tmp_path: Path) -> None:
+    exported, plant, picture = (tmp_path / name for name in ("hall.json", "hall.yaml", "hall.svg"))
+    assert dray("plant", "export", "workshop", "--lif", "-o", str(exported))[0] == 0
+    told = dray("plant", "import", str(exported))[1]
+    points = [line.strip() for line in told.partition("open points")[2].splitlines()[1:]]
+    mapping = json.loads((tmp_path / "hall.mapping.json").read_text(encoding="utf-8"))
+    assert mapping["format"] == "LIF 1.0.0"
+    with pytest.raises(PlantErrors) as raised:
+        dray("plant", "check", str(plant))
+    assert sorted(f"{error.field}: {error.reason}" for error in raised.value.errors) == sorted(points)
+    assert dray("plant", "draw", str(plant), "-o", str(picture))[0] == 0
+    assert ET.parse(picture).getroot().tag.endswith("svg")
+    assert dray("plant", "import", str(exported), "--onto", "workshop", "--force")[0] == 0
+    assert load_plant(plant).file == load_plant("workshop").file
+
+
+def test_an_import_writes_over_nothing_and_says_what_is_wrong(tmp_path: Path) -> None:
+    file, plant = tmp_path / "hall.json", tmp_path / "hall.yaml"
+    file.write_text("{}", encoding="utf-8")
+    with pytest.raises(PlantError, match="no LIF file"):
+        dray("plant", "import", str(file))
+    plant.write_text("mine", encoding="utf-8")
+    with pytest.raises(SettingsError, match="is there already"):
+        dray("plant", "import", str(file))
+    assert plant.read_text(encoding="utf-8") == "mine"
+    for args, why in ((("--unit", "yard"), "yard is none of"), (("--plant", "1"), "a letter first")):
+        with pytest.raises(SettingsError, match=why):
+            dray("plant", "import", str(file), *args)
+    with pytest.raises(SettingsError, match="cannot be read"):
+        dray("plant", "import", str(tmp_path / "none.json"))

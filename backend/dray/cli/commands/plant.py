@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Annotated, TypeVar
 
 import typer
 
+from dray.cli.commands.plant_exchange import export_layout, import_layout
+
 if TYPE_CHECKING:
     from dray.plant import Plant
 
@@ -19,6 +21,10 @@ HEAD = """\
 """
 
 app = typer.Typer(no_args_is_help=True, help="Plant files.")
+
+
+app.command("import")(import_layout)
+app.command("export")(export_layout)
 
 
 @app.callback()
@@ -79,12 +85,15 @@ def draw(
         Path | None, typer.Option("-o", "--out", help="The SVG file; else standard output.")
     ] = None,
 ) -> None:
-    """Draw a plant file as a picture (SVG), for a browser or a document."""
+    """Draw a plant file as a picture (SVG), for a browser or a document; of one that is not finished, what is in it."""
     from dray.cli.runtime.output import write_text
-    from dray.plant import load_plant
     from dray.plant.drawing import draw as drawn
+    from dray.plant.file.file import unfinished_plant
 
-    picture = drawn(load_plant(file))
+    chosen, faults = unfinished_plant(file)
+    if faults:
+        typer.echo(f"{file}: {len(faults)} faults or open points, see dray plant check {file}", err=True)
+    picture = drawn(chosen)
     if out is None:
         typer.echo(picture, nl=False)
     else:

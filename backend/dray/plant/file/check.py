@@ -11,6 +11,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from difflib import get_close_matches
 
 from dray.plant.file.check_floor import floor_faults
+from dray.plant.file.unfinished import unassigned_fault
 from dray.plant.layout import stop_points
 from dray.plant.model import MachineSpec, Material, PlantFile, Product
 
@@ -23,7 +24,7 @@ SPACES = (
     ("stations",),
     ("areas",),
     ("vehicle_types",),
-    ("warehouses", "storages", "chargers", "parkings", "machines", "fleet"),
+    ("warehouses", "storages", "chargers", "parkings", "machines", "fleet", "unassigned"),
 )
 """Sections that share one space of ids: items are asked for by id alone, and so are places and agents."""
 
@@ -66,6 +67,8 @@ def faults(file: PlantFile) -> Iterator[Fault]:
     yield from _machines(file)
     yield from _kinds_of_warehouse(file)
     yield from floor_faults(file)
+    for index, station in enumerate(file.unassigned):
+        yield unassigned_fault(index, station.id, station.node)
 
 
 def _ids(file: PlantFile) -> Iterator[Fault]:
@@ -86,7 +89,7 @@ def _references(file: PlantFile) -> Iterator[Fault]:
     known = {
         section: {spec.id for spec in getattr(file, section)} for sections in SPACES for section in sections
     }
-    for section in ("warehouses", "storages", "chargers", "parkings", "machines"):
+    for section in ("warehouses", "storages", "chargers", "parkings", "machines", "unassigned"):
         for index, spec in enumerate(getattr(file, section)):
             yield from _known(spec.node, f"{section}[{index}].node", known, "nodes")
     stands = known | {"nodes": known["nodes"] | stop_points(file)}

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator
+from itertools import pairwise
 from math import ceil, hypot
 
 from dray.plant.geometry import area_m2, crossed_edges
-from dray.plant.layout import dock_nodes, lay_out, stop_names
+from dray.plant.layout import dock_nodes, stop_names
 from dray.plant.model import Area, Box, Lane, Node, PlantFile
 from dray.plant.roads import Roads
+from dray.plant.shapes import corner_names, corners_of, floor_of
 
 MAX_SIDE_M = 10_000.0
 """Ten kilometres: no factory floor is longer, but one written in millimetres is."""
@@ -19,6 +21,9 @@ MAX_CELLS = 10_000
 
 MIN_LANE_M = 0.05
 """Shorter lanes are two nodes on one spot."""
+
+MIN_PIECE_M = 0.01
+"""Between two corners of a lane; a shorter piece has no direction."""
 
 MAX_CORNERS = 200
 """Corners of an area: every edge is compared with every other."""
@@ -33,6 +38,7 @@ def floor_faults(file: PlantFile) -> Iterator[tuple[str, str]]:
     yield from _outside(file)
     yield from _lanes(file)
     yield from _two_lanes(file)
+    yield from _shapes(file)
     yield from _starts(file)
     yield from _unreachable(file)
     for index, area in enumerate(file.areas):
@@ -110,7 +116,9 @@ def _two_lanes(file: PlantFile) -> Iterator[tuple[str, str]]:
     for index, lane in enumerate(file.lanes):
         if lane.two_lanes:
             where = f"lanes[{index}].two_lanes"
-            if not lane.both_ways:
+            if lane.shape:
+                yield where, "a lane with a shape is single track: leave this out, or draw two one-way lanes"
+            elif not lane.both_ways:
                 yield where, "the lane runs one way: add `both_ways: true`, or leave this out"
             elif dock := next((end for end in (lane.start, lane.end) if end in docks), None):
                 yield where, f"vehicles dock at {dock}: give the dock a spur off this road, or leave this out"
@@ -121,10 +129,31 @@ def _two_lanes(file: PlantFile) -> Iterator[tuple[str, str]]:
                 yield f"nodes[{index}].id", f"{node.id} is the name of a stop point: choose another"
 
 
+def _shapes(file: PlantFile) -> Iterator[tuple[str, str]]:
+    """Corners that lie on one another or beside the floor, and nodes that are called as a corner is."""
+    nodes = {node.id: node for node in file.nodes}
+    for index, lane in enumerate(file.lanes):
+        for at, corner in enumerate(lane.shape):
+            if not _on_floor(file, corner.x_m, corner.y_m):
+                reason = f"({corner.x_m:g}, {corner.y_m:g}) is outside of the floor of {file.width_m:g} m x {file.height_m:g} m"
+                yield f"lanes[{index}].shape[{at}]", reason
+        if lane.shape and lane.start in nodes and lane.end in nodes:
+            points = corners_of(lane, nodes[lane.start], nodes[lane.end])
+            for at, (before, after) in enumerate(pairwise(points)):
+                if hypot(after.x_m - before.x_m, after.y_m - before.y_m) < MIN_PIECE_M:
+                    where = f"lanes[{index}].shape[{min(at, len(lane.shape) - 1)}]"
+                    yield where, f"two corners are less than {MIN_PIECE_M:g} m apart: leave one out"
+                    break
+    if taken := corner_names(file):
+        for index, node in enumerate(file.nodes):
+            if node.id in taken:
+                yield f"nodes[{index}].id", f"{node.id} is the name of a corner of a lane: choose another"
+
+
 def _starts(file: PlantFile) -> Iterator[tuple[str, str]]:
     """Two vehicles cannot stand on one spot, and none in a crossing."""
     if _is_joined(file):
-        layout = lay_out(file)
+        layout = floor_of(file)
         crossing_of = {node: each for each in layout.crossings.values() for node in each.nodes}
         for index, vehicle in enumerate(file.fleet):
             if crossing := crossing_of.get(vehicle.node):
@@ -149,7 +178,7 @@ def _unreachable(file: PlantFile) -> Iterator[tuple[str, str]]:
     if not _is_joined(file):
         # Which docks a misspelt lane was to join is anybody's guess.
         return
-    layout = lay_out(file)
+    layout = floor_of(file)
     nodes = {node.id for node in layout.nodes}
     roads = Roads(layout.nodes, layout.lanes)
     docks = [

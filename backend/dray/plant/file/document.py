@@ -24,7 +24,13 @@ MAX_VALUES = 1_000_000
 _LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 """libyaml where PyYAML was built with it: ten times as fast on a plant of 500 vehicles."""
 
-_DUMPER = getattr(yaml, "CSafeDumper", yaml.SafeDumper)
+
+class _Dumper(getattr(yaml, "CSafeDumper", yaml.SafeDumper)):  # type: ignore[misc]
+    """Writes everything out: a plant file has no aliases."""
+
+    def ignore_aliases(self, data: object) -> bool:
+        return True
+
 
 LINE_CHARS = 110
 """Where written lines are folded, as in our sources."""
@@ -79,7 +85,7 @@ def write_document(data: object) -> str:
     """The text of which `read_document` makes the same data; innermost lists and mappings on one line."""
     text: str = yaml.dump(
         data,
-        Dumper=_DUMPER,
+        Dumper=_Dumper,
         allow_unicode=True,
         default_flow_style=None,
         sort_keys=False,

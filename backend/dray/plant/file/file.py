@@ -1,7 +1,8 @@
 """Reading a plant file: text to shapes to a checked `Plant`, or every fault by line and field.
 
 Three passes, each only when the one before it found nothing: the YAML (`document`), the shape of
-every entry (`model`), and how the entries fit together (`check`).
+every entry (`model`), and how the entries fit together (`check`). Of a file that is not finished (`unfinished`) what is open is
+named, and how its lanes fit together, as far as they are drawn.
 """
 
 from __future__ import annotations
@@ -12,14 +13,15 @@ from functools import cache
 from importlib.resources import files
 from itertools import islice
 from pathlib import Path
-from typing import get_args, get_origin
 
 import msgspec
 from msgspec.structs import replace
 
 from dray.errors import PlantError, PlantErrors
 from dray.plant.file.check import faults
+from dray.plant.file.check_floor import floor_faults
 from dray.plant.file.document import Document, read_document, write_document
+from dray.plant.file.unfinished import drawable, entry_type, has_null, open_points
 from dray.plant.model import MachineSpec, PlantFile
 from dray.plant.plant import Plant
 
@@ -58,9 +60,18 @@ def load_plant(path: str | Path) -> Plant:
         PlantError: it cannot be read, or has one fault.
         PlantErrors: it has several faults; all are named, in file order.
     """
-    name = str(path)
     if is_shipped(path):
-        return shipped_plant(name)
+        return shipped_plant(str(path))
+    return parse_plant(_text(path), str(path))
+
+
+def _text(path: str | Path) -> str:
+    """The text of a file.
+
+    Raises:
+        PlantError: it cannot be read, is too large or is no text.
+    """
+    name = str(path)
     try:
         with Path(path).open("rb") as stream:
             content = stream.read(MAX_BYTES + 1)
@@ -76,11 +87,10 @@ def load_plant(path: str | Path) -> Plant:
         limit_mib = MAX_BYTES // 1024 // 1024
         raise PlantError(name, "", f"has more than {limit_mib} MiB: this is no plant file")
     try:
-        text = content.decode("utf-8-sig")
+        return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = content.count(b"\n", 0, error.start) + 1
         raise PlantError(name, "", "is not UTF-8: save it as UTF-8", line) from None
-    return parse_plant(text, name)
 
 
 def parse_plant(text: str, name: str) -> Plant:
@@ -99,13 +109,49 @@ def parse_plant(text: str, name: str) -> Plant:
         raise PlantError(name, "", "is empty: a plant begins with `plant: ID` and `name: NAME`")
     if not isinstance(document.data, dict):
         raise PlantError(name, "", "is no mapping: a plant begins with `plant: ID` and `name: NAME`", 1)
-    found = _first(document, name, _shape_faults(document.data))
+    found = _first(document, name, document_faults(document.data))
     if not found:
-        file = msgspec.convert(document.data, PlantFile)
-        found = _first(document, name, faults(file))
-        if not found:
-            return Plant(file)
+        return Plant(msgspec.convert(document.data, PlantFile))
     raise found[0] if len(found) == 1 else PlantErrors(tuple(found))
+
+
+def document_faults(data: dict[str, object]) -> Iterator[tuple[str, str]]:
+    """Everything that keeps a plant from being run, as (field, reason); nothing for a good one.
+
+    Args:
+        data: the mapping of a plant file, of any shape inside.
+    """
+    found = [*open_points(data), *_shape_faults(data)]
+    if not found and (fault := _misfit("", data, PlantFile)) is not None:
+        # A null where nothing of the file could be open.
+        found.append((fault[0].lstrip("."), fault[1]))
+    if not found:
+        yield from faults(msgspec.convert(data, PlantFile))
+        return
+    yield from found
+    rest = drawable(data)[1]
+    if rest is not None:
+        yield from floor_faults(rest)
+
+
+def unfinished_plant(path: str | Path) -> tuple[Plant, tuple[PlantError, ...]]:
+    """What can be drawn of a plant file, and what keeps it from being run.
+
+    Raises:
+        PlantError: it cannot be read at all.
+    """
+    try:
+        return load_plant(path), ()
+    except PlantErrors as errors:
+        found: tuple[PlantError, ...] = errors.errors
+    except PlantError as error:
+        found = (error,)
+    if is_shipped(path):
+        raise found[0]
+    document = read_document(_text(path), str(path))
+    if not isinstance(document.data, dict):
+        raise found[0]
+    return drawable(document.data)[0], found
 
 
 def with_machine(plant: Plant, spec: MachineSpec, name: str) -> Plant:
@@ -172,13 +218,15 @@ def _first(document: Document, name: str, found: Iterable[tuple[str, str]]) -> l
 
 
 def _shape_faults(data: dict[str, object]) -> Iterator[tuple[str, str]]:
-    """The first fault of every entry, as (field, reason); none when the whole has the right shape.
+    """The first fault of every entry, as (field, reason); none when the whole has the right shape. What is open is no fault here.
 
     Entries are tried one by one because msgspec stops at the first fault that it meets.
     """
     sections = {section.name: section for section in msgspec.structs.fields(PlantFile)}
     for name, section in sections.items():
         if name in data:
+            if data[name] is None:
+                continue
             yield from _section_faults(name, data[name], section.type)
         elif section.required:
             yield "", f"`{name}` is missing: add it"
@@ -191,14 +239,35 @@ def _section_faults(name: str, value: object, kind: object) -> Iterator[tuple[st
     fault = _misfit(name, value, kind)
     if fault is None:
         return
-    entry = _entry_type(kind)
+    entry = entry_type(kind)
     if entry is None or not isinstance(value, list) or fault[0] == name:
         yield fault
         return
     for index, item in enumerate(value):
-        fault = _misfit(f"{name}[{index}]", item, entry)
+        where = f"{name}[{index}]"
+        if isinstance(item, dict) and has_null(item):
+            yield from _rest_faults(where, item, entry)
+            continue
+        fault = _misfit(where, item, entry)
         if fault is not None:
             yield fault
+
+
+def _rest_faults(
+    where: str, entry: dict[str, object], kind: type[msgspec.Struct]
+) -> Iterator[tuple[str, str]]:
+    """What is wrong with an entry beside what is open in it."""
+    types = {field.name: field.type for field in msgspec.structs.fields(kind)}
+    for name, value in entry.items():
+        if name not in types:
+            yield f"{where}.{name}", "there is no such field here: check its spelling"
+        elif not has_null(value):
+            fault = _misfit(f"{where}.{name}", value, types[name])
+            if fault is not None:
+                yield fault
+    for field in msgspec.structs.fields(kind):
+        if field.required and field.name not in entry:
+            yield where, f"`{field.name}` is missing: add it"
 
 
 def _misfit(field: str, value: object, kind: object) -> tuple[str, str] | None:
@@ -211,10 +280,3 @@ def _misfit(field: str, value: object, kind: object) -> tuple[str, str] | None:
             reason = form.sub(ours, reason)
         return field + path.rstrip("`"), reason[:1].lower() + reason[1:]
     return None
-
-
-def _entry_type(section: object) -> object | None:
-    """The type of the entries of a section of the file: X of ``tuple[X, ...]``, annotated or not."""
-    while get_origin(section) not in (None, tuple):
-        section = get_args(section)[0]
-    return get_args(section)[0] if get_args(section) else None

@@ -1,0 +1,291 @@
+"""A layout of another system as a plant file that is not finished, and the mapping that keeps what the other system says."""
+
+from __future__ import annotations
+
+from math import hypot
+from typing import Any
+
+import msgspec
+
+from dray.plant.exchange.names import Ids
+from dray.plant.exchange.notes import Note, Notes
+from dray.plant.exchange.track_layout import TrackEdge, TrackLayout, TrackStation
+from dray.plant.file.check import RESERVED
+
+EDGE_M = 2.0
+"""Of free floor around the outermost nodes."""
+
+GAP_M = 5.0
+"""Between layouts of different levels, which are laid side by side."""
+
+USUAL_MPS = 1.5
+"""The limit of a lane of which none is told: what a lane has that says nothing."""
+
+OPEN = ("materials", "products", "warehouses", "storages", "stations", "machines", "areas")
+"""Sections that no layout tells."""
+
+Data = dict[str, Any]
+
+
+class Imported(msgspec.Struct):
+    """What becomes of a layout."""
+
+    data: Data
+    """A plant file; what is open in it is null (`dray.plant.file.unfinished`)."""
+    mapping: Data
+    """Original ids beside ours, and what a plant has no field for."""
+    notes: tuple[Note, ...]
+
+
+def assemble(layout: TrackLayout, notes: Notes, *, plant: str, name: str) -> Imported:
+    """A plant file of a layout.
+
+    Args:
+        layout: as it was read.
+        notes: where what cannot be taken is said.
+        plant: the id of the plant.
+        name: what people call it.
+    """
+    return _Assembly(layout, notes).make(plant, name)
+
+
+class _Assembly:
+    def __init__(self, layout: TrackLayout, notes: Notes) -> None:
+        self._layout, self._notes = layout, notes
+        ids = Ids("n-")
+        self._node = {node.original: ids.give(node.original) for node in layout.nodes}
+        self._level = {node.original: node.level for node in layout.nodes}
+        self._places = Ids("s-", frozenset(RESERVED))
+        self._shift_m = self._side_by_side()
+
+    def make(self, plant: str, name: str) -> Imported:
+        layout = self._layout
+        data: Data = {"plant": plant, "name": name[:80], "width_m": 0.0, "height_m": 0.0}
+        data["nodes"] = [
+            {"id": self._node[node.original], **self._spot(node.original, node.x_m, node.y_m)}
+            for node in layout.nodes
+        ]
+        lanes, lane_map = self._lanes()
+        data["lanes"] = lanes
+        spots = [*data["nodes"], *(corner for lane in lanes for corner in lane.get("shape", ()))]
+        data["width_m"] = round(max((spot["x_m"] for spot in spots), default=0.0) + EDGE_M, 3)
+        data["height_m"] = round(max((spot["y_m"] for spot in spots), default=0.0) + EDGE_M, 3)
+        data.update(dict.fromkeys(OPEN))
+        places, place_map = self._stations()
+        data["chargers"] = places["chargers"] or None
+        data["parkings"] = places["parkings"]
+        data["unassigned"] = places["unassigned"]
+        kinds, kind_map = self._vehicle_types()
+        data["vehicle_types"] = kinds or None
+        fleet, fleet_map = self._fleet({one["original"]: one["id"] for one in kind_map})
+        data["fleet"] = fleet or None
+        mapping = {
+            "format": layout.format,
+            "name": layout.name,
+            "moved_m": [
+                {"level": level, "x_m": x_m, "y_m": y_m} for level, (x_m, y_m) in self._shift_m.items()
+            ],
+            "nodes": [
+                {"id": self._node[node.original], "original": node.original, "kept": node.kept}
+                for node in layout.nodes
+            ],
+            "lanes": lane_map,
+            "places": place_map,
+            "vehicle_types": kind_map,
+            "fleet": fleet_map,
+            "kept": layout.kept,
+        }
+        return Imported(data, mapping, self._notes.all())
+
+    # --- the floor -----------------------------------------------------------------------------------
+
+    def _side_by_side(self) -> dict[str, tuple[float, float]]:
+        """By how much each level is moved, so that nothing is below 0 and levels do not lie on one another."""
+        shifts: dict[str, tuple[float, float]] = {}
+        right_m = 0.0
+        levels = dict.fromkeys(node.level for node in self._layout.nodes)
+        ends = {node.original: node for node in self._layout.nodes}
+        for level in levels:
+            spots = [(node.x_m, node.y_m) for node in self._layout.nodes if node.level == level]
+            for edge in self._layout.edges:
+                if ends[edge.start].level == level:
+                    spots += edge.corners
+            xs_m, ys_m = zip(*spots, strict=True)
+            alone = len(levels) == 1
+            x_m = _shift_m(min(xs_m), max(xs_m)) if alone else right_m + EDGE_M - min(xs_m)
+            y_m = _shift_m(min(ys_m), max(ys_m)) if alone else EDGE_M - min(ys_m)
+            shifts[level] = round(x_m, 6), round(y_m, 6)
+            right_m = max(xs_m) + x_m + GAP_M
+            if not alone:
+                text = (
+                    f"level {level or '(none)'} is laid beside the others: moved by {x_m:.2f} m, {y_m:.2f} m"
+                )
+                self._notes.add("", text)
+            elif x_m or y_m:
+                self._notes.add("", f"moved by {x_m:.2f} m, {y_m:.2f} m, so that the floor begins at 0, 0")
+        return shifts
+
+    def _spot(self, node: str, x_m: float, y_m: float) -> Data:
+        """A spot on our floor, of the level of a node."""
+        by_x_m, by_y_m = self._shift_m[self._level[node]]
+        return {
+            "x_m": round(x_m + by_x_m, 6) if by_x_m else x_m,
+            "y_m": round(y_m + by_y_m, 6) if by_y_m else y_m,
+        }
+
+    def _lanes(self) -> tuple[list[Data], list[Data]]:
+        """Lanes, both directions of one road as one where they are alike, and the mapping of them."""
+        levels = self._level
+        spots = {node.original: self._spot(node.original, node.x_m, node.y_m) for node in self._layout.nodes}
+        lanes: dict[tuple[str, str], Data] = {}
+        told: dict[tuple[str, str], Data] = {}
+        for edge in self._layout.edges:
+            ends, back = (edge.start, edge.end), (edge.end, edge.start)
+            entry = {"original": edge.original, "limits_mps": edge.limits_mps, "kept": edge.kept}
+            if edge.start == edge.end:
+                self._notes.add(
+                    edge.place, f"edge {edge.original} leads back to its own node: it is left out"
+                )
+                told[edge.original, ""] = {"original": [entry]}
+                continue
+            if levels[edge.start] != levels[edge.end]:
+                self._notes.add(
+                    edge.place,
+                    f"edge {edge.original} leads to another level: its length here is not its true one",
+                )
+                edge.corners = []
+            if ends in told:
+                self._notes.add(
+                    edge.place,
+                    f"edge {edge.original} is a second one from {edge.start} to {edge.end}: the first one is taken",
+                )
+                told[ends]["original"].append(entry)
+                continue
+            lane = self._lane(edge)
+            if _apart_m(spots[edge.start], spots[edge.end]) < 0.05:
+                self._notes.add(
+                    edge.place, f"edge {edge.original} joins two nodes on one spot: make them one node"
+                )
+            other = lanes.get(back)
+            if other is not None and not other.get("both_ways") and _reversed(other) == _alike(lane):
+                other["both_ways"] = True
+                told[ends] = told[back]
+                told[back]["original"].append(entry)
+                continue
+            lanes[ends] = lane
+            told[ends] = {"start": lane["start"], "end": lane["end"], "original": [entry]}
+        mapping = list({id(entry): entry for entry in told.values()}.values())
+        return list(lanes.values()), mapping
+
+    def _lane(self, edge: TrackEdge) -> Data:
+        limits = edge.limits_mps
+        if len(set(limits.values())) > 1:
+            self._notes.add(
+                edge.place,
+                "types of vehicles have limits of their own on one lane: the lowest is taken for all",
+            )
+        lane: Data = {"start": self._node[edge.start], "end": self._node[edge.end]}
+        if not limits:
+            self._notes.add(edge.place, f"no speed is told: {USUAL_MPS:g} m/s is taken")
+        lane["speed_limit_mps"] = min(limits.values(), default=USUAL_MPS)
+        if edge.corners:
+            lane["shape"] = [self._spot(edge.start, *corner) for corner in edge.corners]
+        return lane
+
+    # --- what stands on it --------------------------------------------------------------------------
+
+    def _stations(self) -> tuple[dict[str, list[Data]], list[Data]]:
+        places: dict[str, list[Data]] = {"chargers": [], "parkings": [], "unassigned": []}
+        mapping: list[Data] = []
+        served = {station.nodes[0] for station in self._layout.stations}
+        for station in self._layout.stations:
+            self._station(station, places, mapping)
+        for node in self._layout.nodes:
+            if node.original in served or not (node.parks or node.charges):
+                continue
+            kind = "chargers" if node.charges else "parkings"
+            name = self._places.give(f"{'CH' if node.charges else 'P'}-{node.original}")
+            place: Data = {"id": name, "node": self._node[node.original]}
+            if node.charges:
+                place["box"] = None
+            places[kind].append(place)
+            mapping.append({"id": name, "original": node.original, "section": kind})
+        return places, mapping
+
+    def _station(self, station: TrackStation, places: dict[str, list[Data]], mapping: list[Data]) -> None:
+        name = self._places.give(station.original)
+        kind = "chargers" if station.charges else "parkings" if station.parks else "unassigned"
+        place: Data = {"id": name, "node": self._node[station.nodes[0]]}
+        if kind == "chargers":
+            place["box"] = None
+        elif kind == "unassigned":
+            place["name"] = station.name[:80] or name
+        if len(station.nodes) > 1:
+            others = ", ".join(station.nodes[1:])
+            text = f"station {station.original} is served from {len(station.nodes)} nodes: {station.nodes[0]} is taken, not {others}"
+            self._notes.add(station.place, text)
+        places[kind].append(place)
+        mapping.append(
+            {
+                "id": name,
+                "original": station.original,
+                "section": kind,
+                "nodes": [self._node[node] for node in station.nodes],
+                "kept": station.kept,
+            }
+        )
+
+    def _vehicle_types(self) -> tuple[list[Data], list[Data]]:
+        ids = Ids("t-")
+        kinds, mapping = [], []
+        for kind in self._layout.vehicle_types:
+            name = ids.give(kind.original)
+            made: Data = {
+                "id": name,
+                "name": kind.original[:80],
+                "length_m": kind.length_m,
+                "width_m": kind.width_m,
+                "max_speed_mps": kind.max_speed_mps,
+                "load_s": None,
+                "unload_s": None,
+                "battery_wh": None,
+                "charge_w": None,
+            }
+            if kind.charging:
+                made["charging"] = kind.charging
+            kinds.append(made)
+            mapping.append({"id": name, "original": kind.original})
+        return kinds, mapping
+
+    def _fleet(self, kinds: dict[str, str]) -> tuple[list[Data], list[Data]]:
+        fleet, mapping = [], []
+        for vehicle in self._layout.vehicles:
+            name = self._places.give(vehicle.original)
+            node = self._node[vehicle.node] if vehicle.node is not None else None
+            fleet.append({"id": name, "type": kinds[vehicle.kind], "node": node})
+            mapping.append({"id": name, "original": vehicle.original, "kept": vehicle.kept})
+        return fleet, mapping
+
+
+def _shift_m(low_m: float, high_m: float) -> float:
+    """By how much to move a layout whose nodes are between these: not at all where it lies well."""
+    if low_m < 0.0:
+        return EDGE_M - low_m
+    # Coordinates of a map that begins far away would make a floor that is mostly empty.
+    return EDGE_M - low_m if low_m > max(50.0, high_m - low_m) else 0.0
+
+
+def _alike(lane: Data) -> tuple[object, ...]:
+    """What two directions of one road have in common."""
+    return (lane["speed_limit_mps"], tuple((spot["x_m"], spot["y_m"]) for spot in lane.get("shape", ())))
+
+
+def _reversed(lane: Data) -> tuple[object, ...]:
+    return (
+        lane["speed_limit_mps"],
+        tuple((spot["x_m"], spot["y_m"]) for spot in reversed(lane.get("shape", ()))),
+    )
+
+
+def _apart_m(one: Data, other: Data) -> float:
+    return hypot(one["x_m"] - other["x_m"], one["y_m"] - other["y_m"])

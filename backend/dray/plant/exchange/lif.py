@@ -1,0 +1,474 @@
+"""Reading LIF, the Layout Interchange Format of VDMA: 1.0.0 of March 2024, its drafts before, and the draft of 2.0.0 with origins.
+
+Few files keep to the format, so reading is lenient: numbers may be text, a type of vehicle may be named by any of the ways in which
+the versions name it, and what is missing is said. Metres; a file that can only be in millimetres is read so, and that is said.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import hypot, isfinite
+from statistics import median
+from typing import Any
+
+import msgspec
+
+from dray.plant.exchange import curves
+from dray.plant.exchange.curves import CurveError
+from dray.plant.exchange.notes import Notes
+from dray.plant.exchange.track_layout import (
+    Spot,
+    TrackEdge,
+    TrackLayout,
+    TrackNode,
+    TrackStation,
+    TrackVehicleType,
+)
+
+MM_EDGE = 500.0
+"""Edges are so long at the median, or longer: those are millimetres. No lane is half a kilometre long."""
+
+SNAP_M = 0.5
+"""A trajectory that begins or ends nearer to its node is moved there; another one belongs to something else."""
+
+Json = dict[str, Any]
+
+NODE_USED = frozenset({"nodeId", "nodePosition"})
+EDGE_USED = frozenset({"edgeId", "startNodeId", "endNodeId"})
+STATION_USED = frozenset({"stationId", "stationName", "interactionNodeIds"})
+TYPE_PROPERTIES = ("vehicleTypeNodeProperties", "vehicleTypeEdgeProperties")
+NEW_TYPE_PROPERTIES = ("mobileRobotTypeNodeProperties", "mobileRobotTypeEdgeProperties")
+
+NAMED = {
+    "metaInformation": {"projectIdentification", "lifId", "creator", "exportTimestamp", "lifVersion"},
+    "layout": {
+        *(
+            "layoutId",
+            "layoutName",
+            "layoutVersion",
+            "layoutLevelId",
+            "layoutDescription",
+            "layoutDescriptor",
+        ),
+        *("nodes", "edges", "stations"),
+    },
+    "node": {
+        *NODE_USED,
+        *("nodeName", "nodeDescription", "nodeDescriptor", "mapId", "vehicleTypeNodeProperties"),
+        "mobileRobotTypeNodeProperties",
+    },
+    "edge": {
+        *EDGE_USED,
+        *("edgeName", "edgeDescription", "edgeDescriptor", "vehicleTypeEdgeProperties"),
+        "mobileRobotTypeEdgeProperties",
+    },
+    "station": {
+        *STATION_USED,
+        *("stationDescription", "stationDescriptor", "stationHeight", "stationPosition"),
+    },
+    "node property": {
+        *("vehicleTypeId", "vehicleTypeIds", "mobileRobotTypes", "theta", "actions", "loadRestriction"),
+        *("maximumAllowedDeviation", "allowedDeviationXY", "allowedDeviationTheta"),
+    },
+    "edge property": {
+        *(
+            "vehicleTypeId",
+            "vehicleTypeIds",
+            "mobileRobotTypes",
+            "vehicleOrientation",
+            "mobileRobotOrientations",
+        ),
+        *("orientationType", "rotationAllowed", "rotationAtStartNodeAllowed", "rotationAtEndNodeAllowed"),
+        *("maxSpeed", "maximumSpeed", "maxRotationSpeed", "maximumRotationSpeed", "minHeight", "maxHeight"),
+        *("loadRestriction", "actions", "trajectory", "physicalLineGuidedProperty", "reentryAllowed"),
+        *("reachOrientationBeforeEntering", "corridor", "minimumLoadHandlingDeviceHeight"),
+        *("maximumMobileRobotHeight", "direction"),
+    },
+}
+"""What the standard names, by kind of object. The rest is not understood."""
+
+NOT_IN_A_PLANT = {
+    "theta": "how a vehicle stands at a node",
+    "loadRestriction": "who may drive there with or without a load",
+    "vehicleOrientation": "how a vehicle is turned on a lane",
+    "mobileRobotOrientations": "how a vehicle is turned on a lane",
+    "rotationAtStartNodeAllowed": "where a vehicle may turn",
+    "rotationAtEndNodeAllowed": "where a vehicle may turn",
+    "maxRotationSpeed": "the speed of turning",
+    "minHeight": "heights",
+    "maxHeight": "heights",
+    "stationHeight": "heights",
+    "actions": "actions, other than to tell chargers and parking places",
+    "physicalLineGuidedProperty": "guide lines",
+    "reentryAllowed": "where vehicles are taken in",
+    "corridor": "corridors",
+}
+"""Understood, kept in the mapping, and not in a plant file: what each is about. What only names or describes is not spoken of."""
+
+
+def read_lif(data: Json, notes: Notes, *, unit: str = "", layouts: tuple[str, ...] = ()) -> TrackLayout:
+    """A LIF document as a layout.
+
+    Args:
+        data: the decoded JSON.
+        notes: where what is odd is said.
+        unit: `m` or `mm`; found out if it is empty.
+        layouts: the ids of those that are wanted; all if there are none.
+    """
+    return _Reader(data, notes, unit, layouts).read()
+
+
+class _Reader:
+    def __init__(self, data: Json, notes: Notes, unit: str, layouts: tuple[str, ...]) -> None:
+        self._data, self._notes, self._unit, self._wanted = data, notes, unit, layouts
+        self._types: dict[str, TrackVehicleType] = {}
+        self._scale = 1.0
+
+    def read(self) -> TrackLayout:
+        meta = self._object(self._data, "metaInformation", "")
+        self._strange(meta, "metaInformation", "/metaInformation")
+        version = str(meta.get("lifVersion") or "")
+        if not version:
+            self._notes.add("/metaInformation", "it does not say its lifVersion")
+        name = str(meta.get("projectIdentification") or meta.get("lifId") or "Imported layout")
+        for key in self._data.keys() - {"metaInformation", "layouts", "origins"}:
+            self._notes.add(f"/{key}", f"`{key}` is not understood: it is kept in the mapping")
+        found = TrackLayout(
+            f"LIF {version}".strip(), name, kept=self._rest(self._data, {"layouts", "origins"})
+        )
+        layouts = list(self._layouts())
+        self._scale = self._scale_of(layouts)
+        for level, pointer, layout in layouts:
+            self._nodes(layout, pointer, level, found)
+        for _, pointer, layout in layouts:
+            self._edges(layout, pointer, found)
+            self._stations(layout, pointer, found)
+        found.vehicle_types = list(self._types.values())
+        return found
+
+    # --- layouts -----------------------------------------------------------------------------------
+
+    def _layouts(self) -> Iterator[tuple[str, str, Json]]:
+        """Level, pointer and content of every layout that is wanted."""
+        origins = self._objects(self._data, "origins", "") if "origins" in self._data else [("", self._data)]
+        seen = set()
+        for origin_at, origin in origins:
+            for at, layout in self._objects(origin, "layouts", origin_at):
+                name = str(layout.get("layoutId") or "")
+                seen.add(name)
+                if self._wanted and name not in self._wanted:
+                    self._notes.add(at, f"layout {name} is left out, as asked for")
+                    continue
+                self._strange(layout, "layout", at)
+                first = next((node for _, node in self._objects(layout, "nodes", at, quiet=True)), {})
+                level = str(layout.get("layoutLevelId") or first.get("mapId") or "")
+                yield (
+                    f"{origin.get('originId') or ''}/{level}" if "origins" in self._data else level,
+                    at,
+                    layout,
+                )
+        for name in self._wanted:
+            if name not in seen:
+                self._notes.add("/layouts", f"there is no layout {name}")
+
+    def _scale_of(self, layouts: list[tuple[str, str, Json]]) -> float:
+        if self._unit:
+            return 0.001 if self._unit == "mm" else 1.0
+        spots = {
+            node.get("nodeId"): spot
+            for _, at, layout in layouts
+            for _, node in self._objects(layout, "nodes", at, quiet=True)
+            if (spot := self._raw_spot(node.get("nodePosition"))) is not None
+        }
+        lengths = [
+            hypot(spots[end][0] - spots[start][0], spots[end][1] - spots[start][1])
+            for _, at, layout in layouts
+            for _, edge in self._objects(layout, "edges", at, quiet=True)
+            if (start := _key(edge.get("startNodeId"))) in spots
+            and (end := _key(edge.get("endNodeId"))) in spots
+        ]
+        if lengths and median(lengths) >= MM_EDGE:
+            self._notes.add(
+                "", f"an edge is {median(lengths):g} long: read as millimetres, although LIF has metres"
+            )
+            return 0.001
+        return 1.0
+
+    # --- nodes, edges, stations ------------------------------------------------------------------------
+
+    def _nodes(self, layout: Json, pointer: str, level: str, found: TrackLayout) -> None:
+        known = {node.original for node in found.nodes}
+        for at, node in self._objects(layout, "nodes", pointer):
+            name, spot = self._id(node, "nodeId", at), self._spot(node, "nodePosition", at)
+            if not name or spot is None:
+                continue
+            if name in known:
+                self._notes.add(at, f"node {name} is there already: this one is left out")
+                continue
+            known.add(name)
+            self._strange(node, "node", at)
+            actions = []
+            for where, each in self._properties(node, TYPE_PROPERTIES[0], NEW_TYPE_PROPERTIES[0], at):
+                self._strange(each, "node property", where)
+                self._types_of(each, where)
+                actions += self._actions(each, where)
+                theta = self._number(each, "theta", where)
+                if theta is not None and abs(theta) > 6.3:
+                    self._notes.add(
+                        f"{where}/theta", "theta is more than a turn in radians: degrees, it seems"
+                    )
+            found.nodes.append(
+                TrackNode(
+                    name,
+                    at,
+                    *spot,
+                    level,
+                    parks=any("park" in action for action in actions),
+                    charges=any("charg" in action for action in actions),
+                    kept={"layoutId": layout.get("layoutId"), **self._rest(node, NODE_USED)},
+                )
+            )
+
+    def _edges(self, layout: Json, pointer: str, found: TrackLayout) -> None:
+        spots = {node.original: (node.x_m, node.y_m) for node in found.nodes}
+        for at, edge in self._objects(layout, "edges", pointer):
+            start, end = _key(edge.get("startNodeId")), _key(edge.get("endNodeId"))
+            name = self._id(edge, "edgeId", at) or f"{start} to {end}"
+            self._strange(edge, "edge", at)
+            if missing := [node for node in (start, end) if node not in spots]:
+                self._notes.add(at, f"edge {name} is left out: there is no node {missing[0]}")
+                continue
+            limits: dict[str, float] = {}
+            corners: list[Spot] | None = None
+            for where, each in self._properties(edge, TYPE_PROPERTIES[1], NEW_TYPE_PROPERTIES[1], at):
+                self._strange(each, "edge property", where)
+                types = self._types_of(each, where)
+                key = "maxSpeed" if "maxSpeed" in each else "maximumSpeed"
+                limit = self._number(each, key, where)
+                if limit is not None and limit <= 0.0:
+                    self._notes.add(f"{where}/{key}", f"a speed of {limit:g} is none: no limit is taken")
+                elif limit is not None:
+                    for kind in types or [""]:
+                        limits[kind] = limit
+                        if kind and (self._types[kind].max_speed_mps or 0.0) < limit:
+                            self._types[kind].max_speed_mps = limit
+                if each.get("trajectory") is not None:
+                    own = self._curve(each["trajectory"], f"{where}/trajectory", spots[start], spots[end])
+                    if corners is not None and own is not None and own != corners:
+                        self._notes.add(
+                            where, "types of vehicles have trajectories of their own: the first one is taken"
+                        )
+                    corners = own if corners is None else corners
+            found.edges.append(
+                TrackEdge(name, at, start, end, corners or [], limits, kept=self._rest(edge, EDGE_USED))
+            )
+
+    def _curve(self, curve: object, at: str, start: Spot, end: Spot) -> list[Spot] | None:
+        """The corners of a trajectory between its ends; None for one that cannot be used."""
+        if not isinstance(curve, dict):
+            self._notes.add(at, "the trajectory is no object: the lane is taken as straight")
+            return None
+        points = []
+        for where, point in self._objects(curve, "controlPoints", at):
+            x, y = self._number(point, "x", where), self._number(point, "y", where)
+            weight = self._number(point, "weight", where)
+            if x is None or y is None:
+                self._notes.add(where, "a control point has no place: the lane is taken as straight")
+                return None
+            points.append((x * self._scale, y * self._scale, 1.0 if weight is None else weight))
+        degree = self._number(curve, "degree", at)
+        told = curve.get("knotVector")
+        knots = [_float(knot) for knot in told] if isinstance(told, list) else []
+        try:
+            corners = curves.nurbs(
+                1 if degree is None else int(degree), [knot for knot in knots if knot is not None], points
+            )
+        except CurveError as error:
+            self._notes.add(at, f"the trajectory is no curve ({error}): the lane is taken as straight")
+            return None
+        gaps_m = [hypot(a[0] - b[0], a[1] - b[1]) for a, b in ((corners[0], start), (corners[-1], end))]
+        if max(gaps_m) > SNAP_M:
+            self._notes.add(
+                at, f"the trajectory is {max(gaps_m):.1f} m off its node: the lane is taken as straight"
+            )
+            return None
+        if max(gaps_m) > 0.01:
+            self._notes.add(at, "the trajectory is a little off its nodes: its ends are moved there")
+        if degree not in (None, 1.0) and curves.is_straight([start, *corners[1:-1], end]):
+            return []
+        return corners[1:-1]
+
+    def _stations(self, layout: Json, pointer: str, found: TrackLayout) -> None:
+        if "stations" not in layout:
+            self._notes.add(pointer, "the layout has no `stations`")
+            return
+        nodes = {node.original: node for node in found.nodes}
+        for at, station in self._objects(layout, "stations", pointer):
+            name = self._id(station, "stationId", at)
+            if not name:
+                continue
+            self._strange(station, "station", at)
+            self._number(station, "stationHeight", at)
+            at_nodes = station.get("interactionNodeIds")
+            listed = at_nodes if isinstance(at_nodes, list) else [] if at_nodes is None else [at_nodes]
+            served = []
+            for one in map(_key, listed):
+                if one in nodes:
+                    served.append(one)
+                else:
+                    self._notes.add(f"{at}/interactionNodeIds", f"station {name}: there is no node {one}")
+            if not served:
+                self._notes.add(at, f"station {name} is left out: it has no node")
+                continue
+            found.stations.append(
+                TrackStation(
+                    name,
+                    at,
+                    str(station.get("stationName") or name),
+                    served,
+                    charges=any(nodes[one].charges for one in served),
+                    parks=any(nodes[one].parks for one in served),
+                    kept=self._rest(station, STATION_USED),
+                )
+            )
+
+    # --- small things --------------------------------------------------------------------------------------
+
+    def _types_of(self, each: Json, at: str) -> list[str]:
+        """The types of vehicles that something is for, by any of the names that versions of LIF have for it."""
+        named = each.get("vehicleTypeIds", each.get("vehicleTypeId", each.get("mobileRobotTypes")))
+        types = []
+        for one in named if isinstance(named, list) else [named]:
+            parts = (
+                [one.get(key) for key in ("manufacturer", "seriesName")] if isinstance(one, dict) else [one]
+            )
+            if name := ".".join(filter(None, map(_key, parts))):
+                types.append(name)
+        if not types:
+            self._notes.add(at, "it is not said for which type of vehicle this is: taken for all")
+        for kind in types:
+            self._types.setdefault(kind, TrackVehicleType(kind))
+        return types
+
+    def _actions(self, each: Json, at: str) -> list[str]:
+        return [
+            str(action.get("actionType", action.get("actionName", ""))).lower()
+            for _, action in self._objects(each, "actions", at, quiet=True)
+        ]
+
+    def _properties(self, of: Json, old: str, new: str, at: str) -> list[tuple[str, Json]]:
+        key = new if new in of else old
+        if key not in of:
+            self._notes.add(
+                at, f"`{old}` is missing: which types of vehicles may use it is not said; taken for all"
+            )
+            return []
+        return self._objects(of, key, at)
+
+    def _strange(self, of: Json, kind: str, at: str) -> None:
+        for key in of:
+            if key not in NAMED[kind] and key.strip() in NAMED[kind]:
+                self._notes.add(at, f"`{key}` of {_a(kind)} has a blank in its name: it is not read")
+            elif key not in NAMED[kind]:
+                self._notes.add(
+                    f"{at}/{key}", f"`{key}` of {_a(kind)} is not understood: it is kept in the mapping"
+                )
+            elif key in NOT_IN_A_PLANT and of[key] not in (None, []):
+                text = f"`{key}` of {_a(kind)} ({NOT_IN_A_PLANT[key]}) has no field in a plant: it is kept in the mapping"
+                self._notes.add(f"{at}/{key}", text)
+
+    def _rest(self, of: Json, used: frozenset[str] | set[str]) -> Json:
+        return {key: value for key, value in of.items() if key not in used}
+
+    def _object(self, of: Json, key: str, at: str) -> Json:
+        value = of.get(key)
+        if isinstance(value, dict):
+            return value
+        self._notes.add(f"{at}/{key}", f"`{key}` is missing or is no object")
+        return {}
+
+    def _objects(self, of: Json, key: str, at: str, *, quiet: bool = False) -> list[tuple[str, Json]]:
+        """The objects of a list, each with its pointer."""
+        value = of.get(key)
+        if value is None and (quiet or key in of):
+            return []
+        if not isinstance(value, list):
+            if not quiet:
+                self._notes.add(f"{at}/{key}", f"`{key}` is missing or is no list")
+            return []
+        found = []
+        for index, each in enumerate(value):
+            if isinstance(each, dict):
+                found.append((f"{at}/{key}/{index}", each))
+            elif not quiet:
+                self._notes.add(f"{at}/{key}/{index}", f"an entry of `{key}` is no object: it is left out")
+        return found
+
+    def _id(self, of: Json, key: str, at: str) -> str:
+        name = _key(of.get(key))
+        if not name:
+            self._notes.add(f"{at}/{key}", f"`{key}` is missing")
+        elif not isinstance(of[key], str):
+            self._notes.add(f"{at}/{key}", f"`{key}` is a number where a text belongs")
+        return name
+
+    def _number(self, of: Json, key: str, at: str) -> float | None:
+        value = of.get(key)
+        if value is None:
+            return None
+        number = _float(value)
+        if number is None:
+            self._notes.add(f"{at}/{key}", f"`{key}` is no number: {str(value)[:40]}")
+        elif isinstance(value, str):
+            self._notes.add(f"{at}/{key}", f"`{key}` is a number written as text")
+        return number
+
+    def _spot(self, of: Json, key: str, at: str) -> Spot | None:
+        position = of.get(key)
+        if not isinstance(position, dict):
+            self._notes.add(f"{at}/{key}", f"a node without `{key}` is left out")
+            return None
+        x, y = (self._number(position, axis, f"{at}/{key}") for axis in ("x", "y"))
+        if x is None or y is None:
+            self._notes.add(f"{at}/{key}", f"a node whose `{key}` has no x and y is left out")
+            return None
+        return x * self._scale, y * self._scale
+
+    def _raw_spot(self, position: object) -> Spot | None:
+        if not isinstance(position, dict):
+            return None
+        x, y = _float(position.get("x")), _float(position.get("y"))
+        return None if x is None or y is None else (x, y)
+
+
+def _key(value: object) -> str:
+    return str(value) if isinstance(value, str | int) and not isinstance(value, bool) else ""
+
+
+def _float(value: object) -> float | None:
+    if isinstance(value, bool) or not isinstance(value, int | float | str):
+        return None
+    try:
+        number = float(value)
+    except (ValueError, OverflowError):
+        return None
+    return number if isfinite(number) else None
+
+
+def decode(text: str) -> Json:
+    """The document of a JSON text.
+
+    Raises:
+        ValueError: it is none.
+    """
+    try:
+        data = msgspec.json.decode(text.encode())
+    except (msgspec.DecodeError, RecursionError) as error:
+        raise ValueError(f"not JSON: {error}") from None
+    if not isinstance(data, dict) or not {"layouts", "origins"} & data.keys():
+        raise ValueError("no LIF file: there is no `layouts` in it; nor is it XML of openTCS")
+    return data
+
+
+def _a(kind: str) -> str:
+    return f"an {kind}" if kind.startswith("e") else f"a {kind}"

@@ -1,0 +1,38 @@
+"""Ids of a plant from the names of another system, which may be anything."""
+
+from __future__ import annotations
+
+import re
+
+from dray.plant.layout import short_name
+from dray.plant.model import is_id
+
+FOREIGN = re.compile(r"[^A-Za-z0-9_.]+")
+
+
+class Ids:
+    """Ids in one space: each name gets one, and none is given twice.
+
+    Args:
+        prefix: what stands before a name that does not begin with a letter.
+        taken: ids that are nobody's, in small letters.
+    """
+
+    def __init__(self, prefix: str, taken: frozenset[str] = frozenset()) -> None:
+        self._prefix, self._reserved = prefix, taken
+        self._taken: set[str] = set()
+
+    def give(self, name: str) -> str:
+        """An id for a name: the name itself where it may be one."""
+        wanted = name
+        if not is_id(wanted):
+            wanted = FOREIGN.sub("-", name).strip("-.")
+            if not wanted or not wanted[0].isalpha() or not wanted[0].isascii():
+                wanted = f"{self._prefix}{wanted}"
+            wanted = short_name(wanted)
+        given, number = wanted, 1
+        while given in self._taken or given.lower() in self._reserved:
+            number += 1
+            given = short_name(f"{wanted}-{number}")
+        self._taken.add(given)
+        return given

@@ -1,0 +1,46 @@
+"""What was odd in a layout, or could not be taken: each with its place, alike ones together."""
+
+from __future__ import annotations
+
+import msgspec
+
+MAX_NOTES = 500
+"""Different ones that are spelt out; a file with more is not what it says to be."""
+
+
+class Note(msgspec.Struct):
+    """One finding."""
+
+    place: str
+    """The first place: a JSON pointer, or the line and element of an XML file."""
+    text: str
+    count: int = 1
+    """How often the same was found."""
+
+    def line(self) -> str:
+        """For people."""
+        more = f" ({self.count} times; this is the first)" if self.count > 1 else ""
+        return f"{self.place}: {self.text}{more}" if self.place else f"{self.text}{more}"
+
+
+class Notes:
+    """Findings in the order in which they were made first."""
+
+    def __init__(self) -> None:
+        self._notes: dict[str, Note] = {}
+        self._more = 0
+
+    def add(self, place: str, text: str) -> None:
+        """Say something of a place; the same text of another place is counted only."""
+        known = self._notes.get(text)
+        if known is not None:
+            known.count += 1
+        elif len(self._notes) < MAX_NOTES:
+            self._notes[text] = Note(place, text)
+        else:
+            self._more += 1
+
+    def all(self) -> tuple[Note, ...]:
+        """Everything that was said."""
+        found = tuple(self._notes.values())
+        return (*found, Note("", f"and {self._more} more")) if self._more else found

@@ -1,0 +1,67 @@
+"""A layout put onto a plant: where things stand is from the layout, what it cannot tell is from the plant."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import msgspec
+
+from dray.plant.layout import lay_out
+from dray.plant.plant import Plant
+
+FLOOR = ("nodes", "lanes")
+"""Sections of the layout. Where a plant says of a lane what LIF cannot, it stays said."""
+
+PLACES = ("warehouses", "storages", "chargers", "parkings", "machines")
+"""Sections whose entries stand at nodes."""
+
+Data = dict[str, Any]
+
+
+def put_onto(imported: Data, plant: Plant) -> Data:
+    """An imported plant file, with what is open in it taken from a plant.
+
+    Where the layout is the floor of the plant as it is driven, the plant itself comes out: its roads of two lanes are not taken
+    apart. A place whose node the layout does not have is open again (its node is null).
+
+    Args:
+        imported: `dray.plant.exchange.assemble.Imported.data`.
+        plant: one without faults.
+    """
+    known: Data = msgspec.to_builtins(plant.file)
+    result: Data = {**imported, **{key: value for key, value in known.items() if key not in FLOOR}}
+    if _driven(imported) == _driven(_floor(plant)):
+        return {**result, **{key: known[key] for key in FLOOR}}
+    nodes = {node["id"] for node in imported["nodes"]}
+    for section in PLACES:
+        for place in result[section]:
+            if place["node"] not in nodes:
+                place["node"] = None
+    for vehicle in result["fleet"]:
+        if vehicle["node"] not in nodes:
+            vehicle["node"] = None
+    placed = {place["id"] for section in PLACES for place in result[section]}
+    result["unassigned"] = [one for one in imported["unassigned"] if one["id"] not in placed]
+    for side in ("width_m", "height_m"):
+        result[side] = max(known[side], imported[side])
+    result["two_lanes"] = False
+    return result
+
+
+def _floor(plant: Plant) -> Data:
+    layout = lay_out(plant.file)
+    floor: Data = msgspec.to_builtins({"nodes": layout.nodes, "lanes": layout.lanes})
+    return floor
+
+
+def _driven(data: Data) -> tuple[object, ...]:
+    """Nodes and directed lanes, whatever their order."""
+    lanes = set()
+    for lane in data["lanes"]:
+        shape = tuple((corner["x_m"], corner["y_m"]) for corner in lane.get("shape", ()))
+        limit_mps = float(lane.get("speed_limit_mps", 1.5))
+        lanes.add((lane["start"], lane["end"], limit_mps, shape))
+        if lane.get("both_ways"):
+            lanes.add((lane["end"], lane["start"], limit_mps, shape[::-1]))
+    nodes = {(node["id"], float(node["x_m"]), float(node["y_m"])) for node in data["nodes"]}
+    return nodes, lanes

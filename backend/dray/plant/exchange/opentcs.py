@@ -1,0 +1,369 @@
+"""Reading plant models of openTCS: 0.0.4, 0.0.5, 6.0.0 and 7.0.0; of older ones what they have in common with these.
+
+Millimetres, and millimetres in a second. A path is driven forwards from its source to its destination (`maxVelocity`), and backwards, the
+back of the vehicle ahead, from there to its source (`maxReverseVelocity`); a speed of 0 is none. Control points are in units of the
+drawing, its y axis downwards.
+"""
+
+from __future__ import annotations
+
+from math import isfinite
+from typing import Any
+
+from dray.plant.exchange import curves
+from dray.plant.exchange.curves import CurveError
+from dray.plant.exchange.notes import Notes
+from dray.plant.exchange.track_layout import (
+    Spot,
+    TrackEdge,
+    TrackLayout,
+    TrackNode,
+    TrackStation,
+    TrackVehicle,
+    TrackVehicleType,
+)
+from dray.plant.exchange.xml_tree import Element
+
+MODELS = ("0.0.4", "0.0.5", "6.0.0", "7.0.0")
+"""Versions of which a file of openTCS was read."""
+
+M = 0.001
+"""A millimetre."""
+
+LENGTH_OFF_FRAC = 0.05
+"""A path's length and its drawn shape may differ by so much before it is said."""
+
+INITIAL = ("tcs:initialPosition", "loopback:initialPosition", "initialPosition")
+"""Properties of a vehicle that name the point where it begins."""
+
+READ = {
+    "model": {"version", "name"},
+    "point": {
+        *("name", "xPosition", "yPosition", "zPosition", "positionX", "positionY", "positionZ", "type", "id"),
+        *("vehicleOrientationAngle",),
+    },
+    "path": {
+        *("name", "sourcePoint", "destinationPoint", "length", "maxVelocity", "maxReverseVelocity", "locked"),
+        *("routingCost", "id"),
+    },
+    "location": {
+        *(
+            "name",
+            "xPosition",
+            "yPosition",
+            "zPosition",
+            "positionX",
+            "positionY",
+            "positionZ",
+            "locked",
+            "type",
+        ),
+        *("id",),
+    },
+    "vehicle": {
+        *("name", "length", "energyLevelCritical", "energyLevelGood", "energyLevelFullyRecharged", "id"),
+        *("energyLevelSufficientlyRecharged", "maxVelocity", "maxReverseVelocity", "envelopeKey", "type"),
+    },
+}
+"""Attributes that are known, by element."""
+
+CHILDREN = {
+    "model": {"point", "path", "vehicle", "locationType", "location", "block", "visualLayout", "property"},
+    "point": {"outgoingPath", "property", "pointLayout", "vehicleEnvelope", "maxVehicleBoundingBox"},
+    "path": {"property", "pathLayout", "vehicleEnvelope", "peripheralOperation"},
+    "location": {"link", "property", "locationLayout"},
+    "vehicle": {"property", "vehicleLayout", "boundingBox"},
+}
+
+
+def read_opentcs(model: Element, notes: Notes) -> TrackLayout:
+    """A model as a layout; what is odd is said in the notes.
+
+    Raises:
+        ValueError: it is no model.
+    """
+    if model.name != "model":
+        raise ValueError(f"an XML file of <{model.name}>: a plant model of openTCS begins with <model>")
+    return _Reader(model, notes).read()
+
+
+class _Reader:
+    def __init__(self, model: Element, notes: Notes) -> None:
+        self._model, self._notes = model, notes
+        self._points: dict[str, Spot] = {}
+
+    def read(self) -> TrackLayout:
+        model = self._model
+        version = model.attributes.get("version", "")
+        if version not in MODELS:
+            known = ", ".join(MODELS)
+            self._notes.add(
+                _at(model),
+                f"model version {version or '(none)'} is none of {known}: read as far as it is alike",
+            )
+        found = TrackLayout(f"openTCS {version}".strip(), model.attributes.get("name") or "Imported layout")
+        self._strange(model)
+        found.kept = {"properties": _properties(model)}
+        for point in model.all("point"):
+            self._point(point, found)
+        scales = self._scales(model.first("visualLayout"))
+        for path in model.all("path"):
+            self._path(path, scales, found)
+        self._locations(found)
+        self._vehicles(found)
+        for block in model.all("block"):
+            self._notes.add(
+                _at(block), "a block has no place in a plant: vehicles keep right of way by nodes and lanes"
+            )
+            kept = found.kept.setdefault("blocks", [])
+            members = [member.attributes.get("name") for member in block.all("member")]
+            kept.append({**block.attributes, "members": members})
+        return found
+
+    def _scales(self, drawing: Element | None) -> Spot:
+        if drawing is None:
+            return 50.0, 50.0
+        for child in drawing.children:
+            if child.name == "modelLayoutElement":
+                self._notes.add(
+                    _at(child),
+                    "drawings of older models (modelLayoutElement) are not read: curves become straight",
+                )
+        scales = [self._number(drawing, key) for key in ("scaleX", "scaleY")]
+        return (scales[0] or 50.0), (scales[1] or 50.0)
+
+    def _point(self, point: Element, found: TrackLayout) -> None:
+        self._strange(point)
+        name, spot = point.attributes.get("name", ""), self._spot(point)
+        if not name or spot is None:
+            self._notes.add(_at(point), "a point without a name or a position is left out")
+            return
+        if name in self._points:
+            self._notes.add(_at(point), f"point {name} is there already: this one is left out")
+            return
+        kind = point.attributes.get("type", "HALT_POSITION")
+        if kind == "REPORT_POSITION":
+            self._notes.add(
+                _at(point), "vehicles only pass a REPORT_POSITION; in a plant they may stop there"
+            )
+        elif kind not in ("HALT_POSITION", "PARK_POSITION"):
+            self._notes.add(_at(point), f"type {kind} is not understood: taken as a node")
+        if self._number(point, "positionZ", "zPosition"):
+            self._notes.add(_at(point), "heights have no field in a plant: positionZ is kept in the mapping")
+        if (self._number(point, "vehicleOrientationAngle") or 0.0) != 0.0:
+            self._notes.add(
+                _at(point),
+                "how a vehicle stands at a point has no field in a plant: it is kept in the mapping",
+            )
+        self._points[name] = spot
+        kept: dict[str, Any] = {key: value for key, value in point.attributes.items() if key != "name"}
+        found.nodes.append(
+            TrackNode(
+                name,
+                _at(point),
+                *spot,
+                parks=kind == "PARK_POSITION",
+                kept={**kept, **_kept(point, self._notes)},
+            )
+        )
+
+    def _path(self, path: Element, scales: Spot, found: TrackLayout) -> None:
+        self._strange(path)
+        of = path.attributes
+        start, end = of.get("sourcePoint", ""), of.get("destinationPoint", "")
+        name = of.get("name") or f"{start} --- {end}"
+        if missing := [point for point in (start, end) if point not in self._points]:
+            self._notes.add(_at(path), f"path {name} is left out: there is no point {missing[0]}")
+            return
+        kept = {**of, **_kept(path, self._notes)}
+        if of.get("locked") == "true":
+            self._notes.add(_at(path), "a locked path is left out of the lanes: it is kept in the mapping")
+            found.kept.setdefault("locked", []).append(kept)
+            return
+        corners = self._corners(path, scales, self._points[start], self._points[end])
+        told_m, drawn_m = (
+            self._number(path, "length"),
+            curves.length_m([self._points[start], *corners, self._points[end]]),
+        )
+        if told_m is not None and drawn_m > 0.0 and abs(told_m * M / drawn_m - 1.0) > LENGTH_OFF_FRAC:
+            self._notes.add(
+                _at(path),
+                f"path {name} is {told_m * M:.2f} m long by its length and {drawn_m:.2f} m as it is drawn: "
+                "as drawn is taken",
+            )
+        speeds = [(self._number(path, key) or 0.0) * M for key in ("maxVelocity", "maxReverseVelocity")]
+        if not any(speeds):
+            self._notes.add(_at(path), f"path {name} is left out: nobody may drive on it, both speeds are 0")
+            found.kept.setdefault("locked", []).append(kept)
+        if speeds[0] > 0.0:
+            found.edges.append(
+                TrackEdge(name, _at(path), start, end, corners, {"": round(speeds[0], 6)}, kept=kept)
+            )
+        if speeds[1] > 0.0:
+            self._notes.add(_at(path), "a path that is driven backwards is a lane the other way")
+            found.edges.append(
+                TrackEdge(name, _at(path), end, start, corners[::-1], {"": round(speeds[1], 6)}, kept=kept)
+            )
+
+    def _corners(self, path: Element, scales: Spot, start: Spot, end: Spot) -> list[Spot]:
+        drawing = path.first("pathLayout")
+        kind = drawing.attributes.get("connectionType", "DIRECT") if drawing is not None else "DIRECT"
+        if drawing is None or kind == "DIRECT":
+            return []
+        points: list[Spot] = []
+        for point in drawing.all("controlPoint"):
+            x, y = self._number(point, "x"), self._number(point, "y")
+            if x is None or y is None:
+                self._notes.add(_at(point), "a control point without a place: the path is taken as straight")
+                return []
+            points.append((x * scales[0] * M, -y * scales[1] * M))
+        chain = [start, *points, end]
+        try:
+            if kind == "POLYPATH":
+                return [(round(x, 6), round(y, 6)) for x, y in points]
+            if kind == "BEZIER" and len(points) in (1, 2):
+                corners = curves.bezier(chain)
+            elif kind == "BEZIER_3" and len(points) == 5:
+                corners = [*curves.bezier(chain[:4]), *curves.bezier(chain[3:])[1:]]
+            else:
+                about = f" with {len(points)} control points" if points else ""
+                self._notes.add(_at(drawing), f"a path drawn as {kind}{about} is taken as straight")
+                return []
+        except CurveError as error:
+            self._notes.add(_at(drawing), f"the path is no curve ({error}): it is taken as straight")
+            return []
+        return [] if curves.is_straight(corners) else [(round(x, 6), round(y, 6)) for x, y in corners[1:-1]]
+
+    def _locations(self, found: TrackLayout) -> None:
+        charging = set()
+        for kind in self._model.all("locationType"):
+            drawing = kind.first("locationTypeLayout")
+            shown = drawing.attributes.get("locationRepresentation", "") if drawing is not None else ""
+            words = [each.attributes.get("name", "") for each in kind.all("allowedOperation")] + [shown]
+            if any("charg" in word.lower() for word in words):
+                charging.add(kind.attributes.get("name", ""))
+            found.kept.setdefault("location_types", []).append({**kind.attributes, "operations": words})
+        for location in self._model.all("location"):
+            self._strange(location)
+            name, kind_name = location.attributes.get("name", ""), location.attributes.get("type", "")
+            links = [link.attributes.get("point", "") for link in location.all("link")]
+            at_points = [point for point in links if point in self._points]
+            for point in links:
+                if point not in self._points:
+                    self._notes.add(_at(location), f"location {name}: there is no point {point}")
+            kept = {**location.attributes, "links": links, **_kept(location, self._notes)}
+            if location.attributes.get("locked") == "true":
+                self._notes.add(_at(location), f"location {name} is locked: it is taken all the same")
+            if not name or not at_points:
+                self._notes.add(_at(location), f"location {name} is left out: no link leads to it")
+                found.kept.setdefault("locations", []).append(kept)
+                continue
+            found.stations.append(
+                TrackStation(name, _at(location), name, at_points, charges=kind_name in charging, kept=kept)
+            )
+
+    def _vehicles(self, found: TrackLayout) -> None:
+        kinds: dict[tuple[Any, ...], TrackVehicleType] = {}
+        for vehicle in self._model.all("vehicle"):
+            self._strange(vehicle)
+            name = vehicle.attributes.get("name", "")
+            if not name:
+                self._notes.add(_at(vehicle), "a vehicle without a name is left out")
+                continue
+            box = vehicle.first("boundingBox") or vehicle
+            length, width = self._number(box, "length"), self._number(box, "width")
+            top = self._number(vehicle, "maxVelocity")
+            charging = self._charging(vehicle)
+            key = (length, width, top, *sorted(charging.items()))
+            if key not in kinds:
+                kinds[key] = TrackVehicleType(
+                    f"type-{len(kinds) + 1}",
+                    length * M if length else None,
+                    width * M if width else None,
+                    top * M if top else None,
+                    charging,
+                )
+            properties = _properties(vehicle)
+            node = next((properties[key] for key in INITIAL if key in properties), None)
+            if node is not None and node not in self._points:
+                self._notes.add(_at(vehicle), f"vehicle {name} begins at {node}, and there is no such point")
+                node = None
+            kept = {**vehicle.attributes, "properties": properties}
+            found.vehicles.append(TrackVehicle(name, kinds[key].original, node, kept))
+        found.vehicle_types = list(kinds.values())
+
+    def _charging(self, vehicle: Element) -> dict[str, float]:
+        levels = {
+            field: level / 100.0
+            for field, key in (
+                ("must_below_frac", "energyLevelCritical"),
+                ("below_frac", "energyLevelGood"),
+                ("up_to_frac", "energyLevelFullyRecharged"),
+            )
+            if (level := self._number(vehicle, key)) is not None
+        }
+        values = list(levels.values())
+        if len(values) < 3:
+            return {}
+        if not 0.0 <= values[0] <= values[1] - 0.05 <= values[2] - 0.1 <= 0.9:
+            self._notes.add(
+                _at(vehicle),
+                "the energy levels are too near to one another for a plant: the usual ones are taken",
+            )
+            return {}
+        return levels
+
+    # --- small things ----------------------------------------------------------------------------------
+
+    def _spot(self, of: Element) -> Spot | None:
+        x, y = self._number(of, "positionX", "xPosition"), self._number(of, "positionY", "yPosition")
+        return None if x is None or y is None else (round(x * M, 6), round(y * M, 6))
+
+    def _number(self, of: Element, *keys: str) -> float | None:
+        """The first attribute of these that there is; NaN is what openTCS writes for none."""
+        key = next((key for key in keys if key in of.attributes), None)
+        if key is None:
+            return None
+        try:
+            number = float(of.attributes[key])
+        except ValueError:
+            self._notes.add(_at(of), f"`{key}` is no number: {of.attributes[key][:40]}")
+            return None
+        return number if isfinite(number) else None
+
+    def _strange(self, of: Element) -> None:
+        for key in of.attributes.keys() - READ[of.name]:
+            self._notes.add(_at(of), f"`{key}` of a {of.name} is not understood: it is kept in the mapping")
+        for child in of.children:
+            if child.name not in CHILDREN[of.name]:
+                self._notes.add(
+                    _at(child), f"<{child.name}> in a {of.name} is not understood: it is left out"
+                )
+
+
+def _at(of: Element) -> str:
+    name = of.attributes.get("name")
+    return f"line {of.line}, <{of.name}{f' {name}' if name else ''}>"
+
+
+def _properties(of: Element) -> dict[str, str]:
+    return {each.attributes.get("name", ""): each.attributes.get("value", "") for each in of.all("property")}
+
+
+def _kept(of: Element, notes: Notes) -> dict[str, Any]:
+    """What a plant has no field for, for the mapping; said once."""
+    kept: dict[str, Any] = {}
+    if properties := _properties(of):
+        kept["properties"] = properties
+    for name in ("vehicleEnvelope", "maxVehicleBoundingBox", "peripheralOperation"):
+        if those := of.all(name):
+            kept[name] = [
+                {
+                    **each.attributes,
+                    **({"points": [p.attributes for p in each.children]} if each.children else {}),
+                }
+                for each in those
+            ]
+            if name != "maxVehicleBoundingBox":
+                notes.add(_at(of), f"<{name}> has no place in a plant: it is kept in the mapping")
+    return kept

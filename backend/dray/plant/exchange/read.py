@@ -1,0 +1,59 @@
+"""A layout file of any format as an unfinished plant: the one way in."""
+
+from __future__ import annotations
+
+from pathlib import PurePath
+
+from dray.errors import PlantError
+from dray.plant.exchange.assemble import Imported, assemble
+from dray.plant.exchange.lif import decode, read_lif
+from dray.plant.exchange.names import Ids
+from dray.plant.exchange.notes import Notes
+from dray.plant.exchange.opentcs import read_opentcs
+from dray.plant.exchange.xml_tree import read_xml
+
+MAX_BYTES = 64 * 1024 * 1024
+"""Of a layout file. A LIF file takes about 1 KiB for an edge."""
+
+UNITS = ("m", "mm")
+
+
+def read_layout(
+    content: bytes,
+    file: str,
+    *,
+    plant: str = "",
+    name: str = "",
+    unit: str = "",
+    layouts: tuple[str, ...] = (),
+) -> Imported:
+    """Read a LIF file (JSON) or a plant model of openTCS (XML).
+
+    Args:
+        content: the file.
+        file: its name, for errors and for the id of the plant.
+        plant: the id of the plant; from the file's name if it is empty.
+        name: what people call the plant; what the file says if it is empty.
+        unit: of a LIF file, `m` or `mm`; found out if it is empty.
+        layouts: of a LIF file, the ids of the layouts that are wanted; all if there are none.
+
+    Raises:
+        PlantError: it is neither of them, or has no node.
+    """
+    if len(content) > MAX_BYTES:
+        raise PlantError(file, "", f"has more than {MAX_BYTES // 1024 // 1024} MiB: this is no layout")
+    notes = Notes()
+    try:
+        if content.lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"<"):
+            layout = read_opentcs(read_xml(content), notes)
+        else:
+            layout = read_lif(decode(content.decode("utf-8-sig")), notes, unit=unit, layouts=layouts)
+    except UnicodeDecodeError:
+        raise PlantError(file, "", "is not UTF-8: save it as UTF-8") from None
+    except ValueError as error:
+        raise PlantError(file, "", str(error)) from None
+    if not layout.nodes:
+        said = "; ".join(note.line() for note in notes.all()[:3])
+        raise PlantError(file, "", f"there is no node in it{f' ({said})' if said else ''}")
+    chosen = plant or Ids("p-").give(PurePath(file).stem)
+    return assemble(layout, notes, plant=chosen, name=name or layout.name)

@@ -1,0 +1,86 @@
+"""A layout as any system gives it: nodes, directed edges, stations and vehicles, in metres, with the ids of the system."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import msgspec
+
+Spot = tuple[float, float]
+"""x and y (m)."""
+
+
+class TrackNode(msgspec.Struct):
+    """A point of a layout."""
+
+    original: str
+    place: str
+    """Where in the file it stands, for notes."""
+    x_m: float
+    y_m: float
+    level: str = ""
+    """Layouts of one level lie in one plane."""
+    parks: bool = False
+    charges: bool = False
+    kept: dict[str, Any] = {}
+    """What the file says of it and a plant has no field for."""
+
+
+class TrackEdge(msgspec.Struct):
+    """A lane in one direction."""
+
+    original: str
+    place: str
+    start: str
+    end: str
+    corners: list[Spot] = []
+    """Between its ends; empty for a straight one."""
+    limits_mps: dict[str, float] = {}
+    """Type of vehicle -> its highest speed, as far as the file says it; the empty type is for all."""
+    kept: dict[str, Any] = {}
+
+
+class TrackStation(msgspec.Struct):
+    """A place where vehicles do something."""
+
+    original: str
+    place: str
+    name: str
+    nodes: list[str]
+    charges: bool = False
+    parks: bool = False
+    kept: dict[str, Any] = {}
+
+
+class TrackVehicleType(msgspec.Struct):
+    """A make of vehicles; what is None is not told."""
+
+    original: str
+    length_m: float | None = None
+    width_m: float | None = None
+    max_speed_mps: float | None = None
+    charging: dict[str, float] = {}
+    """Thresholds as in `dray.plant.Charging`."""
+
+
+class TrackVehicle(msgspec.Struct):
+    """A vehicle."""
+
+    original: str
+    kind: str
+    node: str | None = None
+    kept: dict[str, Any] = {}
+
+
+class TrackLayout(msgspec.Struct):
+    """All of a file."""
+
+    format: str
+    """`LIF 1.0.0`, say."""
+    name: str
+    nodes: list[TrackNode] = []
+    edges: list[TrackEdge] = []
+    stations: list[TrackStation] = []
+    vehicle_types: list[TrackVehicleType] = []
+    vehicles: list[TrackVehicle] = []
+    kept: dict[str, Any] = {}

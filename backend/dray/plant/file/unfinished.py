@@ -1,0 +1,239 @@
+"""A plant file that is not finished: what is open in it, and what of it can be drawn.
+
+Open is what stands there as null (`~`, or nothing after the colon) although the plant needs a value, and a station of which nobody
+has said what it is (`Unassigned`). Imported layouts and drafts of the editor are such files. `dray plant check` names all of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from types import NoneType, UnionType
+from typing import Annotated, Any, Union, get_args, get_origin
+
+import msgspec
+
+from dray.plant.model import Box, Node, PlantFile
+from dray.plant.plant import Plant
+
+Fault = tuple[str, str]
+"""Field and reason."""
+
+AT_LEAST_M = 1.0
+"""Of a floor that nobody has measured, beyond its last node; and the sides of a box that nobody has measured."""
+
+HINTS = {
+    "areas": "the parts of the floor that operators are responsible for, or [] for none",
+    "battery_wh": "watt-hours of a full battery, from the data sheet",
+    "box": "where it stands on the floor: x_m and y_m of its middle, width_m, depth_m",
+    "chargers": "where vehicles charge: id, node and box of each",
+    "charge_w": "watts while it charges, from the data sheet",
+    "fleet": "the vehicles: id, type and the node where each stands at the beginning",
+    "kind": "source or delivery",
+    "length_m": "of the vehicle with its load",
+    "load_s": "seconds that loading takes",
+    "machines": "what makes products: id, name, station, node, box and makes of each",
+    "makes": "the products that it makes, and cycle_s of each",
+    "materials": "what machines consume: id, name, lot and buffer of each",
+    "max_speed_mps": "metres in a second, from the data sheet",
+    "node": "where vehicles stand: a node of this file",
+    "products": "what machines make: id, name, lot and bill of each",
+    "stations": "groups of machines: id and name of each",
+    "stocks": "the materials that it keeps, and the capacity of each",
+    "storages": "where material waits near the machines: id, name, node, box and stocks of each",
+    "unload_s": "seconds that unloading takes",
+    "vehicle_types": "the makes of vehicles: id and name of each, and what differs from the defaults",
+    "warehouses": "where material comes from and goods go to: id, name, kind, node and box of each",
+    "width_m": "of the vehicle with its load",
+}
+"""By the name of the field: what to write."""
+
+BOXED = ("warehouses", "storages", "chargers", "machines")
+"""Sections whose entries stand somewhere on the floor."""
+
+PLACEHOLDERS: Mapping[str, object] = {"bill": (), "kind": "source", "makes": (), "name": "", "stocks": ()}
+"""What stands in a picture for a field that is open or wrong. What is not in here and has no default leaves its entry out."""
+
+
+def open_points(data: Mapping[str, object]) -> Iterator[Fault]:
+    """What is open in a file: nulls in place of values, and stations that are unassigned."""
+    yield from _nulls("", data, PlantFile)
+    stations = data.get("unassigned")
+    if isinstance(stations, list):
+        for index, station in enumerate(stations):
+            if isinstance(station, dict) and isinstance(station.get("id"), str):
+                yield unassigned_fault(index, station["id"], str(station.get("node")))
+
+
+def unassigned_fault(index: int, name: str, node: str) -> Fault:
+    """That nobody has said what a station is."""
+    where = "machines, storages, warehouses, chargers or parkings"
+    return (
+        f"unassigned[{index}]",
+        f"nobody has said what {name} at {node} is: move it to {where}, or remove it",
+    )
+
+
+def has_null(value: object) -> bool:
+    """Whether something is, or holds, a null."""
+    if isinstance(value, dict):
+        return any(map(has_null, value.values()))
+    return value is None or (isinstance(value, list) and any(map(has_null, value)))
+
+
+def drawable(data: Mapping[str, object]) -> tuple[Plant, PlantFile | None]:
+    """A plant of what can be drawn of a file, to be looked at and not to be run.
+
+    Args:
+        data: the file, of any shape.
+
+    Returns:
+        The plant, without what refers to nothing; and the file with its open fields replaced, to check how the rest fits together.
+        That is None where an entry had to be left out, since then its fields are not those of the file.
+    """
+    whole = True
+    sections: dict[str, Any] = {}
+    for section in msgspec.structs.fields(PlantFile):
+        kind = entry_type(section.type)
+        if kind is None:
+            continue
+        value = data.get(section.name)
+        entries = value if isinstance(value, list) else []
+        # A section that is open leaves nothing out.
+        whole &= isinstance(value, list) or value is None
+        made = [_filled(entry, kind) for entry in entries]
+        sections[section.name] = tuple(one for one in made if one is not None)
+        whole &= len(sections[section.name]) == len(entries)
+    spots = {node.id: node for node in sections["nodes"]}
+    for name in BOXED:
+        sections[name] = tuple(_boxed(place, spots.get(place.node)) for place in sections[name])
+    plain = _plain(data, sections)
+    if not sections["vehicle_types"]:
+        # Nobody knows how wide a road of two lanes would be.
+        plain["two_lanes"] = False
+        sections["lanes"] = tuple(msgspec.structs.replace(lane, two_lanes=None) for lane in sections["lanes"])
+    file = PlantFile(**plain, **sections)
+    return Plant(PlantFile(**plain, **_connected(sections))), file if whole else None
+
+
+def bare(kind: object) -> object:
+    """A type without what is annotated to it."""
+    while get_origin(kind) is Annotated:
+        kind = get_args(kind)[0]
+    return kind
+
+
+def entry_type(section: object) -> Any:
+    """The type of the entries of a list: X of ``tuple[X, ...]``, annotated or not; None for what is no list of structs."""
+    section = bare(section)
+    if get_origin(section) is not tuple:
+        return None
+    entry = bare(get_args(section)[0])
+    return entry if _is_struct(entry) else None
+
+
+def _is_struct(kind: object) -> bool:
+    return isinstance(kind, type) and issubclass(kind, msgspec.Struct)
+
+
+def _nulls(where: str, value: object, kind: object) -> Iterator[Fault]:
+    kind = bare(kind)
+    if get_origin(kind) in (Union, UnionType):
+        if value is None and NoneType in get_args(kind):
+            return
+        kind = next(one for one in get_args(kind) if one is not NoneType)
+    if value is None:
+        name = where.rpartition(".")[2]
+        yield where, f"is open: {HINTS.get(name, 'write a value')}"
+    elif isinstance(value, dict) and _is_struct(kind):
+        types = {field.name: field.type for field in msgspec.structs.fields(kind)}  # type: ignore[arg-type]
+        for name, inner in value.items():
+            if name in types:
+                yield from _nulls(f"{where}.{name}" if where else name, inner, types[name])
+    elif isinstance(value, list) and (entry := entry_type(kind)) is not None:
+        for index, inner in enumerate(value):
+            yield from _nulls(f"{where}[{index}]", inner, entry)
+
+
+def _filled(entry: object, kind: Any) -> Any:
+    """An entry with what is open or wrong in it replaced; None where that cannot be."""
+    if not isinstance(entry, dict):
+        return None
+    values: dict[str, object] = {}
+    for field in msgspec.structs.fields(kind):
+        if field.name in entry:
+            try:
+                values[field.name] = msgspec.convert(entry[field.name], field.type)
+                continue
+            except msgspec.ValidationError:
+                pass
+        if field.name in PLACEHOLDERS:
+            values[field.name] = PLACEHOLDERS[field.name]
+        elif field.name in ("station", "type"):
+            values[field.name] = ""
+        elif field.name == "box" and field.required:
+            values[field.name] = None
+        elif field.required:
+            return None
+    return kind(**values)
+
+
+def _plain(data: Mapping[str, object], sections: Mapping[str, Any]) -> dict[str, Any]:
+    """The fields of a file that are no lists."""
+    far_m = {
+        side: max((getattr(node, axis) for node in sections["nodes"]), default=0.0) + AT_LEAST_M
+        for side, axis in (("width_m", "x_m"), ("height_m", "y_m"))
+    }
+    plain = {
+        name: _value(data.get(name), kind, usual)
+        for name, kind, usual in (
+            ("plant", str, "draft"),
+            ("name", str, "Draft"),
+            ("width_m", float, far_m["width_m"]),
+            ("height_m", float, far_m["height_m"]),
+            ("two_lanes", bool, False),
+        )
+    }
+    for side in ("width_m", "height_m"):
+        plain[side] = max(plain[side], AT_LEAST_M)
+    plain["cell_m"] = max(20.0, plain["width_m"] / 50.0, plain["height_m"] / 50.0)
+    return plain
+
+
+def _connected(sections: Mapping[str, Any]) -> dict[str, Any]:
+    """The sections without what refers to nothing."""
+    nodes = {node.id: node for node in sections["nodes"]}
+    types = {kind.id for kind in sections["vehicle_types"]}
+    kept: dict[str, Any] = {**sections, "nodes": tuple(nodes.values())}
+    ends: set[tuple[str, str]] = set()
+    lanes = []
+    for lane in sections["lanes"]:
+        own = {(lane.start, lane.end), *(((lane.end, lane.start),) if lane.both_ways else ())}
+        if lane.start in nodes and lane.end in nodes and lane.start != lane.end and not ends & own:
+            ends |= own
+            lanes.append(lane)
+    kept["lanes"] = tuple(lanes)
+    for section in (*BOXED, "unassigned", "parkings", "fleet"):
+        kept[section] = tuple(one for one in sections[section] if one.node in nodes)
+    products = {product.id for product in sections["products"]}
+    kept["machines"] = tuple(
+        msgspec.structs.replace(
+            machine, makes=tuple(each for each in machine.makes if each.product in products)
+        )
+        for machine in kept["machines"]
+    )
+    kept["fleet"] = tuple(one for one in kept["fleet"] if one.type in types)
+    return kept
+
+
+def _boxed(place: Any, node: Node | None) -> Any:
+    if place.box is not None:
+        return place
+    at = (node.x_m, node.y_m) if node is not None else (AT_LEAST_M, AT_LEAST_M)
+    return msgspec.structs.replace(place, box=Box(*at, AT_LEAST_M / 2.0, AT_LEAST_M / 2.0))
+
+
+def _value(value: object, kind: type, usual: Any) -> Any:
+    try:
+        return msgspec.convert(value, kind)
+    except msgspec.ValidationError:
+        return usual

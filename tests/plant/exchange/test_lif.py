@@ -1,0 +1,320 @@
+"""Reading LIF: nothing is dropped in silence, and what is odd is said with its place."""
+
+from __future__ import annotations
+
+from math import pi
+from typing import Any
+
+import pytest
+from layout_files import edge, layout, lif, node, station
+
+from dray.errors import PlantError
+from dray.plant import Plant, PlantFile
+from dray.plant.drawing import draw
+from dray.plant.exchange.assemble import Imported
+from dray.plant.exchange.read import read_layout
+from dray.plant.file.document import write_document
+from dray.plant.file.file import document_faults, parse_plant
+from dray.plant.file.unfinished import drawable
+
+LINE = [node("a", 0, 0), node("b", 10, 0)]
+HALF_CIRCLE = {
+    "degree": 2,
+    "knotVector": [0, 0, 0, 0.5, 0.5, 1, 1, 1],
+    "controlPoints": [
+        {"x": 0, "y": 0},
+        {"x": 0, "y": 5, "weight": 0.7071067811865476},
+        {"x": 5, "y": 5},
+        {"x": 10, "y": 5, "weight": 0.7071067811865476},
+        {"x": 10, "y": 0},
+    ],
+}
+
+
+def read(*layouts: Any, **more: Any) -> Imported:
+    return read_layout(lif(*layouts), "hall.json", **more)
+
+
+def said(imported: Imported) -> str:
+    return "\n".join(note.line() for note in imported.notes)
+
+
+def drawn(imported: Imported) -> Plant:
+    plant, whole = drawable(imported.data)
+    assert whole is not None
+    assert "<svg" in draw(plant)
+    return plant
+
+
+def test_two_edges_of_one_road_are_one_lane_and_a_single_one_runs_one_way() -> None:
+    nodes = [*LINE, node("c", 10, 10)]
+    found = read(layout(nodes, [edge("a", "b"), edge("b", "a"), edge("b", "c")]))
+    assert found.data["lanes"] == [
+        {"start": "a", "end": "b", "speed_limit_mps": 1.0, "both_ways": True},
+        {"start": "b", "end": "c", "speed_limit_mps": 1.0},
+    ]
+    assert [[one["original"] for one in lane["original"]] for lane in found.mapping["lanes"]] == [
+        ["a-b", "b-a"],
+        ["b-c"],
+    ]
+
+
+def test_directions_of_other_limits_stay_two_lanes() -> None:
+    found = read(layout(LINE, [edge("a", "b"), edge("b", "a", maxSpeed=0.5)]))
+    assert [lane["speed_limit_mps"] for lane in found.data["lanes"]] == [1.0, 0.5]
+
+
+def test_a_curve_keeps_its_length_and_its_shape() -> None:
+    found = read(layout(LINE, [edge("a", "b", trajectory=HALF_CIRCLE)]))
+    plant = drawn(found)
+    length_m = sum(lane.length_m for lane in plant.lanes)
+    assert length_m == pytest.approx(5 * pi, rel=0.005)
+    corners = [(spot["x_m"], spot["y_m"]) for spot in found.data["lanes"][0]["shape"]]
+    assert all((x_m - 5) ** 2 + y_m**2 == pytest.approx(25, rel=0.01) for x_m, y_m in corners)
+    assert set(plant.stops) == {"a", "b"}
+
+
+@pytest.mark.parametrize(
+    ("broken", "why"),
+    [
+        ({"knotVector": [0, 1]}, "2 knots where 8 are needed"),
+        ({"degree": 0}, "a degree of 0"),
+        ({"degree": 99}, "a degree of 99"),
+        ({"controlPoints": []}, "0 control points"),
+        ({"controlPoints": "none"}, "0 control points"),
+        ({"knotVector": [0, 0, 0, 0.6, 0.5, 1, 1, 1]}, "the knots fall"),
+        ({"knotVector": [0] * 8}, "all knots are alike"),
+        ({"knotVector": "abc"}, "0 knots"),
+    ],
+)
+def test_a_trajectory_that_is_none_is_said_and_the_lane_is_straight(broken: dict[str, Any], why: str) -> None:
+    found = read(layout(LINE, [edge("a", "b", trajectory={**HALF_CIRCLE, **broken})]))
+    assert why in said(found) or "a knot is no number" in said(found)
+    assert "shape" not in found.data["lanes"][0]
+
+
+def test_a_trajectory_of_another_place_is_not_taken() -> None:
+    nodes = [node("a", 0, 20), node("b", 10, 20)]
+    found = read(layout(nodes, [edge("a", "b", trajectory=HALF_CIRCLE)]))
+    assert "20.0 m off its node" in said(found)
+    assert "shape" not in found.data["lanes"][0]
+
+
+def test_limits_of_types_are_kept_and_the_lowest_holds() -> None:
+    both = edge("a", "b")
+    both["vehicleTypeEdgeProperties"].append({"vehicleTypeId": "slow", "maxSpeed": 0.4})
+    found = read(layout(LINE, [both]))
+    assert found.data["lanes"][0]["speed_limit_mps"] == 0.4
+    assert found.mapping["lanes"][0]["original"][0]["limits_mps"] == {"kind": 1.0, "slow": 0.4}
+    assert "the lowest is taken" in said(found)
+    assert [kind["max_speed_mps"] for kind in found.data["vehicle_types"]] == [1.0, 0.4]
+
+
+def test_parallel_edges_are_said_and_kept_in_the_mapping() -> None:
+    second = {**edge("a", "b", maxSpeed=2.0), "edgeId": "other"}
+    found = read(layout(LINE, [edge("a", "b"), second]))
+    assert len(found.data["lanes"]) == 1
+    assert "/layouts/0/edges/1: edge other is a second one from a to b" in said(found)
+    assert [one["original"] for one in found.mapping["lanes"][0]["original"]] == ["a-b", "other"]
+
+
+def test_a_station_of_several_nodes_stands_at_its_first() -> None:
+    found = read(layout(LINE, [edge("a", "b")], [station("S 1", "b", "a", stationHeight="0.4")]))
+    assert found.data["unassigned"] == [{"id": "S-1", "node": "b", "name": "S 1"}]
+    assert found.mapping["places"][0]["nodes"] == ["b", "a"]
+    assert "/layouts/0/stations/0: station S 1 is served from 2 nodes: b is taken, not a" in said(found)
+    assert "`stationHeight` is a number written as text" in said(found)
+
+
+def test_chargers_and_parking_places_are_told_by_their_actions() -> None:
+    nodes = [node("a", 0, 0, actions=("startCharging",)), node("b", 10, 0, actions=("park",))]
+    found = read(layout(nodes, [edge("a", "b"), edge("b", "a")], [station("C", "a")]))
+    assert found.data["chargers"] == [{"id": "C", "node": "a", "box": None}]
+    assert found.data["parkings"] == [{"id": "P-b", "node": "b"}]
+
+
+def test_levels_lie_beside_one_another() -> None:
+    upper = layout([node("c", 0, 0), node("d", 10, 0)], [edge("c", "d")], layoutLevelId="1")
+    lower = layout(LINE, [edge("a", "b"), edge("b", "c")], layoutLevelId="0")
+    found = read(lower, {**upper, "layoutId": "U"})
+    plant = drawn(found)
+    assert plant.nodes["c"].x_m > plant.nodes["b"].x_m
+    assert "leads to another level" in said(found)
+    assert [moved["level"] for moved in found.mapping["moved_m"]] == ["0", "1"]
+    alone = read(lower, {**upper, "layoutId": "U"}, layouts=("L",))
+    assert [each["id"] for each in alone.data["nodes"]] == ["a", "b"]
+    assert "layout U is left out, as asked for" in said(alone)
+    assert "there is no node c" in said(alone)
+
+
+def test_millimetres_are_found_out_and_degrees_are_said() -> None:
+    nodes = [node("a", 0, 0), node("b", 10_000, 0)]
+    nodes[0]["vehicleTypeNodeProperties"][0]["theta"] = 90.0
+    found = read(layout(nodes, [edge("a", "b")]))
+    assert found.data["nodes"][1]["x_m"] == 10.0
+    assert "read as millimetres" in said(found)
+    assert "degrees, it seems" in said(found)
+    assert read(layout(nodes, [edge("a", "b")]), unit="m").data["nodes"][1]["x_m"] == 10_000
+
+
+def test_ids_that_may_not_be_ours_are_given_others_and_the_mapping_keeps_them() -> None:
+    names = ["Nächster Punkt", "1", "a" * 40, "n-1", 7]
+    found = read(layout([node(name, 10 * at, 0) for at, name in enumerate(names)], []))
+    ids = [each["id"] for each in found.data["nodes"]]
+    assert len(set(ids)) == 5
+    assert [each["original"] for each in found.mapping["nodes"]] == [str(name) for name in names]
+    drawn(found)
+    assert "`nodeId` is a number where a text belongs" in said(found)
+
+
+def test_what_is_not_understood_is_said_and_kept() -> None:
+    odd = {**node("a", "0", 0), "colour": "red"}
+    found = read(layout([odd, LINE[1]], [edge("a", "b", wobble=1)], zones=[]))
+    for text in (
+        "`colour` of a node is not understood",
+        "`wobble` of an edge property",
+        "`zones` of a layout",
+    ):
+        assert text in said(found)
+    assert "`x` is a number written as text" in said(found)
+    assert found.mapping["nodes"][0]["kept"]["colour"] == "red"
+
+
+def test_the_draft_of_version_2_is_read() -> None:
+    types = {"mobileRobotTypes": [{"manufacturer": "Maker", "seriesName": "S"}]}
+    nodes = [{**each, "mobileRobotTypeNodeProperties": [types]} for each in LINE]
+    edges = [
+        {
+            "edgeId": "e",
+            "startNodeId": "a",
+            "endNodeId": "b",
+            "mobileRobotTypeEdgeProperties": [{**types, "maximumSpeed": 0.7}],
+        }
+    ]
+    text = lif(origins=[{"originId": "O", "layouts": [layout(nodes, edges)]}])
+    found = read_layout(text.replace(b'"layouts":[],', b""), "hall.json")
+    assert found.data["lanes"] == [{"start": "a", "end": "b", "speed_limit_mps": 0.7}]
+    assert found.data["vehicle_types"][0]["id"] == "Maker.S"
+
+
+def test_negative_coordinates_are_moved_onto_the_floor() -> None:
+    found = read(layout([node("a", -5, -1), node("b", 10, 0)], [edge("a", "b")]))
+    drawn(found)
+    assert found.mapping["moved_m"] == [{"level": "map", "x_m": 7.0, "y_m": 3.0}]
+
+
+def test_check_names_exactly_the_open_points() -> None:
+    found = read(layout(LINE, [edge("a", "b"), edge("b", "a")], [station("S", "a")]))
+    points = list(document_faults(found.data))
+    fields = [field for field, _ in points]
+    assert fields == [
+        *("materials", "products", "warehouses", "storages", "stations", "machines", "areas", "chargers"),
+        *(f"vehicle_types[0].{name}" for name in ("length_m", "width_m", "load_s", "unload_s", "battery_wh")),
+        *("vehicle_types[0].charge_w", "fleet", "unassigned[0]"),
+    ]
+    with pytest.raises(PlantError) as raised:
+        parse_plant(write_document(found.data), "hall.yaml")
+    assert sorted(error.field for error in raised.value.errors) == sorted(fields)  # type: ignore[attr-defined]
+
+
+def test_what_is_filled_in_is_open_no_more() -> None:
+    nodes = [*LINE, node("c", 10, 10), node("d", 0, 10)]
+    ends = [("a", "b"), ("b", "c"), ("c", "d"), ("d", "a")]
+    found = read(
+        layout(nodes, [edge(*pair) for one in ends for pair in (one, one[::-1])], [station("S", "a")])
+    )
+    box = {"x_m": 1, "y_m": 1, "width_m": 1, "depth_m": 1}
+    data = found.data
+    data.update(
+        unassigned=[],
+        areas=[],
+        materials=[{"id": "steel", "name": "Steel", "lot": 5, "buffer": 20}],
+        products=[{"id": "bolt", "name": "Bolt", "lot": 5, "bill": [{"material": "steel", "quantity": 1}]}],
+        stations=[{"id": "W", "name": "W"}],
+        warehouses=[
+            {"id": kind, "name": kind, "kind": kind, "node": at, "box": box}
+            for kind, at in (("source", "b"), ("delivery", "c"))
+        ],
+        storages=[
+            {
+                "id": "S",
+                "name": "S",
+                "node": "a",
+                "box": box,
+                "stocks": [{"material": "steel", "capacity": 50}],
+            }
+        ],
+        machines=[
+            {
+                "id": "M",
+                "name": "M",
+                "station": "W",
+                "node": "d",
+                "box": box,
+                "makes": [{"product": "bolt", "cycle_s": 9}],
+            }
+        ],
+        chargers=[{"id": "C", "node": "b", "box": box}],
+        fleet=[{"id": "V", "type": "kind", "node": "a"}],
+    )
+    data["vehicle_types"][0].update(
+        length_m=1.0, width_m=0.6, load_s=10, unload_s=10, battery_wh=900, charge_w=500
+    )
+    plant = parse_plant(write_document(data), "hall.yaml")
+    assert isinstance(plant.file, PlantFile)
+    assert list(plant.machines) == ["M"]
+
+
+@pytest.mark.parametrize(
+    ("content", "why"),
+    [
+        (b"", "not JSON"),
+        (b"[]", "no LIF file"),
+        (b"{}", "no LIF file"),
+        (b"{" * 100_000, "not JSON"),
+        (b"[" * 100_000, "not JSON"),
+        (b"\xff\xfe{", "not UTF-8"),
+        (b'{"layouts": 3}', "no node"),
+        (b'{"layouts": [null, 3, {"nodes": "x"}]}', "no node"),
+        (b'{"layouts": [{"nodes": [{"nodeId": "a", "nodePosition": {"x": "far", "y": 1}}]}]}', "no node"),
+    ],
+)
+def test_what_is_no_layout_is_refused(content: bytes, why: str) -> None:
+    with pytest.raises(PlantError, match=why):
+        read_layout(content, "hall.json")
+
+
+def test_things_of_the_wrong_kind_are_said_and_not_stumbled_over() -> None:
+    found = read(
+        {
+            "layoutId": 3,
+            "nodes": [None, *LINE, {}, {"nodeId": None}, node("a", 1, 1), node("x", None, 1)],
+            "edges": [
+                {},
+                edge("a", "nowhere"),
+                edge("a", "a"),
+                {**edge("a", "b"), "vehicleTypeEdgeProperties": None},
+                {**edge("b", "a"), "vehicleTypeEdgeProperties": [3, {"maxSpeed": -1, "trajectory": 3}]},
+            ],
+            "stations": [
+                3,
+                {},
+                station("S"),
+                station("T", "nowhere"),
+                {"stationId": "U", "interactionNodeIds": "a"},
+            ],
+        }
+    )
+    told = said(found)
+    for text in (
+        "an entry of `nodes` is no object",
+        "node a is there already",
+        "there is no node nowhere",
+        "leads back to its own node",
+        "a speed of -1 is none",
+        "station S is left out",
+        "the trajectory is no object",
+    ):
+        assert text in told
+    assert [one["id"] for one in found.data["unassigned"]] == ["U"]
+    drawn(found)

@@ -1,0 +1,100 @@
+"""A plant that is written as LIF and read again is the same graph; put onto the plant, the same plant."""
+
+from __future__ import annotations
+
+import msgspec
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from msgspec.structs import replace
+
+from dray.plant import SHIPPED, Lane, Node, Plant, PlantFile, Point, default_plant, load_plant
+from dray.plant.exchange.lif_export import export_lif
+from dray.plant.exchange.onto import put_onto
+from dray.plant.exchange.read import read_layout
+from dray.plant.file.unfinished import drawable
+from dray_sim.plants.draw import draw_plant
+
+AT = "2026-11-23T08:00:00Z"
+
+
+def graph(plant: Plant) -> tuple[object, ...]:
+    lanes = {
+        (lane.start, lane.end): (lane.speed_limit_mps, lane.length_m, lane.heading_rad)
+        for lane in plant.lanes
+    }
+    docks = {place: plant.node_of(place) for place in plant.places}
+    return dict(plant.nodes), lanes, docks
+
+
+def again(plant: Plant) -> Plant:
+    imported = read_layout(export_lif(plant, AT).encode(), "again.json")
+    read, whole = drawable(imported.data)
+    assert whole is not None
+    assert [each["original"] for each in imported.mapping["nodes"]] == [
+        each["id"] for each in imported.data["nodes"]
+    ]
+    assert put_onto(imported.data, plant) == msgspec.to_builtins(plant.file)
+    docks = {one["id"]: one["node"] for one in imported.data["unassigned"]}
+    assert {**{place: read.node_of(place) for place in read.places}, **docks} == graph(plant)[2]
+    return read
+
+
+def assert_same(plant: Plant) -> None:
+    assert graph(again(plant))[:2] == graph(plant)[:2]
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_a_shipped_plant_comes_back_as_the_same_graph(name: str) -> None:
+    assert_same(load_plant(name))
+
+
+@pytest.mark.parametrize("two_lanes", [False, True])
+@pytest.mark.parametrize("seed", range(3))
+def test_a_drawn_plant_comes_back_as_the_same_graph(seed: int, two_lanes: bool) -> None:
+    assert_same(draw_plant(seed, small=True, two_lanes=two_lanes))
+
+
+SPOTS = st.tuples(st.floats(0, 60, allow_subnormal=False), st.floats(0, 40, allow_subnormal=False))
+
+
+@settings(max_examples=30, deadline=None)
+@given(
+    spots=st.lists(SPOTS, min_size=2, max_size=6, unique=True),
+    pairs=st.lists(
+        st.tuples(st.integers(0, 5), st.integers(0, 5), st.booleans(), st.lists(SPOTS, max_size=4)),
+        max_size=8,
+    ),
+    limit_mps=st.floats(0.05, 50),
+)
+def test_any_nodes_and_lanes_come_back(
+    spots: list[tuple[float, float]],
+    pairs: list[tuple[int, int, bool, list[tuple[float, float]]]],
+    limit_mps: float,
+) -> None:
+    nodes = tuple(Node(f"n{at}", *spot) for at, spot in enumerate(spots))
+    lanes, taken = [], set()
+    for start, end, both, shape in pairs:
+        ends = (f"n{start % len(nodes)}", f"n{end % len(nodes)}")
+        if ends[0] != ends[1] and not taken & {ends, ends[::-1]}:
+            taken.add(ends)
+            lanes.append(Lane(*ends, limit_mps, both, shape=tuple(Point(*spot) for spot in shape)))
+    file = default_plant().file
+    bare = PlantFile(
+        "x", "X", 70.0, 50.0, nodes, tuple(lanes), (), (), (), (), (), (), (), file.vehicle_types, ()
+    )
+    assert_same(Plant(bare))
+
+
+def test_a_layout_with_a_node_less_opens_what_stood_there() -> None:
+    plant = default_plant()
+    gone = replace(
+        plant.file,
+        nodes=tuple(node for node in plant.file.nodes if node.id != "m1"),
+        lanes=tuple(lane for lane in plant.file.lanes if "m1" not in (lane.start, lane.end)),
+        machines=plant.file.machines[1:],
+    )
+    imported = read_layout(export_lif(Plant(gone), AT).encode(), "less.json")
+    result = put_onto(imported.data, plant)
+    assert [one["id"] for one in result["machines"] if one["node"] is None] == ["M1"]
+    assert result["unassigned"] == []
