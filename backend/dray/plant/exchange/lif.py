@@ -7,14 +7,24 @@ the versions name it, and what is missing is said. Metres; a file that can only 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import hypot, isfinite
+from math import hypot
 from statistics import median
-from typing import Any
 
 import msgspec
 
 from dray.plant.exchange import curves
 from dray.plant.exchange.curves import CurveError
+from dray.plant.exchange.lif_values import (
+    EDGE_USED,
+    NEW_TYPE_PROPERTIES,
+    NODE_USED,
+    STATION_USED,
+    TYPE_PROPERTIES,
+    Json,
+    LifValues,
+    key_of,
+    number_of,
+)
 from dray.plant.exchange.notes import Notes
 from dray.plant.exchange.track_layout import (
     Spot,
@@ -31,80 +41,6 @@ MM_EDGE = 500.0
 SNAP_M = 0.5
 """A trajectory that begins or ends nearer to its node is moved there; another one belongs to something else."""
 
-Json = dict[str, Any]
-
-NODE_USED = frozenset({"nodeId", "nodePosition"})
-EDGE_USED = frozenset({"edgeId", "startNodeId", "endNodeId"})
-STATION_USED = frozenset({"stationId", "stationName", "interactionNodeIds"})
-TYPE_PROPERTIES = ("vehicleTypeNodeProperties", "vehicleTypeEdgeProperties")
-NEW_TYPE_PROPERTIES = ("mobileRobotTypeNodeProperties", "mobileRobotTypeEdgeProperties")
-
-NAMED = {
-    "metaInformation": {"projectIdentification", "lifId", "creator", "exportTimestamp", "lifVersion"},
-    "layout": {
-        *(
-            "layoutId",
-            "layoutName",
-            "layoutVersion",
-            "layoutLevelId",
-            "layoutDescription",
-            "layoutDescriptor",
-        ),
-        *("nodes", "edges", "stations"),
-    },
-    "node": {
-        *NODE_USED,
-        *("nodeName", "nodeDescription", "nodeDescriptor", "mapId", "vehicleTypeNodeProperties"),
-        "mobileRobotTypeNodeProperties",
-    },
-    "edge": {
-        *EDGE_USED,
-        *("edgeName", "edgeDescription", "edgeDescriptor", "vehicleTypeEdgeProperties"),
-        "mobileRobotTypeEdgeProperties",
-    },
-    "station": {
-        *STATION_USED,
-        *("stationDescription", "stationDescriptor", "stationHeight", "stationPosition"),
-    },
-    "node property": {
-        *("vehicleTypeId", "vehicleTypeIds", "mobileRobotTypes", "theta", "actions", "loadRestriction"),
-        *("maximumAllowedDeviation", "allowedDeviationXY", "allowedDeviationTheta"),
-    },
-    "edge property": {
-        *(
-            "vehicleTypeId",
-            "vehicleTypeIds",
-            "mobileRobotTypes",
-            "vehicleOrientation",
-            "mobileRobotOrientations",
-        ),
-        *("orientationType", "rotationAllowed", "rotationAtStartNodeAllowed", "rotationAtEndNodeAllowed"),
-        *("maxSpeed", "maximumSpeed", "maxRotationSpeed", "maximumRotationSpeed", "minHeight", "maxHeight"),
-        *("loadRestriction", "actions", "trajectory", "physicalLineGuidedProperty", "reentryAllowed"),
-        *("reachOrientationBeforeEntering", "corridor", "minimumLoadHandlingDeviceHeight"),
-        *("maximumMobileRobotHeight", "direction"),
-    },
-}
-"""What the standard names, by kind of object. The rest is not understood."""
-
-NOT_IN_A_PLANT = {
-    "theta": "how a vehicle stands at a node",
-    "loadRestriction": "who may drive there with or without a load",
-    "vehicleOrientation": "how a vehicle is turned on a lane",
-    "mobileRobotOrientations": "how a vehicle is turned on a lane",
-    "rotationAtStartNodeAllowed": "where a vehicle may turn",
-    "rotationAtEndNodeAllowed": "where a vehicle may turn",
-    "maxRotationSpeed": "the speed of turning",
-    "minHeight": "heights",
-    "maxHeight": "heights",
-    "stationHeight": "heights",
-    "actions": "actions, other than to tell chargers and parking places",
-    "physicalLineGuidedProperty": "guide lines",
-    "reentryAllowed": "where vehicles are taken in",
-    "corridor": "corridors",
-}
-"""Understood, kept in the mapping, and not in a plant file: what each is about. What only names or describes is not spoken of."""
-
 
 def read_lif(data: Json, notes: Notes, *, unit: str = "", layouts: tuple[str, ...] = ()) -> TrackLayout:
     """A LIF document as a layout.
@@ -118,9 +54,10 @@ def read_lif(data: Json, notes: Notes, *, unit: str = "", layouts: tuple[str, ..
     return _Reader(data, notes, unit, layouts).read()
 
 
-class _Reader:
+class _Reader(LifValues):
     def __init__(self, data: Json, notes: Notes, unit: str, layouts: tuple[str, ...]) -> None:
-        self._data, self._notes, self._unit, self._wanted = data, notes, unit, layouts
+        super().__init__(notes)
+        self._data, self._unit, self._wanted = data, unit, layouts
         self._types: dict[str, TrackVehicleType] = {}
         self._scale = 1.0
 
@@ -184,8 +121,8 @@ class _Reader:
             hypot(spots[end][0] - spots[start][0], spots[end][1] - spots[start][1])
             for _, at, layout in layouts
             for _, edge in self._objects(layout, "edges", at, quiet=True)
-            if (start := _key(edge.get("startNodeId"))) in spots
-            and (end := _key(edge.get("endNodeId"))) in spots
+            if (start := key_of(edge.get("startNodeId"))) in spots
+            and (end := key_of(edge.get("endNodeId"))) in spots
         ]
         if lengths and median(lengths) >= MM_EDGE:
             self._notes.add(
@@ -232,7 +169,7 @@ class _Reader:
     def _edges(self, layout: Json, pointer: str, found: TrackLayout) -> None:
         spots = {node.original: (node.x_m, node.y_m) for node in found.nodes}
         for at, edge in self._objects(layout, "edges", pointer):
-            start, end = _key(edge.get("startNodeId")), _key(edge.get("endNodeId"))
+            start, end = key_of(edge.get("startNodeId")), key_of(edge.get("endNodeId"))
             name = self._id(edge, "edgeId", at) or f"{start} to {end}"
             self._strange(edge, "edge", at)
             if missing := [node for node in (start, end) if node not in spots]:
@@ -278,7 +215,7 @@ class _Reader:
             points.append((x * self._scale, y * self._scale, 1.0 if weight is None else weight))
         degree = self._number(curve, "degree", at)
         told = curve.get("knotVector")
-        knots = [_float(knot) for knot in told] if isinstance(told, list) else []
+        knots = [number_of(knot) for knot in told] if isinstance(told, list) else []
         try:
             corners = curves.nurbs(
                 1 if degree is None else int(degree), [knot for knot in knots if knot is not None], points
@@ -312,7 +249,7 @@ class _Reader:
             at_nodes = station.get("interactionNodeIds")
             listed = at_nodes if isinstance(at_nodes, list) else [] if at_nodes is None else [at_nodes]
             served = []
-            for one in map(_key, listed):
+            for one in map(key_of, listed):
                 if one in nodes:
                     served.append(one)
                 else:
@@ -332,8 +269,6 @@ class _Reader:
                 )
             )
 
-    # --- small things --------------------------------------------------------------------------------------
-
     def _types_of(self, each: Json, at: str) -> list[str]:
         """The types of vehicles that something is for, by any of the names that versions of LIF have for it."""
         named = each.get("vehicleTypeIds", each.get("vehicleTypeId", each.get("mobileRobotTypes")))
@@ -342,86 +277,13 @@ class _Reader:
             parts = (
                 [one.get(key) for key in ("manufacturer", "seriesName")] if isinstance(one, dict) else [one]
             )
-            if name := ".".join(filter(None, map(_key, parts))):
+            if name := ".".join(filter(None, map(key_of, parts))):
                 types.append(name)
         if not types:
             self._notes.add(at, "it is not said for which type of vehicle this is: taken for all")
         for kind in types:
             self._types.setdefault(kind, TrackVehicleType(kind))
         return types
-
-    def _actions(self, each: Json, at: str) -> list[str]:
-        return [
-            str(action.get("actionType", action.get("actionName", ""))).lower()
-            for _, action in self._objects(each, "actions", at, quiet=True)
-        ]
-
-    def _properties(self, of: Json, old: str, new: str, at: str) -> list[tuple[str, Json]]:
-        key = new if new in of else old
-        if key not in of:
-            self._notes.add(
-                at, f"`{old}` is missing: which types of vehicles may use it is not said; taken for all"
-            )
-            return []
-        return self._objects(of, key, at)
-
-    def _strange(self, of: Json, kind: str, at: str) -> None:
-        for key in of:
-            if key not in NAMED[kind] and key.strip() in NAMED[kind]:
-                self._notes.add(at, f"`{key}` of {_a(kind)} has a blank in its name: it is not read")
-            elif key not in NAMED[kind]:
-                self._notes.add(
-                    f"{at}/{key}", f"`{key}` of {_a(kind)} is not understood: it is kept in the mapping"
-                )
-            elif key in NOT_IN_A_PLANT and of[key] not in (None, []):
-                text = f"`{key}` of {_a(kind)} ({NOT_IN_A_PLANT[key]}) has no field in a plant: it is kept in the mapping"
-                self._notes.add(f"{at}/{key}", text)
-
-    def _rest(self, of: Json, used: frozenset[str] | set[str]) -> Json:
-        return {key: value for key, value in of.items() if key not in used}
-
-    def _object(self, of: Json, key: str, at: str) -> Json:
-        value = of.get(key)
-        if isinstance(value, dict):
-            return value
-        self._notes.add(f"{at}/{key}", f"`{key}` is missing or is no object")
-        return {}
-
-    def _objects(self, of: Json, key: str, at: str, *, quiet: bool = False) -> list[tuple[str, Json]]:
-        """The objects of a list, each with its pointer."""
-        value = of.get(key)
-        if value is None and (quiet or key in of):
-            return []
-        if not isinstance(value, list):
-            if not quiet:
-                self._notes.add(f"{at}/{key}", f"`{key}` is missing or is no list")
-            return []
-        found = []
-        for index, each in enumerate(value):
-            if isinstance(each, dict):
-                found.append((f"{at}/{key}/{index}", each))
-            elif not quiet:
-                self._notes.add(f"{at}/{key}/{index}", f"an entry of `{key}` is no object: it is left out")
-        return found
-
-    def _id(self, of: Json, key: str, at: str) -> str:
-        name = _key(of.get(key))
-        if not name:
-            self._notes.add(f"{at}/{key}", f"`{key}` is missing")
-        elif not isinstance(of[key], str):
-            self._notes.add(f"{at}/{key}", f"`{key}` is a number where a text belongs")
-        return name
-
-    def _number(self, of: Json, key: str, at: str) -> float | None:
-        value = of.get(key)
-        if value is None:
-            return None
-        number = _float(value)
-        if number is None:
-            self._notes.add(f"{at}/{key}", f"`{key}` is no number: {str(value)[:40]}")
-        elif isinstance(value, str):
-            self._notes.add(f"{at}/{key}", f"`{key}` is a number written as text")
-        return number
 
     def _spot(self, of: Json, key: str, at: str) -> Spot | None:
         position = of.get(key)
@@ -433,26 +295,6 @@ class _Reader:
             self._notes.add(f"{at}/{key}", f"a node whose `{key}` has no x and y is left out")
             return None
         return x * self._scale, y * self._scale
-
-    def _raw_spot(self, position: object) -> Spot | None:
-        if not isinstance(position, dict):
-            return None
-        x, y = _float(position.get("x")), _float(position.get("y"))
-        return None if x is None or y is None else (x, y)
-
-
-def _key(value: object) -> str:
-    return str(value) if isinstance(value, str | int) and not isinstance(value, bool) else ""
-
-
-def _float(value: object) -> float | None:
-    if isinstance(value, bool) or not isinstance(value, int | float | str):
-        return None
-    try:
-        number = float(value)
-    except (ValueError, OverflowError):
-        return None
-    return number if isfinite(number) else None
 
 
 def decode(text: str) -> Json:
@@ -468,7 +310,3 @@ def decode(text: str) -> Json:
     if not isinstance(data, dict) or not {"layouts", "origins"} & data.keys():
         raise ValueError("no LIF file: there is no `layouts` in it; nor is it XML of openTCS")
     return data
-
-
-def _a(kind: str) -> str:
-    return f"an {kind}" if kind.startswith("e") else f"a {kind}"

@@ -1,0 +1,187 @@
+"""The values of a LIF document, read leniently: what is missing, of another kind or not understood is said with its JSON pointer."""
+
+from __future__ import annotations
+
+from math import isfinite
+from typing import Any
+
+from dray.plant.exchange.notes import Notes
+from dray.plant.exchange.track_layout import Spot
+
+Json = dict[str, Any]
+
+NODE_USED = frozenset({"nodeId", "nodePosition"})
+EDGE_USED = frozenset({"edgeId", "startNodeId", "endNodeId"})
+STATION_USED = frozenset({"stationId", "stationName", "interactionNodeIds"})
+TYPE_PROPERTIES = ("vehicleTypeNodeProperties", "vehicleTypeEdgeProperties")
+NEW_TYPE_PROPERTIES = ("mobileRobotTypeNodeProperties", "mobileRobotTypeEdgeProperties")
+
+NAMED = {
+    "metaInformation": {"projectIdentification", "lifId", "creator", "exportTimestamp", "lifVersion"},
+    "layout": {
+        *(
+            "layoutId",
+            "layoutName",
+            "layoutVersion",
+            "layoutLevelId",
+            "layoutDescription",
+            "layoutDescriptor",
+        ),
+        *("nodes", "edges", "stations"),
+    },
+    "node": {
+        *NODE_USED,
+        *("nodeName", "nodeDescription", "nodeDescriptor", "mapId", "vehicleTypeNodeProperties"),
+        "mobileRobotTypeNodeProperties",
+    },
+    "edge": {
+        *EDGE_USED,
+        *("edgeName", "edgeDescription", "edgeDescriptor", "vehicleTypeEdgeProperties"),
+        "mobileRobotTypeEdgeProperties",
+    },
+    "station": {
+        *STATION_USED,
+        *("stationDescription", "stationDescriptor", "stationHeight", "stationPosition"),
+    },
+    "node property": {
+        *("vehicleTypeId", "vehicleTypeIds", "mobileRobotTypes", "theta", "actions", "loadRestriction"),
+        *("maximumAllowedDeviation", "allowedDeviationXY", "allowedDeviationTheta"),
+    },
+    "edge property": {
+        *(
+            "vehicleTypeId",
+            "vehicleTypeIds",
+            "mobileRobotTypes",
+            "vehicleOrientation",
+            "mobileRobotOrientations",
+        ),
+        *("orientationType", "rotationAllowed", "rotationAtStartNodeAllowed", "rotationAtEndNodeAllowed"),
+        *("maxSpeed", "maximumSpeed", "maxRotationSpeed", "maximumRotationSpeed", "minHeight", "maxHeight"),
+        *("loadRestriction", "actions", "trajectory", "physicalLineGuidedProperty", "reentryAllowed"),
+        *("reachOrientationBeforeEntering", "corridor", "minimumLoadHandlingDeviceHeight"),
+        *("maximumMobileRobotHeight", "direction"),
+    },
+}
+"""What the standard names, by kind of object. The rest is not understood."""
+
+NOT_IN_A_PLANT = {
+    "theta": "how a vehicle stands at a node",
+    "loadRestriction": "who may drive there with or without a load",
+    "vehicleOrientation": "how a vehicle is turned on a lane",
+    "mobileRobotOrientations": "how a vehicle is turned on a lane",
+    "rotationAtStartNodeAllowed": "where a vehicle may turn",
+    "rotationAtEndNodeAllowed": "where a vehicle may turn",
+    "maxRotationSpeed": "the speed of turning",
+    "minHeight": "heights",
+    "maxHeight": "heights",
+    "stationHeight": "heights",
+    "actions": "actions, other than to tell chargers and parking places",
+    "physicalLineGuidedProperty": "guide lines",
+    "reentryAllowed": "where vehicles are taken in",
+    "corridor": "corridors",
+}
+"""Understood, kept in the mapping, and not in a plant file: what each is about. What only names or describes is not spoken of."""
+
+
+class LifValues:
+    """Reads values, and says what is odd about them."""
+
+    def __init__(self, notes: Notes) -> None:
+        self._notes = notes
+
+    def _actions(self, each: Json, at: str) -> list[str]:
+        return [
+            str(action.get("actionType", action.get("actionName", ""))).lower()
+            for _, action in self._objects(each, "actions", at, quiet=True)
+        ]
+
+    def _properties(self, of: Json, old: str, new: str, at: str) -> list[tuple[str, Json]]:
+        key = new if new in of else old
+        if key not in of:
+            self._notes.add(
+                at, f"`{old}` is missing: which types of vehicles may use it is not said; taken for all"
+            )
+            return []
+        return self._objects(of, key, at)
+
+    def _strange(self, of: Json, kind: str, at: str) -> None:
+        for key in of:
+            if key not in NAMED[kind] and key.strip() in NAMED[kind]:
+                self._notes.add(at, f"`{key}` of {_a(kind)} has a blank in its name: it is not read")
+            elif key not in NAMED[kind]:
+                self._notes.add(
+                    f"{at}/{key}", f"`{key}` of {_a(kind)} is not understood: it is kept in the mapping"
+                )
+            elif key in NOT_IN_A_PLANT and of[key] not in (None, []):
+                text = f"`{key}` of {_a(kind)} ({NOT_IN_A_PLANT[key]}) has no field in a plant: it is kept in the mapping"
+                self._notes.add(f"{at}/{key}", text)
+
+    def _rest(self, of: Json, used: frozenset[str] | set[str]) -> Json:
+        return {key: value for key, value in of.items() if key not in used}
+
+    def _object(self, of: Json, key: str, at: str) -> Json:
+        value = of.get(key)
+        if isinstance(value, dict):
+            return value
+        self._notes.add(f"{at}/{key}", f"`{key}` is missing or is no object")
+        return {}
+
+    def _objects(self, of: Json, key: str, at: str, *, quiet: bool = False) -> list[tuple[str, Json]]:
+        """The objects of a list, each with its pointer."""
+        value = of.get(key)
+        if value is None and (quiet or key in of):
+            return []
+        if not isinstance(value, list):
+            if not quiet:
+                self._notes.add(f"{at}/{key}", f"`{key}` is missing or is no list")
+            return []
+        found = []
+        for index, each in enumerate(value):
+            if isinstance(each, dict):
+                found.append((f"{at}/{key}/{index}", each))
+            elif not quiet:
+                self._notes.add(f"{at}/{key}/{index}", f"an entry of `{key}` is no object: it is left out")
+        return found
+
+    def _id(self, of: Json, key: str, at: str) -> str:
+        name = key_of(of.get(key))
+        if not name:
+            self._notes.add(f"{at}/{key}", f"`{key}` is missing")
+        elif not isinstance(of[key], str):
+            self._notes.add(f"{at}/{key}", f"`{key}` is a number where a text belongs")
+        return name
+
+    def _number(self, of: Json, key: str, at: str) -> float | None:
+        value = of.get(key)
+        if value is None:
+            return None
+        number = number_of(value)
+        if number is None:
+            self._notes.add(f"{at}/{key}", f"`{key}` is no number: {str(value)[:40]}")
+        elif isinstance(value, str):
+            self._notes.add(f"{at}/{key}", f"`{key}` is a number written as text")
+        return number
+
+    def _raw_spot(self, position: object) -> Spot | None:
+        if not isinstance(position, dict):
+            return None
+        x, y = number_of(position.get("x")), number_of(position.get("y"))
+        return None if x is None or y is None else (x, y)
+
+
+def key_of(value: object) -> str:
+    return str(value) if isinstance(value, str | int) and not isinstance(value, bool) else ""
+
+
+def number_of(value: object) -> float | None:
+    if isinstance(value, bool) or not isinstance(value, int | float | str):
+        return None
+    try:
+        number = float(value)
+    except (ValueError, OverflowError):
+        return None
+    return number if isfinite(number) else None
+
+
+def _a(kind: str) -> str:
+    return f"an {kind}" if kind.startswith("e") else f"a {kind}"
