@@ -170,10 +170,12 @@ class LifValues:
 
 
 def key_of(value: object) -> str:
+    """An id as text; empty for what is none."""
     return str(value) if isinstance(value, str | int) and not isinstance(value, bool) else ""
 
 
 def number_of(value: object) -> float | None:
+    """A finite number, also one that is written as text; None for what is none."""
     if isinstance(value, bool) or not isinstance(value, int | float | str):
         return None
     try:
