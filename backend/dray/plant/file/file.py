@@ -121,7 +121,8 @@ def document_faults(data: dict[str, object]) -> Iterator[tuple[str, str]]:
     Args:
         data: the mapping of a plant file, of any shape inside.
     """
-    found = [*open_points(data), *_shape_faults(data)]
+    shape = list(_shape_faults(data))
+    found = [*open_points(data), *shape]
     if not found and (fault := _misfit("", data, PlantFile)) is not None:
         # A null where nothing of the file could be open.
         found.append((fault[0].lstrip("."), fault[1]))
@@ -129,7 +130,8 @@ def document_faults(data: dict[str, object]) -> Iterator[tuple[str, str]]:
         yield from faults(msgspec.convert(data, PlantFile))
         return
     yield from found
-    rest = drawable(data)[1]
+    # What depends on something faulty is not reported a second time.
+    rest = None if shape else drawable(data)[1]
     if rest is not None:
         yield from floor_faults(rest)
 
