@@ -5,9 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from msgspec.structs import replace
 
 from dray.errors import PlantError
-from dray.plant import SHIPPED, Plant, is_shipped, load_plant, parse_plant, plant_yaml
+from dray.plant import SHIPPED, Plant, is_shipped, load_plant, parse_plant, plant_yaml, with_machine
 from dray.plant.advice import advice
 from dray.plant.model import VehicleType
 from dray_sim.bodies.vehicle.battery import Battery
@@ -61,6 +62,15 @@ def test_the_plant_with_two_lanes_has_a_stop_point_between_any_two_crossings() -
     plant = load_plant("two-lanes")
     assert all(len(crossing.nodes) == 1 for crossing in plant.crossings.values())
     assert len(plant.crossings) >= 50
+
+
+def test_a_machine_that_joins_a_plant_with_two_lanes_can_be_driven_to() -> None:
+    """Its dock is none as long as it is not there, and is no crossing then."""
+    file = load_plant("two-lanes").file
+    joining = file.machines[2]
+    before = Plant(replace(file, machines=tuple(each for each in file.machines if each is not joining)))
+    assert joining.node in before.stops
+    assert with_machine(before, joining, "joining").driven.lanes == before.driven.lanes
 
 
 def test_a_file_comes_before_a_shipped_plant_of_its_name(

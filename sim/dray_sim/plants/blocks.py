@@ -78,7 +78,7 @@ class Blocks:
         above = y_m > BLOCK_HEIGHT_M / 2
         beside = self._beside(block, x_m, above=above)
         self._add_dock(block, node, x_m, y_m)
-        self._spurs.append(Lane(beside.id, node, SPUR_SPEED_MPS, both_ways=True))
+        self._spurs.append(Lane(beside.id, node, SPUR_SPEED_MPS, both_ways=True, two_lanes=False))
         return node
 
     def drive_through(self, block: int, node: str, x_m: float, y_m: float, half_m: float) -> str:
