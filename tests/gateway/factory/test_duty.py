@@ -14,7 +14,7 @@ from heartbeats import atv_heartbeat
 from msgspec.structs import replace
 from wall_clock import NOW_S
 
-from dray.gateway.access.principal import Role
+from dray.gateway.access.principal import Principal, Role
 from dray.gateway.factory.duty import AWAY_S, DutyRota
 from dray.gateway.http.provided import provided
 from dray.messages import (
@@ -127,6 +127,19 @@ async def test_a_person_has_one_code_whatever_the_tablet_and_another_one_tomorro
     assert rota.code_of("anna") == first != other
     open_house.wall.now_s += 86_400.0
     assert rota.code_of("anna") != first
+
+
+async def test_who_logs_in_for_another_area_is_there_for_that_one(open_house: House) -> None:
+    caller = Caller(open_house.bus)
+    browser = await on_duty(open_house)
+    rota = provided(open_house.app, DutyRota)
+    moved = Principal(
+        kind="person", id="anna", name="Anna", scopes=frozenset(), areas=frozenset({"AREA3"}), station="M8"
+    )
+    rota.look(moved)
+    await until(lambda: any(beat.areas == ("AREA3",) for beat in caller.there.values()))
+    assert [(beat.station, len(caller.there)) for beat in caller.there.values()] == [("M8", 1)]
+    await browser.aclose()
 
 
 async def test_going_off_duty_says_so(open_house: House) -> None:

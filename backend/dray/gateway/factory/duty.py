@@ -11,7 +11,7 @@ import asyncio
 from base64 import b32encode
 from collections.abc import Callable
 from http import HTTPStatus
-from typing import Protocol
+from typing import Any, Protocol
 
 from msgspec.structs import replace
 
@@ -128,7 +128,8 @@ class DutyRota:
         known = self.tablet(by)
         if known is not None:
             known[1].seen_s = self.wall_s()
-            known[1].change(replace(known[1].state, there=True))
+            # Who has logged in elsewhere since is there for other areas now.
+            known[1].change(replace(known[1].state, there=True, **_where(by)))
         return known
 
     def go_on(
@@ -164,9 +165,7 @@ class DutyRota:
         state = DutyState(
             on_break=on_break,
             busy_until_s=busy_until_s,
-            areas=() if by.areas is None else tuple(sorted(by.areas)),
-            everywhere=by.areas is None,
-            station=by.station,
+            **_where(by),
             helps_with=helps_with,
             label=by.name if self._names else "",
         )
@@ -229,3 +228,12 @@ class DutyRota:
         for _, tablet in self._tablets.values():
             if now_s - tablet.seen_s > AWAY_S:
                 tablet.change(replace(tablet.state, there=False))
+
+
+def _where(by: Principal) -> dict[str, Any]:
+    """For which part of the plant somebody is there, by the login."""
+    return {
+        "areas": () if by.areas is None else tuple(sorted(by.areas)),
+        "everywhere": by.areas is None,
+        "station": by.station,
+    }

@@ -6,7 +6,7 @@ import { signal } from "@preact/signals";
 import { answerCall, fetchDuty, putDuty } from "../../api/client";
 import { Problem } from "../../api/problem";
 import type { CallAnswerRequest, CallView, DutyRequest, DutyView } from "../../api/types";
-import { ended } from "../session/session";
+import { ended, me } from "../session/session";
 
 export type DutyState = DutyView["state"];
 
@@ -19,8 +19,13 @@ export const duty = signal<DutyView | null>(null);
 /** What could not be done, in the server's words; empty for nothing. */
 export const dutyFailed = signal("");
 
-let wanted: DutyState = (sessionStorage.getItem(KEPT) as DutyState | null) ?? "off";
 let timer = 0;
+
+/** What this person has chosen here; another one who logs in in this tab has chosen nothing yet. */
+function wanted(): DutyState {
+  const [person, state] = (sessionStorage.getItem(KEPT) ?? "").split(" ");
+  return me.value !== null && person === me.value.id && (state === "on" || state === "break") ? state : "off";
+}
 
 export function beginDuty(): void {
   void ask();
@@ -28,8 +33,7 @@ export function beginDuty(): void {
 
 /** Goes on duty, has a break, or goes off duty. */
 export async function be(state: DutyState, more: Omit<DutyRequest, "state"> = {}): Promise<void> {
-  wanted = state;
-  sessionStorage.setItem(KEPT, state);
+  sessionStorage.setItem(KEPT, `${me.value?.id ?? ""} ${state}`);
   await tell(() => putDuty({ state, ...more }));
 }
 
@@ -42,11 +46,12 @@ export async function answer(call: CallView, said: CallAnswerRequest): Promise<v
 }
 
 async function ask(): Promise<void> {
-  if (ended.value !== null || (wanted === "off" && duty.value !== null)) return;
+  if (ended.value !== null || (me.value !== null && wanted() === "off" && duty.value !== null)) return;
   try {
     await tell(async () => {
       const view = await fetchDuty();
-      return view.state === "off" && wanted !== "off" ? await putDuty({ state: wanted }) : view;
+      const state = wanted();
+      return view.state === "off" && state !== "off" ? await putDuty({ state }) : view;
     });
   } finally {
     again();
