@@ -154,6 +154,7 @@ def test_an_operator_on_duty_is_asked_takes_a_blocked_way_and_is_free_again(
     assert calling.answers == [CallAnswer.TAKE]
     assert [command.kind for command in vehicle.heard] == [CommandKind.PROMISE]
     screenshot(page, f"duty-expected-{language}")
+    screenshot(page, f"duty-card-{language}", of=".duty")
     # The way is clear: nobody is needed any more.
     house.do(beat(vehicle, status=AtvStatus.WORKING, problem="", help=None))
     do(house, lambda _inside: calling.say(state=CallState.ENDED, taken_by="", until_s=None))

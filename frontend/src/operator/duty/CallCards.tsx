@@ -42,7 +42,7 @@ function CallCard({ call }: { call: CallView }) {
         {call.reason !== "" && <b>{failureText(call.reason)}. </b>}
         {word("help.kind", call.problem)}
       </p>
-      <p class="muted">{others.length === 0 ? t("call.alone") : t("call.others", { count: format.count(others.length) })}</p>
+      {!mine && <p class="muted">{others.length === 0 ? t("call.alone") : t("call.others", { count: format.count(others.length) })}</p>}
       <div class="call-answers" role="group" aria-label={t("call.take", { caller: call.caller })}>
         {MINUTES.map((minutes) => (
           <button
