@@ -79,7 +79,7 @@ export const de: Catalogue<typeof en> = {
   "duty.you": "Sie",
   "duty.code": "für andere {code}",
   "duty.nobody": "Niemand im Dienst: {areas}",
-  "duty.known": "Andere sehen Ihre Bereiche, Ihren Platz und ob Sie frei sind. Nichts davon wird aufgehoben.",
+  "duty.known": "Andere sehen Ihre Bereiche, Ihren Platz und ob Sie frei sind. Das Protokoll bewahrt, was Sie wählen und antworten; sonst wird nichts aufgehoben.",
   "duty.busyWith": "bei {caller}",
   "duty.comes": "{by} kommt",
   "duty.nobodyThere": "dort ist niemand im Dienst",

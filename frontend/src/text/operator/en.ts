@@ -77,7 +77,7 @@ export const en = {
   "duty.you": "You",
   "duty.code": "shown to others as {code}",
   "duty.nobody": "Nobody is on duty: {areas}",
-  "duty.known": "Others see your areas, your station, and whether you are free. Nothing of it is kept.",
+  "duty.known": "Others see your areas, your station, and whether you are free. The audit log keeps what you choose and answer, and nothing else is kept.",
   "duty.busyWith": "with {caller}",
   "duty.comes": "{by} comes",
   "duty.nobodyThere": "nobody is on duty there",

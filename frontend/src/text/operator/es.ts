@@ -79,7 +79,7 @@ export const es: Catalogue<typeof en> = {
   "duty.you": "Usted",
   "duty.code": "los demás ven {code}",
   "duty.nobody": "Nadie de servicio: {areas}",
-  "duty.known": "Los demás ven sus zonas, su puesto y si está libre. Nada de ello se guarda.",
+  "duty.known": "Los demás ven sus zonas, su puesto y si está libre. El registro guarda lo que usted elige y responde; nada más se guarda.",
   "duty.busyWith": "con {caller}",
   "duty.comes": "va {by}",
   "duty.nobodyThere": "allí no hay nadie de servicio",
