@@ -19,6 +19,7 @@ export default defineConfig({
       input: [
         "src/theme/init.ts",
         "src/manager/main.tsx",
+        "src/editor/main.tsx",
         "src/operator/main.tsx",
         "src/operator/shell/worker.ts",
         "src/customer/main.ts",

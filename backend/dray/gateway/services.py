@@ -27,6 +27,7 @@ from dray.gateway.factory.exclusions import Exclusions
 from dray.gateway.factory.fault_injection import FaultInjection, FaultInjector
 from dray.gateway.factory.figure_sampler import Sampler
 from dray.gateway.factory.promises import Ledger
+from dray.gateway.factory.shift_player import ShiftPlayer
 from dray.gateway.http.assets import Panels
 from dray.gateway.http.side_work import SideWork
 from dray.gateway.inbox import Inbox
@@ -48,6 +49,7 @@ from dray.gateway.orders.outbox import Outbox
 from dray.gateway.orders.placement import OrderPlacement
 from dray.gateway.orders.reconciliation import Reconciliation
 from dray.messages.keys import Keys
+from dray.plant import plant_yaml
 from dray.plant.model import PlantFile
 from dray.ports import Bus
 from dray.settings import Settings
@@ -91,6 +93,7 @@ class Services:
     duty: DutyRota
     faults: FaultInjection
     ledger: Ledger
+    shift_player: ShiftPlayer
     panels: Panels
     side_work: SideWork
 
@@ -120,6 +123,7 @@ class Services:
             TimeScale: self.time,
             FaultInjection: self.faults,
             Ledger: self.ledger,
+            ShiftPlayer: self.shift_player,
         }
 
 
@@ -195,6 +199,7 @@ def open_services(
         duty=DutyRota(operators, authority, names=settings.operator_names == "name", wall_s=wall_s),
         faults=FaultInjection(faults, projection.faults),
         ledger=Ledger(store),
+        shift_player=ShiftPlayer(lambda: plant_yaml(projection.site.plant)),
         panels=panels or Panels(),
         side_work=SideWork(),
     )
@@ -254,6 +259,7 @@ async def running(services: Services, beside: Beside | None) -> AsyncIterator[No
         stack.push_async_callback(sampler.sample)
         stack.callback(services.peer.leave)
         stack.callback(services.side_work.close)
+        stack.push_async_callback(services.shift_player.close)
         stack.push_async_callback(_last_lines, access.audit_log)
         services.peer.join(inbox.receive)
         tasks = await stack.enter_async_context(asyncio.TaskGroup())

@@ -23,6 +23,7 @@ from dray.store.factory.closures import Closures
 from dray.store.factory.exclusions import Exclusions
 from dray.store.factory.kpis import Kpis
 from dray.store.factory.lane_traffic import LaneHours
+from dray.store.factory.plant_drafts import PlantDrafts
 from dray.store.factory.removals import Removals
 from dray.store.history.events import Events
 from dray.store.history.incarnations import Incarnations
@@ -49,6 +50,7 @@ class Work:
         self.samples = Samples(connection)
         self.acknowledgements = Acknowledgements(connection)
         self.closures = Closures(connection)
+        self.plant_drafts = PlantDrafts(connection)
         self.removals = Removals(connection)
         self.exclusions = Exclusions(connection)
         self.kpis = Kpis(connection)

@@ -50,8 +50,12 @@ class Conditional:
 
 def _tagged(start: Message, body: Message, known: frozenset[str]) -> Message:
     """Name the state in the beginning of an answer; returns what is sent after it."""
-    tag = f'"{hashlib.blake2b(body.get("body", b""), digest_size=TAG_BYTES).hexdigest()}"'
     headers = MutableHeaders(scope=start)
+    # A route that can be changed names its own state, for `If-Match`.
+    tag = (
+        headers.get("ETag")
+        or f'"{hashlib.blake2b(body.get("body", b""), digest_size=TAG_BYTES).hexdigest()}"'
+    )
     headers["ETag"] = tag
     if tag not in known and "*" not in known:
         return body

@@ -20,6 +20,7 @@ export function TopBar() {
             {t(`nav.${name}`)}
           </a>
         ))}
+        <a href="/editor">{t("nav.editor")}</a>
       </nav>
       <div class="top-right">
         {speed !== 1 && (

@@ -13,7 +13,9 @@ from dray.gateway.access.gate import COOKIE
 from dray.gateway.access.rules import RULES, Rule
 from dray.gateway.factory.closings import Outlook
 from dray.gateway.factory.figures import KpiHistory
+from dray.gateway.factory.plant_drafts import FindingView
 from dray.gateway.factory.promises import PromiseLedger
+from dray.gateway.factory.shift_player import PlayView
 from dray.gateway.http.problems import ProblemDetails
 from dray.gateway.live.frames import Delta, Snapshot
 from dray.gateway.live.views import (
@@ -33,6 +35,7 @@ from dray.gateway.routes.factory.atvs import CommandAnswer
 from dray.gateway.routes.factory.duty import CallAnswered
 from dray.gateway.routes.factory.faults import FaultsAnswer
 from dray.gateway.routes.factory.inventory import InventoryLine, MaterialAnswer, StorageAnswer
+from dray.gateway.routes.factory.plant_draft_bodies import DraftView
 from dray.gateway.routes.factory.traffic import TrafficAnswer
 from dray.gateway.routes.history.events import EventAnswer
 from dray.gateway.routes.me import MeAnswer
@@ -44,6 +47,7 @@ from dray.gateway.tracking.answer import TrackAnswer
 from dray.plant.model import PlantFile
 from dray.store.access.audit import AuditRow
 from dray.store.factory.exclusions import Exclusion
+from dray.store.factory.plant_drafts import DraftLine
 
 SHAPES = (
     AlertView,
@@ -54,11 +58,14 @@ SHAPES = (
     CommandAnswer,
     Delta,
     DutyView,
+    DraftLine,
+    DraftView,
     EventAnswer,
     Exclusion,
     FactoryView,
     FaultsAnswer,
     FaultView,
+    FindingView,
     ImportAnswer,
     KpiHistory,
     InventoryLine,
@@ -69,6 +76,7 @@ SHAPES = (
     OrderPreview,
     Outlook,
     PlantFile,
+    PlayView,
     ProblemDetails,
     ProductAnswer,
     PromiseLedger,

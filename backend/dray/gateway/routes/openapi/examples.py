@@ -30,6 +30,8 @@ from dray.gateway.routes.factory.agents import EXAMPLE as EXCLUSION
 from dray.gateway.routes.factory.alerts import EXAMPLE as ALERT
 from dray.gateway.routes.factory.closures import EXAMPLE as CLOSURE
 from dray.gateway.routes.factory.inventory import InventoryLine, MaterialAnswer, StorageAnswer, StoredMaterial
+from dray.gateway.routes.factory.plant_draft_bodies import EXAMPLE as DRAFT
+from dray.gateway.routes.factory.plant_draft_bodies import LINE_EXAMPLE, PLAY_EXAMPLE
 from dray.gateway.routes.factory.waits import EXAMPLE as WAIT
 from dray.gateway.routes.history.events import EventAnswer
 from dray.gateway.routes.orders.imports import ImportAnswer, ImportedOrder
@@ -66,6 +68,10 @@ _STRUCTS = (
     ALERT,
     EXCLUSION,
     CLOSURE,
+    DRAFT,
+    LINE_EXAMPLE,
+    PLAY_EXAMPLE,
+    DRAFT.findings[0],
     WAIT,
     TrackAnswer(
         status=ORDER.status,

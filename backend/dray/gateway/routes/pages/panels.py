@@ -39,6 +39,12 @@ async def manager(
     return _panel(settings, panels, request, "manager.html")
 
 
+@router.get("/editor")
+async def editor(settings: Provided[Settings], panels: Provided[Panels], request: Request) -> Response:
+    """The plant editor, a page of the management panel by itself."""
+    return _panel(settings, panels, request, "editor.html")
+
+
 @router.get("/operator")
 async def operator(settings: Provided[Settings], panels: Provided[Panels], request: Request) -> Response:
     """The operator panel. The page is the same for everybody: what it shows comes by the stream."""

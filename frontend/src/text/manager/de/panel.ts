@@ -12,6 +12,7 @@ export const panel: Catalogue<typeof english> = {
   "nav.tasks": "Transporte",
   "nav.watch": "Wache",
   "nav.promises": "Zusagen",
+  "nav.editor": "Editor",
   "nav.audit": "Protokoll",
   "nav.kpis": "Kennzahlen",
 

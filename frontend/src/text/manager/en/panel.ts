@@ -9,6 +9,7 @@ export const panel = {
   "nav.tasks": "Tasks",
   "nav.watch": "Watch",
   "nav.promises": "Promises",
+  "nav.editor": "Editor",
   "nav.audit": "Audit",
   "nav.kpis": "Figures",
 

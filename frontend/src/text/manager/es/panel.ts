@@ -12,6 +12,7 @@ export const panel: Catalogue<typeof english> = {
   "nav.tasks": "Transportes",
   "nav.watch": "Vigilancia",
   "nav.promises": "Promesas",
+  "nav.editor": "Editor",
   "nav.audit": "Registro",
   "nav.kpis": "Cifras",
 

@@ -1,0 +1,204 @@
+"""A shift that is played in a draft, and in the running plant beside it: by a process of its own, with bounds.
+
+The gateway knows no simulator: it starts `dray sim run day`, as a person would, and reads its report. Where the simulator is
+not installed, or the process takes too long or too much, that is the answer.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import resource
+import signal
+import sys
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from http import HTTPStatus
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import msgspec
+
+from dray.errors import DrayError
+from dray.gateway.http.problems import Problem
+
+MOST_S = 300.0
+"""Wall seconds for one plant; a shift of 8 h in the default plant takes some 30."""
+
+MOST_BYTES = 2 * 1024**3
+"""Of memory for one plant."""
+
+MOST_KEPT = 20
+"""Results of drafts that are kept; and of running plants, one for each length and seed."""
+
+TAIL_CHARS = 400
+"""Of what a process said when it failed."""
+
+
+class ShiftFigures(msgspec.Struct, frozen=True, kw_only=True):
+    """What came of a shift."""
+
+    orders_placed: int
+    orders_delivered: int
+    on_time_frac: float | None
+    """Of the orders that were due; None if none was."""
+    starvation_frac: float
+    """Of the machines' time with work."""
+    transports_per_h: float
+    waiting_frac: float
+    """Of the vehicles' time."""
+    empty_travel_frac: float
+    bottleneck: str
+    """What is short, in words."""
+    bottleneck_name: str
+    """The machine, dock or type of vehicle; empty for none."""
+    invariants: str
+
+
+class PlayView(msgspec.Struct, frozen=True, kw_only=True):
+    """A shift that was asked for."""
+
+    state: str
+    """none, playing, done or failed."""
+    version: int = 0
+    """Of the draft that was played."""
+    hours: float = 0.0
+    seed: int = 0
+    draft: ShiftFigures | None = None
+    running: ShiftFigures | None = None
+    """The same shift in the running plant."""
+    reason: str = ""
+    """Why it failed."""
+
+
+class PlayFailed(DrayError):
+    """The process ended without a report; the text says why."""
+
+
+class ShiftPlayer:
+    """Plays one shift at a time.
+
+    Args:
+        running: the text of the running plant's file.
+        command: what is started; then come the options of `dray sim run`.
+        most_s: wall seconds for one plant.
+    """
+
+    def __init__(
+        self,
+        running: Callable[[], str],
+        command: tuple[str, ...] = (sys.executable, "-m", "dray"),
+        most_s: float = MOST_S,
+    ) -> None:
+        self._running, self._command, self._most_s = running, command, most_s
+        self._kept: dict[str, PlayView] = {}
+        self._beside: dict[tuple[str, float, int], ShiftFigures] = {}
+        self._task: asyncio.Task[None] | None = None
+
+    def result(self, draft: str) -> PlayView:
+        """The newest of a draft."""
+        return self._kept.get(draft, PlayView(state="none"))
+
+    def play(self, draft: str, text: str, version: int, hours: float, seed: int) -> PlayView:
+        """Begin to play a plant file.
+
+        Raises:
+            Problem: 409, another one is being played.
+        """
+        if self._task is not None and not self._task.done():
+            raise Problem(
+                HTTPStatus.CONFLICT,
+                "shift-being-played",
+                "Another shift is being played",
+                "wait until it has ended",
+                headers={"Retry-After": "5"},
+            )
+        begun = PlayView(state="playing", version=version, hours=hours, seed=seed)
+        self._keep(draft, begun)
+        self._task = asyncio.get_running_loop().create_task(self._play(draft, text, begun))
+        return begun
+
+    async def close(self) -> None:
+        """End what is being played."""
+        if self._task is not None:
+            self._task.cancel()
+            with suppress(asyncio.CancelledError):
+                await self._task
+
+    async def _play(self, draft: str, text: str, begun: PlayView) -> None:
+        try:
+            figures = await self._figures(text, begun.hours, begun.seed)
+            beside = self._running()
+            key = (beside, begun.hours, begun.seed)
+            if key not in self._beside:
+                if len(self._beside) >= MOST_KEPT:
+                    self._beside.clear()
+                self._beside[key] = await self._figures(beside, begun.hours, begun.seed)
+            done = msgspec.structs.replace(begun, state="done", draft=figures, running=self._beside[key])
+        except PlayFailed as error:
+            done = msgspec.structs.replace(begun, state="failed", reason=str(error))
+        except (OSError, asyncio.CancelledError):
+            self._keep(draft, msgspec.structs.replace(begun, state="failed", reason="it was broken off"))
+            raise
+        self._keep(draft, done)
+
+    def _keep(self, draft: str, view: PlayView) -> None:
+        self._kept.pop(draft, None)
+        self._kept[draft] = view
+        if len(self._kept) > MOST_KEPT:
+            del self._kept[next(iter(self._kept))]
+
+    async def _figures(self, text: str, hours: float, seed: int) -> ShiftFigures:
+        with TemporaryDirectory(prefix="dray-draft-") as folder:
+            plant, report = Path(folder, "plant.yaml"), Path(folder, "report.json")
+            await asyncio.to_thread(plant.write_text, text, encoding="utf-8")
+            options = {"--plant": plant, "--hours": hours, "--seed": seed, "--json": report}
+            words = [str(word) for option in options.items() for word in option]
+            said = await self._run((*self._command, "sim", "run", "day", *words))
+            try:
+                return figures_of(msgspec.json.decode(await asyncio.to_thread(report.read_bytes)))
+            except (OSError, msgspec.DecodeError, KeyError, TypeError, ValueError):
+                raise PlayFailed(said[-TAIL_CHARS:].strip() or "the simulator gave no report") from None
+
+    async def _run(self, command: tuple[str, ...]) -> str:
+        process = await asyncio.create_subprocess_exec(
+            *command,
+            stdin=asyncio.subprocess.DEVNULL,
+            stdout=asyncio.subprocess.PIPE,
+            stderr=asyncio.subprocess.STDOUT,
+            # Ends with all that it has started, and does not hear what is said to the gateway's terminal.
+            start_new_session=True,
+        )
+        try:
+            # People on the panels come first.
+            with suppress(OSError, AttributeError):
+                os.setpriority(os.PRIO_PROCESS, process.pid, 10)
+                resource.prlimit(process.pid, resource.RLIMIT_AS, (MOST_BYTES, MOST_BYTES))
+            async with asyncio.timeout(self._most_s):
+                said, _ = await process.communicate()
+        except TimeoutError:
+            raise PlayFailed(f"it took longer than {self._most_s:g} s: play fewer hours") from None
+        finally:
+            if process.returncode is None:
+                with suppress(ProcessLookupError):
+                    os.killpg(process.pid, signal.SIGKILL)
+                await process.wait()
+        return said.decode(errors="replace")
+
+
+def figures_of(report: Mapping[str, Any]) -> ShiftFigures:
+    """The figures of a report of `dray sim run --json`."""
+    verdict = report["verdict"]
+    return ShiftFigures(
+        orders_placed=report["orders_placed"],
+        orders_delivered=report["orders_delivered"],
+        on_time_frac=report["on_time_frac"] if report["orders_due"] else None,
+        starvation_frac=report["starvation_frac"],
+        transports_per_h=report["transports"] * 3600.0 / report["duration_s"],
+        waiting_frac=report["utilisation_frac"]["waiting"],
+        empty_travel_frac=report["empty_travel_frac"],
+        bottleneck=verdict["text"],
+        bottleneck_name=verdict["name"] if verdict["bottleneck"] else "",
+        invariants=report["invariants"],
+    )

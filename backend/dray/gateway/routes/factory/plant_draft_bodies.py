@@ -1,0 +1,113 @@
+"""What is asked and answered about drafts of plants."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+import msgspec
+from pydantic import BaseModel, ConfigDict, Field
+
+from dray.gateway.factory.plant_drafts import FindingView
+from dray.gateway.factory.shift_player import PlayView, ShiftFigures
+from dray.gateway.http.request_bodies import Line
+from dray.store.factory.plant_drafts import DraftLine
+
+LONGEST_H = 8.0
+"""Of a shift that is played."""
+
+EXAMPLE_FIGURES = ShiftFigures(
+    orders_placed=61,
+    orders_delivered=60,
+    on_time_frac=0.984,
+    starvation_frac=0.009,
+    transports_per_h=121.0,
+    waiting_frac=0.09,
+    empty_travel_frac=0.41,
+    bottleneck="nothing was short",
+    bottleneck_name="",
+    invariants="held",
+)
+
+
+class DraftView(msgspec.Struct, frozen=True, kw_only=True):
+    """A draft of a plant, and what is to be seen to in it."""
+
+    id: str
+    name: str
+    version: int
+    """Also in `ETag`. Who changes the draft names it in `If-Match`."""
+    by: str
+    at_s: float
+    data: dict[str, Any]
+    """A plant file of any shape; what is null in it is open. `closed` lists lanes that are not driven in the draft, `plan` says where its floor
+    plan lies."""
+    findings: tuple[FindingView, ...]
+    notes: tuple[str, ...]
+    """What was odd in the file that it was made of."""
+    plan_type: str
+    """The media type of its floor plan; empty if it has none."""
+
+
+EXAMPLE = DraftView(
+    id="line-4",
+    name="Line 4",
+    version=7,
+    by="Maria Weber",
+    at_s=1_893_456_000.0,
+    data={"plant": "line-4", "name": "Line 4", "machines": None},
+    findings=(FindingView(level="open", field="machines", text="is open: what makes products"),),
+    notes=(),
+    plan_type="",
+)
+LINE_EXAMPLE = DraftLine("line-4", "Line 4", 7, "Maria Weber", 1_893_456_000.0)
+PLAY_EXAMPLE = PlayView(
+    state="done", version=7, hours=4.0, seed=1, draft=EXAMPLE_FIGURES, running=EXAMPLE_FIGURES
+)
+
+
+class NewDraft(BaseModel):
+    """A draft to begin with."""
+
+    model_config = ConfigDict(extra="forbid", json_schema_extra={"examples": [{"name": "Line 4"}]})
+
+    name: Line
+    file: str | None = None
+    """The text of a plant file (YAML), a LIF file (JSON) or a plant model of openTCS (XML); left out, the running plant."""
+    file_name: Annotated[str, Field(max_length=200)] = "draft"
+    onto_running: Annotated[bool, Field(strict=True)] = False
+    """What a layout cannot tell is taken from the running plant, as far as its nodes are there."""
+
+
+class ChangedDraft(BaseModel):
+    """What a draft is now."""
+
+    model_config = ConfigDict(
+        extra="forbid",
+        json_schema_extra={"examples": [{"name": "Line 4", "data": {"plant": "line-4", "name": "Line 4"}}]},
+    )
+
+    name: Line
+    data: dict[str, Any]
+
+
+class FloorPlan(BaseModel):
+    """A picture to lie under a draft."""
+
+    model_config = ConfigDict(
+        extra="forbid",
+        json_schema_extra={"examples": [{"media_type": "image/svg+xml", "base64": "PHN2Zy8+"}]},
+    )
+
+    media_type: str
+    """image/png or image/svg+xml."""
+    base64: str
+
+
+class Shift(BaseModel):
+    """A shift to be played."""
+
+    model_config = ConfigDict(extra="forbid", json_schema_extra={"examples": [{"hours": 4, "seed": 1}]})
+
+    hours: Annotated[float, Field(ge=0.05, le=LONGEST_H, allow_inf_nan=False)] = 4.0
+    """Of demand: orders as `dray sim run day` draws them from the seed."""
+    seed: Annotated[int, Field(ge=0, le=2**31)] = 1

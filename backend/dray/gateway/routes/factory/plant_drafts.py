@@ -1,0 +1,358 @@
+"""Drafts of plants: drawn beside the running one, checked, kept as files, and played before anybody drives by them."""
+
+from __future__ import annotations
+
+import base64
+import binascii
+from http import HTTPStatus
+from typing import Annotated
+
+import msgspec
+from fastapi import APIRouter, Depends, Header, Path
+from starlette.responses import Response
+
+from dray.errors import PlantError
+from dray.gateway.access.audit_log import Noted
+from dray.gateway.access.caller import Caller
+from dray.gateway.factory.plant_drafts import (
+    MAX_DEPTH,
+    as_yaml,
+    deeper_than,
+    findings,
+    read_file,
+)
+from dray.gateway.factory.shift_player import PlayView, ShiftPlayer
+from dray.gateway.http.problems import FieldError, Problem, not_found, unusable
+from dray.gateway.http.provided import Now, Provided
+from dray.gateway.http.request_bodies import json_only
+from dray.gateway.http.responses import PAGE, Cursor, Json, Limit, described, list_of, page, problems
+from dray.gateway.http.side_work import SideWork
+from dray.gateway.live.projection import Projection
+from dray.gateway.orders.order_ids import new_token
+from dray.gateway.routes.factory.plant_draft_bodies import (
+    EXAMPLE,
+    PLAY_EXAMPLE,
+    ChangedDraft,
+    DraftView,
+    FloorPlan,
+    NewDraft,
+    Shift,
+)
+from dray.plant.model import PlantFile
+from dray.store import Store
+from dray.store.factory.plant_drafts import DraftLine, DraftRow
+
+router = APIRouter(tags=["drafts"])
+
+MAX_DRAFTS = 50
+"""Of a plant; whoever wants another one removes one."""
+
+PLANS = {"image/png": b"\x89PNG\r\n\x1a\n", "image/svg+xml": b""}
+"""Floor plans by media type, and how they begin."""
+
+MAX_PLAN_BYTES = 700_000
+"""Of a floor plan."""
+
+SHOWN_ALONE = {"Content-Security-Policy": "default-src 'none'; style-src 'unsafe-inline'; sandbox"}
+"""A plan that is opened by itself may do nothing."""
+
+DraftId = Annotated[str, Path(max_length=64)]
+
+IfMatch = Annotated[
+    str | None, Header(alias="If-Match", description="The `ETag` of the version that is changed")
+]
+
+LISTED = "GET /api/plant-drafts"
+
+
+@router.get("/plant-drafts", responses={200: list_of(DraftLine, "All drafts, by id")}, response_class=Json)
+async def list_drafts(store: Provided[Store], cursor: Cursor = None, limit: Limit = PAGE) -> Json:
+    """The drafts of plants that people have drawn; without their content."""
+    async with store.read() as work:
+        drafts = await work.plant_drafts.all()
+    return page(drafts, lambda draft: draft.id, cursor, limit)
+
+
+@router.post(
+    "/plant-drafts",
+    status_code=HTTPStatus.CREATED,
+    dependencies=[Depends(json_only)],
+    responses={
+        201: described(DraftView, "The draft", EXAMPLE),
+        **problems(p409="There are too many drafts", p503="Too many files are being read"),
+    },
+    response_class=Json,
+)
+async def begin(
+    store: Provided[Store],
+    projection: Provided[Projection],
+    side_work: Provided[SideWork],
+    caller: Caller,
+    note: Noted,
+    now_s: Now,
+    request: NewDraft,
+) -> Json:
+    """Begin a draft: of the running plant, or of a file of any of the formats that `dray plant import` reads."""
+    note.detail |= {"name": request.name, "file_name": request.file_name}
+    notes: list[str]
+    if request.file is None:
+        data, notes = msgspec.to_builtins(projection.site.plant.file), []
+    else:
+        try:
+            onto = projection.site.plant if request.onto_running else None
+            data, notes = await side_work.do(read_file, request.file, request.file_name, onto)
+        except PlantError as error:
+            raise unusable(FieldError("file", error.reason)) from None
+    row = DraftRow(new_token()[:12], request.name, 1, caller.name, now_s, _encoded(data), _encoded(notes))
+    async with store.write() as work:
+        if await work.plant_drafts.count() >= MAX_DRAFTS:
+            raise Problem(
+                HTTPStatus.CONFLICT,
+                "too-many-drafts",
+                "There are too many drafts",
+                f"{MAX_DRAFTS} are kept: remove one ({LISTED} lists them)",
+            )
+        await work.plant_drafts.put(row)
+    note.target = row.id
+    view = await _view(row, side_work)
+    return Json(
+        view, HTTPStatus.CREATED, headers={"Location": f"/api/plant-drafts/{row.id}", "ETag": _tag(1)}
+    )
+
+
+@router.get(
+    "/plant-drafts/running",
+    responses={200: described(PlantFile, "The running plant, as its file says it")},
+    response_class=Json,
+)
+async def get_running(projection: Provided[Projection]) -> Json:
+    """What drafts are laid over: the plant file of the running plant. `GET /api/plant` has its floor as it is driven."""
+    return Json(projection.site.plant.file)
+
+
+@router.get(
+    "/plant-drafts/{draft}",
+    responses={200: described(DraftView, "The draft", EXAMPLE), **problems(p404="There is no such draft")},
+    response_class=Json,
+)
+async def get_draft(store: Provided[Store], side_work: Provided[SideWork], draft: DraftId) -> Json:
+    """A draft with its content, its faults and its warnings."""
+    row = await _row(store, draft)
+    return Json(await _view(row, side_work), headers={"ETag": _tag(row.version)})
+
+
+@router.put(
+    "/plant-drafts/{draft}",
+    dependencies=[Depends(json_only)],
+    responses={
+        200: described(DraftView, "The draft as it is now", EXAMPLE),
+        **problems(
+            p404="There is no such draft",
+            p412="Somebody has changed it since",
+            p428="It is not said which version is changed",
+        ),
+    },
+    response_class=Json,
+)
+async def change(
+    store: Provided[Store],
+    side_work: Provided[SideWork],
+    caller: Caller,
+    note: Noted,
+    now_s: Now,
+    draft: DraftId,
+    request: ChangedDraft,
+    if_match: IfMatch = None,
+) -> Json:
+    """Keep what was drawn. `If-Match` names the version that it was drawn on, so that nobody's work is written over unseen."""
+    note.target, note.detail["name"] = draft, request.name
+    if deeper_than(request.data, MAX_DEPTH):
+        raise unusable(FieldError("data", f"is nested more than {MAX_DEPTH} levels deep"))
+    before = await _row(store, draft)
+    if if_match is None:
+        raise Problem(
+            HTTPStatus.PRECONDITION_REQUIRED,
+            "no-version",
+            "It is not said which version is changed",
+            "send If-Match with the ETag of the draft as you have read it",
+        )
+    row = msgspec.structs.replace(
+        before,
+        name=request.name,
+        version=before.version + 1,
+        data=_encoded(request.data),
+        by=caller.name,
+        at_s=now_s,
+    )
+    if if_match.strip().removeprefix("W/") not in (_tag(before.version), "*"):
+        raise _changed(before)
+    async with store.write() as work:
+        if not await work.plant_drafts.change(row):
+            raise _changed(before)
+    return Json(await _view(row, side_work), headers={"ETag": _tag(row.version)})
+
+
+@router.delete(
+    "/plant-drafts/{draft}",
+    status_code=HTTPStatus.NO_CONTENT,
+    responses={**problems(p404="There is no such draft")},
+    response_class=Response,
+)
+async def remove(store: Provided[Store], note: Noted, draft: DraftId) -> Response:
+    """Forget a draft with its floor plan. The running plant stays as it is."""
+    note.target = draft
+    async with store.write() as work:
+        if not await work.plant_drafts.remove(draft):
+            raise not_found("draft", draft, LISTED)
+    return Response(status_code=HTTPStatus.NO_CONTENT)
+
+
+@router.get(
+    "/plant-drafts/{draft}/file",
+    responses={
+        200: {
+            "description": "The plant file",
+            "content": {"application/yaml": {"schema": {"type": "string"}}},
+        },
+        **problems(p404="There is no such draft"),
+    },
+    response_class=Response,
+)
+async def get_file(store: Provided[Store], draft: DraftId) -> Response:
+    """The plant file that the draft would be (YAML), for `dray plant check` and `dray up --plant`; without its closed lanes."""
+    row = await _row(store, draft)
+    return Response(
+        as_yaml(msgspec.json.decode(row.data)),
+        media_type="application/yaml",
+        headers={"Content-Disposition": f'attachment; filename="{draft}.yaml"'},
+    )
+
+
+@router.put(
+    "/plant-drafts/{draft}/plan",
+    status_code=HTTPStatus.NO_CONTENT,
+    dependencies=[Depends(json_only)],
+    responses={**problems(p404="There is no such draft")},
+    response_class=Response,
+)
+async def put_plan(store: Provided[Store], note: Noted, draft: DraftId, request: FloorPlan) -> Response:
+    """Lay a floor plan under a draft: PNG or SVG. Where it lies is in the draft's `plan`."""
+    note.target, note.detail["media_type"] = draft, request.media_type
+    if request.media_type not in PLANS:
+        raise unusable(FieldError("media_type", f"is none of {', '.join(PLANS)}"))
+    try:
+        content = base64.b64decode(request.base64, validate=True)
+    except (binascii.Error, ValueError):
+        raise unusable(FieldError("base64", "is no base64")) from None
+    if not content.startswith(PLANS[request.media_type]):
+        raise unusable(FieldError("base64", f"is no {request.media_type}"))
+    if len(content) > MAX_PLAN_BYTES:
+        raise unusable(FieldError("base64", f"is more than {MAX_PLAN_BYTES} bytes: make the picture smaller"))
+    async with store.write() as work:
+        if not await work.plant_drafts.put_plan(draft, request.media_type, content):
+            raise not_found("draft", draft, LISTED)
+    return Response(status_code=HTTPStatus.NO_CONTENT)
+
+
+@router.get(
+    "/plant-drafts/{draft}/plan",
+    responses={
+        200: {"description": "The picture", "content": {"image/png": {}, "image/svg+xml": {}}},
+        **problems(p404="There is no such draft, or it has no floor plan"),
+    },
+    response_class=Response,
+)
+async def get_plan(store: Provided[Store], draft: DraftId) -> Response:
+    """The floor plan under a draft."""
+    async with store.read() as work:
+        found = await work.plant_drafts.plan(draft)
+    if found is None:
+        raise not_found("draft", draft, LISTED)
+    return Response(found[1], media_type=found[0], headers=SHOWN_ALONE)
+
+
+@router.post(
+    "/plant-drafts/{draft}/play",
+    status_code=HTTPStatus.ACCEPTED,
+    dependencies=[Depends(json_only)],
+    responses={
+        202: described(PlayView, "It is being played", PLAY_EXAMPLE),
+        **problems(p404="There is no such draft", p409="Another shift is being played"),
+    },
+    response_class=Json,
+)
+async def play(
+    store: Provided[Store],
+    side_work: Provided[SideWork],
+    player: Provided[ShiftPlayer],
+    note: Noted,
+    draft: DraftId,
+    request: Shift,
+) -> Json:
+    """Play a shift in the draft and the same one in the running plant, in the simulator: a process of its own, with bounds.
+
+    A draft with faults cannot be played. `GET` on the same address says how far it is.
+    """
+    note.target = draft
+    row = await _row(store, draft)
+    data = msgspec.json.decode(row.data)
+    found = await side_work.do(findings, data)
+    faults = [each for each in found if each.level != "warning"]
+    if faults:
+        errors = [
+            FieldError(f"data.{each.field}" if each.field else "data", each.text) for each in faults[:10]
+        ]
+        raise unusable(*errors)
+    return Json(
+        player.play(draft, as_yaml(data), row.version, request.hours, request.seed), HTTPStatus.ACCEPTED
+    )
+
+
+@router.get(
+    "/plant-drafts/{draft}/play",
+    responses={200: described(PlayView, "The newest shift of the draft", PLAY_EXAMPLE)},
+    response_class=Json,
+)
+async def get_play(player: Provided[ShiftPlayer], draft: DraftId) -> Json:
+    """What came of the shift that was played last, with the version of the draft that it was played in."""
+    return Json(player.result(draft))
+
+
+async def _row(store: Store, draft: str) -> DraftRow:
+    async with store.read() as work:
+        row = await work.plant_drafts.get(draft)
+    if row is None:
+        raise not_found("draft", draft, LISTED)
+    return row
+
+
+async def _view(row: DraftRow, side_work: SideWork) -> DraftView:
+    data = msgspec.json.decode(row.data)
+    return DraftView(
+        id=row.id,
+        name=row.name,
+        version=row.version,
+        by=row.by,
+        at_s=row.at_s,
+        data=data,
+        findings=tuple(await side_work.do(findings, data)),
+        notes=tuple(msgspec.json.decode(row.notes)),
+        plan_type=row.plan_type,
+    )
+
+
+def _tag(version: int) -> str:
+    return f'"{version}"'
+
+
+def _encoded(value: object) -> str:
+    return msgspec.json.encode(value).decode()
+
+
+def _changed(row: DraftRow) -> Problem:
+    return Problem(
+        HTTPStatus.PRECONDITION_FAILED,
+        "draft-changed",
+        "Somebody has changed the draft since",
+        f"{row.by} has saved version {row.version}: read it, and draw your change on that",
+    )

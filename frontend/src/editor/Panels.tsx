@@ -1,0 +1,265 @@
+/** Beside the floor: tools, what is chosen, the checks, and the shift that was played. */
+import { useSignal } from "@preact/signals";
+import { format, t, word } from "../text/editor";
+import { act, choose, toolName } from "./acts";
+import * as model from "./model";
+import * as state from "./state";
+
+export function Tools() {
+  return (
+    <div class="card ed-tools" role="toolbar" aria-orientation="vertical" aria-label={t("tools")}>
+      {state.TOOLS.map((tool) => (
+        <button key={tool} type="button" class="ed-tool" aria-pressed={state.tool.value === tool} aria-keyshortcuts={state.KEYS[tool]} onClick={() => { choose(tool); }}>
+          <span>{toolName(tool)}</span>
+          <kbd aria-hidden="true">{state.KEYS[tool]}</kbd>
+        </button>
+      ))}
+    </div>
+  );
+}
+
+type Entry = Record<string, unknown>;
+
+const FIELDS: Record<string, readonly string[]> = {
+  nodes: ["id", "x_m", "y_m"],
+  lanes: ["start", "end", "speed_limit_mps", "both_ways"],
+  areas: ["id", "name", "polygon"],
+  machines: ["id", "name", "station", "node", "box", "makes"],
+  storages: ["id", "name", "node", "box", "stocks"],
+  warehouses: ["id", "name", "kind", "node", "box"],
+  chargers: ["id", "node", "box"],
+  parkings: ["id", "node"],
+  unassigned: ["id", "name", "node"],
+};
+
+export function Properties() {
+  const chosen = state.chosen.value;
+  const data = state.data.value;
+  const entry = chosen && model.entries<Entry>(data, chosen.section)[chosen.index];
+  const list = useSignal("nodes");
+  if (!chosen || !entry) {
+    const options = model.entries<Entry>(data, list.value);
+    return (
+      <section class="card ed-side" aria-labelledby="ed-chosen">
+        <h2 id="ed-chosen">{t("chosen.none")}</h2>
+        <p class="muted">{t("chosen.how")}</p>
+        <label>{t("chosen.kind")}
+          <select value={list.value} onChange={(event) => { list.value = event.currentTarget.value; }}>
+            {Object.keys(FIELDS).map((section) => <option key={section} value={section}>{word("section", section)}</option>)}
+          </select>
+        </label>
+        <label>{t("chosen.which")}
+          <select value="" onChange={(event) => { state.chosen.value = { section: list.value as "nodes", index: Number(event.currentTarget.value) }; }}>
+            <option value="" />
+            {options.map((each, index) => <option key={index} value={index}>{nameOf(each)}</option>)}
+          </select>
+        </label>
+        <Plan />
+        <Sections />
+      </section>
+    );
+  }
+  const change = (fields: object): void => { state.draw(model.changed(data, chosen, fields)); };
+  const own = state.findings.value.map((finding, index) => ({ finding, number: index + 1 })).filter(({ finding }) => finding.field.startsWith(`${chosen.section}[${chosen.index}]`));
+  return (
+    <section class="card ed-side" aria-labelledby="ed-chosen">
+      <h2 id="ed-chosen">{word("section", chosen.section)} {nameOf(entry)}</h2>
+      {own.map(({ finding, number }) => <p key={number} class={`ed-said ed-${finding.level}`}><b>{number}</b> {finding.text}</p>)}
+      {(FIELDS[chosen.section] ?? []).map((name) => <Field key={`${chosen.section}${chosen.index}${name}`} name={name} value={entry[name]} onChange={(value) => { change({ [name]: value }); }} />)}
+      {chosen.section === "unassigned" && (
+        <fieldset>
+          <legend>{t("assign")}</legend>
+          {model.PLACES.filter((each) => each !== "unassigned").map((to) => (
+            <button key={to} type="button" class="button small" onClick={() => {
+              state.draw(model.assigned(data, chosen.index, to));
+              state.chosen.value = { section: to, index: model.entries(state.data.value, to).length - 1 };
+            }}>{toolName(to)}</button>
+          ))}
+        </fieldset>
+      )}
+      {chosen.section === "lanes" && (
+        <button type="button" class="button" onClick={() => { state.draw(model.closedOrNot(data, chosen.index)); }}>
+          {t(model.isClosed(data, entry as unknown as model.Lane) ? "lane.open" : "lane.close")}
+        </button>
+      )}
+      <div class="ed-row">
+        <button type="button" class="button" onClick={() => { act({ kind: "remove" }); }}>{t("remove")}</button>
+        <button type="button" class="button" onClick={() => { state.chosen.value = null; }}>{t("done")}</button>
+      </div>
+    </section>
+  );
+}
+
+function nameOf(entry: Entry | null): string {
+  const { id, start, end } = (entry ?? {}) as { id?: string; start?: string; end?: string };
+  return id ?? (start === undefined ? "?" : `${start} – ${end ?? ""}`);
+}
+
+function Field({ name, value, onChange }: { name: string; value: unknown; onChange: (value: unknown) => void }) {
+  const wrong = useSignal(false);
+  const label = word("field", name);
+  if (typeof value === "boolean" || name === "both_ways") {
+    return <label class="ed-check"><input type="checkbox" checked={value === true} onChange={(event) => { onChange(event.currentTarget.checked); }} /> {label}</label>;
+  }
+  if (typeof value === "object" || name === "makes" || name === "stocks") {
+    return (
+      <label>{label}
+        <textarea rows={name === "box" ? 2 : 3} aria-invalid={wrong.value} value={value === undefined ? "" : JSON.stringify(value)} onChange={(event) => {
+          try {
+            onChange(JSON.parse(event.currentTarget.value || "null"));
+            wrong.value = false;
+          } catch {
+            wrong.value = true;
+          }
+        }} />
+        {wrong.value && <small role="alert" class="complaint">{t("json.wrong")}</small>}
+      </label>
+    );
+  }
+  const number = typeof value === "number" || name.endsWith("_m") || name.endsWith("_mps");
+  const shown = typeof value === "string" || typeof value === "number" ? value : "";
+  const tell = (text: string): void => { onChange(text === "" ? null : number ? Number(text) : text); };
+  return (
+    <label>{label}
+      {number
+        ? <input type="number" step="any" value={shown} onChange={(event) => { tell(event.currentTarget.value); }} />
+        : <input type="text" value={shown} onChange={(event) => { tell(event.currentTarget.value); }} />}
+    </label>
+  );
+}
+
+/** A picture under the draft: PNG or SVG. */
+function Plan() {
+  const plan = state.data.value.plan as model.Plan | undefined;
+  const width_m = Number(state.data.value.width_m) || 60;
+  const failed = useSignal("");
+  const change = (fields: Partial<model.Plan>): void => {
+    if (plan) state.draw({ ...state.data.value, plan: { ...plan, ...fields } });
+  };
+  return (
+    <fieldset>
+      <legend>{t("plan")}</legend>
+      <label>{t("plan.file")}
+        <input type="file" accept="image/png,image/svg+xml" onChange={(event) => {
+          const file = event.currentTarget.files?.[0];
+          if (!file) return;
+          state.layPlan(file).then(
+            () => {
+              failed.value = "";
+              if (!plan) state.draw({ ...state.data.value, plan: { x_m: 0, y_m: 0, width_m, opacity: 0.6 } });
+            },
+            (error: unknown) => { failed.value = (error as Error).message; },
+          );
+        }} />
+      </label>
+      {failed.value && <small role="alert" class="complaint">{failed.value}</small>}
+      {plan && (["x_m", "y_m", "width_m"] as const).map((name) => <Field key={name} name={name} value={plan[name]} onChange={(value) => { change({ [name]: Number(value) || 0 }); }} />)}
+      {plan && <label>{t("plan.opacity")}<input type="range" min={0} max={1} step={0.05} value={plan.opacity} onChange={(event) => { change({ opacity: Number(event.currentTarget.value) }); }} /></label>}
+    </fieldset>
+  );
+}
+
+/** Sections that have no place on the floor, as they stand in the file. */
+function Sections() {
+  const section = useSignal<string>("materials");
+  return (
+    <fieldset>
+      <legend>{t("sections")}</legend>
+      <label>{t("sections.which")}
+        <select value={section.value} onChange={(event) => { section.value = event.currentTarget.value; }}>
+          {model.SECTIONS.map((each) => <option key={each} value={each}>{word("section", each)}</option>)}
+        </select>
+      </label>
+      <Field key={section.value} name={section.value} value={state.data.value[section.value] ?? null} onChange={(value) => { state.draw({ ...state.data.value, [section.value]: value }); }} />
+    </fieldset>
+  );
+}
+
+export function Checks() {
+  const all = state.findings.value;
+  const show = ({ field }: state.Finding): void => {
+    const about = model.chosenOf(field);
+    state.tool.value = "choose";
+    state.chosen.value = about;
+    const spot = about && model.spotOf(state.data.value, about);
+    if (spot) state.cursor.value = spot;
+  };
+  return (
+    <section class="card ed-checks" aria-labelledby="ed-checks">
+      <header class="card-head">
+        <h2 id="ed-checks">{t("checks")}</h2>
+        <span class="count">{all.length}</span>
+        <span class="muted">{t("checks.as")}</span>
+      </header>
+      {all.length === 0 ? <p class="empty">{t("checks.none")}</p> : (
+        <ol tabIndex={0} aria-label={t("checks")}>
+          {all.map((finding, index) => (
+            <li key={index}>
+              <span class={`tag ed-${finding.level}`}>{t(`level.${finding.level as "error"}`)}</span>
+              <b>{index + 1}</b>
+              <span><code>{finding.field}</code> {finding.text}</span>
+              {model.chosenOf(finding.field) && <button type="button" class="button small" aria-label={t("checks.showOf", { number: String(index + 1) })} onClick={() => { show(finding); }}>{t("checks.show")}</button>}
+            </li>
+          ))}
+        </ol>
+      )}
+    </section>
+  );
+}
+
+export function PlayPanel() {
+  const played = state.play.value;
+  const hours = useSignal(2);
+  const failed = useSignal("");
+  const faults = state.findings.value.some(({ level }) => level !== "warning");
+  const old = played !== null && played.state === "done" && (played.version !== state.draft.value?.version || state.kept.value !== "kept");
+  const begin = (): void => {
+    failed.value = "";
+    state.playShift(hours.value, 1).catch((error: unknown) => { failed.value = (error as Error).message; });
+  };
+  return (
+    <section class="card ed-play" aria-labelledby="ed-play">
+      <header class="card-head">
+        <h2 id="ed-play">{t("play.title")}</h2>
+        {old && <span class="tag ed-warning">{t("play.older")}</span>}
+      </header>
+      <div class="ed-row">
+        <label>{t("play.hours")} <input type="number" min={0.1} max={8} step={0.1} value={hours.value} onChange={(event) => { hours.value = Number(event.currentTarget.value) || 1; }} /></label>
+        <button type="button" class="button primary" disabled={faults || played?.state === "playing"} onClick={begin}>{t("play.do")}</button>
+      </div>
+      {faults && <p class="muted">{t("play.faults")}</p>}
+      {failed.value && <p role="alert" class="complaint">{failed.value}</p>}
+      <div role="status">
+        {played?.state === "playing" && <p>{t("play.playing")}</p>}
+        {played?.state === "failed" && <p class="complaint">{t("play.failed", { reason: played.reason })}</p>}
+        {played?.state === "done" && played.draft && played.running && <Result draft={played.draft} running={played.running} hours={played.hours} />}
+      </div>
+    </section>
+  );
+}
+
+type Figures = NonNullable<state.Play["draft"]>;
+
+function Result({ draft, running, hours }: { draft: Figures; running: Figures; hours: number }) {
+  const percent = (frac: number | null): string => (frac === null ? "–" : format.percent(frac, 1));
+  const rows: [string, string, string][] = [
+    [t("play.onTime"), percent(draft.on_time_frac), percent(running.on_time_frac)],
+    [t("play.starving"), percent(draft.starvation_frac), percent(running.starvation_frac)],
+    [t("play.transports"), format.number(draft.transports_per_h, 1), format.number(running.transports_per_h, 1)],
+    [t("play.waiting"), percent(draft.waiting_frac), percent(running.waiting_frac)],
+  ];
+  return (
+    <>
+      <p class="muted">{t("play.same", { hours: format.number(hours, 1), orders: format.count(draft.orders_placed) })}</p>
+      <dl class="ed-figures">
+        {rows.map(([name, ours, theirs]) => (
+          <div key={name}>
+            <dt>{name}</dt>
+            <dd><b>{ours}</b> <small>{t("play.beside", { value: theirs })}</small></dd>
+          </div>
+        ))}
+      </dl>
+      <p><b>{t("play.bottleneck")}</b> {draft.bottleneck}</p>
+    </>
+  );
+}

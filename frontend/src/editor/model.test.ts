@@ -1,0 +1,83 @@
+import { describe, expect, test } from "vitest";
+import { begin, redo, step, undo } from "./history";
+import * as model from "./model";
+
+const DATA: model.Data = {
+  nodes: [{ id: "a", x_m: 0, y_m: 0 }, { id: "b", x_m: 10, y_m: 0 }],
+  lanes: [{ start: "a", end: "b", both_ways: true }],
+  machines: [{ id: "M1", name: "Lathe", node: "b", box: { x_m: 10, y_m: 2, width_m: 2, depth_m: 1 } }],
+  storages: null,
+};
+
+describe("drawing", () => {
+  test("a node is taken where there is one, and made where there is none", () => {
+    expect(model.withNode(DATA, { x_m: 0.2, y_m: 0 }, 0.5)).toEqual([DATA, "a"]);
+    const [next, id] = model.withNode(DATA, { x_m: 5, y_m: 5 }, 0.5);
+    expect(id).toBe("n1");
+    expect(model.nodesOf(next)).toHaveLength(3);
+  });
+
+  test("a second lane between two nodes, or one to itself, is none", () => {
+    expect(model.withLane(DATA, "b", "a", false)).toBe(DATA);
+    expect(model.withLane(DATA, "a", "a", true)).toBe(DATA);
+  });
+
+  test("a new place leaves open what nobody has said", () => {
+    const next = model.withPlace(DATA, "storages", { x_m: 0, y_m: 0 }, 0.5);
+    expect(next.storages).toEqual([{ id: "S1", name: "S1", node: "a", box: { x_m: 0, y_m: 1.5, width_m: 2, depth_m: 1.5 }, stocks: null }]);
+  });
+
+  test("a node takes its docks' boxes along, and its name is changed wherever it is meant", () => {
+    const next = model.moved(DATA, { section: "nodes", index: 1 }, { x_m: 12, y_m: 1 });
+    expect(model.entries<model.Place>(next, "machines")[0]?.box).toEqual({ x_m: 12, y_m: 3, width_m: 2, depth_m: 1 });
+    const named = model.changed(DATA, { section: "nodes", index: 1 }, { id: "east" });
+    expect(model.lanesOf(named)[0]?.end).toBe("east");
+    expect(model.entries<model.Place>(named, "machines")[0]?.node).toBe("east");
+    expect(named.storages).toBe(null);
+  });
+
+  test("a node goes with its lanes, and with what was closed of them", () => {
+    const closed = model.closedOrNot(DATA, 0);
+    expect(model.isClosed(closed, { start: "a", end: "b" })).toBe(true);
+    expect(model.closedOrNot(closed, 0).closed).toEqual([]);
+    const next = model.removed(closed, { section: "nodes", index: 0 });
+    expect([model.lanesOf(next), next.closed]).toEqual([[], []]);
+  });
+
+  test("a station that is said to be a machine is one, with the rest of it open", () => {
+    const data = { ...DATA, unassigned: [{ id: "U1", name: "Press", node: "a" }] };
+    const next = model.assigned(data, 0, "machines");
+    expect(next.unassigned).toEqual([]);
+    expect(model.entries(next, "machines")[1]).toMatchObject({ id: "U1", name: "Press", node: "a", makes: null, station: null });
+  });
+});
+
+describe("a draft of any shape", () => {
+  test("is looked at without harm", () => {
+    const odd: model.Data = { nodes: [null, { id: 3 }, { id: "a", x_m: "1", y_m: 0 }], lanes: "none", machines: [null, 3] };
+    expect(model.nodesOf(odd)).toEqual([]);
+    expect(model.places(odd)).toEqual([]);
+    expect(model.lanesOf(odd)).toEqual([]);
+  });
+
+  test("findings lead to what they are about", () => {
+    expect(model.chosenOf("machines[3].node")).toEqual({ section: "machines", index: 3 });
+    expect(model.chosenOf("materials")).toBe(null);
+    expect(model.chosenOf("vehicle_types[0].length_m")).toBe(null);
+  });
+
+  test("differences from the running plant are counted once each", () => {
+    expect(model.differences(DATA, DATA)).toBe(0);
+    expect(model.differences(model.changed(DATA, { section: "nodes", index: 0 }, { x_m: 1 }), DATA)).toBe(1);
+    expect(model.differences(model.removed(DATA, { section: "machines", index: 0 }), DATA)).toBe(1);
+  });
+});
+
+test("what was drawn is undone and done again", () => {
+  let history = begin(1);
+  history = step(step(history, 2), 3);
+  expect(undo(history).now).toBe(2);
+  expect(redo(undo(history)).now).toBe(3);
+  expect(undo(undo(undo(history))).now).toBe(1);
+  expect(redo(step(undo(history), 9)).now).toBe(9);
+});

@@ -1,0 +1,208 @@
+"""Drafts of plants over REST: kept with a version, judged as `dray plant check` does, and played by a process of its own."""
+
+from __future__ import annotations
+
+import asyncio
+import base64
+import sys
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import pytest
+from gateway_kit import House
+
+from dray.gateway.access.principal import Role
+from dray.gateway.factory.plant_drafts import as_file, findings
+from dray.gateway.factory.shift_player import PlayView, ShiftPlayer
+from dray.gateway.http.problems import Problem
+from dray.plant import default_plant, load_plant, plant_yaml
+from dray.plant.exchange.lif_export import export_lif
+
+pytestmark = pytest.mark.anyio
+
+
+async def begin(house: House, **fields: Any) -> dict[str, Any]:
+    answer = await house.client.post("/api/plant-drafts", json={"name": "Line 4", **fields})
+    assert answer.status_code == 201, answer.text
+    return answer.json()  # type: ignore[no-any-return]
+
+
+async def change(house: House, draft: dict[str, Any], version: int | None = None, **fields: Any) -> Any:
+    headers = {"If-Match": f'"{version or draft["version"]}"'} if version != 0 else {}
+    body = {"name": draft["name"], "data": draft["data"], **fields}
+    return await house.client.put(f"/api/plant-drafts/{draft['id']}", json=body, headers=headers)
+
+
+async def test_a_draft_begins_with_the_running_plant_and_is_kept_with_its_version(house: House) -> None:
+    draft = await begin(house)
+    assert draft["version"] == 1
+    assert {each["level"] for each in draft["findings"]} <= {"warning"}
+    path = f"/api/plant-drafts/{draft['id']}"
+    seen = await house.client.get(path)
+    assert seen.headers["ETag"] == '"1"'
+    assert (await house.client.get(path, headers={"If-None-Match": '"1"'})).status_code == 304
+    lanes = draft["data"]["lanes"]
+    answer = await change(house, draft, data={**draft["data"], "lanes": [*lanes, lanes[0]]})
+    assert answer.json()["version"] == 2
+    assert answer.headers["ETag"] == '"2"'
+    faults = {each["field"] for each in answer.json()["findings"] if each["level"] == "error"}
+    assert faults == {f"lanes[{len(lanes)}]"}
+    listed = await house.get("/api/plant-drafts")
+    assert [(each["id"], each["version"]) for each in listed["items"]] == [(draft["id"], 2)]
+    running = await house.get("/api/plant-drafts/running")
+    assert running["nodes"] == draft["data"]["nodes"]
+
+
+async def test_of_two_who_change_one_draft_the_second_is_told(house: House) -> None:
+    draft = await begin(house)
+    assert (await change(house, draft, version=0)).status_code == 428
+    answers = await asyncio.gather(*(change(house, draft, name=name) for name in ("one", "two", "three")))
+    assert sorted(answer.status_code for answer in answers) == [200, 412, 412]
+    late = await change(house, draft)
+    assert late.status_code == 412
+    assert late.json()["type"] == "urn:dray:problem:draft-changed"
+
+
+async def test_a_layout_is_read_and_what_it_lacks_is_open_or_taken_from_the_running_plant(
+    house: House,
+) -> None:
+    lif = export_lif(default_plant(), "2026-11-23T08:00:00Z")
+    alone = await begin(house, file=lif, file_name="hall.json")
+    assert {"machines", "fleet", "unassigned[0]"} <= {each["field"] for each in alone["findings"]}
+    assert {each["level"] for each in alone["findings"]} == {"open"}
+    assert any("actions" in note for note in alone["notes"])
+    onto = await begin(house, file=lif, file_name="hall.json", onto_running=True)
+    assert onto["data"]["machines"] == (await begin(house))["data"]["machines"]
+    bad = await house.client.post("/api/plant-drafts", json={"name": "x", "file": "{}"})
+    assert bad.status_code == 422
+    assert bad.json()["errors"][0]["field"] == "file"
+    text = await house.client.get(f"/api/plant-drafts/{onto['id']}/file")
+    assert text.headers["content-type"].startswith("application/yaml")
+
+
+async def test_what_no_draft_can_be_is_refused(house: House) -> None:
+    draft = await begin(house)
+    deep: Any = []
+    for _ in range(20):
+        deep = [deep]
+    assert (await change(house, draft, data={"nodes": deep})).status_code == 422
+    assert (await change(house, draft, data={})).status_code == 200
+    assert (await house.client.get("/api/plant-drafts/none")).status_code == 404
+    assert (await house.client.delete("/api/plant-drafts/none")).status_code == 404
+    assert (await house.client.delete(f"/api/plant-drafts/{draft['id']}")).status_code == 204
+    assert (await change(house, draft)).status_code == 404
+
+
+async def test_a_floor_plan_is_kept_and_does_nothing_by_itself(house: House) -> None:
+    draft = await begin(house)
+    path = f"/api/plant-drafts/{draft['id']}/plan"
+    svg = b'<svg xmlns="http://www.w3.org/2000/svg"><script>alert(1)</script></svg>'
+    body = {"media_type": "image/svg+xml", "base64": base64.b64encode(svg).decode()}
+    assert (await house.client.get(path)).status_code == 404
+    assert (await house.client.put(path, json=body)).status_code == 204
+    seen = await house.client.get(path)
+    assert seen.content == svg
+    assert "default-src 'none'" in seen.headers["Content-Security-Policy"]
+    for wrong in ({"media_type": "text/html"}, {"media_type": "image/png"}, {"base64": "%"}):
+        assert (await house.client.put(path, json={**body, **wrong})).status_code == 422
+
+
+async def test_people_of_the_floor_may_not_draw(house: House) -> None:
+    operator = await house.log_in("olga", Role.OPERATOR, "AREA1")
+    assert (await operator.get("/api/plant-drafts")).status_code == 403
+    assert (await operator.post("/api/plant-drafts", json={"name": "x"})).status_code == 403
+
+
+async def test_a_draft_with_faults_is_not_played(house: House) -> None:
+    draft = await begin(house)
+    assert (await change(house, draft, data={**draft["data"], "machines": None})).status_code == 200
+    answer = await house.client.post(f"/api/plant-drafts/{draft['id']}/play", json={})
+    assert answer.status_code == 422
+    assert answer.json()["errors"][0]["field"] == "data.machines"
+    assert (await house.get(f"/api/plant-drafts/{draft['id']}/play"))["state"] == "none"
+
+
+def test_closed_lanes_are_not_part_of_the_file_and_findings_are_those_of_the_draft() -> None:
+    plant = load_plant("workshop").file
+    data = {
+        "lanes": [{"start": "a", "end": "b"}, {"start": "b", "end": "a"}, {"start": "b", "end": "b"}],
+        "nodes": [{"id": "a", "x_m": 1, "y_m": 1}, {"id": "b", "x_m": 9, "y_m": 1}],
+        "closed": [{"start": "a", "end": "b"}],
+        "plan": {"x_m": 0},
+    }
+    file, kept = as_file(data)
+    assert kept == [1, 2]
+    assert "closed" not in file
+    assert "plan" not in file
+    full: dict[str, Any] = {**_builtins(plant), "closed": [], "nodes": _builtins(plant)["nodes"]}
+    full["lanes"] = [*full["lanes"], {"start": "in", "end": "in"}]
+    full["closed"] = [{"start": full["lanes"][0]["start"], "end": full["lanes"][0]["end"]}]
+    assert f"lanes[{len(full['lanes']) - 1}].end" in {each.field for each in findings(full)}
+
+
+def _builtins(value: object) -> dict[str, Any]:
+    return msgspec.to_builtins(value)  # type: ignore[no-any-return]
+
+
+SCRIPT = """
+import json, sys
+report = sys.argv[sys.argv.index("--json") + 1]
+{body}
+"""
+
+REPORT = {
+    "orders_placed": 4,
+    "orders_due": 0,
+    "orders_delivered": 3,
+    "on_time_frac": 0.0,
+    "starvation_frac": 0.1,
+    "transports": 30,
+    "duration_s": 1800.0,
+    "utilisation_frac": {"waiting": 0.2},
+    "empty_travel_frac": 0.5,
+    "invariants": "held",
+    "verdict": {"bottleneck": "", "name": "", "text": "nothing was short"},
+}
+
+
+async def played(tmp_path: Path, body: str, most_s: float = 60.0) -> PlayView:
+    script = tmp_path / "simulator.py"
+    script.write_text(SCRIPT.format(body=body), encoding="utf-8")
+    player = ShiftPlayer(lambda: "running", (sys.executable, str(script)), most_s)
+    player.play("d", "text", 3, 1.0, 1)
+    with pytest.raises(Problem, match="being played"):
+        player.play("e", "text", 1, 1.0, 1)
+    assert player._task is not None
+    await player._task
+    return player.result("d")
+
+
+async def test_a_shift_is_played_in_the_draft_and_in_the_running_plant(tmp_path: Path) -> None:
+    view = await played(tmp_path, f"json.dump({REPORT!r}, open(report, 'w'))")
+    assert view.state == "done"
+    assert view.version == 3
+    assert view.draft == view.running
+    assert view.draft is not None
+    assert (view.draft.transports_per_h, view.draft.on_time_frac) == (60.0, None)
+
+
+async def test_a_simulator_that_fails_or_hangs_is_said(tmp_path: Path) -> None:
+    failed = await played(tmp_path, "sys.exit('the simulator is not installed')")
+    assert (failed.state, failed.reason) == ("failed", "the simulator is not installed")
+    garbled = await played(tmp_path, "open(report, 'w').write('[]')")
+    assert garbled.reason == "the simulator gave no report"
+    slow = await played(tmp_path, "import threading; threading.Event().wait()", most_s=0.2)
+    assert "longer than 0.2 s" in slow.reason
+
+
+@pytest.mark.slow
+async def test_the_real_simulator_plays_a_short_shift() -> None:
+    text = plant_yaml(load_plant("workshop"))
+    player = ShiftPlayer(lambda: text)
+    player.play("d", text, 1, 0.1, 1)
+    assert player._task is not None
+    await player._task
+    view = player.result("d")
+    assert view.state == "done", view.reason
+    assert view.draft == view.running
