@@ -140,6 +140,24 @@ class ProblemCleared(Part, frozen=True):
     """It is gone."""
 
 
+class WayBlocked(Part, frozen=True):
+    """Something is in its way on a lane: it stands before the lane, or brakes on it, and leaves its way as it was given."""
+
+    order: int
+    start: str
+    end: str
+    entered: bool
+    """It is on the lane already, and cannot turn round there."""
+
+
+class WayFree(Part, frozen=True):
+    """What it has stopped for (`WayBlocked`) is gone: it drives on by itself, if it was given no other way."""
+
+    order: int
+    start: str
+    end: str
+
+
 class LinkNoticed(Part, frozen=True):
     """The vehicle's modem has lost the WLAN, or is back on it."""
 
@@ -147,7 +165,15 @@ class LinkNoticed(Part, frozen=True):
 
 
 VehicleReport = (
-    NodePassed | WayDone | ActionDone | ActionFailed | ProblemRaised | ProblemCleared | LinkNoticed
+    NodePassed
+    | WayDone
+    | ActionDone
+    | ActionFailed
+    | ProblemRaised
+    | ProblemCleared
+    | WayBlocked
+    | WayFree
+    | LinkNoticed
 )
 
 

@@ -68,6 +68,7 @@ from dray.messages.heartbeat import (
     TaskBrief,
 )
 from dray.messages.history import Event, EventsAsked, EventsKept
+from dray.messages.obstacle import ObstacleCleared, ObstacleSeen
 from dray.messages.operator import OPERATOR_PREFIX, DutyStatus, OperatorHeartbeat
 from dray.messages.order import (
     CancellationTaken,
@@ -135,6 +136,8 @@ AnyMessage = (
     | CommandAnswered
     | DwellPointClaimed
     | ProblemEnded
+    | ObstacleSeen
+    | ObstacleCleared
     | WorkSought
     | Event
     | EventsAsked
@@ -217,6 +220,8 @@ __all__ = [
     "MachineStatus",
     "MaterialWait",
     "Message",
+    "ObstacleCleared",
+    "ObstacleSeen",
     "OperatorHeartbeat",
     "OrderCancelled",
     "OrderItem",

@@ -15,6 +15,7 @@ never holds any of these.
     {plant}/free/{id}         a vehicle that is free asks for work that waits
     {plant}/dock/{place}      when vehicles will be at the dock of a place, to those who hire vehicles for it
     {plant}/problem/{id}      how long a vehicle's problem has lasted, when it is over
+    {plant}/obstacle/{id}     what a vehicle has met on a lane, and that it is gone; a person's word that it is
     {plant}/agent/@{id}       what is said to one agent alone
     {plant}/event/{id}        an agent's numbered events
     {plant}/shut-out          who is shut out, said again and again by gateways
@@ -47,6 +48,7 @@ class Keys:
         "all_free",
         "all_heartbeats",
         "all_machine_heartbeats",
+        "all_obstacles",
         "all_operator_heartbeats",
         "all_problems",
         "closures",
@@ -66,6 +68,7 @@ class Keys:
         self.all_free = f"{plant}/free/*"
         self.all_problems = f"{plant}/problem/*"
         self.all_floors = f"{plant}/floor/*"
+        self.all_obstacles = f"{plant}/obstacle/*"
         self.shut_out = f"{plant}/shut-out"
         self.closures = f"{plant}/closures"
         self.removals = f"{plant}/removals"
@@ -105,6 +108,9 @@ class Keys:
     def problem(self, atv: str) -> str:
         return f"{self.plant}/problem/{atv}"
 
+    def obstacle(self, agent: str) -> str:
+        return f"{self.plant}/obstacle/{agent}"
+
     def floor(self, district: str) -> str:
         return f"{self.plant}/floor/{district}"
 
@@ -120,7 +126,9 @@ class Keys:
         return f"{self.plant}/event/{agent}"
 
 
-_OWNED = frozenset({"hb/atv", "hb/machine", "hb/station", "hb/operator", "event", "free", "problem", "call"})
+_OWNED = frozenset(
+    {"hb/atv", "hb/machine", "hb/station", "hb/operator", "event", "free", "problem", "call", "obstacle"}
+)
 
 
 def owner_of(key: str) -> str | None:

@@ -84,6 +84,7 @@ from dray.messages.fact import (
 from dray.messages.heartbeat import AtvHeartbeat, MachineHeartbeat, StationHeartbeat
 from dray.messages.history import Event, EventsAsked, EventsKept
 from dray.messages.keys import owner_of
+from dray.messages.obstacle import ObstacleCleared, ObstacleSeen
 from dray.messages.operator import OPERATOR_PREFIX, OperatorHeartbeat
 from dray.messages.order import (
     CancellationTaken,
@@ -193,6 +194,8 @@ SPEAKERS: Mapping[type[Message], frozenset[Kind]] = {
     WorkSought: _ATVS,
     DockExpected: _ATVS,
     ProblemEnded: _ATVS,
+    ObstacleSeen: _ATVS,
+    ObstacleCleared: _GATEWAYS,
     CommandAnswered: _ATVS,
     OrderReleased: _GATEWAYS,
     OrderCancelled: _GATEWAYS,
@@ -276,6 +279,7 @@ SIGNATURES: Mapping[type[Message], str] = {
     DwellPointClaimed: "atv",
     WorkSought: "atv",
     ProblemEnded: "atv",
+    ObstacleSeen: "atv",
     Event: "agent",
 }
 """The messages that say who speaks, and the field in which they do."""

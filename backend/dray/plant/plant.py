@@ -33,7 +33,7 @@ from dray.plant.model import (
     Warehouse,
     WorkingStation,
 )
-from dray.plant.restrictions import OPEN, Extent, Restrictions, extent_of
+from dray.plant.restrictions import OPEN, Ends, Extent, Restrictions, extent_of
 from dray.plant.roads import DirectedLane, Roads
 from dray.plant.routes import Routes
 from dray.plant.shapes import floor_of
@@ -61,9 +61,11 @@ class Plant:
 
     Attributes:
         restrictions: of its lanes, as far as whoever asks knows of any; of a plant as it stands in its file there are none.
+        obstructed: lanes on which something is known to lie, likewise.
     """
 
     restrictions = OPEN
+    obstructed: frozenset[Ends] = frozenset()
 
     def __init__(self, file: PlantFile) -> None:
         self.file = file

@@ -129,6 +129,14 @@ class Routes:
         except KeyError:
             return self._find(start_node, goal_node).length_m
 
+    def leads_round(self, start_node: str, goal_node: str) -> bool:
+        """Whether a way leads from one node to another on which nothing is known to lie."""
+        try:
+            self.way(start_node, goal_node)
+        except NoWay:
+            return False
+        return True
+
     def farthest_s(self, goal_node: str) -> float:
         """Seconds from the node that is farthest from another one and can reach it; raises as `way`."""
         goal = self._index.get(goal_node)

@@ -19,6 +19,7 @@ from dray.plant.model import MachineSpec, VehicleSpec
 from dray.ports import Body, Clock
 from dray_sim.bodies.chargers import Chargers
 from dray_sim.bodies.gate import Gate
+from dray_sim.bodies.obstacles import Ends, Obstacles
 from dray_sim.bodies.stores import DeliveryWarehouse, Place, SourceWarehouse, Storage
 from dray_sim.bodies.vehicle.vehicle import SimVehicle
 from dray_sim.bodies.workcell import SimWorkcell
@@ -56,6 +57,7 @@ class Floor:
 
     Attributes:
         vehicles, workcells, storages, delivery: the bodies and places by id.
+        obstacles: what lies or stands on the lanes.
         source: where material comes from.
         gate: of all delivery warehouses; the strategist's body.
         in_hands: pieces that people carry, by item.
@@ -84,6 +86,7 @@ class Floor:
             for spec in plant.machines.values()
         }
         self.in_hands: Counter[str] = Counter()
+        self.obstacles = Obstacles(plant)
         self.vehicles: dict[str, SimVehicle] = {}
         self.lifted: set[str] = set()
         self.carried: set[str] = set()
@@ -123,6 +126,37 @@ class Floor:
             self.lifted.remove(atv)
             self.vehicles[atv].place_at(node)
 
+    def obstruct(self, lane: Ends, thing: str) -> bool:
+        """Put something in the middle of a lane.
+
+        Returns:
+            False when it would lie under a vehicle, or so near before one that this cannot stop in time; nothing has changed then.
+
+        Raises:
+            KeyError: there is no such lane.
+        """
+        standing = [self.vehicles[atv] for atv in self.standing]
+        poses = [each.sense().pose for each in standing]
+        if lane in self.obstacles.shapes or any(
+            self.obstacles.touches(lane, thing, pose.x_m, pose.y_m) for pose in poses
+        ):
+            return False
+        self.obstacles.put(lane, thing)
+        if not all(each.can_stop for each in standing):
+            self.obstacles.take_away(lane)
+            return False
+        self._look()
+        return True
+
+    def clear(self, lane: Ends) -> None:
+        """Take away what is on a lane; harmless where nothing is."""
+        self.obstacles.take_away(lane)
+        self._look()
+
+    def _look(self) -> None:
+        for vehicle in self.vehicles.values():
+            vehicle.look()
+
     def add_vehicle(self, spec: VehicleSpec) -> SimVehicle:
         """Put one more vehicle down.
 
@@ -148,6 +182,7 @@ class Floor:
             self._docks,
             self._chargers,
             self._seed,
+            self.obstacles,
         )
         self.vehicles[spec.id] = vehicle
         return vehicle

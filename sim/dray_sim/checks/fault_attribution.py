@@ -21,6 +21,7 @@ from dray_sim.faults import (
     Crashed,
     Fault,
     JournalLost,
+    LaneBlocked,
     LinkTrouble,
     LoadShifted,
     MachineBroken,
@@ -44,7 +45,7 @@ HEARD_S = 0.5
 EVERYBODY = ""
 
 FLOOR = "the floor"
-"""Stands for what people have closed, which may hold up anybody. No agent has a name with white space."""
+"""Stands for what people have closed, and what lies on lanes, which may hold up anybody. No agent has a name with white space."""
 
 
 OUT_UNTIL_S: Mapping[str, float] = {CommandKind.TAKE_OUT: float("inf"), CommandKind.PUT_IN: 0.0}
@@ -249,6 +250,8 @@ def _taken_out(atv: str) -> str:
 
 
 def _touched(fault: Fault) -> str:
+    if isinstance(fault, LaneBlocked):
+        return FLOOR
     return _away(fault.agent) if isinstance(fault, SentAway) else _agent(fault)
 
 
@@ -265,6 +268,6 @@ def _can_lose(fault: Fault, sender: str, receiver: str) -> bool:
     if isinstance(fault, LinkTrouble):
         ends = fnmatchcase(sender, fault.sender) and fnmatchcase(receiver, fault.receiver)
         return fault.loss_frac > 0.0 and ends
-    if isinstance(fault, RadioCut | ClockSet):
+    if isinstance(fault, RadioCut | ClockSet | LaneBlocked):
         return False
     return _agent(fault) in (EVERYBODY, sender, receiver)

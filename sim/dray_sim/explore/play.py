@@ -20,6 +20,7 @@ from dray_sim.checks.fault_attribution import FaultAttribution
 from dray_sim.checks.held_places import HeldPlaces
 from dray_sim.checks.invariants import Invariants
 from dray_sim.checks.liveness import LivenessCheck
+from dray_sim.checks.obstacles import MindsObstacles
 from dray_sim.checks.overlaps import Overlaps
 from dray_sim.checks.stale_contracts import StaleContracts
 from dray_sim.checks.standing import Standing
@@ -30,7 +31,7 @@ from dray_sim.explore.outcome import Outcome
 from dray_sim.explore.run import Run, draw
 from dray_sim.explore.story import Story
 from dray_sim.factory.sim_factory import SimFactory
-from dray_sim.faults import Fault, Faults, describe, kind_of
+from dray_sim.faults import Fault, Faults, LaneBlocked, describe, kind_of
 from dray_sim.faults import play as let_happen
 from dray_sim.insiders import BEHAVIOURS
 from dray_sim.insiders.joining import INSIDER, bring_in
@@ -184,6 +185,8 @@ class _Game:
         if run.closings:
             attribution.restrict(max(each.until_s for each in run.closings))
             checks.add(ClosedLanes(factory))
+        if any(isinstance(timed.fault, LaneBlocked) for timed in run.schedule):
+            checks.add(MindsObstacles(factory))
         faults = _Diary(factory, attribution, self._story)
         self._faults = faults.begun
         let_happen(run.schedule, faults)

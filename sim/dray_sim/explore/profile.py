@@ -39,6 +39,8 @@ class Profile:
         waves: how many times in a minute.
         clocks_frac: the part of the runs in which computers' clocks are set wrong, and right again.
         clocks: how often in a minute.
+        obstacles_frac: the part of the runs in which something is put on lanes.
+        obstacles: how often in a minute.
         operators_frac: the part of the runs with operators.
         random_operator_frac: the part in which somebody presses buttons at random.
         cancelled_frac: the part of the orders that customers cancel.
@@ -66,6 +68,8 @@ class Profile:
     waves: tuple[float, float] = (0.1, 1.0)
     clocks_frac: float = 0.0
     clocks: tuple[float, float] = (0.2, 4.0)
+    obstacles_frac: float = 0.0
+    obstacles: tuple[float, float] = (0.3, 3.0)
     operators_frac: float = 0.7
     random_operator_frac: float = 0.4
     cancelled_frac: float = 0.1
@@ -83,6 +87,7 @@ PROFILES: Mapping[str, Profile] = {
         leaving_frac=0.3,
         waves_frac=0.3,
         clocks_frac=0.3,
+        obstacles_frac=0.2,
         insiders_frac=0.2,
         closures_frac=0.2,
         carried_frac=0.3,
@@ -109,6 +114,10 @@ PROFILES: Mapping[str, Profile] = {
     "closures": Profile(intensity=(0.0, 0.5), closures_frac=1.0),
     "closures-alone": Profile(
         intensity=(0.0, 0.0), operators_frac=0.0, random_operator_frac=0.0, closures_frac=1.0
+    ),
+    "obstacles": Profile(intensity=(0.0, 0.5), obstacles_frac=1.0),
+    "obstacles-alone": Profile(
+        intensity=(0.0, 0.0), operators_frac=0.0, random_operator_frac=0.0, obstacles_frac=1.0
     ),
     "carried": Profile(vehicles=(2, 6), intensity=(0.0, 1.0), carried_frac=1.0),
     "faultless": Profile(intensity=(0.0, 0.0), random_operator_frac=0.0),

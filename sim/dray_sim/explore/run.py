@@ -15,7 +15,7 @@ from dray.plant import Plant
 from dray_sim.explore.closings import draw_closings
 from dray_sim.explore.profile import PROFILES, Profile
 from dray_sim.explore.small_plant import bearable_load, small_plant
-from dray_sim.faults import CLOCKS, LEAVING, Timed, describe, random_schedule, random_waves
+from dray_sim.faults import CLOCKS, LEAVING, OBSTACLES, Timed, describe, random_schedule, random_waves
 from dray_sim.insiders import BEHAVIOURS
 from dray_sim.people import demand
 from dray_sim.people.carriers import Carrying, draw_carryings
@@ -190,6 +190,10 @@ def _schedule(seed: int, plant: Plant, ranges: Profile, intensity: float) -> tup
     if random.random() < ranges.clocks_frac:
         a_minute = random.uniform(*ranges.clocks)
         schedule += random_schedule(plant, random, FAULTS_UNTIL_S, a_minute, weights=CLOCKS)
+    random = Random(f"{seed} obstacles")
+    if random.random() < ranges.obstacles_frac:
+        a_minute = random.uniform(*ranges.obstacles)
+        schedule += random_schedule(plant, random, FAULTS_UNTIL_S, a_minute, weights=OBSTACLES)
     return tuple(sorted(schedule, key=lambda timed: timed.at_s))
 
 

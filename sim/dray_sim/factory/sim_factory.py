@@ -281,6 +281,19 @@ class SimFactory:
             holders |= dict.fromkeys(right_of_way.holds if right_of_way is not None else (), atv)
         return holders
 
+    @property
+    def lanes(self) -> frozenset[tuple[str, str]]:
+        """All lanes, by their ends."""
+        return frozenset((lane.start, lane.end) for lane in self.plant.roads.lanes)
+
+    def obstruct(self, lane: tuple[str, str], thing: str) -> bool:
+        """See `Floor.obstruct`."""
+        return self.floor.obstruct(lane, thing)
+
+    def clear(self, lane: tuple[str, str]) -> None:
+        """See `Floor.clear`."""
+        self.floor.clear(lane)
+
     def add_machine(self, spec: MachineSpec) -> SimWorkcell:
         """Let a machine join that nobody's plant knows; in a factory that runs, at once.
 

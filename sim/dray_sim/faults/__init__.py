@@ -7,16 +7,18 @@ reads them from JSON, `chance` draws whole schedules, `active` begins and ends t
 from __future__ import annotations
 
 from dray_sim.faults.active import Faults, World, play
-from dray_sim.faults.chance import CLOCKS, LEAVING, WEIGHTS, random_schedule, random_waves
+from dray_sim.faults.chance import CLOCKS, LEAVING, OBSTACLES, WEIGHTS, random_schedule, random_waves
 from dray_sim.faults.kinds import (
     ClockSet,
     Crashed,
     Fault,
     JournalLost,
+    LaneBlocked,
     LoadShifted,
     MachineBroken,
     PoweredOff,
     SentAway,
+    Thing,
     VehicleBroken,
     describe,
     kind_of,
@@ -36,6 +38,7 @@ from dray_sim.network.faults import (
 __all__ = [
     "CLOCKS",
     "LEAVING",
+    "OBSTACLES",
     "WEIGHTS",
     "AccessPointDown",
     "Cast",
@@ -46,6 +49,7 @@ __all__ = [
     "FaultError",
     "Faults",
     "JournalLost",
+    "LaneBlocked",
     "LinkTrouble",
     "LoadShifted",
     "MachineBroken",
@@ -54,6 +58,7 @@ __all__ = [
     "PoweredOff",
     "RadioCut",
     "SentAway",
+    "Thing",
     "Timed",
     "VehicleBroken",
     "WlanCut",

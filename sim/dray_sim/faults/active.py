@@ -18,6 +18,7 @@ from dray_sim.faults.kinds import (
     Crashed,
     Fault,
     JournalLost,
+    LaneBlocked,
     LoadShifted,
     MachineBroken,
     PoweredOff,
@@ -84,6 +85,11 @@ class World(Protocol):
     @property
     def workers(self) -> Mapping[str, object]: ...
 
+    @property
+    def lanes(self) -> frozenset[tuple[str, str]]: ...
+
+    def obstruct(self, lane: tuple[str, str], thing: str) -> bool: ...
+    def clear(self, lane: tuple[str, str]) -> None: ...
     def running(self, agent: str) -> bool: ...
     def power_off(self, agent: str) -> None: ...
     def power_on(self, agent: str) -> None: ...
@@ -122,7 +128,7 @@ class Faults:
         vehicles, machines = tuple(self.world.vehicles), tuple(self.world.workcells)
         bodies = {*vehicles, *machines}
         others = tuple(agent for agent in self.world.workers if agent not in bodies)
-        return Cast(vehicles, machines, others, self.world.bus.access_points)
+        return Cast(vehicles, machines, others, self.world.bus.access_points, self.world.lanes)
 
     def begin(self, fault: Fault) -> str:
         """Let something go wrong, now.
@@ -178,6 +184,13 @@ class Faults:
                 world.workcells[machine].break_down(reason)
             case VehicleBroken(atv, reason, problem):
                 world.vehicles[atv].break_down(reason, problem)
+            case LaneBlocked(start, end, thing):
+                if not world.obstruct((start, end), thing):
+                    reason = (
+                        f"a vehicle is too near to the middle of the lane from {start} to {end}, or something lies there "
+                        "already; try again in a moment, or choose another lane"
+                    )
+                    raise FaultError("fault", reason)
             case LoadShifted(atv):
                 if not world.vehicles[atv].shift_load():
                     reason = f"{atv} has no load that could shift; begin it while a load is on board"
@@ -202,6 +215,8 @@ class Faults:
             case MachineBroken(machine):
                 if not self._holds(machine, MachineBroken):
                     world.workcells[machine].repair()
+            case LaneBlocked(start, end):
+                world.clear((start, end))
             case VehicleBroken(atv) | LoadShifted(atv):
                 if not self._holds(atv, VehicleBroken, LoadShifted):
                     world.vehicles[atv].repair()

@@ -18,10 +18,12 @@ from dray_sim.faults.kinds import (
     Crashed,
     Fault,
     JournalLost,
+    LaneBlocked,
     LoadShifted,
     MachineBroken,
     PoweredOff,
     SentAway,
+    Thing,
     VehicleBroken,
 )
 from dray_sim.faults.names import Cast
@@ -52,6 +54,9 @@ WEIGHTS: Mapping[type[Fault], float] = {
 
 LEAVING: Mapping[type[Fault], float] = {SentAway: 1.0}
 """Agents that leave and come back are no mishap, and drawn apart."""
+
+OBSTACLES: Mapping[type[Fault], float] = {LaneBlocked: 1.0}
+"""What is in the way on lanes is drawn apart."""
 
 CLOCKS: Mapping[type[Fault], float] = {ClockSet: 1.0}
 """Clocks that are set wrong are drawn apart, too: an agent whose clock is wrong is not in trouble by that alone."""
@@ -230,6 +235,11 @@ def _draw_partition(plant: Plant, random: Random) -> Fault:
     return Partition(groups=(apart or (random.choice(agents),),))
 
 
+def _draw_obstacle(plant: Plant, random: Random) -> Fault:
+    lane = random.choice(plant.roads.lanes)
+    return LaneBlocked(lane.start, lane.end, random.choice(tuple(Thing)))
+
+
 def _draw_hole(plant: Plant, random: Random) -> Fault:
     return CoverageHole(
         x_m=round(random.uniform(0.0, plant.width_m), 1),
@@ -244,6 +254,7 @@ _DRAW: Mapping[type[Fault], Callable[[Plant, Random], Fault]] = {
     LinkTrouble: _draw_trouble,
     Partition: _draw_partition,
     CoverageHole: _draw_hole,
+    LaneBlocked: _draw_obstacle,
     AccessPointDown: lambda plant, random: AccessPointDown(random.choice(access_points_of(plant)).id),
     PoweredOff: lambda plant, random: PoweredOff(_body(plant, random)),
     Crashed: lambda plant, random: Crashed(_agent(plant, random)),

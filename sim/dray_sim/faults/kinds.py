@@ -5,6 +5,7 @@ Those of the network are data of the network (`dray_sim.network.faults`); here a
 
 from __future__ import annotations
 
+from enum import StrEnum
 from typing import Annotated, get_args
 
 from msgspec import Meta
@@ -71,6 +72,22 @@ class VehicleBroken(FaultKind, frozen=True):
     """What its body knows of it."""
 
 
+class Thing(StrEnum):
+    """What can be in the way on a lane."""
+
+    PALLET = "pallet"
+    PERSON = "person"
+    DOOR = "door"
+
+
+class LaneBlocked(FaultKind, frozen=True):
+    """Something is in the middle of a lane, and in the way of whoever would drive there."""
+
+    start: Id
+    end: Id
+    thing: Thing = Thing.PALLET
+
+
 class LoadShifted(FaultKind, frozen=True):
     """A vehicle's load has slipped (paper, case 5); needs a load."""
 
@@ -86,6 +103,7 @@ Fault = (
     | SentAway
     | MachineBroken
     | VehicleBroken
+    | LaneBlocked
     | LoadShifted
 )
 

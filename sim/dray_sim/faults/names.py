@@ -13,6 +13,7 @@ from dray_sim.faults.kinds import (
     Crashed,
     Fault,
     JournalLost,
+    LaneBlocked,
     LoadShifted,
     MachineBroken,
     PoweredOff,
@@ -50,19 +51,23 @@ class Cast:
         vehicles, machines: agents with a body.
         others: agents of the factory whose body, if any, cannot fail: the strategist, and the stations of storages.
         access_points: of the WLAN.
+        lanes: by their ends, in either direction.
     """
 
     vehicles: tuple[str, ...]
     machines: tuple[str, ...]
     others: tuple[str, ...] = (STRATEGIST,)
     access_points: tuple[str, ...] = ()
+    lanes: frozenset[tuple[str, str]] = frozenset()
 
     @classmethod
     def of_plant(cls, plant: Plant) -> Cast:
         """Whoever stands in a plant file."""
         points = tuple(point.id for point in access_points_of(plant))
         others = (STRATEGIST, *plant.storages)
-        return cls(tuple(plant.fleet), tuple(plant.machines), others, access_points=points)
+        return cls(
+            tuple(plant.fleet), tuple(plant.machines), others, access_points=points, lanes=lanes_of(plant)
+        )
 
     @property
     def agents(self) -> tuple[str, ...]:
@@ -92,10 +97,19 @@ class Cast:
                 _find(machine, self.machines, f"{where}.machine", "machine")
             case VehicleBroken(atv=atv) | LoadShifted(atv=atv):
                 _find(atv, self.vehicles, f"{where}.atv", "vehicle")
+            case LaneBlocked(start, end):
+                if (start, end) not in self.lanes:
+                    reason = f"no lane leads from {start!r} to {end!r}; give two nodes that are joined by one"
+                    raise FaultError(f"{where}.end", reason)
             case AccessPointDown(access_point):
                 _find(access_point, self.access_points, f"{where}.access_point", "access point")
             case LinkTrouble() | Partition() | CoverageHole():
                 pass
+
+
+def lanes_of(plant: Plant) -> frozenset[tuple[str, str]]:
+    """All lanes as vehicles drive them, by their ends."""
+    return frozenset((lane.start, lane.end) for lane in plant.roads.lanes)
 
 
 def _find(name: str, known: Iterable[str], field: str, what: str) -> None:

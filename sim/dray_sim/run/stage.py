@@ -23,6 +23,7 @@ from dray_sim.checks.held_places import HeldPlaces
 from dray_sim.checks.invariants import Invariants
 from dray_sim.checks.overlaps import Overlaps
 from dray_sim.clock.loop import JUMP, clock, run
+from dray_sim.factory.installation import Embody, directly
 from dray_sim.factory.sim_factory import SimFactory
 from dray_sim.faults import Faults
 from dray_sim.network.latency import WLAN, Latency
@@ -75,6 +76,7 @@ class Shift:
         keep: classes of facts and messages that the witness keeps.
         overlaps: whether two vehicles in one spot are counted (False), break the run (True), or are not looked for (None); with
             right of way they always break it.
+        embody: what stands between vehicles and their agents; nothing by default.
     """
 
     name: str
@@ -86,6 +88,7 @@ class Shift:
     people: Habits | None = None
     keep: tuple[type[Any], ...] = ()
     overlaps: bool | None = None
+    embody: Embody = directly
 
 
 @dataclass(frozen=True, slots=True)
@@ -148,6 +151,7 @@ class Stage:
             codec=shift.codec,
             listener=listeners,
             traffic=RIGHT_OF_WAY.get(),
+            embody=shift.embody,
         )
         self.faults = Faults(self.factory)
         self.office: FloorOffice | None = None

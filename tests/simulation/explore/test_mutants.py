@@ -13,7 +13,7 @@ from typing import cast
 import pytest
 from msgspec.structs import replace
 
-from dray.body import OpenDock
+from dray.body import OpenDock, WayBlocked
 from dray.messages import (
     Accepted,
     Brief,
@@ -23,6 +23,7 @@ from dray.messages import (
     Grant,
     Handover,
     Link,
+    ObstacleSeen,
     Removal,
     Role,
     Transport,
@@ -30,6 +31,7 @@ from dray.messages import (
     Work,
 )
 from dray.messages.traffic import PlaceBooking, PlaceWished
+from dray.protocol.closures.obstacles import Obstacles
 from dray.protocol.contract_net.auction import Auction
 from dray.protocol.contract_net.coordinator import Coordinator
 from dray.protocol.contract_net.task import CarrierContract, OpenTask
@@ -38,7 +40,7 @@ from dray.protocol.liveness.progress import Progress
 from dray.protocol.machine.dock import Dock
 from dray.protocol.machine.transports.handovers import Handovers
 from dray.protocol.machine.transports.transports import Transports
-from dray.protocol.runtime.events import Instruct, Send
+from dray.protocol.runtime.events import Instruct, Publish, Send
 from dray.protocol.strategist.order_book import OrderInWork
 from dray.protocol.strategist.strategist import Strategist
 from dray.protocol.traffic.books import bookkeeping
@@ -48,9 +50,11 @@ from dray.protocol.traffic.driving import yielding
 from dray.protocol.traffic.places import Places
 from dray.protocol.traffic.removal_authorisation import RemovalAuthorisation
 from dray.protocol.vehicle.atv import Atv
+from dray.protocol.vehicle.obstacle_handling import ObstacleHandling
 from dray.protocol.vehicle.people.command_authorisation import CommandAuthorisation
 from dray.protocol.vehicle.people.command_handling import CommandHandling
 from dray.protocol.vehicle.status_report import StatusReport
+from dray_sim.bodies.obstacles import Obstacles as FloorObstacles
 from dray_sim.clock import computer
 from dray_sim.explore.play import play
 from dray_sim.explore.run import Run, draw
@@ -295,6 +299,28 @@ def that_keeps_inherited_ranks_for_ever(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(yielding, "LAPSE_S", 1e9)
 
 
+def that_never_forget_obstacles(patch: pytest.MonkeyPatch) -> None:
+    """Whoever has once heard that something lies on a lane goes round it for ever."""
+    patch.setattr(Obstacles, "look", lambda *_: False)
+
+
+def that_tell_nobody_of_obstacles(patch: pytest.MonkeyPatch) -> None:
+    """Whoever meets something goes round it, and lets the others meet it too."""
+    meet = ObstacleHandling._way_blocked
+
+    def keep(self: ObstacleHandling, report: WayBlocked, now_s: float) -> None:
+        meet(self, report, now_s)
+        told = [one for one in self._out if isinstance(one, Publish) and type(one.message) is ObstacleSeen]
+        self._out[:] = [one for one in self._out if one not in told]
+
+    patch.setattr(ObstacleHandling, "_way_blocked", keep)
+
+
+def with_bodies_that_see_nothing(patch: pytest.MonkeyPatch) -> None:
+    """A body drives on, whatever lies before it."""
+    patch.setattr(FloorObstacles, "room_m", lambda *_: None)
+
+
 MUTANTS = [
     pytest.param(that_works_out_of_service, "hands", 0, "invariant 16", id="works-out-of-service"),
     pytest.param(that_waits_for_whoever_lives, "liars", 0, "invariant 1", id="no-progress-deadline"),
@@ -319,6 +345,9 @@ MUTANTS = [
         that_asks_an_auction_for_standing_contracts, "restarts", 0, "invariant 6", id="contracts-at-restarts"
     ),
     pytest.param(that_gives_epochs_of_which_it_has_no_notes, "all", 324, "invariant 2", id="epochs-unknown"),
+    pytest.param(that_never_forget_obstacles, "obstacles-alone", 0, "invariant 21", id="obstacles-for-ever"),
+    pytest.param(that_tell_nobody_of_obstacles, "obstacles-alone", 0, "invariant 21", id="obstacles-untold"),
+    pytest.param(with_bodies_that_see_nothing, "obstacles-alone", 0, "invariant 20", id="blind-bodies"),
     pytest.param(that_obeys_everywhere, "hands", 0, "invariant 9", id="no-areas"),
     pytest.param(that_believes_every_signature, "hands", 0, "invariant 9", id="no-signature"),
 ]

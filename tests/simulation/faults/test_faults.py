@@ -7,7 +7,7 @@ from collections.abc import Callable
 from itertools import filterfalse
 
 import pytest
-from fault_world import ONE_OF_EACH, PLANT, FakeWorld
+from fault_world import LANE, ONE_OF_EACH, PLANT, FakeWorld
 
 from dray_sim.clock.loop import clock, run
 from dray_sim.factory.sim_factory import SimFactory
@@ -20,6 +20,7 @@ from dray_sim.faults import (
     FaultError,
     Faults,
     JournalLost,
+    LaneBlocked,
     LinkTrouble,
     LoadShifted,
     MachineBroken,
@@ -56,6 +57,7 @@ from dray_sim.faults.kinds import KINDS
         (SentAway("M1", probation=3), "send M1 away", "restart M1 on probation for 3"),
         (MachineBroken("M2", "no oil"), "break M2: no oil", "repair M2"),
         (VehicleBroken("ATV2", "blocked"), "break ATV2: blocked", "repair ATV2"),
+        (LaneBlocked(*LANE), f"pallet from {LANE[0]} to {LANE[1]}", f"clear from {LANE[0]} to {LANE[1]}"),
         (LoadShifted("ATV1"), "shift ATV1", "repair ATV1"),
     ],
     ids=lambda value: kind_of(value) if isinstance(value, KINDS) else None,

@@ -12,6 +12,7 @@ from dray_sim.faults import (
     Crashed,
     Fault,
     JournalLost,
+    LaneBlocked,
     LinkTrouble,
     LoadShifted,
     MachineBroken,
@@ -20,12 +21,16 @@ from dray_sim.faults import (
     PoweredOff,
     RadioCut,
     SentAway,
+    Thing,
     VehicleBroken,
     WlanCut,
     kind_of,
 )
 
 PLANT = default_plant()
+
+LANE = max((lane.length_m, lane.start, lane.end) for lane in PLANT.roads.lanes)[1:]
+"""The longest one: there is room for something between whoever stands at its ends."""
 
 ONE_OF_EACH: tuple[Fault, ...] = (
     WlanCut("ATV1"),
@@ -41,6 +46,7 @@ ONE_OF_EACH: tuple[Fault, ...] = (
     SentAway("M5", probation=2),
     MachineBroken("M4", "no oil"),
     VehicleBroken("ATV4"),
+    LaneBlocked(*LANE, Thing.PERSON),
     LoadShifted("ATV5"),
 )
 
@@ -66,6 +72,7 @@ class FakeWorld:
     """Notes what is done to it."""
 
     access_points = ("AP1",)
+    lanes = frozenset({LANE})
 
     def __init__(self) -> None:
         self.done: list[str] = []
@@ -82,6 +89,13 @@ class FakeWorld:
 
     def end(self, fault: NetworkFault) -> None:
         self.done.append(f"end {kind_of(fault)}")
+
+    def obstruct(self, lane: tuple[str, str], thing: str) -> bool:
+        self.done.append(f"{thing} from {lane[0]} to {lane[1]}")
+        return self.done.count(self.done[-1]) == 1
+
+    def clear(self, lane: tuple[str, str]) -> None:
+        self.done.append(f"clear from {lane[0]} to {lane[1]}")
 
     def running(self, agent: str) -> bool:
         return agent not in self.dead

@@ -43,6 +43,7 @@ from dray.plant import (
 from dray.plant.model import Storage as StorageSpec
 from dray.ports import Body
 from dray_sim.bodies.chargers import Chargers
+from dray_sim.bodies.obstacles import Obstacles
 from dray_sim.bodies.stores import DeliveryWarehouse, Place, SourceWarehouse, Storage
 from dray_sim.bodies.vehicle.vehicle import SimVehicle
 from dray_sim.bodies.workcell import SimWorkcell
@@ -139,13 +140,23 @@ class Yard:
         }
         self.docks = {place: PLANT.node_of(place) for place in self.places}
         self.chargers = Chargers()
+        self.obstacles = Obstacles(PLANT)
         self.listen("M1", self.workcell)
 
     def vehicle(
         self, node: str = "west", battery_frac: float = 0.9, id_: str = "ATV1", type_: VehicleType = LIGHT
     ) -> SimVehicle:
         spec = VehicleSpec(id_, type_.id, node, battery_frac)
-        vehicle = SimVehicle(spec, type_, PLANT, self.clock, self.places, self.docks, self.chargers)
+        vehicle = SimVehicle(
+            spec,
+            type_,
+            PLANT,
+            self.clock,
+            self.places,
+            self.docks,
+            self.chargers,
+            obstacles=self.obstacles,
+        )
         self.listen(id_, vehicle)
         return vehicle
 

@@ -9,11 +9,14 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from msgspec import UNSET, UnsetType
+from msgspec.structs import replace
 
 from dray.messages import Closure, Closures, closed_words
 from dray.plant import Plant, Routes
-from dray.plant.restrictions import OPEN, Restrictions
+from dray.plant.restrictions import OPEN, Ends, Restrictions
 from dray.protocol.closures.closure_rules import restrictions_of
+from dray.protocol.closures.detours import Detours
+from dray.protocol.closures.obstacles import Obstacles
 from dray.protocol.runtime.events import NEVER_S
 
 KNOWN = "a list of closures that is no newer than the one that is known"
@@ -30,6 +33,8 @@ class KnownFloor(Plant):
         restrictions: of the floor at present.
         said: the newest list that the agent has heard; None for none.
         ends_s: when the next closure ends by itself (plant clock).
+        obstacles: what it knows to lie on lanes; whoever changes that calls `note_obstacles`.
+        obstructed: the lanes on which something lies.
     """
 
     def __init__(self, plant: Plant) -> None:
@@ -37,7 +42,15 @@ class KnownFloor(Plant):
         self.restrictions = OPEN
         self.said: Closures | None = None
         self.ends_s = NEVER_S
+        self.obstacles = Obstacles()
+        self.obstructed: frozenset[Ends] = frozenset()
         self._current: dict[str, Routes] = {}
+
+    def note_obstacles(self) -> None:
+        """Go by the obstacles as they are known now."""
+        if self.obstacles.lanes != self.obstructed:
+            self.obstructed = self.obstacles.lanes
+            self._current.clear()
 
     def routes(self, vehicle_type: str, restrictions: Restrictions | None = None) -> Routes:
         """See `Plant.routes`; by default the ways that are open as far as this agent knows."""
@@ -45,7 +58,12 @@ class KnownFloor(Plant):
             return super().routes(vehicle_type, restrictions)
         routes = self._current.get(vehicle_type)
         if routes is None:
-            routes = self._current[vehicle_type] = super().routes(vehicle_type, self.restrictions)
+            routes = super().routes(vehicle_type, self.restrictions)
+            if self.obstructed:
+                known = frozenset(ends for ends in self.obstructed if self.roads.lane(*ends) is not None)
+                closed = replace(self.restrictions, lanes=self.restrictions.lanes | known)
+                routes = Detours(super().routes(vehicle_type, closed), routes, known)
+            self._current[vehicle_type] = routes
         return routes
 
     @property

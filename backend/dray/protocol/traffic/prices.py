@@ -10,8 +10,11 @@ from collections.abc import Callable, Mapping
 from itertools import pairwise
 
 from dray.messages.traffic import Blocked, OnFloor, PlaceGranted, Rank
-from dray.plant.restrictions import OPEN, Restrictions
+from dray.plant.restrictions import OPEN, Ends, Restrictions
 from dray.protocol.traffic.surroundings import Surroundings
+
+OBSTRUCTED_S = 300.0
+"""For a lane on which something lies: as for a silent vehicle, whoever finds another way takes it."""
 
 STANDS_S, DOCKED_S, SILENT_S = 3.0, 12.0, 300.0
 """For a place that is held by one who stands, is docked, or was not heard for a while."""
@@ -34,6 +37,7 @@ class Prices:
         waits_s: place -> seconds of one's own late waits there, as `Waits` tells them.
         told: place -> seconds, told by whoever keeps the book there.
         restrictions: what people have closed.
+        obstructed: lanes on which something lies.
     """
 
     def __init__(
@@ -43,9 +47,11 @@ class Prices:
         waits_s: Mapping[str, float] | None = None,
         told_s: Mapping[str, float] | None = None,
         restrictions: Restrictions = OPEN,
+        obstructed: frozenset[Ends] = frozenset(),
     ) -> None:
         self.admits = restrictions.admits if restrictions.nodes or restrictions.lanes else None
         """Whether a lane, by its ends, may be entered; None where nothing is closed."""
+        self.obstructed = obstructed
         self._announced: Counter[tuple[str, str]] = Counter()
         """Lane, by its ends -> how many others mean to drive it soon."""
         self.place_s: dict[str, float] = {}
@@ -100,10 +106,16 @@ class Outlook:
     Args:
         surroundings: what it is told of others.
         restrictions: what people have closed, as far as the vehicle knows now.
+        obstructed: lanes on which something lies, likewise.
     """
 
-    def __init__(self, surroundings: Surroundings, restrictions: Callable[[], Restrictions]) -> None:
-        self._restrictions = restrictions
+    def __init__(
+        self,
+        surroundings: Surroundings,
+        restrictions: Callable[[], Restrictions],
+        obstructed: Callable[[], frozenset[Ends]],
+    ) -> None:
+        self._restrictions, self._obstructed = restrictions, obstructed
         self._surroundings = surroundings
         self._waits = Waits()
         self._told: dict[str, tuple[float, float]] = {}
@@ -128,6 +140,7 @@ class Outlook:
             waits_s=self._waits.all(now_s),
             told_s=told_s,
             restrictions=self._restrictions(),
+            obstructed=self._obstructed(),
         )
 
     def holders(self, chain: tuple[str, ...], rank: Rank, now_s: float) -> tuple[set[str], set[str]]:

@@ -16,7 +16,7 @@ from dray.plant import Plant, bends
 from dray.plant.model import VehicleType
 from dray.plant.motion import limit_mps
 from dray.protocol.traffic.places import Places
-from dray.protocol.traffic.prices import STANDS_S, Prices
+from dray.protocol.traffic.prices import OBSTRUCTED_S, STANDS_S, Prices
 
 AGAINST = 1.5
 """Times the lane time, against the convention."""
@@ -109,6 +109,8 @@ class Ways:
             if road.against:
                 price_s *= AGAINST
             if prices is not None:
+                if (road.start, road.end) in prices.obstructed:
+                    price_s += OBSTRUCTED_S
                 oncoming = prices.oncoming(road.start, road.end)
                 if oncoming:
                     price_s += ONCOMING * road.lane_s * oncoming
@@ -147,6 +149,8 @@ class Ways:
 
         def cost_s(road: _Road) -> float:
             if prices.admits is not None and not prices.admits(road.start, road.end):
+                return inf
+            if (road.start, road.end) in prices.obstructed:
                 return inf
             price_s = road.lane_s * (OWN_WAY if road.end in mine else 1.0)
             for place in road.needs:

@@ -8,10 +8,9 @@ The state machine of the paper, as everybody sees it:
     STOPPED  held by an operator: moves again only after an acknowledge and a resume (invariant 5)
     ERROR    something keeps it from going on
 
-STOPPED and ERROR end no contract: the job waits inside them and goes on when they are over. How long it can wait is in the
-heartbeat (`assistance`); after that another vehicle takes the task, and this one hears so when it speaks again. A vehicle
-that is left with its radio keeps its task too, and takes nothing else. One that is asked to leave gives its watches back, and
-its task too while the load is not on board; with a load it leaves after the handover. Where it cannot move it leaves as it is.
+STOPPED and ERROR end no contract: the job waits inside them. How long is in the heartbeat (`assistance`); after that another
+vehicle takes the task. A vehicle that is left with its radio keeps its task too, and takes nothing else. One that is asked to leave
+gives its watches back, and its task too while the load is not on board; where it cannot move it leaves as it is.
 """
 
 from __future__ import annotations
@@ -61,6 +60,7 @@ from dray.protocol.vehicle.contracts import Contracts
 from dray.protocol.vehicle.drivers.reserved_driver import ReservedDriver, driver_of
 from dray.protocol.vehicle.drivers.traffic_handling import handle_traffic
 from dray.protocol.vehicle.idle_positioning import CLAIM, SETTLE, IdlePositioning
+from dray.protocol.vehicle.obstacle_handling import ObstacleHandling
 from dray.protocol.vehicle.people.assistance import Assistance
 from dray.protocol.vehicle.people.command_authorisation import CommandAuthorisation
 from dray.protocol.vehicle.people.command_handling import CommandHandling
@@ -119,6 +119,9 @@ class Atv(AgentBase):
         self.problems = ProblemHandling(
             self, plant, self._driver, self._contracts, self._commands, self._timers, self._out
         )
+        self._obstacles = ObstacleHandling(
+            self, plant, self._driver, self._contracts, self._idle, self.problems, self._timers, self._out
+        )
         self.link = Link.WLAN
         self._status = AtvStatus.IDLE
         self.battery_frac = 1.0
@@ -127,6 +130,7 @@ class Atv(AgentBase):
             **self._contracts.message_handlers,
             **self._closures.message_handlers,
             **self.problems.messages,
+            **self._obstacles.messages,
             VehicleCommand: self._on_command,
             DwellPointClaimed: self._on_claim,
             Disbelieved: Reproach(self._out).on_disbelieved,
@@ -137,6 +141,7 @@ class Atv(AgentBase):
             ActionDone: self._action_done,
             ActionFailed: self._action_failed,
             **self.problems.reports,
+            **self._obstacles.reports,
             LinkNoticed: self._link_noticed,
         }
         self._alarm_handlers = {
@@ -144,6 +149,7 @@ class Atv(AgentBase):
             **self._contracts.alarms,
             **self._closures.alarms,
             **self.problems.alarms,
+            **self._obstacles.alarms,
             SETTLE: lambda _about, now_s: self._rest_on(SETTLE, now_s),
             CLAIM: lambda _about, now_s: self._rest_on(CLAIM, now_s),
         }
@@ -156,6 +162,7 @@ class Atv(AgentBase):
         self._sense(body, now_s)
         self._cells.move(*self._driver.position_m)
         self._closures.start(memory, now_s)
+        self._obstacles.start()
         state = cast(VehicleState, body)
         self._driver.take_control(state, now_s)
         self.problems.start(state, now_s)
@@ -231,7 +238,9 @@ class Atv(AgentBase):
     # --- the body reports ---
 
     def _node_passed(self, report: NodePassed, now_s: float) -> None:
+        before = self._driver.node
         self._driver.on_passed(report, now_s)
+        self._obstacles.drove(before, report.node, now_s)
         self.battery_frac = report.battery_frac
         self._cells.move(*self._driver.position_m)
 
@@ -240,7 +249,6 @@ class Atv(AgentBase):
             self.note_arrived(now_s)
 
     def note_arrived(self, now_s: float) -> None:
-        """It stands where it was sent."""
         if self._contracts.job is not None:
             self._contracts.go_on(lambda job: job.arrived(now_s), now_s)
         else:
@@ -292,12 +300,10 @@ class Atv(AgentBase):
 
     @property
     def is_busy(self) -> bool:
-        """Whether it has a task."""
         return self._contracts.job is not None
 
     @property
     def is_draining(self) -> bool:
-        """Whether it was asked to leave."""
         return self._shutdown.begun
 
     @property
@@ -309,11 +315,9 @@ class Atv(AgentBase):
         return None if out is None or out.after_work else Reason.OUT_OF_SERVICE
 
     def unfit(self) -> str:
-        """Why it may take no work at all; empty when it may."""
         return self._status_report.unfit(self.link)
 
     def stop_resting(self) -> None:
-        """Leave the charger or parking place: there is work."""
         self._idle.stop()
 
     def note_ended(self, reason: str, now_s: float) -> None:
@@ -324,7 +328,6 @@ class Atv(AgentBase):
         self._idle.soon(now_s)
 
     def note_makes_room(self, now_s: float) -> None:
-        """It leaves the place where it stood, for somebody else."""
         if self._contracts.job is None and not self._driver.way:
             self._idle.stop()
             self._idle.soon(now_s)
@@ -337,11 +340,9 @@ class Atv(AgentBase):
         self.update_status(now_s, "said to have been carried away")
 
     def commit(self) -> None:
-        """Write what the next life must know into the journal."""
         self._commit()
 
     def beat_soon(self, now_s: float) -> None:
-        """Send the next heartbeat at once."""
         self._heartbeat_timer.at_once(now_s)
 
     def _objection(self, sender: str, message: Message) -> str:
@@ -363,7 +364,6 @@ class Atv(AgentBase):
 
     @property
     def _is_stuck(self) -> bool:
-        """Whether it stands until a person has seen to it."""
         return self._commands.stopped or bool(self._commands.assistance.problem)
 
     def _on_claim(self, _sender: str, message: DwellPointClaimed, now_s: float) -> None:

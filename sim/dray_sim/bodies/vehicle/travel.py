@@ -15,8 +15,9 @@ from dray.errors import ProtocolViolation
 from dray.messages import Pose
 from dray.plant import Plant
 from dray.plant.model import VehicleType
+from dray_sim.bodies.obstacles import STEP_M, Ends, Obstacles
 from dray_sim.bodies.vehicle.course import Course
-from dray_sim.bodies.vehicle.motion import SHORT_M, STANDSTILL, brake, plan
+from dray_sim.bodies.vehicle.motion import SHORT_M, STANDSTILL, Stretch, brake, plan
 from dray_sim.bodies.vehicle.way import Way, join
 
 NEVER_S = float("inf")
@@ -35,16 +36,25 @@ class Travel:
         vehicle_type: speeds and acceleration.
         node: where it stands at the beginning.
         now_s: when that is.
+        obstacles: it stops before them.
 
     Attributes:
         node: the last node that was passed.
         way: what it follows; None when it has come to an end.
     """
 
-    def __init__(self, plant: Plant, vehicle_type: VehicleType, node: str, now_s: float) -> None:
+    def __init__(
+        self,
+        plant: Plant,
+        vehicle_type: VehicleType,
+        node: str,
+        now_s: float,
+        obstacles: Obstacles | None = None,
+    ) -> None:
         self.node = node
         self.way: Way | None = None
         self._plant = plant
+        self._obstacles = obstacles or Obstacles(plant)
         self._type = vehicle_type
         self._heading_rad = 0.0
         self._top_mps = vehicle_type.max_speed_mps
@@ -83,7 +93,32 @@ class Travel:
     @property
     def waits(self) -> bool:
         """Whether it stands, or will stand, before the end of its way because no more is released."""
-        return self.way is not None and self._released < self.way.last
+        return self.way is not None and (self._released < self.way.last or self.blocked is not None)
+
+    @property
+    def blocked(self) -> Ends | None:
+        """The lane that it may enter, or is on, and on which something is in its way; None for none."""
+        way, lane = self.way, self._clear_to(self._from_m)[0]
+        if way is None or lane != self._passed or lane >= self._released:
+            return None
+        return way.points[lane], way.points[lane + 1]
+
+    @property
+    def entered(self) -> bool:
+        """Whether it has left the last node that it passed."""
+        return self.way is not None and self._from_m > self.way.places_m[self._passed] + SHORT_M
+
+    def is_clear(self, lane: Ends) -> bool:
+        """Whether nothing is in its way on a lane."""
+        return self._obstacles.room_m(*lane, self._type) is None
+
+    def can_stop(self, now_s: float) -> bool:
+        """Whether it can brake in time before whatever is in its way."""
+        place_m, speed_mps = self.motion(now_s)
+        return (
+            place_m + speed_mps**2 / (2.0 * self._type.acceleration_mps2)
+            <= self._clear_to(place_m)[1] + SHORT_M
+        )
 
     @property
     def base_end(self) -> str:
@@ -248,6 +283,10 @@ class Travel:
         self.way = self.way.cut(self._released)
         self._plan(speed_mps)
 
+    def look(self, now_s: float) -> None:
+        """Something was put on a lane, or is gone."""
+        self._plan(self._settle(now_s))
+
     def limit(self, speed_frac: float, now_s: float) -> None:
         """Keep below this part of the top speed."""
         self._top_mps = min(max(speed_frac, SLOWEST_FRAC), 1.0) * self._type.max_speed_mps
@@ -292,13 +331,43 @@ class Travel:
         self._from_s, self._from_m = now_s, place_m
         return speed_mps
 
+    def _clear_to(self, place_m: float) -> tuple[int, float]:
+        """How far it may drive from a place on its way: as far as is released, and not to anything in its way.
+
+        Returns:
+            The last point that it passes, and the place where it stands then, in metres from the first point.
+        """
+        way = self.way
+        if way is None or self._passed >= self._released:
+            return self._passed, place_m
+        if self._obstacles.shapes:
+            for lane in range(self._passed, self._released):
+                room_m = self._obstacles.room_m(way.points[lane], way.points[lane + 1], self._type)
+                driven_m = place_m - way.places_m[lane]
+                if room_m is None or driven_m > room_m + STEP_M:
+                    # Whoever is past it leaves it behind.
+                    continue
+                if driven_m > SHORT_M:
+                    return lane, way.places_m[lane] + max(room_m, driven_m)
+                return lane, way.places_m[lane]
+        return self._released, way.places_m[self._released]
+
     def _plan(self, speed_mps: float) -> None:
         """Make a new profile from where it was settled."""
-        if self.way is None or self._passed >= self._released:
+        point, end_m = self._clear_to(self._from_m)
+        room_m = end_m - self._from_m
+        if (
+            self.way is None
+            or self._passed >= self._released
+            or (point == self._passed and room_m <= SHORT_M)
+        ):
             self._profile = STANDSTILL
         elif self._halted or self._stranded:
-            room_m = self.way.places_m[self._released] - self._from_m
             self._profile = brake(speed_mps, self._type.acceleration_mps2, room_m)
+        elif point == self._passed:
+            lane = self.way.ahead(point, self._from_m, point + 1, self._top_mps)
+            stretch = Stretch([room_m], lane.limits_mps, lane.caps_mps)
+            self._profile = plan(stretch, speed_mps, self._type.acceleration_mps2)
         else:
-            stretch = self.way.ahead(self._passed, self._from_m, self._released, self._top_mps)
+            stretch = self.way.ahead(self._passed, self._from_m, point, self._top_mps)
             self._profile = plan(stretch, speed_mps, self._type.acceleration_mps2)

@@ -1,20 +1,17 @@
 """A simulated vehicle: it drives released ways, loads and unloads, charges, and can break down.
 
-It implements `dray.ports.Body`, behind which a real vehicle that speaks VDA 5050 can stand just as well:
-ways have a released part (base) and one that is not (horizon), picking and dropping are actions, and
-what cannot be done is reported. It leaves all decisions to its agent, and does not see other vehicles.
+It implements `dray.ports.Body`: ways have a released part (VDA 5050's base) and one that is not (horizon), picking and dropping
+are actions, and what cannot be done is reported. It leaves all decisions to its agent, and does not see other vehicles.
 
-Theory of operation. Nothing ticks. A moving vehicle has a speed profile (`travel`), a working one a time when the
-action ends (`handling`); where it is and what its battery holds (`power`) follow from the time in closed form. One
-call of the clock is open at a time, for the next node or the end of the action; it carries the number of the plan that
-it belongs to, and a change of plan makes it stale. Another watches the battery.
+Nothing ticks. A moving vehicle has a speed profile (`travel`), a working one a time when the action ends (`handling`); where it is
+and what its battery holds (`power`) follow in closed form. One call of the clock is open at a time, for the next node or the
+end of the action; it carries the number of its plan, and a change of plan makes it stale. Another watches the battery.
 
     standing --Drive--> driving --WayDone--> standing --Pick, Drop, Charge--> acting --> standing
     Hold, a breakdown and an empty battery stop either; the rest of the way or action is kept.
     Without power it stands in that moment, and has forgotten both when the power is back.
 
-An action needs a vehicle that stands at the station's node with its way finished. A new way ends an
-action: a charge as it should, a pick or drop with a failure.
+An action needs a vehicle that stands at the station's node with its way finished. A new way ends it: a pick or drop with a failure.
 """
 
 from __future__ import annotations
@@ -44,6 +41,7 @@ from dray.plant import Plant
 from dray.plant.model import VehicleSpec, VehicleType
 from dray.ports import Clock
 from dray_sim.bodies.chargers import Chargers
+from dray_sim.bodies.obstacles import Obstacles
 from dray_sim.bodies.reporter import Reporter
 from dray_sim.bodies.stores import Place
 from dray_sim.bodies.vehicle.condition import LOAD_SHIFTED, SHIFTED, Condition
@@ -51,6 +49,7 @@ from dray_sim.bodies.vehicle.course import Course
 from dray_sim.bodies.vehicle.handling import Action, Handling
 from dray_sim.bodies.vehicle.odometer import Activity, Odometer
 from dray_sim.bodies.vehicle.power import Power
+from dray_sim.bodies.vehicle.sight import Sight
 from dray_sim.bodies.vehicle.travel import NEVER_S, Travel
 from dray_sim.bodies.vehicle.way import Way
 
@@ -73,6 +72,7 @@ class SimVehicle:
         docks: the node of each.
         chargers: who is plugged in where; shared by the fleet.
         seed: how long each manoeuvre takes follows from it, where that varies.
+        obstacles: what stands on the lanes; shared by the fleet.
 
     Attributes:
         id: the vehicle's id.
@@ -88,12 +88,14 @@ class SimVehicle:
         docks: Mapping[str, str],
         chargers: Chargers,
         seed: int = 0,
+        obstacles: Obstacles | None = None,
     ) -> None:
         self.id = spec.id
         self._type = vehicle_type
         self._clock = clock
         self._reporter = Reporter(clock)
-        self._travel = Travel(plant, vehicle_type, spec.node, clock.now_s())
+        self._travel = Travel(plant, vehicle_type, spec.node, clock.now_s(), obstacles)
+        self._sight = Sight(self._travel, self._reporter)
         self._handling = Handling(spec.id, vehicle_type, plant, places, docks, chargers, self._reporter, seed)
         self._power = Power(
             vehicle_type,
@@ -118,10 +120,7 @@ class SimVehicle:
     # --- Body ------------------------------------------------------------------------------------
 
     def instruct(self, instruction: Instruction) -> None:
-        """See `dray.ports.Body`. What only a workcell can do is ignored: no report would fit it.
-
-        Without power nothing is heard.
-        """
+        """See `dray.ports.Body`. Without power nothing is heard, and what only a workcell can do is ignored."""
         if self._power.off:
             return
         self._settle()
@@ -173,12 +172,10 @@ class SimVehicle:
 
     @property
     def off(self) -> bool:
-        """Whether it has no power."""
         return self._power.off
 
     @property
     def stopped(self) -> bool:
-        """Whether it is held, broken, empty or off: it neither moves nor goes on with an action."""
         return self._condition.stopped
 
     def notice_link(self, link: Link) -> None:
@@ -191,8 +188,8 @@ class SimVehicle:
     def power_off(self) -> None:
         """Stand still in this moment, deaf and mute; harmless when it is off already.
 
-        What stays: place, load, battery, plug, what is broken, and what holds for safety, a hold and a
-        speed limit. What is lost without a word: the way, and a pick, drop or charge in progress.
+        What stays: place, load, battery, plug, what is broken, a hold and a speed limit. What is lost without a word: the way,
+        and a pick, drop or charge in progress.
         """
         if self._power.off:
             return
@@ -213,22 +210,14 @@ class SimVehicle:
         self._change_of_fortune()
 
     def shift_load(self) -> bool:
-        """Let the load slip, on board or on its way on or off; it stands until that is repaired.
-
-        Returns:
-            False when there is no load that could slip.
-        """
+        """Let the load slip, on board or on its way on or off; False when there is none. It stands until that is repaired."""
         if not self._handling.load and not isinstance(self._handling.action, Pick):
             return False
         self.break_down(LOAD_SHIFTED, SHIFTED)
         return True
 
     def recover_load(self) -> tuple[str, int]:
-        """A person takes the load off, and answers for it from now on.
-
-        Returns:
-            The item and how many pieces; `("", 0)` when nothing is on board.
-        """
+        """A person takes the load off (item, pieces; `("", 0)` for nothing), and answers for it from now on."""
         self._settle()
         load = self._handling.take_off()
         if isinstance(self._handling.action, Drop):
@@ -266,6 +255,18 @@ class SimVehicle:
         self._power.level_frac = level_frac
         self._condition.revive()
         self._change_of_fortune()
+
+    @property
+    def can_stop(self) -> bool:
+        """Whether it can brake in time before whatever is in its way."""
+        return self._travel.can_stop(self._now_s())
+
+    def look(self) -> None:
+        """Something was put on a lane, or is gone."""
+        self._settle()
+        self._travel.look(self._power.settled_s)
+        self._schedule()
+        self._reporter.flush_soon()
 
     def watch_course(self, on_course: Callable[[str, Course], None]) -> None:
         """Tell how it moves, now and at every change, to one more who watches."""
@@ -361,6 +362,7 @@ class SimVehicle:
         if when_s < NEVER_S:
             self._clock.call_at(when_s, partial(self._due, self._plan))
         self._power.watch()
+        self._sight.look()
         for watcher in self._on_course:
             watcher(self.id, self._travel.course(self._power.settled_s))
 
@@ -375,7 +377,6 @@ class SimVehicle:
         self._schedule()
         self._reporter.flush()
 
-    # --- time and sums --------------------------------------------------------------------------
     def _now_s(self) -> float:
         """The time, which stands still at the end of a plan until the clock calls: a real one calls late."""
         return min(self._clock.now_s(), self._due_s)
@@ -396,5 +397,4 @@ class SimVehicle:
         return sums.add(self._travel, self._power, self._activity, now_s, loaded=bool(self._handling.load))
 
     def _activity(self) -> Activity:
-        """What it does when it does not move."""
         return self._condition.activity(self._handling.action, waits=self._travel.waits)

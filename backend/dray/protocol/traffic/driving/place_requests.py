@@ -6,7 +6,7 @@ from collections.abc import Callable
 from enum import Enum
 
 from dray.messages.traffic import FIRST_S, ROUTE_MAX, Blocked, PlaceGranted, Rank
-from dray.plant.restrictions import OPEN, Restrictions
+from dray.plant.restrictions import OPEN, Ends, Restrictions
 from dray.protocol.runtime.events import Effect, Instruct
 from dray.protocol.runtime.timers import Timers, spread_frac
 from dray.protocol.traffic.driving.reserved_way import ReservedWay
@@ -58,6 +58,7 @@ class PlaceRequests:
         top_mps, acceleration_mps2: of the vehicle.
         next_order: numbers ways.
         restrictions: what people have closed or made slow, as far as the vehicle knows now.
+        obstructed: lanes on which something lies, likewise.
     """
 
     def __init__(
@@ -76,6 +77,7 @@ class PlaceRequests:
         acceleration_mps2: float,
         next_order: Callable[[], int],
         restrictions: Callable[[], Restrictions] = lambda: OPEN,
+        obstructed: Callable[[], frozenset[Ends]] = frozenset,
     ) -> None:
         self.atv = atv
         self.way = ReservedWay(places, node, next_node)
@@ -96,7 +98,7 @@ class PlaceRequests:
         self._wheels = Wheels(top_mps, acceleration_mps2, next_order, restrictions)
         self._rank: Rank = (IDLE, 0.0, atv)
         self._surroundings = surroundings
-        self._outlook = Outlook(surroundings, restrictions)
+        self._outlook = Outlook(surroundings, restrictions, obstructed)
         self._yielding = Yielding(atv, ways, self._outlook, out)
         self._speed_mps = 0.0
         self._went_round: frozenset[str] = frozenset()

@@ -72,7 +72,16 @@ class RightOfWay(PlaceRequests):
         if self._obeys:
             self.way.let_go()
 
-    def relocate(self, node: str, next_node: str, now_s: float, *, past_m: float, speed_mps: float) -> None:
+    def relocate(
+        self,
+        node: str,
+        next_node: str,
+        now_s: float,
+        *,
+        past_m: float,
+        speed_mps: float,
+        drives_beyond: bool = False,
+    ) -> None:
         """The body has lost its way, or was carried to another place: go on from where it is.
 
         Args:
@@ -81,12 +90,13 @@ class RightOfWay(PlaceRequests):
             now_s: when.
             past_m: how far it is past `node`.
             speed_mps: how fast.
+            drives_beyond: see `take_control`.
         """
         own = self.holds
         self.way = self.way.again(node, next_node)
         self._asked = self.way.held.keys() - own
         self.sense(past_m, speed_mps)
-        self.take_control(now_s, drives_beyond=not self.way.stands)
+        self.take_control(now_s, drives_beyond=drives_beyond or not self.way.stands)
         if self.errand is not Errand.OWN:
             self._resume(now_s)
         else:

@@ -137,6 +137,27 @@ class Driver:
         return True
 
     @property
+    def goal(self) -> str:
+        """Where it drives to, or stands."""
+        return self.way[-1] if self.way else self.node
+
+    def leads_round(self, node: str) -> bool:
+        """Whether a way leads from a node to where it drives on which nothing is known to lie."""
+        return self._routes.leads_round(node, self.goal)
+
+    def turn_back(self, node: str, now_s: float) -> bool:
+        """It stands on a node before a lane where something lies: go another way from there.
+
+        Returns:
+            False when it is not there any more: nothing is done then.
+        """
+        if self.node != node or not self.way:
+            return False
+        goal, self.way, self._passed = self.way[-1], (), 0
+        self.go(goal, now_s)
+        return True
+
+    @property
     def _routes(self) -> Routes:
         return self._plant.routes(self._type)
 

@@ -148,6 +148,7 @@ class ReservedDriver(Driver):
             acceleration_mps2=self._kind.acceleration_mps2,
             next_order=self.next_order,
             restrictions=lambda: self._plant.restrictions,
+            obstructed=lambda: self._plant.obstructed,
         )
         self.sense(state)
         row.take_control(now_s, drives_beyond=state.base_end not in ("", state.node, next_node))
@@ -204,6 +205,18 @@ class ReservedDriver(Driver):
         self._stay(now_s)
         return True
 
+    @property
+    def goal(self) -> str:
+        return self.right_of_way.goal if self._right_of_way is not None else self.node
+
+    def turn_back(self, node: str, now_s: float) -> bool:
+        row = self.right_of_way
+        if row.way.node != node:
+            return False
+        self._is_lost = True
+        self._timers.set(LOST, now_s)
+        return True
+
     def on_failed(self, report: ActionFailed, now_s: float) -> bool:
         """A way was refused, or is lost: it goes on by itself from where it is."""
         if self.right_of_way.knows(report.order):
@@ -253,7 +266,14 @@ class ReservedDriver(Driver):
             state = self._state
             next_node = "" if state.next_node == state.node else state.next_node
             past_m = max(self._past_m(state.pose), 1e-6) if next_node else 0.0
-            row.relocate(state.node, next_node, now_s, past_m=past_m, speed_mps=state.speed_mps)
+            row.relocate(
+                state.node,
+                next_node,
+                now_s,
+                past_m=past_m,
+                speed_mps=state.speed_mps,
+                drives_beyond=state.base_end not in ("", state.node, next_node),
+            )
             self.sense(state)
 
     def begin_anew(self, now_s: float) -> None:

@@ -1,0 +1,40 @@
+"""Obstacles: what stands or lies on a lane and is no vehicle, as vehicles see it and tell one another.
+
+A hint and no right: who believes a wrong one takes a longer way for a while. A body stops before what is in its way, whatever
+was told.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from msgspec import Meta
+
+from dray.messages.base import Id, Message
+
+FORGOTTEN_S = 60.0
+"""An obstacle that was seen once is forgotten after this, and somebody looks again."""
+
+FORGOTTEN_AT_MOST_S = 600.0
+"""That doubles each time that it is still there, up to this."""
+
+
+class ObstacleSeen(Message, frozen=True):
+    """A vehicle has something in its way on a lane, or has driven where something was."""
+
+    atv: Id
+    start: Id
+    end: Id
+    """The nodes at the ends of the lane. Both directions are meant, where there are two."""
+    there: bool
+    """False: it is gone."""
+    forget_in_s: Annotated[float, Meta(ge=0.0, le=FORGOTTEN_AT_MOST_S)] = 0.0
+    """From then on nobody counts on it: whoever comes there looks again."""
+
+
+class ObstacleCleared(Message, frozen=True):
+    """A person says that a lane is free again."""
+
+    start: Id
+    end: Id
+    by: Id

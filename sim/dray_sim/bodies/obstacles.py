@@ -1,0 +1,116 @@
+"""What lies or stands on the lanes and is no vehicle: pallets, people, doors. How far a vehicle can drive before it.
+
+An obstacle is a rectangle in the middle of a lane. It is in the way on every lane on which a vehicle would come too near to it,
+by geometry alone: so it blocks both directions of a single track, and of a road with two lanes the one on which it lies.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import hypot
+
+from dray.plant import Plant
+from dray.plant.model import VehicleType
+from dray.plant.rectangles import Rectangle, gap_m
+
+Ends = tuple[str, str]
+"""A lane in one direction, by its nodes."""
+
+
+SIZES_M: Mapping[str, tuple[float, float]] = {"pallet": (1.2, 0.8), "person": (0.6, 0.6), "door": (0.2, 1.6)}
+"""What can be in the way. Along the lane and across: a EUR pallet, a person with the room that they need, a door as wide as a lane."""
+
+CLEAR_M = 0.3
+"""A vehicle stops so far before an obstacle."""
+
+STEP_M = 0.05
+"""How densely a lane is looked at."""
+
+REACH_M = 12.0
+"""Lanes that are farther away from an obstacle than they are long, and this, do not touch it."""
+
+
+class Obstacles:
+    """All obstacles of one floor.
+
+    Args:
+        plant: the lanes.
+
+    Attributes:
+        shapes: what each covers, by the lane on which it was put.
+    """
+
+    def __init__(self, plant: Plant) -> None:
+        self.shapes: dict[Ends, Rectangle] = {}
+        self._plant = plant
+        self._found: dict[tuple[Ends, float, float], dict[Ends, float]] = {}
+        """By obstacle and size of a vehicle: the lanes on which it is in the way, and how far one comes there."""
+
+    def shape(self, lane: Ends, thing: str) -> Rectangle:
+        """What a thing would cover in the middle of a lane.
+
+        Raises:
+            KeyError: there is no such lane.
+        """
+        road = self._plant.roads.lane(*lane)
+        if road is None:
+            raise KeyError(lane)
+        start, end = self._plant.nodes[lane[0]], self._plant.nodes[lane[1]]
+        middle = (start.x_m + end.x_m) / 2.0, (start.y_m + end.y_m) / 2.0
+        return Rectangle(*middle, road.heading_rad, *SIZES_M[thing])
+
+    def put(self, lane: Ends, thing: str) -> None:
+        """Put something in the middle of a lane, in the place of what is there."""
+        self.take_away(lane)
+        self.shapes[lane] = self.shape(lane, thing)
+
+    def take_away(self, lane: Ends) -> None:
+        """Clear what is on a lane; harmless where nothing is."""
+        self.shapes.pop(lane, None)
+        self._found = {key: found for key, found in self._found.items() if key[0] != lane}
+
+    def room_m(self, start: str, end: str, kind: VehicleType) -> float | None:
+        """How far a vehicle may drive on a lane (its middle, from the lane's beginning); None where nothing is in the way."""
+        rooms = [
+            room_m
+            for lane, shape in self.shapes.items()
+            if (room_m := self._of(lane, shape, kind).get((start, end))) is not None
+        ]
+        return min(rooms, default=None)
+
+    def touches(self, lane: Ends, thing: str, x_m: float, y_m: float) -> bool:
+        """Whether a thing would come too near to a vehicle of whatever type that is there, and may turn where it stands."""
+        shape = self.shape(lane, thing)
+        types = self._plant.vehicle_types.values()
+        body_m = max((hypot(kind.length_m, kind.width_m) for kind in types), default=0.0) / 2.0
+        return hypot(shape.x_m - x_m, shape.y_m - y_m) - body_m - shape.radius_m < CLEAR_M
+
+    def _of(self, lane: Ends, shape: Rectangle, kind: VehicleType) -> dict[Ends, float]:
+        key = (lane, kind.length_m, kind.width_m)
+        found = self._found.get(key)
+        if found is None:
+            found = self._found[key] = self._look(shape, kind)
+        return found
+
+    def _look(self, shape: Rectangle, kind: VehicleType) -> dict[Ends, float]:
+        found: dict[Ends, float] = {}
+        nodes = self._plant.nodes
+        turns_m = hypot(kind.length_m, kind.width_m)
+        for lane in self._plant.roads.lanes:
+            start, end = nodes[lane.start], nodes[lane.end]
+            if hypot(start.x_m - shape.x_m, start.y_m - shape.y_m) > lane.length_m + REACH_M:
+                continue
+            along_x, along_y = (end.x_m - start.x_m) / lane.length_m, (end.y_m - start.y_m) / lane.length_m
+            steps = int(lane.length_m / STEP_M)
+            for step in (*range(steps + 1), steps + 1):
+                run_m = min(step * STEP_M, lane.length_m)
+                x_m, y_m = start.x_m + run_m * along_x, start.y_m + run_m * along_y
+                body = Rectangle(x_m, y_m, lane.heading_rad, kind.length_m, kind.width_m)
+                if run_m >= lane.length_m:
+                    # Where it may turn it needs the room for that.
+                    body = Rectangle(x_m, y_m, lane.heading_rad, turns_m, turns_m)
+                if gap_m(body, shape) < CLEAR_M:
+                    last_m = run_m - STEP_M if run_m < lane.length_m else lane.length_m - turns_m
+                    found[lane.start, lane.end] = max(0.0, last_m)
+                    break
+        return found

@@ -1,0 +1,36 @@
+"""What a vehicle sees in its way: told once when it stops before it, and once when that is gone."""
+
+from __future__ import annotations
+
+from dray.body import WayBlocked, WayFree
+from dray_sim.bodies.obstacles import Ends
+from dray_sim.bodies.reporter import Reporter
+from dray_sim.bodies.vehicle.travel import Travel
+
+
+class Sight:
+    """Of one vehicle.
+
+    Args:
+        travel: its movement.
+        reporter: its reports.
+    """
+
+    def __init__(self, travel: Travel, reporter: Reporter) -> None:
+        self._travel, self._reporter = travel, reporter
+        self._seen: tuple[int, Ends] | None = None
+
+    def look(self) -> None:
+        """Its motion has changed, or what is in its way."""
+        travel = self._travel
+        lane = travel.blocked
+        seen = None if travel.way is None or lane is None else (travel.way.order, lane)
+        before, self._seen = self._seen, seen
+        if seen == before:
+            return
+        if before is not None and travel.is_clear(before[1]):
+            order, (start, end) = before
+            self._reporter.say(WayFree(order=order, start=start, end=end))
+        if seen is not None:
+            order, (start, end) = seen
+            self._reporter.say(WayBlocked(order=order, start=start, end=end, entered=travel.entered))

@@ -1,0 +1,104 @@
+"""Invariants 20 and 21: no body comes into what lies on a lane, and whoever has met it tells the others and forgets it in time.
+
+Bodies are judged by geometry alone, when their motion changes and at every message. What a vehicle counts on is looked at when it
+beats: of what it has met itself it has told, as long as it has WLAN; and of nothing it counts on longer than was told.
+"""
+
+from __future__ import annotations
+
+from dray.messages import AtvHeartbeat, Link, Message, ObstacleSeen
+from dray.plant.rectangles import gap_m
+from dray.plant.restrictions import Ends
+from dray.protocol.closures.obstacles import lane_of
+from dray.protocol.vehicle.atv import Atv
+from dray_sim.bodies.vehicle.course import Course
+from dray_sim.checks.broken import InvariantBroken
+from dray_sim.checks.overlaps import TOUCH_M
+from dray_sim.factory.sim_factory import SimFactory
+
+INSIDE, TOLD = 20, 21
+
+LATE_S = 5.0
+"""A process that was away forgets what is old with its next step."""
+
+
+class MindsObstacles:
+    """Watches all vehicles of a factory.
+
+    Args:
+        factory: whose vehicles are watched; one that is added later from the next message on.
+
+    Attributes:
+        met: how many obstacles vehicles have told of.
+    """
+
+    def __init__(self, factory: SimFactory) -> None:
+        self.met = 0
+        self._factory = factory
+        self._told: set[tuple[str, Ends]] = set()
+        """Who has told of which lane."""
+        self._courses: dict[str, Course] = {}
+        self._watched: dict[str, None] = {}
+        self._broken: InvariantBroken | None = None
+        self._watch_new()
+
+    def on_message(self, at_s: float, sender: str, _address: str, message: Message) -> None:
+        """See `Listener`.
+
+        Raises:
+            InvariantBroken: a body is inside an obstacle, or a vehicle keeps one for itself, or for ever.
+        """
+        self._watch_new()
+        if type(message) is ObstacleSeen and message.there:
+            self.met += 1
+            self._told.add((sender, lane_of(message.start, message.end)))
+        for vehicle, course in self._courses.items():
+            self._judge(vehicle, course, at_s)
+        if self._broken is not None:
+            raise self._broken
+        if type(message) is AtvHeartbeat:
+            self._look_at(message, at_s)
+
+    def check_end(self, at_s: float) -> None:
+        """See `on_message`."""
+        for vehicle, course in self._courses.items():
+            self._judge(vehicle, course, at_s)
+        if self._broken is not None:
+            raise self._broken
+
+    def _look_at(self, beat: AtvHeartbeat, at_s: float) -> None:
+        agent = self._factory.workers[beat.atv].agent if beat.atv in self._factory.vehicles else None
+        if not isinstance(agent, Atv) or agent.incarnation != beat.incarnation:
+            return
+        now_s = self._factory.clock_of(beat.atv).now_s()
+        for lane, known in agent.floor.obstacles.known.items():
+            if known.until_s < now_s - LATE_S:
+                raise InvariantBroken(TOLD, at_s, f"{beat.atv} has not forgotten what lay on {lane}")
+            if known.by == beat.atv and agent.link is Link.WLAN and (beat.atv, lane) not in self._told:
+                raise InvariantBroken(TOLD, at_s, f"{beat.atv} has told nobody what lies on {lane}")
+
+    def _watch_new(self) -> None:
+        if len(self._watched) == len(self._factory.vehicles):
+            return
+        for name, vehicle in self._factory.vehicles.items():
+            if name not in self._watched:
+                self._watched[name] = None
+                vehicle.watch_course(self._on_course)
+
+    def _on_course(self, vehicle: str, course: Course) -> None:
+        before = self._courses.pop(vehicle, None)
+        if before is not None:
+            self._judge(vehicle, before, course.begin_s)
+        if not course.lifted:
+            self._judge(vehicle, course, course.begin_s)
+            self._courses[vehicle] = course
+
+    def _judge(self, vehicle: str, course: Course, at_s: float) -> None:
+        shapes = self._factory.floor.obstacles.shapes
+        if not shapes or self._broken is not None:
+            return
+        covers = course.covers(at_s)
+        for lane, shape in shapes.items():
+            if gap_m(covers, shape) < -TOUCH_M:
+                seen = f"{vehicle} drives into what lies between {lane[0]} and {lane[1]}"
+                self._broken = InvariantBroken(INSIDE, at_s, seen)

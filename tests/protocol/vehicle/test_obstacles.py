@@ -1,0 +1,147 @@
+"""A vehicle and what lies on lanes: it tells the others, goes round, looks again, and asks for people only where no way is left."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+from atv1 import contracted, parked
+from defaults import KEYS
+from effects import facts, instructed, listening, published
+from rigs import VehicleRig
+
+from dray.body import Drive, NodePassed, WayBlocked, WayFree
+from dray.messages import AtvHeartbeat, AtvStatus, ObstacleCleared, ObstacleSeen, ProblemKind
+from dray.messages.fact import HelpAsked
+from dray.messages.obstacle import FORGOTTEN_AT_MOST_S, FORGOTTEN_S
+from dray.protocol.closures.obstacles import MOST_OF_ONE
+from dray.protocol.runtime.events import Effect
+from dray.protocol.vehicle.atv import Atv
+
+
+def floor(rig: VehicleRig) -> frozenset[tuple[str, str]]:
+    assert isinstance(rig.agent, Atv)
+    return rig.agent.floor.obstructed
+
+
+def comes_to(rig: VehicleRig, index: int) -> Drive:
+    """It passes the nodes of its way, and stands on one of them."""
+    way = rig.last(Drive)
+    for number in range(index + 1):
+        rig.node = way.nodes[number]
+        rig.report(NodePassed(order=way.order, node=rig.node, index=number, battery_frac=0.9))
+    return way
+
+
+def blocked(rig: VehicleRig, way: Drive, index: int, *, entered: bool = False) -> list[Effect]:
+    """Something is on the lane after a node of its way."""
+    start, end = way.nodes[index], way.nodes[index + 1]
+    return rig.report(WayBlocked(order=way.order, start=start, end=end, entered=entered))
+
+
+def told(effects: list[Effect]) -> list[ObstacleSeen]:
+    return list(published(effects, ObstacleSeen))
+
+
+def seen(start: str, end: str, *, by: str = "ATV5", for_s: float = FORGOTTEN_S) -> ObstacleSeen:
+    return ObstacleSeen(atv=by, start=start, end=end, there=True, forget_in_s=for_s)
+
+
+def test_what_it_meets_it_tells_and_goes_round() -> None:
+    rig = contracted()
+    assert KEYS.all_obstacles in listening(rig.all)
+    way = comes_to(rig, 2)
+    effects = blocked(rig, way, 2)
+    assert told(effects) == [
+        ObstacleSeen(atv="ATV1", start=way.nodes[2], end=way.nodes[3], there=True, forget_in_s=FORGOTTEN_S)
+    ]
+    round_it = rig.last(Drive)
+    assert round_it.order > way.order
+    assert (round_it.nodes[0], round_it.nodes[-1]) == (way.nodes[2], way.nodes[-1])
+    assert (way.nodes[2], way.nodes[3]) not in pairwise(round_it.nodes)
+    rig.run(rig.now_s)
+    assert rig.heartbeats(AtvHeartbeat)[-1].status is AtvStatus.WORKING
+    assert not facts(rig.all, HelpAsked)
+
+
+def test_what_others_have_met_is_gone_round_before_it_is_seen() -> None:
+    rig = contracted()
+    way = comes_to(rig, 0).nodes
+    rig.on_message("ATV5", seen(way[3], way[2]))
+    round_it = rig.last(Drive).nodes
+    assert (way[2], way[3]) not in pairwise(round_it)
+    assert round_it[-1] == way[-1]
+
+
+def test_where_no_way_leads_round_people_are_asked_and_it_goes_on_when_the_way_is_free() -> None:
+    rig = contracted()
+    last = len(rig.last(Drive).nodes) - 2
+    way = comes_to(rig, last)
+    effects = blocked(rig, way, last)
+    [asked] = facts(effects, HelpAsked)
+    assert asked.problem.kind is ProblemKind.WAY_BLOCKED
+    assert not instructed(effects, Drive)
+    rig.run(rig.now_s)
+    assert rig.heartbeats(AtvHeartbeat)[-1].status is AtvStatus.ERROR
+    freed = rig.report(WayFree(order=way.order, start=way.nodes[last], end=way.nodes[last + 1]))
+    assert [message.there for message in told(freed)] == [False]
+    rig.run(rig.now_s)
+    assert rig.heartbeats(AtvHeartbeat)[-1].status is AtvStatus.WORKING
+    assert floor(rig) == frozenset()
+
+
+def test_on_a_lane_it_cannot_turn_round_and_waits() -> None:
+    rig = contracted()
+    way = comes_to(rig, 1)
+    effects = blocked(rig, way, 1, entered=True)
+    assert not instructed(effects, Drive)
+    assert facts(effects, HelpAsked)
+
+
+def test_it_is_forgotten_after_a_time_and_later_each_time_that_it_is_still_there() -> None:
+    rig = contracted()
+    spans_s = []
+    for _ in range(6):
+        start, end = rig.last(Drive).nodes[:2]
+        way = comes_to(rig, 0)
+        [said] = told(blocked(rig, way, 0))
+        spans_s.append(said.forget_in_s)
+        assert (start, end) in floor(rig)
+        rig.run(rig.now_s + said.forget_in_s)
+        assert floor(rig) == frozenset()
+        comes_to(rig, 0)
+        rig.on_message("ATV5", seen(*rig.last(Drive).nodes[:2], for_s=0.0))
+        rig.run(rig.now_s)
+    assert spans_s[0] == FORGOTTEN_S
+    assert max(spans_s) <= FORGOTTEN_AT_MOST_S
+
+
+def test_whoever_drives_there_knows_that_it_is_gone_and_tells() -> None:
+    rig = contracted()
+    way = comes_to(rig, 1)
+    blocked(rig, way, 1, entered=True)
+    assert floor(rig)
+    rig.node = way.nodes[2]
+    effects = rig.report(NodePassed(order=way.order, node=rig.node, index=2, battery_frac=0.9))
+    assert [(message.start, message.end, message.there) for message in told(effects)] == [
+        (way.nodes[1], way.nodes[2], False)
+    ]
+    assert floor(rig) == frozenset()
+
+
+def test_a_person_says_that_it_is_cleared() -> None:
+    rig = parked()
+    rig.on_message("ATV5", seen("b2", "b3"))
+    assert floor(rig) == {("b2", "b3"), ("b3", "b2")}
+    rig.on_message("gateway", ObstacleCleared(start="b3", end="b2", by="anna"))
+    assert floor(rig) == frozenset()
+
+
+def test_one_speaker_shuts_no_floor() -> None:
+    rig = parked()
+    assert isinstance(rig.agent, Atv)
+    lanes = [(lane.start, lane.end) for lane in rig.agent.floor.lanes]
+    for start, end in lanes:
+        rig.on_message("ATV5", seen(start, end, for_s=FORGOTTEN_AT_MOST_S))
+    assert len(floor(rig)) <= 2 * MOST_OF_ONE
+    rig.run(rig.now_s + FORGOTTEN_AT_MOST_S + 1.0)
+    assert floor(rig) == frozenset()
