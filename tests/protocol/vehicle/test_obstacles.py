@@ -9,8 +9,8 @@ from defaults import KEYS
 from effects import facts, instructed, listening, published
 from rigs import VehicleRig
 
-from dray.body import Drive, NodePassed, WayBlocked, WayFree
-from dray.messages import AtvHeartbeat, AtvStatus, ObstacleCleared, ObstacleSeen, ProblemKind
+from dray.body import Drive, LinkNoticed, NodePassed, WayBlocked, WayFree
+from dray.messages import AtvHeartbeat, AtvStatus, Link, ObstacleCleared, ObstacleSeen, ProblemKind
 from dray.messages.fact import HelpAsked
 from dray.messages.obstacle import FORGOTTEN_AT_MOST_S, FORGOTTEN_S
 from dray.protocol.closures.obstacles import MOST_OF_ONE
@@ -145,3 +145,21 @@ def test_one_speaker_shuts_no_floor() -> None:
     assert len(floor(rig)) <= 2 * MOST_OF_ONE
     rig.run(rig.now_s + FORGOTTEN_AT_MOST_S + 1.0)
     assert floor(rig) == frozenset()
+
+
+def test_what_it_meets_without_wlan_it_tells_when_it_is_back() -> None:
+    rig = contracted()
+    rig.report(LinkNoticed(link=Link.MESH))
+    way = comes_to(rig, 2)
+    assert told(blocked(rig, way, 2)) == []
+    assert (way.nodes[2], way.nodes[3]) not in pairwise(rig.last(Drive).nodes)
+    rig.now_s += 10.0
+    [said] = told(rig.report(LinkNoticed(link=Link.WLAN)))
+    assert (said.start, said.end, said.there, said.forget_in_s) == (
+        way.nodes[2],
+        way.nodes[3],
+        True,
+        FORGOTTEN_S - 10.0,
+    )
+    rig.report(LinkNoticed(link=Link.MESH))
+    assert told(rig.report(LinkNoticed(link=Link.WLAN))) == []

@@ -274,7 +274,6 @@ class Atv(AgentBase):
             self._contracts.go_on(lambda job: job.action_failed(report.order, report.reason, now_s), now_s)
 
     def end_trouble(self, now_s: float) -> None:
-        """End one reason to stand; drive on when no other is left."""
         if self._is_stuck:
             return
         self._commands.assistance.over()
@@ -286,6 +285,7 @@ class Atv(AgentBase):
             return
         self.link = report.link
         self._out.append(Record(LinkChanged(link=report.link)))
+        self._obstacles.tell(now_s)
         if report.link is Link.MESH:
             self._contracts.standby.resign(Reason.ON_MESH)
         self._heartbeat_timer.at_once(now_s)

@@ -76,6 +76,8 @@ class ObstacleHandling:
         self._keys = Keys(floor.id)
         self._stands_before: Ends | None = None
         """The lane on which something holds it up, with no way round; a problem of its own."""
+        self._untold: dict[Ends, float] = {}
+        """What it has met while it had no WLAN, and when that is forgotten."""
         self.messages: dict[type[Message], Callable[[str, Any, float], None]] = {
             ObstacleSeen: self._on_seen,
             ObstacleCleared: self._on_cleared,
@@ -95,15 +97,25 @@ class ObstacleHandling:
         if start != end and self._floor.obstacles.is_on(start, end):
             self._tell_gone(start, end, now_s)
 
+    def tell(self, now_s: float) -> None:
+        """Tell what it has met and was not told yet, if it has WLAN."""
+        if self._owner.link is not Link.WLAN:
+            return
+        for (start, end), until_s in self._untold.items():
+            if until_s > now_s and self._floor.obstacles.is_on(start, end):
+                for_s = until_s - now_s
+                said = ObstacleSeen(atv=self._owner.id, start=start, end=end, there=True, forget_in_s=for_s)
+                self._out.append(Publish(self._keys.obstacle(self._owner.id), said))
+        self._untold.clear()
+
     # --- its own body ----------------------------------------------------------------------------
 
     def _way_blocked(self, report: WayBlocked, now_s: float) -> None:
         start, end = report.start, report.end
         for_s = self._floor.obstacles.meet(start, end, self._owner.id, now_s)
         self._changed()
-        if self._owner.link is Link.WLAN:
-            said = ObstacleSeen(atv=self._owner.id, start=start, end=end, there=True, forget_in_s=for_s)
-            self._out.append(Publish(self._keys.obstacle(self._owner.id), said))
+        self._untold[start, end] = now_s + for_s
+        self.tell(now_s)
         if report.entered or not self._go_round(start, now_s):
             self._stands_before = (start, end)
             reason = IN_THE_WAY.format(start, end)
