@@ -15,7 +15,6 @@ from dray_sim.scenarios import (
     insider,
     latency_sweep,
     loss_sweep,
-    obstacles,
     peak_season,
     problems,
     scale,
@@ -50,7 +49,6 @@ _ALL: tuple[Playable, ...] = (
     takeover.TAKEOVER,
     fault_cost.FAULT_COST,
     problems.PROBLEMS,
-    obstacles.OBSTACLES,
     insider.INSIDER,
     scale.SCALE,
 )
