@@ -31,7 +31,6 @@ from dray.messages import (
     Work,
 )
 from dray.messages.traffic import PlaceBooking, PlaceWished
-from dray.protocol.closures.obstacles import Obstacles
 from dray.protocol.contract_net.auction import Auction
 from dray.protocol.contract_net.coordinator import Coordinator
 from dray.protocol.contract_net.task import CarrierContract, OpenTask
@@ -301,7 +300,7 @@ def that_keeps_inherited_ranks_for_ever(patch: pytest.MonkeyPatch) -> None:
 
 def that_never_forget_obstacles(patch: pytest.MonkeyPatch) -> None:
     """Whoever has once heard that something lies on a lane goes round it for ever."""
-    patch.setattr(Obstacles, "look", lambda *_: False)
+    patch.setattr(ObstacleHandling, "_look_again", lambda *_: None)
 
 
 def that_tell_nobody_of_obstacles(patch: pytest.MonkeyPatch) -> None:
