@@ -149,6 +149,11 @@ export async function endClosure(closure: string): Promise<void> {
   await bodyOf(gateway.DELETE("/api/closures/{closure}", { params: { path: { closure } } }));
 }
 
+/** Says that nothing lies on a lane any more. */
+export async function clearObstacle(start: string, end: string): Promise<void> {
+  await bodyOf(gateway.POST("/api/obstacles/cleared", { body: { start, end } }));
+}
+
 /** Says that a vehicle is off the floor. */
 export async function carryAway(atv: string): Promise<void> {
   await bodyOf(gateway.POST("/api/atvs/{atv}/carried-away", { params: { path: { atv } }, body: { off_the_floor: true } }));

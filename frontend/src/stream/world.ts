@@ -13,6 +13,7 @@ import type {
   FaultView,
   MachineView,
   NewsView,
+  ObstacleView,
   OrderView,
   Snapshot,
   StationView,
@@ -47,6 +48,8 @@ export interface World {
   readonly commands: ReadonlyMap<string, CommandView>;
   /** What people have closed to vehicles, oldest first. */
   readonly closures: ReadonlyMap<string, ClosureView>;
+  /** What vehicles have met on lanes, oldest first. */
+  readonly obstacles: ReadonlyMap<string, ObstacleView>;
   /** Vehicles that cannot drive on, and for whom they wait; empty where vehicles drive without right of way. */
   readonly waits: ReadonlyMap<string, WaitView>;
   /** Who is shown all this, and how much of the plant. */
@@ -65,6 +68,7 @@ const GONE = {
   fault: "faults",
   command: "commands",
   closure: "closures",
+  obstacle: "obstacles",
   wait: "waits",
 } as const;
 
@@ -85,6 +89,7 @@ export function worldOf(frame: Snapshot): World {
     faults: byId(frame.faults),
     commands: byId(frame.commands),
     closures: byId(frame.closures),
+    obstacles: byId(frame.obstacles),
     waits: byId(frame.waits),
     audience: frame.audience,
   };
@@ -113,6 +118,7 @@ export function advance(world: World | null, frame: Frame): World | null {
     faults: changed(world.faults, frame.faults, gone.faults),
     commands: changed(world.commands, frame.commands, gone.commands),
     closures: changed(world.closures, frame.closures, gone.closures),
+    obstacles: changed(world.obstacles, frame.obstacles, gone.obstacles),
     waits: changed(world.waits, frame.waits, gone.waits),
   };
 }
@@ -139,7 +145,7 @@ type Kind = (typeof GONE)[keyof typeof GONE];
 function goneByKind(ids: readonly string[]): Record<Kind, string[]> {
   const gone: Record<Kind, string[]> = {
     atvs: [], machines: [], stations: [], tasks: [], orders: [], news: [], alerts: [], faults: [], commands: [],
-    closures: [], waits: [],
+    closures: [], obstacles: [], waits: [],
   };
   for (const id of ids) {
     const cut = id.indexOf(":");

@@ -105,6 +105,8 @@ RULES: Mapping[tuple[str, str], Rule] = {
     ("PUT", "/api/plant-drafts/{draft}/plan"): Rule(Scope.FLOOR_WRITE, action="draft.plan", bulk=True),
     ("GET", "/api/plant-drafts/{draft}/play"): Rule(Scope.FACTORY_READ),
     ("POST", "/api/plant-drafts/{draft}/play"): Rule(Scope.FLOOR_WRITE, action="draft.play"),
+    ("GET", "/api/obstacles"): Rule(Scope.FACTORY_READ, by_area=True),
+    ("POST", "/api/obstacles/cleared"): Rule(Scope.VEHICLES_COMMAND, by_area=True, action="floor.cleared"),
     ("GET", "/api/waits"): Rule(Scope.FACTORY_READ, by_area=True),
     ("GET", "/api/traffic"): Rule(Scope.FACTORY_READ),
     ("GET", "/api/promises"): Rule(Scope.FACTORY_READ),

@@ -15,6 +15,7 @@ from dray.gateway.live.views import (
     FaultView,
     MachineView,
     NewsView,
+    ObstacleView,
     OrderView,
     StationView,
     TaskView,
@@ -50,6 +51,8 @@ class Snapshot(View, kw_only=True, tag_field="type", tag="snapshot"):
     """The last ones, oldest first."""
     closures: tuple[ClosureView, ...] = ()
     """Those that hold, oldest first."""
+    obstacles: tuple[ObstacleView, ...] = ()
+    """What vehicles have met on lanes, oldest first."""
     waits: tuple[WaitView, ...] = ()
     """Vehicles that cannot drive on, by their ids."""
     audience: AudienceView | None = None
@@ -73,6 +76,7 @@ class Delta(View, kw_only=True, tag_field="type", tag="delta"):
     faults: tuple[FaultView, ...] = ()
     commands: tuple[CommandView, ...] = ()
     closures: tuple[ClosureView, ...] = ()
+    obstacles: tuple[ObstacleView, ...] = ()
     waits: tuple[WaitView, ...] = ()
     gone: tuple[str, ...] = ()
     """Ids that left the stream, as `task:M8-214` or `order:...`."""
@@ -92,6 +96,7 @@ class Delta(View, kw_only=True, tag_field="type", tag="delta"):
                 self.faults,
                 self.commands,
                 self.closures,
+                self.obstacles,
                 self.waits,
                 self.gone,
             )

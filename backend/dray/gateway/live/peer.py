@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from dray.messages import Closures, Message, Removals, ShutOut
+from dray.messages import Closures, Message, ObstacleCleared, Removals, ShutOut
 from dray.messages.keys import Keys
 from dray.ports import Bus, Session
 
@@ -44,17 +44,23 @@ class Peer:
         self._session.subscribe(self._keys.all_heartbeats)
         self._session.subscribe(self._keys.all_events)
         self._session.subscribe(self._keys.all_calls)
+        self._session.subscribe(self._keys.all_obstacles)
 
     def send(self, to: str, message: Message) -> None:
         """Say it to one agent; lost while it does not take part."""
         if self._session is not None:
             self._session.send(to, message)
 
-    def tell_all(self, said: ShutOut | Closures | Removals) -> None:
-        """Say to everybody who is shut out, what is closed, or which vehicles were carried away; lost while it does not take part."""
+    def tell_all(self, said: ShutOut | Closures | Removals | ObstacleCleared) -> None:
+        """Say to everybody who is shut out, what is closed or cleared, or which vehicles were carried away; lost while it does not take part."""
         keys = self._keys
         if self._session is not None:
-            key = {ShutOut: keys.shut_out, Closures: keys.closures, Removals: keys.removals}[type(said)]
+            key = {
+                ShutOut: keys.shut_out,
+                Closures: keys.closures,
+                Removals: keys.removals,
+                ObstacleCleared: keys.obstacle(self._name),
+            }[type(said)]
             self._session.publish(key, said)
 
     def leave(self) -> None:

@@ -108,6 +108,7 @@ class AreaScope:
             "alert": (visibility.alert, projection.alerts.views),
             "command": (visibility.command, projection.commands.views),
             "closure": (visibility.closure, projection.closures.views),
+            "obstacle": (visibility.obstacle, projection.obstacles.views),
             "wait": (visibility.wait, projection.waits.views),
         }
         """Per kind but vehicles: how one is seen, and all of them."""
@@ -136,6 +137,7 @@ class AreaScope:
             alerts=tuple(alerts),
             commands=shown["command"],
             closures=shown["closure"],
+            obstacles=shown["obstacle"],
             waits=shown["wait"],
         )
 
@@ -153,6 +155,7 @@ class AreaScope:
             "alert": told.alerts,
             "command": told.commands,
             "closure": told.closures,
+            "obstacle": told.obstacles,
             "wait": told.waits,
         }
         seen: dict[str, tuple[Any, ...]] = {}
@@ -171,6 +174,7 @@ class AreaScope:
             alerts=seen["alert"],
             commands=seen["command"],
             closures=seen["closure"],
+            obstacles=seen["obstacle"],
             waits=seen["wait"],
             gone=tuple(gone),
         )

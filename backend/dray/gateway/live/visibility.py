@@ -25,6 +25,7 @@ from dray.gateway.live.views import (
     CommandView,
     MachineView,
     NewsView,
+    ObstacleView,
     OpenTaskView,
     RemovalView,
     ShutOutView,
@@ -84,6 +85,10 @@ class WholeVisibility:
 
     def news(self, view: NewsView) -> NewsView | None:
         """What has happened."""
+        return view
+
+    def obstacle(self, view: ObstacleView) -> ObstacleView | None:
+        """What lies on a lane."""
         return view
 
     def wait(self, view: WaitView) -> WaitView | None:
@@ -248,6 +253,12 @@ class AreaVisibility:
         if there.isdisjoint(self._areas):
             return None
         return replace(view, detail=self.words(view.detail), text=self.words(view.text))
+
+    def obstacle(self, view: ObstacleView) -> ObstacleView | None:
+        """What lies on a lane of which both ends are seen."""
+        if view.start not in self._nodes or view.end not in self._nodes:
+            return None
+        return replace(view, by=self._who(view.by))
 
     def closure(self, view: ClosureView) -> ClosureView | None:
         """A closure of which some lane is seen, with the lanes that are."""

@@ -3,6 +3,7 @@ import { t } from "../../text/manager";
 import { AlertsCard } from "../alerts/AlertsCard";
 import { ChosenAtv } from "../cards/atv/AtvCard";
 import { ClosuresCard } from "../cards/closures/ClosuresCard";
+import { ObstaclesCard } from "../cards/obstacles/ObstaclesCard";
 import { AuctionCard } from "../cards/auction/AuctionCard";
 import { FactoryCard } from "../cards/factory/FactoryCard";
 import { ChosenPlace } from "../cards/machine/ChosenPlace";
@@ -20,6 +21,7 @@ export function PlantView() {
         <FactoryCard />
         <AlertsCard />
         <ClosuresCard />
+        <ObstaclesCard />
         <OrdersCard />
         <PublishCard />
       </div>

@@ -1,10 +1,11 @@
 /** What never moves: floor, areas, lanes and the places that only stand there. */
-import type { Box, ClosureView, Lane, PlantFile } from "../../api/types";
+import type { Box, ClosureView, Lane, ObstacleView, PlantFile } from "../../api/types";
 import type { Place, Roads } from "../../motion/roads";
 import { type Heat, stepOf } from "../heat/heat";
 import { boxOnScreen, toScreenX, toScreenY } from "../surface/geometry";
 import { type Brush, isInSight, setFont, textPx } from "./brush";
 import { drawChosenLane, drawClosures } from "./closures";
+import { drawObstacles } from "./obstacles";
 
 export interface FloorPlan {
   readonly plant: PlantFile;
@@ -15,6 +16,7 @@ export interface FloorPlan {
   /** Id of the chosen place. */
   readonly chosen: string | null;
   readonly closures: Iterable<ClosureView>;
+  readonly obstacles: Iterable<ObstacleView>;
   /** The chosen lane, by its ends. */
   readonly lane: { start: string; end: string } | null;
   readonly nowS: number;
@@ -47,6 +49,7 @@ export function drawFloor(brush: Brush, plan: FloorPlan): void {
   const chosen = [...warehouses, ...storages, ...chargers].find(({ id }) => id === plan.chosen);
   if (chosen) drawFrame(brush, chosen.box);
   drawClosures(brush, plan.roads, plan.closures, plan.nowS);
+  drawObstacles(brush, plan.roads, plan.obstacles);
 }
 
 function drawGround(brush: Brush, plant: PlantFile): void {

@@ -127,7 +127,7 @@ export class PlantRenderer {
   }
 
   #know(world: World): void {
-    if (world.closures !== this.#world?.closures) this.#stale.floor = true;
+    if (world.closures !== this.#world?.closures || world.obstacles !== this.#world?.obstacles) this.#stale.floor = true;
     if (world.tasks !== this.#world?.tasks) this.#carried = [...world.tasks.values()].filter(isCarried);
     const nowS = this.#presentS();
     const machines = machineLooks(this.#machineAt.keys(), world.machines, (view) => isLost(view, nowS, world.factory.speed));
@@ -237,6 +237,7 @@ export class PlantRenderer {
       heat: this.#shown.heat,
       chosen: this.#shown.place,
       closures: this.#world?.closures.values() ?? [],
+      obstacles: this.#world?.obstacles.values() ?? [],
       lane: this.#shown.lane === null ? null : laneOf(this.#shown.lane),
       nowS: this.#presentS(),
     });

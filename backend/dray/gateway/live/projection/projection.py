@@ -26,6 +26,7 @@ from dray.gateway.live.projection.figures.traffic import Traffic
 from dray.gateway.live.projection.injected_faults import InjectedFaults
 from dray.gateway.live.projection.materials import Materials
 from dray.gateway.live.projection.news import News
+from dray.gateway.live.projection.obstacles import Obstacles
 from dray.gateway.live.projection.orders import Orders
 from dray.gateway.live.projection.recent_commands import RecentCommands
 from dray.gateway.live.projection.right_of_way.waits import Waits
@@ -33,6 +34,7 @@ from dray.gateway.live.projection.site import Site
 from dray.gateway.live.timescale import TimeScale
 from dray.gateway.live.views import FactoryView, RemovalView, UseView
 from dray.messages import AtvHeartbeat, Event, MachineHeartbeat, Message, StationHeartbeat
+from dray.messages.obstacle import ObstacleCleared, ObstacleSeen
 from dray.overload import Overload
 from dray.plant.model import PlantFile
 from dray.store.factory.exclusions import Exclusion
@@ -89,13 +91,10 @@ class Projection:
         self.orders = Orders(
             time.to_wall_s, frozenset(product.id for product in plant.products), self._materials
         )
-        self.news = News(time.to_wall_s)
-        self.alerts = Alerts()
-        self.traffic = Traffic(plant.lanes)
-        self.commands = RecentCommands()
+        self.alerts, self.traffic, self.commands = Alerts(), Traffic(plant.lanes), RecentCommands()
         self.faults = InjectedFaults(possible=fault_injection)
-        self.closures = Closures()
-        self.waits = Waits(time.to_wall_s)
+        self.closures, self.obstacles = Closures(), Obstacles(time.speed)
+        self.news, self.waits = News(time.to_wall_s), Waits(time.to_wall_s)
         self.interventions = Interventions()
         self._overload = Overload()
         self._on_fact = self._rooms_by_fact()
@@ -110,6 +109,7 @@ class Projection:
             self.commands,
             self.faults,
             self.closures,
+            self.obstacles,
             self.waits,
         )
         self._all = tuple(kind.changes for kind in kinds)
@@ -141,13 +141,7 @@ class Projection:
             delay_s = now_s - message.at_s
         match message:
             case AtvHeartbeat():
-                before = self.atvs.last(message.atv)
-                told = self.atvs.fold(message)
-                if told:
-                    self.waits.follow(self.atvs.last(message.atv) or message)
-                    self._silence.note(message.atv, message, delay_s)
-                    self.closures.on_heartbeat(message)
-                    self.traffic.follow(before, message)
+                told = self._fold_atv(message, delay_s)
             case MachineHeartbeat():
                 self.site.on_heartbeat(message)
                 told = self.machines.fold(message)
@@ -163,12 +157,22 @@ class Projection:
                 told = False
                 for fold in self._on_fact.get(type(message.fact), ()):
                     told |= fold(message)
+            case ObstacleSeen() | ObstacleCleared():
+                told = self.obstacles.fold(message)
             case _:
                 told = False
-        if told:
-            self.heard += 1
-        else:
-            self.ignored += 1
+        self.heard += told
+        self.ignored += not told
+
+    def _fold_atv(self, message: AtvHeartbeat, delay_s: float) -> bool:
+        before = self.atvs.last(message.atv)
+        if not self.atvs.fold(message):
+            return False
+        self.waits.follow(self.atvs.last(message.atv) or message)
+        self._silence.note(message.atv, message, delay_s)
+        self.closures.on_heartbeat(message)
+        self.traffic.follow(before, message)
+        return True
 
     def _rooms_by_fact(self) -> Mapping[type, tuple[Callable[[Event], bool], ...]]:
         """Per kind of fact, all that take it in: that a goal waits is about a task and an order, and news."""
@@ -203,6 +207,7 @@ class Projection:
         Returns:
             The alerts that had been acknowledged and have ended.
         """
+        self.obstacles.look(wall_s)
         now = self._moment(wall_s)
         heard = [each for each in self.atvs.heartbeats() if each.atv not in self.outsiders]
         awaited = self._awaited(now)
@@ -307,6 +312,7 @@ class Projection:
             faults=self.faults.views(),
             commands=self.commands.views(),
             closures=self.closures.views(),
+            obstacles=self.obstacles.views(),
             waits=self.waits.views(),
         )
 
@@ -328,6 +334,7 @@ class Projection:
             faults=self.faults.take_changed(),
             commands=self.commands.take_changed(),
             closures=self.closures.take_changed(),
+            obstacles=self.obstacles.take_changed(),
             waits=self.waits.take_changed(),
             gone=tuple(name for changes in self._all for name in changes.take_gone()),
         )

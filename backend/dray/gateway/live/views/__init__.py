@@ -27,6 +27,7 @@ from dray.gateway.live.views.command import CommandState, CommandView
 from dray.gateway.live.views.factory import AudienceView, FactoryView, FaultView, UseView
 from dray.gateway.live.views.machine import BufferView, GoalView, MachineView, OpenTaskView
 from dray.gateway.live.views.news import NewsView
+from dray.gateway.live.views.obstacle import ObstacleView
 from dray.gateway.live.views.order import OrderItemView, OrderView
 from dray.gateway.live.views.station import StationView, StockView
 from dray.gateway.live.views.task import BidView, CarrierView, RefusalView, TaskView
@@ -58,6 +59,7 @@ __all__ = [
     "LaneView",
     "MachineView",
     "NewsView",
+    "ObstacleView",
     "OpenTaskView",
     "OrderItemView",
     "OrderView",

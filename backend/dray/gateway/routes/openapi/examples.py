@@ -30,6 +30,7 @@ from dray.gateway.routes.factory.agents import EXAMPLE as EXCLUSION
 from dray.gateway.routes.factory.alerts import EXAMPLE as ALERT
 from dray.gateway.routes.factory.closures import EXAMPLE as CLOSURE
 from dray.gateway.routes.factory.inventory import InventoryLine, MaterialAnswer, StorageAnswer, StoredMaterial
+from dray.gateway.routes.factory.obstacles import EXAMPLE as OBSTACLE
 from dray.gateway.routes.factory.plant_draft_bodies import EXAMPLE as DRAFT
 from dray.gateway.routes.factory.plant_draft_bodies import LINE_EXAMPLE, PLAY_EXAMPLE
 from dray.gateway.routes.factory.waits import EXAMPLE as WAIT
@@ -72,6 +73,7 @@ _STRUCTS = (
     LINE_EXAMPLE,
     PLAY_EXAMPLE,
     DRAFT.findings[0],
+    OBSTACLE,
     WAIT,
     TrackAnswer(
         status=ORDER.status,

@@ -127,6 +127,10 @@ export const panel: Catalogue<typeof english> = {
   "closures.unaware": "Noch nicht bekannt: {vehicles}.",
   "closures.end": "Freigeben",
   "closures.endOf": "{where} freigeben",
+  "obstacles.title": "Etwas liegt im Weg",
+  "obstacles.seen": "{atv} stieß um {at} darauf. Fahrzeuge fahren außen herum; ab {until} sieht wieder jemand nach.",
+  "obstacles.cleared": "Ist weg",
+  "obstacles.clearedOf": "Sagen, dass {where} frei ist",
 
   "shutOut.open": "Ausschließen…",
   "shutOut.hint.atv": "Niemand hört {id} mehr: Es soll anhalten, und andere übernehmen seine Arbeit. Das gilt, bis jemand es wieder zulässt.",

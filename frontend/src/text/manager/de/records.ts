@@ -35,6 +35,7 @@ export const records: Catalogue<typeof english> = {
   "audit.did.order.release": "Produktion gestartet",
   "audit.did.order.revoke": "Produktion zurückgenommen",
   "audit.did.order.cancel": "Auftrag storniert",
+  "audit.did.floor.cleared": "Hindernis ist weg",
   "audit.did.floor.close": "gesperrt",
   "audit.did.floor.open": "freigegeben",
   "audit.did.agent.shut_out": "Teilnehmer ausgeschlossen",

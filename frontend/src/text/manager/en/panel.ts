@@ -124,6 +124,10 @@ export const panel = {
   "closures.unaware": "Not heard yet by {vehicles}.",
   "closures.end": "Open",
   "closures.endOf": "Open {where}",
+  "obstacles.title": "Something lies in the way",
+  "obstacles.seen": "Met by {atv} at {at}. Vehicles go round it; from {until} on somebody looks again.",
+  "obstacles.cleared": "It is gone",
+  "obstacles.clearedOf": "Say that {where} is free",
 
   "shutOut.open": "Shut out…",
   "shutOut.hint.atv": "Nobody hears {id} any more: it is asked to stop, and others take over its work. That holds until somebody readmits it.",

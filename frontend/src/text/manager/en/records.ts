@@ -32,6 +32,7 @@ export const records = {
   "audit.did.order.release": "production published",
   "audit.did.order.revoke": "production taken back",
   "audit.did.order.cancel": "order cancelled",
+  "audit.did.floor.cleared": "obstacle said to be gone",
   "audit.did.floor.close": "floor closed",
   "audit.did.floor.open": "floor opened",
   "audit.did.agent.shut_out": "agent shut out",

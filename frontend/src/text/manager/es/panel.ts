@@ -127,6 +127,10 @@ export const panel: Catalogue<typeof english> = {
   "closures.unaware": "Aún no lo sabe: {vehicles}.",
   "closures.end": "Abrir",
   "closures.endOf": "Abrir {where}",
+  "obstacles.title": "Hay algo en el camino",
+  "obstacles.seen": "{atv} lo encontró a las {at}. Los vehículos lo rodean; desde las {until} alguien vuelve a mirar.",
+  "obstacles.cleared": "Ya no está",
+  "obstacles.clearedOf": "Decir que {where} está libre",
 
   "shutOut.open": "Excluir…",
   "shutOut.hint.atv": "Nadie escucha ya a {id}: se le pide que pare y otros asumen su trabajo. Vale hasta que alguien lo readmita.",

@@ -35,6 +35,7 @@ export const records: Catalogue<typeof english> = {
   "audit.did.order.release": "producción lanzada",
   "audit.did.order.revoke": "producción retirada",
   "audit.did.order.cancel": "pedido anulado",
+  "audit.did.floor.cleared": "obstáculo retirado",
   "audit.did.floor.close": "suelo cerrado",
   "audit.did.floor.open": "suelo abierto",
   "audit.did.agent.shut_out": "agente excluido",
