@@ -16,6 +16,8 @@ from enum import StrEnum
 from dray.messages.base import Part
 from dray.messages.call import CallAnswer, HelpCall
 from dray.messages.heartbeat import Link, Pose
+from dray.messages.obstacle import WayBlocked as WayBlocked  # noqa: PLC0414
+from dray.messages.obstacle import WayFree as WayFree  # noqa: PLC0414
 from dray.messages.problem import NOTHING_KNOWN, Problem, ProblemKind
 
 # --- a vehicle: instructions ---------------------------------------------------------------------
@@ -140,41 +142,14 @@ class ProblemCleared(Part, frozen=True):
     """It is gone."""
 
 
-class WayBlocked(Part, frozen=True):
-    """Something is in its way on a lane: it stands before the lane, or brakes on it, and leaves its way as it was given."""
-
-    order: int
-    start: str
-    end: str
-    entered: bool
-    """It is on the lane already, and cannot turn round there."""
-
-
-class WayFree(Part, frozen=True):
-    """What it has stopped for (`WayBlocked`) is gone: it drives on by itself, if it was given no other way."""
-
-    order: int
-    start: str
-    end: str
-
-
 class LinkNoticed(Part, frozen=True):
     """The vehicle's modem has lost the WLAN, or is back on it."""
 
     link: Link
 
 
-VehicleReport = (
-    NodePassed
-    | WayDone
-    | ActionDone
-    | ActionFailed
-    | ProblemRaised
-    | ProblemCleared
-    | WayBlocked
-    | WayFree
-    | LinkNoticed
-)
+_OnTheWay = NodePassed | WayDone | WayBlocked | WayFree
+VehicleReport = _OnTheWay | ActionDone | ActionFailed | ProblemRaised | ProblemCleared | LinkNoticed
 
 
 class VehicleState(Part, frozen=True):

@@ -10,7 +10,7 @@ from typing import Annotated
 
 from msgspec import Meta
 
-from dray.messages.base import Id, Message
+from dray.messages.base import Id, Message, Part
 
 FORGOTTEN_S = 60.0
 """An obstacle that was seen once is forgotten after this, and somebody looks again."""
@@ -38,3 +38,24 @@ class ObstacleCleared(Message, frozen=True):
     start: Id
     end: Id
     by: Id
+
+
+# --- what a body says to its agent (`dray.body`) -----------------------------------------------------
+
+
+class WayBlocked(Part, frozen=True):
+    """Something is in its way on a lane: it stands before the lane, or brakes on it, and leaves its way as it was given."""
+
+    order: int
+    start: str
+    end: str
+    entered: bool
+    """It is on the lane already, and cannot turn round there."""
+
+
+class WayFree(Part, frozen=True):
+    """What it has stopped for (`WayBlocked`) is gone: it drives on by itself, if it was given no other way."""
+
+    order: int
+    start: str
+    end: str

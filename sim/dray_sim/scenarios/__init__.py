@@ -15,6 +15,7 @@ from dray_sim.scenarios import (
     insider,
     latency_sweep,
     loss_sweep,
+    obstacles,
     peak_season,
     problems,
     scale,
@@ -49,6 +50,7 @@ _ALL: tuple[Playable, ...] = (
     takeover.TAKEOVER,
     fault_cost.FAULT_COST,
     problems.PROBLEMS,
+    obstacles.OBSTACLES,
     insider.INSIDER,
     scale.SCALE,
 )
