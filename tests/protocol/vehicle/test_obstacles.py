@@ -9,8 +9,8 @@ from defaults import KEYS
 from effects import facts, instructed, listening, published
 from rigs import VehicleRig
 
-from dray.body import Drive, LinkNoticed, NodePassed, WayBlocked, WayFree
-from dray.messages import AtvHeartbeat, AtvStatus, Link, ObstacleCleared, ObstacleSeen, ProblemKind
+from dray.body import Drive, LinkNoticed, NodePassed, ProblemCleared, ProblemRaised, WayBlocked, WayFree
+from dray.messages import AtvHeartbeat, AtvStatus, Link, ObstacleCleared, ObstacleSeen, Problem, ProblemKind
 from dray.messages.fact import HelpAsked
 from dray.messages.obstacle import FORGOTTEN_AT_MOST_S, FORGOTTEN_S
 from dray.protocol.closures.obstacles import MOST_OF_ONE
@@ -163,3 +163,22 @@ def test_what_it_meets_without_wlan_it_tells_when_it_is_back() -> None:
     )
     rig.report(LinkNoticed(link=Link.MESH))
     assert told(rig.report(LinkNoticed(link=Link.WLAN))) == []
+
+
+def test_what_else_is_wrong_with_it_stays_wrong_when_the_way_is_free_and_the_other_way_round() -> None:
+    rig = contracted()
+    last = len(rig.last(Drive).nodes) - 2
+    way = comes_to(rig, last)
+    blocked(rig, way, last)
+    dead = ProblemRaised(reason="dead", problem=Problem(kind=ProblemKind.DRIVE))
+    rig.report(dead)
+    rig.report(ProblemCleared())
+    rig.run(rig.now_s)
+    assert rig.heartbeats(AtvHeartbeat)[-1].problem.startswith("something is in the way")
+    rig.report(dead)
+    rig.report(WayFree(order=way.order, start=way.nodes[last], end=way.nodes[last + 1]))
+    rig.run(rig.now_s + 1.0)
+    assert rig.heartbeats(AtvHeartbeat)[-1].problem == "dead"
+    rig.report(ProblemCleared())
+    rig.run(rig.now_s)
+    assert rig.heartbeats(AtvHeartbeat)[-1].status is AtvStatus.WORKING

@@ -85,6 +85,7 @@ class ObstacleHandling:
         self.reports: dict[type, Callable[[Any, float], None]] = {
             WayBlocked: self._way_blocked,
             WayFree: self._way_free,
+            ProblemCleared: self._problem_cleared,
         }
         self.alarms: dict[str, Callable[[Any, float], None]] = {LOOK_AGAIN: self._look_again}
 
@@ -118,8 +119,17 @@ class ObstacleHandling:
         self.tell(now_s)
         if report.entered or not self._go_round(start, now_s):
             self._stands_before = (start, end)
-            reason = IN_THE_WAY.format(start, end)
-            self._problems.raise_problem(ProblemRaised(reason=reason, problem=BLOCKED), now_s)
+            self._raise(start, end, now_s)
+
+    def _raise(self, start: str, end: str, now_s: float) -> None:
+        reason = IN_THE_WAY.format(start, end)
+        self._problems.raise_problem(ProblemRaised(reason=reason, problem=BLOCKED), now_s)
+
+    def _problem_cleared(self, report: ProblemCleared, now_s: float) -> None:
+        """Something else was wrong, and is put right: what lies before it still does."""
+        self._problems.reports[ProblemCleared](report, now_s)
+        if self._stands_before is not None:
+            self._raise(*self._stands_before, now_s)
 
     def _way_free(self, report: WayFree, now_s: float) -> None:
         self._tell_gone(report.start, report.end, now_s)
@@ -193,8 +203,9 @@ class ObstacleHandling:
             self._contracts.go_on(lambda job: job.floor_changed(now_s), now_s)
 
     def _end_problem(self, now_s: float) -> None:
-        self._stands_before = None
-        self._problems.reports[ProblemCleared](ProblemCleared(), now_s)
+        if self._stands_before is not None:
+            reason, self._stands_before = IN_THE_WAY.format(*self._stands_before), None
+            self._problems.end_problem(reason, now_s)
 
     def _changed(self) -> None:
         self._floor.note_obstacles()

@@ -161,6 +161,11 @@ class ProblemHandling:
         else:
             self._calls.close(now_s)
 
+    def end_problem(self, reason: str, now_s: float) -> None:
+        """One of the vehicle's own is over, unless another one has replaced it since."""
+        if self._assistance.problem == reason:
+            self._problem_cleared(ProblemCleared(), now_s)
+
     def _problem_cleared(self, _report: ProblemCleared, now_s: float) -> None:
         assistance = self._assistance
         if assistance.problem:
