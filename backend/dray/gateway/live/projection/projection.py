@@ -88,15 +88,13 @@ class Projection:
         self.tasks = Tasks(time.to_wall_s)
         storages = {storage.id: storage for storage in plant.storages}
         self.stations = Stations(storages, time.to_wall_s, self.outsiders, self.clocks, self._silence)
-        self.orders = Orders(
-            time.to_wall_s, frozenset(product.id for product in plant.products), self._materials
-        )
+        products = frozenset(product.id for product in plant.products)
+        self.orders = Orders(time.to_wall_s, products, self._materials)
         self.alerts, self.traffic, self.commands = Alerts(), Traffic(plant.lanes), RecentCommands()
         self.faults = InjectedFaults(possible=fault_injection)
         self.closures, self.obstacles = Closures(), Obstacles(time.speed)
         self.news, self.waits = News(time.to_wall_s), Waits(time.to_wall_s)
-        self.interventions = Interventions()
-        self._overload = Overload()
+        self.interventions, self._overload = Interventions(), Overload()
         self._on_fact = self._rooms_by_fact()
         kinds = (
             self.atvs,
