@@ -150,7 +150,7 @@ class ObstacleHandling:
         if sender == self._owner.id:
             return
         if seen.there:
-            news = obstacles.hear(seen.start, seen.end, sender, seen.forget_in_s, now_s)
+            news = obstacles.on_told(seen.start, seen.end, sender, seen.forget_in_s, now_s)
         else:
             news = obstacles.clear(seen.start, seen.end)
         self._heed(seen.start, seen.end, now_s, news=news, there=seen.there)
