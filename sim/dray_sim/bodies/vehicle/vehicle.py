@@ -47,9 +47,9 @@ from dray_sim.bodies.stores import Place
 from dray_sim.bodies.vehicle.condition import LOAD_SHIFTED, SHIFTED, Condition
 from dray_sim.bodies.vehicle.course import Course
 from dray_sim.bodies.vehicle.handling import Action, Handling
+from dray_sim.bodies.vehicle.obstacle_detection import ObstacleDetection
 from dray_sim.bodies.vehicle.odometer import Activity, Odometer
 from dray_sim.bodies.vehicle.power import Power
-from dray_sim.bodies.vehicle.sight import Sight
 from dray_sim.bodies.vehicle.travel import NEVER_S, Travel
 from dray_sim.bodies.vehicle.way import Way
 
@@ -95,7 +95,7 @@ class SimVehicle:
         self._clock = clock
         self._reporter = Reporter(clock)
         self._travel = Travel(plant, vehicle_type, spec.node, clock.now_s(), obstacles)
-        self._sight = Sight(self._travel, self._reporter)
+        self._detection = ObstacleDetection(self._travel, self._reporter)
         self._handling = Handling(spec.id, vehicle_type, plant, places, docks, chargers, self._reporter, seed)
         self._power = Power(
             vehicle_type,
@@ -362,7 +362,7 @@ class SimVehicle:
         if when_s < NEVER_S:
             self._clock.call_at(when_s, partial(self._due, self._plan))
         self._power.watch()
-        self._sight.look()
+        self._detection.look()
         for watcher in self._on_course:
             watcher(self.id, self._travel.course(self._power.settled_s))
 

@@ -8,7 +8,7 @@ from dray_sim.bodies.reporter import Reporter
 from dray_sim.bodies.vehicle.travel import Travel
 
 
-class Sight:
+class ObstacleDetection:
     """Of one vehicle.
 
     Args:
