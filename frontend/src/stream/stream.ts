@@ -15,6 +15,8 @@ import type { Frame, World } from "./world";
 const SHOW_EVERY_MS = 250;
 /** The age of the picture is shown to a tenth of a second, but need not run like a stopwatch. */
 const TICK_MS = 500;
+/** A tab that nobody sees for so long is told once a second: whoever only looks elsewhere for a moment misses nothing. */
+const HIDDEN_AFTER_MS = 10_000;
 
 export const world = signal<World | null>(null);
 export const connected = signal(false);
@@ -40,6 +42,8 @@ const clock = new ServerClock();
 const listeners = new Set<FrameListener>();
 let newest: World | null = null;
 let showing: number | null = null;
+/** The pace of the stream that is open, or was opened last. */
+let pace: "live" | "calm" = "live";
 
 /** Hears every frame, up to ten a second. Returns how to stop. */
 export function onFrame(listener: FrameListener): () => void {
@@ -93,11 +97,25 @@ export function start(): void {
   addEventListener("online", () => {
     if (!connection.isOpen) connection.connect();
   });
+  let hiding: number | undefined;
+  document.addEventListener("visibilitychange", () => {
+    clearTimeout(hiding);
+    if (document.hidden) hiding = window.setTimeout(setPace, HIDDEN_AFTER_MS);
+    else setPace();
+  });
   setInterval(() => {
     tickMs.value = performance.now();
     if (newest !== null) nowS.value = serverNowS();
   }, TICK_MS);
   connection.connect();
+}
+
+/** Opens the stream anew where it should be told more often, or less. */
+function setPace(): void {
+  const wanted = document.hidden ? "calm" : "live";
+  if (wanted === pace) return;
+  pace = wanted;
+  if (connection.isOpen) connection.connect();
 }
 
 function take(frame: Frame, after: World): void {
@@ -119,7 +137,7 @@ function show(): void {
 }
 
 function openSocket(): Socket {
-  const url = new URL("/api/stream", location.href);
+  const url = new URL(pace === "live" ? "/api/stream" : "/api/stream?pace=calm", location.href);
   url.protocol = url.protocol === "https:" ? "wss:" : "ws:";
   return new WebSocket(url) as Socket;
 }

@@ -15,9 +15,12 @@ export const delta = (number: number, more: Partial<Delta> = {}): Delta => ({
 });
 
 describe("a world", () => {
-  test("takes whole entities: the newest one wins", () => {
-    const after = advance(worldOf(snapshot(7, [atv("ATV1"), atv("ATV2")])), delta(8, { atvs: [atv("ATV1", 0.5)] }));
-    expect(after?.atvs.get("ATV1")?.battery_frac).toBe(0.5);
+  test("takes what has changed of an entity, keeps the rest of it, and changes no earlier world", () => {
+    const before = worldOf(snapshot(7, [{ ...atv("ATV1"), node: "n1" }, atv("ATV2")]));
+    const after = advance(before, delta(8, { atvs: [{ id: "ATV1", battery_frac: 0.5 }, atv("ATV3", 0.2)] }));
+    expect(after?.atvs.get("ATV1")).toEqual({ id: "ATV1", battery_frac: 0.5, node: "n1" });
+    expect(after?.atvs.get("ATV3")?.battery_frac).toBe(0.2);
+    expect(before.atvs.get("ATV1")?.battery_frac).toBe(1);
     expect(after?.atvs.get("ATV2")?.battery_frac).toBe(1);
     expect(after?.number).toBe(8);
   });

@@ -123,6 +123,14 @@ export function advance(world: World | null, frame: Frame): World | null {
   };
 }
 
+/** What a frame tells of an entity: of a new one everything, of another one its id and what has changed. */
+type Patch<T> = Partial<T> & { id: string };
+
+/** The entities that a delta tells of, as they are after it. */
+export function toldOf<T>(patches: readonly { id: string }[], after: ReadonlyMap<string, T>): T[] {
+  return patches.flatMap(({ id }) => after.get(id) ?? []);
+}
+
 function byId<T extends { id: string }>(views: readonly T[]): Map<string, T> {
   return new Map(views.map((view) => [view.id, view]));
 }
@@ -130,12 +138,12 @@ function byId<T extends { id: string }>(views: readonly T[]): Map<string, T> {
 /** The same map when nothing changed, so that whoever compares by identity need not look again. */
 function changed<T extends { id: string }>(
   before: ReadonlyMap<string, T>,
-  views: readonly T[],
+  patches: readonly Patch<T>[],
   gone: readonly string[],
 ): ReadonlyMap<string, T> {
-  if (views.length === 0 && gone.length === 0) return before;
+  if (patches.length === 0 && gone.length === 0) return before;
   const after = new Map(before);
-  for (const view of views) after.set(view.id, view);
+  for (const patch of patches) after.set(patch.id, { ...after.get(patch.id), ...patch } as T);
   for (const id of gone) after.delete(id);
   return after;
 }

@@ -13,7 +13,7 @@ from heartbeats import atv_heartbeat, machine_heartbeat
 from wall_clock import NOW_S, Wall
 
 from dray.gateway.access.principal import ADMIN
-from dray.gateway.live.frames import Delta, Snapshot
+from dray.gateway.live.frames import Snapshot
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.stream import FACTORY_S, QUIET_S, Client, Hub
 from dray.gateway.live.timescale import TimeScale
@@ -80,7 +80,7 @@ class Mirror:
         else:
             assert frame["number"] == self.number + 1
         self.number = frame["number"]
-        self.atvs |= {atv["id"]: atv for atv in frame["atvs"]}
+        self.atvs |= {atv["id"]: self.atvs.get(atv["id"], {}) | atv for atv in frame["atvs"]}
 
     async def catch_up(self, client: Client) -> None:
         while not waits(client):
@@ -143,7 +143,7 @@ async def test_a_frame_is_encoded_once_for_all_clients(stage: Stage, monkeypatch
     snapshots = [await client.next_frame() for client in clients]
     stage.beat()
     deltas = [await client.next_frame() for client in clients]
-    assert encoded == [AudienceView] * 10 + [Snapshot, Delta]
+    assert encoded == [AudienceView] * 10 + [Snapshot, dict]
     assert len(set(snapshots)) == 1
     assert all(frame is deltas[0] for frame in deltas)
 

@@ -59,8 +59,25 @@ class Snapshot(View, kw_only=True, tag_field="type", tag="snapshot"):
     """Whoever reads this; None only in a snapshot that is nobody's."""
 
 
+COLLECTIONS = {
+    "atv": "atvs",
+    "machine": "machines",
+    "station": "stations",
+    "task": "tasks",
+    "order": "orders",
+    "news": "news",
+    "alert": "alerts",
+    "fault": "faults",
+    "command": "commands",
+    "closure": "closures",
+    "obstacle": "obstacles",
+    "wait": "waits",
+}
+"""Kind of an entity, as in `Delta.gone` -> where a frame tells of them."""
+
+
 class Delta(View, kw_only=True, tag_field="type", tag="delta"):
-    """What has changed since the frame before: whole entities, by kind."""
+    """What has changed since the frame before, by kind: new entities whole, of others the id and the fields that have changed."""
 
     number: int
     """One more than the frame before it; a client that misses one asks for nothing: it gets a snapshot."""
@@ -80,24 +97,3 @@ class Delta(View, kw_only=True, tag_field="type", tag="delta"):
     waits: tuple[WaitView, ...] = ()
     gone: tuple[str, ...] = ()
     """Ids that left the stream, as `task:M8-214` or `order:...`."""
-
-    @property
-    def tells(self) -> bool:
-        """Whether there is anything in it."""
-        return self.factory is not None or any(
-            (
-                self.atvs,
-                self.machines,
-                self.stations,
-                self.tasks,
-                self.orders,
-                self.news,
-                self.alerts,
-                self.faults,
-                self.commands,
-                self.closures,
-                self.obstacles,
-                self.waits,
-                self.gone,
-            )
-        )

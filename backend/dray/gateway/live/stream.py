@@ -1,10 +1,10 @@
 """The stream: a snapshot and then numbered deltas, to any number of browsers.
 
-Those who see the same share a room: the whole plant is one, the plant without its orders, and each set of areas. A frame is made at most
-`rate_hz` times a second and encoded once per room, however many clients are in it. Each client has a
-bounded queue. When it is full the client is too slow for differences: its queue is emptied, and it gets a
-fresh snapshot when it can take one. So memory is bounded, the newest state wins, and nobody waits for
-anybody else.
+Those who see the same at the same pace share a room: the whole plant is one, the plant without its orders, and each set of
+areas. A frame is made at most `rate_hz` times a second, in a calm room once a second, and encoded once per room, however many
+clients are in it. Each client has a bounded queue. When it is full the client is too slow: its queue is emptied, it gets a fresh
+snapshot when it can take one, and is in the calm room for a minute. So memory is bounded, the newest state wins, and nobody
+waits for anybody else.
 """
 
 from __future__ import annotations
@@ -21,11 +21,15 @@ from dray.gateway.access.principal import Principal, Scope
 from dray.gateway.live.frames import Delta
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.stream_scopes import AreaScope, FactoryScope, StreamScope, WholeScope
+from dray.gateway.live.updates import Updates
 from dray.gateway.live.views import AudienceView, FactoryView
 from dray.gateway.live.visibility import AreaVisibility, FactoryVisibility
 
 QUIET_S = 1.0
-"""A frame comes at least this often, if an empty one: panels turn amber after 3 s without."""
+"""A frame comes at least this often, if an empty one: panels turn amber after 3 s without. In a calm room it comes no more often."""
+
+CALM_S = 60.0
+"""So long a client that was too slow is in the calm room, before it is tried again whether it keeps up."""
 
 FACTORY_S = 1.0
 """The figures of the factory are computed this often: a person cannot read them faster."""
@@ -46,6 +50,13 @@ class Whole(Enum):
 
 Extent = frozenset[str] | Whole
 """What those in a room see: some areas, or the whole."""
+
+
+class Pace(Enum):
+    """How often the clients of a room are told."""
+
+    LIVE = "live"
+    CALM = "calm"
 
 
 class Client:
@@ -82,15 +93,22 @@ class Client:
             self._ready.clear()
         return frame
 
-    def offer(self, frame: str) -> None:
-        """Put a frame into the queue, or give the queue up for a snapshot."""
+    def offer(self, frame: str) -> bool:
+        """Put a frame into the queue, or give the queue up for a snapshot; False when it was full."""
         if self._lost:
-            return
+            return True
         if len(self._frames) >= self._size:
-            self._frames.clear()
-            self._lost = True
-        else:
-            self._frames.append(frame)
+            self.start_anew(self.room)
+            return False
+        self._frames.append(frame)
+        self._ready.set()
+        return True
+
+    def start_anew(self, room: Room) -> None:
+        """Give it a snapshot next, and then the frames of this room."""
+        self.room = room
+        self._frames.clear()
+        self._lost = True
         self._ready.set()
 
 
@@ -114,10 +132,12 @@ class Room:
         scope: what they see.
         wall_s: the wall clock.
         made: counts what is made.
+        pace: how often they are told.
     """
 
-    def __init__(self, scope: StreamScope, wall_s: Callable[[], float], made: Made) -> None:
-        self._scope, self._wall_s, self._made = scope, wall_s, made
+    def __init__(self, scope: StreamScope, wall_s: Callable[[], float], made: Made, pace: Pace) -> None:
+        self._scope, self._wall_s, self._made, self._pace = scope, wall_s, made, pace
+        self._updates = Updates()
         self.clients: set[Client] = set()
         self._number = 0
         self._told_s = -1.0
@@ -131,6 +151,7 @@ class Room:
         if self._snapshot is None:
             snapshot = self._scope.snapshot(self._number, self._wall_s())
             self._snapshot = _encoder.encode(snapshot).decode()
+            self._updates.tell_whole()
             self.owes_figures = True
         return self._snapshot
 
@@ -138,19 +159,21 @@ class Room:
         """Whether it is time for a frame, whatever there is to tell."""
         return not 0 <= now_s - self._told_s < QUIET_S
 
-    def tell(self, told: Delta) -> None:
-        """Make a frame of what has changed in the plant, unless there is nothing to see of it here."""
-        delta = self._scope.delta(told)
-        if not (delta.tells or self.is_quiet(told.at_s)):
-            return
+    def tell(self, told: Delta) -> list[Client]:
+        """Make a frame of what has changed in the plant, if it is time for one and there is something to see of it here.
+
+        Returns:
+            The clients that were too slow for it.
+        """
+        self._updates.note(self._scope.delta(told))
+        if not self.is_quiet(told.at_s) and (self._pace is Pace.CALM or not self._updates.waiting):
+            return []
         self._number += 1
         self._made.frames += 1
         self._told_s = told.at_s
         self._snapshot = None
-        delta.number = self._number
-        frame = _encoder.encode(delta).decode()
-        for client in self.clients:
-            client.offer(frame)
+        frame = _encoder.encode(self._updates.frame(self._number, told.at_s)).decode()
+        return [client for client in self.clients if not client.offer(frame)]
 
 
 class Hub:
@@ -180,22 +203,21 @@ class Hub:
         self._most, self._each = clients, each
         self._of: Counter[str] = Counter()
         """How many clients each caller has."""
-        self._rooms: dict[Extent, Room] = {}
+        self._rooms: dict[tuple[Extent, Pace], Room] = {}
         """By what is seen in them. Only those with somebody in them."""
+        self._slow: dict[Client, tuple[Extent, float]] = {}
+        """Clients that are in a calm room because they were too slow -> what they see, and until when."""
         self._made = Made()
         self._figured_s = -1.0
         self._factory: FactoryView | None = None
 
-    def join(self, who: Principal) -> Client | None:
+    def join(self, who: Principal, pace: Pace = Pace.LIVE) -> Client | None:
         """A queue for a new client; None when there are too many, or too many of this caller."""
         owner = f"{who.kind}:{who.id}"
         if self.joined >= self._most or self._of[owner] >= self._each:
             return None
         self._of[owner] += 1
-        extent = extent_of(who)
-        room = self._rooms.get(extent)
-        if room is None:
-            room = self._rooms[extent] = Room(self._scope(extent), self._wall_s, self._made)
+        room = self._room(extent_of(who), pace)
         client = Client(room, owner, audience_of(who), self._queue_frames)
         room.clients.add(client)
         return client
@@ -223,7 +245,8 @@ class Hub:
         self._of[client.owner] -= 1
         if not self._of[client.owner]:
             del self._of[client.owner]
-        self._rooms = {extent: room for extent, room in self._rooms.items() if room.clients}
+        self._slow.pop(client, None)
+        self._close_empty_rooms()
 
     def tick(self) -> None:
         """Make a frame, if there is something to tell or it has been quiet for too long."""
@@ -231,6 +254,7 @@ class Hub:
             self._projection.discard_changes()
             return
         now_s = self._wall_s()
+        self._try_again(now_s)
         factory = self._new_figures(now_s)
         rooms = self._rooms.values()
         if not (
@@ -238,14 +262,40 @@ class Hub:
         ):
             return
         told = self._projection.delta(0, now_s, factory)
-        for room in rooms:
-            room.tell(told)
+        slow = [(client, *key) for key, room in self._rooms.items() for client in room.tell(told)]
+        for client, extent, pace in slow:
+            if pace is Pace.LIVE:
+                self._move(client, extent, Pace.CALM)
+                self._slow[client] = extent, now_s + CALM_S
 
     async def run(self) -> None:
         """Make frames until cancelled."""
         while True:
             await asyncio.sleep(self._pause_s)
             self.tick()
+
+    def _room(self, extent: Extent, pace: Pace) -> Room:
+        room = self._rooms.get((extent, pace))
+        if room is None:
+            room = self._rooms[extent, pace] = Room(self._scope(extent), self._wall_s, self._made, pace)
+        return room
+
+    def _close_empty_rooms(self) -> None:
+        self._rooms = {key: room for key, room in self._rooms.items() if room.clients}
+
+    def _move(self, client: Client, extent: Extent, pace: Pace) -> None:
+        client.room.clients.remove(client)
+        room = self._room(extent, pace)
+        room.clients.add(client)
+        client.start_anew(room)
+        self._close_empty_rooms()
+
+    def _try_again(self, now_s: float) -> None:
+        """Those that were too slow a while ago may keep up now."""
+        for client, (extent, until_s) in list(self._slow.items()):
+            if not now_s < until_s <= now_s + CALM_S:  # Also when the clock was set back.
+                del self._slow[client]
+                self._move(client, extent, Pace.LIVE)
 
     def _scope(self, extent: Extent) -> StreamScope:
         if isinstance(extent, frozenset):
@@ -256,7 +306,7 @@ class Hub:
 
     def _new_figures(self, now_s: float) -> FactoryView | None:
         """The factory's figures, when it is time for them, somebody sees them and they have changed."""
-        whole = [room for extent, room in self._rooms.items() if isinstance(extent, Whole)]
+        whole = [room for (extent, _), room in self._rooms.items() if isinstance(extent, Whole)]
         if not whole or 0 <= now_s - self._figured_s < FACTORY_S:
             return None
         self._figured_s = now_s

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 from contextlib import suppress
 from http import HTTPStatus
+from typing import Literal
 
 from fastapi import APIRouter, WebSocket, WebSocketDisconnect
 
@@ -13,7 +14,7 @@ from dray.gateway.access.caller import Caller
 from dray.gateway.access.gate import CLOSE_CODES, TRY_LATER
 from dray.gateway.access.watch import End
 from dray.gateway.http.provided import Provided
-from dray.gateway.live.stream import Client, Hub
+from dray.gateway.live.stream import Client, Hub, Pace
 
 router = APIRouter()
 
@@ -28,9 +29,15 @@ INCOMING_MESSAGES = 16
 
 
 @router.websocket("/stream")
-async def stream(socket: WebSocket, hub: Provided[Hub], access: Provided[Access], caller: Caller) -> None:
-    """First a snapshot, then numbered deltas, as text, as long as its caller may see them."""
-    client = hub.join(caller)
+async def stream(
+    socket: WebSocket,
+    hub: Provided[Hub],
+    access: Provided[Access],
+    caller: Caller,
+    pace: Literal["live", "calm"] = "live",
+) -> None:
+    """First a snapshot, then numbered deltas, as text, as long as its caller may see them; a calm one once a second."""
+    client = hub.join(caller, Pace(pace))
     if client is None:
         await socket.close(TRY_LATER, "too many panels are open")
         return

@@ -6,7 +6,7 @@
 import type { Box, PlantFile, TaskView } from "../../api/types";
 import { FleetMotion, type ShownVehicle } from "../../motion/fleet-motion";
 import { type Place, type Roads, roadsOf } from "../../motion/roads";
-import type { Frame, World } from "../../stream/world";
+import { toldOf, type Frame, type World } from "../../stream/world";
 import { format, t } from "../../text";
 import { type Detail, detailOf } from "./detail";
 import { type Brush, isInSight } from "./brush";
@@ -120,8 +120,8 @@ export class PlantRenderer {
       this.begin(world);
       return;
     }
-    this.fleet.observe(frame.atvs);
-    this.#marks.observe(frame.news, performance.now());
+    this.fleet.observe(toldOf(frame.atvs, world.atvs));
+    this.#marks.observe(toldOf(frame.news, world.news), performance.now());
     for (const id of frame.gone) if (id.startsWith("atv:")) this.fleet.forget(id.slice(4));
     this.#know(world);
   }

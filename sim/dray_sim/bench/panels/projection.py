@@ -14,7 +14,7 @@ import msgspec
 
 from dray.gateway.access.principal import ADMIN
 from dray.gateway.live.projection import Projection
-from dray.gateway.live.stream import Hub, Made, Room
+from dray.gateway.live.stream import Hub, Made, Pace, Room
 from dray.gateway.live.stream_scopes import WholeScope
 from dray.gateway.live.timescale import TimeScale
 from dray.messages import AtvHeartbeat, Event, Message, Pose, Refusal, Role, Transport, TransportCost
@@ -171,7 +171,7 @@ def _hub(projection: Projection, wall_s: Callable[[], float]) -> Hub:
 
 
 def _room(projection: Projection) -> Room:
-    return Room(WholeScope(projection), lambda: 0.0, Made())
+    return Room(WholeScope(projection), lambda: 0.0, Made(), Pace.LIVE)
 
 
 def _fold_all(projection: Projection, messages: Sequence[Message]) -> None:

@@ -17,7 +17,7 @@ from dray.gateway.factory.plant_drafts import FindingView
 from dray.gateway.factory.promises import PromiseLedger
 from dray.gateway.factory.shift_player import PlayView
 from dray.gateway.http.problems import ProblemDetails
-from dray.gateway.live.frames import Delta, Snapshot
+from dray.gateway.live.frames import COLLECTIONS, Delta, Snapshot
 from dray.gateway.live.views import (
     AlertView,
     AtvView,
@@ -101,7 +101,8 @@ Orders for a factory without a dispatcher, and everything that can be seen of it
 * Answers to GET name their state in `ETag`; asked again with `If-None-Match` they are 304 while nothing has changed.
 * Times that end in `_at_s` are seconds since 1970 on the wall clock; `created_at`, `due_at` and
   `delivered_at` are the same in ISO 8601.
-* `/api/stream` is a websocket: one `Snapshot`, then numbered `Delta`s. It is closed with 4401 when the session ends,
+* `/api/stream` is a websocket: one `Snapshot`, then numbered `Delta`s, which tell new entities whole and of others what
+  has changed; with `pace=calm` one a second. It is closed with 4401 when the session ends,
   and with 4409 when its station or areas have changed: another one shows what may be seen now.
 * Programs send `Authorization: Bearer TOKEN`, with a key of `dray key create`; browsers have the cookie of
   `/login`. Each operation names the scope that it asks for.
@@ -130,6 +131,7 @@ def _document(app: FastAPI) -> dict[str, Any]:
     document = get_openapi(title="Dray", version=__version__, description=DESCRIPTION, routes=app.routes)
     _, shapes = msgspec.json.schema_components(SHAPES, ref_template="#/components/schemas/{name}")
     _tell_what_is_always_there(shapes)
+    _tell_differences(shapes)
     schemas = document.setdefault("components", {}).setdefault("schemas", {})
     for replaced in ("HTTPValidationError", "ValidationError"):
         schemas.pop(replaced, None)
@@ -150,6 +152,16 @@ def _tell_what_is_always_there(shapes: dict[str, Any]) -> None:
     for name, shape in shapes.items():
         if "properties" in shape and name != ProblemDetails.__name__:
             shape["required"] = list(shape["properties"])
+
+
+def _tell_differences(shapes: dict[str, Any]) -> None:
+    """A delta tells of an entity that was told before its id and what has changed: `AtvPatch` is such a part of `AtvView`."""
+    for collection in COLLECTIONS.values():
+        entities = shapes[Delta.__name__]["properties"][collection]["items"]
+        whole = _name(entities)
+        part = whole.removesuffix("View") + "Patch"
+        shapes[part] = shapes[whole] | {"title": part, "required": ["id"]}
+        entities["$ref"] = entities["$ref"].removesuffix(whole) + part
 
 
 def _tell_what_is_seen(plant: dict[str, Any]) -> None:

@@ -1,0 +1,87 @@
+"""Updates: what the clients of one room know, what has changed since they were told, and the difference as a frame.
+
+Of an entity that was told before, a frame tells its id and the fields that are different now: of a vehicle's 30 fields a
+heartbeat changes five. What the clients know is kept by entity, as the view that was told last.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from dray.gateway.live.frames import COLLECTIONS, Delta
+from dray.gateway.live.views import FactoryView, View
+
+
+class Updates:
+    """Gathers what has changed until it is told."""
+
+    def __init__(self) -> None:
+        self._told: dict[str, dict[str, Any]] = {collection: {} for collection in COLLECTIONS.values()}
+        """Per collection and id, the view as it was told last."""
+        self._changed: dict[str, dict[str, Any]] = {collection: {} for collection in COLLECTIONS.values()}
+        """The same of what is to be told."""
+        self._gone: dict[str, None] = {}
+        """Names, as in `Delta.gone`; a dict for its order."""
+        self._factory: FactoryView | None = None
+        self._is_whole = False
+        """The next frame tells whole entities: somebody may know something that `_told` does not say."""
+
+    @property
+    def waiting(self) -> bool:
+        """Whether there is anything to tell."""
+        return self._factory is not None or bool(self._gone) or any(self._changed.values())
+
+    def note(self, delta: Delta) -> None:
+        """Something has changed."""
+        if delta.factory is not None:
+            self._factory = delta.factory
+        for name in delta.gone:
+            kind, _, entity = name.partition(":")
+            self._changed[COLLECTIONS[kind]].pop(entity, None)
+            self._gone[name] = None
+        for kind, collection in COLLECTIONS.items():
+            views = getattr(delta, collection)
+            if not views:
+                continue
+            self._changed[collection] |= {view.id: view for view in views}
+            if self._gone:
+                for view in views:
+                    self._gone.pop(f"{kind}:{view.id}", None)
+
+    def tell_whole(self) -> None:
+        """Somebody was given a snapshot, which may be newer than what the others know."""
+        self._is_whole = True
+
+    def frame(self, number: int, at_s: float) -> dict[str, Any]:
+        """The next frame; from here on its content is known.
+
+        Args:
+            number: of the frame.
+            at_s: the wall clock.
+        """
+        frame: dict[str, Any] = {"type": "delta", "number": number, "at_s": at_s, "factory": self._factory}
+        for collection, views in self._changed.items():
+            told = self._told[collection]
+            frame[collection] = [
+                view if self._is_whole or (before := told.get(entity)) is None else _difference(before, view)
+                for entity, view in views.items()
+            ]
+            told |= views
+            views.clear()
+        frame["gone"] = list(self._gone)
+        for name in self._gone:
+            kind, _, entity = name.partition(":")
+            self._told[COLLECTIONS[kind]].pop(entity, None)
+        self._gone.clear()
+        self._factory, self._is_whole = None, False
+        return frame
+
+
+def _difference(before: View, view: Any) -> dict[str, Any]:
+    """What of an entity is different from before, and its id."""
+    different = {"id": view.id}
+    for field in view.__struct_fields__:
+        value = getattr(view, field)
+        if value != getattr(before, field):
+            different[field] = value
+    return different

@@ -1,0 +1,267 @@
+"""What a panel makes of its frames is what the gateway knows: at every pace, whenever it has come, whatever it has missed."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from random import Random
+from typing import Any
+
+import msgspec
+from fake_bus import PLANT
+from heartbeats import atv_heartbeat
+from wall_clock import NOW_S, Wall
+
+from dray.gateway.access.principal import ADMIN, SCOPES, Principal, Role
+from dray.gateway.live.frames import COLLECTIONS
+from dray.gateway.live.projection import Projection
+from dray.gateway.live.stream import CALM_S, QUIET_S, Client, Hub, Pace, extent_of
+from dray.gateway.live.timescale import TimeScale
+from dray.messages import Message
+from dray.messages.keys import Keys
+from dray.plant import default_plant
+from dray_sim.clock.loop import clock, run
+from dray_sim.factory.sim_factory import SimFactory
+from dray_sim.people import demand
+from dray_sim.people.order_client import OrderClient
+
+QUEUE = 4
+"""Frames that wait for a client here."""
+
+OPERATOR = Principal(
+    kind="person",
+    id="operator",
+    name="Operator",
+    role=Role.OPERATOR,
+    scopes=SCOPES[Role.OPERATOR],
+    areas=frozenset({"area1"}),
+)
+
+
+class Panel:
+    """What a browser makes of its frames (`frontend/src/stream/world.ts`)."""
+
+    def __init__(self, hub: Hub, who: Principal = ADMIN, pace: Pace = Pace.LIVE) -> None:
+        client = hub.join(who, pace)
+        assert client is not None
+        self.client: Client = client
+        self.number = -1
+        self.snapshots = 0
+        self.seen: dict[str, dict[str, Any]] = {}
+
+    async def read_all(self) -> None:
+        while self.client._ready.is_set():
+            self._take(json.loads(await self.client.next_frame()))
+
+    def _take(self, frame: dict[str, Any]) -> None:
+        if frame["type"] == "snapshot":
+            self.snapshots += 1
+            self.seen = {
+                kind: {each["id"]: each for each in frame[name]} for kind, name in COLLECTIONS.items()
+            }
+        else:
+            assert frame["number"] == self.number + 1
+            for kind, name in COLLECTIONS.items():
+                for patch in frame[name]:
+                    self.seen[kind][patch["id"]] = self.seen[kind].get(patch["id"], {}) | patch
+            for gone in frame["gone"]:
+                kind, _, entity = gone.partition(":")
+                self.seen[kind].pop(entity, None)
+        self.number = frame["number"]
+
+
+def everything(hub: Hub, who: Principal) -> dict[str, dict[str, Any]]:
+    """What a snapshot would say that is made at this moment, for nobody else."""
+    frame = json.loads(msgspec.json.encode(hub._scope(extent_of(who)).snapshot(0, 0.0)))
+    return {kind: {each["id"]: each for each in frame[name]} for kind, name in COLLECTIONS.items()}
+
+
+def test_panels_of_every_pace_see_what_the_gateway_knows_while_a_factory_runs() -> None:
+    """Four panels come at some time, some read late, and at the end all of them show the same as the projection."""
+    plant, chance, wall = default_plant(), Random(7), Wall()
+    projection = Projection(plant.file, TimeScale(0.0, NOW_S))
+    hub = Hub(projection, wall_s=wall, rate_hz=10.0, queue_frames=QUEUE, clients=20, each=20)
+
+    async def main() -> list[Panel]:
+        factory = SimFactory(plant, clock(), seed=7)
+        session = factory.bus.join("panel", lambda _sender, message: projection.fold(message))
+        keys = Keys(plant.id)
+        session.subscribe(keys.all_heartbeats)
+        session.subscribe(keys.all_events)
+        orders = demand.orders(plant, Random(7), load=0.85, until_s=600.0)
+        async with asyncio.TaskGroup() as group:
+            tasks = [
+                group.create_task(factory.run()),
+                group.create_task(OrderClient(factory.bus, factory.clock).place(orders)),
+            ]
+            panels: list[Panel] = []
+            for step in range(600):
+                await asyncio.sleep(1.0)
+                wall.now_s += 1.0 if step % 2 else 0.1
+                if step % 150 == 0:
+                    panels += (Panel(hub), Panel(hub, pace=Pace.CALM), Panel(hub, OPERATOR))
+                projection.look(wall.now_s)
+                hub.tick()
+                for panel in panels:
+                    if chance.random() < 0.3:
+                        await panel.read_all()
+            for task in tasks:
+                task.cancel()
+        wall.now_s += QUIET_S
+        hub.tick()
+        for panel in panels:
+            await panel.read_all()
+        return panels
+
+    panels = run(main())
+    whole, area = everything(hub, ADMIN), everything(hub, OPERATOR)
+    assert all(whole[kind] for kind in ("atv", "machine", "station", "task", "news"))
+    assert any(panel.snapshots > 1 for panel in panels)
+    for panel in panels:
+        assert panel.seen == (area if panel.client.owner == "person:operator" else whole)
+
+
+class Stage:
+    """A projection, a hub and a wall clock, without a server."""
+
+    def __init__(self) -> None:
+        self.wall = Wall()
+        self.projection = Projection(PLANT, TimeScale(0.0, NOW_S))
+        self.hub = Hub(
+            self.projection, wall_s=self.wall, rate_hz=10.0, queue_frames=QUEUE, clients=10, each=10
+        )
+        self.seq = 0
+
+    def tell(self, *messages: Message, passes_s: float = 0.1) -> None:
+        for message in messages:
+            self.projection.fold(message)
+        self.wall.now_s += passes_s
+        self.hub.tick()
+
+    def beat(self, passes_s: float = 0.1, **fields: Any) -> None:
+        self.seq += 1
+        self.tell(atv_heartbeat(seq=self.seq, at_s=float(self.seq), **fields), passes_s=passes_s)
+
+
+async def frames(client: Client) -> list[dict[str, Any]]:
+    """All that wait for a client."""
+    return [json.loads(await client.next_frame()) for _ in range(len(client._frames) + client._lost)]
+
+
+def test_a_delta_tells_the_id_of_an_entity_and_what_has_changed() -> None:
+    async def main() -> None:
+        stage = Stage()
+        client = stage.hub.join(ADMIN)
+        assert client is not None
+        stage.beat()
+        await frames(client)
+        stage.beat(
+            speed_mps=0.5
+        )  # The first after a snapshot tells it whole: others may know an older state.
+        stage.beat(speed_mps=1.5)
+        first, second = await frames(client)
+        assert len(first["atvs"][0]) > 20
+        assert set(second["atvs"][0]) == {"id", "speed_mps", "seen_at_s"}
+        assert second["atvs"][0]["speed_mps"] == 1.5
+
+    run(main())
+
+
+def test_what_has_changed_twice_since_a_snapshot_is_told_to_whoever_has_it() -> None:
+    async def main() -> None:
+        stage = Stage()
+        early = Panel(stage.hub)
+        stage.beat(speed_mps=1.0)
+        await early.read_all()
+        stage.beat(speed_mps=1.0)
+        await early.read_all()
+        stage.seq += 1
+        stage.projection.fold(atv_heartbeat(seq=stage.seq, speed_mps=2.0))
+        late = Panel(stage.hub)
+        await late.read_all()
+        assert late.seen["atv"]["ATV1"]["speed_mps"] == 2.0
+        # Back to what the first panel was told last: for it nothing has changed, for the other one it has.
+        stage.beat(speed_mps=1.0)
+        for panel in (early, late):
+            await panel.read_all()
+            assert panel.seen["atv"]["ATV1"]["speed_mps"] == 1.0
+
+    run(main())
+
+
+def test_a_calm_panel_is_told_once_a_second_what_has_changed_since() -> None:
+    async def main() -> None:
+        stage = Stage()
+        client = stage.hub.join(ADMIN, Pace.CALM)
+        assert client is not None
+        stage.beat()
+        await frames(client)
+        told = []
+        for step in range(1, 31):
+            stage.beat(speed_mps=float(step))
+            told += await frames(client)
+        assert len(told) == 3
+        assert [frame["atvs"][0]["speed_mps"] for frame in told] == [10.0, 20.0, 30.0]
+
+    run(main())
+
+
+def test_a_panel_that_is_too_slow_is_told_calmly_for_a_while_and_then_as_before() -> None:
+    async def main() -> None:
+        stage = Stage()
+        slow, quick = Panel(stage.hub), Panel(stage.hub)
+        await slow.read_all()
+        for _ in range(QUEUE + 1):
+            await quick.read_all()
+            stage.beat()
+        assert slow.client.room is not quick.client.room
+        await slow.read_all()
+        for _ in range(9):
+            stage.beat()
+            await quick.read_all()
+        before = slow.number
+        await slow.read_all()
+        assert (slow.snapshots, quick.snapshots) == (2, 1)
+        assert slow.number <= before + 1
+        stage.beat(passes_s=CALM_S)
+        stage.beat()
+        assert slow.client.room is quick.client.room
+        for panel in (slow, quick):
+            await panel.read_all()
+        assert slow.seen == quick.seen
+        stage.hub.leave(slow.client)
+        stage.hub.leave(quick.client)
+        assert stage.hub.joined == 0
+
+    run(main())
+
+
+def test_a_clock_that_is_set_back_keeps_nobody_slow() -> None:
+    async def main() -> None:
+        stage = Stage()
+        slow, quick = Panel(stage.hub), Panel(stage.hub)
+        await slow.read_all()
+        for _ in range(QUEUE + 1):
+            await quick.read_all()
+            stage.beat()
+        stage.beat(passes_s=-3600.0)
+        assert slow.client.room is quick.client.room
+
+    run(main())
+
+
+def test_what_leaves_and_comes_back_within_a_second_is_there_for_a_calm_panel() -> None:
+    async def main() -> None:
+        stage = Stage()
+        panel = Panel(stage.hub, pace=Pace.CALM)
+        await panel.read_all()
+        stage.beat(passes_s=QUIET_S)
+        changes = stage.projection.atvs.changes
+        changes.drop("ATV1")
+        stage.tell()
+        stage.beat(speed_mps=3.0)
+        stage.tell(passes_s=QUIET_S)
+        await panel.read_all()
+        assert panel.seen["atv"]["ATV1"]["speed_mps"] == 3.0
+
+    run(main())
