@@ -20,6 +20,7 @@ from dray.gateway.factory.duty import OperatorHost
 from dray.gateway.factory.fault_injection import FaultInjector
 from dray.gateway.http import problems
 from dray.gateway.http.assets import PREFIX, STATIC, BuiltFiles, Panels
+from dray.gateway.http.compression import Compression
 from dray.gateway.http.conditional import Conditional
 from dray.gateway.http.hosts import Hosts, KnownHost
 from dray.gateway.http.middleware import BodyLimit, SameOrigin, SecurityHeaders
@@ -120,6 +121,7 @@ def _add_middleware(app: FastAPI, settings: Settings) -> None:
     """What every request passes before it reaches a router; the last one added is the outermost."""
     app.add_middleware(BodyLimit, bulk_bytes=settings.body_limit_bytes, takes_files=takes_files)
     app.add_middleware(Conditional)
+    app.add_middleware(Compression)
     app.add_middleware(KnownQueries, routes=app.routes)
     app.add_middleware(Gate)
     app.add_middleware(SameOrigin)

@@ -15,7 +15,7 @@ from typing import Any
 
 from dray_sim.bench import fleet, losses, orders, sim, stop, wired
 from dray_sim.bench.network import bus, links, zenoh
-from dray_sim.bench.panels import paint, plant_map, projection
+from dray_sim.bench.panels import paint, plant_map, projection, stream
 from dray_sim.bench.row import Row, rates
 from dray_sim.bench.traffic import measure as traffic
 from dray_sim.bench.vda5050 import measure as vda5050
@@ -30,6 +30,7 @@ BENCHES: dict[str, Bench] = {
     "bus": bus.measure,
     "projection": projection.measure,
     "sim": sim.measure,
+    "stream": stream.measure,
     "map": plant_map.measure,
     "paint": paint.measure,
     "zenoh": zenoh.measure,

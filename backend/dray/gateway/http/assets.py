@@ -6,15 +6,18 @@ them for ever and never keeps an old one.
 
 from __future__ import annotations
 
+import mimetypes
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import jinja2
 import msgspec
-from starlette.responses import Response
+from starlette.responses import FileResponse, Response
 from starlette.staticfiles import StaticFiles
 from starlette.types import Scope
+
+from dray.gateway.http.compression import takes_gzip
 
 PREFIX = "/static/"
 """Where the built files are asked for; Vite writes it into them, too."""
@@ -139,7 +142,10 @@ class Panels:
 
 
 class BuiltFiles(StaticFiles):
-    """The built files, kept by browsers for ever where their names tell their content."""
+    """The built files, kept by browsers for ever where their names tell their content.
+
+    Beside a file that grows small the build has put it compressed; whoever takes that is given it.
+    """
 
     async def check_config(self) -> None:
         """Panels that are not built are no fault: their files are not found."""
@@ -148,7 +154,18 @@ class BuiltFiles(StaticFiles):
         self, full_path: Any, stat_result: Any, scope: Scope, status_code: int = 200
     ) -> Response:
         """One file, with how long it may be kept."""
-        response = super().file_response(full_path, stat_result, scope, status_code)
+        compressed = Path(f"{full_path}.gz")
+        response: Response
+        if takes_gzip(scope) and compressed.is_file():
+            response = FileResponse(
+                compressed,
+                status_code,
+                {"Content-Encoding": "gzip"},
+                mimetypes.guess_type(full_path)[0],
+                stat_result=compressed.stat(),
+            )
+        else:
+            response = super().file_response(full_path, stat_result, scope, status_code)
         hashed = Path(full_path).parent.name == "assets"
         response.headers["Cache-Control"] = FOR_EVER if hashed else "no-cache"
         return response
