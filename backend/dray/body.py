@@ -129,7 +129,7 @@ class ActionFailed(Part, frozen=True):
 class ProblemRaised(Part, frozen=True):
     """Something keeps the vehicle from going on. Another one on top of it replaces it; the worst should be said last.
 
-    How long its task waits follows from `problem` (`dray.protocol.vehicle.people.patience`): say what is known, and no more.
+    How long its task waits follows from `problem` (`dray.protocol.people.patience`): say what is known, and no more.
     """
 
     reason: str
@@ -213,7 +213,18 @@ class Book(Part, frozen=True):
     """Pieces; negative when something was taken."""
 
 
-WorkcellInstruction = StartCycle | OpenDock | CloseDock | Book
+class ResetFault(Part, frozen=True):
+    """A person says that the fault is gone: work again, if the sensors find nothing wrong."""
+
+
+class SetPace(Part, frozen=True):
+    """Work at a part of the own speed, from the next cycle on."""
+
+    speed_frac: float
+    """Above 0, and at most 1."""
+
+
+WorkcellInstruction = StartCycle | OpenDock | CloseDock | Book | ResetFault | SetPace
 
 
 class CycleDone(Part, frozen=True):
@@ -243,9 +254,13 @@ class StockChanged(Part, frozen=True):
 
 
 class Broken(Part, frozen=True):
-    """The machine has stopped; a running cycle pauses."""
+    """The machine has stopped; a running cycle pauses. Said again when more is known."""
 
     reason: str
+    problem: Problem = NOTHING_KNOWN
+    """Its kind, and what is known of it: say what is known, and no more."""
+    resettable: bool = False
+    """The sensors find nothing wrong any more; it stands until `ResetFault`."""
 
 
 class Repaired(Part, frozen=True):
@@ -274,6 +289,12 @@ class WorkcellState(Part, frozen=True):
     counts: bool = True
     """Whether it counts what vehicles bring and take. One that does not tells of no transfer by itself: its agent
     lets it `Book` what vehicles say, and its stock is as good as their word."""
+    about_problem: Problem = NOTHING_KNOWN
+    """What is known of why it stands; says nothing where it works."""
+    resettable: bool = False
+    """It stands, and waits for `ResetFault` only."""
+    paces: bool = False
+    """Whether it can work at a part of its speed."""
 
 
 # --- a storage: instructions and state; it has a dock as a workcell has, and reports `StockChanged` -------

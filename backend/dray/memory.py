@@ -13,6 +13,7 @@ from collections.abc import Mapping
 from dray.messages import (
     Closures,
     CommandRefusal,
+    HelpWanted,
     OrderItem,
     OutOfService,
     Phase,
@@ -49,7 +50,7 @@ class ClosuresMemory(Part, tag_field="kind", tag="closures", frozen=True):
 
 
 class CommandMemory(Part, frozen=True):
-    """What became of a command, as the vehicle remembers it."""
+    """What became of a command, as the vehicle or machine remembers it."""
 
     command: str
     person: str
@@ -89,6 +90,12 @@ class MachineMemory(Part, tag_field="kind", tag="machine", frozen=True):
     tasks: tuple[TaskMemory, ...] = ()
     task_count: int = 0
     """Names of tasks go on from here."""
+    help: HelpWanted | None = None
+    """How long its goals wait for a person."""
+    out_of_service: OutOfService | None = None
+    speed_frac: float = 1.0
+    answered: tuple[CommandMemory, ...] = ()
+    """Commands that it would obey if they came again."""
 
 
 class GoalMemory(Part, frozen=True):

@@ -265,6 +265,9 @@ class Settings(BaseSettings):
     journal_folder: Path = Path("journals")
     """Where agents write down what binds them; in service a folder that outlives an update."""
 
+    starts_again: bool = False
+    """Whoever runs an agent starts it again when it has left: people may then restart a machine's agent from a tablet."""
+
     leave_s: Annotated[float, Field(ge=0, le=3600)] = 330.0
     """Real seconds in which an agent may shut down gracefully (SIGTERM); then it ends at once. A vehicle with a load
     needs up to 300, at real time; the service manager's own patience must be longer."""

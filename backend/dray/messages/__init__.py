@@ -11,7 +11,15 @@ from __future__ import annotations
 from dray.messages.base import WIRE_VERSION, Message, Part
 from dray.messages.call import CallAnswer, CallAnswered, CallState, HelpCall
 from dray.messages.closure import Closure, ClosureKind, Closures, closed_words
-from dray.messages.command import CommandAnswered, CommandKind, Grant, VehicleCommand, signed_words
+from dray.messages.command import (
+    CommandAnswered,
+    CommandKind,
+    Grant,
+    MachineCommand,
+    MachineCommandKind,
+    VehicleCommand,
+    signed_words,
+)
 from dray.messages.contract import (
     Accepted,
     Award,
@@ -52,7 +60,6 @@ from dray.messages.heartbeat import (
     Brief,
     BufferLevel,
     GoalBrief,
-    HelpWanted,
     JoiningMachine,
     Link,
     MachineHeartbeat,
@@ -79,7 +86,7 @@ from dray.messages.order import (
     OrderTaken,
     RevocationTaken,
 )
-from dray.messages.problem import NOTHING_KNOWN, Problem, ProblemEnded, ProblemKind
+from dray.messages.problem import NOTHING_KNOWN, HelpWanted, Problem, ProblemEnded, ProblemKind
 from dray.messages.reason import CommandRefusal, Implausible, Reason
 from dray.messages.removal import Removal, Removals, removed_words
 from dray.messages.shutout import ShutOut
@@ -133,6 +140,7 @@ AnyMessage = (
     | OrderRevoked
     | RevocationTaken
     | VehicleCommand
+    | MachineCommand
     | CommandAnswered
     | DwellPointClaimed
     | ProblemEnded
@@ -216,6 +224,8 @@ __all__ = [
     "Implausible",
     "JoiningMachine",
     "Link",
+    "MachineCommand",
+    "MachineCommandKind",
     "MachineHeartbeat",
     "MachineStatus",
     "MaterialWait",

@@ -1,8 +1,8 @@
-"""People's commands to vehicles, and the grants that they come with.
+"""People's commands to vehicles and machines, and the grants that they come with.
 
-A vehicle obeys nobody's bare word. Every command carries a *grant*: on whose behalf it is given, in which
+Neither obeys anybody's bare word. Every command carries a *grant*: on whose behalf it is given, in which
 areas that person may command, and until when. The signature binds the grant to one command for one
-vehicle, so that it says nothing about any other.
+agent, so that it says nothing about any other.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ promise may be forgotten."""
 
 
 OUT_MAX_S = 30 * 86_400.0
-"""Longer than a month nobody knows when a vehicle will be back."""
+"""Longer than a month nobody knows when a vehicle or a machine will be back."""
 
 
 class CommandKind(StrEnum):
@@ -96,30 +96,72 @@ class VehicleCommand(Message, frozen=True):
     """Without one it is refused."""
 
 
+class MachineCommandKind(StrEnum):
+    """What a person may ask of a machine (paper, case 1)."""
+
+    PROMISE = "promise"
+    """Help is on the way: keep the goals for as long as was promised."""
+    CLEAR_FAULT = "clear_fault"
+    """The fault is gone: work again."""
+    HAND_OVER = "hand_over"
+    """It cannot be mended in time: let other machines make its goals now."""
+    SET_SPEED = "set_speed"
+    """Work more slowly, or as fast as it can again."""
+    RESTART = "restart"
+    """Start its agent again."""
+    UPDATE = "update"
+    """Start its agent again with the newer software that lies ready."""
+    TAKE_OUT = "take_out"
+    """Take no goals until somebody puts it into service again."""
+    PUT_IN = "put_in"
+    """Take goals again."""
+
+
+class MachineCommand(Message, frozen=True):
+    """A person's command to one machine."""
+
+    command: Id
+    """Names this command, so that its answer can be told from others."""
+    kind: MachineCommandKind
+    speed_frac: Fraction | None = None
+    """For SET_SPEED: 0 to 1 of its own speed."""
+    wait_s: Seconds | None = None
+    """For PROMISE: how long from now the help will take, `PROMISE_MAX_S` at most. For TAKE_OUT: how long it is expected to be out of
+    service, `OUT_MAX_S` at most; None where nobody knows."""
+    reason: Text = ""
+    """For TAKE_OUT: why."""
+    after_work: bool = False
+    """For TAKE_OUT: the goal that it works at it finishes first."""
+    issued_by: Text = ""
+    """Whom the machine names when it tells of the command; what counts is the grant."""
+    grant: Grant | None = None
+    """Without one it is refused."""
+
+
 class CommandAnswered(Message, frozen=True):
-    """The vehicle's word on a command: done, or refused with a reason."""
+    """The word of whom a command was given to: done, or refused with a reason."""
 
     command: Id
     done: bool
     reason: CommandRefusal | None = None
     """None when it was done."""
     detail: Text = ""
-    """What its sensors still report, where that is the reason."""
+    """What its sensors still report, or what does not support the command, where that is the reason."""
 
 
-def signed_words(atv: str, command: VehicleCommand, grant: Grant) -> bytes:
+def signed_words(agent: str, command: VehicleCommand | MachineCommand, grant: Grant) -> bytes:
     """What the signature of a grant covers: a JSON array without white space, the same for the same command.
 
     Its numbers are whole thousandths, which every language writes alike.
 
     Args:
-        atv: the vehicle that is to obey.
+        agent: the vehicle or machine that is to obey.
         command: what is asked; its own `grant` is not looked at.
         grant: its `signature` is not looked at.
     """
     words: tuple[object, ...] = (
-        "dray command 2",
-        atv,
+        "dray command 2" if isinstance(command, VehicleCommand) else "dray machine command 1",
+        agent,
         command.command,
         command.kind.value,
         _thousandths(command.speed_frac),
@@ -130,7 +172,7 @@ def signed_words(atv: str, command: VehicleCommand, grant: Grant) -> bytes:
         grant.everywhere,
         _thousandths(grant.valid_until_s),
     )
-    if command.kind is CommandKind.TAKE_OUT:
+    if command.kind in (CommandKind.TAKE_OUT, MachineCommandKind.TAKE_OUT):
         words += (command.reason, command.after_work)
     return _encoder.encode(words)
 

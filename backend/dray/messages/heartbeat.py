@@ -25,7 +25,7 @@ from dray.messages.base import (
     Seconds,
     Text,
 )
-from dray.messages.problem import Problem
+from dray.messages.problem import HelpWanted, Problem
 from dray.messages.reason import Reason
 from dray.messages.traffic import NO_RANK, Places, Rank
 
@@ -111,15 +111,6 @@ class Brief(Part, frozen=True):
     quantity: Count = 0
     due_s: Seconds | None = None
     """When the vehicle now expects to hand over (plant clock)."""
-
-
-class HelpWanted(Part, frozen=True):
-    """A problem that a person can solve, and how long the task can wait for that (paper, case 4)."""
-
-    until_s: Seconds
-    """Solved by then (plant clock), the vehicle goes on; else somebody else takes its task."""
-    promised_by: Text = ""
-    """Who has said to be on the way; empty while nobody has."""
 
 
 AWAITED_MAX = 8
@@ -268,6 +259,11 @@ class GoalBrief(Part, frozen=True):
     quantity: Count
     made: Count
     delivered: Count
+    deadline_s: Seconds | UnsetType = UNSET
+    """When it should be done (plant clock); left out where a software does not tell."""
+    offered: bool | UnsetType = UNSET
+    """Others may make what is missing: its machine does not work at it, and nothing of it is ready or on its way. Left out where that is
+    not so."""
 
 
 class Making(Part, frozen=True):
@@ -380,6 +376,17 @@ class MachineHeartbeat(Message, frozen=True):
     waits: tuple[MaterialWait, ...] = ()
     """What it needs and cannot have fetched, the oldest first."""
     problem: Text = ""
+    """What keeps it in ERROR, in words; empty otherwise."""
+    about_problem: Problem | UnsetType = UNSET
+    """What is known of that problem; left out where there is none, or nothing is known."""
+    resettable: bool | UnsetType = UNSET
+    """Its sensors find nothing wrong any more, and it waits for somebody to say so. Left out where that is not so."""
+    help: HelpWanted | UnsetType = UNSET
+    """Set while a person could still save its goals."""
+    out_of_service: OutOfService | UnsetType = UNSET
+    """Left out while it is in service."""
+    speed_frac: Fraction | UnsetType = UNSET
+    """A person's limit, as a part of its own speed; left out where there is none."""
     software: Text = ""
     draining: bool = False
     """It was asked to leave: it takes nothing new, and goes when nothing holds it any more."""

@@ -16,6 +16,7 @@ never holds any of these.
     {plant}/dock/{place}      when vehicles will be at the dock of a place, to those who hire vehicles for it
     {plant}/problem/{id}      how long a vehicle's problem has lasted, when it is over
     {plant}/obstacle/{id}     what a vehicle has met on a lane, and that it is gone; a person's word that it is
+    {plant}/breakdown/{id}    the same of a machine
     {plant}/agent/@{id}       what is said to one agent alone
     {plant}/event/{id}        an agent's numbered events
     {plant}/shut-out          who is shut out, said again and again by gateways
@@ -42,6 +43,7 @@ class Keys:
         "_addressed",
         "alive",
         "all_atv_heartbeats",
+        "all_breakdowns",
         "all_calls",
         "all_events",
         "all_floors",
@@ -67,6 +69,7 @@ class Keys:
         self.all_events = f"{plant}/event/*"
         self.all_free = f"{plant}/free/*"
         self.all_problems = f"{plant}/problem/*"
+        self.all_breakdowns = f"{plant}/breakdown/*"
         self.all_floors = f"{plant}/floor/*"
         self.all_obstacles = f"{plant}/obstacle/*"
         self.shut_out = f"{plant}/shut-out"
@@ -111,6 +114,9 @@ class Keys:
     def obstacle(self, agent: str) -> str:
         return f"{self.plant}/obstacle/{agent}"
 
+    def breakdown(self, machine: str) -> str:
+        return f"{self.plant}/breakdown/{machine}"
+
     def floor(self, district: str) -> str:
         return f"{self.plant}/floor/{district}"
 
@@ -127,7 +133,18 @@ class Keys:
 
 
 _OWNED = frozenset(
-    {"hb/atv", "hb/machine", "hb/station", "hb/operator", "event", "free", "problem", "call", "obstacle"}
+    {
+        "hb/atv",
+        "hb/machine",
+        "hb/station",
+        "hb/operator",
+        "event",
+        "free",
+        "problem",
+        "breakdown",
+        "call",
+        "obstacle",
+    }
 )
 
 

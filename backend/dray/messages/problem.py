@@ -1,10 +1,10 @@
-"""What keeps a vehicle from going on: the kind of its problem, and what its body knows of it (paper, case 4)."""
+"""What keeps a vehicle or a machine from going on: the kind of its problem, and what its body knows of it (paper, case 4)."""
 
 from __future__ import annotations
 
 from enum import StrEnum
 
-from dray.messages.base import Id, Message, Part, Seconds
+from dray.messages.base import Id, Message, Part, Seconds, Text
 
 
 class ProblemKind(StrEnum):
@@ -26,11 +26,17 @@ class ProblemKind(StrEnum):
     """Somebody has pressed the button, or a bumper was touched."""
     DOCK = "dock"
     """Whatever it docks at is not ready: a conveyor that stands, a door that is shut."""
+    TOOL = "tool"
+    """A tool of a machine is broken or worn."""
+    JAM = "jam"
+    """Something is stuck in a machine."""
+    SOFTWARE = "software"
+    """Its control program has failed."""
     UNKNOWN = "unknown"
 
 
 class Problem(Part, frozen=True):
-    """What a vehicle's body knows of its problem beside the words; None for what it does not know."""
+    """What the body of a vehicle or a machine knows of its problem beside the words; None for what it does not know."""
 
     kind: ProblemKind = ProblemKind.UNKNOWN
     passes: bool | None = None
@@ -46,8 +52,17 @@ NOTHING_KNOWN = Problem()
 
 
 class ProblemEnded(Message, frozen=True):
-    """A problem is over: said once to all vehicles, so that they know how long such problems last."""
+    """A problem is over: said once to all of its kind, so that they know how long such problems last."""
 
-    atv: Id
+    agent: Id
     problem: Problem
     lasted_s: Seconds
+
+
+class HelpWanted(Part, frozen=True):
+    """A problem that a person can solve, and how long the task, or a machine's goals, can wait for that (paper, cases 1 and 4)."""
+
+    until_s: Seconds
+    """Solved by then (plant clock), it goes on; else somebody else takes its task, or its goals."""
+    promised_by: Text = ""
+    """Who has said to be on the way; empty while nobody has."""

@@ -95,16 +95,16 @@ class Reason(StrEnum):
 
 
 class CommandRefusal(StrEnum):
-    """Why a vehicle does not carry out a person's command."""
+    """Why a vehicle or a machine does not carry out a person's command."""
 
     NOT_GRANTED = "not_granted"
     """The command carries no grant."""
     NOT_TRUSTED = "not_trusted"
-    """The grant is not signed by anybody whom the vehicle trusts, or not for these words."""
+    """The grant is not signed by anybody whom it trusts, or not for these words."""
     EXPIRED = "expired"
     """The grant has expired."""
     NOT_HERE = "not_here"
-    """The vehicle is outside of the areas that the grant names."""
+    """It is outside of the areas that the grant names."""
     NOT_STOPPED = "not_stopped"
     """Nothing holds the vehicle that could be acknowledged or resumed."""
     NOT_ACKNOWLEDGED = "not_acknowledged"
@@ -112,13 +112,15 @@ class CommandRefusal(StrEnum):
     FAULTY = "faulty"
     """Its sensors still report a problem, which stands beside it."""
     NOT_WAITING = "not_waiting"
-    """The vehicle has no task that waits for help."""
+    """It has no task and no goal that waits for help."""
     LOAD_ABOARD = "load_aboard"
     """Goods that are on board exist once: no other vehicle can carry them."""
     WAIT_OUT_OF_RANGE = "wait_out_of_range"
     """Help within more than 0 and at most `PROMISE_MAX_S` seconds can be promised; a vehicle is out of service for `OUT_MAX_S` at most."""
     IN_SERVICE = "in_service"
-    """The vehicle is not out of service."""
+    """It is not out of service."""
+    NOT_SUPPORTED = "not_supported"
+    """What it runs on, or its body, cannot do that; which of them stands beside it."""
     SPEED_OUT_OF_RANGE = "speed_out_of_range"
     """A speed is above 0 and at most 1 of the vehicle's own; 0 is a stop."""
 

@@ -13,7 +13,7 @@ from enum import StrEnum
 from dray.messages.base import Message
 from dray.messages.call import CallAnswered, HelpCall
 from dray.messages.closure import Closures
-from dray.messages.command import CommandAnswered, VehicleCommand
+from dray.messages.command import CommandAnswered, MachineCommand, VehicleCommand
 from dray.messages.contract import (
     Accepted,
     Award,
@@ -193,14 +193,15 @@ SPEAKERS: Mapping[type[Message], frozenset[Kind]] = {
     DwellPointClaimed: _ATVS,
     WorkSought: _ATVS,
     DockExpected: _ATVS,
-    ProblemEnded: _ATVS,
+    ProblemEnded: _BIDDERS,
     ObstacleSeen: _ATVS,
     ObstacleCleared: _GATEWAYS,
-    CommandAnswered: _ATVS,
+    CommandAnswered: _BIDDERS,
     OrderReleased: _GATEWAYS,
     OrderCancelled: _GATEWAYS,
     OrderRevoked: _GATEWAYS,
     VehicleCommand: _GATEWAYS,
+    MachineCommand: _GATEWAYS,
     ShutOut: _GATEWAYS,
     Closures: _GATEWAYS,
     Removals: _GATEWAYS,
@@ -243,12 +244,12 @@ TELLERS: Mapping[type[Fact], frozenset[Kind]] = {
     NotBelieved: _BIDDERS,
     TookOver: _ATVS,
     LinkChanged: _ATVS,
-    HelpAsked: _ATVS,
+    HelpAsked: _BIDDERS,
     HelpCallEnded: _BIDDERS | _STATIONS,
-    HelpPromised: _ATVS,
+    HelpPromised: _BIDDERS,
     PhaseEntered: _ATVS,
     AtvStatusChanged: _ATVS,
-    CommandObeyed: _ATVS,
+    CommandObeyed: _BIDDERS,
     ClosuresKnown: _ATVS,
     MachineStatusChanged: _MACHINES,
     PieceMade: _MACHINES,
@@ -278,7 +279,7 @@ SIGNATURES: Mapping[type[Message], str] = {
     TaskAnnounced: "coordinator",
     DwellPointClaimed: "atv",
     WorkSought: "atv",
-    ProblemEnded: "atv",
+    ProblemEnded: "agent",
     ObstacleSeen: "atv",
     Event: "agent",
 }

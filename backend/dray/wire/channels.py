@@ -122,6 +122,12 @@ _PUBLISHED = (
         (ObstacleSeen, ObstacleCleared),
     ),
     Channel(
+        "breakdowns",
+        _KEYS.breakdown("{machine}"),
+        "How long a breakdown of a machine has lasted, to all machines. The machine alone speaks here.",
+        (ProblemEnded,),
+    ),
+    Channel(
         "floor",
         _KEYS.floor("{district}"),
         "Which vehicles hold something in a district, to the vehicles that drive there or close by. A hint: the book says who holds what.",

@@ -81,6 +81,7 @@ class Worker:
         handled: events handled so far.
         inbox: what has come and waits; it tells what it has dropped.
         ignored: messages that changed nothing, by the agent's reason; reasons are few and fixed.
+        left: how the agent has left in order; None while it has not.
     """
 
     def __init__(
@@ -97,6 +98,7 @@ class Worker:
         self.handled = 0
         self.inbox = Inbox()
         self.ignored: Counter[str] = Counter()
+        self.left: Leave | None = None
         self._bus = bus
         self._clock = clock
         self._events_key = keys.events(agent.id)
@@ -266,6 +268,7 @@ class Worker:
         elif isinstance(effect, Ignore):
             self.ignored[effect.reason] += 1
         elif isinstance(effect, Leave):
+            self.left = effect
             self.stop()
         elif not isinstance(effect, Commit):  # which is written down already
             assert_never(effect)

@@ -25,10 +25,13 @@ from dray.body import (
     OpenDock,
     Repaired,
     Report,
+    ResetFault,
+    SetPace,
     StartCycle,
     StockChanged,
     WorkcellState,
 )
+from dray.messages import NOTHING_KNOWN, Problem
 from dray.plant import Plant
 from dray.plant.model import MachineSpec
 from dray.ports import Clock
@@ -107,6 +110,10 @@ class SimWorkcell:
         self._docks = OpenDocks()
         self._cycle: _Cycle | None = None
         self._broken = ""
+        self._about = NOTHING_KNOWN
+        self._resettable = False
+        """What was wrong is put right, and nobody has told it so yet."""
+        self._speed_frac = 1.0
         self._off = False
         self._turn = 0
         """Grows when a cycle's end moves, so that an outdated call of the clock is recognised."""
@@ -128,6 +135,11 @@ class SimWorkcell:
             self._docks.open(instruction.vehicle, instruction.item, instruction.quantity)
         elif isinstance(instruction, CloseDock):
             self._docks.shut(instruction.vehicle)
+        elif isinstance(instruction, ResetFault):
+            if self._resettable:
+                self.repair()
+        elif isinstance(instruction, SetPace):
+            self._speed_frac = instruction.speed_frac
         elif isinstance(instruction, Book) and instruction.item in self._stock and not self._counts:
             self._unbooked[instruction.item] -= instruction.change
             self._tell_change(instruction.item, instruction.change, instruction.vehicle)
@@ -142,6 +154,9 @@ class SimWorkcell:
             cycling=cycling,
             broken=self._broken,
             counts=self._counts,
+            about_problem=self._about,
+            resettable=self._resettable,
+            paces=True,
         )
 
     def attach(self, report: Callable[[Report], None]) -> None:
@@ -188,21 +203,28 @@ class SimWorkcell:
         """Why it stands; empty when it works."""
         return self._broken
 
-    def break_down(self, reason: str) -> None:
+    def break_down(self, reason: str, problem: Problem = NOTHING_KNOWN) -> None:
         """Stop; a running cycle pauses. A machine that is broken already keeps its first reason."""
-        if self._broken:
+        if self._broken and not self._resettable:
             return
         self._settle()
-        self._broken = reason
-        self._reporter.say(Broken(reason=reason))
+        self._broken, self._about, self._resettable = reason, problem, False
+        self._reporter.say(Broken(reason=reason, problem=problem))
         self._change_of_fortune()
+
+    def mend(self) -> None:
+        """A person puts right what is wrong: it stands until it is told so. Harmless when nothing is broken."""
+        if self._broken and not self._resettable:
+            self._resettable = True
+            self._reporter.say(Broken(reason=self._broken, problem=self._about, resettable=True))
+            self._reporter.flush_soon()
 
     def repair(self) -> None:
         """Work again; harmless when nothing is broken."""
         if not self._broken:
             return
         self._settle()
-        self._broken = ""
+        self._broken, self._about, self._resettable = "", NOTHING_KNOWN, False
         self._reporter.say(Repaired())
         self._change_of_fortune()
 
@@ -271,7 +293,7 @@ class SimWorkcell:
             self._stock[line.material] -= line.quantity
             self.consumed[line.material] += line.quantity
         cycle_s = self._durations.draw_s(self._cycle_s[product], self._cycle_cv[product])
-        self._cycle = _Cycle(product, cycle_s)
+        self._cycle = _Cycle(product, cycle_s / self._speed_frac)
         self._schedule(self._cycle)
 
     def _why_not(self, product: str) -> str:

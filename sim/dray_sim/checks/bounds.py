@@ -22,7 +22,7 @@ from dray.protocol.calls.call_rules import ANSWER_S as CALL_ANSWER_S
 from dray.protocol.calls.call_rules import ASKED_IN_ROUND, LATE_S, REST_MAX_S
 from dray.protocol.contract_net.auction_rules import AuctionRules
 from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S, LATENESS_MAX_S, bound_s
-from dray.protocol.vehicle.people.patience import PATIENCE_MAX_S
+from dray.protocol.people.patience import PATIENCE_MAX_S
 from dray_sim.bodies.vehicle.battery import Battery
 from dray_sim.people.habits import Habits
 from dray_sim.people.operators import LOOK_S

@@ -184,7 +184,8 @@ class FaultAttribution:
                 seen = f"{fact.replaced} lost {fact.task} ({fact.reason}), and nothing was wrong with it"
                 raise InvariantBroken(6, at_s, seen)
         elif type(fact) is GoalLost:
-            concerned = (fact.machine, _away(fact.machine), STRATEGIST, _away(STRATEGIST))
+            machine = fact.machine
+            concerned = (machine, _away(machine), _taken_out(machine), STRATEGIST, _away(STRATEGIST))
             if not self.in_trouble(at_s, *concerned):
                 seen = f"{fact.machine} lost {fact.goal}, and nothing was wrong with it"
                 raise InvariantBroken(6, at_s, seen)
@@ -244,9 +245,9 @@ def _concerned(machine: str, fact: CarrierChanged) -> tuple[str, ...]:
     return (machine, _away(machine), fact.replaced, fact.carrier)
 
 
-def _taken_out(atv: str) -> str:
-    """What stands for a person's having taken a vehicle out of service: that explains what it gives back for that, and nothing else."""
-    return f"{atv} out of service"
+def _taken_out(agent: str) -> str:
+    """What stands for a person's having taken an agent out of service: that explains what it gives back for that, and nothing else."""
+    return f"{agent} out of service"
 
 
 def _touched(fault: Fault) -> str:

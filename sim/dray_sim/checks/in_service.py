@@ -1,38 +1,58 @@
-"""Invariant 16: a vehicle that is out of service takes no contract.
+"""Invariant 16: a vehicle or a machine that is out of service takes no contract, and a machine makes nothing.
 
-A check like those of `dray_sim.checks.invariants`: it hears what vehicles say of themselves, and takes no part.
+A check like those of `dray_sim.checks.invariants`: it hears what they say of themselves, and takes no part.
 """
 
 from __future__ import annotations
 
 from msgspec import UNSET
 
-from dray.messages import AtvHeartbeat, Event, Message
-from dray.messages.fact import ContractTaken
+from dray.messages import AtvHeartbeat, Event, MachineHeartbeat, Message, OutOfService
+from dray.messages.fact import ContractTaken, PieceMade
 from dray_sim.checks.broken import InvariantBroken
+
+ONE_IN_WORK = 1
+"""The piece that a machine was making comes out."""
 
 
 class InServiceOnly:
-    """No vehicle takes a contract, as primary or secondary, after it has said that it is out of service."""
+    """Nobody takes a contract, as primary, as secondary or for a goal, after having said to be out of service."""
 
     def __init__(self) -> None:
-        self._out: dict[str, float] = {}
-        """Vehicles that are out of service, and since when."""
+        self._out: dict[str, tuple[OutOfService, float]] = {}
+        """Who is out of service, how, and since when."""
+        self._made: dict[str, int] = {}
+        """Pieces of machines since then."""
         self._newest: dict[str, tuple[int, int]] = {}
-        """By vehicle, the life and number of its newest heartbeat: one that neighbours pass on may be heard after a later one."""
+        """By agent, the life and number of its newest heartbeat: one that neighbours pass on may be heard after a later one."""
 
     def on_message(self, at_s: float, sender: str, _address: str, message: Message) -> None:
         """Note one utterance."""
         if type(message) is AtvHeartbeat:
             # Whoever passes it on for one without WLAN is not meant, and passes it on later.
-            atv, order = message.atv, (message.incarnation, message.seq)
-            if order <= self._newest.get(atv, (0, 0)):
-                return
-            self._newest[atv] = order
-            if message.out_of_service is UNSET:
-                self._out.pop(atv, None)
-            else:
-                self._out.setdefault(atv, at_s)
-        elif type(message) is Event and type(message.fact) is ContractTaken and sender in self._out:
-            task, since_s = message.fact.task, self._out[sender]
-            raise InvariantBroken(16, at_s, f"{sender} took {task}, out of service since {since_s:.1f} s")
+            self._note(message.atv, message, at_s)
+        elif type(message) is MachineHeartbeat:
+            self._note(message.machine, message, at_s)
+        elif type(message) is Event and sender in self._out:
+            out, since_s = self._out[sender]
+            if type(message.fact) is ContractTaken:
+                task = message.fact.task
+                raise InvariantBroken(16, at_s, f"{sender} took {task}, out of service since {since_s:.1f} s")
+            if type(message.fact) is PieceMade and not out.after_work:
+                made = self._made[sender] = self._made.get(sender, 0) + 1
+                if made > ONE_IN_WORK:
+                    goal = message.fact.goal
+                    seen = f"{sender} works at {goal}, out of service since {since_s:.1f} s"
+                    raise InvariantBroken(16, at_s, seen)
+
+    def _note(self, agent: str, heartbeat: AtvHeartbeat | MachineHeartbeat, at_s: float) -> None:
+        order = (heartbeat.incarnation, heartbeat.seq)
+        if order <= self._newest.get(agent, (0, 0)):
+            return
+        self._newest[agent] = order
+        if heartbeat.out_of_service is UNSET:
+            self._out.pop(agent, None)
+            self._made.pop(agent, None)
+        else:
+            _, since_s = self._out.get(agent, (None, at_s))
+            self._out[agent] = heartbeat.out_of_service, since_s

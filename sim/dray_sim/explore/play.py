@@ -17,6 +17,7 @@ from dray_sim.checks.broken import InvariantBroken
 from dray_sim.checks.called import NoCallIsLost, OneTakerEach
 from dray_sim.checks.closed_lanes import ClosedLanes
 from dray_sim.checks.fault_attribution import FaultAttribution
+from dray_sim.checks.handed_over import HandedOver
 from dray_sim.checks.held_places import HeldPlaces
 from dray_sim.checks.invariants import Invariants
 from dray_sim.checks.liveness import LivenessCheck
@@ -40,16 +41,23 @@ from dray_sim.people.canceller import Canceller
 from dray_sim.people.carriers import Carriers
 from dray_sim.people.floor_manager import FloorManager
 from dray_sim.people.floor_office import FloorOffice
+from dray_sim.people.machine_meddler import MachineMeddler
 from dray_sim.people.operators import Operator, hire
 from dray_sim.people.order_client import OrderClient
 from dray_sim.people.random_answers import NAME as AT_RANDOM
 from dray_sim.people.random_answers import RandomAnswers
 from dray_sim.people.random_operator import RandomOperator
 from dray_sim.people.revoker import Revoker
+from dray_sim.people.technicians import Skill, employ
 from dray_sim.run.trace import Trace
 
 LONGEST_S = 6 * 3600.0
 """Nothing in a run takes so long; a run that does is broken, too."""
+
+QUICK = Skill(
+    walk_s=(5.0, 30.0), other_s=(10.0, 90.0), estimate=(0.4, 1.5), promises_frac=0.7, longest_s=60.0
+)
+"""Runs are short, and so are repairs; some promise more than they keep."""
 
 
 def try_seed(seed: int, profile: str = "all", *, traffic: bool = False) -> Outcome:
@@ -171,6 +179,7 @@ class _Game:
             Standing(attribution),
             NobodyWaitsInVain(attribution, tuple(run.plant.storages)),
             liveness,
+            HandedOver(attribution),
         )
         if liar:
             attribution.distrust(liar)
@@ -257,10 +266,14 @@ class _Game:
                     group.create_task(carriers.say_carelessly(careless, run.faults_until_s))
             for operator in people:
                 group.create_task(operator.run())
+            if run.habits is not None:
+                for technician in employ(factory, seed=run.seed, skill=QUICK):
+                    group.create_task(technician.run())
             if run.random_answers:
                 group.create_task(self._answer_at_random(factory))
             if run.random_operator:
                 group.create_task(self._press_at_random(factory))
+                group.create_task(self._meddle_with_machines(factory))
             if run.insider:
                 group.create_task(self._lie(factory))
 
@@ -293,6 +306,21 @@ class _Game:
             await asyncio.wait_for(answers.meddle(), run.faults_until_s)
         except TimeoutError:
             await answers.put_right()
+
+    async def _meddle_with_machines(self, factory: SimFactory) -> None:
+        run = self._run
+        meddler = MachineMeddler(
+            factory.bus,
+            factory.clock,
+            factory.authority,
+            machines=tuple(run.plant.machines),
+            areas=tuple(run.plant.areas),
+            random=Random(f"{run.seed} meddler"),
+        )
+        try:
+            await asyncio.wait_for(meddler.meddle(), run.faults_until_s)
+        except TimeoutError:
+            await meddler.put_right()
 
     async def _await_end(self, factory: SimFactory, liveness: LivenessCheck) -> None:
         """The faults, the quiet phase, and the end of everything that is open."""

@@ -13,6 +13,7 @@ from dray_sim.faults import (
     JournalLost,
     LinkTrouble,
     LoadShifted,
+    MachineBroken,
     Partition,
     PoweredOff,
     VehicleBroken,
@@ -100,6 +101,9 @@ PROFILES: Mapping[str, Profile] = {
     ),
     "hands": Profile(
         weights={VehicleBroken: 1.0, LoadShifted: 2.0}, operators_frac=1.0, random_operator_frac=1.0
+    ),
+    "machines": Profile(
+        machines=(3, 5), weights={MachineBroken: 1.0}, operators_frac=1.0, random_operator_frac=1.0
     ),
     "revocations": Profile(revoking_frac=1.0, revoked_frac=0.8),
     "updates": Profile(intensity=(0.0, 1.0), leaving_frac=1.0, leaving=(0.5, 4.0), random_operator_frac=0.2),

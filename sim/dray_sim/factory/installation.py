@@ -35,6 +35,7 @@ class Installation:
         journal: what it has written down.
         clock: of its computer.
         software: the version that it runs.
+        newest: the one that lies ready; empty for no other.
     """
 
     make: MakeAgent
@@ -42,6 +43,7 @@ class Installation:
     journal: HeldJournal
     clock: ComputerClock
     software: str
+    newest: str = ""
 
 
 def directly(_spec: VehicleSpec, vehicle: SimVehicle, _life: int) -> Body:

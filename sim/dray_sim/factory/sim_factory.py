@@ -24,6 +24,7 @@ from dray.plant.model import MachineSpec, VehicleSpec
 from dray.ports import Bus, Clock
 from dray.protocol.machine.machine import Machine
 from dray.protocol.runtime.events import Agent
+from dray.protocol.runtime.running import Running
 from dray.protocol.runtime.trust import Trusts
 from dray.protocol.station.station import Station
 from dray.protocol.strategist.strategist import Strategist
@@ -199,6 +200,14 @@ class SimFactory:
             self._enliven(agent, probation)
             self._start(agent)
 
+    def prepare_software(self, agent: str, software: str) -> None:
+        """Newer software lies ready for an agent: it runs from its next update on.
+
+        Raises:
+            KeyError: there is no such agent.
+        """
+        self._installations[agent].newest = software
+
     def lose_journal(self, agent: str) -> None:
         """End an agent's process now, and let its next life find nothing of what it has written.
 
@@ -341,6 +350,7 @@ class SimFactory:
             probation=probation,
             traffic=self.traffic,
             trusts=self.trusts,
+            running=Running(starts_again=True, updates=True),
         )
 
     def _station(self, storage: str) -> MakeAgent:
@@ -384,4 +394,11 @@ class SimFactory:
     def _start(self, agent: str) -> None:
         """Let an agent's worker run, in a factory that does."""
         if self._group is not None:
-            self._lives[agent] = self._group.create_task(self.workers[agent].run(), name=agent)
+            self._lives[agent] = self._group.create_task(self._live(agent), name=agent)
+
+    async def _live(self, agent: str) -> None:
+        """One life of an agent; the next one begins when it has left for that."""
+        worker = self.workers[agent]
+        await worker.run()
+        if worker.left is not None and worker.left.again and self.workers[agent] is worker:
+            self.restart(agent, self._installations[agent].newest if worker.left.update else "")

@@ -58,7 +58,7 @@ class Network(Protocol):
 class Breakable(Protocol):
     """A body that can break."""
 
-    def break_down(self, reason: str, /) -> None: ...
+    def break_down(self, reason: str, problem: Problem = ..., /) -> None: ...
 
     def repair(self) -> None: ...
 
@@ -180,8 +180,8 @@ class Faults:
                 world.set_clock(agent, by_s)
             case SentAway(agent):
                 world.ask_to_leave(agent)
-            case MachineBroken(machine, reason):
-                world.workcells[machine].break_down(reason)
+            case MachineBroken(machine, reason, problem):
+                world.workcells[machine].break_down(reason, problem)
             case VehicleBroken(atv, reason, problem):
                 world.vehicles[atv].break_down(reason, problem)
             case LaneBlocked(start, end, thing):

@@ -61,6 +61,8 @@ class MachineBroken(FaultKind, frozen=True):
 
     machine: Id
     reason: Text = "a tool has broken"
+    problem: Problem = NOTHING_KNOWN
+    """What its body knows of it."""
 
 
 class VehicleBroken(FaultKind, frozen=True):

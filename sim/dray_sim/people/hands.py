@@ -41,6 +41,15 @@ class Hands:
         if vehicle.problem == BATTERY_EMPTY:
             vehicle.replace_battery()
 
+    def machine_problem(self, machine: str) -> str:
+        """The same of a machine, as long as nobody has put it right."""
+        state = self._factory.workcells[machine].sense()
+        return "" if state.resettable else state.broken
+
+    def mend_machine(self, machine: str) -> None:
+        """Put a machine right; it works again when it is told so."""
+        self._factory.workcells[machine].mend()
+
     def plug_in(self, atv: str) -> None:
         """Put its WLAN right, where it is the vehicle's own that is wrong."""
         self._factory.bus.plug_in(atv)

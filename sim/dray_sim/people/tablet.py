@@ -1,4 +1,4 @@
-"""An operator's tablet: it shows what vehicles say of themselves, and says commands until they are answered."""
+"""An operator's tablet: it shows what vehicles and machines say of themselves, and says commands until they are answered."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import asyncio
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from typing import TypedDict
 
 from dray.adapters.security.signing import SigningKey
 from dray.messages import (
@@ -14,6 +15,9 @@ from dray.messages import (
     CommandAnswered,
     CommandKind,
     HelpCall,
+    MachineCommand,
+    MachineCommandKind,
+    MachineHeartbeat,
     Message,
     VehicleCommand,
 )
@@ -44,6 +48,14 @@ class LastHeard:
     """When that was heard."""
 
 
+class _Limits(TypedDict):
+    """Of a grant; see `SigningKey.grant`."""
+
+    person: str
+    areas: tuple[str, ...] | None
+    valid_until_s: float
+
+
 class Tablet:
     """One person's.
 
@@ -57,6 +69,7 @@ class Tablet:
 
     Attributes:
         heard: the last heartbeat of every vehicle, wherever it is.
+        machines: the same of every machine.
     """
 
     def __init__(
@@ -72,6 +85,7 @@ class Tablet:
         self.heard: dict[str, LastHeard] = {}
         self._calls: dict[str, tuple[HelpCall, float]] = {}
         """By caller, the newest call, and when it was heard."""
+        self.machines: dict[str, MachineHeartbeat] = {}
         self._person = person
         self._areas = areas
         self._keys = keys
@@ -89,6 +103,7 @@ class Tablet:
         self._session = self._bus.join(self._person, self._on_message)
         self._session.subscribe(self._keys.atv_heartbeat("*"))
         self._session.subscribe(self._keys.all_calls)
+        self._session.subscribe(self._keys.all_machine_heartbeats)
         try:
             yield
         finally:
@@ -111,16 +126,40 @@ class Tablet:
             wait_s=wait_s,
             issued_by=self._person,
         )
-        granted = self._authority.grant(
-            atv,
-            command,
-            person=self._person,
-            areas=self._areas,
-            valid_until_s=self._clock.now_s() + GRANT_S,
+        return await self._give(atv, command.command, self._authority.grant(atv, command, **self._limits()))
+
+    async def tell(
+        self,
+        machine: str,
+        kind: MachineCommandKind,
+        *,
+        speed_frac: float | None = None,
+        wait_s: float | None = None,
+        reason: str = "",
+        after_work: bool = False,
+    ) -> CommandAnswered | None:
+        """The same to a machine."""
+        self._commands += 1
+        command = MachineCommand(
+            command=f"{self._person}-{self._commands}",
+            kind=kind,
+            speed_frac=speed_frac,
+            wait_s=wait_s,
+            reason=reason,
+            after_work=after_work,
+            issued_by=self._person,
         )
-        with self._answers.to(command.command) as answer:
+        granted = self._authority.grant(machine, command, **self._limits())
+        return await self._give(machine, command.command, granted)
+
+    def _limits(self) -> _Limits:
+        """For whom, where and until when a command is good."""
+        return _Limits(person=self._person, areas=self._areas, valid_until_s=self._clock.now_s() + GRANT_S)
+
+    async def _give(self, agent: str, name: str, granted: Message) -> CommandAnswered | None:
+        with self._answers.to(name) as answer:
             for _ in range(TRIES):
-                self._session.send(atv, granted)
+                self._session.send(agent, granted)
                 await asyncio.wait((answer,), timeout=ANSWER_S)
                 if answer.done():
                     return answer.result()
@@ -140,6 +179,8 @@ class Tablet:
             before = self._calls.get(message.caller)
             if before is None or _order(before[0]) < _order(message):
                 self._calls[message.caller] = message, self._clock.now_s()
+        elif isinstance(message, MachineHeartbeat):
+            self.machines[message.machine] = message
         elif isinstance(message, CommandAnswered):
             self._answers.take(message)
 

@@ -221,16 +221,19 @@ class MachineRig(Rig):
         stations_answer: bool = True,
         **options: Any,
     ) -> None:
-        agent = Machine(machine, PLANT, **options)
+        agent = Machine(machine, PLANT, **{"trusts": trusts_seals, **options})
         super().__init__(agent if doubts else believing(agent))
         self.stations_answer = stations_answer
         self.stock = dict.fromkeys(PLANT.materials_of(machine), 0) | dict(stock or {})
         self.broken = ""
+        self.paces = True
         self.seq = 0
         self._cycles = 0
 
     def sense(self) -> WorkcellState:
-        return WorkcellState(stock=dict(self.stock), seq=self.seq, cycling=self.cycling, broken=self.broken)
+        return WorkcellState(
+            stock=dict(self.stock), seq=self.seq, cycling=self.cycling, broken=self.broken, paces=self.paces
+        )
 
     def handle(self, event: Event) -> list[Effect]:
         effects = super().handle(event)

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from hashlib import sha512
+from typing import TypeVar
 
 from msgspec.structs import replace
 
-from dray.messages import Grant, VehicleCommand, signed_words
+from dray.messages import Grant, MachineCommand, VehicleCommand, signed_words
 
 FOR_EVER_S = 1e9
+
+C = TypeVar("C", VehicleCommand, MachineCommand)
 
 
 def seal(words: bytes) -> bytes:
@@ -23,13 +26,13 @@ def trusts_seals(words: bytes, signature: bytes) -> bool:
 
 
 def granted(
-    atv: str,
-    command: VehicleCommand,
+    agent: str,
+    command: C,
     *,
     person: str = "shift-lead",
     areas: Iterable[str] | None = None,
     valid_until_s: float = FOR_EVER_S,
-) -> VehicleCommand:
+) -> C:
     """A command with a grant: everywhere, or for some areas."""
     grant = Grant(
         person=person,
@@ -38,4 +41,4 @@ def granted(
         areas=() if areas is None else tuple(areas),
         everywhere=areas is None,
     )
-    return replace(command, grant=replace(grant, signature=seal(signed_words(atv, command, grant))))
+    return replace(command, grant=replace(grant, signature=seal(signed_words(agent, command, grant))))

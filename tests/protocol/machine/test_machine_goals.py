@@ -46,6 +46,7 @@ def test_a_machine_listens_for_the_goals_it_can_make() -> None:
         KEYS.goals("pump-p3"),
         KEYS.all_free,
         KEYS.closures,
+        KEYS.all_breakdowns,
     }
 
 

@@ -98,10 +98,10 @@ def test_what_is_made_already_is_not_queued_for() -> None:
 
 def test_the_heartbeat_tells_of_every_goal_until_it_is_removed() -> None:
     goals = book(goal("A"), goal("B"))
-    assert [brief.goal for brief in goals.briefs()] == ["A", "B"]
+    assert [brief.goal for brief in goals.briefs(0.0)] == ["A", "B"]
     goals.remove("A")
     goals.remove("A")
-    assert [brief.goal for brief in goals.briefs()] == ["B"]
+    assert [brief.goal for brief in goals.briefs(0.0)] == ["B"]
     assert len(goals) == 1
 
 
@@ -124,7 +124,7 @@ def test_a_goal_that_is_not_confirmed_is_queued_for_and_not_begun() -> None:
     assert goals.use_per_s("housing") == 0.0
     assert not goals.unfinished
     assert goals.quote(production(), PLENTY, 90.0).queue_s == 10 * 50.0
-    assert [brief.goal for brief in goals.briefs()] == ["A"]
+    assert [brief.goal for brief in goals.briefs(0.0)] == ["A"]
 
 
 def test_spare_pieces_are_given_once_and_to_goals_of_their_product() -> None:
@@ -194,7 +194,7 @@ def test_pieces_that_were_made_anew_and_are_not_needed_are_left_over() -> None:
     some = sent_away(44, delivered=4, lost_in_transit=20)
     assert some.ready == 20
     assert some.note_arrived(24) == 20
-    assert (some.to_make, some.ready, some.brief().made) == (0, 0, 24)
+    assert (some.to_make, some.ready, some.brief(0.0).made) == (0, 0, 24)
 
 
 def test_a_goal_comes_back_from_memory_as_it_was() -> None:

@@ -6,10 +6,12 @@ import msgspec
 import pytest
 from bureau import announced, beats, brief, contract, making
 from effects import facts, instructed, sent
+from rigs import StrategistRig
 from spoken import mhb
 
 from dray.body import Admit, GoodsArrived
-from dray.messages import MachineStatus, Reason, Withdrawn
+from dray.messages import HelpWanted, MachineStatus, OutOfService, Reason, Withdrawn
+from dray.messages.command import PROMISE_MAX_S
 from dray.messages.fact import (
     GoalContracted,
     GoalLost,
@@ -19,9 +21,8 @@ from dray.messages.fact import (
     OrderFulfilled,
     TaskClosed,
 )
-from dray.protocol.liveness.suspicion import GOAL_SILENCE_S
+from dray.protocol.liveness.suspicion import BREAKDOWN_S, GOAL_SILENCE_S
 from dray.protocol.runtime.events import Woke
-from dray.protocol.strategist.machine_monitor import BREAKDOWN_S
 
 
 def test_a_machine_that_names_its_goal_keeps_it_for_as_long_as_it_takes() -> None:
@@ -134,6 +135,72 @@ def test_a_broken_machine_keeps_its_goals_for_as_long_as_a_repair_takes(broken_s
     if rig.admitted(goal) == 0:
         rig.gate_answers(goal)
     assert bool(facts(rig.all, GoalLost)) is loses
+
+
+@pytest.mark.parametrize("status", [MachineStatus.ERROR, MachineStatus.IDLE])
+def test_a_goal_that_its_machine_offers_goes_to_another_at_once(status: MachineStatus) -> None:
+    rig, goal = making()
+    rig.on_message("M8", mhb("M8"))
+    rig.arrived[goal] = 5
+    _offer(rig, goal, status)
+    assert rig.admitted(goal) == 0
+    [lost] = facts(rig.gate_answers(goal), GoalLost)
+    assert (lost.machine, lost.arrived) == ("M7", 5)
+    contract(rig, lost.successor, "M8")
+    assert rig.admitted(lost.successor) == 19
+
+
+def test_a_goal_that_nobody_else_can_make_stays_and_its_order_says_so_until_its_machine_is_back() -> None:
+    rig, goal = making()
+    rig.run(rig.now_s + 10.0)
+    rig.on_message("M7", mhb("M7", brief(goal), seq=900))
+    rig.run(rig.now_s + GOAL_SILENCE_S - 10.0)
+    _offer(rig, goal, MachineStatus.IDLE)
+    assert rig.admitted(goal) == 24
+    [waits] = facts(rig.all, GoalWaits)
+    assert MachineFailure("M7", Reason.OUT_OF_SERVICE) in waits.machines
+    rig.on_message("M7", mhb("M7", brief(goal), seq=1001))
+    rig.on_message("M8", mhb("M8", seq=1001))
+    rig.run(rig.now_s + 2.0)
+    assert rig.admitted(goal) == 24
+    assert facts(rig.all, GoalLost) == []
+
+
+def test_whoever_is_out_of_service_is_nobody_who_could_make_it() -> None:
+    rig, goal = making()
+    out = OutOfService(by="Maria", since_s=0.0)
+    others = ("M6", "M8", "M9", "M11")
+    for each in others:
+        rig.on_message(each, msgspec.structs.replace(mhb(each, seq=900), out_of_service=out))
+    _offer(rig, goal, MachineStatus.ERROR)
+    [waits] = facts(rig.all, GoalWaits)
+    assert {MachineFailure(each, Reason.OUT_OF_SERVICE) for each in others} < set(waits.machines)
+
+
+@pytest.mark.parametrize(("promised_s", "loses"), [(300.0, False), (1e6, True)])
+def test_a_promise_is_waited_for_though_the_repair_takes_long_but_not_for_ever(
+    promised_s: float, loses: bool
+) -> None:
+    rig, goal = making()
+    begun_s = rig.now_s
+    while rig.now_s < begun_s + BREAKDOWN_S + (200.0 if not loses else PROMISE_MAX_S + 60.0):
+        rig.run(rig.now_s + 1.0)
+        seq = round(rig.now_s * 10)
+        wanted = HelpWanted(until_s=promised_s, promised_by="Maria")
+        ill = mhb("M7", brief(goal), seq=seq)
+        rig.on_message("M7", msgspec.structs.replace(ill, status=MachineStatus.ERROR, help=wanted))
+        rig.on_message("M8", mhb("M8", seq=seq))
+    if rig.admitted(goal) == 0:
+        rig.gate_answers(goal)
+    assert bool(facts(rig.all, GoalLost)) is loses
+
+
+def _offer(rig: StrategistRig, goal: str, status: MachineStatus) -> None:
+    """M7 asks that others make the rest: it is broken, or out of service."""
+    offered = msgspec.structs.replace(brief(goal), offered=True)
+    out = OutOfService(by="Maria", since_s=0.0) if status is MachineStatus.IDLE else msgspec.UNSET
+    beat = msgspec.structs.replace(mhb("M7", offered, seq=1000), status=status, out_of_service=out)
+    rig.on_message("M7", beat)
 
 
 def test_a_machine_that_is_back_when_the_gate_is_shut_comes_too_late() -> None:

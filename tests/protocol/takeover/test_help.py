@@ -19,7 +19,7 @@ from dray.messages import (
     VehicleCommand,
 )
 from dray.messages.fact import HelpAsked, HelpPromised, TookOver
-from dray.protocol.vehicle.people.patience import PATIENCE_MAX_S, PATIENCE_MIN_S
+from dray.protocol.people.patience import PATIENCE_MAX_S, PATIENCE_MIN_S
 
 
 def test_a_primary_in_trouble_is_waited_for_as_long_as_it_says() -> None:

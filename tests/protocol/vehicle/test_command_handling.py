@@ -14,9 +14,9 @@ from dray.messages import CommandAnswered, CommandKind, CommandRefusal, VehicleC
 from dray.messages.command import STOP_MARGIN_M
 from dray.messages.fact import CommandObeyed, HelpPromised
 from dray.plant import Plant
+from dray.protocol.people.granted_commands import COMMANDS_KEPT
 from dray.protocol.runtime.events import Effect, Heard, Ignore
 from dray.protocol.vehicle.atv import Atv
-from dray.protocol.vehicle.people.command_handling import COMMANDS_KEPT
 
 STOP = VehicleCommand(command="C1", kind=CommandKind.STOP, issued_by="shift lead")
 SLOW = VehicleCommand(command="C2", kind=CommandKind.SET_SPEED, speed_frac=0.5)

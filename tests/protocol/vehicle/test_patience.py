@@ -26,7 +26,7 @@ from dray.messages import (
     VehicleCommand,
 )
 from dray.messages.fact import HelpAsked
-from dray.protocol.vehicle.people.patience import (
+from dray.protocol.people.patience import (
     HALF_LIFE_S,
     LONGEST_S,
     PATIENCE_MAX_S,
@@ -40,7 +40,7 @@ LOAD = Problem(kind=ProblemKind.LOAD)
 
 
 def ended(problem: Problem, lasted_s: float, atv: str = "ATV2") -> ProblemEnded:
-    return ProblemEnded(atv=atv, problem=problem, lasted_s=lasted_s)
+    return ProblemEnded(agent=atv, problem=problem, lasted_s=lasted_s)
 
 
 def raised(rig: VehicleRig, problem: Problem, reason: str = "it stands") -> float:

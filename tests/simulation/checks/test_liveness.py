@@ -8,7 +8,7 @@ from check_kit import PLANT, TASK, closed, event, heartbeat, opened
 
 from dray.messages import CancellationTaken, Message, OrderReleased, Production, RevocationTaken
 from dray.messages.fact import Fact, OrderFulfilled, PieceMade
-from dray.protocol.vehicle.people.patience import PATIENCE_MAX_S
+from dray.protocol.people.patience import PATIENCE_MAX_S
 from dray_sim.checks.bounds import NOTICE_S, Bounds
 from dray_sim.checks.broken import InvariantBroken
 from dray_sim.checks.liveness import LivenessCheck

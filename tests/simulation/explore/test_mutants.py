@@ -6,12 +6,12 @@ with the safeguard in place.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
 from typing import cast
 
 import pytest
 from msgspec.structs import replace
+from mutants import find
 
 from dray.body import OpenDock, WayBlocked
 from dray.messages import (
@@ -39,6 +39,7 @@ from dray.protocol.liveness.progress import Progress
 from dray.protocol.machine.dock import Dock
 from dray.protocol.machine.transports.handovers import Handovers
 from dray.protocol.machine.transports.transports import Transports
+from dray.protocol.people.command_authorisation import CommandAuthorisation
 from dray.protocol.runtime.events import Instruct, Publish, Send
 from dray.protocol.strategist.order_book import OrderInWork
 from dray.protocol.strategist.strategist import Strategist
@@ -50,16 +51,11 @@ from dray.protocol.traffic.places import Places
 from dray.protocol.traffic.removal_authorisation import RemovalAuthorisation
 from dray.protocol.vehicle.atv import Atv
 from dray.protocol.vehicle.obstacle_handling import ObstacleHandling
-from dray.protocol.vehicle.people.command_authorisation import CommandAuthorisation
 from dray.protocol.vehicle.people.command_handling import CommandHandling
 from dray.protocol.vehicle.status_report import StatusReport
 from dray_sim.bodies.obstacles import Obstacles as FloorObstacles
 from dray_sim.clock import computer
-from dray_sim.explore.play import play
-from dray_sim.explore.run import Run, draw
-
-WITHIN = 300
-"""Seeds in which a mutant must be found; it takes one to ten."""
+from dray_sim.explore.run import draw
 
 Mutant = Callable[[pytest.MonkeyPatch], None]
 
@@ -384,15 +380,3 @@ def test_the_search_finds_a_mutant_of_right_of_way(
     mutant: Mutant, profile: str, first: int, finding: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     find(mutant, lambda seed: draw(seed, profile, traffic=True), first, finding, monkeypatch)
-
-
-def find(
-    mutant: Mutant, drawn: Callable[[int], Run], first: int, finding: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    for seed in range(first, first + WITHIN):
-        with monkeypatch.context() as patch:
-            mutant(patch)
-            found = re.search(finding, play(drawn(seed)).broken)
-        if found and not play(drawn(seed)).broken:
-            return
-    pytest.fail(f"{WITHIN} seeds, and nothing was found")

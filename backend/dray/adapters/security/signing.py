@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from hashlib import sha256
+from typing import TypeVar
 
 from cryptography.exceptions import InvalidSignature
 from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey, Ed25519PublicKey
@@ -13,6 +14,7 @@ from dray.messages import (
     Closure,
     Closures,
     Grant,
+    MachineCommand,
     Removal,
     VehicleCommand,
     closed_words,
@@ -21,6 +23,8 @@ from dray.messages import (
 )
 
 UNSIGNED = b""
+
+C = TypeVar("C", VehicleCommand, MachineCommand)
 
 
 class SigningKey:
@@ -47,24 +51,24 @@ class SigningKey:
 
     def grant(
         self,
-        atv: str,
-        command: VehicleCommand,
+        agent: str,
+        command: C,
         *,
         person: str,
         areas: Iterable[str] | None,
         valid_until_s: float,
-    ) -> VehicleCommand:
-        """The same command to one vehicle, with a grant.
+    ) -> C:
+        """The same command to one vehicle or machine, with a grant.
 
         Args:
-            atv: the vehicle.
+            agent: which.
             command: what is asked.
             person: on whose behalf.
             areas: where that person may command; None for everywhere.
             valid_until_s: on the plant's clock.
         """
         grant = _unsigned(person, areas, valid_until_s)
-        signature = self._key.sign(signed_words(atv, command, grant))
+        signature = self._key.sign(signed_words(agent, command, grant))
         return replace(command, grant=replace(grant, signature=signature))
 
     def code(self, what: str) -> bytes:

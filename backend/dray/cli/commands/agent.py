@@ -56,6 +56,7 @@ def machine(
     from dray.cli.runtime.bodies import on_floor
     from dray.cli.runtime.output import one_of
     from dray.protocol.machine.machine import Machine
+    from dray.protocol.runtime.running import Running
 
     where = _surroundings(settings, traffic=traffic)
     plant = where.plant if joining is None else _grown(where.plant, joining, name)
@@ -72,6 +73,7 @@ def machine(
             probation=probation,
             traffic=places,
             trusts=trusts,
+            running=Running(starts_again=where.settings.starts_again),
         )
 
     asyncio.run(run_agent(where, name, make, on_floor(where, name, None if joining is None else spec)))

@@ -170,6 +170,7 @@ async def _common_environment(options: FleetOptions, folder: Path, port: int) ->
         f"{PREFIX}BUS_CERTIFICATES": "" if options.plain else str(folder / CERTIFICATES),
         f"{PREFIX}GATEWAY_NAME": GATEWAY,
         f"{PREFIX}TRAFFIC": str(settings.traffic),
+        f"{PREFIX}STARTS_AGAIN": "true",
     }
     if settings.traffic_log is not None:
         environment[f"{PREFIX}TRAFFIC_LOG"] = str(settings.traffic_log.resolve())

@@ -45,6 +45,10 @@ GAIN = 1.0 / 32.0
 
 DEVIATIONS = 4.0
 
+BREAKDOWN_S = 600.0
+"""How long a machine may be broken and keep its goals. A technician mends most breakdowns in less, and
+what was made before is carried away meanwhile."""
+
 GOAL_SILENCE_S = 15.0
 """How long a machine may not name a goal before it has lost it. A machine that holds goals beats at 1 Hz,
 so fifteen heartbeats are missing in a row; and its software starts again in less."""

@@ -67,11 +67,11 @@ class Cycle:
 
     def share_spare(self) -> None:
         """Finished pieces of goals that ended early serve the next ones."""
-        for goal in self._goals.confirmed():
+        for goal in self._goals.at_work():
             if self._goals.use_spare(goal, self._goal):
                 self._note_made(goal)
 
     def _note_made(self, goal: Goal) -> None:
         self._commit()
-        made = goal.brief().made
+        made = goal.told_made
         self._out.append(Record(PieceMade(goal=goal.id, product=goal.work.product, made=made)))

@@ -110,7 +110,7 @@ class FinishedGoods:
     def _dispatch(self, goal: Goal, now_s: float) -> None:
         product = self._plant.products[goal.work.product]
         # Finished goods of goals that more urgent ones have interrupted must not fill the machine for ever.
-        whole = goal.to_make > 0 and not self.full
+        whole = goal.to_make > 0 and goal.given_back_s is None and not self.full
         while goal.ready >= product.lot or (goal.ready > 0 and not whole):
             quantity = min(goal.ready, product.lot)
             goal.committed += quantity

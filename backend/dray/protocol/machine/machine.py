@@ -28,9 +28,7 @@ from dray.messages import (
     Confirmed,
     Disbelieved,
     GoalClosed,
-    JoiningMachine,
-    MachineHeartbeat,
-    MachineStatus,
+    MachineCommand,
     Message,
     Release,
     Role,
@@ -38,11 +36,8 @@ from dray.messages import (
     Withdrawn,
     WorkSought,
 )
-from dray.messages.fact import MachineStatusChanged
-from dray.messages.heartbeat import Making
 from dray.messages.keys import Keys
 from dray.plant import Plant
-from dray.plant.model import MachineSpec
 from dray.protocol.closures.closure_listener import ClosureListener
 from dray.protocol.closures.known_floor import KnownFloor
 from dray.protocol.contract_net.auction_rules import AuctionRules
@@ -53,17 +48,18 @@ from dray.protocol.liveness.suspicion import interval_s
 from dray.protocol.machine.cycle import Cycle
 from dray.protocol.machine.goal_bidding import GoalBidder
 from dray.protocol.machine.material_flow import MaterialFlow
+from dray.protocol.machine.people.breakdown import PATIENCE_OVER, Breakdown
+from dray.protocol.machine.people.command_handling import MachineCommandHandling
+from dray.protocol.machine.people.goal_sharing import GoalSharing
 from dray.protocol.machine.production import Goal, GoalBook
+from dray.protocol.machine.status_report import StatusReport, introduction
 from dray.protocol.machine.supply import Supply
 from dray.protocol.machine.transports.carrier_waits import docks_heard
+from dray.protocol.people.command_authorisation import CommandAuthorisation
 from dray.protocol.runtime.agent import AgentBase
-from dray.protocol.runtime.events import (
-    Ignore,
-    Publish,
-    Record,
-    Subscribe,
-)
+from dray.protocol.runtime.events import Ignore, Leave, Subscribe
 from dray.protocol.runtime.heartbeat_timer import BEAT, HeartbeatTimer
+from dray.protocol.runtime.running import ALONE, Running
 from dray.protocol.runtime.shutdown import COORDINATOR_LEAVES_WITHIN_S
 from dray.protocol.runtime.trust import Trusts, trusts_nobody
 from dray.protocol.traffic.books.bookkeeping import Bookkeeping
@@ -83,7 +79,8 @@ class Machine(AgentBase):
             machine that is known to be good.
         rules: patience and reach of its auctions.
         traffic: of the plant; None where vehicles drive without right of way.
-        trusts: whose word counts when people carry vehicles away.
+        trusts: whose word counts when people carry vehicles away, or command the machine.
+        running: what can be done with its agent where that runs.
     """
 
     def __init__(
@@ -98,16 +95,14 @@ class Machine(AgentBase):
         rules: AuctionRules | None = None,
         traffic: TrafficMap | None = None,
         trusts: Trusts = trusts_nobody,
+        running: Running = ALONE,
     ) -> None:
         super().__init__(machine, incarnation, leaves_within_s=COORDINATOR_LEAVES_WITHIN_S)
         self._plant = plant = KnownFloor(plant)
         self._closures = ClosureListener(plant, None, self._timers, self._out)
         self._spec = plant.machines[machine]
-        self._software = software
         self._heartbeat_timer = HeartbeatTimer(self.id, self._timers)
-        self._joining = _introduction(self._spec) if joining else None
         self._keys = Keys(plant.id)
-        self._beat_key = self._keys.machine_heartbeat(machine)
         self._products = tuple(making.product for making in self._spec.makes)
         self._goals = GoalBook(machine, plant)
         self._supply = Supply(machine, plant, self._goals)
@@ -129,8 +124,11 @@ class Machine(AgentBase):
             tells_node=joining,
         )
         self._cycle = Cycle(plant, self._goals, self._supply, self._out, self._commit)
-        self._problem = ""
-        self._status = MachineStatus.IDLE
+        self._breakdown = Breakdown(machine, self._keys, self._goals, self._timers, self._out)
+        authority = CommandAuthorisation(machine, plant, trusts)
+        self._commands = MachineCommandHandling(authority, self._breakdown, self, running, self._out)
+        parts = (self._goals, self._supply, self._flow, self._breakdown)
+        self._sharing = GoalSharing(*parts, self._commands.service)
         self._message_handlers = {
             **self._flow.message_handlers,
             TaskAnnounced: lambda _from, said, now_s: self._bidder.on_announced(said, self._unfit(), now_s),
@@ -140,6 +138,8 @@ class Machine(AgentBase):
             Withdrawn: self._on_goal_over,
             GoalClosed: self._on_goal_closed,
             WorkSought: self._on_sought,
+            MachineCommand: self._on_command,
+            **self._breakdown.message_handlers,
             **self._closures.message_handlers,
             Disbelieved: Reproach(self._out).on_disbelieved,
         }
@@ -148,6 +148,22 @@ class Machine(AgentBase):
         self._bookkeeping = Bookkeeping(machine, plant, traffic, trusts, heard, self._timers, self._out)
         self._message_handlers = self._bookkeeping.handlers(self._message_handlers)
         self._committers += self._bookkeeping.committers
+        self._report = StatusReport(
+            self,
+            software,
+            introduction(self._spec) if joining else None,
+            self._keys,
+            self._heartbeat_timer,
+            self._goals,
+            self._supply,
+            self._flow,
+            self._cycle,
+            self._breakdown,
+            self._commands,
+            self._probation,
+            self._bookkeeping,
+            self._out,
+        )
         self._report_handlers = {
             CycleDone: self._cycle_done,
             CycleFailed: self._cycle_failed,
@@ -157,6 +173,7 @@ class Machine(AgentBase):
         }
         self._alarm_handlers = {
             BEAT: self._beat,
+            PATIENCE_OVER: lambda _about, now_s: self._changed(now_s),
             **self._closures.alarms,
             **self._bidder.alarms,
             **self._flow.alarms,
@@ -169,11 +186,12 @@ class Machine(AgentBase):
         if not isinstance(body, WorkcellState):
             raise ProtocolViolation(f"{self.id}: a machine needs a workcell, not {body!r}")
         self._flow.take_count(body)
-        self._problem = body.broken
         self._cycle.product = body.cycling
+        self._commands.paces = body.paces
         note = memory.get(WHOLE)
         if isinstance(note, MachineMemory):
             self._restore(note, now_s)
+        self._breakdown.start(body, note.help if isinstance(note, MachineMemory) else None, now_s)
         self._flow.goods.count()
         self._out.extend(Subscribe(self._keys.goals(product)) for product in self._products)
         self._out += (Subscribe(self._keys.all_free), *self._docks)
@@ -190,6 +208,7 @@ class Machine(AgentBase):
             # It goes on with them: the strategist may be away, and the gate knows what may still get in.
             self._bidder.ask(self._goals.restore(booked), now_s)
         self._flow.restore(memory, now_s)
+        self._commands.restore(memory)
         # Tasks without a carrier have a higher epoch now: no life may use one that an earlier one has used.
         self._commit()
 
@@ -198,6 +217,10 @@ class Machine(AgentBase):
             goals=self._goals.memories(),
             tasks=tuple(task.memory() for task in self._flow.tasks),
             task_count=self._flow.task_count,
+            help=self._breakdown.help,
+            out_of_service=self._commands.service.out,
+            speed_frac=self._goals.speed_frac,
+            answered=self._commands.answered,
         )
 
     def _sense(self, body: BodyState | None, now_s: float) -> None:
@@ -207,30 +230,7 @@ class Machine(AgentBase):
             self.pursue(now_s)
 
     def _beat(self, _about: None, now_s: float) -> None:
-        self._heartbeat_timer.go_on(interval_s(self._say_status(now_s)), now_s)
-
-    def _say_status(self, now_s: float) -> MachineHeartbeat:
-        heartbeat = MachineHeartbeat(
-            machine=self.id,
-            incarnation=self.incarnation,
-            seq=self._heartbeat_timer.count(),
-            at_s=now_s,
-            status=self._status,
-            product=self._cycle.product,
-            goals=self._goals.briefs(),
-            tasks=tuple(task.brief() for task in self._flow.tasks),
-            buffers=self._supply.levels(),
-            goods=self._flow.goods.levels(),
-            waits=self._flow.sourcing.waits(),
-            problem=self._problem,
-            software=self._software,
-            draining=self._shutdown.begun,
-            probation=self._probation.brief(),
-            joining=self._joining,
-            awaits=self._bookkeeping.awaited(now_s),
-        )
-        self._out.append(Publish(self._beat_key, heartbeat))
-        return heartbeat
+        self._heartbeat_timer.go_on(interval_s(self._report.say(now_s)), now_s)
 
     def _was_deaf(self, span_s: float) -> None:
         self._flow.subscriptions.arrivals.deaf_s += span_s
@@ -245,7 +245,7 @@ class Machine(AgentBase):
         return self._flow.is_held
 
     def _take_leave(self, now_s: float) -> None:
-        self._say_status(now_s)
+        self._report.say(now_s)
 
     # --- the workcell reports ---
 
@@ -268,43 +268,56 @@ class Machine(AgentBase):
         self.pursue(now_s)
 
     def _broken(self, report: Broken, now_s: float) -> None:
-        self._problem = report.reason
-        self._update_status(now_s)
+        self._breakdown.on_broken(report, now_s)
+        self._changed(now_s)
 
     def _repaired(self, _report: Repaired, now_s: float) -> None:
-        self._problem = ""
+        self._breakdown.on_repaired(now_s)
+        self._changed(now_s)
+
+    # --- people ---
+
+    def _on_command(self, sender: str, command: MachineCommand, now_s: float) -> None:
+        self._commands.on_command(sender, command, self._plant.position_of(self.id), now_s)
+        self._changed(now_s)
+
+    def _changed(self, now_s: float) -> None:
+        """Something is known now, or decided, that the next life must know and others should."""
+        self._commit()
         self.pursue(now_s)
+        self._heartbeat_timer.at_once(now_s)
+
+    @property
+    def speed_frac(self) -> float:
+        """At which part of its speed it works."""
+        return self._goals.speed_frac
+
+    @speed_frac.setter
+    def speed_frac(self, speed_frac: float) -> None:
+        self._goals.speed_frac = speed_frac
+        self._supply.goals_changed()
+
+    def leave(self, now_s: float, *, update: bool) -> None:
+        """Leave in order, to be started again."""
+        self._last_word = Leave(again=True, update=update)
+        self._on_leaving(now_s)
 
     # --- deciding ---
 
     def pursue(self, now_s: float) -> None:
         """Do whatever the present state asks for."""
+        self._sharing.decide(now_s)
         self._cycle.share_spare()
-        if not self._problem and not self._flow.goods.full:
+        if not self._breakdown.problem and not self._flow.goods.full:
             self._cycle.start()
         if not self._shutdown.begun:
             self._flow.announce_needs(self._cycle.product, now_s)
-        self._update_status(now_s)
+        self._report.update(now_s)
 
-    def _update_status(self, now_s: float) -> None:
-        status, reason = self._present_status()
-        if status is self._status:
-            return
-        self._status = status
-        fact = MachineStatusChanged(status=status, product=self._cycle.product, reason=reason)
-        self._out.append(Record(fact))
-        self._heartbeat_timer.at_once(now_s)
-
-    def _present_status(self) -> tuple[MachineStatus, str]:
-        if self._problem:
-            return MachineStatus.ERROR, self._problem
-        if self._cycle.product:
-            return MachineStatus.PRODUCING, ""
-        if not self._goals.unfinished:
-            return MachineStatus.IDLE, ""
-        if self._flow.goods.full:
-            return MachineStatus.BLOCKED, "the goods are not fetched"
-        return MachineStatus.STARVED, self._flow.sourcing.told() or "material is missing"
+    @property
+    def is_draining(self) -> bool:
+        """Whether it was asked to leave."""
+        return self._shutdown.begun
 
     # --- when material moves (`dray.protocol.machine.material_flow.Owner`) ---
 
@@ -348,7 +361,8 @@ class Machine(AgentBase):
 
     def _unfit(self) -> str:
         """Why it takes no goals at all; empty when it does."""
-        return self._problem or ("draining" if self._shutdown.begun else "")
+        out = "out of service" if self._commands.service.out is not None else ""
+        return self._breakdown.problem or out or ("draining" if self._shutdown.begun else "")
 
     def _on_award(self, sender: str, message: Award, now_s: float) -> None:
         if self._bidder.on_award(sender, message, self._unfit(), now_s):
@@ -379,17 +393,3 @@ class Machine(AgentBase):
         self._supply.goals_changed()
         self.pursue(now_s)
         self._heartbeat_timer.at_once(now_s)
-
-
-def _introduction(spec: MachineSpec) -> JoiningMachine:
-    return JoiningMachine(
-        name=spec.name,
-        station=spec.station,
-        node=spec.node,
-        x_m=spec.box.x_m,
-        y_m=spec.box.y_m,
-        width_m=spec.box.width_m,
-        depth_m=spec.box.depth_m,
-        makes=tuple(Making(making.product, making.cycle_s) for making in spec.makes),
-        goods_capacity=spec.goods_capacity,
-    )

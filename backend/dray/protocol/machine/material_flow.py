@@ -45,6 +45,7 @@ from dray.protocol.machine.finished_goods import FinishedGoods
 from dray.protocol.machine.production import Goal, GoalBook
 from dray.protocol.machine.sourcing import Need, Sourcing
 from dray.protocol.machine.supply import Supply
+from dray.protocol.machine.transports.backlog import unneeded
 from dray.protocol.machine.transports.handovers import Handovers
 from dray.protocol.machine.transports.recovery import RECOVERY_WAIT, Recovery
 from dray.protocol.machine.transports.transports import Transports
@@ -143,9 +144,9 @@ class MaterialFlow:
             out,
             contracted=self._on_carrier_changed,
             lost=self._on_task_lost,
-            is_missing=self._is_missing,
-            source_answers=self._source_answers,
-            left=self._on_left,
+            is_missing=lambda task: self.goods.lack(task),  # noqa: PLW0108 - made below
+            source_answers=lambda task, now_s: self.sourcing.answers(task, now_s),  # noqa: PLW0108 - made below
+            left=lambda atv: self._dock.shut(atv),  # noqa: PLW0108 - made below
             unloaded=self._settle,
             commit=owner.commit,
             ended=self._on_task_ended,
@@ -158,7 +159,7 @@ class MaterialFlow:
             out,
             announce=self._announce_sourced,
             task_of=self.tasks.get,
-            starve=self._withdraw,
+            starve=self.withdraw,
             changed=owner.beat_soon,
         )
         self._dock = Dock(machine, self.tasks, supply, out)
@@ -239,6 +240,11 @@ class MaterialFlow:
             self._supply.ordered(work)
             self.sourcing.seek(self._next_task(), self._docked_here(work), deadline_s, now_s)
         self.goods.dispatch(now_s)
+
+    def give_back(self, now_s: float) -> None:
+        """Nothing is to be brought any more for what is not made here, unless it is on board."""
+        for task in unneeded(self.tasks, self._supply):
+            self.withdraw(task, now_s)
 
     def drop_needs(self) -> None:
         """Nothing is to be hired any more for what nobody was hired for yet."""
@@ -322,7 +328,7 @@ class MaterialFlow:
         self._dock.on_docked(sender, message, now_s)
         task = self.tasks.get(message.task)
         if task is not None and now_s - task.contract.held_s > HELD_MAX_S:
-            self._withdraw(task, now_s)
+            self.withdraw(task, now_s)
 
     def _on_resigned(self, sender: str, message: Resigned, now_s: float) -> None:
         task = self.tasks.get(message.task)
@@ -334,7 +340,7 @@ class MaterialFlow:
             # Its station says otherwise, as far as is known.
             self.tasks.failover.note_given_back(task, message.reason, now_s)
         # Nobody else would find more there: nobody is hired before a station has it.
-        self._withdraw(task, now_s)
+        self.withdraw(task, now_s)
 
     def _is_remembered(self, task: str) -> bool:
         """Whether a word about a task can be answered yet; else it is said again."""
@@ -351,9 +357,6 @@ class MaterialFlow:
         self.sourcing.follow(task, now_s)
         self.goods.keep_unwanted()
 
-    def _on_left(self, atv: str) -> None:
-        self._dock.shut(atv)
-
     def _on_task_ended(self, task: OpenTask, outcome: Outcome) -> None:
         self.sourcing.on_task_closed(task, fetched=outcome == "delivered")
 
@@ -368,8 +371,8 @@ class MaterialFlow:
         self._owner.beat_soon(now_s)
         self._owner.pursue(now_s)
 
-    def _withdraw(self, task: OpenTask, now_s: float) -> None:
-        """Material that finds no room, or goods that are not there, keep a vehicle from whatever would help."""
+    def withdraw(self, task: OpenTask, now_s: float) -> None:
+        """End a transport. Material that finds no room, or goods that are not there, keep a vehicle from whatever would help."""
         self.tasks.close(task, "withdrawn")
         self._on_task_lost(task, now_s)
 
@@ -391,9 +394,3 @@ class MaterialFlow:
             self._supply.settled(work, now_s - task.opened_s)
         self._owner.beat_soon(now_s)
         self._owner.pursue(now_s)
-
-    def _is_missing(self, task: OpenTask) -> bool:
-        return self.goods.lack(task)
-
-    def _source_answers(self, task: OpenTask, now_s: float) -> bool:
-        return self.sourcing.answers(task, now_s)

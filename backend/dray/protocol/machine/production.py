@@ -4,10 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
+from msgspec import UNSET
+
 from dray.memory import GoalMemory
 from dray.messages import Confirmed, GoalBrief, Production, ProductionCost
 from dray.plant import Plant
 from dray.protocol.runtime.events import NEVER_S
+
+GOODS_LEAVE_S = 180.0
+"""How long a goal that is given back waits until what was made of it is in: some transports. Then it is made again."""
 
 
 class Goal:
@@ -30,6 +35,7 @@ class Goal:
         "deadline_s",
         "delivered",
         "epoch",
+        "given_back_s",
         "heard_s",
         "id",
         "lost_in_transit",
@@ -54,6 +60,8 @@ class Goal:
         self.strategist = strategist
         self.epoch = epoch
         self.number = number
+        self.given_back_s: float | None = None
+        """Since when others may make what is missing of it; None while the machine works at it."""
         self.confirmed = False
         """Whether the strategist has heard that it was accepted; nothing is begun before."""
         self.made = 0
@@ -85,6 +93,12 @@ class Goal:
     def on_the_way(self) -> int:
         """Pieces of transports that have not ended."""
         return self.committed - self.delivered - self.lost_in_transit
+
+    def is_offered(self, now_s: float) -> bool:
+        """Whether others may make what is missing: what was made has left, or that takes too long."""
+        if self.given_back_s is None or self.to_make <= 0:
+            return False
+        return not (self.ready or self.on_the_way) or now_s >= self.given_back_s + GOODS_LEAVE_S
 
     def lose(self, pieces: int) -> None:
         """Pieces on the way will not arrive."""
@@ -131,14 +145,22 @@ class Goal:
         self.made -= surplus
         return surplus
 
-    def brief(self) -> GoalBrief:
+    def brief(self, now_s: float) -> GoalBrief:
+        """What the heartbeat tells of it."""
         return GoalBrief(
             goal=self.id,
             product=self.work.product,
             quantity=self.work.quantity,
-            made=min(self.made, self.work.quantity),
+            made=self.told_made,
             delivered=self.delivered,
+            deadline_s=self.deadline_s,
+            offered=True if self.is_offered(now_s) else UNSET,
         )
+
+    @property
+    def told_made(self) -> int:
+        """Pieces that were made, those that got lost not counted twice."""
+        return min(self.made, self.work.quantity)
 
     def memory(self) -> GoalMemory:
         return GoalMemory(
@@ -168,6 +190,8 @@ class GoalBook:
         self._plant = plant
         self._goals: dict[str, Goal] = {}
         self._spare: dict[str, int] = {}
+        self.speed_frac = 1.0
+        """At which part of its speed the machine works."""
 
     def __iter__(self) -> Iterator[Goal]:
         return iter(self._goals.values())
@@ -241,11 +265,11 @@ class GoalBook:
     @property
     def unfinished(self) -> bool:
         """Whether anything is still to be made."""
-        return any(goal.to_make > 0 for goal in self.confirmed())
+        return any(goal.to_make > 0 for goal in self.at_work())
 
     def next_to_make(self, stock: Mapping[str, int]) -> Goal | None:
         """The most urgent goal for whose next piece everything is at hand."""
-        for goal in self.confirmed():
+        for goal in self.at_work():
             if goal.to_make > 0 and self._at_hand(goal.work.product, stock):
                 return goal
         return None
@@ -258,7 +282,7 @@ class GoalBook:
             cycling: the product of the running cycle, whose material is out already; empty for none.
         """
         pieces = 0
-        for goal in self.confirmed():
+        for goal in self.at_work():
             per_piece = self._per_piece(goal.work.product, material)
             if per_piece:
                 running = 1 if goal.work.product == cycling else 0
@@ -270,9 +294,8 @@ class GoalBook:
     def use_per_s(self, material: str) -> float:
         """Pieces per second at full speed, of the hungriest goal that is still to be made."""
         rates = [
-            self._per_piece(goal.work.product, material)
-            / self._plant.cycle_s(self._machine, goal.work.product)
-            for goal in self.confirmed()
+            self._per_piece(goal.work.product, material) / self.cycle_s(goal.work.product)
+            for goal in self.at_work()
             if goal.to_make > 0
         ]
         return max(rates, default=0.0)
@@ -285,10 +308,7 @@ class GoalBook:
             stock: pieces at hand.
             lead_time_s: how long missing material takes to come.
         """
-        waits_s = [
-            goal.to_make * self._plant.cycle_s(self._machine, goal.work.product)
-            for goal in self._goals.values()
-        ]
+        waits_s = [goal.to_make * self.cycle_s(goal.work.product) for goal in self._goals.values()]
         queue_s = sum(waits_s, start=0.0)
         to_make = max(0, work.quantity - self.spare(work.product))
         # While it works at other goals the material for this one is on its way.
@@ -296,19 +316,53 @@ class GoalBook:
         return ProductionCost(
             queue_s=queue_s,
             material_s=max(0.0, lead_time_s - queue_s) if missing else 0.0,
-            making_s=to_make * self._plant.cycle_s(self._machine, work.product),
+            making_s=to_make * self.cycle_s(work.product),
         )
 
-    def briefs(self) -> tuple[GoalBrief, ...]:
-        return tuple(goal.brief() for goal in self._goals.values())
+    def cycle_s(self, product: str) -> float:
+        """How long a piece takes at the present speed."""
+        return self._plant.cycle_s(self._machine, product) / self.speed_frac
+
+    def slack_s(self, now_s: float) -> float:
+        """How much later than now all of it could begin and still be in time; below 0 when something is late."""
+        left_s, done_s = float("inf"), now_s
+        for goal in self.confirmed():
+            done_s += max(0, goal.to_make) * self.cycle_s(goal.work.product)
+            left_s = min(left_s, goal.deadline_s - done_s)
+        return left_s
+
+    # --- when it does not work at them ---
+
+    def give_back(self, keep: Goal | None, now_s: float) -> bool:
+        """Let others make what is missing of all goals but one; returns whether that is news."""
+        news = False
+        for goal in self._goals.values():
+            if goal is not keep and goal.given_back_s is None:
+                goal.given_back_s, news = now_s, True
+        return news
+
+    def take_back(self) -> bool:
+        """Work at all of them again; returns whether that is news."""
+        given_back = [goal for goal in self._goals.values() if goal.given_back_s is not None]
+        for goal in given_back:
+            goal.given_back_s = None
+        return bool(given_back)
+
+    def briefs(self, now_s: float) -> tuple[GoalBrief, ...]:
+        """What the heartbeat tells of them."""
+        return tuple(goal.brief(now_s) for goal in self._goals.values())
 
     def memories(self) -> tuple[GoalMemory, ...]:
         """What the next life must know, those that are not confirmed yet too: their strategist may count on them."""
         return tuple(goal.memory() for goal in self)
 
     def confirmed(self) -> Iterator[Goal]:
-        """The goals that may be worked at, most urgent first."""
+        """The goals that are this machine's own by its strategist's word, most urgent first."""
         return (goal for goal in self._goals.values() if goal.confirmed)
+
+    def at_work(self) -> Iterator[Goal]:
+        """Those of them that are not given back."""
+        return (goal for goal in self.confirmed() if goal.given_back_s is None)
 
     def _per_piece(self, product: str, material: str) -> int:
         bill = self._plant.products[product].bill

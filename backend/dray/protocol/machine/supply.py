@@ -24,7 +24,7 @@ class Supply:
         self._machine = machine
         self._plant = plant
         self._goals = goals
-        self._materials = plant.materials_of(machine)
+        self.materials = plant.materials_of(machine)
         products = [making.product for making in plant.machines[machine].makes]
         self._per_cycle = {
             material: max(
@@ -33,10 +33,10 @@ class Supply:
                 for line in plant.products[product].bill
                 if line.material == material
             )
-            for material in self._materials
+            for material in self.materials
         }
-        self._lead = {material: LeadTime(self._first_lead_s(material)) for material in self._materials}
-        self._on_order = dict.fromkeys(self._materials, 0)
+        self._lead = {material: LeadTime(self._first_lead_s(material)) for material in self.materials}
+        self._on_order = dict.fromkeys(self.materials, 0)
         self._levels: tuple[BufferLevel, ...] | None = None
         self.stock: dict[str, int] = {}
         """Pieces at hand of every material and product; only this class changes it."""
@@ -90,7 +90,7 @@ class Supply:
                     reorder_point=self._reorder_point(material),
                     on_order=self._on_order[material],
                 )
-                for material in self._materials
+                for material in self.materials
             )
         return self._levels
 
@@ -107,7 +107,7 @@ class Supply:
             cycling: the product of the running cycle; empty for none.
             now_s: the present time.
         """
-        for material in self._materials:
+        for material in self.materials:
             quantity = self._missing(material, cycling)
             if quantity:
                 work = Transport(

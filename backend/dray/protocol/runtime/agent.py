@@ -59,6 +59,7 @@ class AgentBase:
         self._unwritten = False
         self._timers = Timers()
         self._shutdown = GracefulShutdown(leaves_within_s)
+        self._last_word = Leave()
         self._message_handlers: dict[type[Message], Handler] = {}
         self._report_handlers: Mapping[type[Report], Callable[[Any, float], None]] = {}
         self._alarm_handlers: Mapping[str, Alarm] = {}
@@ -167,7 +168,7 @@ class AgentBase:
             return
         self._shutdown.complete()
         self._take_leave(now_s)
-        self._out.append(Leave())
+        self._out.append(self._last_word)
 
     def _sound_alarms(self, now_s: float) -> None:
         for name in self._timers.due(now_s):

@@ -137,6 +137,11 @@ class Ignore(Value, frozen=True):
 class Leave(Value, frozen=True):
     """End this life: the agent was asked to leave, and nothing holds it any more. The last effect of its step."""
 
+    again: bool = False
+    """A person has asked for its next life: whoever runs it starts it again."""
+    update: bool = False
+    """With the newest software that lies ready."""
+
 
 Effect = Publish | Send | Subscribe | Unsubscribe | Instruct | Record | Commit | Ignore | Leave
 

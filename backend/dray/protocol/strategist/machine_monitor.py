@@ -1,26 +1,27 @@
 """Which machines can work, as their heartbeats tell it to the strategist (paper, case 1).
 
-A machine has failed for its goals when it is silent, or when it has said for long that it is broken.
+A machine has failed for its goals when it is silent, or when it has said for long that it is broken; earlier where it offers
+them itself, as it judges its breakdown, or because people have taken it out of service.
 Nothing is lost by a wrong verdict but work: the gate lets every piece in once, whoever made it.
 """
 
 from __future__ import annotations
 
+from msgspec import UNSET
+
 from dray.messages import JoiningMachine, MachineHeartbeat, MachineStatus, Reason
+from dray.messages.command import PROMISE_MAX_S
 from dray.messages.fact import MachineFailure
 from dray.messages.heartbeat import JOINING_MACHINES_MAX
 from dray.plant import Plant
-from dray.protocol.liveness.suspicion import GOAL_SILENCE_S
-
-BREAKDOWN_S = 600.0
-"""How long a machine may be broken and keep its goals. A technician mends most breakdowns in less, and
-what was made before is carried away meanwhile."""
+from dray.protocol.liveness.suspicion import BREAKDOWN_S, GOAL_SILENCE_S
+from dray.protocol.runtime.events import NEVER_S
 
 
 class _LastHeard:
     """What was last heard of one machine."""
 
-    __slots__ = ("broken_s", "heard_s", "newest")
+    __slots__ = ("broken_s", "heard_s", "is_out", "newest", "waits_s")
 
     def __init__(self, heard_s: float) -> None:
         self.heard_s = heard_s
@@ -28,6 +29,19 @@ class _LastHeard:
         """Incarnation and number of the newest heartbeat."""
         self.broken_s: float | None = None
         """Since when it says that it is broken; None while it works."""
+        self.waits_s = 0.0
+        """Until when somebody has promised to come."""
+        self.is_out = False
+        """It is out of service by a person's word."""
+
+    @property
+    def given_up_s(self) -> float:
+        """When its goals are taken from it, whatever it says; never while it works."""
+        if self.broken_s is None:
+            return NEVER_S
+        return min(
+            max(self.broken_s + BREAKDOWN_S, self.waits_s), self.broken_s + BREAKDOWN_S + PROMISE_MAX_S
+        )
 
 
 class MachineMonitor:
@@ -53,8 +67,12 @@ class MachineMonitor:
         if heard is None or order <= heard.newest:
             return False
         heard.newest, heard.heard_s = order, now_s
+        heard.is_out = heartbeat.out_of_service is not UNSET
+        if heartbeat.help is not UNSET and heartbeat.help.promised_by:
+            # What is left counts, and not the time when it ends: that is told by another clock.
+            heard.waits_s = now_s + heartbeat.help.until_s - heartbeat.at_s
         if heartbeat.status is not MachineStatus.ERROR:
-            heard.broken_s = None
+            heard.broken_s, heard.waits_s = None, 0.0
         elif heard.broken_s is None:
             heard.broken_s = now_s
         return True
@@ -88,13 +106,14 @@ class MachineMonitor:
         # A joining machine that took a goal in an earlier life of the strategist may never have been heard in this one.
         if heard is None or now_s >= heard.heard_s + GOAL_SILENCE_S:
             return Reason.SILENT
-        return Reason.BROKEN if heard.broken_s is not None else None
+        if heard.broken_s is not None:
+            return Reason.BROKEN
+        return Reason.OUT_OF_SERVICE if heard.is_out else None
 
     def is_broken_for_long(self, machine: str, now_s: float) -> bool:
         """Whether it has been broken for longer than anybody waits for."""
         heard = self._heard.get(machine)
-        broken_s = None if heard is None else heard.broken_s
-        return broken_s is not None and now_s >= broken_s + BREAKDOWN_S
+        return heard is not None and now_s >= heard.given_up_s
 
     def _welcome(self, heartbeat: MachineHeartbeat, now_s: float) -> _LastHeard | None:
         """Begin to watch a machine that the plant file does not know, if it says what it is."""

@@ -45,6 +45,7 @@ class OpenGoal:
         "id",
         "machine",
         "named_s",
+        "offered",
         "waits",
         "work",
     )
@@ -63,6 +64,8 @@ class OpenGoal:
         """The same by vehicle, as far as this life has heard it."""
         self.named_s = 0.0
         """When its machine has last said that it has this goal (plant clock)."""
+        self.offered = False
+        """Its machine asks that others make what is missing."""
         self.failure: Reason | None = None
         """Why it is being taken from its machine; the gate's last count is awaited."""
         self.waits = False

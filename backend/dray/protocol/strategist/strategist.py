@@ -18,8 +18,8 @@ answer it.
 
     UNCLAIMED --accepted--> MADE BY A MACHINE --all has arrived--> closed
         ^                      |
-        |                      +-- not named for GOAL_SILENCE_S, or broken for BREAKDOWN_S,
-        |                          and somebody else could make it: the gate is shut
+        |                      +-- not named for GOAL_SILENCE_S, offered by its machine, or broken
+        |                          for BREAKDOWN_S, and somebody else could make it: the gate is shut
         +-- the rest, as a new goal --+        (when its order was taken back: no new goal)
 """
 
@@ -264,6 +264,9 @@ class Strategist(AgentBase):
                 self._auctions.say_over(machine, brief)
             elif goal.machine == machine:
                 goal.named_s = now_s
+                if goal.offered is not (brief.offered is True):
+                    goal.offered = not goal.offered
+                    self._check_goal(goal.id, now_s)
                 if brief.delivered > goal.arrived:
                     self._auctions.confirm(
                         goal
@@ -343,7 +346,9 @@ class Strategist(AgentBase):
         """Why a goal is not made any more; None while it is."""
         if now_s >= goal.named_s + GOAL_SILENCE_S:
             return self._monitor.failure(goal.machine, now_s) or Reason.FORGOTTEN
-        return Reason.BROKEN if self._monitor.is_broken_for_long(goal.machine, now_s) else None
+        if self._monitor.is_broken_for_long(goal.machine, now_s):
+            return Reason.BROKEN
+        return (self._monitor.failure(goal.machine, now_s) or Reason.BROKEN) if goal.offered else None
 
     def _give_to_others(self, goal: OpenGoal, now_s: float) -> None:
         """The gate is shut and has counted: put up what has not arrived, under a name of its own."""

@@ -46,6 +46,7 @@ from dray.protocol.closures.known_floor import KnownFloor
 from dray.protocol.contract_net.parties import objection
 from dray.protocol.contract_net.trust.disbelief import Reproach
 from dray.protocol.liveness.suspicion import interval_s
+from dray.protocol.people.command_authorisation import CommandAuthorisation
 from dray.protocol.runtime.agent import AgentBase
 from dray.protocol.runtime.events import Publish, Record
 from dray.protocol.runtime.heartbeat_timer import BEAT, HeartbeatTimer
@@ -62,7 +63,6 @@ from dray.protocol.vehicle.drivers.traffic_handling import handle_traffic
 from dray.protocol.vehicle.idle_positioning import CLAIM, SETTLE, IdlePositioning
 from dray.protocol.vehicle.obstacle_handling import ObstacleHandling
 from dray.protocol.vehicle.people.assistance import Assistance
-from dray.protocol.vehicle.people.command_authorisation import CommandAuthorisation
 from dray.protocol.vehicle.people.command_handling import CommandHandling
 from dray.protocol.vehicle.people.problem_handling import ProblemHandling
 from dray.protocol.vehicle.status_report import StatusReport

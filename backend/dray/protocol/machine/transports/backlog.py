@@ -9,8 +9,9 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable
 from typing import cast
 
-from dray.messages import Transport
+from dray.messages import Phase, Transport
 from dray.protocol.contract_net.task import OpenTask
+from dray.protocol.machine.supply import Supply
 
 
 def stands_back(task: OpenTask, others: Iterable[OpenTask]) -> bool:
@@ -26,6 +27,18 @@ def most_urgent(tasks: Iterable[OpenTask], abilities: Collection[str]) -> OpenTa
     """What a vehicle with these abilities should be offered first; None where nothing waits for it."""
     waiting = [task for task in tasks if task.auction.waits and _ability(task) in abilities]
     return min(waiting, key=_urgency, default=None)
+
+
+def unneeded(tasks: Iterable[OpenTask], supply: Supply) -> list[OpenTask]:
+    """Transports of material that no goal takes any more, and that nobody has on board, as far as is known."""
+    return [
+        task
+        for task in tasks
+        if not task.is_of_goods
+        and task.contract.phase in (None, Phase.APPROACHING)
+        and cast(Transport, task.work).item in supply.materials
+        and not supply.needs(task.work_item, "")
+    ]
 
 
 def _ability(task: OpenTask) -> str:

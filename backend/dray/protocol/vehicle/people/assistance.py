@@ -15,8 +15,8 @@ from msgspec.structs import replace
 from dray.messages import NOTHING_KNOWN, CommandRefusal, HelpWanted, Problem
 from dray.messages.command import PROMISE_MAX_S
 from dray.messages.fact import HelpAsked, HelpPromised
+from dray.protocol.people.patience import room_s
 from dray.protocol.runtime.events import Effect, Record
-from dray.protocol.vehicle.people.patience import room_s
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,12 +13,12 @@ from dray.messages import NOTHING_KNOWN, Link, Message, Problem, ProblemEnded, P
 from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.protocol.calls.help_calls import HelpCalls
+from dray.protocol.people.patience import PASSES_AT_FIRST_S, Experience
 from dray.protocol.runtime.events import Effect, Publish, Subscribe
 from dray.protocol.runtime.timers import Timers
 from dray.protocol.vehicle.contracts import Contracts
 from dray.protocol.vehicle.drivers.driver import Driver
 from dray.protocol.vehicle.people.command_handling import CommandHandling
-from dray.protocol.vehicle.people.patience import PASSES_AT_FIRST_S, Experience
 
 
 class Owner(Protocol):
@@ -170,7 +170,7 @@ class ProblemHandling:
         assistance = self._assistance
         if assistance.problem:
             lasted_s = max(0.0, now_s - self._since_s)
-            ended = ProblemEnded(atv=self._owner.id, problem=assistance.about, lasted_s=lasted_s)
+            ended = ProblemEnded(agent=self._owner.id, problem=assistance.about, lasted_s=lasted_s)
             self._experience.note(ended, "", now_s)
             if self._owner.link is Link.WLAN and assistance.about != NOTHING_KNOWN:
                 self._out.append(Publish(self._keys.problem(self._owner.id), ended))

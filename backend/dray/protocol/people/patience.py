@@ -40,17 +40,20 @@ AT_FIRST_S: Mapping[ProblemKind, float] = {
     ProblemKind.LINK: 60.0,
     ProblemKind.EMERGENCY_STOP: 60.0,
     ProblemKind.DOCK: 60.0,
+    ProblemKind.TOOL: 900.0,
+    ProblemKind.JAM: 120.0,
+    ProblemKind.SOFTWARE: 120.0,
     ProblemKind.UNKNOWN: 0.0,
 }
 """What is believed before anybody has had such a problem: a person who comes at once puts most things right in a minute and
-a half, exchanges no battery and repairs no drive."""
+a half, exchanges no battery and repairs no drive. In a machine what is stuck takes longer, and a new tool a quarter of an hour."""
 
 PASSES_AT_FIRST_S = 30.0
 """The same of what goes away by itself."""
 
 
 class Experience:
-    """How long problems have lasted, as one vehicle has measured and heard."""
+    """How long problems have lasted, as one agent has measured and heard."""
 
     def __init__(self) -> None:
         self._durations = Durations(QUANTILE, HALF_LIFE_S, LONGEST_S)

@@ -1,0 +1,145 @@
+"""A machine's breakdown, and how long its goals wait for its end (paper, case 1).
+
+    room_s      the time that is left to the most pressing deadline; GOAL_PATIENCE_MIN_S to BREAKDOWN_S
+    usual_s     three of five breakdowns of this kind were over by then, as all machines have told
+
+Where such breakdowns are usually over within the room, the goals wait as long as there is room; else they are offered to others at
+once. Of a breakdown about which there are only words nothing is usual, and the goals wait BREAKDOWN_S. A person's word counts above:
+one who promises to come is waited for, and one who has seen that it takes too long lets the goals go.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from msgspec.structs import replace
+
+from dray.body import Broken, WorkcellState
+from dray.messages import (
+    NOTHING_KNOWN,
+    CommandRefusal,
+    HelpWanted,
+    Message,
+    Problem,
+    ProblemEnded,
+    ProblemKind,
+)
+from dray.messages.command import PROMISE_MAX_S
+from dray.messages.fact import HelpAsked, HelpPromised
+from dray.messages.keys import Keys
+from dray.protocol.liveness.suspicion import BREAKDOWN_S
+from dray.protocol.machine.production import GoalBook
+from dray.protocol.people.patience import Experience
+from dray.protocol.runtime.events import Effect, Publish, Record, Subscribe
+from dray.protocol.runtime.timers import Timers
+
+GOAL_PATIENCE_MIN_S = 60.0
+"""The shortest wait that is asked for, even when a goal is late already: in less nobody could help, and whoever takes the goal
+has to order its material first."""
+
+PATIENCE_OVER = "patience over"
+"""The alarm for the end of the goals' wait."""
+
+
+class Breakdown:
+    """What keeps one machine from working.
+
+    Args:
+        machine: its id.
+        keys: of its plant.
+        goals: what waits for it.
+        timers: its alarms; this class uses the name `PATIENCE_OVER`.
+        out: where effects go.
+
+    Attributes:
+        problem: in words; empty for none.
+        about: what is known of it.
+        resettable: the sensors find nothing wrong any more.
+        help: how long the goals wait for a person; None while it works.
+        message_handlers: by the type of a message, what to call with (sender, message, now_s).
+    """
+
+    def __init__(self, machine: str, keys: Keys, goals: GoalBook, timers: Timers, out: list[Effect]) -> None:
+        self._machine, self._keys = machine, keys
+        self._goals = goals
+        self._timers = timers
+        self._out = out
+        self._experience = Experience()
+        self._since_s = 0.0
+        self.problem = ""
+        self.about: Problem = NOTHING_KNOWN
+        self.resettable = False
+        self.help: HelpWanted | None = None
+        self.message_handlers: dict[type[Message], Callable[[str, Any, float], None]] = {
+            ProblemEnded: self._on_ended
+        }
+
+    def start(self, body: WorkcellState, wanted: HelpWanted | None, now_s: float) -> None:
+        """Go on with what the body knows and an earlier life was told, and listen."""
+        self._out.append(Subscribe(self._keys.all_breakdowns))
+        if body.broken:
+            self.help = wanted
+            self.on_broken(Broken(body.broken, body.about_problem, body.resettable), now_s)
+
+    def on_broken(self, report: Broken, now_s: float) -> None:
+        """The machine stands: judge for how long its goals wait, once per problem, and ask for a person."""
+        is_new = not self.problem or report.problem.kind is not self.about.kind
+        self.problem, self.about, self.resettable = report.reason, report.problem, report.resettable
+        if not is_new:
+            return
+        self._since_s = now_s
+        if self.help is None:
+            self.help = HelpWanted(until_s=now_s + self._patience_s(now_s))
+            waiting = next(iter(self._goals), None)
+            asked = HelpAsked(
+                task="" if waiting is None else waiting.id,
+                reason=self.problem,
+                until_s=self.help.until_s,
+                problem=self.about,
+            )
+            self._out.append(Record(asked))
+        self._timers.set(PATIENCE_OVER, self.help.until_s)
+
+    def on_repaired(self, now_s: float) -> None:
+        """It works again: whoever waits for machines may know how long that took."""
+        if self.problem and self.about != NOTHING_KNOWN:
+            lasted_s = max(0.0, now_s - self._since_s)
+            ended = ProblemEnded(agent=self._machine, problem=self.about, lasted_s=lasted_s)
+            self._experience.note(ended, "", now_s)
+            self._out.append(Publish(self._keys.breakdown(self._machine), ended))
+        self.problem, self.about, self.resettable, self.help = "", NOTHING_KNOWN, False, None
+        self._timers.clear(PATIENCE_OVER)
+
+    def is_over_patience(self, now_s: float) -> bool:
+        """Whether its goals wait for it no longer."""
+        return self.help is not None and now_s >= self.help.until_s
+
+    def promise(self, by: str, wait_s: float | None, now_s: float) -> CommandRefusal | None:
+        """A person has promised to come; why that changes nothing, None when the goals wait for them now."""
+        if self.help is None:
+            return CommandRefusal.NOT_WAITING
+        if wait_s is None or not 0.0 < wait_s <= PROMISE_MAX_S:
+            return CommandRefusal.WAIT_OUT_OF_RANGE
+        self.help = HelpWanted(until_s=now_s + wait_s, promised_by=by)
+        self._timers.set(PATIENCE_OVER, self.help.until_s)
+        self._out.append(Record(HelpPromised(until_s=self.help.until_s, promised_by=by)))
+        return None
+
+    def let_go(self, now_s: float) -> CommandRefusal | None:
+        """A person has said that it takes too long; why that changes nothing, None when the goals go to others now."""
+        if self.help is None:
+            return CommandRefusal.NOT_WAITING
+        self.help = replace(self.help, until_s=min(self.help.until_s, now_s), promised_by="")
+        self._timers.clear(PATIENCE_OVER)
+        return None
+
+    def _patience_s(self, now_s: float) -> float:
+        if self.about.kind is ProblemKind.UNKNOWN and not self.about.passes:
+            return BREAKDOWN_S
+        room_s = min(max(self._goals.slack_s(now_s), GOAL_PATIENCE_MIN_S), BREAKDOWN_S)
+        return room_s if self._experience.usual_s(self.about, now_s) <= room_s else 0.0
+
+    def _on_ended(self, sender: str, message: ProblemEnded, now_s: float) -> None:
+        if sender != self._machine:
+            self._experience.note(message, sender, now_s)

@@ -1,0 +1,130 @@
+"""People's commands to a machine: promise help, clear a fault, hand over, work slowly, restart, update, out of service (paper, case 1).
+
+Nothing is obeyed without a grant for the area where the machine stands (invariant 9). What its body, or whoever runs its agent, cannot
+do is refused with that as the reason.
+"""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from dray.body import ResetFault, SetPace
+from dray.memory import CommandMemory, MachineMemory
+from dray.messages import CommandRefusal, Grant, MachineCommand, MachineCommandKind
+from dray.protocol.machine.people.breakdown import Breakdown
+from dray.protocol.people.command_authorisation import CommandAuthorisation
+from dray.protocol.people.granted_commands import GrantedCommands
+from dray.protocol.people.out_of_service import ServiceState
+from dray.protocol.runtime.events import Effect, Instruct
+from dray.protocol.runtime.running import Running
+
+NOTHING_RESTARTS = "nobody starts its agent again here"
+NO_UPDATES = "its software is not replaced from here: use dray fleet update, or what starts it"
+ONE_SPEED = "its body has one speed only"
+"""What stands beside a refusal, for people."""
+
+
+class Owner(Protocol):
+    """A machine, as far as its commands need it."""
+
+    speed_frac: float
+    """A part of its own speed, by which it reckons."""
+
+    def leave(self, now_s: float, *, update: bool) -> None:
+        """Leave in order, to be started again."""
+
+
+class MachineCommandHandling:
+    """What people have told one machine.
+
+    Args:
+        authority: whom it obeys.
+        breakdown: what its sensors report.
+        owner: the machine.
+        running: what can be done with its agent where that runs.
+        out: where effects go.
+
+    Attributes:
+        on_command: takes a command; see `GrantedCommands.on_command`.
+        service: whether it is out of service.
+        paces: its body can work at a part of its speed.
+    """
+
+    def __init__(
+        self,
+        authority: CommandAuthorisation,
+        breakdown: Breakdown,
+        owner: Owner,
+        running: Running,
+        out: list[Effect],
+    ) -> None:
+        self._breakdown = breakdown
+        self._owner = owner
+        self._running = running
+        self._out = out
+        self._granted = GrantedCommands[MachineCommand](authority, self._try, self._detail, out)
+        self.on_command = self._granted.on_command
+        self.service = ServiceState()
+        self.paces = False
+
+    def restore(self, memory: MachineMemory) -> None:
+        """Go on with what an earlier life was told."""
+        self.service.out = memory.out_of_service
+        self._granted.restore(memory.answered)
+        if memory.speed_frac < 1.0 and self.paces:
+            self._set_speed(memory.speed_frac)
+
+    @property
+    def answered(self) -> tuple[CommandMemory, ...]:
+        """What the next life must know: commands that it would obey if they came again."""
+        return self._granted.answered
+
+    def _try(self, command: MachineCommand, grant: Grant, now_s: float) -> CommandRefusal | None:
+        """Carry it out, or say why not."""
+        kind, by = command.kind, command.issued_by or grant.person
+        if kind is MachineCommandKind.PROMISE:
+            return self._breakdown.promise(by, command.wait_s, now_s)
+        if kind is MachineCommandKind.HAND_OVER:
+            return self._breakdown.let_go(now_s)
+        if kind is MachineCommandKind.CLEAR_FAULT:
+            return self._clear_fault()
+        if kind is MachineCommandKind.SET_SPEED:
+            return self._set_speed(command.speed_frac)
+        if kind is MachineCommandKind.TAKE_OUT:
+            return self.service.take_out(command, by, now_s)
+        if kind is MachineCommandKind.PUT_IN:
+            return CommandRefusal.FAULTY if self._breakdown.problem else self.service.put_in()
+        return self._start_again(now_s, update=kind is MachineCommandKind.UPDATE)
+
+    def _clear_fault(self) -> CommandRefusal | None:
+        """Work again, if the sensors find nothing wrong any more."""
+        if not self._breakdown.problem:
+            return CommandRefusal.NOT_WAITING
+        if not self._breakdown.resettable:
+            return CommandRefusal.FAULTY
+        self._out.append(Instruct(ResetFault()))
+        return None
+
+    def _set_speed(self, speed_frac: float | None) -> CommandRefusal | None:
+        if speed_frac is None or not 0.0 < speed_frac <= 1.0:
+            return CommandRefusal.SPEED_OUT_OF_RANGE
+        if not self.paces:
+            return CommandRefusal.NOT_SUPPORTED
+        self._owner.speed_frac = speed_frac
+        self._out.append(Instruct(SetPace(speed_frac)))
+        return None
+
+    def _start_again(self, now_s: float, *, update: bool) -> CommandRefusal | None:
+        if not self._running.starts_again or (update and not self._running.updates):
+            return CommandRefusal.NOT_SUPPORTED
+        self._owner.leave(now_s, update=update)
+        return None
+
+    def _detail(self, command: MachineCommand, refused: CommandRefusal) -> str:
+        if refused is CommandRefusal.FAULTY:
+            return self._breakdown.problem
+        if refused is not CommandRefusal.NOT_SUPPORTED:
+            return ""
+        if command.kind is MachineCommandKind.SET_SPEED:
+            return ONE_SPEED
+        return NO_UPDATES if self._running.starts_again else NOTHING_RESTARTS

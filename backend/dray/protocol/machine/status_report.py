@@ -1,0 +1,150 @@
+"""What a machine tells everybody of itself: its status, and its heartbeat, put together from what its parts know."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from msgspec import UNSET
+
+from dray.messages import NOTHING_KNOWN, JoiningMachine, MachineHeartbeat, MachineStatus
+from dray.messages.fact import MachineStatusChanged
+from dray.messages.heartbeat import Making
+from dray.messages.keys import Keys
+from dray.plant.model import MachineSpec
+from dray.protocol.contract_net.trust.probation import Probation
+from dray.protocol.machine.cycle import Cycle
+from dray.protocol.machine.material_flow import MaterialFlow
+from dray.protocol.machine.people.breakdown import Breakdown
+from dray.protocol.machine.people.command_handling import MachineCommandHandling
+from dray.protocol.machine.production import GoalBook
+from dray.protocol.machine.supply import Supply
+from dray.protocol.runtime.events import Effect, Publish, Record
+from dray.protocol.runtime.heartbeat_timer import HeartbeatTimer
+from dray.protocol.traffic.books.bookkeeping import Bookkeeping
+
+
+class Owner(Protocol):
+    """What a machine knows of itself beside its parts."""
+
+    id: str
+    incarnation: int
+
+    @property
+    def is_draining(self) -> bool:
+        """Whether it was asked to leave."""
+
+
+class StatusReport:
+    """Puts a machine's heartbeats together.
+
+    Args:
+        owner: the machine.
+        software: the version it runs.
+        joining: what it is, where the plant files of others do not know it.
+        keys: of its plant.
+        timer: numbers heartbeats.
+        goals, supply, flow, cycle, breakdown, commands, probation, bookkeeping: the machine's parts.
+        out: where effects go.
+
+    Attributes:
+        status: as it was told last.
+    """
+
+    def __init__(
+        self,
+        owner: Owner,
+        software: str,
+        joining: JoiningMachine | None,
+        keys: Keys,
+        timer: HeartbeatTimer,
+        goals: GoalBook,
+        supply: Supply,
+        flow: MaterialFlow,
+        cycle: Cycle,
+        breakdown: Breakdown,
+        commands: MachineCommandHandling,
+        probation: Probation,
+        bookkeeping: Bookkeeping,
+        out: list[Effect],
+    ) -> None:
+        self._owner = owner
+        self._software = software
+        self._joining = joining
+        self._key = keys.machine_heartbeat(owner.id)
+        self._timer = timer
+        self._goals = goals
+        self._supply = supply
+        self._flow = flow
+        self._cycle = cycle
+        self._breakdown = breakdown
+        self._commands = commands
+        self._probation = probation
+        self._bookkeeping = bookkeeping
+        self._out = out
+        self.status = MachineStatus.IDLE
+
+    def say(self, now_s: float) -> MachineHeartbeat:
+        """Send a heartbeat."""
+        breakdown = self._breakdown
+        heartbeat = MachineHeartbeat(
+            machine=self._owner.id,
+            incarnation=self._owner.incarnation,
+            seq=self._timer.count(),
+            at_s=now_s,
+            status=self.status,
+            product=self._cycle.product,
+            goals=self._goals.briefs(now_s),
+            tasks=tuple(task.brief() for task in self._flow.tasks),
+            buffers=self._supply.levels(),
+            goods=self._flow.goods.levels(),
+            waits=self._flow.sourcing.waits(),
+            problem=breakdown.problem,
+            about_problem=UNSET if breakdown.about == NOTHING_KNOWN else breakdown.about,
+            resettable=breakdown.resettable or UNSET,
+            help=breakdown.help or UNSET,
+            out_of_service=self._commands.service.out or UNSET,
+            speed_frac=UNSET if self._goals.speed_frac == 1.0 else self._goals.speed_frac,
+            software=self._software,
+            draining=self._owner.is_draining,
+            probation=self._probation.brief(),
+            joining=self._joining,
+            awaits=self._bookkeeping.awaited(now_s),
+        )
+        self._out.append(Publish(self._key, heartbeat))
+        return heartbeat
+
+    def update(self, now_s: float) -> None:
+        """Work the status out anew; tell it if it has changed."""
+        status, reason = self._present()
+        if status is self.status:
+            return
+        self.status = status
+        fact = MachineStatusChanged(status=status, product=self._cycle.product, reason=reason)
+        self._out.append(Record(fact))
+        self._timer.at_once(now_s)
+
+    def _present(self) -> tuple[MachineStatus, str]:
+        if self._breakdown.problem:
+            return MachineStatus.ERROR, self._breakdown.problem
+        if self._cycle.product:
+            return MachineStatus.PRODUCING, ""
+        if not self._goals.unfinished:
+            return MachineStatus.IDLE, ""
+        if self._flow.goods.full:
+            return MachineStatus.BLOCKED, "the goods are not fetched"
+        return MachineStatus.STARVED, self._flow.sourcing.told() or "material is missing"
+
+
+def introduction(spec: MachineSpec) -> JoiningMachine:
+    """What a machine tells of itself that the plant files of others do not know."""
+    return JoiningMachine(
+        name=spec.name,
+        station=spec.station,
+        node=spec.node,
+        x_m=spec.box.x_m,
+        y_m=spec.box.y_m,
+        width_m=spec.box.width_m,
+        depth_m=spec.box.depth_m,
+        makes=tuple(Making(making.product, making.cycle_s) for making in spec.makes),
+        goods_capacity=spec.goods_capacity,
+    )

@@ -1,0 +1,160 @@
+"""People who look after machines (paper, case 1): they come when one is broken, mend it, and say so; or they hand its goals over.
+
+A technician has a tablet that shows the machines' heartbeats, and does one thing at a time. What takes longer than the goals can wait is
+handed over first; a machine that is taken to pieces is out of service meanwhile.
+
+    short      react -> promise -> walk -> mend -> CLEAR FAULT
+    long       react -> walk -> HAND OVER -> TAKE OUT -> mend -> CLEAR FAULT -> PUT IN
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from random import Random
+from typing import TYPE_CHECKING
+
+from msgspec import UNSET
+
+from dray.messages import CommandRefusal, MachineCommandKind, MachineHeartbeat, ProblemKind
+from dray.messages.command import PROMISE_MAX_S
+from dray_sim.people.habits import Range
+from dray_sim.people.hands import Hands
+from dray_sim.people.operators import EVERYWHERE, area_at
+from dray_sim.people.tablet import Tablet
+
+if TYPE_CHECKING:
+    from dray_sim.factory.sim_factory import SimFactory
+
+LOOK_S = 5.0
+"""How often somebody glances at the tablet."""
+
+
+@dataclass(frozen=True, slots=True)
+class Skill:
+    """How a technician works. Seconds are from and to.
+
+    Attributes:
+        react_s: from seeing that a machine is broken to doing something about it.
+        walk_s: to the machine.
+        mend_s: to put it right, by the kind of the problem; of any other kind, and of what is unknown, `other_s`.
+        other_s: the same of all other kinds.
+        estimate: what is promised, as a part of the time that it will take.
+        promises_frac: the chance that somebody says to be on the way.
+        longest_s: what takes longer is handed over, and the machine is out of service meanwhile.
+    """
+
+    react_s: Range = (5.0, 30.0)
+    walk_s: Range = (15.0, 90.0)
+    mend_s: Mapping[ProblemKind, Range] = field(default_factory=dict)
+    other_s: Range = (60.0, 480.0)
+    estimate: Range = (1.0, 1.5)
+    promises_frac: float = 1.0
+    longest_s: float = 300.0
+
+
+class Technician:
+    """One person, who looks after the machines of one area and joins the bus as `technician-<area>`.
+
+    Args:
+        area: for which machines; `EVERYWHERE` for all of them.
+        factory: where.
+        random: all chance in this person's life.
+        skill: how this person works.
+
+    Attributes:
+        name: on the bus.
+        mended: how many machines were put right.
+        handed_over: how many of them had lost their goals before.
+    """
+
+    def __init__(self, area: str, factory: SimFactory, random: Random, skill: Skill) -> None:
+        self.name = f"technician-{area}"
+        self.mended = self.handed_over = 0
+        self._area = area
+        self._plant = factory.plant
+        self._hands = Hands(factory)
+        self._random = random
+        self._skill = skill
+        self._out: set[str] = set()
+        """Machines that are out of service by this person's word."""
+        self._tablet = Tablet(
+            self.name,
+            None if area == EVERYWHERE else (area,),
+            keys=factory.keys,
+            bus=factory.bus,
+            clock=factory.clock,
+            authority=factory.authority,
+        )
+
+    async def run(self) -> None:
+        """Work until cancelled."""
+        with self._tablet.on():
+            while True:
+                await asyncio.sleep(LOOK_S)
+                needy = sorted(
+                    machine
+                    for machine, beat in self._tablet.machines.items()
+                    if self._concerns(machine, beat)
+                )
+                if needy:
+                    await self._attend(needy[0])
+                for machine in sorted(self._out):
+                    await self._bring_back(machine)
+
+    def _concerns(self, machine: str, beat: MachineHeartbeat) -> bool:
+        """Whether it stands here, is broken, and nobody else is on the way."""
+        if not beat.problem or machine not in self._plant.machines:
+            return False
+        if area_at(self._plant, *self._plant.position_of(machine)) != self._area:
+            return False
+        return beat.help is UNSET or beat.help.promised_by in ("", self.name)
+
+    async def _attend(self, machine: str) -> None:
+        await asyncio.sleep(self._draw(self._skill.react_s))
+        about = self._tablet.machines[machine].about_problem
+        kind = ProblemKind.UNKNOWN if about is UNSET else about.kind
+        walk_s = self._draw(self._skill.walk_s)
+        mend_s = self._draw(self._skill.mend_s.get(kind, self._skill.other_s))
+        is_long = mend_s > self._skill.longest_s
+        if not is_long and self._random.random() < self._skill.promises_frac:
+            wait_s = min((walk_s + mend_s) * self._draw(self._skill.estimate), PROMISE_MAX_S)
+            await self._tablet.tell(machine, MachineCommandKind.PROMISE, wait_s=wait_s)
+        await asyncio.sleep(walk_s)
+        if not self._hands.machine_problem(machine):
+            return
+        if is_long:
+            await self._tablet.tell(machine, MachineCommandKind.HAND_OVER)
+            await self._tablet.tell(
+                machine, MachineCommandKind.TAKE_OUT, wait_s=mend_s, reason="it is being mended"
+            )
+            self._out.add(machine)
+            self.handed_over += 1
+        await asyncio.sleep(mend_s)
+        self._hands.mend_machine(machine)
+        await self._tablet.tell(machine, MachineCommandKind.CLEAR_FAULT)
+        self.mended += 1
+
+    async def _bring_back(self, machine: str) -> None:
+        """Put a machine into service again; one that does not hear is told so later, and one that is broken again is mended first."""
+        answer = await self._tablet.tell(machine, MachineCommandKind.PUT_IN)
+        if answer is not None and (answer.done or answer.reason is CommandRefusal.IN_SERVICE):
+            self._out.discard(machine)
+
+    def _draw(self, seconds: Range) -> float:
+        return self._random.uniform(*seconds)
+
+
+def employ(factory: SimFactory, *, seed: int, skill: Skill | None = None) -> tuple[Technician, ...]:
+    """One technician for every area of a factory; whoever calls this lets them `run`.
+
+    Args:
+        factory: where they work.
+        seed: each draws from a generator of its own that follows from it.
+        skill: of everybody.
+    """
+    return tuple(
+        Technician(area, factory, Random(f"{seed} technician {area}"), skill or Skill())
+        for area in factory.plant.areas or (EVERYWHERE,)
+    )
