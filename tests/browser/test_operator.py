@@ -194,7 +194,12 @@ def test_a_vehicle_is_taken_out_of_service_and_put_into_service_again(
     back = own.locator(".service-back")
     expect(back).to_contain_text(WHO.title())
     screenshot(page, f"operator-out-of-service-{look}")
-    press_and_hold(page, back.locator("button"))
+    checks = back.locator(".checks button")
+    expect(back.locator("> button")).to_be_disabled()
+    expect(checks.nth(1)).to_be_disabled()
+    for check in checks.all():
+        check.tap()
+    press_and_hold(page, back.locator("> button"))
     expect(own.locator(".service-open")).to_have_count(1)
     taken, put = vehicles["ATV2"].heard
     assert (taken.kind, taken.wait_s, put.kind) == (CommandKind.TAKE_OUT, 8 * 3600.0, CommandKind.PUT_IN)

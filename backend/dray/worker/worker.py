@@ -81,7 +81,7 @@ class Worker:
         handled: events handled so far.
         inbox: what has come and waits; it tells what it has dropped.
         ignored: messages that changed nothing, by the agent's reason; reasons are few and fixed.
-        left: how the agent has left in order; None while it has not.
+        left: how the agent has ended its graceful shutdown; None while it has not.
     """
 
     def __init__(

@@ -8,6 +8,7 @@ import type {
   CommandRequest,
   DutyRequest,
   DutyView,
+  MachineCommandRequest,
   FaultRequest,
   ImportAnswer,
   KpiHistory,
@@ -91,6 +92,11 @@ export async function commandAtv(atv: string, command: CommandRequest): Promise<
     const way = origin === "" ? {} : { baseUrl: origin, credentials: "include" as const };
     return bodyOf(gateway.POST("/api/atvs/{atv}/commands", { ...way, params, body }));
   });
+}
+
+/** Sends a command to a machine. */
+export async function commandMachine(machine: string, command: MachineCommandRequest): Promise<CommandAnswer> {
+  return await bodyOf(gateway.POST("/api/machines/{machine}/commands", { params: { path: { machine } }, body: command }));
 }
 
 /** Ends the session of this browser. Not by a form: on pages without a referrer it would not tell where it comes from. */

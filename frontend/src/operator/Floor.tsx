@@ -9,6 +9,8 @@ import { CallCards } from "./duty/CallCards";
 import { DutyCard } from "./duty/DutyCard";
 import { groupsOf, type Groups, shownGroups } from "./cards/need";
 import { watchTouch } from "./cards/touch";
+import { MachineCards } from "./machines/MachineCards";
+import { needsSomebody } from "./machines/need";
 import { moment, placeName, plant, plantFailed } from "./state";
 import { StationCard } from "./station/StationCard";
 import { StopBar } from "./stop/StopBar";
@@ -37,16 +39,18 @@ export function Floor() {
 
   const { needing, well } = groups.value;
   const name = placeName.value;
+  const count = needing.length + needsSomebody(world.value?.machines.values() ?? [], moment.value);
   return (
     <>
       <main ref={page} id="vehicles" tabIndex={-1}>
         <CallCards />
-        {needing.length > 0 && (
+        {count > 0 && (
           <p class="needing-head">
-            <b>{t("cards.needingCount", { count: format.count(needing.length) })}</b> <span class="muted">{t("cards.joinBelow")}</span>
+            <b>{t("cards.needingCount", { count: format.count(count) })}</b> <span class="muted">{t("cards.joinBelow")}</span>
           </p>
         )}
         <Cards class="needing" ids={needing} label={t("cards.needing")} />
+        <MachineCards />
         <Place />
         <DutyCard />
         <Cards class="well" ids={well} label={t("cards.well", { name })} />

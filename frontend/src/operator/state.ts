@@ -1,8 +1,8 @@
 /** What all parts of the operator panel share. */
 import { computed, signal } from "@preact/signals";
-import type { AtvView, PlantFile } from "../api/types";
+import type { PlantFile } from "../api/types";
 import { namesOf } from "../plant/names";
-import { isLost } from "../plant/silence";
+import { isLost, type Seen } from "../plant/silence";
 import { isPast } from "../stream/freshness";
 import { freshness, nowS, world } from "../stream/stream";
 import { format, t } from "../text/operator";
@@ -38,7 +38,7 @@ export const placeName = computed(() => {
   return areas.length === 0 || me.value?.areas === null ? t("top.plant") : format.list(areas.map(({ name }) => name));
 });
 
-export function circumstancesOf(atv: AtvView): Circumstances {
+export function circumstancesOf(atv: Seen): Circumstances {
   return {
     connected: !isPast(freshness.value) && freshness.value !== "connecting",
     ended: ended.value !== null,

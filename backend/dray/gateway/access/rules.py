@@ -68,6 +68,9 @@ RULES: Mapping[tuple[str, str], Rule] = {
     ("GET", "/api/materials"): Rule(Scope.FACTORY_READ, by_area=True),
     ("GET", "/api/machines"): Rule(Scope.FACTORY_READ, by_area=True),
     ("GET", "/api/machines/{machine}"): Rule(Scope.FACTORY_READ, by_area=True),
+    ("POST", "/api/machines/{machine}/commands"): Rule(
+        Scope.VEHICLES_COMMAND, by_area=True, action="machine.command"
+    ),
     ("GET", "/api/atvs"): Rule(Scope.FACTORY_READ, by_area=True),
     ("GET", "/api/atvs/{atv}"): Rule(Scope.FACTORY_READ, by_area=True),
     ("POST", "/api/atvs/{atv}/commands"): Rule(Scope.VEHICLES_STOP, by_area=True, action="vehicle.command"),

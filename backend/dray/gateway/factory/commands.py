@@ -1,7 +1,7 @@
-"""Commands: what a person asks of a vehicle, and the vehicle's word on it.
+"""Commands: what a person asks of a vehicle or a machine, and its word on it.
 
 A command is sent once and never queued: a person must know whether it was heard, and decide again. All
-panels of those who answer for the vehicle see it: sent, and then what became of it.
+panels of those who answer for it see it: sent, and then what became of it.
 """
 
 from __future__ import annotations
@@ -12,13 +12,14 @@ from collections import OrderedDict
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from http import HTTPStatus
+from typing import Any, TypeVar, cast
 
 from dray.adapters.security.signing import SigningKey
 from dray.gateway.access.principal import Principal, Scope
 from dray.gateway.http.problems import Problem
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.views import CommandView
-from dray.messages import CommandAnswered, CommandKind, Message, VehicleCommand
+from dray.messages import CommandAnswered, CommandKind, MachineCommand, Message, VehicleCommand
 from dray.messages.base import CLOCKS_AGREE_S
 from dray.plant import Plant
 
@@ -31,6 +32,7 @@ PENDING = 1_000
 NAMES_KEPT = 2_000
 """Commands that are known by their names when they are sent again: more than may wait at once."""
 
+C = TypeVar("C", VehicleCommand, MachineCommand)
 
 SHUTTING_OUT = Principal(kind="admin", id="shut-out", name="", scopes=frozenset({Scope.VEHICLES_STOP}))
 """On whose behalf a vehicle is stopped that is shut out; who it was is in the audit log."""
@@ -41,16 +43,16 @@ class Sent:
     """A command that was sent.
 
     Attributes:
-        atv: to whom.
+        agent: to whom.
         person: on whose behalf.
         said: in which words, without the grant.
-        answer: the vehicle's word.
+        answer: the word of whom it was given to.
         beside: it went by the way that is for stops alone (`dray.gateway.stop`), which keeps account of it.
     """
 
-    atv: str
+    agent: str
     person: str
-    said: VehicleCommand
+    said: VehicleCommand | MachineCommand
     answer: asyncio.Future[CommandAnswered]
     beside: bool = False
 
@@ -120,9 +122,8 @@ class Commands:
             Problem: 504 when the vehicle does not answer in time, 503 when too many are waiting, 409 when
                 another command has this name.
         """
-        name = command or self._new_name()
         said = VehicleCommand(
-            command=name,
+            command=command or self.new_name(),
             kind=kind,
             speed_frac=speed_frac,
             wait_s=wait_s,
@@ -130,11 +131,26 @@ class Commands:
             reason=reason,
             after_work=after_work,
         )
-        person = f"{by.kind}:{by.id}"
+        return await self.give(atv, said, by=by)
+
+    async def give(
+        self, agent: str, said: VehicleCommand | MachineCommand, *, by: Principal
+    ) -> CommandAnswered:
+        """Send a command in these words with a grant, and wait for the word of whom it is for.
+
+        Args:
+            agent: a vehicle or a machine.
+            said: the command, without a grant; one whose name is known is only waited for.
+            by: who asks.
+
+        Raises:
+            Problem: see `order`.
+        """
+        name, person = said.command, f"{by.kind}:{by.id}"
         sent = self._sent.get(name)
         if sent is None:
-            sent = self._say(atv, said, person, by)
-        elif (sent.atv, sent.person, sent.said) != (atv, person, said):
+            sent = self._say(agent, said, person, by)
+        elif (sent.agent, sent.person, sent.said) != (agent, person, said):
             raise name_used(name)
         return await self._wait(name, sent)
 
@@ -164,7 +180,7 @@ class Commands:
     def answered(self, sender: str, answer: CommandAnswered) -> bool:
         """A vehicle has answered; returns whether that is news, in time or late."""
         sent = self._sent.get(answer.command)
-        if sent is None or sent.answer.done() or sent.atv != sender:
+        if sent is None or sent.answer.done() or sent.agent != sender:
             return False
         sent.answer.set_result(answer)
         self._projection.commands.end(answer.command, "confirmed" if answer.done else "refused", answer)
@@ -178,16 +194,16 @@ class Commands:
             by: the name of who has shut it out.
         """
         why = f"{by} has shut {atv} out: whether it obeys is not known, look at it"
-        stop = VehicleCommand(command=self._new_name(), kind=CommandKind.STOP, issued_by=by)
+        stop = VehicleCommand(command=self.new_name(), kind=CommandKind.STOP, issued_by=by)
         with contextlib.suppress(Problem):  # too many wait: it is shut out all the same
             self._say(atv, stop, SHUTTING_OUT.id, replace(SHUTTING_OUT, name=by))
         for name, sent in self._sent.items():
-            if sent.atv == atv and not sent.answer.done():
+            if sent.agent == atv and not sent.answer.done():
                 unknown = CommandAnswered(command=name, done=False, detail=why)
                 sent.answer.set_result(unknown)
                 self._projection.commands.end(name, "not_confirmed", unknown)
 
-    def _new_name(self) -> str:
+    def new_name(self) -> str:
         """A name that no command has: callers may have chosen one that looks like ours."""
         while True:
             self._count += 1
@@ -195,12 +211,12 @@ class Commands:
             if name not in self._sent:
                 return name
 
-    def _say(self, atv: str, said: VehicleCommand, person: str, by: Principal) -> Sent:
+    def _say(self, agent: str, said: VehicleCommand | MachineCommand, person: str, by: Principal) -> Sent:
         if self._waiting >= PENDING:
             raise too_many_wait(PENDING)
-        sent = self._keep(Sent(atv, person, said, _nothing_yet()))
+        sent = self._keep(Sent(agent, person, said, _nothing_yet()))
         self._show(sent, by)
-        self._send(atv, self._granted(sent, by))
+        self._send(agent, self._granted(sent, by))
         return sent
 
     def _keep(self, sent: Sent) -> Sent:
@@ -216,40 +232,44 @@ class Commands:
                 return await asyncio.shield(sent.answer)
         except TimeoutError:
             self._projection.commands.end(name, "not_confirmed")
-            raise not_confirmed(sent.atv, self._timeout_s) from None
+            raise not_confirmed(sent.agent, self._timeout_s) from None
         finally:
             self._waiting -= 1
 
     def _show(self, sent: Sent, by: Principal) -> None:
         said = sent.said
-        place_m = self._projection.atvs.place_m(sent.atv)
+        margin_m = said.kind.margin_m if isinstance(said.kind, CommandKind) else 0.0
+        if isinstance(said, VehicleCommand):
+            place_m = self._projection.atvs.place_m(sent.agent)
+        else:
+            place_m = self._floor.position_of(sent.agent) if sent.agent in self._floor.machines else None
         view = CommandView(
             id=said.command,
-            atv=sent.atv,
-            kind=said.kind.value,
+            atv=sent.agent,
+            kind=cast(Any, said.kind.value),
             speed_frac=said.speed_frac,
             by=by.name,
             at_s=self._wall_s(),
         )
-        near = () if place_m is None else self._floor.areas_near(*place_m, said.kind.margin_m)
+        near = () if place_m is None else self._floor.areas_near(*place_m, margin_m)
         if by.areas is not None and by.areas.isdisjoint(near):
             near = (*near, *by.areas)  # whoever stops what is shown elsewhere sees what became of it
         self._projection.commands.put(view, near)
 
-    def _granted(self, sent: Sent, by: Principal) -> VehicleCommand:
+    def _granted(self, sent: Sent, by: Principal) -> VehicleCommand | MachineCommand:
         # All but a stop is good for as long as its answer is waited for, and so much longer as clocks differ: who was told
         # that it is not confirmed must not see it obeyed later.
         valid_s = STOP_VALID_S if sent.said.kind is CommandKind.STOP else self._timeout_s + CLOCKS_AGREE_S
         until_s = self._plant_s() + valid_s * self._speed
-        return granted(self._authority, sent.atv, sent.said, by, until_s)
+        if isinstance(sent.said, MachineCommand):
+            return granted(self._authority, sent.agent, sent.said, by, until_s)
+        return granted(self._authority, sent.agent, sent.said, by, until_s)
 
 
-def granted(
-    authority: SigningKey, atv: str, said: VehicleCommand, by: Principal, valid_until_s: float
-) -> VehicleCommand:
-    """A command to one vehicle with the grant of whoever gives it; `valid_until_s` is on the plant's clock."""
+def granted(authority: SigningKey, agent: str, said: C, by: Principal, valid_until_s: float) -> C:
+    """A command to one vehicle or machine with the grant of whoever gives it; `valid_until_s` is on the plant's clock."""
     return authority.grant(
-        atv,
+        agent,
         said,
         person=f"{by.kind}:{by.id}",
         areas=None if by.areas is None else sorted(by.areas),
@@ -278,13 +298,13 @@ def too_many_wait(most: int) -> Problem:
     )
 
 
-def not_confirmed(atv: str, timeout_s: float) -> Problem:
-    """A vehicle has not answered in time."""
+def not_confirmed(agent: str, timeout_s: float) -> Problem:
+    """Neither vehicle nor machine has answered in time."""
     return Problem(
         HTTPStatus.GATEWAY_TIMEOUT,
         "not-confirmed",
-        "Not confirmed by the vehicle",
-        f"{atv} has not answered within {timeout_s:g} s: it may or may not have heard; look at it",
+        "Not confirmed",
+        f"{agent} has not answered within {timeout_s:g} s: it may or may not have heard; look at it",
     )
 
 

@@ -60,17 +60,18 @@ REASONS: Mapping[Reason, str] = {
 
 REFUSALS: Mapping[CommandRefusal, str] = {
     CommandRefusal.NOT_GRANTED: "nobody has granted it: it carries no grant",
-    CommandRefusal.NOT_TRUSTED: "its grant is not signed by anybody whom this vehicle trusts, or not for these words",
+    CommandRefusal.NOT_TRUSTED: "its grant is not signed by anybody whom it trusts, or not for these words",
     CommandRefusal.EXPIRED: "its grant has expired; give the command again",
-    CommandRefusal.NOT_HERE: "the vehicle is outside of the areas that its grant names",
+    CommandRefusal.NOT_HERE: "it is outside of the areas that its grant names",
     CommandRefusal.NOT_STOPPED: "it is not stopped",
     CommandRefusal.NOT_ACKNOWLEDGED: "acknowledge the stop first",
     CommandRefusal.FAULTY: "its sensors still report a problem",
     CommandRefusal.IN_SERVICE: "it is in service",
-    CommandRefusal.NOT_WAITING: "it has no task that waits for help",
+    CommandRefusal.NOT_WAITING: "it has no task and no goal that waits for help",
+    CommandRefusal.NOT_SUPPORTED: "that cannot be done here",
     CommandRefusal.LOAD_ABOARD: "it has goods on board, and nobody else can carry them: take them off first",
     CommandRefusal.WAIT_OUT_OF_RANGE: f"say when you are there: above 0 and at most {PROMISE_MAX_S:.0f} s from now",
-    CommandRefusal.SPEED_OUT_OF_RANGE: "a speed is above 0 and at most 1 of the vehicle's own; use stop to stop it",
+    CommandRefusal.SPEED_OUT_OF_RANGE: "a speed is above 0 and at most 1 of its own; a vehicle is stopped with stop",
 }
 
 IMPLAUSIBLE: Mapping[Implausible, str] = {

@@ -298,7 +298,7 @@ class Machine(AgentBase):
         self._supply.goals_changed()
 
     def leave(self, now_s: float, *, update: bool) -> None:
-        """Leave in order, to be started again."""
+        """Shut down gracefully, to be started again."""
         self._last_word = Leave(again=True, update=update)
         self._on_leaving(now_s)
 

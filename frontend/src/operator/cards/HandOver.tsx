@@ -15,6 +15,27 @@ const KEEP_MS = 3000;
  * says that it is being handed over, and one more touch keeps the task.
  */
 export function HandOver({ atv }: { atv: AtvView }) {
+  const task = atv.task ? world.value?.tasks.get(atv.task.task) : undefined;
+  const next = task?.secondary ?? "";
+  const aboard = task?.goods_aboard === true;
+  return (
+    <Leaving
+      disabled={aboard || hindranceOf("hand_over", atv, circumstancesOf(atv)) !== null}
+      text={(leaving) => handOverText(leaving, aboard, next)}
+      onGone={() => void give(atv.id, { kind: "hand_over" })}
+    />
+  );
+}
+
+interface Props {
+  readonly disabled: boolean;
+  /** What becomes of the work, or how to keep it. */
+  readonly text: (leaving: boolean) => string;
+  readonly onGone: () => void;
+}
+
+/** A button that does what it says after some seconds, in which one more touch keeps things as they are. */
+export function Leaving({ disabled, onGone, text }: Props) {
   const leaving = useSignal(false);
   const timer = useRef<number | undefined>(undefined);
   const touch = (): void => {
@@ -23,24 +44,21 @@ export function HandOver({ atv }: { atv: AtvView }) {
     if (!leaving.value) return;
     timer.current = window.setTimeout(() => {
       leaving.value = false;
-      void give(atv.id, { kind: "hand_over" });
+      onGone();
     }, KEEP_MS);
   };
   useEffect(() => () => {
     clearTimeout(timer.current);
   }, []);
-  const task = atv.task ? world.value?.tasks.get(atv.task.task) : undefined;
-  const next = task?.secondary ?? "";
-  const aboard = task?.goods_aboard === true;
   return (
     <button
       type="button"
       class={`button hand-over ${leaving.value ? "leaving" : ""}`}
-      disabled={aboard || hindranceOf("hand_over", atv, circumstancesOf(atv)) !== null}
+      disabled={disabled}
       onClick={touch}
     >
       <b>{t(leaving.value ? "handOver.keep" : "handOver.now")}</b>
-      <small>{handOverText(leaving.value, aboard, next)}</small>
+      <small>{text(leaving.value)}</small>
     </button>
   );
 }

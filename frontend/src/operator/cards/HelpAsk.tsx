@@ -44,12 +44,12 @@ export function knownText({ kind, load_movable: movable, needs_person: needed, p
   return said.join(" ");
 }
 
-function Patience({ help, leftS }: { help: HelpView; leftS: number }) {
+export function Patience({ help, leftS, waits = t("help.waits") }: { help: HelpView; leftS: number; waits?: string }) {
   const by = help.promised_by;
   return (
     <p class="patience" role="timer">
       <b class="countdown">{format.duration(leftS)}</b>
-      <span>{by === "" ? t("help.waits") : t("help.coming", { by })}</span>
+      <span>{by === "" ? waits : t("help.coming", { by })}</span>
     </p>
   );
 }

@@ -1,9 +1,10 @@
 import { useSignal } from "@preact/signals";
-import type { AtvView } from "../../api/types";
+import type { AtvView, CommandRequest, OutOfServiceView } from "../../api/types";
 import { format, t } from "../../text/operator";
 import { give } from "../commands/given";
 import { hindranceOf } from "../commands/hindrance";
 import { circumstancesOf, moment } from "../state";
+import { Checks } from "./Checks";
 import { HoldButton } from "./HoldButton";
 
 /** Why a vehicle is taken out of service; whoever needs other words has the management panel. */
@@ -12,23 +13,51 @@ const REASONS = ["maintenance", "repair", "cleaning", "place"] as const;
 /** For how long: hours; null for as long as it takes. */
 const HOURS = [1, 8, null] as const;
 
-/** Out of service, by a person's word: first why, and then for how long, which sends it. Back by press and hold. */
-export function Service({ atv }: { atv: AtvView }) {
-  return atv.out_of_service ? <Back atv={atv} /> : <Out atv={atv} />;
+/** What a vehicle and a machine may be told about it. */
+type Word = Pick<CommandRequest, "reason" | "wait_s" | "after_work"> & { readonly kind: "take_out" | "put_in" };
+
+interface Props {
+  readonly id: string;
+  readonly out: OutOfServiceView | null;
+  readonly hindered: boolean;
+  /** What it may finish first; null for nothing. */
+  readonly finishes: string | null;
+  /** What somebody looks at before it is in service again. */
+  readonly checks: readonly string[];
+  readonly send: (word: Word) => void;
 }
 
-function Out({ atv }: { atv: AtvView }) {
+/** A vehicle in or out of service. */
+export function Service({ atv }: { atv: AtvView }) {
+  const kind = atv.out_of_service ? "put_in" : "take_out";
+  return (
+    <ServiceActs
+      id={atv.id}
+      out={atv.out_of_service}
+      hindered={hindranceOf(kind, atv, circumstancesOf(atv)) !== null}
+      finishes={atv.task ? t("service.afterWork") : null}
+      checks={[t("check.vehicle.mended"), t("check.vehicle.load"), t("check.vehicle.clear")]}
+      send={(word) => void give(atv.id, word)}
+    />
+  );
+}
+
+/** Out of service, by a person's word: first why, and then for how long, which sends it. Back by a list, and press and hold. */
+export function ServiceActs(props: Props) {
+  return props.out ? <Back {...props} out={props.out} /> : <Out {...props} />;
+}
+
+function Out({ finishes, hindered: disabled, id, send: say }: Props) {
   const open = useSignal(false);
   const reason = useSignal<(typeof REASONS)[number] | null>(null);
   const afterWork = useSignal(false);
-  const disabled = hindranceOf("take_out", atv, circumstancesOf(atv)) !== null;
   const send = (hours: number | null): void => {
     const why = reason.value;
     if (why === null) return;
     open.value = false;
     reason.value = null;
     const back = hours === null ? {} : { wait_s: hours * 3600 };
-    void give(atv.id, { kind: "take_out", reason: t(`service.reason.${why}`), after_work: afterWork.value, ...back });
+    say({ kind: "take_out", reason: t(`service.reason.${why}`), after_work: afterWork.value, ...back });
   };
   if (!open.value)
     return (
@@ -44,7 +73,7 @@ function Out({ atv }: { atv: AtvView }) {
       </button>
     );
   return (
-    <div class="service" role="group" aria-label={t("service.outOf", { atv: atv.id })}>
+    <div class="service" role="group" aria-label={t("service.outOf", { atv: id })}>
       <span aria-hidden="true">{t("service.why")}</span>
       {REASONS.map((each) => (
         <button
@@ -59,7 +88,7 @@ function Out({ atv }: { atv: AtvView }) {
           {t(`service.reason.${each}`)}
         </button>
       ))}
-      {atv.task && (
+      {finishes !== null && (
         <button
           type="button"
           class="button after-work"
@@ -68,7 +97,7 @@ function Out({ atv }: { atv: AtvView }) {
             afterWork.value = !afterWork.value;
           }}
         >
-          {t("service.afterWork")}
+          {finishes}
         </button>
       )}
       <span aria-hidden="true">{t("service.until")}</span>
@@ -93,9 +122,8 @@ function Out({ atv }: { atv: AtvView }) {
   );
 }
 
-function Back({ atv }: { atv: AtvView }) {
-  const out = atv.out_of_service;
-  if (!out) return null;
+function Back({ checks, hindered, id, out, send }: Props & { readonly out: OutOfServiceView }) {
+  const done = useSignal(0);
   const { nowS } = moment.value;
   const said = { by: out.by, since: format.due(out.since_at_s, nowS) };
   return (
@@ -104,10 +132,13 @@ function Back({ atv }: { atv: AtvView }) {
         {out.reason === "" ? t("service.since", said) : t("service.sinceWhy", { ...said, reason: out.reason })}
         {out.back_at_s !== null && ` ${t("service.back", { at: format.due(out.back_at_s, nowS) })}`}
       </p>
+      <Checks title={t("check.title", { id })} checks={checks} done={done} />
       <HoldButton
         class="button"
-        disabled={hindranceOf("put_in", atv, circumstancesOf(atv)) !== null}
-        onHeld={() => void give(atv.id, { kind: "put_in" })}
+        disabled={hindered || done.value < checks.length}
+        onHeld={() => {
+          send({ kind: "put_in" });
+        }}
       >
         <span>{t("service.in")}</span> <small>{t("release.hold")}</small>
       </HoldButton>

@@ -1,5 +1,5 @@
 import { format, t } from "../../text/operator";
-import { nowS } from "../../stream/stream";
+import { nowS, world } from "../../stream/stream";
 import { refusalText } from "../problem-text";
 import { lastOf } from "./given";
 import { type Command, isUnderway, stagesOf } from "./life";
@@ -7,7 +7,7 @@ import { type Command, isUnderway, stagesOf } from "./life";
 /** A word that was said so long ago tells nothing about now. */
 const SHOWN_S = 90;
 
-/** How far the last command to a vehicle has come. */
+/** How far the last command to a vehicle or a machine has come. */
 export function CommandLine({ atv, stopped }: { atv: string; stopped: boolean }) {
   const command = lastOf(atv);
   if (!command || (!stopped && !isUnderway(command) && nowS.value - command.atS > SHOWN_S)) return null;
@@ -17,7 +17,7 @@ export function CommandLine({ atv, stopped }: { atv: string; stopped: boolean })
       <b>{whatText(command)}</b>
       {stages.map((stage, i) => (
         <span key={stage} class={i === stages.length - 1 ? "stage now" : "stage"}>
-          {t(`stage.${stage}`)}
+          {t(stage === "confirmed" && world.value?.machines.has(atv) ? "stage.confirmedMachine" : `stage.${stage}`)}
         </span>
       ))}
       {!isUnderway(command) && <time>{format.clock(command.atS)}</time>}

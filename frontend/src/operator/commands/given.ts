@@ -1,13 +1,13 @@
 /** The commands that were given on this page, and what has become of them. */
 import { computed, signal } from "@preact/signals";
-import { commandAtv, newKey } from "../../api/client";
+import { commandAtv, commandMachine, newKey } from "../../api/client";
 import { NOT_SENT, Problem } from "../../api/problem";
-import type { CommandRequest, CommandView } from "../../api/types";
+import type { CommandAnswer, CommandRequest, CommandView, MachineCommandRequest } from "../../api/types";
 import { serverNowS, world } from "../../stream/stream";
 import { t } from "../../text/operator";
 import { problemText } from "../problem-text";
 import { me } from "../session/session";
-import { afterWord, type Command, fromPlant, type Why, type Word } from "./life";
+import { afterWord, type Command, fromPlant, type Kind, type Why, type Word } from "./life";
 
 /** A card shows the last one of its vehicle: more than vehicles in an area are of no use. */
 const KEPT = 100;
@@ -44,13 +44,27 @@ function isLater(command: Command, than: Command | undefined): boolean {
   return than === undefined || command.atS >= than.atS;
 }
 
-/** Sends a command once, and never again: a person must know what became of it, and decide anew. */
+/** Sends a command to a vehicle once, and never again: a person must know what became of it, and decide anew. */
 export async function give(atv: string, request: CommandRequest): Promise<void> {
+  await follow(atv, request, (command) => commandAtv(atv, { ...request, command }));
+}
+
+/** The same to a machine. */
+export async function giveMachine(machine: string, request: MachineCommandRequest): Promise<void> {
+  await follow(machine, request, (command) => commandMachine(machine, { ...request, command }));
+}
+
+interface Request {
+  readonly kind: Kind;
+  readonly speed_frac?: number | null;
+}
+
+async function follow(atv: string, request: Request, send: (command: string) => Promise<CommandAnswer>): Promise<void> {
   const id = newKey();
   const { kind, speed_frac: speedFrac = null } = request;
   keep({ id, atv, kind, speedFrac, by: me.value?.name ?? "", stage: "sent", accepted: false, reason: "", detail: "", atS: serverNowS() });
   try {
-    const answer = await commandAtv(atv, { ...request, command: id });
+    const answer = await send(id);
     tell(id, answer.done ? "done" : "declined", answer);
   } catch (error) {
     const [word, detail] = wordOf(error);

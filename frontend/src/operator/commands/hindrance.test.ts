@@ -1,11 +1,11 @@
 import { describe, expect, test } from "vitest";
 import { type Circumstances, hindranceOf } from "./hindrance";
-import type { Kind } from "./life";
+import type { VehicleKind } from "./life";
 
 const well: Circumstances = { connected: true, ended: false, lost: false };
 const free = { status: "working", problem: "", acknowledged: false, help: null, out_of_service: null } as const;
 const stopped = { ...free, status: "stopped" } as const;
-const KINDS: readonly Kind[] = ["stop", "acknowledge", "resume", "set_speed", "promise", "hand_over", "take_out", "put_in"];
+const KINDS: readonly VehicleKind[] = ["stop", "acknowledge", "resume", "set_speed", "promise", "hand_over", "take_out", "put_in"];
 
 describe("what keeps a command from being given", () => {
   test.each<[string, Partial<Circumstances>]>([

@@ -1,6 +1,6 @@
 /** What keeps a command from being given, so that nothing is offered that cannot be done. Pure. */
 import type { AtvView } from "../../api/types";
-import type { Kind } from "./life";
+import type { VehicleKind } from "./life";
 
 export type Hindrance =
   | "offline"
@@ -26,7 +26,7 @@ export interface Circumstances {
 type Vehicle = Pick<AtvView, "status" | "problem" | "acknowledged" | "help" | "out_of_service">;
 
 /** @returns null where the command may be given; a stop always may, whatever its chances */
-export function hindranceOf(kind: Kind, atv: Vehicle, around: Circumstances): Hindrance | null {
+export function hindranceOf(kind: VehicleKind, atv: Vehicle, around: Circumstances): Hindrance | null {
   if (kind === "stop") return null;
   if (around.ended) return "ended";
   if (!around.connected) return "offline";
@@ -34,7 +34,7 @@ export function hindranceOf(kind: Kind, atv: Vehicle, around: Circumstances): Hi
   return OF_VEHICLE[kind](atv);
 }
 
-const OF_VEHICLE: Readonly<Record<Exclude<Kind, "stop">, (atv: Vehicle) => Hindrance | null>> = {
+const OF_VEHICLE: Readonly<Record<Exclude<VehicleKind, "stop">, (atv: Vehicle) => Hindrance | null>> = {
   set_speed: () => null,
   promise: (atv) => (atv.help ? null : "no_help_wanted"),
   take_out: (atv) => (atv.out_of_service ? "out_of_service" : null),

@@ -54,6 +54,7 @@ const AFTER_PASSING: ReadonlySet<Word> = new Set(["passed_on", "done", "declined
 
 export interface Command {
   readonly id: string;
+  /** To whom: a vehicle or a machine. */
   readonly atv: string;
   readonly kind: Kind;
   /** Of `set_speed`. */
@@ -71,7 +72,10 @@ export interface Command {
   readonly atS: number;
 }
 
-export type Kind = "stop" | "acknowledge" | "resume" | "set_speed" | "promise" | "hand_over" | "take_out" | "put_in";
+/** What a vehicle may be told. */
+export type VehicleKind = "stop" | "acknowledge" | "resume" | "set_speed" | "promise" | "hand_over" | "take_out" | "put_in";
+
+export type Kind = VehicleKind | "clear_fault" | "restart" | "update";
 
 /** The command after a word about it; the same one where the word is no news. */
 /** What somebody has said of why not. */

@@ -43,6 +43,7 @@ function Station({ machine, spec }: { machine: MachineView | undefined; spec: Ma
       {machine ? (
         <>
           {machine.problem !== "" && <p class="problem">{failureText(machine.problem)}</p>}
+          <Goals machine={machine} />
           <ul class={`stock ${lost ? "old" : ""}`}>
             {[...machine.buffers, ...machine.goods].map((buffer) => (
               <StockRow key={buffer.item} buffer={buffer} machine={machine} />
@@ -53,6 +54,23 @@ function Station({ machine, spec }: { machine: MachineView | undefined; spec: Ma
         <p class="empty">{t("station.unheard")}</p>
       )}
     </>
+  );
+}
+
+/** What it makes: how far it is, and by when it should be done. */
+function Goals({ machine }: { machine: MachineView }) {
+  if (machine.goals.length === 0) return <p class="muted">{t("station.noGoal")}</p>;
+  return (
+    <ul class="goals">
+      {machine.goals.map(({ deadline_at_s: atS, goal, made, product, quantity }) => (
+        <li key={goal}>
+          <span class="clip">{names.value(product)}</span>
+          <Meter frac={quantity > 0 ? made / quantity : 0} label={t("station.goalLabel", { item: names.value(product), made, quantity })} />
+          <span class="num">{t("machine.level", { level: format.count(made), capacity: format.count(quantity) })}</span>
+          {atS !== null && <small>{t("station.due", { at: format.due(atS, moment.value.nowS) })}</small>}
+        </li>
+      ))}
+    </ul>
   );
 }
 
@@ -90,5 +108,6 @@ function comingText(machine: MachineView, item: string, order: number): string {
   // Who is silent or stands still promises nothing any more.
   if (carrier && isLost(carrier, moment.value.nowS, moment.value.speed)) return t("station.comingSilent", by);
   if (carrier?.status === "stopped") return t("station.comingStopped", by);
-  return at ? t("station.coming", { ...by, at: format.due(at, moment.value.nowS) }) : t("station.comingBy", by);
+  const coming = at ? t("station.coming", { ...by, at: format.due(at, moment.value.nowS) }) : t("station.comingBy", by);
+  return task.secondary === "" ? coming : `${coming} · ${t("machine.secondary", { atv: task.secondary })}`;
 }

@@ -36,6 +36,9 @@ class ProblemView(View, kw_only=True):
         "link",
         "emergency_stop",
         "dock",
+        "tool",
+        "jam",
+        "software",
         "unknown",
     ]
     passes: bool | None = None
@@ -45,10 +48,10 @@ class ProblemView(View, kw_only=True):
 
 
 class HelpView(View, kw_only=True):
-    """A problem that a person can solve, while its task waits for that."""
+    """A problem that a person can solve, while its task, or a machine's goals, wait for that."""
 
     until_at_s: float
-    """Solved by then, the vehicle goes on; else somebody else takes its task."""
+    """Solved by then, it goes on; else somebody else takes its task, or its goals."""
     promised_by: str = ""
     """Who has said to be on the way; empty while nobody has."""
     promise_max_s: float = PROMISE_MAX_S
@@ -56,7 +59,7 @@ class HelpView(View, kw_only=True):
 
 
 class OutOfServiceView(View, kw_only=True):
-    """A person has taken a vehicle out of service: it takes no work, and nothing of it is an alarm."""
+    """A person has taken a vehicle or a machine out of service: it takes no work, and nothing of it is an alarm."""
 
     by: str
     since_at_s: float

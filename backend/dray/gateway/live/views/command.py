@@ -10,21 +10,34 @@ CommandState = Literal["sent", "confirmed", "refused", "not_confirmed"]
 
 
 class CommandView(View, kw_only=True):
-    """What a person has asked of a vehicle, and the vehicle's word on it."""
+    """What a person has asked of a vehicle or a machine, and its word on it."""
 
     id: str
     """As whoever gave it has named it, else as the gateway has."""
     atv: str
-    kind: Literal["stop", "acknowledge", "resume", "set_speed", "promise", "hand_over", "take_out", "put_in"]
+    """Whom it was given to: a vehicle, or a machine."""
+    kind: Literal[
+        "stop",
+        "acknowledge",
+        "resume",
+        "set_speed",
+        "promise",
+        "hand_over",
+        "take_out",
+        "put_in",
+        "clear_fault",
+        "restart",
+        "update",
+    ]
     speed_frac: float | None = None
     by: str
     """The name of who gave it."""
     at_s: float
     """When."""
     state: CommandState = "sent"
-    """not_confirmed: the vehicle has said nothing in time; it may or may not have heard."""
+    """not_confirmed: it has said nothing in time; it may or may not have heard."""
     reason: str = ""
-    """Why the vehicle has refused it: a `CommandRefusal` of the wire; empty where it has not, or somebody else has."""
+    """Why it was refused: a `CommandRefusal` of the wire; empty where it has not, or somebody else has."""
     detail: str = ""
     """What its sensors still report, or why nobody waits for its word."""
     text: str = ""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Literal
 
 from dray.gateway.live.views.agent import ClockView, ProbationView, ShutOutView, SilenceView
+from dray.gateway.live.views.atv import HelpView, OutOfServiceView, ProblemView
 from dray.gateway.live.views.base import View
 from dray.gateway.live.views.cause import CauseView
 
@@ -29,6 +30,10 @@ class GoalView(View, kw_only=True):
     quantity: int
     made: int
     delivered: int
+    deadline_at_s: float | None = None
+    """When it should be done; its order is due some minutes later. None where the machine does not tell."""
+    offered: bool = False
+    """Its machine does not work at it: others may make what is missing."""
 
 
 class OpenTaskView(View, kw_only=True):
@@ -60,6 +65,18 @@ class MachineView(View, kw_only=True):
     buffers: tuple[BufferView, ...] = ()
     goods: tuple[BufferView, ...] = ()
     problem: str = ""
+    about_problem: ProblemView | None = None
+    """What is known of its problem; None where there is none, or nothing is known."""
+    resettable: bool = False
+    """Its sensors find nothing wrong any more: it waits for somebody to say so."""
+    help: HelpView | None = None
+    """While its goals wait for a person, or are offered to others."""
+    out_of_service: OutOfServiceView | None = None
+    """While a person has taken it out of service."""
+    speed_frac: float = 1.0
+    """The part of its own speed at which people let it work."""
+    since_at_s: float | None = None
+    """Since when it has had its status."""
     waits: CauseView | None = None
     """The materials that it needs and that nobody can fetch now; None where there are none."""
     software: str = ""

@@ -31,7 +31,7 @@ class Owner(Protocol):
     """A part of its own speed, by which it reckons."""
 
     def leave(self, now_s: float, *, update: bool) -> None:
-        """Leave in order, to be started again."""
+        """Shut down gracefully, to be started again."""
 
 
 class MachineCommandHandling:

@@ -9,6 +9,7 @@ from typing import Any
 import msgspec
 from msgspec import UNSET
 
+from dray.gateway.live.projection.agents.asked import help_view, out_view, problem_view
 from dray.gateway.live.projection.agents.outsiders import Outsiders
 from dray.gateway.live.projection.agents.removals import Removals
 from dray.gateway.live.projection.agents.silence import Silence
@@ -18,12 +19,9 @@ from dray.gateway.live.views import (
     AtvView,
     BriefView,
     ClockView,
-    HelpView,
-    OutOfServiceView,
     ProbationView,
-    ProblemView,
 )
-from dray.messages import AtvHeartbeat, Brief, Heartbeat, HelpWanted, OutOfService, Problem
+from dray.messages import AtvHeartbeat, Brief, Heartbeat
 from dray.plant.model import Charging, VehicleSpec, VehicleType
 from dray.store.history.clocks import Clocks, ToWall
 
@@ -190,11 +188,13 @@ class Atvs:
             speed_limit_frac=heartbeat.speed_limit_frac,
             acknowledged=heartbeat.acknowledged,
             problem=heartbeat.problem,
-            about_problem=None if heartbeat.about_problem is UNSET else _problem(heartbeat.about_problem),
-            help=None if heartbeat.help is None else self._help(heartbeat.help),
+            about_problem=None if heartbeat.about_problem is UNSET else problem_view(heartbeat.about_problem),
+            help=None if heartbeat.help is None else help_view(heartbeat.help, self._to_wall_s),
             software=heartbeat.software,
             draining=heartbeat.draining,
-            out_of_service=None if heartbeat.out_of_service is UNSET else self._out(heartbeat.out_of_service),
+            out_of_service=None
+            if heartbeat.out_of_service is UNSET
+            else out_view(heartbeat.out_of_service, self._to_wall_s),
             probation=probation_of(heartbeat),
             asks_where_it_stands=heartbeat.floor is not UNSET and heartbeat.floor.asks_where_it_stands,
             removal=self._removals.view(atv),
@@ -215,27 +215,6 @@ class Atvs:
             quantity=brief.quantity,
             due_at_s=None if brief.due_s is None else self._to_wall_s(brief.due_s),
         )
-
-    def _out(self, out: OutOfService) -> OutOfServiceView:
-        return OutOfServiceView(
-            by=out.by,
-            since_at_s=self._to_wall_s(out.since_s),
-            reason=out.reason,
-            back_at_s=None if out.back_s is None else self._to_wall_s(out.back_s),
-            after_work=out.after_work,
-        )
-
-    def _help(self, wanted: HelpWanted) -> HelpView:
-        return HelpView(until_at_s=self._to_wall_s(wanted.until_s), promised_by=wanted.promised_by)
-
-
-def _problem(problem: Problem) -> ProblemView:
-    return ProblemView(
-        kind=plain(problem.kind),
-        passes=problem.passes,
-        needs_person=problem.needs_person,
-        load_movable=problem.load_movable,
-    )
 
 
 def _stands_as(last: AtvHeartbeat, heartbeat: AtvHeartbeat) -> bool:

@@ -5,6 +5,9 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Iterator
 
+from msgspec import UNSET
+
+from dray.gateway.live.projection.agents.asked import help_view, out_view, problem_view
 from dray.gateway.live.projection.agents.atvs import clock_of, joining_max, plain, probation_of
 from dray.gateway.live.projection.agents.outsiders import Outsiders
 from dray.gateway.live.projection.agents.silence import Silence
@@ -129,11 +132,21 @@ class Machines:
             name=heartbeat.machine if spec is None else spec.name,
             status=plain(heartbeat.status),
             product=heartbeat.product,
-            goals=tuple(_goal(goal) for goal in heartbeat.goals),
+            goals=tuple(self._goal(goal) for goal in heartbeat.goals),
             tasks=tuple(self._task(task) for task in heartbeat.tasks),
             buffers=tuple(_buffer(level) for level in heartbeat.buffers),
             goods=tuple(_buffer(level) for level in heartbeat.goods),
             problem=heartbeat.problem,
+            about_problem=None if heartbeat.about_problem is UNSET else problem_view(heartbeat.about_problem),
+            resettable=heartbeat.resettable is True,
+            help=None if heartbeat.help is UNSET else help_view(heartbeat.help, self._to_wall_s),
+            out_of_service=(
+                None
+                if heartbeat.out_of_service is UNSET
+                else out_view(heartbeat.out_of_service, self._to_wall_s)
+            ),
+            speed_frac=1.0 if heartbeat.speed_frac is UNSET else heartbeat.speed_frac,
+            since_at_s=self._to_wall_s(self._since_s[heartbeat.machine]),
             waits=self._materials.cause(heartbeat.waits),
             software=heartbeat.software,
             draining=heartbeat.draining,
@@ -142,6 +155,17 @@ class Machines:
             clock=clock_of(self._clocks, heartbeat.machine),
             seen_at_s=self._to_wall_s(heartbeat.at_s),
             silence=self._silence.view(heartbeat.machine, heartbeat),
+        )
+
+    def _goal(self, goal: GoalBrief) -> GoalView:
+        return GoalView(
+            goal=goal.goal,
+            product=goal.product,
+            quantity=goal.quantity,
+            made=goal.made,
+            delivered=goal.delivered,
+            deadline_at_s=None if goal.deadline_s is UNSET else self._to_wall_s(goal.deadline_s),
+            offered=goal.offered is True,
         )
 
     def _task(self, task: TaskBrief) -> OpenTaskView:
@@ -169,16 +193,6 @@ def doing(heartbeat: MachineHeartbeat) -> str:
         case MachineStatus.STARVED if at_work:
             return STARVED
     return MAKING if at_work else IDLE
-
-
-def _goal(goal: GoalBrief) -> GoalView:
-    return GoalView(
-        goal=goal.goal,
-        product=goal.product,
-        quantity=goal.quantity,
-        made=goal.made,
-        delivered=goal.delivered,
-    )
 
 
 def _buffer(level: BufferLevel) -> BufferView:

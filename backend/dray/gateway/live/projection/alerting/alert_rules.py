@@ -136,6 +136,8 @@ def of_machines(
     """
     for heard, since_s in heartbeats:
         agent, patient = heard.machine, now.heard_s - since_s < PATIENCE_S
+        if heard.out_of_service is not UNSET and not heard.product:
+            continue  # Whoever has taken it out knows; what it still makes may go wrong as ever.
         if now.is_lost(agent, heard):
             yield Condition(kind="machine_lost", agent=agent, seen_at_s=now.to_wall_s(heard.at_s))
         elif heard.status is MachineStatus.ERROR:

@@ -1,0 +1,35 @@
+"""What agents ask of people, and what people have told them, as panels see it."""
+
+from __future__ import annotations
+
+from typing import Any, cast
+
+from dray.gateway.live.views import HelpView, OutOfServiceView, ProblemView
+from dray.messages import HelpWanted, OutOfService, Problem
+from dray.store.history.clocks import ToWall
+
+
+def out_view(out: OutOfService, to_wall_s: ToWall) -> OutOfServiceView:
+    """That it is out of service; `to_wall_s` makes wall clock of the plant's."""
+    return OutOfServiceView(
+        by=out.by,
+        since_at_s=to_wall_s(out.since_s),
+        reason=out.reason,
+        back_at_s=None if out.back_s is None else to_wall_s(out.back_s),
+        after_work=out.after_work,
+    )
+
+
+def help_view(wanted: HelpWanted, to_wall_s: ToWall) -> HelpView:
+    """How long its work waits for a person."""
+    return HelpView(until_at_s=to_wall_s(wanted.until_s), promised_by=wanted.promised_by)
+
+
+def problem_view(problem: Problem) -> ProblemView:
+    """What is known of its problem."""
+    return ProblemView(
+        kind=cast(Any, str(problem.kind)),
+        passes=problem.passes,
+        needs_person=problem.needs_person,
+        load_movable=problem.load_movable,
+    )

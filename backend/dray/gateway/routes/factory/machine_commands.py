@@ -1,0 +1,149 @@
+"""What a person asks of a machine (paper, case 1)."""
+
+from __future__ import annotations
+
+from http import HTTPStatus
+from typing import Annotated, Self
+
+from fastapi import APIRouter, Depends
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+from dray.gateway.access.audit_log import Noted
+from dray.gateway.access.caller import Caller
+from dray.gateway.access.gate import forbidden
+from dray.gateway.access.principal import Principal
+from dray.gateway.factory.commands import Commands
+from dray.gateway.http.problems import Problem, not_found
+from dray.gateway.http.provided import Provided
+from dray.gateway.http.request_bodies import json_only
+from dray.gateway.http.responses import Json, described, problems
+from dray.gateway.live.projection import Projection
+from dray.gateway.live.reasons import refusal_text
+from dray.gateway.routes.factory.atvs import CommandAnswer
+from dray.gateway.routes.parameters import Visible
+from dray.messages import MachineCommand, MachineCommandKind
+from dray.messages.command import OUT_MAX_S, PROMISE_MAX_S
+
+router = APIRouter(tags=["factory"])
+
+
+class MachineCommandRequest(BaseModel):
+    """A command to one machine."""
+
+    model_config = ConfigDict(
+        extra="forbid",
+        json_schema_extra={
+            "examples": [
+                {"kind": "promise", "wait_s": 120.0},
+                {"kind": "clear_fault"},
+                {"kind": "hand_over"},
+                {"kind": "set_speed", "speed_frac": 0.5},
+                {"kind": "restart"},
+                {"kind": "take_out", "reason": "new bearings", "wait_s": 3600.0, "after_work": True},
+                {"kind": "put_in"},
+            ]
+        },
+    )
+
+    kind: MachineCommandKind
+    speed_frac: Annotated[float | None, Field(strict=True, gt=0, le=1)] = None
+    """For `set_speed` only: a part of the machine's own speed."""
+    wait_s: Annotated[float | None, Field(strict=True, gt=0, le=OUT_MAX_S)] = None
+    """For `promise`: how long from now the help will take, in factory seconds, 900 at most. For `take_out`: how long it is expected to be out
+    of service; left out where nobody knows."""
+    reason: Annotated[str, Field(max_length=200)] = ""
+    """For `take_out` only: why."""
+    after_work: bool = False
+    """For `take_out` only: the goal that it works at it finishes first."""
+    command: Annotated[str | None, Field(pattern=r"^[A-Za-z0-9._:-]{1,64}$")] = None
+    """A name for this command, by which the caller finds it in the stream. A command that is sent again under
+    its name is not given again."""
+
+    @model_validator(mode="after")
+    def _numbers_belong_to_their_kinds(self) -> Self:
+        if (self.speed_frac is not None) != (self.kind is MachineCommandKind.SET_SPEED):
+            raise ValueError("speed_frac is given with kind set_speed, and with no other")
+        out = self.kind is MachineCommandKind.TAKE_OUT
+        if (self.wait_s is not None) != (self.kind is MachineCommandKind.PROMISE) and not out:
+            raise ValueError("wait_s is given with kind promise, and may be with take_out, and with no other")
+        if not out and (self.wait_s or 0.0) > PROMISE_MAX_S:
+            raise ValueError(f"a promise is for {PROMISE_MAX_S:g} s at most")
+        if not out and (self.reason or self.after_work):
+            raise ValueError("reason and after_work are given with kind take_out, and with no other")
+        return self
+
+
+@router.post(
+    "/machines/{machine}/commands",
+    dependencies=[Depends(json_only)],
+    responses={
+        200: described(CommandAnswer, "The machine's word", CommandAnswer("gateway.1-7", done=True)),
+        **problems(
+            p403="The machine does not stand in the caller's areas",
+            p404="There is no such machine",
+            p409="The name of the command was used for another one, or the machine is shut out",
+            p503="Too many commands wait for an answer",
+            p504="The machine has not confirmed in time",
+        ),
+    },
+    response_class=Json,
+)
+async def command_machine(
+    commands: Provided[Commands],
+    projection: Provided[Projection],
+    caller: Caller,
+    visible: Visible,
+    note: Noted,
+    machine: str,
+    command: MachineCommandRequest,
+) -> Json:
+    """Promise help, clear a fault, hand the goals over, slow down, restart, or take a machine out of service; waits for its word."""
+    note.detail |= command.model_dump(mode="json", exclude_none=True)
+    note.waits = True
+    _area_rule(projection, caller, machine)
+    if machine in projection.outsiders:
+        raise Problem(
+            HTTPStatus.CONFLICT,
+            "shut-out",
+            "The machine is shut out",
+            f"nobody hears {machine}; readmit it first",
+        )
+    said = MachineCommand(
+        command=command.command or commands.new_name(),
+        kind=command.kind,
+        speed_frac=command.speed_frac,
+        wait_s=command.wait_s,
+        reason=command.reason,
+        after_work=command.after_work,
+        issued_by=caller.name,
+    )
+    answer = await commands.give(machine, said, by=caller)
+    note.detail["command"] = answer.command
+    if not answer.done:
+        note.result, note.detail["reason"] = "refused", refusal_text(answer)
+    return Json(
+        CommandAnswer(
+            answer.command,
+            answer.done,
+            answer.reason,
+            visible.words(answer.detail),
+            visible.words(refusal_text(answer)),
+        )
+    )
+
+
+def _area_rule(projection: Projection, caller: Principal, machine: str) -> None:
+    """A caller who is limited to areas commands the machines that stand there; of others not even that they are.
+
+    Raises:
+        Problem: 403, it stands elsewhere; 404, there is no such machine, to a caller of the whole plant.
+    """
+    plant = projection.site.plant
+    if caller.areas is None:
+        if projection.machines.view(machine) is None:
+            raise not_found("machine", machine, "GET /api/machines")
+        return
+    near = plant.areas_near(*plant.position_of(machine), 0.0) if machine in plant.machines else ()
+    if caller.areas.isdisjoint(near):
+        areas = ", ".join(sorted(caller.areas)) or "none"
+        raise forbidden(f"{machine} is not in your areas ({areas})")

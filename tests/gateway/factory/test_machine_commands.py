@@ -1,0 +1,128 @@
+"""What a person asks of a machine, and what becomes of it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import httpx
+import pytest
+from gateway_kit import AUTHORITY, House
+from heartbeats import machine_heartbeat
+
+from dray.adapters.security.signing import TrustedKeys
+from dray.messages import (
+    CommandAnswered,
+    CommandRefusal,
+    HelpWanted,
+    MachineCommand,
+    MachineCommandKind,
+    MachineStatus,
+    Message,
+    OutOfService,
+    Problem,
+    ProblemKind,
+    signed_words,
+)
+
+pytestmark = pytest.mark.anyio
+
+
+def obedient(
+    house: House, *, refusal: CommandRefusal | None = None, detail: str = ""
+) -> list[MachineCommand]:
+    """Let M1 join and obey every command, or refuse it; the commands that it will have heard."""
+    heard: list[MachineCommand] = []
+
+    def receive(sender: str, message: Message) -> None:
+        if isinstance(message, MachineCommand):
+            heard.append(message)
+            answer = CommandAnswered(
+                command=message.command, done=refusal is None, reason=refusal, detail=detail
+            )
+            house.bus.tell("M1", sender, answer)
+
+    house.bus.join("M1", receive)
+    house.projection.fold(machine_heartbeat("M1"))
+    return heard
+
+
+async def ask(house: House, body: Any, machine: str = "M1") -> httpx.Response:
+    return await house.client.post(f"/api/machines/{machine}/commands", json=body)
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        {"kind": "promise", "wait_s": 120.0},
+        {"kind": "clear_fault"},
+        {"kind": "hand_over"},
+        {"kind": "set_speed", "speed_frac": 0.5},
+        {"kind": "restart"},
+        {"kind": "update"},
+        {"kind": "take_out", "reason": "bearings", "wait_s": 3600.0, "after_work": True},
+        {"kind": "put_in"},
+    ],
+    ids=lambda body: body["kind"],
+)
+async def test_a_command_is_granted_and_answered_with_the_machines_word(
+    house: House, body: dict[str, Any]
+) -> None:
+    heard = obedient(house)
+    answer = await ask(house, body)
+    assert (answer.status_code, answer.json()["done"]) == (200, True)
+    (command,) = heard
+    assert command.kind is MachineCommandKind(body["kind"])
+    assert (command.speed_frac, command.wait_s) == (body.get("speed_frac"), body.get("wait_s"))
+    assert (command.reason, command.after_work) == (body.get("reason", ""), body.get("after_work", False))
+    grant = command.grant
+    assert grant is not None
+    assert TrustedKeys(AUTHORITY.public)(signed_words("M1", command, grant), grant.signature)
+
+
+async def test_a_refusal_is_told_with_its_reason(house: House) -> None:
+    obedient(house, refusal=CommandRefusal.FAULTY, detail="it is stuck")
+    answer = (await ask(house, {"kind": "clear_fault"})).json()
+    assert (answer["done"], answer["reason"]) == (False, "faulty")
+    assert answer["text"] == "its sensors still report a problem: it is stuck"
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        {"kind": "stop"},
+        {"kind": "set_speed"},
+        {"kind": "promise"},
+        {"kind": "promise", "wait_s": 901.0},
+        {"kind": "hand_over", "wait_s": 60.0},
+        {"kind": "clear_fault", "reason": "done"},
+        {"kind": "put_in", "after_work": True},
+    ],
+)
+async def test_what_no_machine_can_do_is_not_sent(house: House, body: dict[str, Any]) -> None:
+    heard = obedient(house)
+    assert (await ask(house, body)).status_code == 422
+    assert heard == []
+
+
+async def test_of_a_machine_that_is_not_there_nothing_is_asked(house: House) -> None:
+    assert (await ask(house, {"kind": "restart"}, "M99")).status_code == 404
+
+
+async def test_its_page_tells_what_it_asks_for_and_what_it_was_told(house: House) -> None:
+    beat = machine_heartbeat(
+        "M1",
+        2,
+        status=MachineStatus.ERROR,
+        problem="it is stuck",
+        about_problem=Problem(kind=ProblemKind.JAM, needs_person=True),
+        resettable=True,
+        help=HelpWanted(until_s=62.0, promised_by="Maria"),
+        out_of_service=OutOfService(by="Maria", since_s=1.0, reason="bearings"),
+        speed_frac=0.5,
+    )
+    house.projection.fold(beat)
+    seen = (await house.client.get("/api/machines/M1")).json()
+    assert seen["about_problem"]["kind"] == "jam"
+    assert (seen["resettable"], seen["speed_frac"]) == (True, 0.5)
+    assert seen["help"]["promised_by"] == "Maria"
+    assert seen["out_of_service"]["reason"] == "bearings"
