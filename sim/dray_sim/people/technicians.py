@@ -19,9 +19,9 @@ from msgspec import UNSET
 
 from dray.messages import CommandRefusal, MachineCommandKind, MachineHeartbeat, ProblemKind
 from dray.messages.command import PROMISE_MAX_S
+from dray_sim.people.areas import EVERYWHERE, area_at
 from dray_sim.people.habits import Range
 from dray_sim.people.hands import Hands
-from dray_sim.people.operators import EVERYWHERE, area_at
 from dray_sim.people.tablet import Tablet
 
 if TYPE_CHECKING:
