@@ -201,11 +201,7 @@ class SimFactory:
             self._start(agent)
 
     def prepare_software(self, agent: str, software: str) -> None:
-        """Newer software lies ready for an agent: it runs from its next update on.
-
-        Raises:
-            KeyError: there is no such agent.
-        """
+        """Newer software lies ready for an agent: it runs from its next update on."""
         self._installations[agent].newest = software
 
     def lose_journal(self, agent: str) -> None:
