@@ -299,7 +299,7 @@ async def test_a_mirror_of_the_deltas_is_the_same_as_a_fresh_snapshot() -> None:
                 kind, _, entity = name.partition(":")
                 del mirror[kinds[kind]][entity]
             for kind, known in mirror.items():
-                known |= {each["id"]: each for each in frame[kind]}
+                known |= {each["id"]: known.get(each["id"], {}) | each for each in frame[kind]}
     fresh = Hub(stage.projection, wall_s=stage.wall, rate_hz=10.0, queue_frames=5, clients=1, each=1).join(
         operator(AREAS[0])
     )

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import httpx
 import jsonschema_rs
 import pytest
@@ -97,7 +99,9 @@ async def test_whoever_has_the_whole_plant_is_refused_nothing(url: str, role: st
         client = house.client if role == "admin" else await house.log_in("boss")
         for area in AREAS:
             for method, template in API:
-                if method == "GET" and template not in ("/api/track/{token}", "/api/orders/{order}"):
+                # Here is one of each that has an area; of orders and drafts there is none by these names.
+                named = re.findall(r"\{(\w+)\}", template)
+                if method == "GET" and not {"token", "order", "draft"} & set(named):
                     answer = await client.get(paths(template, things(area)))
                     assert answer.status_code == 200, (template, answer.text)
         assert words((await client.get("/api/atvs")).text) >= {ATV[area] for area in AREAS}

@@ -37,7 +37,7 @@ def cell(yard: Yard, **stock: int) -> SimWorkcell:
 
 def test_a_new_workcell_senses_every_material_and_product(yard: Yard) -> None:
     assert yard.workcell.sense() == WorkcellState(
-        stock={"shaft": 0, "seal": 0, "gear": 0, "pump": 0}, seq=0, cycling="", broken=""
+        stock={"shaft": 0, "seal": 0, "gear": 0, "pump": 0}, seq=0, cycling="", broken="", paces=True
     )
 
 
@@ -45,12 +45,12 @@ def test_a_cycle_takes_the_bill_when_it_starts_and_gives_a_piece_when_it_ends(ya
     workcell = cell(yard, shaft=5, seal=1)
     assert yard.do(workcell, GEAR, for_s=29.9) == []
     assert workcell.sense() == WorkcellState(
-        stock={"shaft": 3, "seal": 0, "gear": 0, "pump": 0}, seq=0, cycling="gear", broken=""
+        stock={"shaft": 3, "seal": 0, "gear": 0, "pump": 0}, seq=0, cycling="gear", broken="", paces=True
     )
     assert yard.do(workcell, for_s=0.2) == [CycleDone(product="gear", seq=1)]
     assert yard.said[-1][0] == 30.0
     assert workcell.sense() == WorkcellState(
-        stock={"shaft": 3, "seal": 0, "gear": 1, "pump": 0}, seq=1, cycling="", broken=""
+        stock={"shaft": 3, "seal": 0, "gear": 1, "pump": 0}, seq=1, cycling="", broken="", paces=True
     )
     assert workcell.consumed == {"shaft": 2, "seal": 1}
     assert workcell.made == {"gear": 1}
