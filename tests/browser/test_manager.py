@@ -48,7 +48,9 @@ class Movement:
         """Take one frame of the stream."""
         frame: dict[str, Any] = json.loads(payload)
         for atv in frame.get("atvs", ()):
-            here = (atv["x_m"], atv["y_m"])
+            # A delta tells what has changed: whoever drives along one axis says one of them.
+            x_m, y_m = self._where.get(atv["id"], (0.0, 0.0))
+            here = (atv.get("x_m", x_m), atv.get("y_m", y_m))
             if self._where.setdefault(atv["id"], here) != here:
                 self.moved.add(atv["id"])
         return len(self.moved) >= 2

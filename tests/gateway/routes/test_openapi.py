@@ -28,7 +28,15 @@ from variants import variants
 
 from dray.gateway.app import create_app
 from dray.gateway.live.timescale import TimeScale
-from dray.messages import CommandAnswered, MachineStatus, Message, Role, Transport, VehicleCommand
+from dray.messages import (
+    CommandAnswered,
+    MachineCommand,
+    MachineStatus,
+    Message,
+    Role,
+    Transport,
+    VehicleCommand,
+)
 from dray.messages.fact import TaskOpened
 from dray.settings import Settings
 from dray.store import Store
@@ -119,11 +127,13 @@ def running(request: pytest.FixtureRequest) -> Iterator[list[Running]]:
 
 
 async def _fill(house: House) -> dict[str, str]:
-    def obey(sender: str, message: Message) -> None:
-        if isinstance(message, VehicleCommand):
-            house.bus.tell("ATV1", sender, CommandAnswered(message.command, done=True))
+    for agent in ("ATV1", "M1"):
 
-    house.bus.join("ATV1", obey)
+        def obey(sender: str, message: Message, agent: str = agent) -> None:
+            if isinstance(message, VehicleCommand | MachineCommand):
+                house.bus.tell(agent, sender, CommandAnswered(message.command, done=True))
+
+        house.bus.join(agent, obey)
     work = Transport(item="steel", quantity=4, sources=("S1",), destination="M1", ability="tote")
     opened = TaskOpened("M1-1", 1, Role.PRIMARY, 1, work, 20.0, 900.0, 105.0)
     await house.say(
@@ -133,6 +143,7 @@ async def _fill(house: House) -> dict[str, str]:
     await house.client.post("/api/faults", json={"kind": "powered_off", "agent": "ATV3"})
     token = order["tracking_url"].rpartition("/")[2]
     await house.alerts.look()
+    draft = (await house.client.post("/api/plant-drafts", json={"name": "Hall 2"})).json()["id"]
     return {
         "alert": "machine_error-M1",
         "order": order["id"],
@@ -143,6 +154,8 @@ async def _fill(house: House) -> dict[str, str]:
         "task": "M1-1",
         "fault": "f1",
         "closure": "c1f0a93be",
+        "call": "ATV1-1-1",
+        "draft": draft,
     }
 
 
@@ -195,7 +208,7 @@ def test_every_operation_has_a_summary_and_an_example() -> None:
         assert operation["summary"]
         assert operation["description"]
         good = next(answer for status, answer in operation["responses"].items() if status.startswith("2"))
-        if "example" not in good["content"]["application/json"]:
+        if "example" not in good.get("content", {}).get("application/json", {"example": None}):
             without.append(f"{method} {path}")
         if "requestBody" in operation:
             body = operation["requestBody"]["content"]["application/json"]

@@ -195,7 +195,7 @@ async def test_another_language_is_another_page(house: House) -> None:
     english = await house.client.get(story.path)
     german = await house.client.get(story.path, headers=GERMAN | {"If-None-Match": english.headers["etag"]})
     assert german.status_code == 200
-    assert german.headers["vary"] == "Accept-Language, Cookie"
+    assert german.headers["vary"] == "Accept-Language, Cookie, Accept-Encoding"
 
 
 async def test_a_head_request_is_answered_like_the_page(house: House) -> None:

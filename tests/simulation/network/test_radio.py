@@ -14,6 +14,9 @@ from dray.messages import (
     AtvHeartbeat,
     Award,
     Bid,
+    CallAnswer,
+    CallAnswered,
+    CallState,
     CommandAnswered,
     CommandKind,
     Confirmed,
@@ -24,6 +27,7 @@ from dray.messages import (
     DwellPointClaimed,
     Handover,
     HandoverAccepted,
+    HelpCall,
     Link,
     Message,
     Reason,
@@ -197,6 +201,10 @@ def test_a_gateways_own_link_can_be_in_trouble() -> None:
     play(story())
 
 
+CALL = HelpCall("V0-1-1", "V0", 1, 1, 5.0, CallState.ASKING, 4.0, asked=("operator.a",), on_duty=1)
+ANSWERED = CallAnswered("V0-1-1", "operator.a", CallAnswer.TAKE, 60.0)
+
+
 @pytest.mark.parametrize("message", SAID, ids=lambda said: type(said).__name__)
 def test_short_control_messages_go_both_ways(message: Message) -> None:
     async def story() -> None:
@@ -213,8 +221,26 @@ def test_short_control_messages_go_both_ways(message: Message) -> None:
     play(story())
 
 
+def test_a_vehicle_without_wlan_calls_for_help_and_hears_who_comes() -> None:
+    async def story() -> None:
+        floor = Floor(0.0, 20.0)
+        await floor.cut("V0")
+        await floor.beat_and_wait("V0")
+        operator: list[Message] = []
+        session = floor.network.join("operator.a", lambda _sender, message: operator.append(message))
+        session.subscribe("p/call/*")
+        floor.sessions["V0"].publish("p/call/V0", CALL)
+        await asyncio.sleep(SOON_S)
+        session.send("V0", ANSWERED)
+        await asyncio.sleep(SOON_S)
+        assert operator == [CALL]
+        assert floor.heard["V0"] == [("operator.a", ANSWERED)]
+
+    play(story())
+
+
 def test_the_short_control_messages_are_these_and_no_others() -> None:
-    assert {type(message) for message in SAID} == CARRIED_BY_RADIO
+    assert {type(message) for message in (*SAID, CALL, ANSWERED)} == CARRIED_BY_RADIO
 
 
 @pytest.mark.parametrize("message", NOT_FOR_RADIO, ids=lambda said: type(said).__name__)

@@ -212,7 +212,7 @@ async def remove(store: Provided[Store], note: Noted, draft: DraftId) -> Respons
     responses={
         200: {
             "description": "The plant file",
-            "content": {"application/yaml": {"schema": {"type": "string"}}},
+            "content": {"application/yaml": {"schema": {"type": "object"}}},
         },
         **problems(p404="There is no such draft"),
     },
