@@ -1,5 +1,5 @@
 import { describe, expect, test } from "vitest";
-import type { AtvView, Delta, FactoryView, FaultView, NewsView, Snapshot, StationView, TaskView } from "../api/types";
+import type { AtvView, Delta, FactoryView, Snapshot, StationView, TaskView } from "../api/types";
 import { advance, worldOf } from "./world";
 
 const factory = { speed: 1 } as FactoryView;
@@ -50,7 +50,7 @@ describe("a world", () => {
 
   test("loses a fault that has ended, and keeps what was said about it", () => {
     const begun = advance(worldOf(snapshot(1)), delta(2, {
-      faults: [{ id: "1" } as FaultView], news: [{ id: "T1@2" } as NewsView],
+      faults: [{ id: "1" }], news: [{ id: "T1@2" }],
     }));
     const after = advance(begun, delta(3, { gone: ["fault:1"] }));
     expect([begun?.faults.size, after?.faults.size, after?.news.size]).toEqual([1, 0, 1]);

@@ -68,7 +68,7 @@ async function tell(what: () => Promise<DutyView>): Promise<void> {
     const before = duty.value;
     duty.value = await what();
     dutyFailed.value = "";
-    if (isAsked(duty.value) && !isAsked(before)) navigator.vibrate?.([200, 100, 200]);
+    if (isAsked(duty.value) && !isAsked(before) && "vibrate" in navigator) navigator.vibrate([200, 100, 200]);
     again();
   } catch (error) {
     if (!(error instanceof Problem)) throw error;

@@ -127,7 +127,7 @@ export class PlantRenderer {
   }
 
   #know(world: World): void {
-    if (world.closures !== this.#world?.closures || world.obstacles !== this.#world?.obstacles) this.#stale.floor = true;
+    if (world.closures !== this.#world?.closures || world.obstacles !== this.#world.obstacles) this.#stale.floor = true;
     if (world.tasks !== this.#world?.tasks) this.#carried = [...world.tasks.values()].filter(isCarried);
     const nowS = this.#presentS();
     const machines = machineLooks(this.#machineAt.keys(), world.machines, (view) => isLost(view, nowS, world.factory.speed));
