@@ -54,7 +54,7 @@ def test_every_fact_has_its_tellers() -> None:
 
 
 def test_every_field_that_says_who_speaks_is_compared_with_the_speaker() -> None:
-    names = {"atv", "machine", "coordinator", "agent"}
+    names = {"atv", "machine", "operator", "caller", "coordinator", "agent"}
     # A word about a dock names whose it is, also where a vehicle says it.
     found = {StationHeartbeat: "station"} | {
         kind: field
