@@ -37,14 +37,16 @@ def stream(dray: Any) -> ClientConnection:
 
 
 def watch(dray: Any, order_id: str, status: str) -> dict[str, Any]:
-    """Listen to the stream until the order has this status; the order as the stream told it."""
+    """Listen to the stream until the order has this status; the order as its frames have told it."""
     ends_s = time.monotonic() + DELIVERED_S
+    view: dict[str, Any] = {}
     with stream(dray) as frames:
-        while True:
+        while view.get("status") != status:
             frame = json.loads(frames.recv(timeout=ends_s - time.monotonic()))
-            for view in frame.get("orders", ()):
-                if view["id"] == order_id and view["status"] == status:
-                    return view
+            for patch in frame.get("orders", ()):
+                if patch["id"] == order_id:
+                    view |= patch
+    return view
 
 
 @pytest.mark.parametrize("by", variants([signal.SIGTERM, signal.SIGINT]))
