@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -49,6 +50,7 @@ def test_a_vehicle_that_behaves_passes_every_step() -> None:
             "drive",
             "pause",
             "back",
+            "cancel",
             "pick",
             "drop",
         )
@@ -63,6 +65,7 @@ def test_without_leave_nothing_moves() -> None:
         "drive",
         "pause",
         "back",
+        "cancel",
         "pick",
         "drop",
     ]
@@ -78,6 +81,48 @@ def test_what_a_vehicle_cannot_do_goes_into_the_profile_that_is_suggested() -> N
     assert (suggested.load, suggested.action_node_twice, suggested.map.id) == ("none", True, "hall")
     assert parse_profile(write_profile(suggested).encode(), "suggested") == suggested
     assert "    action_node_twice: true" in done.report()
+
+
+THREE_KINDS = {
+    "2.0, which keeps what it shows, tells no load and needs a node twice": (
+        msgspec.structs.replace(PROFILE, version="2.0"),
+        Misbehaviour(
+            keeps_node_states=True,
+            no_loads=True,
+            no_action_at_last_node=True,
+            doubles_states=True,
+            no_zone=True,
+        ),
+    ),
+    "2.1, which forgets a finished order, is busy after it, and cancels slowly": (
+        FLOWING,
+        Misbehaviour(forgets_finished_order=True, busy_after_s=2.0, cancel_s=6.0, lingering_warnings=True),
+    ),
+    "3.0, which loses what is said first, and numbers as text": (
+        msgspec.structs.replace(FLOWING, version="3.0", horizon=2),
+        Misbehaviour(
+            ignores_first_orders=1, ignores_instant_actions=1, numbers_as_text=True, says_offline=True
+        ),
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", THREE_KINDS)
+def test_three_kinds_of_vehicles_are_walked_through_all_of_it(kind: str) -> None:
+    profile, quirks = THREE_KINDS[kind]
+    done = commissioned(profile, quirks, ALL)
+    assert [step.line for step in done.steps if not step.passed] == []
+    cancelled = next(step.text for step in done.steps if step.name == "cancel")
+    assert re.fullmatch(
+        r"cancelled after [\d.]+ s, [\d.]+ m before middle; it went on from there, and back", cancelled
+    )
+    assert float(cancelled.split(" m before")[0].split()[-1]) > PROFILE.node_m
+
+
+def test_a_vehicle_that_does_not_cancel_is_found_out() -> None:
+    done = commissioned(PROFILE, Misbehaviour(cancel_s=1e6), ALL)
+    assert marks(done)["cancel"] is False
+    assert not done.passed
 
 
 def test_a_vehicle_that_cannot_read_instant_actions_gets_the_older_name_of_their_list() -> None:

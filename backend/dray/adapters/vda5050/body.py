@@ -10,6 +10,7 @@ import msgspec
 
 from dray.adapters.vda5050.control.master import MasterControl
 from dray.adapters.vda5050.events import (
+    Cancel,
     Event,
     Heard,
     Instructed,
@@ -115,6 +116,10 @@ class VehicleBody:
     def on_link_lost(self, reason: str) -> None:
         """The broker is away."""
         self._handle(Unlinked(reason))
+
+    def cancel(self) -> None:
+        """Cancel the order that the vehicle has: for commissioning."""
+        self._handle(Cancel())
 
     def end(self) -> None:
         """Do nothing any more."""

@@ -117,8 +117,9 @@ class Commissioning:
             yield self.steps[-1]
             if self.steps[-1].passed is False and step is not self._factsheet:
                 return
-        for step in (self._drive, self._pause, self._back, self._pick, self._drop):
-            if self.wanted.drive is None and step in (self._drive, self._pause, self._back):
+        moves = (self._drive, self._pause, self._back, self._cancel)
+        for step in (*moves, self._pick, self._drop):
+            if self.wanted.drive is None and step in moves:
                 self.steps.append(
                     Step(step.__name__.strip("_"), None, "left out: give --drive, and it moves")
                 )
@@ -223,7 +224,7 @@ class Commissioning:
         state = self._sensed()
         self._home = state.node
         goals = [lane.end for lane in self.plant.roads.leaving[state.node]]
-        goal = self.wanted.drive or (goals[0] if goals else "")
+        goal = self._goal = self.wanted.drive or (goals[0] if goals else "")
         if state.next_node != state.node or goal not in goals:
             return Step(
                 "drive",
@@ -260,6 +261,38 @@ class Commissioning:
         if await self._until(self._is_over, DRIVE_S) and not self._failure():
             return Step("back", True, f"at {self._home} again after {self.clock.now_s() - begun_s:.1f} s")
         return Step("back", False, self._failure() or f"not at {self._home} after {DRIVE_S:.0f} s")
+
+    async def _cancel(self) -> Step:
+        """On the way out again: it stands where it is, goes on from there, and comes back."""
+        home, goal, control = self._sensed().node, self._goal, self.body.control
+        if home != self._home:
+            return Step("cancel", None, f"left out: it is not at {self._home} again")
+        self._instruct(Drive(order=self._next(), nodes=(home, goal), released=2))
+        if not await self._until(lambda: self._sensed().speed_mps > 0.1 or self._is_over(), DRIVE_S):
+            return Step("cancel", False, "it did not set off")
+        begun_s, before = self.clock.now_s(), control.cancelled
+        self.body.cancel()
+        await self._until(
+            lambda: control.cancelled > before or self._is_over() or bool(self._sensed().problem), ACT_S
+        )
+        if control.cancelled == before:
+            reason = (
+                "it arrived before it could be cancelled" if self._is_over() else "cancelOrder does not end"
+            )
+            return Step("cancel", False, self._failure() or self._sensed().problem or reason)
+        took_s, pose, spot = self.clock.now_s() - begun_s, self._sensed().pose, self.plant.nodes[goal]
+        left_m = hypot(spot.x_m - pose.x_m, spot.y_m - pose.y_m)
+        if not await self._until(self._is_over, DRIVE_S) or self._failure():
+            return Step(
+                "cancel", False, self._failure() or f"it does not go on to {goal} from where it stands"
+            )
+        back = await self._go("cancel", goal, home)
+        if not back.passed:
+            return back
+        seen = (
+            f"cancelled after {took_s:.1f} s, {left_m:.1f} m before {goal}; it went on from there, and back"
+        )
+        return Step("cancel", True, seen)
 
     async def _pick(self) -> Step:
         want = self.wanted
@@ -323,3 +356,4 @@ class Commissioning:
         return True
 
     _home: str = ""
+    _goal: str = ""

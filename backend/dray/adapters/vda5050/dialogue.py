@@ -15,6 +15,7 @@ import msgspec
 
 from dray.adapters.vda5050.control.master import MasterControl
 from dray.adapters.vda5050.events import (
+    Cancel,
     Effect,
     Event,
     Heard,
@@ -80,7 +81,7 @@ def line_of(at_s: float, what: Event | Effect) -> Line:
             return Line(at_s, event=name, about=type(instruction).__name__, fields=_fields(instruction))
         case Unlinked(reason):
             return Line(at_s, event=name, about=reason)
-        case Linked() | Woke():
+        case Linked() | Woke() | Cancel():
             return Line(at_s, event=name)
         case Say(topic, body):
             return Line(at_s, effect=name, about=topic, fields=body)
@@ -211,6 +212,8 @@ def _event(line: Line) -> Event | None:
             return Unlinked(line.about)
         case "Woke":
             return Woke()
+        case "Cancel":
+            return Cancel()
     return None
 
 

@@ -57,6 +57,10 @@ class Woke(Part, frozen=True):
     """Time has passed."""
 
 
+class Cancel(Part, frozen=True):
+    """Whoever commissions the vehicle wants its present order cancelled; what is left of a way goes on from where it stands."""
+
+
 class Linked(Part, frozen=True):
     """The broker is there, and what the vehicle says is subscribed to."""
 
@@ -67,7 +71,7 @@ class Unlinked(Part, frozen=True):
     reason: str
 
 
-Event = Instructed | Heard | Woke | Linked | Unlinked
+Event = Instructed | Heard | Woke | Linked | Unlinked | Cancel
 
 
 class Say(Part, frozen=True):

@@ -38,7 +38,7 @@ def check(
     drive: Annotated[
         str | None,
         typer.Option(
-            help="Let it MOVE: to this neighbouring node, where it pauses on its way back; - for any."
+            help="Let it MOVE: to this neighbouring node, pausing on its way back, and once more with a cancel; - for any."
         ),
     ] = None,
     station: Annotated[
@@ -52,7 +52,7 @@ def check(
     ] = None,
     settings: SettingsFile = None,
 ) -> None:
-    """Commission a vehicle: connection, state, factsheet, position; and, if you let it move, a lane, a pause, pick and drop.
+    """Commission a vehicle: connection, state, factsheet, position; and, if you let it move, a lane, a pause, a cancel, pick and drop.
 
     Without --drive and --station it only listens. Exit code 1: a step has failed.
     """

@@ -18,6 +18,7 @@ from dray.adapters.vda5050.control.view import NEVER_S, REORDERED_S, VehicleView
 from dray.adapters.vda5050.control.whereabouts import Stand
 from dray.adapters.vda5050.control.work import Work
 from dray.adapters.vda5050.events import (
+    Cancel,
     Effect,
     Event,
     Heard,
@@ -131,6 +132,11 @@ class MasterControl:
         """Whether an action was only done when its node was listed twice, or that is known."""
         return self._work.steps.twice
 
+    @property
+    def cancelled(self) -> int:
+        """How many orders the vehicle has ended because it was told to."""
+        return self._orders.cancelled
+
     def handle(self, event: Event, now_s: float) -> list[Effect]:
         """What is to be done about an event, in this order."""
         match event:
@@ -138,6 +144,8 @@ class MasterControl:
                 self._hear(topic, data, now_s)
             case Instructed(instruction):
                 self._obey(instruction, now_s)
+            case Cancel():
+                self._orders.cancel(now_s)
             case Linked():
                 self.is_linked, self._unlinked = True, None
                 self._instant.say(ASK_STATE, now_s)

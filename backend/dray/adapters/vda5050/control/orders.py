@@ -64,6 +64,7 @@ class Orders:
 
     Attributes:
         present: the order that is not over; None for none.
+        cancelled: orders that the vehicle has ended because it was told to.
     """
 
     def __init__(
@@ -82,6 +83,7 @@ class Orders:
         self._instant, self._out, self._owner = instant, out, owner
         self._number = 0
         self.present: VehicleOrder | None = None
+        self.cancelled = 0
         self._over_s = NEVER_S
         self._still_s: float | None = None
         """Since when the vehicle stands and shows no action that is not over."""
@@ -162,6 +164,7 @@ class Orders:
         match order.now:
             case OrderState.OFFERED | OrderState.REFUSED if is_shown:
                 order.states.enter(OrderState.RUNNING)
+                order.reason = ""  # Of an earlier refusal.
                 order.has_horizon = bool(order.beyond)
                 self._follow(order, state, now_s)
                 if order.is_unwanted and order.now in ACTIVE:
@@ -339,6 +342,7 @@ class Orders:
                 return  # An action that cannot be cancelled ends first.
         done = shown is not None and shown.action_status == FINISHED
         self._instant.forget(CANCEL)
+        self.cancelled += over and not done
         self._end(order, OrderState.DONE if done else OrderState.ENDED, order.reason or CANCELLED, now_s)
 
     @property
