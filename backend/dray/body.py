@@ -17,10 +17,10 @@ from dray.gate import Admit as Admit  # noqa: PLC0414 - told from here, too
 from dray.gate import GateState as GateState  # noqa: PLC0414
 from dray.gate import GoodsArrived as GoodsArrived  # noqa: PLC0414
 from dray.messages.base import Part
-from dray.messages.call import CallAnswer, HelpCall
+from dray.messages.floor.obstacle import WayBlocked as WayBlocked  # noqa: PLC0414
+from dray.messages.floor.obstacle import WayFree as WayFree  # noqa: PLC0414
 from dray.messages.heartbeat import Link, Pose
-from dray.messages.obstacle import WayBlocked as WayBlocked  # noqa: PLC0414
-from dray.messages.obstacle import WayFree as WayFree  # noqa: PLC0414
+from dray.messages.people.call import CallAnswer, HelpCall
 from dray.messages.problem import NOTHING_KNOWN, Problem, ProblemKind
 
 # --- a vehicle: instructions ---------------------------------------------------------------------

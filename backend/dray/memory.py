@@ -23,7 +23,7 @@ from dray.messages import (
     Transport,
 )
 from dray.messages.base import Part
-from dray.messages.traffic import AllRemoved, Bookings
+from dray.messages.floor.traffic import AllRemoved, Bookings
 
 
 class AtvMemory(Part, tag_field="kind", tag="atv", frozen=True):

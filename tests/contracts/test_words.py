@@ -66,9 +66,9 @@ ALLOWED = {
     (DESK, "frontend/src/"): SCREEN,
     (TRIAL, "sim/dray_sim/explore/run.py"): SEEDS,
     (PASSERBY, "sim/dray_sim/explore/play.py"): SEEDS,
-    (PASSERBY, "sim/dray_sim/people/random_operator.py"): SEEDS,
+    (PASSERBY, "sim/dray_sim/people/random/random_operator.py"): SEEDS,
     (REGRET, "sim/dray_sim/explore/run.py"): SEEDS,
-    (REGRET, "sim/dray_sim/people/canceller.py"): SEEDS,
+    (REGRET, "sim/dray_sim/people/random/canceller.py"): SEEDS,
 }
 """A word, where it stays all the same, and why."""
 

@@ -1,4 +1,4 @@
-"""A contest of dwell points has one winner, and everybody finds it alone (`dray.messages.dwell_point`)."""
+"""A contest of dwell points has one winner, and everybody finds it alone (`dray.messages.floor.dwell_point`)."""
 
 from __future__ import annotations
 

@@ -15,8 +15,8 @@ from hypothesis import strategies as st
 from spoken import accepted, bid, declined, rhb, transport
 
 from dray.messages import AtvHeartbeat, AtvStatus, Bid, HelpWanted, Reason, Role
-from dray.messages.command import PROMISE_MAX_S
 from dray.messages.fact import AwardGiven
+from dray.messages.people.command import PROMISE_MAX_S
 from dray.protocol.contract_net.auction import Auction
 from dray.protocol.contract_net.auction_rules import AuctionRules
 from dray.protocol.contract_net.terms import Place, Terms

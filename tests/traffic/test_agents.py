@@ -10,9 +10,9 @@ import pytest
 from dray.messages import Event, Message
 from dray.messages.fact import TaskClosed
 from dray.plant import Plant, default_plant, load_plant
-from dray_sim.checks.held_places import HeldPlaces
+from dray_sim.checks.floor.held_places import HeldPlaces
+from dray_sim.checks.floor.overlaps import Overlaps
 from dray_sim.checks.invariants import Invariants
-from dray_sim.checks.overlaps import Overlaps
 from dray_sim.clock.loop import JUMP, clock, run
 from dray_sim.explore.play import play
 from dray_sim.explore.run import draw

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 
 import pytest
 
-from dray.messages.traffic import PlaceBooking, PlaceWished
+from dray.messages.floor.traffic import PlaceBooking, PlaceWished
 from dray.plant import Plant
 from dray.protocol.traffic.books.book import Book
 from dray.protocol.traffic.books.copies import Copies

@@ -22,7 +22,7 @@ from dray.protocol.traffic.traffic_map import TrafficMap
 from dray.protocol.vehicle.atv import Atv
 from dray.protocol.vehicle.drivers.alone_among_others import PROBLEM
 from dray_sim.bodies.floor import Floor
-from dray_sim.checks.overlaps import Overlaps
+from dray_sim.checks.floor.overlaps import Overlaps
 from dray_sim.clock.loop import JUMP, clock, run
 from dray_sim.factory.sim_factory import SimFactory
 from dray_sim.network.listeners import Listeners

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from dray.messages.floor.traffic import FloorTold, OnFloor
 from dray.messages.keys import Keys
-from dray.messages.traffic import FloorTold, OnFloor
 from dray.plant import default_plant
 from dray.protocol.runtime.events import Effect, Subscribe, Unsubscribe
 from dray.protocol.traffic.prices import SILENT_S, Prices

@@ -10,9 +10,9 @@ import pytest
 from dray.messages import AtvHeartbeat, Event, Message
 from dray.messages.fact import TaskClosed
 from dray.plant import default_plant
-from dray_sim.checks.held_places import HeldPlaces
+from dray_sim.checks.floor.held_places import HeldPlaces
+from dray_sim.checks.floor.overlaps import Overlaps
 from dray_sim.checks.invariants import Invariants
-from dray_sim.checks.overlaps import Overlaps
 from dray_sim.clock.loop import JUMP, clock, run
 from dray_sim.factory.sim_factory import SimFactory
 from dray_sim.network.listeners import Listeners

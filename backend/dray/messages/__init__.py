@@ -1,25 +1,15 @@
 """Everything agents say to one another: frozen structs, one per utterance.
 
-`heartbeat` is what everybody may hear at any time, `operator` the same of people on duty, `call` how they are asked for help, `contract` the negotiation, `order` and `command` what
-comes from people, `shutout` the agents whom a manager has excluded, `dwell_point` how vehicles share places to stand, `stock` how
-material in storages is reserved, `traffic` who may drive where, `fact` what each writes into its `history`.
+`heartbeat` is what everybody may hear at any time, `contract` the negotiation, `order` what customers want, `stock` how material in
+storages is reserved, `shutout` the agents whom a manager has excluded, `fact` what each writes into its `history`. `people` holds
+what people say and hear (who is on duty, who calls for help, commands), `floor` what is said about the floor (who may drive where,
+where one may stand, what is closed or lies there).
 How messages become bytes is `dray.codec`; when they are said is `dray.protocol`.
 """
 
 from __future__ import annotations
 
 from dray.messages.base import WIRE_VERSION, Message, Part
-from dray.messages.call import CallAnswer, CallAnswered, CallState, HelpCall
-from dray.messages.closure import Closure, ClosureKind, Closures, closed_words
-from dray.messages.command import (
-    CommandAnswered,
-    CommandKind,
-    Grant,
-    MachineCommand,
-    MachineCommandKind,
-    VehicleCommand,
-    signed_words,
-)
 from dray.messages.contract import (
     Accepted,
     Award,
@@ -52,8 +42,23 @@ from dray.messages.contract import (
     Work,
     WorkSought,
 )
-from dray.messages.dwell_point import DwellPointClaimed
 from dray.messages.fact import AnyFact, Fact
+from dray.messages.floor.closure import Closure, ClosureKind, Closures, closed_words
+from dray.messages.floor.dwell_point import DwellPointClaimed
+from dray.messages.floor.obstacle import ObstacleCleared, ObstacleSeen
+from dray.messages.floor.removal import Removal, Removals, removed_words
+from dray.messages.floor.traffic import (
+    BookAsked,
+    BookKept,
+    BookTold,
+    FloorTold,
+    HoldsAsked,
+    PlaceBooked,
+    PlaceGranted,
+    PlaceWished,
+    YieldAsked,
+    YieldRefused,
+)
 from dray.messages.heartbeat import (
     AtvHeartbeat,
     AtvStatus,
@@ -75,8 +80,6 @@ from dray.messages.heartbeat import (
     TaskBrief,
 )
 from dray.messages.history import Event, EventsAsked, EventsKept
-from dray.messages.obstacle import ObstacleCleared, ObstacleSeen
-from dray.messages.operator import OPERATOR_PREFIX, DutyStatus, OperatorHeartbeat
 from dray.messages.order import (
     CancellationTaken,
     OrderCancelled,
@@ -86,23 +89,21 @@ from dray.messages.order import (
     OrderTaken,
     RevocationTaken,
 )
+from dray.messages.people.call import CallAnswer, CallAnswered, CallState, HelpCall
+from dray.messages.people.command import (
+    CommandAnswered,
+    CommandKind,
+    Grant,
+    MachineCommand,
+    MachineCommandKind,
+    VehicleCommand,
+    signed_words,
+)
+from dray.messages.people.operator import OPERATOR_PREFIX, DutyStatus, OperatorHeartbeat
 from dray.messages.problem import NOTHING_KNOWN, HelpWanted, Problem, ProblemEnded, ProblemKind
 from dray.messages.reason import CommandRefusal, Implausible, Reason
-from dray.messages.removal import Removal, Removals, removed_words
 from dray.messages.shutout import ShutOut
 from dray.messages.stock import StockAsked, StockFreed, StockReserved, StockShort
-from dray.messages.traffic import (
-    BookAsked,
-    BookKept,
-    BookTold,
-    FloorTold,
-    HoldsAsked,
-    PlaceBooked,
-    PlaceGranted,
-    PlaceWished,
-    YieldAsked,
-    YieldRefused,
-)
 
 Heartbeat = AtvHeartbeat | MachineHeartbeat
 """Of those who bid."""

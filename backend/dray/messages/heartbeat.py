@@ -25,9 +25,9 @@ from dray.messages.base import (
     Seconds,
     Text,
 )
+from dray.messages.floor.traffic import NO_RANK, Places, Rank
 from dray.messages.problem import HelpWanted, Problem
 from dray.messages.reason import Reason
-from dray.messages.traffic import NO_RANK, Places, Rank
 
 
 class AtvStatus(StrEnum):
@@ -150,7 +150,7 @@ class FloorBrief(Part, frozen=True):
     asks_where_it_stands: bool = False
     """The place where it stands is not its own: it was put there, and asks for it before it drives anywhere."""
     removal: Count = 0
-    """The newest time that it was carried away, as far as it knows (`dray.messages.removal`)."""
+    """The newest time that it was carried away, as far as it knows (`dray.messages.floor.removal`)."""
 
 
 class ProbationBrief(Part, frozen=True):

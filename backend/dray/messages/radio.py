@@ -15,8 +15,6 @@ from msgspec import UNSET
 from msgspec.structs import replace
 
 from dray.messages.base import Message
-from dray.messages.call import CallAnswered, HelpCall
-from dray.messages.command import CommandAnswered, VehicleCommand
 from dray.messages.contract import (
     Confirmed,
     Declined,
@@ -31,8 +29,10 @@ from dray.messages.contract import (
     TakenOver,
     Withdrawn,
 )
+from dray.messages.floor.traffic import HoldsAsked, PlaceGranted, PlaceWished, YieldAsked, YieldRefused
 from dray.messages.heartbeat import AtvHeartbeat, Link
-from dray.messages.traffic import HoldsAsked, PlaceGranted, PlaceWished, YieldAsked, YieldRefused
+from dray.messages.people.call import CallAnswered, HelpCall
+from dray.messages.people.command import CommandAnswered, VehicleCommand
 
 CARRIED_BY_RADIO: frozenset[type[Message]] = frozenset(
     {

@@ -11,9 +11,6 @@ from collections.abc import Container, Mapping
 from enum import StrEnum
 
 from dray.messages.base import Message
-from dray.messages.call import CallAnswered, HelpCall
-from dray.messages.closure import Closures
-from dray.messages.command import CommandAnswered, MachineCommand, VehicleCommand
 from dray.messages.contract import (
     Accepted,
     Award,
@@ -36,7 +33,6 @@ from dray.messages.contract import (
     Withdrawn,
     WorkSought,
 )
-from dray.messages.dwell_point import DwellPointClaimed
 from dray.messages.fact import (
     AtvStatusChanged,
     AwardAnswered,
@@ -81,24 +77,11 @@ from dray.messages.fact import (
     WatchLost,
     WordDisbelieved,
 )
-from dray.messages.heartbeat import AtvHeartbeat, MachineHeartbeat, StationHeartbeat
-from dray.messages.history import Event, EventsAsked, EventsKept
-from dray.messages.keys import owner_of
-from dray.messages.obstacle import ObstacleCleared, ObstacleSeen
-from dray.messages.operator import OPERATOR_PREFIX, OperatorHeartbeat
-from dray.messages.order import (
-    CancellationTaken,
-    OrderCancelled,
-    OrderReleased,
-    OrderRevoked,
-    OrderTaken,
-    RevocationTaken,
-)
-from dray.messages.problem import ProblemEnded
-from dray.messages.removal import Removals
-from dray.messages.shutout import ShutOut
-from dray.messages.stock import StockAsked, StockFreed, StockReserved, StockShort
-from dray.messages.traffic import (
+from dray.messages.floor.closure import Closures
+from dray.messages.floor.dwell_point import DwellPointClaimed
+from dray.messages.floor.obstacle import ObstacleCleared, ObstacleSeen
+from dray.messages.floor.removal import Removals
+from dray.messages.floor.traffic import (
     BookAsked,
     BookKept,
     BookTold,
@@ -110,6 +93,23 @@ from dray.messages.traffic import (
     YieldAsked,
     YieldRefused,
 )
+from dray.messages.heartbeat import AtvHeartbeat, MachineHeartbeat, StationHeartbeat
+from dray.messages.history import Event, EventsAsked, EventsKept
+from dray.messages.keys import owner_of
+from dray.messages.order import (
+    CancellationTaken,
+    OrderCancelled,
+    OrderReleased,
+    OrderRevoked,
+    OrderTaken,
+    RevocationTaken,
+)
+from dray.messages.people.call import CallAnswered, HelpCall
+from dray.messages.people.command import CommandAnswered, MachineCommand, VehicleCommand
+from dray.messages.people.operator import OPERATOR_PREFIX, OperatorHeartbeat
+from dray.messages.problem import ProblemEnded
+from dray.messages.shutout import ShutOut
+from dray.messages.stock import StockAsked, StockFreed, StockReserved, StockShort
 
 
 class Kind(StrEnum):

@@ -29,7 +29,7 @@ from dray.protocol.traffic.places import Places
 from dray_sim.bench.losses.fleet import Fleet, running
 from dray_sim.bench.losses.watch import gathered
 from dray_sim.bench.row import Row
-from dray_sim.checks.said_and_heard import (
+from dray_sim.checks.floor.said_and_heard import (
     GRANTED_TWICE,
     HELD_TWICE,
     NOT_HELD,

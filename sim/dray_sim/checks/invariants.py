@@ -36,10 +36,10 @@ from dray.messages.fact import (
 from dray.messages.keys import STRATEGIST
 from dray_sim.checks.broken import InvariantBroken
 from dray_sim.checks.delivered import DeliveredExactly
-from dray_sim.checks.granted import GrantedOnly
-from dray_sim.checks.in_service import InServiceOnly
+from dray_sim.checks.floor.overlaps import Overlaps
 from dray_sim.checks.isolation import ReplacedInTime, SpeaksOn
-from dray_sim.checks.overlaps import Overlaps
+from dray_sim.checks.people.granted import GrantedOnly
+from dray_sim.checks.people.in_service import InServiceOnly
 from dray_sim.factory.sim_factory import SimFactory
 from dray_sim.network.listeners import Listener
 

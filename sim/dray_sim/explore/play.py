@@ -14,15 +14,15 @@ from dray.messages.speakers import Kind
 from dray_sim.bodies.vehicle.condition import BATTERY_EMPTY
 from dray_sim.checks.bounds import Bounds
 from dray_sim.checks.broken import InvariantBroken
-from dray_sim.checks.called import NoCallIsLost, OneTakerEach
-from dray_sim.checks.closed_lanes import ClosedLanes
 from dray_sim.checks.fault_attribution import FaultAttribution
-from dray_sim.checks.handed_over import HandedOver
-from dray_sim.checks.held_places import HeldPlaces
+from dray_sim.checks.floor.closed_lanes import ClosedLanes
+from dray_sim.checks.floor.held_places import HeldPlaces
+from dray_sim.checks.floor.obstacles import MindsObstacles
+from dray_sim.checks.floor.overlaps import Overlaps
 from dray_sim.checks.invariants import Invariants
 from dray_sim.checks.liveness import LivenessCheck
-from dray_sim.checks.obstacles import MindsObstacles
-from dray_sim.checks.overlaps import Overlaps
+from dray_sim.checks.people.called import NoCallIsLost, OneTakerEach
+from dray_sim.checks.people.handed_over import HandedOver
 from dray_sim.checks.stale_contracts import StaleContracts
 from dray_sim.checks.standing import Standing
 from dray_sim.checks.waiting import NobodyWaitsInVain
@@ -37,17 +37,17 @@ from dray_sim.faults import play as let_happen
 from dray_sim.insiders import BEHAVIOURS
 from dray_sim.insiders.joining import INSIDER, bring_in
 from dray_sim.network.listeners import Listeners
-from dray_sim.people.canceller import Canceller
 from dray_sim.people.carriers import Carriers
 from dray_sim.people.floor_manager import FloorManager
 from dray_sim.people.floor_office import FloorOffice
-from dray_sim.people.machine_meddler import MachineMeddler
 from dray_sim.people.operators import Operator, hire
 from dray_sim.people.order_client import OrderClient
-from dray_sim.people.random_answers import NAME as AT_RANDOM
-from dray_sim.people.random_answers import RandomAnswers
-from dray_sim.people.random_operator import RandomOperator
-from dray_sim.people.revoker import Revoker
+from dray_sim.people.random.canceller import Canceller
+from dray_sim.people.random.machine_meddler import MachineMeddler
+from dray_sim.people.random.random_answers import NAME as AT_RANDOM
+from dray_sim.people.random.random_answers import RandomAnswers
+from dray_sim.people.random.random_operator import RandomOperator
+from dray_sim.people.random.revoker import Revoker
 from dray_sim.people.technicians import Skill, employ
 from dray_sim.run.trace import Trace
 

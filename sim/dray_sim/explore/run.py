@@ -21,7 +21,7 @@ from dray_sim.people import demand
 from dray_sim.people.carriers import Carrying, draw_carryings
 from dray_sim.people.floor_manager import Closing
 from dray_sim.people.habits import Habits
-from dray_sim.people.revoker import Revocation
+from dray_sim.people.random.revoker import Revocation
 
 DURATION_S = 1200.0
 """The least virtual time of a run."""

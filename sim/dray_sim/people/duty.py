@@ -9,8 +9,8 @@ from enum import IntEnum
 
 from dray.body import CallPart, CallReplied, DutyChanged, DutyState, Instruction, Report, ShowCalls, ShownCall
 from dray.messages import OPERATOR_PREFIX, CallAnswer, HelpCall
-from dray.messages.call import CALL_WAIT_MAX_S
 from dray.messages.keys import Keys
+from dray.messages.people.call import CALL_WAIT_MAX_S
 from dray.ports import Bus, Clock
 from dray.protocol.operator.operator import Operator as OperatorAgent
 from dray.worker.worker import Worker

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from dray.adapters.security.signing import SigningKey
 from dray.messages import AtvHeartbeat, Event, Message, Removal, Removals
 from dray.messages.fact import PlaceKept
+from dray.messages.floor.removal import MAX_REMOVALS
 from dray.messages.keys import Keys
-from dray.messages.removal import MAX_REMOVALS
 from dray.ports import Bus, Clock
 from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S, gone_s
 

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 from msgspec import UNSET
 
 from dray.messages import CommandRefusal, MachineCommandKind, MachineHeartbeat, ProblemKind
-from dray.messages.command import PROMISE_MAX_S
+from dray.messages.people.command import PROMISE_MAX_S
 from dray_sim.people.areas import EVERYWHERE, area_at
 from dray_sim.people.habits import Range
 from dray_sim.people.hands import Hands

@@ -15,7 +15,7 @@ from dray.plant.model import VehicleSpec
 from dray.ports import Clock
 from dray_sim.bodies.vehicle.course import Course
 from dray_sim.bodies.vehicle.vehicle import SimVehicle
-from dray_sim.checks.overlaps import Overlap, Overlaps
+from dray_sim.checks.floor.overlaps import Overlap, Overlaps
 
 LOOK_EVERY_S = 1.0
 """How often what goes on as before is judged up to now."""

@@ -18,10 +18,10 @@ from typing import Any, Generic, TypeVar
 from dray.messages import OrderItem
 from dray.plant import Plant
 from dray_sim.bodies.floor import FIRST_STOCK_FRAC
-from dray_sim.checks.called import NoCallIsLost, OneTakerEach
-from dray_sim.checks.held_places import HeldPlaces
+from dray_sim.checks.floor.held_places import HeldPlaces
+from dray_sim.checks.floor.overlaps import Overlaps
 from dray_sim.checks.invariants import Invariants
-from dray_sim.checks.overlaps import Overlaps
+from dray_sim.checks.people.called import NoCallIsLost, OneTakerEach
 from dray_sim.clock.loop import JUMP, clock, run
 from dray_sim.factory.installation import Embody, directly
 from dray_sim.factory.sim_factory import SimFactory

@@ -16,7 +16,7 @@ from dray.plant import Plant, default_plant
 from dray.plant.model import VehicleSpec
 from dray.ports import Body
 from dray_sim.bodies.vehicle.vehicle import SimVehicle
-from dray_sim.checks.obstacles import MindsObstacles
+from dray_sim.checks.floor.obstacles import MindsObstacles
 from dray_sim.faults import FaultError, LaneBlocked, Thing
 from dray_sim.run.evidence import Check, Table
 from dray_sim.run.scenario import Findings, Scenario

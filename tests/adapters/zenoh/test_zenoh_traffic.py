@@ -11,9 +11,9 @@ from zenoh_stage import LATEST_S, PLANT, Stage, on_zenoh
 from dray.messages import Closure, ClosureKind, OrderItem, Phase
 from dray.messages.fact import AnyFact, ClosuresKnown, OrderFulfilled, PhaseEntered
 from dray.protocol.vehicle.atv import Atv
-from dray_sim.checks.closed_lanes import ClosedLanes
-from dray_sim.checks.held_places import HeldPlaces
-from dray_sim.checks.overlaps import Overlaps
+from dray_sim.checks.floor.closed_lanes import ClosedLanes
+from dray_sim.checks.floor.held_places import HeldPlaces
+from dray_sim.checks.floor.overlaps import Overlaps
 from dray_sim.factory.sim_factory import SimFactory
 from dray_sim.network.listeners import Listener
 from dray_sim.people.demand import Order

@@ -23,7 +23,7 @@ from dray.gateway.live.timescale import TimeScale
 from dray.gateway.live.views import ClosureView, LaneView
 from dray.gateway.live.visibility import AreaVisibility
 from dray.messages import ClosureKind, Closures, Message, closed_words
-from dray.messages.closure import MAX_CLOSURES
+from dray.messages.floor.closure import MAX_CLOSURES
 from dray.plant import default_plant, load_plant
 from dray.protocol.closures.closure_rules import restrictions_of
 

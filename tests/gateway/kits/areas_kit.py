@@ -43,8 +43,8 @@ from dray.messages.fact import (
     MachineFailure,
     TaskOpened,
 )
+from dray.messages.floor.traffic import HOLDS_MAX
 from dray.messages.heartbeat import FloorBrief
-from dray.messages.traffic import HOLDS_MAX
 from dray.plant import default_plant
 
 FLOOR = default_plant()

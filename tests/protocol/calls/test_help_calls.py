@@ -10,8 +10,8 @@ from defaults import PLANT
 from effects import facts
 
 from dray.messages import CallAnswer, CallState, DutyStatus, Problem, ProblemKind
-from dray.messages.call import CALL_WAIT_MAX_S
 from dray.messages.fact import HelpCallEnded
+from dray.messages.people.call import CALL_WAIT_MAX_S
 from dray.protocol.calls.call_rules import ANSWER_S, LATE_S, REST_MAX_S, REST_S, SAY_EVERY_S, rest_s
 from dray.protocol.calls.help_calls import END_SAID
 from dray.protocol.calls.on_duty import GONE_S, SILENT_S

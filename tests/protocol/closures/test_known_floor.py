@@ -13,7 +13,7 @@ from seals import trusts_seals
 from dray.codec import MAX_BYTES, encode
 from dray.errors import NoWay
 from dray.messages import Closure, ClosureKind, Closures
-from dray.messages.closure import MAX_CLOSURES
+from dray.messages.floor.closure import MAX_CLOSURES
 from dray.plant import load_plant
 from dray.plant.restrictions import OPEN
 from dray.protocol.closures.closure_rules import cut_off, lanes_of, restrictions_of

@@ -5,7 +5,7 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dray.messages.obstacle import FORGOTTEN_AT_MOST_S, FORGOTTEN_S
+from dray.messages.floor.obstacle import FORGOTTEN_AT_MOST_S, FORGOTTEN_S
 from dray.protocol.closures.obstacles import MOST, MOST_OF_ONE, Obstacles
 
 NODES = st.sampled_from([f"n{number}" for number in range(12)])

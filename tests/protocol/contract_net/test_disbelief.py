@@ -22,8 +22,8 @@ from dray.messages import (
     TakenOver,
     TaskAnnounced,
 )
-from dray.messages.command import PROMISE_MAX_S
 from dray.messages.fact import CarrierChanged, NotBelieved, WordDisbelieved
+from dray.messages.people.command import PROMISE_MAX_S
 from dray.protocol.contract_net.task import StandbyContract
 from dray.protocol.contract_net.trust.assessment import Assessor
 from dray.protocol.contract_net.trust.disbelief import TOLD_EVERY_S

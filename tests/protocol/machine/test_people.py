@@ -28,8 +28,8 @@ from dray.messages import (
     ProblemKind,
     Withdrawn,
 )
-from dray.messages.command import OUT_MAX_S, PROMISE_MAX_S
 from dray.messages.fact import CommandObeyed, HelpAsked, HelpPromised, TaskClosed
+from dray.messages.people.command import OUT_MAX_S, PROMISE_MAX_S
 from dray.protocol.liveness.suspicion import BREAKDOWN_S
 from dray.protocol.machine.people.breakdown import GOAL_PATIENCE_MIN_S
 from dray.protocol.machine.people.command_handling import NO_UPDATES, NOTHING_RESTARTS, ONE_SPEED

@@ -11,7 +11,6 @@ from spoken import mhb
 
 from dray.body import Admit, GoodsArrived
 from dray.messages import HelpWanted, MachineStatus, OutOfService, Reason, Withdrawn
-from dray.messages.command import PROMISE_MAX_S
 from dray.messages.fact import (
     GoalContracted,
     GoalLost,
@@ -21,6 +20,7 @@ from dray.messages.fact import (
     OrderFulfilled,
     TaskClosed,
 )
+from dray.messages.people.command import PROMISE_MAX_S
 from dray.protocol.liveness.suspicion import BREAKDOWN_S, GOAL_SILENCE_S
 from dray.protocol.runtime.events import Woke
 

@@ -12,7 +12,7 @@ from rigs import VehicleRig
 from dray.body import Drive, LinkNoticed, NodePassed, ProblemCleared, ProblemRaised, WayBlocked, WayFree
 from dray.messages import AtvHeartbeat, AtvStatus, Link, ObstacleCleared, ObstacleSeen, Problem, ProblemKind
 from dray.messages.fact import HelpAsked
-from dray.messages.obstacle import FORGOTTEN_AT_MOST_S, FORGOTTEN_S
+from dray.messages.floor.obstacle import FORGOTTEN_AT_MOST_S, FORGOTTEN_S
 from dray.protocol.closures.obstacles import MOST_OF_ONE
 from dray.protocol.runtime.events import Effect
 from dray.protocol.vehicle.atv import Atv

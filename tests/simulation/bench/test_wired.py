@@ -18,7 +18,7 @@ from dray.protocol.traffic.places import Places
 from dray_sim.bench.losses.fleet import Fleet, running
 from dray_sim.bench.losses.watch import gathered
 from dray_sim.bench.wired import JOIN_S, Campaign, play
-from dray_sim.checks.said_and_heard import SaidAndHeard
+from dray_sim.checks.floor.said_and_heard import SaidAndHeard
 from dray_sim.plants.generator import generate_plant
 
 PLANT = generate_plant(1, machines=3, vehicles=2)

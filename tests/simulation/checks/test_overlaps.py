@@ -18,7 +18,7 @@ from dray_sim.bodies.vehicle.course import Course
 from dray_sim.bodies.vehicle.motion import STANDSTILL, Stretch, plan
 from dray_sim.bodies.vehicle.vehicle import SimVehicle
 from dray_sim.checks.broken import InvariantBroken
-from dray_sim.checks.overlaps import MISSED_M, Overlaps
+from dray_sim.checks.floor.overlaps import MISSED_M, Overlaps
 from dray_sim.run.evidence import HELD
 from dray_sim.run.stage import Shift, play
 

@@ -18,7 +18,7 @@ from dray.plant import Plant, default_plant, load_plant
 from dray.plant import layout as layout_module
 from dray_sim.bodies.floor import Floor
 from dray_sim.bodies.vehicle.vehicle import SimVehicle
-from dray_sim.checks.overlaps import Overlaps
+from dray_sim.checks.floor.overlaps import Overlaps
 from dray_sim.clock.loop import JUMP, clock, run
 from dray_sim.plants.generator import generate_plant
 

@@ -23,10 +23,10 @@ from dray.messages import (
 )
 from dray_sim.clock.loop import JUMP, clock, run
 from dray_sim.network.sim_network import SimNetwork
-from dray_sim.people.canceller import Canceller
 from dray_sim.people.demand import Order
-from dray_sim.people.random_operator import RandomOperator
-from dray_sim.people.revoker import Revocation, Revoker
+from dray_sim.people.random.canceller import Canceller
+from dray_sim.people.random.random_operator import RandomOperator
+from dray_sim.people.random.revoker import Revocation, Revoker
 
 
 def test_a_passerby_presses_all_buttons_and_puts_everything_right() -> None:

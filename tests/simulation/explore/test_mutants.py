@@ -30,7 +30,7 @@ from dray.messages import (
     VehicleCommand,
     Work,
 )
-from dray.messages.traffic import PlaceBooking, PlaceWished
+from dray.messages.floor.traffic import PlaceBooking, PlaceWished
 from dray.protocol.contract_net.auction import Auction
 from dray.protocol.contract_net.coordinator import Coordinator
 from dray.protocol.contract_net.task import CarrierContract, OpenTask

@@ -42,8 +42,7 @@ from dray.messages import (
     Withdrawn,
 )
 from dray.messages.contract import TransportCost
-from dray.messages.radio import CARRIED_BY_RADIO
-from dray.messages.traffic import (
+from dray.messages.floor.traffic import (
     HoldsAsked,
     PlaceBooking,
     PlaceGranted,
@@ -51,6 +50,7 @@ from dray.messages.traffic import (
     YieldAsked,
     YieldRefused,
 )
+from dray.messages.radio import CARRIED_BY_RADIO
 from dray_sim.clock.loop import run
 from dray_sim.faults import LinkTrouble, Partition
 from dray_sim.network.radio import NOBODY_NEAR, UNFIT

@@ -12,7 +12,7 @@ from dray.adapters.security.signing import SigningKey
 from dray.messages import AtvHeartbeat, Closure, ClosureKind, Event, Message
 from dray.messages.fact import ClosuresKnown, TaskClosed
 from dray.plant import default_plant
-from dray_sim.checks.closed_lanes import ClosedLanes
+from dray_sim.checks.floor.closed_lanes import ClosedLanes
 from dray_sim.checks.invariants import Invariants
 from dray_sim.clock.loop import clock, run
 from dray_sim.factory.sim_factory import SimFactory

@@ -2,7 +2,7 @@
 
 A line is written before a message is said, and before one that was heard is heeded, and outlives the process however it
 ends. Times are those of the computer's monotonic clock, which all its processes share: so lines of several files can be
-put in order. `dray_sim.checks.said_and_heard` judges them.
+put in order. `dray_sim.checks.floor.said_and_heard` judges them.
 """
 
 from __future__ import annotations

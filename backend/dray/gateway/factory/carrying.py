@@ -1,7 +1,7 @@
 """Carrying: which vehicles people have carried away and are putting back, in SQL, on the panels and on the bus.
 
 A word is on disk before it is told. Then the gateway says it again and again, each time with a grant that is good for a while, until the
-vehicle is heard. Whether it is believed is decided by those who keep the books of places (`dray.messages.removal`); what they
+vehicle is heard. Whether it is believed is decided by those who keep the books of places (`dray.messages.floor.removal`); what they
 have freed and kept they tell as facts.
 """
 
@@ -22,7 +22,7 @@ from dray.gateway.live.projection import Projection
 from dray.gateway.live.timescale import TimeScale
 from dray.gateway.live.views import RemovalView
 from dray.messages import Removals
-from dray.messages.removal import MAX_REMOVALS
+from dray.messages.floor.removal import MAX_REMOVALS
 from dray.protocol.liveness.suspicion import gone_s, interval_s
 from dray.store import Store
 from dray.store.factory.removals import RemovalRow

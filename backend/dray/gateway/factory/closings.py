@@ -23,7 +23,7 @@ from dray.gateway.live.projection import Projection
 from dray.gateway.live.timescale import TimeScale
 from dray.gateway.live.views import ClosureView, LaneView
 from dray.messages import Closure, ClosureKind, Closures
-from dray.messages.closure import MAX_CLOSURES
+from dray.messages.floor.closure import MAX_CLOSURES
 from dray.plant import Plant
 from dray.protocol.closures.closure_rules import cut_off, lanes_of, restrictions_of, shut_in
 from dray.store import Store

@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 
 from dray.gateway.live.views import CauseView, FailureView, LackView, WaitCauseView, WaitKind
 from dray.messages import CommandAnswered, CommandRefusal, Implausible, MaterialWait, Reason, TaskBrief
-from dray.messages.command import PROMISE_MAX_S
 from dray.messages.fact import GoalWaits
+from dray.messages.people.command import PROMISE_MAX_S
 
 REASONS: Mapping[Reason, str] = {
     Reason.HANDED_OVER: "handed over",

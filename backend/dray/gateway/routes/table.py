@@ -9,19 +9,15 @@ from dray.gateway.routes.factory import (
     agents,
     alerts,
     atvs,
-    carrying,
-    closures,
     duty,
     faults,
     inventory,
     machine_commands,
     machines,
-    obstacles,
     plant_drafts,
     tasks,
-    traffic,
-    waits,
 )
+from dray.gateway.routes.factory.floor import carrying, closures, obstacles, traffic, waits
 from dray.gateway.routes.history import audit, events, kpis, promises
 from dray.gateway.routes.orders import imports, orders, track
 from dray.gateway.routes.pages import customer, docs, login, panels

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dray.messages.base import Count, Id
 from dray.messages.fact.base import Fact
-from dray.messages.traffic import Places
+from dray.messages.floor.traffic import Places
 
 
 class PlacesFreed(Fact, frozen=True):
@@ -12,7 +12,7 @@ class PlacesFreed(Fact, frozen=True):
 
     atv: Id
     number: Count
-    """Of the removal (`dray.messages.removal`)."""
+    """Of the removal (`dray.messages.floor.removal`)."""
     by: Id
     """The person who has said so."""
     places: Places

@@ -76,6 +76,6 @@ class CommandObeyed(Fact, frozen=True):
 
 
 class ClosuresKnown(Fact, frozen=True):
-    """From now on the vehicle drives by another list of closures (`dray.messages.closure`)."""
+    """From now on the vehicle drives by another list of closures (`dray.messages.floor.closure`)."""
 
     number: Count

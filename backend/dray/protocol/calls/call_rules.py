@@ -14,7 +14,7 @@ from collections.abc import Container, Iterable
 from math import hypot
 
 from dray.messages import DutyStatus, OperatorHeartbeat, ProblemKind
-from dray.messages.call import ASKED_MAX
+from dray.messages.people.call import ASKED_MAX
 from dray.plant import Plant
 from dray.plant.geometry import box_of
 

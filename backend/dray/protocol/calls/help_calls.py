@@ -22,9 +22,9 @@ from dray.messages import (
     OperatorHeartbeat,
     Problem,
 )
-from dray.messages.call import CALL_WAIT_MAX_S
 from dray.messages.fact import HelpCallEnded
 from dray.messages.keys import Keys
+from dray.messages.people.call import CALL_WAIT_MAX_S
 from dray.plant import Plant
 from dray.protocol.calls.call_rules import ANSWER_S, LATE_S, SAY_EVERY_S, is_there_for, next_asked, rest_s
 from dray.protocol.calls.call_state import TRANSITIONS

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import msgspec
 
-from dray.messages.obstacle import FORGOTTEN_AT_MOST_S, FORGOTTEN_S
+from dray.messages.floor.obstacle import FORGOTTEN_AT_MOST_S, FORGOTTEN_S
 from dray.plant.restrictions import Ends
 from dray.protocol.runtime.events import NEVER_S
 

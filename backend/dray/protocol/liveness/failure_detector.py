@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from dray.messages import AtvHeartbeat, AtvStatus, Reason
-from dray.messages.command import PROMISE_MAX_S
+from dray.messages.people.command import PROMISE_MAX_S
 from dray.protocol.liveness.suspicion import LATENESS_MAX_S, ArrivalStatistics, bound_s, silence_bound_s
 from dray.protocol.runtime.events import NEVER_S, Effect, Subscribe, Unsubscribe
 

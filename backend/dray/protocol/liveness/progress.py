@@ -14,7 +14,7 @@ most of it is said by the carrier itself.
 from __future__ import annotations
 
 from dray.messages import AtvHeartbeat, AtvStatus, Phase, Pose, Reason
-from dray.messages.command import PROMISE_MAX_S
+from dray.messages.people.command import PROMISE_MAX_S
 from dray.protocol.runtime.events import NEVER_S
 
 STALL_S = 30.0

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dray.messages import CommandRefusal, MachineCommand, OutOfService, VehicleCommand
-from dray.messages.command import OUT_MAX_S
+from dray.messages.people.command import OUT_MAX_S
 
 
 class ServiceState:

@@ -10,9 +10,9 @@ from __future__ import annotations
 from msgspec import UNSET
 
 from dray.messages import JoiningMachine, MachineHeartbeat, MachineStatus, Reason
-from dray.messages.command import PROMISE_MAX_S
 from dray.messages.fact import MachineFailure
 from dray.messages.heartbeat import JOINING_MACHINES_MAX
+from dray.messages.people.command import PROMISE_MAX_S
 from dray.plant import Plant
 from dray.protocol.liveness.suspicion import BREAKDOWN_S, GOAL_SILENCE_S
 from dray.protocol.runtime.events import NEVER_S

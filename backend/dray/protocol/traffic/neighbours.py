@@ -8,7 +8,7 @@ import msgspec
 from msgspec import UNSET
 
 from dray.messages import AtvHeartbeat, AtvStatus
-from dray.messages.traffic import NO_RANK, ROUTE_MAX, PlaceWished, Rank
+from dray.messages.floor.traffic import NO_RANK, ROUTE_MAX, PlaceWished, Rank
 from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S, WORKING_INTERVAL_S, bound_s, interval_s
 
 

@@ -9,7 +9,7 @@ from collections import Counter
 from collections.abc import Callable, Mapping
 from itertools import pairwise
 
-from dray.messages.traffic import Blocked, OnFloor, PlaceGranted, Rank
+from dray.messages.floor.traffic import Blocked, OnFloor, PlaceGranted, Rank
 from dray.plant.restrictions import OPEN, Ends, Restrictions
 from dray.protocol.traffic.surroundings import Surroundings
 

@@ -6,7 +6,7 @@ then it is there, or back.
 
 from __future__ import annotations
 
-from dray.messages.removal import Removal, removed_words
+from dray.messages.floor.removal import Removal, removed_words
 from dray.plant import Plant
 from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S, gone_s
 from dray.protocol.runtime.trust import Trusts

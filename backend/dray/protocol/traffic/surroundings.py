@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable
 
 import msgspec
 
-from dray.messages.traffic import FloorTold, OnFloor
+from dray.messages.floor.traffic import FloorTold, OnFloor
 from dray.protocol.runtime.events import Effect, Subscribe, Unsubscribe
 from dray.protocol.traffic.places import Places
 

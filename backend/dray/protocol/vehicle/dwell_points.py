@@ -5,7 +5,7 @@
        |  +---------------- lost to another ---------+----------------------------------------------+
        +-- no dwell point of the kind is left: try again later
 
-See `dray.messages.dwell_point` for the verdict that both sides of a contest reach alone. A claim is its speaker's word: one
+See `dray.messages.floor.dwell_point` for the verdict that both sides of a contest reach alone. A claim is its speaker's word: one
 that has kept this vehicle from a charger for longer than anybody needs to drive there or to charge is not believed
 any more, and the vehicle goes and looks.
 """

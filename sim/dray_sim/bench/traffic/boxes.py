@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from dray.messages import Message
+from dray.messages.floor.traffic import FloorTold, HoldsAsked, PlaceGranted, YieldAsked, YieldRefused
 from dray.messages.keys import Keys
-from dray.messages.traffic import FloorTold, HoldsAsked, PlaceGranted, YieldAsked, YieldRefused
 from dray.protocol.runtime.events import Effect, Instruct, Publish, Send, Subscribe, Unsubscribe
 from dray.protocol.runtime.timers import Timers
 from dray.protocol.traffic.books.copies import Kept

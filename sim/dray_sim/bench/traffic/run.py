@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from statistics import quantiles
 
 from dray.messages import Message
-from dray.messages.traffic import PlaceBooking, YieldAsked, YieldRefused
+from dray.messages.floor.traffic import PlaceBooking, YieldAsked, YieldRefused
 from dray.plant import Plant
 from dray.protocol.traffic.books.copies import Kept
 from dray.protocol.traffic.neighbours import Neighbours

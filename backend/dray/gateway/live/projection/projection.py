@@ -34,7 +34,7 @@ from dray.gateway.live.projection.site import Site
 from dray.gateway.live.timescale import TimeScale
 from dray.gateway.live.views import FactoryView, RemovalView, UseView
 from dray.messages import AtvHeartbeat, Event, MachineHeartbeat, Message, StationHeartbeat
-from dray.messages.obstacle import ObstacleCleared, ObstacleSeen
+from dray.messages.floor.obstacle import ObstacleCleared, ObstacleSeen
 from dray.overload import Overload
 from dray.plant.model import PlantFile
 from dray.store.factory.exclusions import Exclusion

@@ -22,16 +22,16 @@ from dray.gateway.live.views.atv import (
 )
 from dray.gateway.live.views.base import View
 from dray.gateway.live.views.cause import CauseView, FailureView, HandoverView, LackView
-from dray.gateway.live.views.closure import ClosureView, LaneView
 from dray.gateway.live.views.command import CommandState, CommandView
 from dray.gateway.live.views.factory import AudienceView, FactoryView, FaultView, UseView
+from dray.gateway.live.views.floor.closure import ClosureView, LaneView
+from dray.gateway.live.views.floor.obstacle import ObstacleView
+from dray.gateway.live.views.floor.wait import WaitCauseView, WaitKind, WaitView
 from dray.gateway.live.views.machine import BufferView, GoalView, MachineView, OpenTaskView
 from dray.gateway.live.views.news import NewsView
-from dray.gateway.live.views.obstacle import ObstacleView
 from dray.gateway.live.views.order import OrderItemView, OrderView
 from dray.gateway.live.views.station import StationView, StockView
 from dray.gateway.live.views.task import BidView, CarrierView, RefusalView, TaskView
-from dray.gateway.live.views.wait import WaitCauseView, WaitKind, WaitView
 from dray.gateway.live.views.why import PassedView, RefusedView, WhyView
 
 __all__ = [

@@ -6,7 +6,7 @@ from typing import Literal
 
 from dray.gateway.live.views.agent import ClockView, ProbationView, ShutOutView, SilenceView
 from dray.gateway.live.views.base import View
-from dray.messages.command import PROMISE_MAX_S
+from dray.messages.people.command import PROMISE_MAX_S
 
 
 class BriefView(View, kw_only=True):

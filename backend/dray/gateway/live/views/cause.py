@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dray.gateway.live.views.base import View
-from dray.gateway.live.views.wait import WaitCauseView
+from dray.gateway.live.views.floor.wait import WaitCauseView
 
 
 class FailureView(View):

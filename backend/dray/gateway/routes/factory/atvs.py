@@ -24,7 +24,7 @@ from dray.gateway.live.reasons import refusal_text
 from dray.gateway.live.views import AtvView
 from dray.gateway.routes.parameters import Visible
 from dray.messages import CommandKind, CommandRefusal
-from dray.messages.command import OUT_MAX_S, PROMISE_MAX_S
+from dray.messages.people.command import OUT_MAX_S, PROMISE_MAX_S
 
 router = APIRouter(tags=["factory"])
 

@@ -23,7 +23,7 @@ from dray.gateway.live.projection import Projection
 from dray.gateway.live.timescale import TimeScale
 from dray.gateway.live.views.duty import CallView, ColleagueView, DutyChoice, DutyView
 from dray.messages import CallAnswer, CallState, CommandKind, HelpCall, ProblemKind
-from dray.messages.call import CALL_WAIT_MAX_S
+from dray.messages.people.call import CALL_WAIT_MAX_S
 
 router = APIRouter(tags=["factory"])
 

@@ -22,7 +22,7 @@ from dray.gateway.live.reasons import refusal_text
 from dray.gateway.routes.factory.atvs import CommandAnswer
 from dray.gateway.routes.parameters import Visible
 from dray.messages import MachineCommand, MachineCommandKind
-from dray.messages.command import OUT_MAX_S, PROMISE_MAX_S
+from dray.messages.people.command import OUT_MAX_S, PROMISE_MAX_S
 
 router = APIRouter(tags=["factory"])
 

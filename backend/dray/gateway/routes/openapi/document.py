@@ -35,9 +35,9 @@ from dray.gateway.orders.feasibility import OrderPreview
 from dray.gateway.routes.factory.atvs import CommandAnswer
 from dray.gateway.routes.factory.duty import CallAnswered
 from dray.gateway.routes.factory.faults import FaultsAnswer
+from dray.gateway.routes.factory.floor.traffic import TrafficAnswer
 from dray.gateway.routes.factory.inventory import InventoryLine, MaterialAnswer, StorageAnswer
 from dray.gateway.routes.factory.plant_draft_bodies import DraftView
-from dray.gateway.routes.factory.traffic import TrafficAnswer
 from dray.gateway.routes.history.events import EventAnswer
 from dray.gateway.routes.me import MeAnswer
 from dray.gateway.routes.openapi.examples import examples

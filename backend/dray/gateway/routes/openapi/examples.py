@@ -28,12 +28,12 @@ from dray.gateway.live.views import (
 from dray.gateway.orders.feasibility import MachineOffer, MaterialNeed, OrderPreview, StorageShare
 from dray.gateway.routes.factory.agents import EXAMPLE as EXCLUSION
 from dray.gateway.routes.factory.alerts import EXAMPLE as ALERT
-from dray.gateway.routes.factory.closures import EXAMPLE as CLOSURE
+from dray.gateway.routes.factory.floor.closures import EXAMPLE as CLOSURE
+from dray.gateway.routes.factory.floor.obstacles import EXAMPLE as OBSTACLE
+from dray.gateway.routes.factory.floor.waits import EXAMPLE as WAIT
 from dray.gateway.routes.factory.inventory import InventoryLine, MaterialAnswer, StorageAnswer, StoredMaterial
-from dray.gateway.routes.factory.obstacles import EXAMPLE as OBSTACLE
 from dray.gateway.routes.factory.plant_draft_bodies import EXAMPLE as DRAFT
 from dray.gateway.routes.factory.plant_draft_bodies import LINE_EXAMPLE, PLAY_EXAMPLE
-from dray.gateway.routes.factory.waits import EXAMPLE as WAIT
 from dray.gateway.routes.history.events import EventAnswer
 from dray.gateway.routes.orders.imports import ImportAnswer, ImportedOrder
 from dray.gateway.routes.orders.orders import EXAMPLE as ORDER

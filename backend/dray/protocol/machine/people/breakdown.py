@@ -25,9 +25,9 @@ from dray.messages import (
     ProblemEnded,
     ProblemKind,
 )
-from dray.messages.command import PROMISE_MAX_S
 from dray.messages.fact import HelpAsked, HelpPromised
 from dray.messages.keys import Keys
+from dray.messages.people.command import PROMISE_MAX_S
 from dray.protocol.liveness.suspicion import BREAKDOWN_S
 from dray.protocol.machine.production import GoalBook
 from dray.protocol.people.patience import Experience

@@ -7,7 +7,7 @@ from operator import itemgetter
 
 import msgspec
 
-from dray.messages.traffic import Blocked, PlaceWished
+from dray.messages.floor.traffic import Blocked, PlaceWished
 from dray.protocol.traffic.books.book import Book
 
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from dray.errors import ProtocolViolation
-from dray.messages.traffic import AllRemoved, PlaceBooking, PlaceWished, Removed
+from dray.messages.floor.traffic import AllRemoved, PlaceBooking, PlaceWished, Removed
 
 
 class Book:

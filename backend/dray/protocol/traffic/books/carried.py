@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from dray.messages import Removal
 from dray.messages.fact import PlaceKept, PlacesFreed
-from dray.messages.traffic import FIRST_S, HOLDS_MAX, PlaceWished
+from dray.messages.floor.traffic import FIRST_S, HOLDS_MAX, PlaceWished
 from dray.protocol.runtime.events import Effect, Record
 from dray.protocol.traffic.books.book import Book
 

@@ -16,7 +16,7 @@ from collections.abc import Iterable, Sequence
 
 import msgspec
 
-from dray.messages.traffic import AllRemoved, BookAsked, Bookings, BookKept, BookTold, PlaceBooked
+from dray.messages.floor.traffic import AllRemoved, BookAsked, Bookings, BookKept, BookTold, PlaceBooked
 from dray.protocol.runtime.events import Effect, Send
 
 

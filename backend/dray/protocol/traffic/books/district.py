@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from msgspec.structs import replace
 
 from dray.messages import Message, Removal
-from dray.messages.traffic import (
+from dray.messages.floor.traffic import (
     Blocked,
     BookAsked,
     BookKept,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dray.messages.traffic import NEAR_NODES, FloorTold, OnFloor
+from dray.messages.floor.traffic import NEAR_NODES, FloorTold, OnFloor
 from dray.protocol.runtime.events import NEVER_S, Effect, Publish
 from dray.protocol.traffic.books.book import Book
 from dray.protocol.traffic.neighbours import Neighbours, Seen

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 
-from dray.messages.traffic import HoldsAsked, PlaceGranted, PlaceWished
+from dray.messages.floor.traffic import HoldsAsked, PlaceGranted, PlaceWished
 from dray.protocol.runtime.events import Effect, Send
 from dray.protocol.traffic.books.book import Book
 

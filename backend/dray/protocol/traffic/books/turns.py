@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from dray.messages import Message
-from dray.messages.traffic import PlaceBooked, PlaceWished
+from dray.messages.floor.traffic import PlaceBooked, PlaceWished
 from dray.protocol.runtime.events import NEVER_S
 
 NO_KEEPER = "the word of somebody who does not keep this book"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from enum import Enum
 
-from dray.messages.traffic import FIRST_S, ROUTE_MAX, Blocked, PlaceGranted, Rank
+from dray.messages.floor.traffic import FIRST_S, ROUTE_MAX, Blocked, PlaceGranted, Rank
 from dray.plant.restrictions import OPEN, Ends, Restrictions
 from dray.protocol.runtime.events import Effect, Instruct
 from dray.protocol.runtime.timers import Timers, spread_frac

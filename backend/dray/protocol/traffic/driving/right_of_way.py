@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from itertools import pairwise
 
-from dray.messages.traffic import (
+from dray.messages.floor.traffic import (
     ROUTE_MAX,
     Blocked,
     HoldsAsked,

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import msgspec
 
-from dray.messages.traffic import Blocked, HoldsAsked, PlaceGranted, PlaceWished, Rank
+from dray.messages.floor.traffic import Blocked, HoldsAsked, PlaceGranted, PlaceWished, Rank
 from dray.protocol.runtime.events import Effect, Send
 from dray.protocol.runtime.timers import Timers
 

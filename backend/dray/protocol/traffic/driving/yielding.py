@@ -11,7 +11,7 @@ from collections.abc import Iterable
 
 import msgspec
 
-from dray.messages.traffic import ROUTE_MAX, Rank, YieldAsked, YieldRefused
+from dray.messages.floor.traffic import ROUTE_MAX, Rank, YieldAsked, YieldRefused
 from dray.protocol.runtime.events import Effect, Send
 from dray.protocol.runtime.timers import spread_frac
 from dray.protocol.traffic.prices import Outlook

@@ -8,9 +8,9 @@ from typing import Protocol
 from dray.body import ActionFailed, NodePassed, VehicleState, WayDone
 from dray.errors import NoWay, ProtocolViolation
 from dray.messages import DockExpected, Pose
+from dray.messages.floor.traffic import HOLDS_MAX
 from dray.messages.heartbeat import FloorBrief
 from dray.messages.keys import Keys
-from dray.messages.traffic import HOLDS_MAX
 from dray.plant import Plant
 from dray.protocol.runtime.events import Effect, Publish
 from dray.protocol.runtime.timers import Timers

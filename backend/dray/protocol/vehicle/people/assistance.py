@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from msgspec.structs import replace
 
 from dray.messages import NOTHING_KNOWN, CommandRefusal, HelpWanted, Problem
-from dray.messages.command import PROMISE_MAX_S
 from dray.messages.fact import HelpAsked, HelpPromised
+from dray.messages.people.command import PROMISE_MAX_S
 from dray.protocol.people.patience import room_s
 from dray.protocol.runtime.events import Effect, Record
 

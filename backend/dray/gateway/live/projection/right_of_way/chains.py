@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import msgspec
 
-from dray.gateway.live.views.wait import WaitKind
+from dray.gateway.live.views.floor.wait import WaitKind
 
 NAMED = 8
 """Vehicles of a chain that are named at most: nobody reads more."""

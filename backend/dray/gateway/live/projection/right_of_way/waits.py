@@ -11,7 +11,7 @@ from dray.gateway.live.projection.changes import Changes
 from dray.gateway.live.projection.right_of_way.chains import NAMED, Chain, Standing, chains_of
 from dray.gateway.live.reasons import wait_text
 from dray.gateway.live.views import WaitCauseView, WaitView
-from dray.gateway.live.views.wait import WaitKind
+from dray.gateway.live.views.floor.wait import WaitKind
 from dray.messages import AtvHeartbeat, AtvStatus, Phase
 from dray.messages.heartbeat import FloorBrief
 from dray.plant import Plant

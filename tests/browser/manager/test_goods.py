@@ -10,7 +10,7 @@ import pytest
 from open_house import OpenHouse, open_house
 from playwright.sync_api import Page, expect
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "gateway/kits"))
+sys.path.insert(0, str(Path(__file__).parents[2] / "gateway/kits"))
 
 from gateway_kit import House
 from heartbeats import machine_heartbeat

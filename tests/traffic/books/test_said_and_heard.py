@@ -19,10 +19,10 @@ from dray.adapters.telemetry.traffic_log import (
 )
 from dray.codec import encode
 from dray.messages import Message, PlaceGranted, PlaceWished
-from dray.messages.traffic import PlaceBooking
+from dray.messages.floor.traffic import PlaceBooking
 from dray.plant import default_plant
 from dray.protocol.traffic.places import Places
-from dray_sim.checks.said_and_heard import GRANTED_TWICE, HELD_TWICE, NOT_HELD, OVERLAP, SaidAndHeard
+from dray_sim.checks.floor.said_and_heard import GRANTED_TWICE, HELD_TWICE, NOT_HELD, OVERLAP, SaidAndHeard
 
 PLACES = Places(default_plant())
 PLACE = "b3"

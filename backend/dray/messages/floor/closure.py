@@ -2,7 +2,7 @@
 
 There is one list. A gateway says it again and again on a key of its own, so that whoever joins or comes back later
 learns it too. The list with the highest number counts, whichever gateway has said it. A vehicle obeys nobody's bare word
-(`dray.messages.command`): the list carries a signature over all of it.
+(`dray.messages.people.command`): the list carries a signature over all of it.
 """
 
 from __future__ import annotations
@@ -93,5 +93,5 @@ _encoder = msgspec.json.Encoder()
 
 
 def _thousandths(value: float | None) -> int | None:
-    """Halves are rounded up, as in `dray.messages.command`."""
+    """Halves are rounded up, as in `dray.messages.people.command`."""
     return None if value is None else floor(value * 1000.0 + 0.5)

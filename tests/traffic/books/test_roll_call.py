@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from itertools import pairwise
 
-from dray.messages.traffic import HoldsAsked, PlaceWished
+from dray.messages.floor.traffic import HoldsAsked, PlaceWished
 from dray.protocol.runtime.events import Effect, Send
 from dray.protocol.traffic.books.roll_call import AGAIN_AT_MOST_S, QUIET_S, ROLL_S, WAVE, RollCall
 

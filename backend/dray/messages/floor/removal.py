@@ -1,6 +1,6 @@
 """Vehicles that people have carried away, or are putting back: whatever they held of the floor is free.
 
-Only a vehicle itself gives back what it holds (`dray.messages.traffic`). One that is dead or switched off cannot; so a person who has
+Only a vehicle itself gives back what it holds (`dray.messages.floor.traffic`). One that is dead or switched off cannot; so a person who has
 carried it away says so in its place. A gateway says the word again and again, for as long as the vehicle is silent.
 
 *Removals* of one vehicle are numbered. What it held under a lower number is void for whoever knows the higher one, the vehicle too; so a
@@ -16,7 +16,7 @@ import msgspec
 from msgspec import Meta
 
 from dray.messages.base import Count, Id, IdOrNone, Message, Part
-from dray.messages.command import Grant
+from dray.messages.people.command import Grant
 
 MAX_REMOVALS = 64
 """In one message; whoever has more of them says several."""

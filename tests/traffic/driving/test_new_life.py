@@ -8,8 +8,8 @@ import pytest
 
 from dray.body import Drive, Hold
 from dray.messages import HoldsAsked, PlaceGranted, PlaceWished
+from dray.messages.floor.traffic import PlaceBooking
 from dray.messages.keys import Keys
-from dray.messages.traffic import PlaceBooking
 from dray.plant import default_plant
 from dray.protocol.runtime.events import Effect, Instruct, Send
 from dray.protocol.runtime.timers import Timers

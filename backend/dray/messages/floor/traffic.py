@@ -82,7 +82,7 @@ class PlaceWished(Message, frozen=True):
     chain: Places = ()
     """The vehicles whom it makes room for, the first one first."""
     removal: Count = 0
-    """The newest time that it was carried away, as far as it knows (`dray.messages.removal`)."""
+    """The newest time that it was carried away, as far as it knows (`dray.messages.floor.removal`)."""
 
 
 class PlaceBooking(Part, frozen=True):

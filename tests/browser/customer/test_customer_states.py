@@ -14,7 +14,7 @@ from open_house import OpenHouse, open_house
 from playwright.sync_api import Page, expect
 from variants import variants
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "gateway/kits"))
+sys.path.insert(0, str(Path(__file__).parents[2] / "gateway/kits"))
 
 from gateway_kit import OTHER_PRODUCT, PRODUCT, House
 from tracking_kit import MACHINE, OTHER_MACHINE, Story

@@ -13,7 +13,7 @@ from dray.protocol.closures.obstacles import lane_of
 from dray.protocol.vehicle.atv import Atv
 from dray_sim.bodies.vehicle.course import Course
 from dray_sim.checks.broken import InvariantBroken
-from dray_sim.checks.overlaps import TOUCH_M
+from dray_sim.checks.floor.overlaps import TOUCH_M
 from dray_sim.factory.sim_factory import SimFactory
 
 INSIDE, TOLD = 20, 21

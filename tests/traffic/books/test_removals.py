@@ -11,9 +11,9 @@ from dray.adapters.security.signing import SigningKey, TrustedKeys
 from dray.memory import BookMemory, Note
 from dray.messages import AtvHeartbeat, AtvStatus, Message, Pose, Removal, Removals
 from dray.messages.fact import PlaceKept, PlacesFreed
+from dray.messages.floor.traffic import Blocked, HoldsAsked, PlaceGranted, PlaceWished
 from dray.messages.heartbeat import AWAITED_MAX, FloorBrief
 from dray.messages.keys import Keys
-from dray.messages.traffic import Blocked, HoldsAsked, PlaceGranted, PlaceWished
 from dray.plant import default_plant
 from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
 from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S, gone_s

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from dray.body import Drive, ReleaseWay
+from dray.messages.floor.traffic import Blocked, PlaceBooking, PlaceGranted, PlaceWished
 from dray.messages.keys import Keys
-from dray.messages.traffic import Blocked, PlaceBooking, PlaceGranted, PlaceWished
 from dray.plant import default_plant
 from dray.protocol.runtime.events import Effect, Instruct, Send
 from dray.protocol.runtime.timers import Timers

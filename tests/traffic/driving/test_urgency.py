@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from dray.messages.floor.traffic import Blocked, PlaceBooking, PlaceGranted, PlaceWished, YieldRefused
 from dray.messages.keys import Keys
-from dray.messages.traffic import Blocked, PlaceBooking, PlaceGranted, PlaceWished, YieldRefused
 from dray.plant import default_plant
 from dray.protocol.runtime.events import Effect, Send
 from dray.protocol.runtime.timers import Timers

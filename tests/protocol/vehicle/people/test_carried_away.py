@@ -9,7 +9,7 @@ from spoken import award
 
 from dray.body import Drive, Hold, Unhold
 from dray.messages import Accepted, AtvStatus, CommandKind, Declined, PlaceGranted, PlaceWished
-from dray.messages.traffic import PlaceBooking
+from dray.messages.floor.traffic import PlaceBooking
 from dray.protocol.runtime.events import Effect
 from dray.protocol.traffic.traffic_map import TrafficMap
 

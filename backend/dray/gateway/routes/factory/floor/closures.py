@@ -19,7 +19,7 @@ from dray.gateway.http.responses import PAGE, Cursor, Json, Limit, described, li
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.views import ClosureView, LaneView
 from dray.messages import ClosureKind
-from dray.messages.closure import SLOWEST_MPS
+from dray.messages.floor.closure import SLOWEST_MPS
 from dray.plant import Plant
 from dray.store.factory.closures import ClosureRow
 

@@ -6,7 +6,7 @@ from random import Random
 
 import pytest
 
-from dray.messages.traffic import BookAsked, BookKept, BookTold, PlaceBooked, PlaceBooking
+from dray.messages.floor.traffic import BookAsked, BookKept, BookTold, PlaceBooked, PlaceBooking
 from dray.protocol.runtime.events import NEVER_S, Effect, Send
 from dray.protocol.traffic.books.copies import Copies, Kept
 from dray.protocol.traffic.books.turns import DOUBT_S, Turns

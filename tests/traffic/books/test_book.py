@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from dray.errors import ProtocolViolation
-from dray.messages.traffic import PlaceWished
+from dray.messages.floor.traffic import PlaceWished
 from dray.protocol.traffic.books.book import Book
 
 

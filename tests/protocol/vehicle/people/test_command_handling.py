@@ -11,8 +11,8 @@ from seals import granted, seal
 from dray.body import Hold, LimitSpeed, Unhold
 from dray.memory import WHOLE, AtvMemory
 from dray.messages import CommandAnswered, CommandKind, CommandRefusal, VehicleCommand, signed_words
-from dray.messages.command import STOP_MARGIN_M
 from dray.messages.fact import CommandObeyed, HelpPromised
+from dray.messages.people.command import STOP_MARGIN_M
 from dray.plant import Plant
 from dray.protocol.people.granted_commands import COMMANDS_KEPT
 from dray.protocol.runtime.events import Effect, Heard, Ignore

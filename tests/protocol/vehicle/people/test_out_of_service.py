@@ -25,8 +25,8 @@ from dray.messages import (
     Superseded,
     VehicleCommand,
 )
-from dray.messages.command import OUT_MAX_S
 from dray.messages.fact import TookOver
+from dray.messages.people.command import OUT_MAX_S
 
 
 def told(rig: VehicleRig, kind: CommandKind, **more: object) -> CommandAnswered:

@@ -12,7 +12,7 @@ from typing import Annotated
 from msgspec import Meta
 
 from dray.messages.base import Count, Id, IdOrNone, Message, Seconds, Text
-from dray.messages.command import MAX_AREAS
+from dray.messages.people.command import MAX_AREAS
 from dray.messages.problem import ProblemKind
 
 OPERATOR_PREFIX = "operator."

@@ -24,8 +24,8 @@ from dray.protocol.traffic.places import Places
 from dray_sim.bodies.floor import NEARLY_EMPTY_FRAC
 from dray_sim.bodies.vehicle.course import Course
 from dray_sim.bodies.vehicle.vehicle import SimVehicle
-from dray_sim.checks.overlaps import Overlaps
-from dray_sim.checks.said_and_heard import NOT_HELD, Judgement, SaidAndHeard
+from dray_sim.checks.floor.overlaps import Overlaps
+from dray_sim.checks.floor.said_and_heard import NOT_HELD, Judgement, SaidAndHeard
 from dray_sim.clock.loop import JUMP, VirtualClock, clock, run
 from dray_sim.factory.sim_factory import SimFactory
 from dray_sim.people import demand

@@ -9,7 +9,7 @@ from pathlib import Path
 from open_house import open_house
 from playwright.sync_api import Page, expect
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "gateway/kits"))
+sys.path.insert(0, str(Path(__file__).parents[2] / "gateway/kits"))
 
 from gateway_kit import House
 from joining_kit import BEFORE, SPEC, introduction

@@ -9,7 +9,7 @@ from dray.adapters.security.signing import SigningKey
 from dray.messages import CommandAnswered, CommandRefusal, MachineCommand, MachineCommandKind, Message
 from dray.ports import Bus, Clock
 from dray_sim.people.answers import Answers
-from dray_sim.people.random_operator import AGAIN_S, FORGER, GRANT_S
+from dray_sim.people.random.random_operator import AGAIN_S, FORGER, GRANT_S
 
 NAME = "meddler"
 """On the bus."""

@@ -1,0 +1,1 @@
+"""Invariants of the floor: places, bodies, closed lanes, and what lies on lanes."""
