@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import asyncio
 import re
-import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import pytest
+from manager_kit import BEAT_S, GoingWall, as_manager, choose
 from open_house import OpenHouse, open_house
 from playwright.sync_api import Page, expect
 from puppets import Puppet
@@ -21,14 +21,12 @@ from dray.messages.heartbeat import FloorBrief
 from dray.plant import default_plant
 
 from gateway_kit import House  # isort: skip - their folder is on the path since `puppets` is
-from wall_clock import NOW_S, Wall  # isort: skip
+from wall_clock import NOW_S  # isort: skip
 
 OpenPage = Callable[..., Page]
 Screenshot = Callable[..., Path]
 
 PLANT = default_plant()
-
-BEAT_S = 0.5
 
 QUEUE = {
     "ATV7": ("m8", (), ("m8-lane", "m8"), ""),
@@ -39,17 +37,6 @@ QUEUE = {
 """Each vehicle's node, the way before it, what it holds, and for whom it waits; the first one is at the dock of M8."""
 
 SENTENCE = "ATV5 waits for ATV3, which waits for ATV7 at the dock of M8"
-
-
-class GoingWall(Wall):
-    """A wall clock that goes as the browser's does; `now_s` puts it forward."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self._begun_s = time.monotonic()
-
-    def __call__(self) -> float:
-        return self.now_s + time.monotonic() - self._begun_s
 
 
 @dataclass
@@ -113,22 +100,6 @@ def jam(house: OpenHouse) -> Jam:
 
 def after(house: OpenHouse, jam: Jam, wait_s: float) -> None:
     house.do(lambda _: jam.last(wait_s))
-
-
-def as_manager(house: OpenHouse, open_page: OpenPage, **look: object) -> Page:
-    async def session(inside: House) -> str:
-        return (await inside.log_in("manager")).cookies["dray_session"]
-
-    page = open_page("about:blank", who=None, **look)
-    cookie = {"name": "dray_session", "value": house.do(session), "url": house.url}
-    page.context.add_cookies([cookie | {"httpOnly": True, "sameSite": "Strict"}])
-    page.goto(house.url)
-    return page
-
-
-def choose(page: Page, name: str) -> None:
-    page.get_by_placeholder("Find").fill(name)
-    page.get_by_placeholder("Find").press("Enter")
 
 
 def picture(page: Page) -> bytes:

@@ -7,11 +7,11 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from manager_kit import BEAT_S, GoingWall, as_manager, choose
 from open_house import OpenHouse, open_house
 from playwright.sync_api import Page, expect
 from puppets import Puppet
 from tablet_kit import LOOKS, Enter, card
-from test_jam import BEAT_S, GoingWall, as_manager, choose
 
 from dray.messages import Event
 from dray.messages.fact import PlaceKept, PlacesFreed

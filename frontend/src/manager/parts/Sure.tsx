@@ -1,4 +1,4 @@
-import { useEffect, useRef } from "preact/hooks";
+import { useLayoutEffect, useRef } from "preact/hooks";
 
 interface Props {
   asked: string;
@@ -13,10 +13,15 @@ interface Props {
 /** Asks twice for what cannot be undone. The safe answer comes first and has the focus. */
 export function Sure({ asked, busy, no, onNo, onYes, yes }: Props) {
   const safe = useRef<HTMLButtonElement>(null);
-  useEffect(() => {
+  /** The second click of a double one was meant for what stood here before: it takes no focus, and does nothing. */
+  useLayoutEffect(() => {
+    const still = (event: MouseEvent) => {
+      if (event.detail > 1) event.preventDefault();
+    };
     safe.current?.focus();
+    document.addEventListener("mousedown", still);
+    return () => document.removeEventListener("mousedown", still);
   }, []);
-  /** The second click of a double one was meant for what stood here before. */
   const meant = (act: () => void) => (event: MouseEvent) => {
     if (event.detail <= 1) act();
   };
