@@ -20,7 +20,7 @@ export function Sure({ asked, busy, no, onNo, onYes, yes }: Props) {
     };
     safe.current?.focus();
     document.addEventListener("mousedown", still);
-    return () => document.removeEventListener("mousedown", still);
+    return () => { document.removeEventListener("mousedown", still); };
   }, []);
   const meant = (act: () => void) => (event: MouseEvent) => {
     if (event.detail <= 1) act();
