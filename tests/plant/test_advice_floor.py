@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from dray.plant import Lane, Node, Parking, Plant, VehicleType, default_plant
+from dray.plant import Lane, Node, Parking, Plant, Point, VehicleType, default_plant
 from dray.plant.advice import advice
 from dray.plant.advice_floor import floor_advice
 from dray.plant.rectangles import Rectangle, gap_m
@@ -50,6 +50,24 @@ def test_vehicles_side_by_side_may_be_nearer_than_vehicles_behind_one_another() 
     assert "near" not in floor(nodes, lanes)
     crooked = (*lanes, Lane("x1", "x3", both_ways=True))
     assert "x1 and x3" in floor(nodes, crooked)["near"]
+
+
+CROSS = (Node("x1", 40, 38), Node("x2", 50, 38), Node("x3", 45, 36), Node("x4", 45, 41))
+
+
+def test_lanes_that_cross_without_a_common_node_are_named() -> None:
+    straight = (Lane("x1", "x2", both_ways=True), Lane("x3", "x4"))
+    assert "x1 to x2 and x3 to x4; vehicles on them are not kept apart" in floor(CROSS, straight)["touch"]
+    bent = (straight[0], Lane("x3", "x4", shape=(Point(45.0, 36.7), Point(54.0, 36.7), Point(54.0, 40.0))))
+    assert "touch" not in floor(CROSS, bent)
+    touching = (
+        straight[0],
+        Lane("x3", "x4", shape=(Point(45.0, 37.6), Point(54.0, 37.6), Point(54.0, 40.0))),
+    )
+    assert "x1 to x2 and x3 to x4" in floor(CROSS, touching)["touch"]
+    met = (*CROSS, Node("x5", 45, 38))
+    crossing = (Lane("x1", "x5"), Lane("x5", "x2"), Lane("x3", "x5"), Lane("x5", "x4"))
+    assert "touch" not in floor(met, crossing)
 
 
 def test_a_place_in_the_way_of_a_lane_is_narrow() -> None:

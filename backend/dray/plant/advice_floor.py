@@ -9,11 +9,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from itertools import product
 from math import floor, hypot, pi
+from typing import TypeVar
 
 from dray.plant.layout import Size
 from dray.plant.plant import Plant
 from dray.plant.rectangles import Rectangle, driven, gap_m, standing
 from dray.plant.roads import DirectedLane
+
+T = TypeVar("T")
 
 Finding = tuple[str, str, str]
 """Kind, section of the file, and text."""
@@ -30,6 +33,7 @@ def floor_advice(plant: Plant) -> Iterator[Finding]:
     room = _Room(plant)
     yield from room.places()
     yield from room.beside_lanes()
+    yield from room.meeting_lanes()
     yield from _merged(plant)
     yield from _docks_in_the_way(plant)
 
@@ -86,6 +90,38 @@ class _Room:
             text = f"who stands at {_listed(told)} is in the way of whoever drives past: move the place or the lane away"
             yield "narrow", "nodes", text
 
+    def meeting_lanes(self) -> Iterator[Finding]:
+        """Lanes that cross or touch without a common node: right of way knows lanes by their nodes alone."""
+        plant, size = self._plant, self._size
+        bent = {corner: ends for ends, chain in plant.corners.items() for corner in chain}
+        cells: dict[tuple[int, int], list[int]] = {}
+        swept: list[tuple[frozenset[str], frozenset[str], Rectangle]] = []
+        found: dict[frozenset[frozenset[str]], str] = {}
+        driven_over: set[frozenset[str]] = set()
+        for lane in plant.lanes:
+            both = frozenset((lane.start, lane.end))
+            if both in driven_over:
+                continue  # The way back.
+            driven_over.add(both)
+            ends = bent.get(lane.start) or bent.get(lane.end) or (lane.start, lane.end)
+            whole, places = frozenset(ends), frozenset(plant.places_on(lane.start, lane.end))
+            area = driven(plant.nodes[lane.start], plant.nodes[lane.end], 0.0, size.width_m)
+            for index in self._along(cells, lane):
+                other, taken, there = swept[index]
+                pair = frozenset((whole, other))
+                if pair not in found and not whole & other and not places & taken:
+                    if gap_m(area, there) < -TOUCH_M:
+                        found[pair] = f"{' to '.join(sorted(other))} and {' to '.join(sorted(whole))}"
+            swept.append((whole, places, area))
+            for cell in self._cells_of(lane):
+                cells.setdefault(cell, []).append(len(swept) - 1)
+        if found:
+            text = (
+                f"lanes cross or touch without a common node: {_listed(list(found.values()))}; vehicles on them are not kept apart: "
+                "give them a node where they meet, or move them apart"
+            )
+            yield "touch", "lanes", text
+
     def _touches(self, node: str, swept: Rectangle) -> bool:
         return any(gap_m(stand, swept) < -TOUCH_M for stand in self._stands[node])
 
@@ -101,22 +137,29 @@ class _Room:
     def _cell(self, x_m: float, y_m: float) -> tuple[int, int]:
         return floor(x_m / self._reach_m), floor(y_m / self._reach_m)
 
-    def _near(self, cells: dict[tuple[int, int], list[str]], x_m: float, y_m: float) -> Iterator[str]:
+    def _near(self, cells: dict[tuple[int, int], list[T]], x_m: float, y_m: float) -> Iterator[T]:
         column, row = self._cell(x_m, y_m)
         for x, y in product(range(column - 1, column + 2), range(row - 1, row + 2)):
             yield from cells.get((x, y), ())
 
-    def _along(self, cells: dict[tuple[int, int], list[str]], lane: DirectedLane) -> Iterable[str]:
+    def _along(self, cells: dict[tuple[int, int], list[T]], lane: DirectedLane) -> Iterable[T]:
         """What lies near a lane; nothing that could touch it is missing."""
-        start, end = self._plant.nodes[lane.start], self._plant.nodes[lane.end]
-        steps = max(1, int(lane.length_m / self._reach_m) + 1)
-        near: dict[str, None] = {}
-        for step in range(steps + 1):
-            part = step / steps
-            x_m = start.x_m + part * (end.x_m - start.x_m)
-            y_m = start.y_m + part * (end.y_m - start.y_m)
+        near: dict[T, None] = {}
+        for x_m, y_m in self._points_on(lane):
             near.update(dict.fromkeys(self._near(cells, x_m, y_m)))
         return near
+
+    def _cells_of(self, lane: DirectedLane) -> Iterable[tuple[int, int]]:
+        """Where a lane lies; what looks for it looks in the cells around, too."""
+        return dict.fromkeys(self._cell(x_m, y_m) for x_m, y_m in self._points_on(lane))
+
+    def _points_on(self, lane: DirectedLane) -> Iterator[tuple[float, float]]:
+        """Points of a lane, so near to one another that each cell around it is met."""
+        start, end = self._plant.nodes[lane.start], self._plant.nodes[lane.end]
+        steps = max(1, int(lane.length_m / self._reach_m) + 1)
+        for step in range(steps + 1):
+            part = step / steps
+            yield start.x_m + part * (end.x_m - start.x_m), start.y_m + part * (end.y_m - start.y_m)
 
 
 def _merged(plant: Plant) -> Iterator[Finding]:

@@ -110,6 +110,8 @@ class Layout(msgspec.Struct, frozen=True):
     """Node of the floor that lies in a crossing -> its id. All other nodes are where a vehicle may stand."""
     crossed: Mapping[tuple[str, str], str]
     """Lane, by its ends -> the crossing that it leads into, through or out of."""
+    corners: Mapping[tuple[str, str], tuple[str, ...]] = {}
+    """Lane with a shape, by its ends -> the nodes at its corners, in the order in which they are driven over."""
 
 
 def lay_out(file: PlantFile) -> Layout:

@@ -79,6 +79,8 @@ class Plant:
         self.crossings: Mapping[str, Crossing] = MappingProxyType(dict(layout.crossings))
         self.stops = tuple(node.id for node in layout.nodes if node.id not in layout.inner)
         """The nodes where a vehicle may stand: all that lie in no crossing."""
+        self.corners: Mapping[Ends, tuple[str, ...]] = MappingProxyType(dict(layout.corners))
+        """Lane with a shape, by its ends -> the nodes at its corners, in the order in which they are driven over."""
         self.materials: Mapping[str, Material] = _by_id(file.materials)
         self.products: Mapping[str, Product] = _by_id(file.products)
         self.warehouses: Mapping[str, Warehouse] = _by_id(file.warehouses)

@@ -59,6 +59,7 @@ def chain_m(points: list[Point]) -> float:
 def _chained(layout: Layout) -> Layout:
     nodes, lanes = list(layout.nodes), list[Lane]()
     crossings, inner, crossed = dict(layout.crossings), dict(layout.inner), dict(layout.crossed)
+    chains: dict[tuple[str, str], tuple[str, ...]] = {}
     for lane in layout.lanes:
         if not lane.shape:
             lanes.append(lane)
@@ -70,6 +71,9 @@ def _chained(layout: Layout) -> Layout:
         chain = [replace(lane, start=a, end=b, shape=()) for a, b in pairwise(names)]
         nodes += corners
         lanes += chain
+        chains[lane.start, lane.end] = tuple(names[1:-1])
+        if lane.both_ways:
+            chains[lane.end, lane.start] = tuple(names[-2:0:-1])
         ends = _ends(chain)
         within = crossed.get((lane.start, lane.end))
         if within is None:
@@ -100,7 +104,7 @@ def _chained(layout: Layout) -> Layout:
                 crossed.pop(one, None)
         inner.update((corner.id, name) for corner in corners)
         crossed.update((one, name) for one in ends)
-    return Layout(tuple(nodes), tuple(lanes), crossings, inner, crossed)
+    return Layout(tuple(nodes), tuple(lanes), crossings, inner, crossed, chains)
 
 
 def _ends(chain: list[Lane]) -> tuple[tuple[str, str], ...]:

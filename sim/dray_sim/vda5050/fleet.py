@@ -72,6 +72,7 @@ class MemoryFleet:
                 self._clock,
                 lambda topic, data, _retain: self._tell(spec.id, topic, data),
                 words,
+                self._plant.corners,
             )
         else:
             self.bodies[spec.id].end()

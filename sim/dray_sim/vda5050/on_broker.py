@@ -45,6 +45,7 @@ class VehicleOnBroker:
     ) -> None:
         self._body, self._kind, self._clock, self._words = body, kind, clock, words
         self._chargers = {plant.node_of(charger): charger for charger in plant.chargers}
+        self._corners = plant.corners
         will = json.dumps(words.connection("CONNECTIONBROKEN", clock.now_s())).encode()
         self._link = MqttLink(broker, words.prefix, f"vehicle-{words.serial}", HEARD, will)
         self.vehicle: Vda5050Vehicle | None = None
@@ -63,6 +64,7 @@ class VehicleOnBroker:
                 self._clock,
                 self._publish,
                 self._words,
+                self._corners,
             )
         else:
             self.vehicle.introduce()

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
+from itertools import pairwise
 from math import hypot
 from typing import Any
 
@@ -95,6 +97,34 @@ def instruction_of(action: NodeAction, number: int, charger: str) -> Pick | Drop
         case "startCharging":
             return Charge(order=number, charger=station or charger)
     return None
+
+
+def over_corners(
+    order: Order, ahead: list[int], start: str, corners: Mapping[tuple[str, str], tuple[str, ...]]
+) -> tuple[tuple[str, ...], list[int]]:
+    """Points of an order as its body drives them: with the corners of lanes that are not straight.
+
+    Args:
+        order: it knows nothing of corners.
+        ahead: indexes of its points.
+        start: where the body begins: at the first of them, or at a corner on the way to it.
+        corners: of lanes, by their ends.
+
+    Returns:
+        Nodes, and for each its index in the order; -1 for a corner.
+    """
+    first = order.points[ahead[0]].id
+    nodes, indexes = [first], [ahead[0]]
+    if start != first:
+        on_way = next(
+            (c[c.index(start) :] for (_, end), c in corners.items() if end == first and start in c), ()
+        )
+        nodes, indexes = [*on_way, first], [-1] * len(on_way) + [ahead[0]]
+    for before, after in pairwise(ahead):
+        between = corners.get((order.points[before].id, order.points[after].id), ())
+        nodes += (*between, order.points[after].id)
+        indexes += (*(-1 for _ in between), after)
+    return tuple(nodes), indexes
 
 
 def _point(node: dict[str, Any]) -> Point:

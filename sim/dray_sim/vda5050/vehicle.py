@@ -7,7 +7,7 @@ or to the end of its base; there the action is done. What it says goes to `publi
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
 
@@ -28,7 +28,7 @@ from dray.plant.model import VehicleType
 from dray.ports import Clock
 from dray_sim.bodies.vehicle.vehicle import SimVehicle
 from dray_sim.vda5050.misbehaviour import Misbehaviour
-from dray_sim.vda5050.order import NodeAction, Order, instruction_of, read_actions, read_order
+from dray_sim.vda5050.order import NodeAction, Order, instruction_of, over_corners, read_actions, read_order
 from dray_sim.vda5050.words import Condition, Words
 
 Publish = Callable[[str, bytes, bool], None]
@@ -51,6 +51,7 @@ class Vda5050Vehicle:
         clock: the plant's.
         publish: says it.
         words: its version and name.
+        corners: of its map: lanes that are not straight, by their ends.
 
     Attributes:
         condition: what it is beside its body; to be changed by tests, and told with `say_state`.
@@ -66,8 +67,9 @@ class Vda5050Vehicle:
         clock: Clock,
         publish: Publish,
         words: Words,
+        corners: Mapping[tuple[str, str], tuple[str, ...]] | None = None,
     ) -> None:
-        self._body, self._kind, self._charger_at = body, kind, charger_at
+        self._body, self._kind, self._charger_at, self._corners = body, kind, charger_at, corners or {}
         self._clock, self._publish, self.words = clock, publish, words
         self.quirks: Misbehaviour = words.quirks
         self.condition = Condition(last_node="" if self.quirks.no_last_node else body.sense().node)
@@ -327,7 +329,8 @@ class Vda5050Vehicle:
                 self._reach(ahead[1])
                 self._proceed()
                 return
-        self._instruct_drive(tuple(order.points[i].id for i in ahead), len(ahead), ahead)
+        nodes, indexes = over_corners(order, ahead, body.next_node, self._corners)
+        self._instruct_drive(nodes, len(nodes), indexes)
 
     def _instruct_drive(self, nodes: tuple[str, ...], released: int, indexes: list[int]) -> None:
         self._drive += 1

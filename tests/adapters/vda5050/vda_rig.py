@@ -6,7 +6,7 @@ import json
 from typing import Any, TypeVar
 
 import msgspec
-from yard import LIGHT, PLANT, Yard
+from yard import LIGHT, Yard
 
 from dray.adapters.vda5050.body import Address, VehicleBody
 from dray.adapters.vda5050.control.master import MasterControl
@@ -77,6 +77,7 @@ class Rig:
             self.clock,
             self.tell,
             words,
+            self.yard.plant.corners,
         )
         if linked:
             self.link()
@@ -88,7 +89,9 @@ class Rig:
         if self.lives:
             self.body.end()
         self.lives += 1
-        control = MasterControl("ATV1", PLANT, LIGHT, self.profile, life=self.lives, memory=self.memory)
+        control = MasterControl(
+            "ATV1", self.yard.plant, LIGHT, self.profile, life=self.lives, memory=self.memory
+        )
         self.body = VehicleBody(control, self.profile, ADDRESS, self.clock, self)
         self.body.attach(self.heard.append)
         if linked:

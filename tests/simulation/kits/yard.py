@@ -125,7 +125,8 @@ class AttendedStorage(Storage):
 class Yard:
     """The yard, its clock, and what its bodies have said: (when, who, what)."""
 
-    def __init__(self) -> None:
+    def __init__(self, plant: Plant = PLANT) -> None:
+        self.plant = plant
         self.clock = VirtualClock()
         self.said: list[tuple[float, str, Report]] = []
         self.source = SourceWarehouse("SOURCE", PLANT.materials)
@@ -140,7 +141,7 @@ class Yard:
         }
         self.docks = {place: PLANT.node_of(place) for place in self.places}
         self.chargers = Chargers()
-        self.obstacles = Obstacles(PLANT)
+        self.obstacles = Obstacles(plant)
         self.listen("M1", self.workcell)
 
     def vehicle(
@@ -150,7 +151,7 @@ class Yard:
         vehicle = SimVehicle(
             spec,
             type_,
-            PLANT,
+            self.plant,
             self.clock,
             self.places,
             self.docks,

@@ -223,7 +223,7 @@ class Commissioning:
     async def _drive(self) -> Step:
         state = self._sensed()
         self._home = state.node
-        goals = [lane.end for lane in self.plant.roads.leaving[state.node]]
+        goals = self._neighbours(state.node)
         goal = self._goal = self.wanted.drive or (goals[0] if goals else "")
         if state.next_node != state.node or goal not in goals:
             return Step(
@@ -236,9 +236,9 @@ class Commissioning:
     async def _pause(self) -> Step:
         """On the way back, if there is one; it ends where it stands."""
         state = self._sensed()
-        if self.plant.roads.lane(state.node, self._home) is None:
+        if self._home not in self._neighbours(state.node):
             return Step("pause", None, f"left out: no lane leads back to {self._home}")
-        self._instruct(Drive(order=self._next(), nodes=(state.node, self._home), released=2))
+        self._drive_to(state.node, self._home)
         if not await self._until(lambda: self._sensed().speed_mps > 0.1, DRIVE_S):
             return Step("pause", False, "it did not set off")
         begun_s = self.clock.now_s()
@@ -267,7 +267,7 @@ class Commissioning:
         home, goal, control = self._sensed().node, self._goal, self.body.control
         if home != self._home:
             return Step("cancel", None, f"left out: it is not at {self._home} again")
-        self._instruct(Drive(order=self._next(), nodes=(home, goal), released=2))
+        self._drive_to(home, goal)
         if not await self._until(lambda: self._sensed().speed_mps > 0.1 or self._is_over(), DRIVE_S):
             return Step("cancel", False, "it did not set off")
         begun_s, before = self.clock.now_s(), control.cancelled
@@ -307,7 +307,7 @@ class Commissioning:
 
     async def _go(self, name: str, start: str, goal: str) -> Step:
         begun_s = self.clock.now_s()
-        self._instruct(Drive(order=self._next(), nodes=(start, goal), released=2))
+        self._drive_to(start, goal)
         if not await self._until(self._is_over, DRIVE_S):
             return Step(name, False, self._sensed().problem or f"not at {goal} after {DRIVE_S:.0f} s")
         if failure := self._failure():
@@ -323,6 +323,20 @@ class Commissioning:
             return Step(name, False, failure)
         twice = "; its node had to be listed twice" if self.body.control.needs_node_twice else ""
         return Step(name, True, f"{self.clock.now_s() - begun_s:.1f} s{twice}")
+
+    def _neighbours(self, node: str) -> list[str]:
+        """Where lanes lead to from a node; the corners of their shapes are no places to drive to."""
+        ends = [lane.end for lane in self.plant.roads.leaving[node]]
+        bent = [end for start, end in self.plant.corners if start == node]
+        return [*(end for end in ends if end not in self._corners), *bent]
+
+    @property
+    def _corners(self) -> set[str]:
+        return {corner for chain in self.plant.corners.values() for corner in chain}
+
+    def _drive_to(self, start: str, goal: str) -> None:
+        nodes = (start, *self.plant.corners.get((start, goal), ()), goal)
+        self._instruct(Drive(order=self._next(), nodes=nodes, released=len(nodes)))
 
     def _instruct(self, instruction: VehicleInstruction) -> None:
         self.body.instruct(instruction)

@@ -95,6 +95,8 @@ class Profile(Item, frozen=True):
     """Whether the base may grow while it drives. Without, each step is an order of its own."""
     base_m: NotNegative = 0.0
     """How far ahead a base reaches: a base cannot be taken back. One lane at least."""
+    trajectory: bool = True
+    """Whether an edge that is not straight says its shape, as a NURBS of degree 1. Without, only its length: for vehicles that know the shape."""
     horizon: Annotated[int, Meta(ge=0, le=20)] = 0
     """Nodes behind the base that are told and not released; only with `updates`."""
 

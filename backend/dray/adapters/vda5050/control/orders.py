@@ -211,7 +211,12 @@ class Orders:
 
     def _say(self, order: VehicleOrder, now_s: float) -> None:
         order.said_s = now_s
-        self._out.append(Say("order", order_body(order.message(), self._profile.dialect)))
+        self._out.append(
+            Say(
+                "order",
+                order_body(order.message(), self._profile.dialect, trajectory=self._profile.trajectory),
+            )
+        )
 
     def _insist(self, order: VehicleOrder, now_s: float) -> None:
         """Say it until it is shown; what is not shown in time was refused in silence."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -46,6 +47,12 @@ class Steps:
     def __init__(self, plant: Plant, vehicle_type: VehicleType, profile: Profile, view: VehicleView) -> None:
         self._plant, self._type, self._profile, self._view = plant, vehicle_type, profile, view
         self.twice = profile.action_node_twice
+        self._lane_of = {corner: ends for ends, chain in plant.corners.items() for corner in chain}
+
+    @property
+    def corners(self) -> Collection[str]:
+        """Nodes of the plant that vehicles do not know: the corners of lanes that are not straight."""
+        return self._lane_of.keys()
 
     def spot(self, node: str) -> Spot:
         """Where a node lies, as the vehicle's map has it."""
@@ -72,12 +79,15 @@ class Steps:
             return f"the way must begin at {stand.node}"
         end = way.reach(self._plant, way.passed, self._profile.base_m)
         indexes = range(way.passed + 1, end + 1)
+        if first[0] != stand.node and first[0] in way.nodes[way.passed + 1 : end + 1]:
+            first = TEMPORARY, first[1]  # It turns back on its lane: the node is ahead.
         order = VehicleOrder(
             Kind.STEP,
             way.number,
             [first, *((way.nodes[i], self.spot(way.nodes[i])) for i in indexes)],
             self._beyond(way, end),
             [None, *self._speeds(way, way.passed + 1, end, speed_frac)],
+            corners=self.corners,
         )
         order.origin = stand.node
         order.places = [None, *((way.number, i) for i in indexes)]
@@ -96,7 +106,8 @@ class Steps:
         # What is left to drive counts: a base that is long enough is left alone.
         left_m = self._left_m(order)
         end = index
-        while end + 1 < way.released and left_m <= self._profile.base_m:
+        most = way.drivable
+        while end + 1 < most and (left_m <= self._profile.base_m or way.nodes[end] in self._lane_of):
             left_m += length_m(self._plant, way.nodes[end], way.nodes[end + 1])
             end += 1
         beyond = self._beyond(way, end)
@@ -141,11 +152,15 @@ class Steps:
     def _start(self, stand: Stand) -> Stop:
         """The first node of an order: the vehicle is there already, wherever that is."""
         point, wide_m = self._plant.nodes[stand.node], self._profile.first_deviation_m
-        pose = self._view.pose
-        if not stand.ahead or pose is None:
+        pose, lane = self._view.pose, self._lane_of.get(stand.node)
+        if lane is None and (not stand.ahead or pose is None):
             return stand.node, self._spot_at(point.x_m, point.y_m, wide_m)
         name = stand.node if self._profile.restart_at == "last_node" else TEMPORARY
-        return name, self._spot_at(pose.x_m, pose.y_m, wide_m)
+        if lane is not None and name != TEMPORARY:
+            said = self._view.state.last_node_id
+            name = said if said in lane else lane[0]
+        x_m, y_m = (point.x_m, point.y_m) if pose is None else (pose.x_m, pose.y_m)
+        return name, self._spot_at(x_m, y_m, wide_m)
 
     def _spot_at(self, x_m: float, y_m: float, deviation: float) -> Spot:
         x, y = self._profile.map.to_map(x_m, y_m)
@@ -153,7 +168,9 @@ class Steps:
 
     def _beyond(self, way: Way, end: int) -> list[Stop]:
         told = self._profile.horizon if self._profile.updates else 0
-        return [(node, self.spot(node)) for node in way.nodes[end + 1 : end + 1 + told]]
+        nodes = [index for index in range(end + 1, len(way.nodes)) if way.nodes[index] not in self._lane_of]
+        last = nodes[:told][-1] if nodes[:told] else end
+        return [(node, self.spot(node)) for node in way.nodes[end + 1 : last + 1]]
 
     def _speeds(self, way: Way, first: int, end: int, speed_frac: float) -> list[float | None]:
         """The limits on the lanes to these nodes of a way, and on those of its horizon."""

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from enum import StrEnum
+from itertools import pairwise
 from typing import Protocol
 
 import msgspec
@@ -44,6 +46,7 @@ class VehicleOrder:
         speeds_mps: the limit on the edge to each node, base and horizon; the first one's means nothing.
         action: what it does at its last node; None for a step.
         task: the instruction behind the action.
+        corners: nodes of the plant that the vehicle does not know: its edges lead over them. Neither base nor horizon ends at one.
 
     Attributes:
         origin: the node that the vehicle left last, or stands at.
@@ -65,7 +68,9 @@ class VehicleOrder:
         speeds_mps: list[float | None],
         action: Action | None = None,
         task: Task | None = None,
+        corners: Collection[str] = (),
     ) -> None:
+        self._corners = corners
         self.kind, self.number = kind, number
         self.stops, self.beyond, self.speeds_mps = stops, beyond, speeds_mps
         self.action, self.task = action, task
@@ -115,26 +120,32 @@ class VehicleOrder:
         """The newest update, as it is said; the same however often."""
         first, base_end = self.from_node, self.end
         points = [*self.stops, *self.beyond]
+        told = self._told(points)
         nodes = tuple(
             OrderNode(
                 id=name,
-                sequence=2 * index,
+                sequence=2 * number,
                 released=index <= base_end,
                 spot=spot,
                 actions=(self.action,) if self.action is not None and index == base_end else (),
             )
-            for index, (name, spot) in enumerate(points)
+            for number, (index, (name, spot)) in enumerate((index, points[index]) for index in told)
             if index >= first
         )
         edges = tuple(
             OrderEdge(
-                sequence=2 * index - 1,
-                released=index <= base_end,
-                start=points[index - 1][0],
-                end=points[index][0],
-                max_speed_mps=self.speeds_mps[index],
+                sequence=2 * number - 1,
+                released=after <= base_end,
+                start=points[before][0],
+                end=points[after][0],
+                max_speed_mps=min(
+                    (speed for speed in self.speeds_mps[before + 1 : after + 1] if speed is not None),
+                    default=None,
+                ),
+                path=tuple(spot for _, spot in points[before : after + 1]) if after > before + 1 else (),
             )
-            for index in range(first + 1, len(points))
+            for number, (before, after) in enumerate(pairwise(told), 1)
+            if before >= first
         )
         return Order(self.id, self.update, nodes, edges)
 
@@ -164,15 +175,24 @@ class VehicleOrder:
     def place_in(self, state: State) -> int:
         """The index of the last node that was passed, by node and sequence number; never lower than it was."""
         nodes, node = self.nodes, state.last_node_id
+        told = self._told(self.stops)
         by_number = (state.last_node_sequence_id or 0) // 2
-        if by_number < len(nodes) and nodes[by_number] == node:
-            return max(self.passed, by_number)
+        if by_number < len(told) and nodes[told[by_number]] == node:
+            return max(self.passed, told[by_number])
         # A vehicle whose sequence numbers are of no use.
         return next((i for i in range(self.passed + 1, len(nodes)) if nodes[i] == node), self.passed)
+
+    def _told(self, points: list[Stop]) -> list[int]:
+        """The indexes of those that are nodes of the order: all but corners."""
+        return [index for index, (name, _) in enumerate(points) if index == 0 or name not in self._corners]
 
 
 class Builder(Protocol):
     """Builds orders (`Steps`)."""
+
+    @property
+    def corners(self) -> Collection[str]:
+        """Nodes that vehicles do not know."""
 
     def spot(self, node: str) -> Spot:
         """Where a node lies."""
@@ -195,7 +215,7 @@ def restored(memory: OrderMemory, build: Builder) -> VehicleOrder:
             order.action = msgspec.structs.replace(order.action, id=memory.action)
     else:
         stops = [(node, build.spot(node)) for node in memory.nodes]
-        order = VehicleOrder(Kind.STEP, memory.number, stops, [], [None] * len(stops))
+        order = VehicleOrder(Kind.STEP, memory.number, stops, [], [None] * len(stops), corners=build.corners)
     order.id, order.update, order.ids = memory.id, memory.update, [memory.id]
     order.takes_updates = False
     return order

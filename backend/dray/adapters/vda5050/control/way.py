@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from itertools import pairwise
 
 from dray.body import SLOWEST_FRAC, Drive
@@ -14,6 +15,7 @@ class Way:
 
     Args:
         drive: the instruction; `objection` has nothing against it.
+        corners: nodes of the plant that are none for the vehicle, and where nobody stops.
 
     Attributes:
         passed: the index of the last node that was passed; -1 before the first one.
@@ -21,7 +23,8 @@ class Way:
         failures: orders in a row that have brought it no farther.
     """
 
-    def __init__(self, drive: Drive) -> None:
+    def __init__(self, drive: Drive, corners: Collection[str] = ()) -> None:
+        self._corners = corners
         self.number, self.nodes, self.limits_mps = drive.order, drive.nodes, drive.limits_mps
         self.released = drive.released
         self.passed = -1
@@ -30,6 +33,14 @@ class Way:
     @property
     def last(self) -> int:
         return len(self.nodes) - 1
+
+    @property
+    def drivable(self) -> int:
+        """How many nodes an order may lead to: it never ends at a corner."""
+        count = self.released
+        while count > 1 and self.nodes[count - 1] in self._corners:
+            count -= 1
+        return count
 
     @property
     def base_end(self) -> str:
@@ -52,7 +63,7 @@ class Way:
         return min([*limits, lane.speed_limit_mps] if lane is not None else limits)
 
     def reach(self, plant: Plant, start: int, ahead_m: float) -> int:
-        """The index up to which a base goes: one lane at least, then to the first node that is so far ahead.
+        """The index up to which a base goes: one lane at least, then to the first node that is so far ahead, and no corner.
 
         Args:
             plant: the roads.
@@ -61,10 +72,11 @@ class Way:
         """
         index = min(start + 1, self.last)
         gone_m = 0.0 if index < 1 else length_m(plant, self.nodes[index - 1], self.nodes[index])
-        while index + 1 < self.released and gone_m < ahead_m:
+        end = self.drivable
+        while index + 1 < end and (gone_m < ahead_m or self.nodes[index] in self._corners):
             gone_m += length_m(plant, self.nodes[index], self.nodes[index + 1])
             index += 1
-        return min(index, self.released - 1)
+        return min(index, end - 1)
 
 
 def objection(drive: Drive, start: str, plant: Plant) -> str:

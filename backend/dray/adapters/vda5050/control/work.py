@@ -8,6 +8,8 @@ the vehicle is on, as `dray.body.Drive` wants it.
 
 from __future__ import annotations
 
+from itertools import takewhile
+
 from dray.adapters.vda5050.control.hold import Holding
 from dray.adapters.vda5050.control.instant import InstantActions
 from dray.adapters.vda5050.control.on_board import OnBoard
@@ -115,7 +117,7 @@ class Work:
             self._fail(drive.order, reason)
             return
         self._end_task("a new way was given", now_s)
-        way = self.way = Way(drive)
+        way = self.way = Way(drive, self.steps.corners)
         self.steps.place(way, self.orders.present)
         if ahead != node:
             return
@@ -194,15 +196,17 @@ class Work:
         """It has ended, in whatever way."""
         done = order.now is OrderState.DONE
         if order.kind is Kind.STEP:
-            self._end_step(order, done)
+            self._end_step(order, done, now_s)
         elif done:
             self._end_action(order, now_s)
         else:
             self._miss_action(order)
 
-    def _end_step(self, order: VehicleOrder, done: bool) -> None:
+    def _end_step(self, order: VehicleOrder, done: bool, now_s: float) -> None:
         node = order.nodes[order.passed]
         found = self._whereabouts.find(self._view.pose, node, order.nodes[order.passed :])
+        if found is not None and not done:
+            self._pass_corners(order, found, now_s)
         self.stand = Stand(node) if done or found is None else found
         way = self.way
         if way is None:
@@ -219,6 +223,14 @@ class Work:
             # What was cut short goes on from where it stands; what was refused, again and again, does not.
             if order.reason != STOPPED_SHORT or way.failures >= FRUITLESS_MAX:
                 self._lose_way(way, order.reason)
+
+    def _pass_corners(self, order: VehicleOrder, found: Stand, now_s: float) -> None:
+        """Of a lane that was left half way: the vehicle has not told them."""
+        ahead = list(takewhile(lambda node: node in self.steps.corners, order.nodes[order.passed + 1 :]))
+        if found.node in ahead:
+            for _ in range(ahead.index(found.node) + 1):
+                order.passed += 1
+                self.on_passed(order, order.passed, now_s)
 
     def _end_action(self, order: VehicleOrder, now_s: float) -> None:
         task = order.task
@@ -273,7 +285,7 @@ class Work:
         if self.way is not None and self.way.passed < 0 and self.stand == Stand(self.way.nodes[0]):
             self._begin(self.way)
         way = self.way
-        wants_step = way is not None and way.passed < way.released - 1
+        wants_step = way is not None and way.passed < way.drivable - 1
         wants_task = self.task is not None and self._charged_s is None
         if (
             not (wants_step or wants_task)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+from math import hypot
 from typing import Any
 
 import msgspec
@@ -51,6 +53,8 @@ class OrderEdge(msgspec.Struct, frozen=True):
     start: str
     end: str
     max_speed_mps: float | None = None
+    path: tuple[Spot, ...] = ()
+    """Of one that is not straight: its corners, both ends included."""
 
 
 class Order(msgspec.Struct, frozen=True):
@@ -67,13 +71,13 @@ class Order(msgspec.Struct, frozen=True):
         return tuple(node for node in self.nodes if node.released)
 
 
-def order_body(order: Order, dialect: Dialect) -> dict[str, Any]:
-    """An order without its header."""
+def order_body(order: Order, dialect: Dialect, *, trajectory: bool = True) -> dict[str, Any]:
+    """An order without its header; with the shape of edges that are not straight, or with their length alone."""
     return {
         "orderId": order.id,
         "orderUpdateId": order.update,
         "nodes": [_node(node, dialect) for node in order.nodes],
-        "edges": [_edge(edge, dialect) for edge in order.edges],
+        "edges": [_edge(edge, dialect, trajectory=trajectory) for edge in order.edges],
     }
 
 
@@ -102,7 +106,7 @@ def _node(node: OrderNode, dialect: Dialect) -> dict[str, Any]:
     }
 
 
-def _edge(edge: OrderEdge, dialect: Dialect) -> dict[str, Any]:
+def _edge(edge: OrderEdge, dialect: Dialect, *, trajectory: bool) -> dict[str, Any]:
     said: dict[str, Any] = {
         "edgeId": f"{edge.start}--{edge.end}",
         "sequenceId": edge.sequence,
@@ -113,6 +117,15 @@ def _edge(edge: OrderEdge, dialect: Dialect) -> dict[str, Any]:
         said |= {"startNodeId": edge.start, "endNodeId": edge.end}
     if edge.max_speed_mps is not None:
         said[dialect.max_speed] = edge.max_speed_mps
+    if edge.path:
+        said["length"] = sum(hypot(b.x - a.x, b.y - a.y) for a, b in pairwise(edge.path))
+        if trajectory:
+            last = len(edge.path) - 1
+            said["trajectory"] = {
+                "degree": 1,
+                "knotVector": [0.0, *(index / last for index in range(last + 1)), 1.0],
+                "controlPoints": [{"x": spot.x, "y": spot.y} for spot in edge.path],
+            }
     return said
 
 
