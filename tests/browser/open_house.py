@@ -44,6 +44,16 @@ class OpenHouse:
         """Run this on the gateway's loop, and wait for it."""
         return asyncio.run_coroutine_threadsafe(work(self._house), self._loop).result(PATIENCE_S)
 
+    def until(self, probe: Callable[[House], T]) -> T:
+        """Let the gateway go on until this gives something, and return that: an answer to a page may be ahead of the bus."""
+
+        async def look(house: House) -> T:
+            while not (found := probe(house)):
+                await asyncio.sleep(0)
+            return found
+
+        return self.do(look)
+
 
 @contextmanager
 def open_house(url: str, **options: Any) -> Iterator[OpenHouse]:

@@ -119,6 +119,10 @@ def do(house: OpenHouse, what: Callable[[House], Any]) -> Any:
     return house.do(work)
 
 
+def on_duty(inside: House) -> list[str]:
+    return [each.operator for each in inside.projection.people.on_duty(0.0)]
+
+
 @pytest.mark.parametrize("language", ["en", "de", pytest.param("es", marks=pytest.mark.slow)])
 def test_an_operator_on_duty_is_asked_takes_a_blocked_way_and_is_free_again(
     house: OpenHouse, vehicles: dict[str, Puppet], enter: Enter, screenshot: Screenshot, language: str
@@ -130,10 +134,7 @@ def test_an_operator_on_duty_is_asked_takes_a_blocked_way_and_is_free_again(
     page.get_by_role("button", name=says["on"], exact=True).tap()
     expect(page.get_by_role("button", name=says["on"], exact=True)).to_have_attribute("aria-pressed", "true")
 
-    def on_duty(inside: House) -> list[str]:
-        return [each.operator for each in inside.projection.people.on_duty(0.0)]
-
-    [operator] = do(house, on_duty)
+    [operator] = house.until(on_duty)
     waits = HelpWanted(until_s=SOON_S)
     house.do(
         beat(
@@ -151,6 +152,8 @@ def test_an_operator_on_duty_is_asked_takes_a_blocked_way_and_is_free_again(
     screenshot(page, f"duty-asked-{language}")
     call.get_by_role("button", name=says["take"]).tap()
     expect(call).to_contain_text(says["expects"])
+    # The page may have asked anew before the vehicle was told.
+    house.until(lambda _inside: vehicle.heard)
     assert calling.answers == [CallAnswer.TAKE]
     assert [command.kind for command in vehicle.heard] == [CommandKind.PROMISE]
     screenshot(page, f"duty-expected-{language}")
@@ -161,7 +164,7 @@ def test_an_operator_on_duty_is_asked_takes_a_blocked_way_and_is_free_again(
     expect(call).to_have_count(0)
     page.get_by_role("button", name=says["off"], exact=True).tap()
     expect(page.get_by_role("button", name=says["off"], exact=True)).to_have_attribute("aria-pressed", "true")
-    assert do(house, on_duty) == []
+    assert house.until(lambda inside: not on_duty(inside))
 
 
 def test_who_passes_is_not_shown_the_call_any_more(
@@ -171,7 +174,7 @@ def test_who_passes_is_not_shown_the_call_any_more(
     page = enter()
     page.get_by_role("button", name="On duty", exact=True).tap()
     expect(page.get_by_role("button", name="On duty", exact=True)).to_have_attribute("aria-pressed", "true")
-    [operator] = do(house, lambda inside: [each.operator for each in inside.projection.people.on_duty(0.0)])
+    [operator] = house.until(on_duty)
     do(house, lambda _inside: calling.say(state=CallState.ASKING, asked=(operator,), until_s=SOON_S))
     page.locator(".call").get_by_role("button", name="Pass").tap()
     expect(page.locator(".call")).to_have_count(0)

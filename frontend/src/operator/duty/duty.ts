@@ -21,6 +21,10 @@ export const dutyFailed = signal("");
 
 let timer = 0;
 
+/** Views that were asked for, and up to which of them a newer one is shown: what comes late is dropped. */
+let asked = 0;
+let shown = 0;
+
 /** What this person has chosen here; another one who logs in in this tab has chosen nothing yet. */
 function wanted(): DutyState {
   const [person, state] = (sessionStorage.getItem(KEPT) ?? "").split(" ");
@@ -34,7 +38,7 @@ export function beginDuty(): void {
 /** Goes on duty, has a break, or goes off duty. */
 export async function be(state: DutyState, more: Omit<DutyRequest, "state"> = {}): Promise<void> {
   sessionStorage.setItem(KEPT, `${me.value?.id ?? ""} ${state}`);
-  await tell(() => putDuty({ state, ...more }));
+  await tell(() => putDuty({ state, ...more }), true);
 }
 
 /** Answers a call for help. */
@@ -42,7 +46,7 @@ export async function answer(call: CallView, said: CallAnswerRequest): Promise<v
   await tell(async () => {
     await answerCall(call.id, said);
     return await fetchDuty();
-  });
+  }, true);
 }
 
 async function ask(): Promise<void> {
@@ -63,10 +67,16 @@ function again(): void {
   timer = window.setTimeout(() => void ask(), ASK_MS);
 }
 
-async function tell(what: () => Promise<DutyView>): Promise<void> {
+/** Shows a view. What was asked for before a person's act was done may tell how it was before, so the act counts as asked last. */
+async function tell(what: () => Promise<DutyView>, isAct = false): Promise<void> {
   try {
     const before = duty.value;
-    duty.value = await what();
+    const begun = ++asked;
+    const view = await what();
+    const mine = isAct ? ++asked : begun;
+    if (mine < shown) return;
+    shown = mine;
+    duty.value = view;
     dutyFailed.value = "";
     if (isAsked(duty.value) && !isAsked(before) && "vibrate" in navigator) navigator.vibrate([200, 100, 200]);
     again();
