@@ -26,7 +26,7 @@ from typing import TYPE_CHECKING
 from msgspec.structs import replace
 
 from dray.codec import decode, encode
-from dray.messages import AtvHeartbeat, Link, ShutOut
+from dray.messages import AtvHeartbeat, HelpCall, Link, ShutOut
 from dray.messages.speakers import objection
 from dray_sim.network.coverage import Coverage
 from dray_sim.network.latency import WLAN, Latency
@@ -265,7 +265,7 @@ class SimNetwork:
         if not self._modems.talks_wlan(sender.agent):
             if sender in receivers:
                 self.wlan.carry(sender, sender, message)
-            if type(message) is AtvHeartbeat:
+            if type(message) in (AtvHeartbeat, HelpCall):
                 self._rise(Frame(sender.agent, message, key=key))
             else:
                 self._lose_unsaid(sender.agent)

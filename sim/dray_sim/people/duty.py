@@ -147,6 +147,21 @@ class PersonOnDuty:
             if self._clock.now_s() >= end_s:
                 return False
 
+    async def walk_to(self, caller: str, walk_s: float, look_s: float) -> None:
+        """Be on the way to somebody, and say so when asked meanwhile.
+
+        Args:
+            caller: to whom.
+            walk_s: how long it takes.
+            look_s: how often the person looks at the tablet.
+        """
+        there_s = self._clock.now_s() + walk_s
+        while (left_s := there_s - self._clock.now_s()) > 0.0:
+            await asyncio.sleep(min(look_s, left_s))
+            shown = self._shown.get(caller)
+            if shown is not None and shown.part is CallPart.ASKED:
+                await self.take(shown.call, max(left_s, look_s))
+
     def reply(self, call: str, answer: CallAnswer, wait_s: float | None = None) -> None:
         """Touch a button of a call."""
         self.answered[call] = answer

@@ -50,9 +50,9 @@ class Hands:
         """Put a machine right; it works again when it is told so."""
         self._factory.workcells[machine].mend()
 
-    def plug_in(self, atv: str) -> None:
-        """Put its WLAN right, where it is the vehicle's own that is wrong."""
-        self._factory.bus.plug_in(atv)
+    def plug_in(self, atv: str) -> bool:
+        """Put its WLAN right; returns whether it was the vehicle's own that was wrong."""
+        return self._factory.bus.plug_in(atv)
 
     def unload(self, atv: str) -> tuple[str, int]:
         """Take the load off, into one's hands. Returns the item and how many; `("", 0)` for nothing."""

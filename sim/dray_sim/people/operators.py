@@ -8,7 +8,7 @@ are is chance, from a generator of each operator's own.
     call       react -> take -> as for a problem
     problem    react -> promise -> walk -> mend
     shifted    react -> promise -> walk -> STOP -> mend -> slow down -> ACKNOWLEDGE -> RESUME
-    no WLAN    once it has delivered: react -> walk -> plug in
+    no WLAN    once it has delivered, or calls: react -> take -> walk -> plug in
     silence    react -> walk -> carry the load away -> push it to a charger -> switch it on
 
 Who was interrupted, by a vehicle that went silent in the middle say, remembers which stops are own ones
@@ -188,6 +188,8 @@ class Operator:
             return Duty.SPEED_UP, now_s
         if heartbeat.link is Link.WLAN:
             self._mesh_s.pop(atv, None)
+        elif self.duty.shown(atv) is not None:
+            return Duty.RECONNECT, now_s
         elif self._mesh_s.setdefault(atv, now_s) + self._habits.silent_s < now_s and heartbeat.task is None:
             return Duty.RECONNECT, self._mesh_s[atv]
         return None
@@ -204,26 +206,27 @@ class Operator:
 
     async def _attend(self, duty: Duty, atv: str) -> None:
         await self._spend(self._habits.react_s)
+        comes = True
         if duty is Duty.HELP:
-            await self._help(atv)
+            comes = await self._help(atv)
         elif duty is Duty.RELEASE:
             self._hands.mend(atv)
             await self._release(atv)
         elif duty is Duty.RECOVER:
             await self._recover(atv)
         elif duty is Duty.RECONNECT:
-            await self._reconnect(atv)
+            comes = await self._reconnect(atv)
         else:
             await self._speed_up(atv)
-        self.done[duty] += 1
+        self.done[duty] += comes
 
-    async def _help(self, atv: str) -> None:
-        """Mend a vehicle, where it is still needed."""
+    async def _help(self, atv: str) -> bool:
+        """Mend a vehicle, where it is still needed; False when somebody else comes."""
         walk_s, mend_s = self._draw(self._habits.walk_s), self._draw(self._habits.mend_s)
         promises = self._random.random() < self._habits.promises_frac
         estimate_s = (walk_s + mend_s) * self._draw(self._habits.estimate)
         if not await self._is_taken(atv, estimate_s):
-            return
+            return False
         if promises and self._heard[atv].heartbeat.help is not None:
             await self._tablet.say(atv, CommandKind.PROMISE, wait_s=estimate_s)
         await asyncio.sleep(walk_s)
@@ -237,6 +240,7 @@ class Operator:
         if self._hands.problem(atv) and (call := self.duty.shown(atv)) is not None:
             # What may not be stopped here is for somebody who may.
             self.duty.reply(call.call.call, CallAnswer.CANNOT)
+        return True
 
     async def _is_taken(self, atv: str, estimate_s: float) -> bool:
         """Answer the call of a vehicle, if it calls; False when somebody else comes, or this person does not."""
@@ -294,18 +298,23 @@ class Operator:
             await self._spend(self._habits.push_s)
             if self._hands.is_off(atv):
                 await self._bring_home(atv)
-        # One that lives has only lost its voice, which hands cannot mend. Heard again, it is seen again.
+        # One that lives has only lost its voice: its WLAN can be put right, its radio cannot. Heard again, it is seen again.
+        if heard.heartbeat.link is Link.MESH:
+            self._hands.plug_in(atv)
         if self._heard[atv] is heard:
             del self._heard[atv]
 
-    async def _reconnect(self, atv: str) -> None:
-        """Put a vehicle's WLAN right. Where an access point is down that helps nothing, and is tried once."""
+    async def _reconnect(self, atv: str) -> bool:
+        """Put a vehicle's WLAN right; False when somebody else comes. Where an access point is down that helps nothing, and is tried once."""
         walk_s = self._draw(self._habits.walk_s)
         if not await self._is_taken(atv, walk_s + LOOK_S):
-            return
-        await asyncio.sleep(walk_s)
-        self._hands.plug_in(atv)
+            return False
+        await self.duty.walk_to(atv, walk_s, LOOK_S)
+        mended = self._hands.plug_in(atv)
         self._mesh_s[atv] = float("inf")
+        if not mended and (call := self.duty.shown(atv)) is not None:
+            self.duty.reply(call.call.call, CallAnswer.CANNOT)
+        return True
 
     async def _bring_home(self, atv: str) -> None:
         """Push a vehicle to a charger and switch it on; where others need its place, say so."""

@@ -143,10 +143,11 @@ class FakeHands:
         if self.puppet.status is AtvStatus.ERROR:
             self.puppet.status = AtvStatus.WORKING
 
-    def plug_in(self, _atv: str) -> None:
+    def plug_in(self, _atv: str) -> bool:
         self._note("plug in")
         if self.can_plug_in:
             self.puppet.link = Link.WLAN
+        return self.can_plug_in
 
     def unload(self, _atv: str) -> tuple[str, int]:
         self._note("unload")

@@ -221,6 +221,24 @@ def test_short_control_messages_go_both_ways(message: Message) -> None:
     play(story())
 
 
+def test_a_vehicle_without_wlan_calls_for_help_and_hears_who_comes() -> None:
+    async def story() -> None:
+        floor = Floor(0.0, 20.0)
+        await floor.cut("V0")
+        await floor.beat_and_wait("V0")
+        operator: list[Message] = []
+        session = floor.network.join("operator.a", lambda _sender, message: operator.append(message))
+        session.subscribe("p/call/*")
+        floor.sessions["V0"].publish("p/call/V0", CALL)
+        await asyncio.sleep(SOON_S)
+        session.send("V0", ANSWERED)
+        await asyncio.sleep(SOON_S)
+        assert operator == [CALL]
+        assert floor.heard["V0"] == [("operator.a", ANSWERED)]
+
+    play(story())
+
+
 def test_the_short_control_messages_are_these_and_no_others() -> None:
     assert {type(message) for message in (*SAID, CALL, ANSWERED)} == CARRIED_BY_RADIO
 

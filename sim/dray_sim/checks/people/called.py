@@ -14,7 +14,6 @@ from dray.messages import (
     CallState,
     DutyStatus,
     HelpCall,
-    Link,
     Message,
     OperatorHeartbeat,
 )
@@ -115,7 +114,7 @@ class NoCallIsLost:
     def _note(self, heartbeat: AtvHeartbeat, at_s: float) -> None:
         atv = heartbeat.atv
         calls = heartbeat.problem and heartbeat.out_of_service is UNSET and not heartbeat.draining
-        if not calls or heartbeat.link is not Link.WLAN or self._excused(atv):
+        if not calls or self._excused(atv):
             self._since_s.pop(atv, None)
         elif at_s - self._since_s.setdefault(atv, at_s) > LOST_S:
             lost_s = at_s - self._since_s[atv]

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import asyncio
 
-from dray.messages import Bid, Link, Phase
+from dray.messages import Bid, CallState, HelpCall, Link, Phase
 from dray.messages.fact import AwardAnswered, CarrierChanged, LinkChanged, PrimarySuspected, TookOver
 from dray.protocol.liveness.suspicion import WORKING_INTERVAL_S, bound_s
 from dray_sim.faults import WlanCut
-from dray_sim.people.duty import Duty
 from dray_sim.people.habits import Habits
 from dray_sim.run.evidence import Check
 from dray_sim.run.scenario import Findings, Scenario
@@ -55,7 +54,7 @@ async def cut(stage: Stage) -> tuple[Check, ...]:
     repaired = await witness.first(
         LinkChanged, lambda fact: fact.link is Link.WLAN, by=contract.primary, within_s=REPAIRED_S
     )
-    # Nothing but its name is left of it, where somebody has put it right.
+    # Until here only a person could have put it right: nothing but the fault's name is left of it then.
     stage.faults.end(fault)
     repaired_s = stage.now_s()
     bids_meanwhile = [seen for seen in witness.all(Bid, since_s=cut_s) if seen.agent == contract.primary]
@@ -88,9 +87,10 @@ async def cut(stage: Stage) -> tuple[Check, ...]:
             else "not delivered",
         ),
         handed_over_once(stage, contract),
+        _called(stage, contract.primary, done_s),
         Check(
             "An operator notices the failure, and repairs it once the delivery is finished",
-            repaired is not None and _reconnected(stage) == 1,
+            repaired is not None,
             f"on WLAN again {repaired_s - done_s:.0f} s after the delivery"
             if repaired is not None
             else "nobody",
@@ -108,9 +108,18 @@ async def cut(stage: Stage) -> tuple[Check, ...]:
     )
 
 
-def _reconnected(stage: Stage) -> int:
-    """How often an operator has put a WLAN right."""
-    return sum(operator.done[Duty.RECONNECT] for operator in stage.people)
+def _called(stage: Stage, atv: str, done_s: float) -> Check:
+    """Its call for help, as the bus heard it over a neighbour."""
+    calls = [seen for seen in stage.witness.all(HelpCall) if seen.said.caller == atv and seen.agent != atv]
+    asked = [seen for seen in calls if seen.said.state is not CallState.ENDED]
+    heard = (
+        f"heard {asked[0].at_s - done_s:.0f} s after the delivery" if asked else "not heard: nobody was near"
+    )
+    return Check(
+        f"{PRIMARY} calls nobody before it has delivered; then its call goes over whoever hears its radio",
+        all(seen.at_s > done_s for seen in asked),
+        f"{heard}, {'taken' if any(seen.said.taken_by for seen in calls) else 'not taken'}",
+    )
 
 
 def experiment(seed: int) -> Findings:

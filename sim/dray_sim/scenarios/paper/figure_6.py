@@ -9,7 +9,7 @@ from collections.abc import Awaitable, Callable
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
-from dray.messages import Accepted, AtvHeartbeat, Award, Bid, HandoverAccepted, Link, Phase, Role
+from dray.messages import Accepted, AtvHeartbeat, Award, Bid, HandoverAccepted, HelpCall, Link, Phase, Role
 from dray.messages.fact import (
     AwardAnswered,
     CarrierChanged,
@@ -50,6 +50,7 @@ KEPT = (
     CommandObeyed,
     ContractTaken,
     HandoverAccepted,
+    HelpCall,
     HelpAsked,
     HelpPromised,
     PhaseEntered,
