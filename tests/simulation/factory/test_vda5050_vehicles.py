@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections import Counter
+from collections.abc import Callable
 from random import Random
 
 import pytest
@@ -45,11 +46,15 @@ class Closed:
 
 
 async def played(
-    span_s: float, *, traffic: bool, restarts: int = 0
+    span_s: float,
+    *,
+    traffic: bool,
+    restarts: int = 0,
+    profile_of: Callable[[str], Profile | None] = mixed,
 ) -> tuple[Closed, MemoryFleet, Invariants, Overlaps]:
     """The default plant at its full load; restarts of agents and vehicles, evenly spread, whichever it hits."""
     plant, chance = default_plant(), Random(span_s)
-    listeners, closed, fleet = Listeners(), Closed(), MemoryFleet(plant, clock(), mixed)
+    listeners, closed, fleet = Listeners(), Closed(), MemoryFleet(plant, clock(), profile_of)
     factory = SimFactory(plant, clock(), seed=1, listener=listeners, traffic=traffic, embody=fleet.embody)
     overlaps = Overlaps(factory.vehicles, strict=False)
     invariants = Invariants(factory, *([HeldPlaces(factory)] if traffic else []))
@@ -92,6 +97,16 @@ def test_orders_are_delivered_by_vehicles_of_all_versions_and_simulated_ones() -
     assert sum(bool(vehicle.done) for vehicle in fleet.vehicles.values()) >= 4
     assert done_twice(fleet) == []
     assert fleet.notes == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("profile", PROFILES[1:], ids=lambda profile: profile.version)
+def test_orders_are_delivered_by_a_fleet_of_one_version(profile: Profile) -> None:
+    closed, fleet, invariants, _ = run(played(1800.0, traffic=False, profile_of=lambda _: profile), JUMP)
+    assert {vehicle.words.version for vehicle in fleet.vehicles.values()} == {profile.version}
+    assert invariants.broken is None
+    assert closed.outcomes["delivered"] >= 10
+    assert done_twice(fleet) == []
 
 
 @pytest.mark.slow
