@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from dray.plant import Lane, Node, Parking, Plant, Point, VehicleType, default_plant
+from dray.plant import Lane, Node, Parking, Plant, Point, VehicleType, load_plant
 from dray.plant.advice import advice
 from dray.plant.advice_floor import floor_advice
 from dray.plant.rectangles import Rectangle, gap_m
@@ -21,7 +21,7 @@ def floor(
     nodes: tuple[Node, ...], lanes: tuple[Lane, ...], docks: tuple[str, ...] = (), *, two_lanes: bool = False
 ) -> dict[str, str]:
     """What is warned of in a plant whose floor this is, beside that of the default plant, by kind."""
-    file = default_plant().file
+    file = load_plant("single-track").file
     lanes = tuple(replace(lane, two_lanes=two_lanes) for lane in lanes)
     plant = Plant(
         replace(
@@ -103,11 +103,11 @@ def test_a_dock_in_the_only_way_to_others_is_in_the_way() -> None:
 
 
 def test_a_spur_and_a_drive_through_are_not_in_the_way() -> None:
-    assert list(floor_advice(default_plant())) == []
+    assert list(floor_advice(load_plant("single-track"))) == []
 
 
 def test_two_lanes_in_the_default_plant_leave_what_is_too_near_to_be_said() -> None:
-    plant = Plant(replace(default_plant().file, two_lanes=True))
+    plant = Plant(replace(load_plant("single-track").file, two_lanes=True))
     found = {each.kind: each.text for each in advice(plant)}
     assert set(found) == {"crossing", "narrow"}
     assert "b1 and s4-lane" in found["crossing"]

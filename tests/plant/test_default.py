@@ -47,7 +47,8 @@ def test_storages_and_chargers_stand_on_the_sides(plant: Plant) -> None:
     assert sum(storage.box.x_m < 5 for storage in plant.storages.values()) == 3
     assert sum(storage.box.y_m < 5 for storage in plant.storages.values()) == 3
     assert sum(storage.box.y_m > 35 for storage in plant.storages.values()) == 2
-    assert sum(charger.box.x_m > 55 for charger in plant.chargers.values()) == 4
+    assert sum(charger.box.x_m > 55 for charger in plant.chargers.values()) == 3
+    assert sum(charger.box.y_m < 5 for charger in plant.chargers.values()) == 1
     assert sum(charger.box.y_m > 35 for charger in plant.chargers.values()) == 2
 
 
@@ -136,12 +137,13 @@ def test_full_load_gives_100_to_120_transports_an_hour(plant: Plant) -> None:
     assert 100 <= sum(transports_per_hour(plant, machine) for machine in plant.machines) <= 120
 
 
-def test_a_busy_vehicle_lasts_four_to_five_hours(plant: Plant) -> None:
+def test_a_busy_vehicle_lasts_for_a_shift(plant: Plant) -> None:
+    """`test_shipped` has the averages of real ones."""
     for kind in plant.vehicle_types.values():
         # Driving 80 of 120 seconds at two thirds of top speed, half of it loaded.
         metres_per_hour = SECONDS_PER_HOUR * 80 / 120 * kind.max_speed_mps * 2 / 3
         driving_w = metres_per_hour * (kind.drive_wh_per_m + kind.loaded_wh_per_m) / 2
-        assert 4 <= kind.battery_wh / (driving_w + kind.idle_w) <= 5
+        assert 9 <= kind.battery_wh / (driving_w + kind.idle_w) <= 12
 
 
 def test_a_transport_takes_about_two_minutes(plant: Plant) -> None:

@@ -74,7 +74,7 @@ def test_the_legend_names_every_kind() -> None:
 
 
 def test_a_road_of_two_lanes_is_drawn_with_its_stop_points_and_crossings() -> None:
-    picture = draw(load_plant("two-lanes"))
+    picture = draw(default_plant())
     assert "<title>b2.from-a2</title>" in picture
     assert "over crossing b2" in picture
-    assert "over crossing" not in draw(load_plant("default"))
+    assert "over crossing" not in draw(load_plant("single-track"))

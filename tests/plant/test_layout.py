@@ -10,7 +10,7 @@ from math import hypot
 import pytest
 from msgspec.structs import replace
 
-from dray.plant import Lane, Node, Plant, PlantFile, VehicleType, default_plant, parse_plant, plant_yaml
+from dray.plant import Lane, Node, Plant, PlantFile, VehicleType, load_plant, parse_plant, plant_yaml
 from dray.plant.layout import MARGIN_M, PASSING_M, Size, lay_out, name_after
 
 Break = Callable[..., list[tuple[str, str]]]
@@ -24,7 +24,7 @@ ARMS = tuple(Lane(end, "b", both_ways=True) for end in ("a", "c", "d", "e"))
 
 def plant(nodes: tuple[Node, ...], lanes: tuple[Lane, ...], *, two_lanes: bool = True) -> Plant:
     """The default plant, with another floor beside its own."""
-    file = default_plant().file
+    file = load_plant("single-track").file
     return Plant(
         replace(
             file,
@@ -40,7 +40,7 @@ def spot(of: Plant, node: str) -> tuple[float, float]:
 
 
 def test_a_plant_without_two_lane_roads_is_driven_as_written() -> None:
-    old = default_plant()
+    old = load_plant("single-track")
     assert old.driven is old.file
     assert tuple(old.nodes) == tuple(node.id for node in old.file.nodes) == old.stops
     assert not old.crossings
@@ -104,7 +104,7 @@ def test_straight_on_costs_no_speed() -> None:
 
 
 def test_a_dock_is_reached_through_the_middle_of_the_crossing_on_a_single_track() -> None:
-    floor = Plant(replace(default_plant().file, two_lanes=True))
+    floor = Plant(replace(load_plant("single-track").file, two_lanes=True))
     way = floor.routes("light").way("m1-lane.from-b4", "m1")
     assert way.nodes == ("m1-lane.from-b4", "m1-lane", "m1")
     assert spot(floor, "m1") == (22, 28.8)
@@ -156,7 +156,7 @@ def test_a_one_way_road_between_crossings_keeps_to_its_middle_and_has_stop_point
 
 
 def test_what_is_driven_is_driven_as_written() -> None:
-    floor = Plant(replace(default_plant().file, two_lanes=True))
+    floor = Plant(replace(load_plant("single-track").file, two_lanes=True))
     again = Plant(floor.driven)
     assert again.driven is again.file
     assert again.lanes == floor.lanes
@@ -164,14 +164,14 @@ def test_what_is_driven_is_driven_as_written() -> None:
 
 
 def test_a_file_with_two_lanes_is_written_as_it_was_read() -> None:
-    floor = Plant(replace(default_plant().file, two_lanes=True))
+    floor = Plant(replace(load_plant("single-track").file, two_lanes=True))
     again = parse_plant(plant_yaml(floor), "again")
     assert again.file == floor.file
     assert again.lanes == floor.lanes
 
 
 def test_the_default_plant_with_two_lanes_is_one_part_and_no_way_is_much_longer() -> None:
-    old, new = default_plant(), Plant(replace(default_plant().file, two_lanes=True))
+    old, new = load_plant("single-track"), Plant(replace(load_plant("single-track").file, two_lanes=True))
     assert len(new.roads.parts()) == 1
     docks = [old.node_of(place) for place in old.places]
     pairs = [(a, b) for a in docks for b in docks if a != b]
@@ -192,7 +192,7 @@ def test_names_of_stop_points_are_ids_and_stay_the_same() -> None:
 
 
 def test_all_nodes_of_a_layout_have_ids_of_their_own() -> None:
-    file: PlantFile = replace(default_plant().file, two_lanes=True)
+    file: PlantFile = replace(load_plant("single-track").file, two_lanes=True)
     layout = lay_out(file)
     ids = [node.id for node in layout.nodes]
     assert len(set(ids)) == len(ids)
@@ -200,7 +200,7 @@ def test_all_nodes_of_a_layout_have_ids_of_their_own() -> None:
 
 
 def test_no_lane_of_a_layout_is_shorter_than_a_lane_may_be() -> None:
-    floor = Plant(replace(default_plant().file, two_lanes=True))
+    floor = Plant(replace(load_plant("single-track").file, two_lanes=True))
     assert min(lane.length_m for lane in floor.lanes) > 0.05
     for lane in floor.lanes:
         a, b = floor.nodes[lane.start], floor.nodes[lane.end]

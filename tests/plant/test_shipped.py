@@ -50,16 +50,18 @@ AVERAGE_HOURS, AVERAGE_CHARGING_HOURS = 8.4, 2.7
 """Published averages of AMRs; the file of the plant says where."""
 
 
-@pytest.mark.parametrize("kind", load_plant("two-lanes").vehicle_types.values(), ids=lambda kind: kind.id)
-def test_vehicles_with_two_lanes_last_and_charge_as_long_as_amrs_do_on_average(kind: VehicleType) -> None:
+@pytest.mark.parametrize("kind", load_plant("default").vehicle_types.values(), ids=lambda kind: kind.id)
+def test_vehicles_of_the_default_plant_last_and_charge_as_long_as_amrs_do_on_average(
+    kind: VehicleType,
+) -> None:
     metre_wh = (kind.drive_wh_per_m + kind.loaded_wh_per_m) / 2
     at_work_w = kind.idle_w + 2 / 3 * kind.max_speed_mps * 3600 * metre_wh
     assert kind.battery_wh / at_work_w == pytest.approx(AVERAGE_HOURS, rel=0.05)
     assert Battery(kind).charging_s(0.0) / 3600 == pytest.approx(AVERAGE_CHARGING_HOURS, rel=0.05)
 
 
-def test_the_plant_with_two_lanes_has_a_stop_point_between_any_two_crossings() -> None:
-    plant = load_plant("two-lanes")
+def test_the_default_plant_has_a_stop_point_between_any_two_crossings() -> None:
+    plant = load_plant("default")
     assert all(len(crossing.nodes) == 1 for crossing in plant.crossings.values())
     assert len(plant.crossings) >= 50
 
@@ -85,5 +87,5 @@ def test_a_file_comes_before_a_shipped_plant_of_its_name(
 
 
 def test_who_asks_for_what_is_not_there_hears_what_is() -> None:
-    with pytest.raises(PlantError, match="name one of default, workshop, two-halls, large, two-lanes"):
+    with pytest.raises(PlantError, match="name one of default, workshop, two-halls, large, single-track"):
         load_plant("workshp")

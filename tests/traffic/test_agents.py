@@ -56,11 +56,10 @@ async def played(plant: Plant, *, traffic: bool) -> tuple[int, Invariants, Overl
     return delivered.count, invariants, overlaps
 
 
-TWO_LANES = "two-lanes"
-
-
 @pytest.mark.slow
-@pytest.mark.parametrize("plant", [default_plant(), load_plant(TWO_LANES)], ids=["single track", "two lanes"])
+@pytest.mark.parametrize(
+    "plant", [load_plant("single-track"), default_plant()], ids=["single track", "two lanes"]
+)
 def test_vehicles_with_right_of_way_carry_on_and_never_touch(plant: Plant) -> None:
     alone, _, ghosts = run(played(plant, traffic=False), JUMP)
     carried, invariants, overlaps = run(played(plant, traffic=True), JUMP)

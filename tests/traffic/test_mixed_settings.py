@@ -11,7 +11,7 @@ from dray.adapters.security.signing import SigningKey, TrustedKeys
 from dray.memory import BookMemory, Note
 from dray.messages import AtvHeartbeat, AtvStatus, HoldsAsked, Message, PlaceWished
 from dray.messages.keys import Keys
-from dray.plant import Plant, default_plant
+from dray.plant import Plant, load_plant
 from dray.plant.model import VehicleSpec
 from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
 from dray.protocol.runtime.events import Commit, Effect, Heard, Ignore, Instruct, Started
@@ -28,7 +28,7 @@ from dray_sim.factory.sim_factory import SimFactory
 from dray_sim.network.listeners import Listeners
 
 KEY = SigningKey(b"k" * 32)
-PLANT = default_plant()
+PLANT = load_plant("single-track")
 TRAFFIC = TrafficMap(PLANT)
 
 
@@ -134,7 +134,7 @@ def test_a_district_that_is_another_one_by_another_plant_file_has_another_name()
     other = {place for place in before.all if before.district_of[place] != after.district_of[place]}
     assert "c3" in other
     assert len(other) < len(before.all) / 2
-    assert Places(default_plant()).district_of == before.district_of
+    assert Places(load_plant("single-track")).district_of == before.district_of
 
 
 def test_the_book_of_a_district_that_is_no_more_is_forgotten() -> None:

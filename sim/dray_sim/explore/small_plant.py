@@ -24,7 +24,10 @@ from dray_sim.plants.generator import generate_plant
 TRANSPORT_S = 120.0
 """What a vehicle needs for a transport in a small plant, about: the demand is held below what the fleet carries."""
 
-BATTERY_SHARE = (0.08, 0.25)
+TWO_LANES_FRAC = 0.5
+"""Of the plants, how many have roads of two lanes; on single track vehicles hinder one another most."""
+
+BATTERY_SHARE = (0.02, 0.1)
 """Of the usual battery: it lasts for ten minutes to an hour, and is charged in three to a quarter of an hour."""
 
 LEAST_LOT = 2
@@ -46,7 +49,8 @@ def small_plant(seed: int, ranges: Profile, random: Random) -> Plant:
     """A generated plant whose containers and buffers are small, so that a lot is carried in a short time."""
     machines, vehicles = random.randint(*ranges.machines), random.randint(*ranges.vehicles)
     lot_frac, cycle_frac = random.uniform(*ranges.lot_frac), random.uniform(*ranges.cycle_frac)
-    file = generate_plant(seed, machines, vehicles).file
+    two_lanes = Random(f"{seed} lanes").random() < TWO_LANES_FRAC
+    file = generate_plant(seed, machines, vehicles, two_lanes=two_lanes).file
     fleet = tuple(_charged(spec, random.uniform(*ranges.battery_frac)) for spec in file.fleet)
     if ranges.scarce_power:
         file = with_scarce_power(file, Random(f"{seed} power"))

@@ -67,14 +67,15 @@ MOUTHS_M = 1.5
 """From the middle of a warehouse to where it is entered and left."""
 
 
-def generate_plant(seed: int, machines: int, vehicles: int, *, two_lanes: bool = False) -> Plant:
+def generate_plant(seed: int, machines: int, vehicles: int, *, two_lanes: bool = True) -> Plant:
     """A plant of the wanted size; the same for the same arguments, in every process.
 
     Args:
         seed: decides where everything is and which machine makes what.
         machines: how many, from 1 to `MAX_MACHINES`.
         vehicles: how many, from 1 to `MAX_VEHICLES`.
-        two_lanes: whether roads have two lanes; the same places in the same blocks, at spurs with room between them.
+        two_lanes: whether roads have two lanes; the same places in the same blocks, at spurs with room between them. Else they are
+            single track.
 
     Raises:
         SettingsError: a number is out of its range.
@@ -83,7 +84,7 @@ def generate_plant(seed: int, machines: int, vehicles: int, *, two_lanes: bool =
         if not 1 <= value <= most:
             raise SettingsError(name, f"{value} is not within 1 to {most}")
     draft = _Draft(Random(seed), machines, vehicles, two_lanes=two_lanes)
-    name = f"g{seed % 10**9}-{machines}-{vehicles}{'-2' if two_lanes else ''}"
+    name = f"g{seed % 10**9}-{machines}-{vehicles}{'' if two_lanes else '-1'}"
     return Plant(draft.file(name, f"Generated from seed {seed}"))
 
 

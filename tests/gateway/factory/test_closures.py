@@ -24,7 +24,7 @@ from dray.gateway.live.views import ClosureView, LaneView
 from dray.gateway.live.visibility import AreaVisibility
 from dray.messages import ClosureKind, Closures, Message, closed_words
 from dray.messages.floor.closure import MAX_CLOSURES
-from dray.plant import default_plant, load_plant
+from dray.plant import load_plant
 from dray.protocol.closures.closure_rules import restrictions_of
 
 pytestmark = pytest.mark.anyio
@@ -36,7 +36,7 @@ def said_once(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("dray.gateway.factory.closings.SAY_EVERY_S", 3600.0)
 
 
-PLANT = default_plant()
+PLANT = load_plant("single-track")
 
 LANE = {"lane": {"start": "c3", "end": "m5-lane"}}
 

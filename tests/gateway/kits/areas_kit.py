@@ -45,9 +45,9 @@ from dray.messages.fact import (
 )
 from dray.messages.floor.traffic import HOLDS_MAX
 from dray.messages.heartbeat import FloorBrief
-from dray.plant import default_plant
+from dray.plant import load_plant
 
-FLOOR = default_plant()
+FLOOR = load_plant("single-track")
 
 AREAS = tuple(FLOOR.areas)
 

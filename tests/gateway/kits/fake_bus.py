@@ -17,10 +17,10 @@ from dray.messages import (
     StationHeartbeat,
 )
 from dray.messages.keys import Keys
-from dray.plant import default_plant
+from dray.plant import load_plant
 from dray.ports import Receive
 
-PLANT = default_plant().file
+PLANT = load_plant("single-track").file
 
 KEYS = Keys(PLANT.plant)
 

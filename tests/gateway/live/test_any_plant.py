@@ -36,7 +36,7 @@ async def test_a_gateway_starts_in_it_and_takes_an_order(sqlite_url: str, kind: 
 
 @pytest.mark.anyio
 async def test_panels_are_told_of_the_lanes_that_are_driven(sqlite_url: str) -> None:
-    plant = load_plant("two-lanes")
+    plant = load_plant("default")
     async with gateway(sqlite_url, plant=plant.file) as house:
         told = await house.get("/api/plant")
     assert [node["id"] for node in told["nodes"]] == list(plant.nodes)

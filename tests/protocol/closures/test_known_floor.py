@@ -108,7 +108,7 @@ def test_a_slow_area_has_slow_lanes_only_in_it() -> None:
 
 
 def test_a_closed_crossing_of_two_lane_roads_is_entered_by_nobody() -> None:
-    plant = load_plant("two-lanes")
+    plant = load_plant("default")
     floor = KnownFloor(plant)
     floor.take(closures(1, closure(node="c3")), 0.0)
     crossing_lanes = set(plant.crossings["c3"].lanes)

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from dray.messages.keys import Keys
-from dray.plant import default_plant
+from dray.plant import load_plant
 
-PLANT = default_plant()
+PLANT = load_plant("single-track")
 
 KEYS = Keys(PLANT.id)
 

@@ -28,7 +28,7 @@ from dray.body import (
     WorkcellState,
 )
 from dray.messages import AtvHeartbeat, Message, Pose
-from dray.plant import Plant, default_plant
+from dray.plant import Plant, load_plant
 from dray.protocol.machine.machine import Machine
 from dray.protocol.runtime.events import (
     Agent,
@@ -275,7 +275,7 @@ def without_shafts(**places: str) -> Stage:
     Args:
         places: the node at which each vehicle stands.
     """
-    stage = Stage(default_plant())
+    stage = Stage(load_plant("single-track"))
     for atv, node in places.items():
         vehicle = ScriptedVehicle(stage, atv, "light", node, battery_frac=0.9)
         stage.add(Atv(atv, stage.plant, vehicle_type="light"), vehicle)

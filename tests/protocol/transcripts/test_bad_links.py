@@ -25,7 +25,7 @@ from dray.messages import (
     Role,
 )
 from dray.messages.fact import ContractEnded, ContractTaken, TaskClosed
-from dray.plant import default_plant
+from dray.plant import load_plant
 from dray.protocol.machine.machine import Machine
 from dray.protocol.runtime.events import Event, Heard
 from dray.protocol.vehicle.atv import Atv
@@ -59,7 +59,7 @@ class BadStage(Stage):
         self.victims: list[Message] = []
         self.shafts = ScriptedWorkcell(dict(STOCK))
         self._faults = faults
-        super().__init__(default_plant())
+        super().__init__(load_plant("single-track"))
 
     def _later(self, at_s: float, agent: str, event: Event) -> None:
         if isinstance(event, Heard) and not isinstance(event.message, LEFT_ALONE):

@@ -126,10 +126,10 @@ def watched(plant: Plant, seed: int, until_s: float) -> tuple[Overlaps, int]:
 
 
 PLANTS = {
-    "two lanes": load_plant("two-lanes"),
-    "single track": default_plant(),
-    "generated": generate_plant(1, 6, 12, two_lanes=True),
-    "generated, single track": generate_plant(1, 6, 12),
+    "two lanes": default_plant(),
+    "single track": load_plant("single-track"),
+    "generated": generate_plant(1, 6, 12),
+    "generated, single track": generate_plant(1, 6, 12, two_lanes=False),
 }
 
 

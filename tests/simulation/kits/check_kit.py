@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dray.messages import AtvHeartbeat, AtvStatus, Brief, Event, Pose, Production, Role, Transport
 from dray.messages.fact import Fact, TaskClosed, TaskOpened
-from dray.plant import default_plant
+from dray.plant import load_plant
 
-PLANT = default_plant()
+PLANT = load_plant("single-track")
 WORK = Transport(item="shaft", quantity=40, sources=("S3",), destination="M8", ability="tote")
 TASK = "M8-1"
 

@@ -16,7 +16,7 @@ HOUR_S = 3600.0
     "name",
     [
         "workshop",
-        "two-lanes",
+        "single-track",
         *(pytest.param(name, marks=pytest.mark.slow) for name in ("two-halls", "large")),
     ],
 )

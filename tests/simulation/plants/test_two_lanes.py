@@ -6,16 +6,16 @@ from itertools import pairwise
 
 import pytest
 
-from dray.plant import Plant, default_plant, load_plant, parse_plant, plant_yaml
+from dray.plant import Plant, load_plant, parse_plant, plant_yaml
 from dray_sim.plants.draw import draw_plant
 from dray_sim.plants.generator import generate_plant
 from dray_sim.plants.two_lanes import with_two_lanes
 
 PLANTS = {
-    "default": with_two_lanes(default_plant()),
+    "single track": with_two_lanes(load_plant("single-track")),
     "two halls": with_two_lanes(load_plant("two-halls")),
     "workshop": with_two_lanes(load_plant("workshop")),
-    "generated": generate_plant(1, 12, 8, two_lanes=True),
+    "generated": generate_plant(1, 12, 8),
 }
 
 
@@ -44,13 +44,14 @@ def test_whoever_leaves_a_crossing_stands_before_he_comes_into_another_one(plant
 
 
 def test_single_tracks_stay_where_they_are_wanted() -> None:
-    plant = with_two_lanes(default_plant(), single=("c3", "d3", "m5-lane"))
-    assert plant.nodes["m5-lane"] == default_plant().nodes["m5-lane"]
+    plain = load_plant("single-track")
+    plant = with_two_lanes(plain, single=("c3", "d3", "m5-lane"))
+    assert plant.nodes["m5-lane"] == plain.nodes["m5-lane"]
     assert {"c3", "m5-lane", "d3"} <= set(plant.stops)
 
 
 def test_a_generated_plant_is_the_same_with_and_without_two_lanes_but_for_its_floor() -> None:
-    one, two = generate_plant(5, 20, 30), generate_plant(5, 20, 30, two_lanes=True)
+    one, two = generate_plant(5, 20, 30, two_lanes=False), generate_plant(5, 20, 30)
     assert one.file.machines[3].makes == two.file.machines[3].makes
     assert [each.id for each in one.file.fleet] == [each.id for each in two.file.fleet]
     assert not one.crossings
@@ -58,7 +59,7 @@ def test_a_generated_plant_is_the_same_with_and_without_two_lanes_but_for_its_fl
 
 
 def test_spurs_of_a_generated_plant_have_stop_points_between_them() -> None:
-    plant = generate_plant(5, 20, 30, two_lanes=True)
+    plant = generate_plant(5, 20, 30)
     merged = [crossing for crossing in plant.crossings.values() if len(crossing.nodes) > 1]
     # A drive-through of a warehouse leaves its road at a slant, and may need the room of the next spur.
     assert len(merged) <= 2 * len(plant.warehouses)

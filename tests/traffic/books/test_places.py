@@ -5,13 +5,13 @@ from __future__ import annotations
 import msgspec
 import pytest
 
-from dray.plant import Plant, default_plant
+from dray.plant import Plant, load_plant
 from dray.plant.model import Lane
 from dray.protocol.traffic.places import KEEPERS, Crossing, Footprint, Places
 
 
 def test_every_node_of_the_default_plant_has_a_district_with_three_keepers() -> None:
-    plant = default_plant()
+    plant = load_plant("single-track")
     places = Places(plant)
     assert set(places.district_of) == set(plant.nodes)
     assert all(len(keepers) == KEEPERS for keepers in places.keepers_of.values())
@@ -19,20 +19,20 @@ def test_every_node_of_the_default_plant_has_a_district_with_three_keepers() -> 
 
 
 def test_the_nearest_machine_keeps_the_book_and_ties_go_by_id() -> None:
-    places = Places(default_plant())
+    places = Places(load_plant("single-track"))
     assert places.district_of["m5-lane"].startswith("M5.")
     # c3 is as far from M4 as from M5.
     assert places.district_of["c3"].startswith("M4.")
 
 
 def test_every_agent_works_out_the_same() -> None:
-    one, other = Places(default_plant()), Places(default_plant())
+    one, other = Places(load_plant("single-track")), Places(load_plant("single-track"))
     assert one.district_of == other.district_of
     assert one.keepers_of == other.keepers_of
 
 
 def test_a_dock_belongs_to_its_mouth() -> None:
-    places = Places(default_plant())
+    places = Places(load_plant("single-track"))
     assert places.mouths["m4"] == "m4-lane"
     assert places.mouths["delivery"] == "delivery-in"
     for dock, mouth in places.mouths.items():
@@ -40,13 +40,13 @@ def test_a_dock_belongs_to_its_mouth() -> None:
 
 
 def test_a_dock_is_taken_with_its_mouth_and_a_mouth_alone_on_the_way_past() -> None:
-    places = Places(default_plant())
+    places = Places(load_plant("single-track"))
     assert places.group_end(("b3", "m4-lane", "m4"), 1) == 2
     assert places.group_end(("b3", "m4-lane", "c3"), 1) == 1
 
 
 def test_a_crossing_is_taken_with_the_stop_point_behind_it() -> None:
-    plant = default_plant()
+    plant = load_plant("single-track")
     crossing = Crossing(
         "X", 22.0, 20.0, frozenset({("b3", "m4-lane"), ("m4-lane", "c3")}), frozenset({"m4-lane"})
     )
@@ -59,7 +59,7 @@ def test_a_crossing_is_taken_with_the_stop_point_behind_it() -> None:
 
 
 def test_a_plant_with_few_machines_has_stations_keep_books_too() -> None:
-    file = default_plant().file
+    file = load_plant("single-track").file
     plant = Plant(msgspec.structs.replace(file, machines=file.machines[:1]))
     places = Places(plant)
     assert all(len(keepers) == KEEPERS for keepers in places.keepers_of.values())
@@ -73,6 +73,6 @@ def test_a_sharp_corner_is_cleared_later(angle_rad: float, *, more: bool) -> Non
 
 
 def test_lanes_that_leave_at_a_sharp_angle_are_cleared_later() -> None:
-    file = default_plant().file
+    file = load_plant("single-track").file
     sharp = Plant(msgspec.structs.replace(file, lanes=(*file.lanes, Lane("b3", "a4", both_ways=True))))
     assert Places(sharp).clear_m("b3", "a4") > Places(sharp).clear_m("d3", "m6-lane")

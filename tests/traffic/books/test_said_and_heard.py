@@ -20,11 +20,11 @@ from dray.adapters.telemetry.traffic_log import (
 from dray.codec import encode
 from dray.messages import Message, PlaceGranted, PlaceWished
 from dray.messages.floor.traffic import PlaceBooking
-from dray.plant import default_plant
+from dray.plant import load_plant
 from dray.protocol.traffic.places import Places
 from dray_sim.checks.floor.said_and_heard import GRANTED_TWICE, HELD_TWICE, NOT_HELD, OVERLAP, SaidAndHeard
 
-PLACES = Places(default_plant())
+PLACES = Places(load_plant("single-track"))
 PLACE = "b3"
 DISTRICT = PLACES.district_of[PLACE]
 KEEPER = PLACES.keepers_of[DISTRICT][0]
@@ -137,7 +137,9 @@ def test_what_a_vehicle_does_not_heed_gives_it_nothing() -> None:
 
 def test_a_lane_is_driven_with_its_places_only() -> None:
     (start, end), *_ = [
-        ends for ends in ((lane.start, lane.end) for lane in default_plant().roads.lanes) if ends[1] == PLACE
+        ends
+        for ends in ((lane.start, lane.end) for lane in load_plant("single-track").roads.lanes)
+        if ends[1] == PLACE
     ]
     story = Story()
     story.drives("ATV1", start, end)

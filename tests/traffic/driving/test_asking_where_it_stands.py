@@ -5,14 +5,14 @@ from __future__ import annotations
 from dray.body import Drive, ReleaseWay
 from dray.messages.floor.traffic import Blocked, PlaceBooking, PlaceGranted, PlaceWished
 from dray.messages.keys import Keys
-from dray.plant import default_plant
+from dray.plant import load_plant
 from dray.protocol.runtime.events import Effect, Instruct, Send
 from dray.protocol.runtime.timers import Timers
 from dray.protocol.traffic.driving.right_of_way import RightOfWay
 from dray.protocol.traffic.surroundings import Surroundings
 from dray.protocol.traffic.traffic_map import TrafficMap
 
-PLANT = default_plant()
+PLANT = load_plant("single-track")
 TRAFFIC = TrafficMap(PLANT)
 HERE, NEXT = "b3", "m4-lane"
 DISTRICT = TRAFFIC.places.district_of[HERE]

@@ -10,7 +10,7 @@ from dray.body import Drive, Hold
 from dray.messages import HoldsAsked, PlaceGranted, PlaceWished
 from dray.messages.floor.traffic import PlaceBooking
 from dray.messages.keys import Keys
-from dray.plant import default_plant
+from dray.plant import load_plant
 from dray.protocol.runtime.events import Effect, Instruct, Send
 from dray.protocol.runtime.timers import Timers
 from dray.protocol.traffic.driving.right_of_way import RightOfWay
@@ -19,7 +19,7 @@ from dray.protocol.traffic.traffic_map import TrafficMap
 from dray_sim.bodies.floor import Floor
 from dray_sim.clock.loop import JUMP, clock, run
 
-PLANT = default_plant()
+PLANT = load_plant("single-track")
 TRAFFIC = TrafficMap(PLANT)
 TYPE = next(iter(PLANT.vehicle_types))
 LIFE = 2

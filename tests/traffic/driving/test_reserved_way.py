@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from dray.plant import default_plant, load_plant
+from dray.plant import load_plant
 from dray.protocol.traffic.driving.reserved_way import SHORTEN_AT, ReservedWay
 from dray.protocol.traffic.places import Places
 
-PLACES = Places(default_plant())
+PLACES = Places(load_plant("single-track"))
 
 
 def way_from(node: str, *ahead: str) -> ReservedWay:
@@ -67,7 +67,7 @@ def test_the_base_is_never_taken_back() -> None:
 
 
 def test_who_stands_at_a_dock_keeps_nobody_off_the_crossing_before_it() -> None:
-    plant = load_plant("two-lanes")
+    plant = load_plant("default")
     places = Places(plant)
     crossing, dock = "m5-lane", "m5"
     before = next(lane.start for lane in plant.roads.entering[crossing] if lane.start != dock)

@@ -6,7 +6,7 @@ import pytest
 
 from dray.messages.floor.traffic import Blocked, PlaceBooking, PlaceGranted, PlaceWished, YieldRefused
 from dray.messages.keys import Keys
-from dray.plant import default_plant
+from dray.plant import load_plant
 from dray.protocol.runtime.events import Effect, Send
 from dray.protocol.runtime.timers import Timers
 from dray.protocol.traffic.driving.place_requests import AGES_BY_S, AGES_EVERY_S, HELD_UP, WITH_TASK, Errand
@@ -14,7 +14,7 @@ from dray.protocol.traffic.driving.right_of_way import RightOfWay
 from dray.protocol.traffic.surroundings import Surroundings
 from dray.protocol.traffic.traffic_map import TrafficMap
 
-PLANT = default_plant()
+PLANT = load_plant("single-track")
 TRAFFIC = TrafficMap(PLANT)
 HERE, GOAL = "b3", "m8-lane"
 BEGUN_S = 1000.0

@@ -45,7 +45,7 @@ SHIPPED = {
     "workshop": "examples/workshop.yaml",
     "two-halls": "examples/two-halls.yaml",
     "large": "examples/large.yaml",
-    "two-lanes": "examples/two-lanes.yaml",
+    "single-track": "examples/single-track.yaml",
 }
 """Plants that are part of the package, by the name under which they are asked for instead of a path."""
 

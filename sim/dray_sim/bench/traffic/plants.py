@@ -33,7 +33,7 @@ SPUR_MPS = 0.8
 
 def default_with(vehicles: int, *, two_lanes: bool = False) -> Plant:
     """The default plant with another fleet: further vehicles begin on free parking places, then on chargers."""
-    file = load_plant("two-lanes").file if two_lanes else default_plant().file
+    file = default_plant().file if two_lanes else load_plant("single-track").file
     taken = {spec.node for spec in file.fleet}
     nodes = [*(place.node for place in file.parkings), *(place.node for place in file.chargers)]
     free = [node for node in nodes if node not in taken]
@@ -192,7 +192,7 @@ def _plant(
     one_way: AbstractSet[tuple[str, str]] = frozenset(),
 ) -> Plant:
     """A plant whose docks are machines, storages and warehouses in turn; vehicles begin where they may stand."""
-    base = default_plant().file
+    base = load_plant("single-track").file
     ends = {*docks, *stands}
     machines = machines or max(ceil(len(docks) / 3), 3)
     source, delivery, *rest = docks[::-1]

@@ -16,10 +16,10 @@ from dray.gateway.live.timescale import TimeScale
 from dray.gateway.live.views import WaitView
 from dray.messages import AtvHeartbeat, AtvStatus, Brief, Phase, Pose, Role
 from dray.messages.heartbeat import FloorBrief
-from dray.plant import default_plant
+from dray.plant import load_plant
 from dray.store.factory.exclusions import Exclusion
 
-FLOOR = default_plant()
+FLOOR = load_plant("single-track")
 M8 = FLOOR.node_of("M8")
 
 CARRYING = Brief(task="T1", epoch=1, role=Role.PRIMARY, coordinator="M1", phase=Phase.CARRYING)
