@@ -27,8 +27,8 @@ TRANSPORT_S = 120.0
 TWO_LANES_FRAC = 0.5
 """Of the plants, how many have roads of two lanes; on single track vehicles hinder one another most."""
 
-BATTERY_SHARE = (0.02, 0.1)
-"""Of the usual battery: it lasts for ten minutes to an hour, and is charged in three to a quarter of an hour."""
+BATTERY_SHARE = (0.04, 0.15)
+"""Of the usual battery: it lasts for a quarter of an hour to an hour of driving, and is charged in six to 25 minutes."""
 
 LEAST_LOT = 2
 """Pieces in the smallest container of a run."""
@@ -76,14 +76,12 @@ def with_scarce_power(file: PlantFile, random: Random) -> PlantFile:
     needs_w = sum(_driving_w(kinds[spec.type]) for spec in file.fleet)
     least = ceil(needs_w / min(kind.charge_w for kind in kinds.values()))
     chargers = random.randint(min(least, len(file.chargers)), len(file.chargers))
-    return msgspec.structs.replace(
-        file,
-        vehicle_types=tuple(
-            msgspec.structs.replace(kind, battery_wh=kind.battery_wh * share) for kind in file.vehicle_types
-        ),
-        chargers=file.chargers[:chargers],
-        parkings=file.parkings[: random.randint(0, len(file.parkings))],
+    types = tuple(
+        msgspec.structs.replace(kind, battery_wh=kind.battery_wh * share) for kind in file.vehicle_types
     )
+    file = msgspec.structs.replace(file, vehicle_types=types)
+    parkings = random.randint(0, len(file.parkings))
+    return msgspec.structs.replace(file, chargers=file.chargers[:chargers], parkings=file.parkings[:parkings])
 
 
 def _driving_w(kind: VehicleType) -> float:

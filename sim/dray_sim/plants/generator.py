@@ -13,6 +13,8 @@ from math import ceil, sqrt
 from random import Random
 from typing import Literal
 
+import msgspec
+
 from dray.errors import SettingsError
 from dray.plant import (
     Area,
@@ -62,6 +64,9 @@ STANDS_M = ((2.0, 2.2), (5.0, 2.2), (8.0, 2.2), (2.0, 5.3), (5.0, 5.3), (8.0, 5.
 
 TWO_LANES_M = {2.0: 2.7, 3.5: 2.7, 5.0: 5.0, 6.5: 7.3, 8.0: 7.3}
 """Where spurs leave a road of two lanes: there is room for a stop point between any two of them, and before a corner."""
+
+LENGTH_M, WIDTH_M = 0.823, 0.592
+"""Of all vehicles: blocks leave room for these."""
 
 MOUTHS_M = 1.5
 """From the middle of a warehouse to where it is entered and left."""
@@ -139,7 +144,10 @@ class _Draft:
             ),
             machines=machines,
             areas=self._areas(),
-            vehicle_types=self._default.vehicle_types,
+            vehicle_types=tuple(
+                msgspec.structs.replace(kind, length_m=LENGTH_M, width_m=WIDTH_M)
+                for kind in self._default.vehicle_types
+            ),
             fleet=self._fleet(parkings),
             two_lanes=self._two_lanes,
         )

@@ -17,7 +17,7 @@ from variants import variants
 from dray.body import VehicleState
 from dray.messages import DwellPointClaimed, Message
 from dray.messages.speakers import Kind
-from dray.plant import Plant, VehicleSpec, default_plant
+from dray.plant import Plant, VehicleSpec, load_plant
 from dray.protocol.vehicle.charging import Charging
 from dray.protocol.vehicle.dwell_points import BLOCKED_S
 from dray_sim.bodies.vehicle.condition import BATTERY_EMPTY
@@ -49,12 +49,12 @@ class Look:
 
 
 def small(*, vehicles: int, chargers: int, parkings: int = 8, battery_frac: float | None = None) -> Plant:
-    """The default plant with less of everything."""
-    file = default_plant().file
+    """The plant `single-track`, whose batteries are the smaller ones, with less of everything."""
+    file = load_plant("single-track").file
     return Plant(
         msgspec.structs.replace(
             file,
-            # The second one of the default plant can carry everything.
+            # The second one of the plant can carry everything.
             fleet=tuple(_charged(spec, battery_frac) for spec in (*file.fleet[1:], file.fleet[0])[:vehicles]),
             chargers=file.chargers[:chargers],
             parkings=file.parkings[:parkings],

@@ -13,7 +13,7 @@ from dray.messages import (
     Transport,
 )
 from dray.messages.fact import Fact, GoodsDelivered, TaskOpened
-from dray.plant import default_plant
+from dray.plant import load_plant
 from dray_sim.checks.invariants import Invariants
 from dray_sim.clock.loop import VirtualClock
 from dray_sim.factory.sim_factory import SimFactory
@@ -36,7 +36,7 @@ class Watched:
     """A factory that does not run, its invariants, and what is said to them."""
 
     def __init__(self) -> None:
-        self.factory = SimFactory(default_plant(), VirtualClock(), seed=1)
+        self.factory = SimFactory(load_plant("single-track"), VirtualClock(), seed=1)
         self.checks = Invariants(self.factory)
         self._at_s = 0.0
         self._counted: dict[str, int] = {}
