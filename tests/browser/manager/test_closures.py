@@ -9,12 +9,12 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Locator, Page, expect
 
-from dray.plant import default_plant
+from dray.plant import load_plant
 
 OpenPage = Callable[..., Page]
 Screenshot = Callable[..., Path]
 
-PLANT = default_plant()
+PLANT = load_plant("single-track")
 LANE = ("b3", "m4-lane")
 WHY = "pallet dropped"
 
@@ -27,7 +27,7 @@ CLICKS = 20
 
 @pytest.fixture(scope="module")
 def factory(start_dray) -> Iterator[str]:
-    dray = start_dray("--speed", "10", "--seed", "3")
+    dray = start_dray("--plant", "single-track", "--speed", "10", "--seed", "3")
     yield dray.url
     assert dray.stop() == 0, dray.output()
 

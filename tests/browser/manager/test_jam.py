@@ -18,7 +18,7 @@ from tablet_kit import LOOKS, Enter, card
 from dray.gateway.live.projection.alerting.wait_rules import LONG_WAIT_S
 from dray.messages import AtvStatus, Brief, Phase, Role
 from dray.messages.heartbeat import FloorBrief
-from dray.plant import default_plant
+from dray.plant import load_plant
 
 from gateway_kit import House  # isort: skip - their folder is on the path since `puppets` is
 from wall_clock import NOW_S  # isort: skip
@@ -26,7 +26,7 @@ from wall_clock import NOW_S  # isort: skip
 OpenPage = Callable[..., Page]
 Screenshot = Callable[..., Path]
 
-PLANT = default_plant()
+PLANT = load_plant("single-track")
 
 QUEUE = {
     "ATV7": ("m8", (), ("m8-lane", "m8"), ""),

@@ -16,7 +16,7 @@ from tablet_kit import LOOKS, Enter, card
 from dray.messages import Event
 from dray.messages.fact import PlaceKept, PlacesFreed
 from dray.messages.heartbeat import FloorBrief
-from dray.plant import default_plant
+from dray.plant import load_plant
 
 from gateway_kit import House  # isort: skip - their folder is on the path since `puppets` is
 from heartbeats import machine_heartbeat  # isort: skip
@@ -25,7 +25,7 @@ from wall_clock import NOW_S  # isort: skip
 OpenPage = Callable[..., Page]
 Screenshot = Callable[..., Path]
 
-PLANT = default_plant()
+PLANT = load_plant("single-track")
 DEAD, HERE = "ATV3", "c2"
 OTHERS = {"ATV2": "a1", "ATV5": "c3", "ATV7": "m8", "ATV8": "e1"}
 
