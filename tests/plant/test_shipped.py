@@ -68,7 +68,7 @@ def test_the_default_plant_has_a_stop_point_between_any_two_crossings() -> None:
 
 def test_a_machine_that_joins_a_plant_with_two_lanes_can_be_driven_to() -> None:
     """Its dock is none as long as it is not there, and is no crossing then."""
-    file = load_plant("two-lanes").file
+    file = load_plant("default").file
     joining = file.machines[2]
     before = Plant(replace(file, machines=tuple(each for each in file.machines if each is not joining)))
     assert joining.node in before.stops
