@@ -33,7 +33,7 @@ from dray.plant.model import (
     Warehouse,
     WorkingStation,
 )
-from dray.plant.restrictions import OPEN, Ends, Extent, Restrictions, extent_of
+from dray.plant.restrictions import OPEN, Ends, Extent, Restrictions, extent_of, opposite_stops
 from dray.plant.roads import DirectedLane, Roads
 from dray.plant.routes import Routes
 from dray.plant.shapes import floor_of
@@ -100,6 +100,7 @@ class Plant:
         self.delivery_warehouses = tuple(w.id for w in file.warehouses if w.kind == "delivery")
         self.roads = Roads(layout.nodes, layout.lanes)
         self._inner, self._crossed = layout.inner, layout.crossed
+        self._opposite = opposite_stops(file, self.nodes)
         docks: tuple[Dock, ...] = (
             *file.machines,
             *file.storages,
@@ -139,6 +140,13 @@ class Plant:
     def crossing_of(self, node: str) -> str:
         """The crossing that a node lies in; empty for a node where a vehicle may stand."""
         return self._inner.get(node, "")
+
+    def way_back(self, start: str, end: str) -> Ends:
+        """The lane that leads back beside a lane of a two-lane road; of any other one, the same lane the other way round.
+
+        It need not be there: a one-way road has none.
+        """
+        return self._opposite.get(end, end), self._opposite.get(start, start)
 
     def places_on(self, start: str, end: str) -> tuple[str, ...]:
         """What a vehicle takes up that drives a lane: the crossing that the lane touches, and the node where it may stop.

@@ -10,7 +10,8 @@ import msgspec
 from msgspec.structs import replace
 
 from dray.plant.geometry import box_of, inside
-from dray.plant.model import Area, Node, Point
+from dray.plant.layout import name_after, name_before
+from dray.plant.model import Area, Node, PlantFile, Point
 from dray.plant.roads import DirectedLane, Roads
 
 Ends = tuple[str, str]
@@ -89,6 +90,24 @@ def extent_of(area: Area, nodes: Mapping[str, Node], roads: Roads) -> Extent:
         if any(_within(_between(start, end, step / steps), area) for step in range(1, steps)):
             across.append((lane.start, lane.end))
     return Extent(inside_it, frozenset(across))
+
+
+def opposite_stops(file: PlantFile, nodes: Mapping[str, Node]) -> dict[str, str]:
+    """The stop points of two-lane roads, each with the one that lies opposite on the lane that leads back.
+
+    Args:
+        file: the plant as it is drawn.
+        nodes: of its floor as it is driven.
+    """
+    found: dict[str, str] = {}
+    for lane in file.lanes:
+        for start, end in ((lane.start, lane.end), (lane.end, lane.start)):
+            first, back = name_after(start, end), name_after(end, start)
+            if first in nodes and back in nodes:
+                last = name_before(end, start)
+                found[first] = last if last in nodes else back
+                found[found[first]] = first
+    return found
 
 
 def _within(node: Node, area: Area) -> bool:

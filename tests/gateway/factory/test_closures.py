@@ -329,6 +329,15 @@ async def test_a_lane_that_runs_one_way_is_named_in_that_direction(url: str) -> 
         assert "one-way already" in told["detail"]
 
 
+async def test_a_road_of_two_lanes_is_named_by_either_lane_and_in_either_direction(url: str) -> None:
+    there, back = ("a1.to-b1", "b1.from-a1"), ("b1.to-a1", "a1.from-b1")
+    async with gateway(url, plant=load_plant("default").file) as house:
+        told = await close(house, lane={"start": back[0], "end": back[1]})
+        assert {(lane["start"], lane["end"]) for lane in told["lanes"]} == {there, back}
+        told = await close(house, lane={"start": there[1], "end": there[0]}, kind="one_way")
+        assert [(lane["start"], lane["end"]) for lane in told["lanes"]] == [there]
+
+
 async def test_too_much_is_not_closed(house: House) -> None:
     for lane in PLANT.lanes[:MAX_CLOSURES]:
         await close(house, lane={"start": lane.start, "end": lane.end})

@@ -29,6 +29,31 @@ def test_two_agents_of_one_process_know_different_things() -> None:
     assert "c3" in PLANT.routes("light").way("b3", "d3").nodes
 
 
+THERE, BACK = ("a1.to-b1", "b1.from-a1"), ("b1.to-a1", "a1.from-b1")
+"""The lanes of one road of the default plant."""
+
+
+def test_a_road_of_two_lanes_is_closed_in_both_directions_and_one_way_leaves_one() -> None:
+    plant = load_plant("default")
+    closed = closure(start=THERE[0], end=THERE[1])
+    assert restrictions_of(plant, [closed]).lanes == {THERE, BACK}
+    slow = replace(closed, kind=ClosureKind.SLOW, speed_mps=0.5)
+    assert restrictions_of(plant, [slow]).limits_mps == ((THERE, 0.5), (BACK, 0.5))
+    assert restrictions_of(plant, [replace(closed, kind=ClosureKind.ONE_WAY)]).lanes == {BACK}
+
+
+def test_every_lane_but_those_of_one_way_roads_has_one_that_leads_back() -> None:
+    plant = load_plant("default")
+    without = {
+        lane for lane in plant.lanes if plant.roads.lane(*plant.way_back(lane.start, lane.end)) is None
+    }
+    assert {lane.start for lane in without} == {"delivery-lane", "delivery", "delivery-out"}
+    assert all(
+        plant.way_back(*plant.way_back(lane.start, lane.end)) == (lane.start, lane.end)
+        for lane in plant.lanes
+    )
+
+
 def test_an_old_list_does_not_win() -> None:
     floor = KnownFloor(PLANT)
     floor.take(closures(2), 0.0)

@@ -44,7 +44,8 @@ class Closure(Part, frozen=True):
     """The person who has decided it."""
     start: IdOrNone = ""
     end: IdOrNone = ""
-    """The nodes at the ends of a lane. Both directions are meant, where there are two, unless it becomes one-way."""
+    """The nodes at the ends of a lane. Both directions are meant, where there are two, unless it becomes one-way; of a two-lane road
+    that is the lane beside it, too."""
     node: IdOrNone = ""
     """A node: all lanes that lead into it. A crossing of two-lane roads: all lanes over it."""
     area: IdOrNone = ""

@@ -21,7 +21,7 @@ def restrictions_of(plant: Plant, closures: Iterable[Closure]) -> Restrictions:
             lanes |= closed_lanes
         elif each.kind is ClosureKind.ONE_WAY:
             if plant.roads.lane(each.start, each.end) is not None:
-                lanes.add((each.end, each.start))
+                lanes.add(plant.way_back(each.start, each.end))
         elif each.speed_mps is not None:
             for ends in _concerned(plant, each):
                 limits_mps[ends] = min(each.speed_mps, limits_mps.get(ends, each.speed_mps))
@@ -42,7 +42,7 @@ def _closed_by(plant: Plant, closure: Closure) -> tuple[set[str], set[Ends]]:
             return {closure.node} & plant.nodes.keys(), set()
         # Who is in it leaves it by the other lanes.
         return set(crossing.inner), {ends for ends in crossing.lanes if ends[0] not in crossing.inner}
-    return set(), {(closure.start, closure.end), (closure.end, closure.start)}
+    return set(), {(closure.start, closure.end), plant.way_back(closure.start, closure.end)}
 
 
 def _concerned(plant: Plant, closure: Closure) -> list[Ends]:
@@ -62,7 +62,7 @@ def _concerned(plant: Plant, closure: Closure) -> list[Ends]:
             return list(crossing.lanes)
         around = (*plant.roads.leaving.get(closure.node, ()), *plant.roads.entering.get(closure.node, ()))
         return [(lane.start, lane.end) for lane in around]
-    both = ((closure.start, closure.end), (closure.end, closure.start))
+    both = ((closure.start, closure.end), plant.way_back(closure.start, closure.end))
     return [ends for ends in both if plant.roads.lane(*ends) is not None]
 
 

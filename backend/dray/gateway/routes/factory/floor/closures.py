@@ -71,7 +71,8 @@ class ClosureRequest(BaseModel):
 
     kind: ClosureKind = ClosureKind.CLOSED
     lane: LaneRequest | None = None
-    """In both directions, unless it becomes one-way: then vehicles drive from `start` to `end` only."""
+    """In both directions, also where these are two lanes beside one another, unless it becomes one-way: then vehicles drive from
+    `start` to `end` only."""
     place: Name | None = None
     """A node, a crossing, or a machine, storage, warehouse, charger or parking place, whose dock it is."""
     area: Name | None = None
@@ -163,6 +164,7 @@ def _row(request: ClosureRequest, plant: Plant, caller: Principal, now_s: float)
     Raises:
         Problem: 422, with every field that cannot be used.
     """
+    request = request.model_copy(update={"lane": _driven(request.lane, plant)})
     faults = [*_extent_faults(request, plant), *_kind_faults(request, plant)]
     until_s = None if request.until is None else request.until.timestamp()
     if until_s is not None and until_s <= now_s:
@@ -187,6 +189,15 @@ def _row(request: ClosureRequest, plant: Plant, caller: Principal, now_s: float)
         person=f"{caller.kind}:{caller.id}",
         at_s=now_s,
     )
+
+
+def _driven(lane: LaneRequest | None, plant: Plant) -> LaneRequest | None:
+    """The lane that is meant: of a two-lane road that is named against the direction of one lane, the lane beside it."""
+    if lane is None or plant.roads.lane(lane.start, lane.end) is not None:
+        return lane
+    start, end = plant.way_back(lane.end, lane.start)
+    there, back = plant.roads.lane(lane.end, lane.start), plant.roads.lane(start, end)
+    return lane if there is None or back is None else LaneRequest(start=start, end=end)
 
 
 def _extent_faults(request: ClosureRequest, plant: Plant) -> list[FieldError]:
@@ -219,6 +230,9 @@ def _kind_faults(request: ClosureRequest, plant: Plant) -> list[FieldError]:
         lane = request.lane
         if lane is None:
             faults.append(FieldError("lane", "only a lane can be one-way: name it"))
-        elif plant.roads.lane(lane.start, lane.end) and plant.roads.lane(lane.end, lane.start) is None:
+        elif (
+            plant.roads.lane(lane.start, lane.end)
+            and plant.roads.lane(*plant.way_back(lane.start, lane.end)) is None
+        ):
             faults.append(FieldError("lane", "this lane is one-way already"))
     return faults
