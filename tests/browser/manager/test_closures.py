@@ -9,13 +9,13 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Locator, Page, expect
 
-from dray.plant import load_plant
+from dray.plant import default_plant
 
 OpenPage = Callable[..., Page]
 Screenshot = Callable[..., Path]
 
-PLANT = load_plant("single-track")
-LANE = ("b3", "m4-lane")
+PLANT = default_plant()
+LANE = ("b3.to-m4-lane", "m4-lane.from-b3")
 WHY = "pallet dropped"
 
 PAD_PX = {"left": 12, "right": 12, "top": 10, "bottom": 32}
@@ -27,7 +27,7 @@ CLICKS = 20
 
 @pytest.fixture(scope="module")
 def factory(start_dray) -> Iterator[str]:
-    dray = start_dray("--plant", "single-track", "--speed", "10", "--seed", "3")
+    dray = start_dray("--speed", "10", "--seed", "3")
     yield dray.url
     assert dray.stop() == 0, dray.output()
 
@@ -116,8 +116,8 @@ def test_it_is_told_in_german_too(factory: str, open_page: OpenPage, screenshot:
         """async () => {
             const until = new Date(Date.now() + 50 * 60000).toISOString();
             const bodies = [
-                {lane: {start: "c2", end: "c3"}, reason: "Palette liegt dort", until},
-                {kind: "one_way", lane: {start: "d2", end: "d3"}, reason: "Baustelle"},
+                {lane: {start: "c2.to-c3", end: "c3.from-c2"}, reason: "Palette liegt dort", until},
+                {kind: "one_way", lane: {start: "d2.to-d3", end: "d3.from-d2"}, reason: "Baustelle"},
             ];
             for (const body of bodies) await fetch("/api/closures", {
                 method: "POST", headers: {"Content-Type": "application/json"}, body: JSON.stringify(body),

@@ -11,7 +11,7 @@ import pytest
 from dray.adapters.security.signing import SigningKey
 from dray.messages import AtvHeartbeat, Closure, ClosureKind, Event, Message
 from dray.messages.fact import ClosuresKnown, TaskClosed
-from dray.plant import default_plant
+from dray.plant import load_plant
 from dray_sim.checks.floor.closed_lanes import ClosedLanes
 from dray_sim.checks.invariants import Invariants
 from dray_sim.clock.loop import clock, run
@@ -21,7 +21,7 @@ from dray_sim.people import demand
 from dray_sim.people.floor_manager import NAME, Closing, FloorManager
 from dray_sim.people.order_client import OrderClient
 
-PLANT = default_plant()
+PLANT = load_plant("single-track")
 BEGINS_S, ENDS_S = 600.0, 2400.0
 SHUT = ("e2", "e3")
 """Crossings on many ways; every dock is reached without them."""
