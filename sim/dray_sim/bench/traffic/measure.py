@@ -36,8 +36,8 @@ STAND_S = 120.0
 DIES_AT_S, DEAD_S = 300.0, 400.0
 
 PLANTS: dict[str, Callable[[], Plant]] = {
-    "default-8": lambda: plants.default_with(8),
-    "default-12": lambda: plants.default_with(12),
+    "single-track-8": lambda: plants.default_with(8),
+    "single-track-12": lambda: plants.default_with(12),
     "two-lanes-12": lambda: plants.default_with(12, two_lanes=True),
     "bridge": plants.bridge,
     "corridor": plants.corridor,
@@ -61,8 +61,8 @@ DRAWN_SPAN_S = 900.0
 DRAWN_SEEDS, QUICK_DRAWN_SEEDS = range(1000), range(20)
 
 OF_GHOSTS = {
-    "default-8": 0.75,
-    "default-12": 0.68,
+    "single-track-8": 0.75,
+    "single-track-12": 0.68,
     "two-lanes-12": 0.85,
     "bridge": 0.33,
     "corridor": 0.65,
@@ -81,7 +81,7 @@ MOST_MESSAGES = 1.3
 """To and from vehicles, per vehicle and second, when saturated."""
 
 POISSON = {
-    "default-8": (110.0, 1.15, 1.25),
+    "single-track-8": (110.0, 1.15, 1.25),
     "two-lanes-12": (110.0, 1.05, 1.10),
     "generated-50": (183.0, 1.20, 1.30),
     "generated-50-two-lanes": (183.0, 1.05, 1.10),
@@ -225,7 +225,7 @@ def _cases(names: Iterable[str], seeds: tuple[int, ...], span_s: float, *, all_s
                 per_h = POISSON[name][0]
                 yield Case(name, seed, span_s, "ghosts", "ordinary load", per_h)
                 yield Case(name, seed, span_s, "ours", "ordinary load", per_h)
-            if name == "default-8":
+            if name == "single-track-8":
                 for (latency_s, loss_frac), quality in NETWORKS.items():
                     what = _network(latency_s, loss_frac)
                     yield Case(name, seed, span_s, "ours", what, quality=quality)
@@ -233,7 +233,7 @@ def _cases(names: Iterable[str], seeds: tuple[int, ...], span_s: float, *, all_s
                 yield Case(
                     name, seed, span_s, "ours", "machines die", quality=Quality(0.02, 0.2, double_frac=0.1)
                 )
-            if name == "default-12":
+            if name == "single-track-12":
                 for scheme in ABLATIONS:
                     yield Case(name, seed, span_s, scheme)
 
@@ -310,9 +310,9 @@ def _rows(names: Iterable[str], played: dict[Case, Figures]) -> Iterator[Row]:
         yield Row(f"{label} messages", ours.said, "/(vehicle s)", most, "the most", most, less=True)
         if name in POISSON:
             yield from _ordinary(name, label, played)
-        if name == "default-8":
+        if name == "single-track-8":
             yield from _troubled(name, label, ours, played)
-        if name == "default-12":
+        if name == "single-track-12":
             for scheme in ABLATIONS:
                 runs = _Played(played, name, scheme)
                 yield Row(f"{label} {scheme}", runs.per_h, "/h", ghosts.per_h, "ghosts", note=runs.note)

@@ -8,7 +8,7 @@ from dray.protocol.traffic.books.book import Book
 from dray.protocol.traffic.neighbours import Neighbours, Seen
 
 NEWS_S = 0.5
-"""News is told within this. After a second, a tenth of the transports takes 18 s longer on single track (`dray bench traffic --plant default-12`)."""
+"""News is told within this. After a second, a tenth of the transports takes 18 s longer on single track (`dray bench traffic --plant single-track-12`)."""
 
 AGAIN_S = 3.0
 """While vehicles stand there it is said again after this: somebody may have come close, or have missed it."""
