@@ -2,7 +2,8 @@
 
 A run follows from its seed and from the code that draws it; what a seed stood for when it was found
 is lost when that code changes. Whoever changes it puts the old fault back, looks for it again, and
-writes down the seed that finds it.
+writes down the seed that finds it. Those without right of way stood for other runs when generated plants had no
+two-lane roads and smaller batteries.
 """
 
 from __future__ import annotations
