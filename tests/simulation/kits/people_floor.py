@@ -19,13 +19,13 @@ from dray.messages import (
     Pose,
     VehicleCommand,
 )
-from dray.plant import default_plant
+from dray.plant import load_plant
 from dray_sim.clock.loop import clock, run
 from dray_sim.network.sim_network import SimNetwork
 from dray_sim.people.habits import Habits
 from dray_sim.people.operators import Operator
 
-PLANT = default_plant()
+PLANT = load_plant("single-track")
 
 AUTHORITY = SigningKey(bytes(32))
 
