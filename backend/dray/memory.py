@@ -24,6 +24,7 @@ from dray.messages import (
 )
 from dray.messages.base import Part
 from dray.messages.floor.traffic import AllRemoved, Bookings
+from dray.messages.transport import TransportState
 
 
 class AtvMemory(Part, tag_field="kind", tag="atv", frozen=True):
@@ -142,6 +143,7 @@ class StationMemory(Part, tag_field="kind", tag="station", frozen=True):
     """What the station of a storage is bound by. Who waits in its queue asks again."""
 
     reserved: tuple[ReservationMemory, ...] = ()
+    tasks: tuple[TaskMemory, ...] = ()
 
 
 class ReservationMemory(Part, frozen=True):
@@ -156,6 +158,22 @@ class ReservationMemory(Part, frozen=True):
     """For whom the dock was opened; empty before."""
     opened: int = 0
     """In which epoch of the task; 0 before."""
+
+
+class TransportMemory(Part, tag_field="kind", tag="transport_called", frozen=True):
+    """A plain transport as the place remembers it to which it goes; also for a while when it has ended."""
+
+    transport: str
+    source: str
+    item: str
+    quantity: int
+    due_s: float
+    vehicle: str
+    state: TransportState
+    done: int = 0
+    """Pieces that were brought."""
+    attempt: int = 0
+    """How often it was given out under a name of its own."""
 
 
 class StrategistMemory(Part, tag_field="kind", tag="strategist", frozen=True):
@@ -224,6 +242,7 @@ Note = (
     | ClosuresMemory
     | MachineMemory
     | StationMemory
+    | TransportMemory
     | StrategistMemory
     | OrderMemory
     | ReturnedOrder

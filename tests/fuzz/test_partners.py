@@ -39,8 +39,8 @@ from dray.messages import (
     Withdrawn,
 )
 from dray.protocol.contract_net.parties import Word, contract_of
-from dray.protocol.machine.transports.transports import RECOVERY_WAIT_S
 from dray.protocol.runtime.events import Ignore, Send
+from dray.protocol.transports.transports import RECOVERY_WAIT_S
 
 SETTLE_S = 60.0
 """Longer than everything that a word could set off at once."""

@@ -11,6 +11,7 @@ from dray.gateway.live.strategist_probe import StrategistProbe
 from dray.gateway.metrics.meter import Meter
 from dray.gateway.orders.completions import Completions
 from dray.gateway.orders.outbox import Outbox
+from dray.gateway.orders.transports import PlainTransports
 from dray.messages import (
     CancellationTaken,
     CommandAnswered,
@@ -19,6 +20,7 @@ from dray.messages import (
     OperatorHeartbeat,
     OrderTaken,
     RevocationTaken,
+    TransportAnswered,
 )
 from dray.messages.keys import STRATEGIST
 
@@ -32,6 +34,7 @@ class Inbox:
         strategist_probe: learns that the strategist is there.
         completions: how orders have ended.
         outbox: the strategist's other answers about orders.
+        transports: places' answers about plain transports.
         commands: vehicles' answers to people.
         projection: heartbeats and events; who is on duty, and who calls.
         plant_s: the plant's clock.
@@ -41,6 +44,7 @@ class Inbox:
     strategist_probe: StrategistProbe
     completions: Completions
     outbox: Outbox
+    transports: PlainTransports
     commands: Commands
     projection: Projection
     plant_s: Callable[[], float]
@@ -56,6 +60,8 @@ class Inbox:
             case OrderTaken() | CancellationTaken():
                 if sender == STRATEGIST:
                     self.outbox.answered(message)
+            case TransportAnswered():
+                return self.transports.on_answered(sender, message)
             case OperatorHeartbeat() | HelpCall():
                 return self.projection.people.fold(message, self.plant_s())
             case CommandAnswered():

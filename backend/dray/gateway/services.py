@@ -48,6 +48,7 @@ from dray.gateway.orders.idempotency import KEYS_KEPT_S
 from dray.gateway.orders.outbox import Outbox
 from dray.gateway.orders.placement import OrderPlacement
 from dray.gateway.orders.reconciliation import Reconciliation
+from dray.gateway.orders.transports import PlainTransports
 from dray.messages.keys import Keys
 from dray.plant import plant_yaml
 from dray.plant.model import PlantFile
@@ -85,6 +86,7 @@ class Services:
     actions: OrderActions
     completions: Completions
     reconciliation: Reconciliation
+    transports: PlainTransports
     commands: Commands
     alerts: AlertMonitor
     exclusions: Exclusions
@@ -112,6 +114,7 @@ class Services:
             Metrics: self.metrics,
             OrderPlacement: self.placement,
             OrderActions: self.actions,
+            PlainTransports: self.transports,
             Outbox: self.outbox,
             Completions: self.completions,
             Commands: self.commands,
@@ -189,6 +192,7 @@ def open_services(
         actions=OrderActions(store, projection, outbox, wall_s),
         completions=Completions(store, outbox, projection, wall_s),
         reconciliation=Reconciliation(store, outbox, wall_s),
+        transports=PlainTransports(store, projection, peer.send, time, wall_s),
         commands=commands,
         alerts=AlertMonitor(projection, store, wall_s),
         exclusions=Exclusions(
@@ -249,6 +253,7 @@ async def running(services: Services, beside: Beside | None) -> AsyncIterator[No
         strategist_probe=services.strategist_probe,
         completions=services.completions,
         outbox=services.outbox,
+        transports=services.transports,
         commands=services.commands,
         projection=projection,
         plant_s=lambda: services.time.to_plant_s(services.wall_s()),
@@ -268,6 +273,7 @@ async def running(services: Services, beside: Beside | None) -> AsyncIterator[No
             for each in (
                 services.outbox,
                 services.completions,
+                services.transports,
                 services.alerts,
                 services.exclusions,
                 services.closings,
@@ -284,6 +290,7 @@ async def running(services: Services, beside: Beside | None) -> AsyncIterator[No
             )
         ]
         await services.reconciliation.start()
+        await services.transports.start()
         if beside is not None:
             await access.learn()
             await stack.enter_async_context(beside(services.commands, access))

@@ -104,6 +104,15 @@ from dray.messages.problem import NOTHING_KNOWN, HelpWanted, Problem, ProblemEnd
 from dray.messages.reason import CommandRefusal, Implausible, Reason
 from dray.messages.shutout import ShutOut
 from dray.messages.stock import StockAsked, StockFreed, StockReserved, StockShort
+from dray.messages.transport import (
+    TRANSPORT_ENDED,
+    TransportAnswered,
+    TransportCancelled,
+    TransportOrdered,
+    TransportRefusal,
+    TransportState,
+    TransportWait,
+)
 
 Heartbeat = AtvHeartbeat | MachineHeartbeat
 """Of those who bid."""
@@ -157,6 +166,9 @@ AnyMessage = (
     | StockAsked
     | StockReserved
     | StockShort
+    | TransportOrdered
+    | TransportCancelled
+    | TransportAnswered
     | StockFreed
     | PlaceWished
     | PlaceGranted
@@ -173,6 +185,7 @@ AnyMessage = (
 __all__ = [
     "NOTHING_KNOWN",
     "OPERATOR_PREFIX",
+    "TRANSPORT_ENDED",
     "WIRE_VERSION",
     "Accepted",
     "AnyFact",
@@ -272,7 +285,13 @@ __all__ = [
     "TaskAnnounced",
     "TaskBrief",
     "Transport",
+    "TransportAnswered",
+    "TransportCancelled",
     "TransportCost",
+    "TransportOrdered",
+    "TransportRefusal",
+    "TransportState",
+    "TransportWait",
     "VehicleCommand",
     "Wait",
     "Withdrawn",

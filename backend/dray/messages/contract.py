@@ -21,18 +21,20 @@ class Transport(Part, tag_field="kind", tag="transport", frozen=True):
     """Carry `quantity` pieces of `item` from one of `sources` to `destination`."""
 
     item: Id
-    """A material on the way in, a product on the way out."""
+    """A material on the way in, or from place to place; a product on the way out."""
     quantity: Count
     sources: Annotated[tuple[Id, ...], Meta(min_length=1)]
     """Stations to choose from; never empty."""
     destination: Id
-    """A station: a machine on the way in, a delivery warehouse on the way out."""
+    """A machine on the way in, a delivery warehouse on the way out, a storage for what is taken there."""
     ability: IdOrNone
     """What a vehicle must be able to carry."""
     goal: IdOrNone = ""
     """The goal whose products these are, on the way out."""
     node: IdOrNone = ""
     """Where vehicles dock at the machine that asks, if it is a joining one; empty for one in the plant file."""
+    vehicle: IdOrNone = ""
+    """The only one that may carry it; empty for any."""
 
 
 class Production(Part, tag_field="kind", tag="production", frozen=True):

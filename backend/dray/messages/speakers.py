@@ -74,6 +74,7 @@ from dray.messages.fact import (
     TaskClosed,
     TaskOpened,
     TookOver,
+    TransportProgressed,
     WatchLost,
     WordDisbelieved,
 )
@@ -110,6 +111,7 @@ from dray.messages.people.operator import OPERATOR_PREFIX, OperatorHeartbeat
 from dray.messages.problem import ProblemEnded
 from dray.messages.shutout import ShutOut
 from dray.messages.stock import StockAsked, StockFreed, StockReserved, StockShort
+from dray.messages.transport import TransportAnswered, TransportCancelled, TransportOrdered
 
 
 class Kind(StrEnum):
@@ -157,8 +159,8 @@ _STRATEGISTS = frozenset({Kind.STRATEGIST})
 _GATEWAYS = frozenset({Kind.GATEWAY})
 _OPERATORS = frozenset({Kind.OPERATOR})
 _BIDDERS = _ATVS | _MACHINES
-_COORDINATORS = _MACHINES | _STRATEGISTS
 _DOCKS = _MACHINES | _STATIONS
+_COORDINATORS = _DOCKS | _STRATEGISTS
 _TELLERS = _BIDDERS | _COORDINATORS | _STATIONS
 
 SPEAKERS: Mapping[type[Message], frozenset[Kind]] = {
@@ -185,11 +187,14 @@ SPEAKERS: Mapping[type[Message], frozenset[Kind]] = {
     DockOpened: _DOCKS,
     DockHeld: _DOCKS,
     Handover: _ATVS,
-    HandoverAccepted: _MACHINES,
-    StockAsked: _MACHINES,
-    StockReserved: _STATIONS,
-    StockShort: _STATIONS,
-    StockFreed: _MACHINES,
+    HandoverAccepted: _DOCKS,
+    StockAsked: _DOCKS,
+    StockReserved: _DOCKS,
+    StockShort: _DOCKS,
+    StockFreed: _DOCKS,
+    TransportOrdered: _GATEWAYS,
+    TransportCancelled: _GATEWAYS,
+    TransportAnswered: _DOCKS,
     DwellPointClaimed: _ATVS,
     WorkSought: _ATVS,
     DockExpected: _ATVS,
@@ -231,12 +236,13 @@ TELLERS: Mapping[type[Fact], frozenset[Kind]] = {
     AwardAnswered: _COORDINATORS,
     RoundFailed: _COORDINATORS,
     TaskClosed: _COORDINATORS,
-    WatchLost: _MACHINES,
-    CarrierChanged: _MACHINES,
-    ContractorRated: _MACHINES,
+    WatchLost: _DOCKS,
+    CarrierChanged: _DOCKS,
+    ContractorRated: _DOCKS,
     WordDisbelieved: _COORDINATORS,
-    HandoverDisputed: _MACHINES,
-    PrimarySuspected: _ATVS | _MACHINES,
+    HandoverDisputed: _DOCKS,
+    TransportProgressed: _DOCKS,
+    PrimarySuspected: _ATVS | _DOCKS,
     BidSent: _BIDDERS,
     BidRefused: _BIDDERS,
     ContractTaken: _BIDDERS,

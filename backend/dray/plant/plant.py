@@ -186,6 +186,11 @@ class Plant:
         """The storages that keep a material."""
         return self._storages_of[material]
 
+    def keepers_of(self, material: str) -> tuple[str, ...]:
+        """The places where a material can be fetched and put down: storages, and machines that have a buffer for it."""
+        machines = (machine for machine in self.machines if material in self._materials_of[machine])
+        return (*self._storages_of[material], *machines)
+
     def machines_for(self, product: str) -> tuple[str, ...]:
         """The machines that can make a product."""
         return self._machines_for[product]

@@ -300,6 +300,7 @@ class Historian:
             await work.events.add(events, self._to_wall_s)
             await work.samples.add(samples, self._to_wall_s)
             await self._follow(work, events)
+            await work.transports.follow(events, self._to_wall_s)
             self._unpruned += len(events) + len(samples)
             if self._unpruned >= PRUNE_EVERY:
                 await work.events.prune(self._events_kept)

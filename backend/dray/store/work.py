@@ -34,6 +34,7 @@ from dray.store.orders.milestones import Milestones
 from dray.store.orders.orders import Orders
 from dray.store.orders.products import Products
 from dray.store.orders.tracking_links import Links
+from dray.store.orders.transports import Transports
 
 
 class Work:
@@ -46,6 +47,7 @@ class Work:
         self.links = Links(connection)
         self.goals = Goals(connection)
         self.milestones = Milestones(connection)
+        self.transports = Transports(connection)
         self.events = Events(connection)
         self.samples = Samples(connection)
         self.acknowledgements = Acknowledgements(connection)

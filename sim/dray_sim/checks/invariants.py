@@ -35,6 +35,7 @@ from dray.messages.fact import (
 )
 from dray.messages.keys import STRATEGIST
 from dray_sim.checks.broken import InvariantBroken
+from dray_sim.checks.brought_once import BroughtOnce
 from dray_sim.checks.delivered import DeliveredExactly
 from dray_sim.checks.floor.overlaps import Overlaps
 from dray_sim.checks.isolation import ReplacedInTime, SpeaksOn
@@ -76,14 +77,14 @@ class TasksEnd:
                 ended = self._ended.setdefault(sender, {})
                 ended[fact.task] = None
                 _forget_oldest(ended)
-        elif type(message) is MachineHeartbeat:
-            self._check(message, at_s)
+        elif type(message) is MachineHeartbeat or type(message) is StationHeartbeat:
+            self._check(sender, message, at_s)
 
-    def _check(self, heartbeat: MachineHeartbeat, at_s: float) -> None:
+    def _check(self, sender: str, heartbeat: MachineHeartbeat | StationHeartbeat, at_s: float) -> None:
         named = {brief.task for brief in heartbeat.tasks}
-        for task, opened_s in self._open_s.get(heartbeat.machine, {}).items():
+        for task, opened_s in self._open_s.get(sender, {}).items():
             if opened_s < at_s and task not in named:
-                raise InvariantBroken(1, at_s, f"{heartbeat.machine} has forgotten its open task {task}")
+                raise InvariantBroken(1, at_s, f"{sender} has forgotten its open task {task}")
 
 
 HANDED_OVER_KEPT = 1000
@@ -293,6 +294,7 @@ class Invariants:
             EpochsRise(),
             OnePrimaryEach(),
             DeliveredExactly(factory.gate.arrived),
+            BroughtOnce(),
             StoppedStands(factory),
             SpeaksOn(factory),
             ReplacedInTime(factory),

@@ -9,6 +9,7 @@ from __future__ import annotations
 import asyncio
 
 from dray.messages import (
+    TRANSPORT_ENDED,
     AtvHeartbeat,
     CancellationTaken,
     Event,
@@ -16,6 +17,8 @@ from dray.messages import (
     OrderReleased,
     RevocationTaken,
     Transport,
+    TransportAnswered,
+    TransportOrdered,
 )
 from dray.messages.fact import (
     GoodsDelivered,
@@ -25,6 +28,7 @@ from dray.messages.fact import (
     PieceMade,
     TaskClosed,
     TaskOpened,
+    TransportProgressed,
 )
 from dray_sim.checks.bounds import Bounds
 from dray_sim.checks.broken import InvariantBroken
@@ -57,7 +61,7 @@ class LivenessCheck:
         self._coordinator: dict[str, str] = {}
         """Of every transport that was announced."""
         self._orders: dict[str, None] = {}
-        """Those that are not delivered yet."""
+        """Those that are not delivered yet, and transports that somebody has asked for."""
         self._ended_orders: dict[str, None] = {}
         self._returned: dict[str, int] = {}
         """By order that was taken back: its newest release of which that is known."""
@@ -90,6 +94,12 @@ class LivenessCheck:
             again = message.release > self._returned.get(message.order, 0)
             if message.order not in self._ended_orders and again:
                 self._orders[message.order] = None
+        elif type(message) is TransportOrdered:
+            if message.transport not in self._ended_orders:
+                self._orders[message.transport] = None
+        elif type(message) is TransportAnswered:
+            if message.state in TRANSPORT_ENDED:
+                self._end_order(message.transport)
         elif type(message) is CancellationTaken:
             self._end_order(message.order)
         elif type(message) is RevocationTaken:
@@ -110,6 +120,10 @@ class LivenessCheck:
             # It does not know of its transports; what still is to be done it announces under other names.
             for task in [task for task in self._open if self._coordinator[task] == event.agent]:
                 del self._open[task]
+        elif type(fact) is TransportProgressed:
+            if fact.state in TRANSPORT_ENDED:
+                self._moved_s = at_s
+                self._end_order(fact.transport)
         elif isinstance(fact, PROGRESS):
             self._moved_s = at_s
             if type(fact) is TaskClosed and self._open.pop(fact.task, None) is not None:

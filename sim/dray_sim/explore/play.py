@@ -49,6 +49,7 @@ from dray_sim.people.random.random_answers import RandomAnswers
 from dray_sim.people.random.random_operator import RandomOperator
 from dray_sim.people.random.revoker import Revoker
 from dray_sim.people.technicians import Skill, employ
+from dray_sim.people.transport_caller import TransportCaller
 from dray_sim.run.trace import Trace
 
 LONGEST_S = 6 * 3600.0
@@ -249,11 +250,7 @@ class _Game:
         run = self._run
         async with asyncio.TaskGroup() as group:
             group.create_task(factory.run())
-            group.create_task(OrderClient(factory.bus, factory.clock).place(run.orders))
-            if run.cancelled:
-                group.create_task(Canceller(factory.bus, factory.clock).cancel(run.cancelled))
-            if run.revocations:
-                group.create_task(Revoker(factory.bus, factory.clock).revoke(run.revocations))
+            self._ask_for_work(factory, group)
             if run.closings:
                 manager = FloorManager(factory.bus, factory.clock, factory.keys, factory.authority)
                 group.create_task(manager.close(run.closings))
@@ -276,6 +273,17 @@ class _Game:
                 group.create_task(self._meddle_with_machines(factory))
             if run.insider:
                 group.create_task(self._lie(factory))
+
+    def _ask_for_work(self, factory: SimFactory, group: asyncio.TaskGroup) -> None:
+        """Customers order, and think again; people have something brought."""
+        run, bus, now = self._run, factory.bus, factory.clock
+        group.create_task(OrderClient(bus, now).place(run.orders))
+        if run.cancelled:
+            group.create_task(Canceller(bus, now).cancel(run.cancelled))
+        if run.revocations:
+            group.create_task(Revoker(bus, now).revoke(run.revocations))
+        if run.calls:
+            group.create_task(TransportCaller(bus, now).call(run.calls))
 
     async def _lie(self, factory: SimFactory) -> None:
         """Somebody lies to the end: in the quiet phase as well, whatever is open must end."""

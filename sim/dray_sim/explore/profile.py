@@ -50,6 +50,7 @@ class Profile:
         insiders_frac: the part of the runs in which somebody lies who has a valid certificate.
         carried_frac: the part of the runs with right of way in which people carry vehicles away and put them back.
         closures_frac: the part of the runs in which a manager closes lanes, nodes and areas.
+        calls_frac: the part of the runs in which people have something brought or taken away.
         scarce_power: whether batteries are so small that they are emptied and charged in minutes, and chargers and
             parking places few; the chargers suffice.
     """
@@ -79,6 +80,7 @@ class Profile:
     insiders_frac: float = 0.0
     closures_frac: float = 0.0
     carried_frac: float = 0.0
+    calls_frac: float = 0.0
     scarce_power: bool = False
 
 
@@ -92,6 +94,7 @@ PROFILES: Mapping[str, Profile] = {
         insiders_frac=0.2,
         closures_frac=0.2,
         carried_frac=0.3,
+        calls_frac=0.4,
     ),
     "mishaps": Profile(leaving_frac=0.3),
     "deaths": Profile(weights={PoweredOff: 2.0, Crashed: 1.0}, random_operator_frac=0.0),
@@ -124,6 +127,9 @@ PROFILES: Mapping[str, Profile] = {
         intensity=(0.0, 0.0), operators_frac=0.0, random_operator_frac=0.0, obstacles_frac=1.0
     ),
     "carried": Profile(vehicles=(2, 6), intensity=(0.0, 1.0), carried_frac=1.0),
+    "calls": Profile(
+        weights={**WEIGHTS, Crashed: 4.0, JournalLost: 0.5}, waves_frac=0.4, leaving_frac=0.3, calls_frac=1.0
+    ),
     "faultless": Profile(intensity=(0.0, 0.0), random_operator_frac=0.0),
     "batteries": Profile(
         vehicles=(1, 10),

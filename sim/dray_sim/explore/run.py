@@ -22,6 +22,7 @@ from dray_sim.people.carriers import Carrying, draw_carryings
 from dray_sim.people.floor_manager import Closing
 from dray_sim.people.habits import Habits
 from dray_sim.people.random.revoker import Revocation
+from dray_sim.people.transport_caller import Call, draw_calls
 
 DURATION_S = 1200.0
 """The least virtual time of a run."""
@@ -60,6 +61,7 @@ class Run:
         revocations: orders that are taken back and published again.
         closings: what a manager closes, and when.
         carryings: vehicles that people carry away and put back; only where vehicles drive with right of way.
+        calls: transports that people ask for, and when they call them off.
         insider: how somebody lies until the quiet phase (`dray_sim.insiders`); empty where nobody does.
         traffic: whether vehicles drive with right of way; nothing but the carryings follows from it.
     """
@@ -80,6 +82,7 @@ class Run:
     revocations: tuple[Revocation, ...] = field(repr=False)
     closings: tuple[Closing, ...] = field(repr=False, default=())
     carryings: tuple[Carrying, ...] = field(repr=False, default=())
+    calls: tuple[Call, ...] = field(repr=False, default=())
     insider: str = ""
     traffic: bool = False
     random_answers: bool = False
@@ -150,6 +153,7 @@ def draw(seed: int, profile: str = "all", *, traffic: bool = False) -> Run:
         revocations=_revocations(orders, ranges, Random(f"{seed} revised")),
         closings=_closings(plant, ranges, Random(f"{seed} closures")),
         carryings=_carryings(plant, ranges, Random(f"{seed} carried")) if traffic else (),
+        calls=_calls(plant, ranges, Random(f"{seed} calls")),
         insider=_insider(ranges, Random(f"{seed} insider")),
         traffic=traffic,
     )
@@ -159,6 +163,10 @@ def _closings(plant: Plant, ranges: Profile, random: Random) -> tuple[Closing, .
     if random.random() >= ranges.closures_frac:
         return ()
     return draw_closings(plant, random, FAULTS_UNTIL_S)
+
+
+def _calls(plant: Plant, ranges: Profile, random: Random) -> tuple[Call, ...]:
+    return draw_calls(plant, random, FAULTS_UNTIL_S) if random.random() < ranges.calls_frac else ()
 
 
 def _carryings(plant: Plant, ranges: Profile, random: Random) -> tuple[Carrying, ...]:

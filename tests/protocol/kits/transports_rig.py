@@ -24,9 +24,9 @@ from dray.protocol.contract_net.auction_rules import AuctionRules
 from dray.protocol.contract_net.task import OpenTask
 from dray.protocol.contract_net.terms import Place
 from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
-from dray.protocol.machine.transports.transports import Transports
 from dray.protocol.runtime.events import Effect
 from dray.protocol.runtime.timers import Timers
+from dray.protocol.transports.transports import Transports
 
 
 class TransportsRig:

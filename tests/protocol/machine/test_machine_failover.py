@@ -29,8 +29,8 @@ from dray.messages import (
 )
 from dray.messages.fact import CarrierChanged, TaskClosed
 from dray.protocol.liveness.suspicion import LATENESS_MAX_S
-from dray.protocol.machine.transports.transports import RECOVERY_WAIT_S
 from dray.protocol.runtime.events import Woke
+from dray.protocol.transports.transports import RECOVERY_WAIT_S
 
 STOCK = {"housing": 0, "impeller": 90, "seal-kit": 120}
 GONE_S = LATENESS_MAX_S + 60.0

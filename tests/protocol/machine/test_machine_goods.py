@@ -36,8 +36,8 @@ from dray.messages import (
     Withdrawn,
 )
 from dray.messages.fact import ContractEnded, PieceMade, TaskClosed
-from dray.protocol.machine.material_flow import HELD_MAX_S
 from dray.protocol.runtime.events import Effect
+from dray.protocol.transports.transport_flow import HELD_MAX_S
 
 # --- making -----------------------------------------------------------------------------------------
 

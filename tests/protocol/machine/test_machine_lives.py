@@ -43,8 +43,8 @@ from dray.messages import (
     TaskAnnounced,
 )
 from dray.messages.fact import PieceMade, TaskClosed
-from dray.protocol.machine.transports.transports import RECOVERY_WAIT_S
 from dray.protocol.runtime.events import Commit
+from dray.protocol.transports.transports import RECOVERY_WAIT_S
 
 
 def reborn(rig: MachineRig, *, doubts: bool = False, **stock: int) -> MachineRig:

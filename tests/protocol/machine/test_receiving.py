@@ -24,8 +24,8 @@ from dray.messages import (
     Withdrawn,
 )
 from dray.messages.fact import ContractorRated, HandoverDisputed, TaskClosed
-from dray.protocol.machine.transports.receiving import COUNT_S
 from dray.protocol.runtime.events import Effect
+from dray.protocol.transports.receiving import COUNT_S
 
 LOT = 24
 

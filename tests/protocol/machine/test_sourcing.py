@@ -30,8 +30,8 @@ from dray.messages import (
 from dray.messages.fact import CarrierChanged, MachineStatusChanged, TaskClosed
 from dray.protocol.liveness.progress import EXCUSED_MAX_S, STALL_S, Progress
 from dray.protocol.machine.machine import Machine
-from dray.protocol.machine.sourcing import AGAIN_S, ANSWER_S, RENEW_S
 from dray.protocol.runtime.events import Effect
+from dray.protocol.transports.sourcing import AGAIN_S, ANSWER_S, RENEW_S
 
 TASK = "M7-1"
 KEEPING = PLANT.storages_of("housing")

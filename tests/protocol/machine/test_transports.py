@@ -13,9 +13,9 @@ from dray.messages import DockExpected, DockTime, Phase, Reason, Role, TaskAnnou
 from dray.messages.fact import PrimarySuspected, TaskClosed, WatchLost
 from dray.protocol.contract_net.dock_queues import TURN_S
 from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S, LATENESS_MAX_S, WORKING_INTERVAL_S, bound_s
-from dray.protocol.machine.transports.carrier_waits import ONE_AFTER_ANOTHER_S
 from dray.protocol.runtime.events import NEVER_S
 from dray.protocol.takeover.secondaries import WATCH_RULES
+from dray.protocol.transports.carrier_waits import ONE_AFTER_ANOTHER_S
 
 # --- the secondary -------------------------------------------------------------------------------
 

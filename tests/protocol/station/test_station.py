@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import msgspec
 import pytest
-from defaults import PLANT
+from defaults import KEYS, PLANT
 from effects import committed, instructed, listening, sent
 from rigs import Rig
 
@@ -22,8 +22,8 @@ from dray.messages import (
     StockShort,
 )
 from dray.protocol.runtime.events import Effect, Ignore
-from dray.protocol.station.reservations import LEASE_S, MAX_ASKED, QUEUED_S
 from dray.protocol.station.station import Station
+from dray.protocol.transports.reservations import LEASE_S, MAX_ASKED, QUEUED_S
 
 SPEC = PLANT.storages["S1"]
 ITEM = "shaft"
@@ -77,7 +77,7 @@ def test_it_tells_what_lies_there_and_what_is_promised() -> None:
     assert rig.level == StockLevel(item=ITEM, level=100, capacity=400)
     rig.asks("M8-1")
     assert rig.level == StockLevel(item=ITEM, level=100, capacity=400, promised=40)
-    assert listening(rig.all) == set()
+    assert listening(rig.all) == {KEYS.closures, KEYS.all_free}
 
 
 def test_what_is_promised_is_not_promised_again() -> None:

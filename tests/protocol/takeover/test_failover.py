@@ -20,8 +20,8 @@ from dray.messages import (
 from dray.messages.fact import CarrierChanged, TaskClosed
 from dray.protocol.contract_net.task_state import TaskState
 from dray.protocol.liveness.failure_detector import UNNAMED_S
-from dray.protocol.machine.transports.transports import RECOVERY_WAIT_S
 from dray.protocol.takeover.failover import LOST_IN_TRANSIT_S, TAKEOVER_TIMEOUT_S
+from dray.protocol.transports.transports import RECOVERY_WAIT_S
 
 
 def takes_over(rig: TransportsRig, atv: str = "ATV1", epoch: int = 2, primary: str = "ATV2") -> None:

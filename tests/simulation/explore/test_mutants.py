@@ -36,9 +36,6 @@ from dray.protocol.contract_net.coordinator import Coordinator
 from dray.protocol.contract_net.task import CarrierContract, OpenTask
 from dray.protocol.contract_net.task_state import TaskState
 from dray.protocol.liveness.progress import Progress
-from dray.protocol.machine.dock import Dock
-from dray.protocol.machine.transports.handovers import Handovers
-from dray.protocol.machine.transports.transports import Transports
 from dray.protocol.people.command_authorisation import CommandAuthorisation
 from dray.protocol.runtime.events import Instruct, Publish, Send
 from dray.protocol.strategist.order_book import OrderInWork
@@ -49,6 +46,9 @@ from dray.protocol.traffic.books.district import District
 from dray.protocol.traffic.driving import yielding
 from dray.protocol.traffic.places import Places
 from dray.protocol.traffic.removal_authorisation import RemovalAuthorisation
+from dray.protocol.transports.dock import Dock
+from dray.protocol.transports.handovers import Handovers
+from dray.protocol.transports.transports import Transports
 from dray.protocol.vehicle.atv import Atv
 from dray.protocol.vehicle.obstacle_handling import ObstacleHandling
 from dray.protocol.vehicle.people.command_handling import CommandHandling

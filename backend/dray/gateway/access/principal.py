@@ -23,6 +23,9 @@ class Scope(StrEnum):
     VEHICLES_COMMAND = "vehicles:command"
     VEHICLES_STOP = "vehicles:stop"
     """Stop, and nothing else; whoever may command vehicles may stop them."""
+    TRANSPORTS_CALL = "transports:call"
+    """Have something brought or taken away, see how far that is, and call it off. Whoever may do nothing else sees what it has asked for
+    itself: a call button."""
     ALERTS_ACKNOWLEDGE = "alerts:acknowledge"
     AGENTS_WRITE = "agents:write"
     """Shut agents out, and readmit them."""
@@ -40,7 +43,13 @@ STOP_ONLY = frozenset({Scope.VEHICLES_STOP})
 SCOPES: dict[Role, frozenset[Scope]] = {
     Role.MANAGER: EVERYTHING,
     Role.OPERATOR: frozenset(
-        {Scope.FACTORY_READ, Scope.VEHICLES_COMMAND, Scope.VEHICLES_STOP, Scope.ALERTS_ACKNOWLEDGE}
+        {
+            Scope.FACTORY_READ,
+            Scope.VEHICLES_COMMAND,
+            Scope.VEHICLES_STOP,
+            Scope.TRANSPORTS_CALL,
+            Scope.ALERTS_ACKNOWLEDGE,
+        }
     ),
 }
 """What each role may; an operator in the areas of its own only."""

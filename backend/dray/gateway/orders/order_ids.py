@@ -1,4 +1,4 @@
-"""Names of orders, and of the pages on which customers follow them."""
+"""Names of orders and transports, and of the pages on which customers follow them."""
 
 from __future__ import annotations
 
@@ -19,12 +19,21 @@ TOKEN_BYTES = 24
 
 def new_order_id(wall_s: float) -> str:
     """A name that sorts by time, as ``O-1M9K3X2A4-K7QM``."""
+    return f"O-{_by_time(wall_s)}"
+
+
+def new_transport_id(wall_s: float) -> str:
+    """The same for a plain transport, as ``T-1M9K3X2A4-K7QM``."""
+    return f"T-{_by_time(wall_s)}"
+
+
+def _by_time(wall_s: float) -> str:
     number, digits = int(wall_s * 1000), ""
     for _ in range(TIME_DIGITS):
         number, digit = divmod(number, 32)
         digits = ALPHABET[digit] + digits
     chance = "".join(secrets.choice(ALPHABET) for _ in range(CHANCE_DIGITS))
-    return f"O-{digits}-{chance}"
+    return f"{digits}-{chance}"
 
 
 def new_token() -> str:

@@ -36,7 +36,7 @@ EXAMPLE = MeAnswer(
     role="operator",
     areas=("AREA1",),
     station="M1",
-    scopes=("alerts:acknowledge", "factory:read", "vehicles:command", "vehicles:stop"),
+    scopes=("alerts:acknowledge", "factory:read", "transports:call", "vehicles:command", "vehicles:stop"),
     expires_at_s=1_893_492_000.0,
 )
 

@@ -19,7 +19,7 @@ from dray.gateway.routes.factory import (
 )
 from dray.gateway.routes.factory.floor import carrying, closures, obstacles, traffic, waits
 from dray.gateway.routes.history import audit, events, kpis, promises
-from dray.gateway.routes.orders import imports, orders, track
+from dray.gateway.routes.orders import imports, orders, track, transports
 from dray.gateway.routes.pages import customer, docs, login, panels
 
 API = (
@@ -27,6 +27,7 @@ API = (
     imports,
     orders,
     track,
+    transports,
     products,
     inventory,
     machine_commands,

@@ -31,6 +31,7 @@ from dray.messages.fact.coordinator import (
     RoundFailed,
     TaskClosed,
     TaskOpened,
+    TransportProgressed,
     WatchLost,
     WordDisbelieved,
 )
@@ -79,6 +80,7 @@ AnyFact = (
     | ContractorRated
     | WordDisbelieved
     | HandoverDisputed
+    | TransportProgressed
     | NotBelieved
     | TookOver
     | LinkChanged
@@ -155,6 +157,7 @@ __all__ = [
     "TaskClosed",
     "TaskOpened",
     "TookOver",
+    "TransportProgressed",
     "WatchLost",
     "WordDisbelieved",
 ]

@@ -9,6 +9,7 @@ from dray.messages.contract import Cost, Refusal, Work
 from dray.messages.fact.base import Fact
 from dray.messages.heartbeat import Role
 from dray.messages.reason import Implausible, Reason
+from dray.messages.transport import TransportRefusal, TransportState, TransportWait
 
 Outcome = Literal["delivered", "withdrawn"]
 """How a task has ended."""
@@ -161,3 +162,24 @@ class HandoverDisputed(Fact, frozen=True):
     """Pieces, by the dock's count: these are there, and no others."""
     where: Id
     """The place whose dock has counted."""
+
+
+class TransportProgressed(Fact, frozen=True):
+    """A plain transport that somebody has asked for is otherwise than before."""
+
+    transport: Id
+    state: TransportState
+    item: Id
+    quantity: Count
+    """Pieces that are still to be brought, or were brought when it is delivered."""
+    source: Id
+    destination: Id
+    task: IdOrNone = ""
+    """Under which name it is given out at present; empty for none."""
+    carrier: IdOrNone = ""
+    expected_s: Seconds | None = None
+    """When its carrier has promised to be done (plant clock)."""
+    wait: TransportWait | None = None
+    """Why nobody carries it, while it waits."""
+    refused: TransportRefusal | None = None
+    """Why it cannot be done, where that has ended it."""

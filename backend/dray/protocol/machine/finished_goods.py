@@ -15,7 +15,7 @@ from dray.plant import Plant
 from dray.protocol.contract_net.task import OpenTask
 from dray.protocol.machine.production import Goal, GoalBook
 from dray.protocol.machine.supply import Supply
-from dray.protocol.machine.transports.transports import Transports
+from dray.protocol.transports.transports import Transports
 
 
 class FinishedGoods:

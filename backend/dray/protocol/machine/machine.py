@@ -54,7 +54,6 @@ from dray.protocol.machine.people.goal_sharing import GoalSharing
 from dray.protocol.machine.production import Goal, GoalBook
 from dray.protocol.machine.status_report import StatusReport, introduction
 from dray.protocol.machine.supply import Supply
-from dray.protocol.machine.transports.carrier_waits import docks_heard
 from dray.protocol.people.command_authorisation import CommandAuthorisation
 from dray.protocol.runtime.agent import AgentBase
 from dray.protocol.runtime.events import Ignore, Leave, Subscribe
@@ -64,6 +63,7 @@ from dray.protocol.runtime.shutdown import COORDINATOR_LEAVES_WITHIN_S
 from dray.protocol.runtime.trust import Trusts, trusts_nobody
 from dray.protocol.traffic.books.bookkeeping import Bookkeeping
 from dray.protocol.traffic.traffic_map import TrafficMap
+from dray.protocol.transports.carrier_waits import docks_heard
 
 
 class Machine(AgentBase):
@@ -143,11 +143,13 @@ class Machine(AgentBase):
             **self._closures.message_handlers,
             Disbelieved: Reproach(self._out).on_disbelieved,
         }
-        self._docks = () if traffic is None else docks_heard(machine, plant, self._keys)
+        self._docks = (
+            () if traffic is None else docks_heard(machine, plant.materials_of(machine), plant, self._keys)
+        )
         heard = self._flow.subscriptions
         self._bookkeeping = Bookkeeping(machine, plant, traffic, trusts, heard, self._timers, self._out)
         self._message_handlers = self._bookkeeping.handlers(self._message_handlers)
-        self._committers += self._bookkeeping.committers
+        self._committers += [*self._bookkeeping.committers, self._flow.called.commits]
         self._report = StatusReport(
             self,
             software,
@@ -190,7 +192,7 @@ class Machine(AgentBase):
         self._commands.paces = body.paces
         note = memory.get(WHOLE)
         if isinstance(note, MachineMemory):
-            self._restore(note, now_s)
+            self._restore(note, memory, now_s)
         self._breakdown.start(body, note.help if isinstance(note, MachineMemory) else None, now_s)
         self._flow.goods.count()
         self._out.extend(Subscribe(self._keys.goals(product)) for product in self._products)
@@ -202,12 +204,12 @@ class Machine(AgentBase):
         self._heartbeat_timer.at_once(now_s)
         self.pursue(now_s)
 
-    def _restore(self, memory: MachineMemory, now_s: float) -> None:
+    def _restore(self, memory: MachineMemory, notes: Memory, now_s: float) -> None:
         """Go on with what an earlier life was bound by."""
         for booked in memory.goals:
             # It goes on with them: the strategist may be away, and the gate knows what may still get in.
             self._bidder.ask(self._goals.restore(booked), now_s)
-        self._flow.restore(memory, now_s)
+        self._flow.restore(memory, notes, now_s)
         self._commands.restore(memory)
         # Tasks without a carrier have a higher epoch now: no life may use one that an earlier one has used.
         self._commit()
@@ -308,6 +310,7 @@ class Machine(AgentBase):
         """Do whatever the present state asks for."""
         self._sharing.decide(now_s)
         self._cycle.share_spare()
+        self._flow.note_stock(now_s)
         if not self._breakdown.problem and not self._flow.goods.full:
             self._cycle.start()
         if not self._shutdown.begun:

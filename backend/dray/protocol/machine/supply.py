@@ -6,9 +6,7 @@ from dray.messages import BufferLevel, Transport
 from dray.plant import Plant
 from dray.protocol.machine.production import GoalBook
 from dray.protocol.machine.replenishment import LeadTime, order_quantity, reorder_point, runs_out_at_s
-
-TYPICAL_APPROACH_S = 45.0
-"""A first guess of how long a vehicle needs to reach a storage, until lead times are measured."""
+from dray.protocol.transports.transport_flow import first_lead_s
 
 
 class Supply:
@@ -35,7 +33,10 @@ class Supply:
             )
             for material in self.materials
         }
-        self._lead = {material: LeadTime(self._first_lead_s(material)) for material in self.materials}
+        self._lead = {
+            material: LeadTime(first_lead_s(plant, machine, plant.storages_of(material)))
+            for material in self.materials
+        }
         self._on_order = dict.fromkeys(self.materials, 0)
         self._levels: tuple[BufferLevel, ...] | None = None
         self.stock: dict[str, int] = {}
@@ -96,7 +97,9 @@ class Supply:
 
     def room(self, material: str) -> int:
         """Pieces that the buffer can still take."""
-        return self._plant.materials[material].buffer - self.level(material)
+        return (
+            self._plant.materials[material].buffer - self.level(material) if material in self.materials else 0
+        )
 
     # --- what is missing ---
 
@@ -179,13 +182,3 @@ class Supply:
         spec, per_cycle = self._plant.materials[material], self._per_cycle[material]
         ceiling = max(per_cycle, spec.buffer - spec.lot)
         return reorder_point(self._goals.use_per_s(material), self._lead[material].mean_s, per_cycle, ceiling)
-
-    def _first_lead_s(self, material: str) -> float:
-        node = self._plant.node_of(self._machine)
-        ways_s = [
-            self._plant.routes(kind).duration_s(self._plant.node_of(storage), node)
-            for storage in self._plant.storages_of(material)
-            for kind in self._plant.vehicle_types
-        ]
-        handling_s = max(kind.load_s + kind.unload_s for kind in self._plant.vehicle_types.values())
-        return TYPICAL_APPROACH_S + min(ways_s) + handling_s

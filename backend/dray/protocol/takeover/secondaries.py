@@ -7,8 +7,9 @@ its resignation may be lost; whenever a task is without one, another is sought.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import cast
 
-from dray.messages import Accepted, AtvHeartbeat, Bid, Declined, Reason, Release, Role
+from dray.messages import Accepted, AtvHeartbeat, Bid, Declined, Reason, Release, Role, Transport
 from dray.messages.fact import WatchLost
 from dray.protocol.contract_net.auction import Auction
 from dray.protocol.contract_net.auction_rules import AuctionRules
@@ -63,7 +64,7 @@ class Secondaries:
 
     def seek(self, task: OpenTask, candidates: tuple[tuple[str, Bid], ...], now_s: float) -> None:
         """Elect a secondary, of these candidates first; nobody is needed for what nobody could take over."""
-        if task.is_loaded or task.recovered:
+        if task.is_loaded or task.recovered or cast(Transport, task.work).vehicle:
             return
         terms = Terms(
             task=task.id,

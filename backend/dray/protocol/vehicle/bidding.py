@@ -82,6 +82,8 @@ class Bidder:
         dx_m, dy_m = message.x_m - standing.x_m, message.y_m - standing.y_m
         if dx_m * dx_m + dy_m * dy_m > message.radius_m * message.radius_m:
             return None  # A neighbour of those who were asked: its cell only touches the circle.
+        if isinstance(message.work, Transport) and message.work.vehicle not in ("", self._atv):
+            return None  # Only another one may carry it.
         for told in message.waits[:PLACES_TOLD]:
             if told.wait_s or not told.expected:
                 self._waits.note(told.place, message.coordinator, told.wait_s, now_s)

@@ -43,6 +43,7 @@ from dray.gateway.routes.me import MeAnswer
 from dray.gateway.routes.openapi.examples import examples
 from dray.gateway.routes.orders.imports import ImportAnswer
 from dray.gateway.routes.orders.orders import OrderAnswer
+from dray.gateway.routes.orders.transports import TransportAnswer
 from dray.gateway.routes.products import ProductAnswer
 from dray.gateway.tracking.answer import TrackAnswer
 from dray.plant.model import PlantFile
@@ -88,6 +89,7 @@ SHAPES = (
     TaskView,
     TrackAnswer,
     TrafficAnswer,
+    TransportAnswer,
     WaitView,
 )
 """Structs that routers answer with, and the frames of the stream."""

@@ -37,6 +37,7 @@ from dray.gateway.routes.factory.plant_draft_bodies import LINE_EXAMPLE, PLAY_EX
 from dray.gateway.routes.history.events import EventAnswer
 from dray.gateway.routes.orders.imports import ImportAnswer, ImportedOrder
 from dray.gateway.routes.orders.orders import EXAMPLE as ORDER
+from dray.gateway.routes.orders.transports import EXAMPLE as TRANSPORT
 from dray.gateway.routes.products import ProductAnswer
 from dray.gateway.tracking.answer import TrackAnswer, TrackEta, TrackStage
 from dray.gateway.tracking.track import StageName, TrackedItem
@@ -74,6 +75,7 @@ _STRUCTS = (
     PLAY_EXAMPLE,
     DRAFT.findings[0],
     OBSTACLE,
+    TRANSPORT,
     WAIT,
     TrackAnswer(
         status=ORDER.status,

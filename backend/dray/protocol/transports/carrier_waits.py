@@ -1,4 +1,4 @@
-"""How long carriers of one machine have waited where they load and unload: seen in their phases, told to the next ones."""
+"""How long carriers of one coordinator have waited where they load and unload: seen in their phases, told to the next ones."""
 
 from __future__ import annotations
 
@@ -19,26 +19,28 @@ ONE_AFTER_ANOTHER_S = 1.2
 """From one announcement to the next where carriers queue at docks: a window for bids, and the award."""
 
 
-def docks_heard(machine: str, plant: Plant, keys: Keys) -> tuple[Subscribe, ...]:
-    """What a machine listens to, to know who is expected where its transports begin and end."""
-    storages = (storage for item in plant.materials_of(machine) for storage in plant.storages_of(item))
-    places = dict.fromkeys((machine, *storages, *plant.delivery_warehouses))
+def docks_heard(place: str, items: Iterable[str], plant: Plant, keys: Keys) -> tuple[Subscribe, ...]:
+    """What a coordinator listens to, to know who is expected where its transports begin and end."""
+    storages = (storage for item in items for storage in plant.storages_of(item))
+    places = dict.fromkeys(
+        (place, *storages, *(plant.delivery_warehouses if place in plant.machines else ()))
+    )
     return tuple(Subscribe(keys.dock(place)) for place in places)
 
 
 class CarrierWaits:
-    """What one machine has seen of its carriers' waits.
+    """What one coordinator has seen of its carriers' waits.
 
     Args:
-        machine: whose carriers.
+        place: whose carriers.
         handling_s: the longest loading or unloading; what is beyond that is a wait.
 
     Attributes:
         docks: who is expected where, as vehicles with right of way have told.
     """
 
-    def __init__(self, machine: str, handling_s: float) -> None:
-        self._machine = machine
+    def __init__(self, place: str, handling_s: float) -> None:
+        self._place = place
         self._handling_s = handling_s
         self._waits = Waits()
         self.docks = DockQueues()
@@ -65,7 +67,7 @@ class CarrierWaits:
         """What is known of waits at the places of a transport: lately, of who stands there now, and of who is expected there."""
         for task in tasks:
             if task.contract.held_s < NEVER_S:
-                self._waits.note(self._machine, task.primary, now_s - task.contract.held_s, now_s)
+                self._waits.note(self._place, task.primary, now_s - task.contract.held_s, now_s)
         places = (*work.sources, work.destination)
         told = {wait.place: wait for wait in self._waits.told(places, now_s)}
         for place in places:

@@ -7,30 +7,39 @@ that carrier hears `Superseded` with the epoch that is right, and brings its loa
 
 from __future__ import annotations
 
-from typing import cast
+from typing import Protocol, cast
 
 from dray.messages import Docked, Handover, HandoverAccepted, Transport
 from dray.protocol.contract_net.dock import Door
 from dray.protocol.contract_net.task import OpenTask
-from dray.protocol.machine.supply import Supply
-from dray.protocol.machine.transports.transports import Transports
 from dray.protocol.runtime.events import NEVER_S, Effect, Send
+from dray.protocol.transports.transports import Transports
+
+
+class Stock(Protocol):
+    """What lies at a coordinator's place."""
+
+    def level(self, item: str) -> int:
+        """Pieces that lie there."""
+
+    def room(self, item: str) -> int:
+        """Pieces that still find room."""
 
 
 class Dock:
-    """The dock of one machine.
+    """The dock of one coordinator.
 
     Args:
-        machine: whose dock.
+        place: whose dock.
         tasks: its open transports.
-        supply: its buffers and goods.
+        stock: what lies there.
         out: where effects go.
     """
 
-    def __init__(self, machine: str, tasks: Transports, supply: Supply, out: list[Effect]) -> None:
-        self._machine = machine
+    def __init__(self, place: str, tasks: Transports, stock: Stock, out: list[Effect]) -> None:
+        self._place = place
         self._tasks = tasks
-        self._supply = supply
+        self._stock = stock
         self._out = out
         self._door = Door(out)
 
@@ -41,7 +50,7 @@ class Dock:
             self._out.append(Send(sender, self._tasks.superseded(message.task, message.epoch)))
             return
         work = cast(Transport, task.work)
-        here = message.station == self._machine
+        here = message.station == self._place
         held = self._why_held(work) if here else ""
         task.contract.held_s = min(task.contract.held_s, now_s) if held else NEVER_S
         if held:
@@ -52,7 +61,7 @@ class Dock:
             self._door.agree(sender, message)
 
     def shut(self, vehicle: str) -> None:
-        """A vehicle carries for this machine no more: a manoeuvre that it has begun ends without effect."""
+        """A vehicle carries for this coordinator no more: a manoeuvre that it has begun ends without effect."""
         self._door.shut(vehicle)
 
     def on_handover(self, sender: str, message: Handover) -> OpenTask | None:
@@ -72,9 +81,9 @@ class Dock:
         return None
 
     def _why_held(self, work: Transport) -> str:
-        if work.destination != self._machine:
-            return "" if self._supply.level(work.item) >= work.quantity else "the goods are not ready"
-        return "" if self._supply.room(work.item) >= work.quantity else "the buffer is full"
+        if work.destination != self._place:
+            return "" if self._stock.level(work.item) >= work.quantity else "the goods are not ready"
+        return "" if self._stock.room(work.item) >= work.quantity else "the buffer is full"
 
     def accept(self, task: OpenTask) -> None:
         """A load is there: its carrier is free."""

@@ -1,4 +1,4 @@
-"""The handovers of one machine's transports: carriers' words, the counts that come beside them, and what they differ by."""
+"""The handovers of one coordinator's transports: carriers' words, the counts that come beside them, and what they differ by."""
 
 from __future__ import annotations
 
@@ -10,43 +10,42 @@ from dray.messages import Handover, Reason, Transport
 from dray.messages.fact import HandoverDisputed
 from dray.protocol.contract_net.task import OpenTask
 from dray.protocol.contract_net.task_state import TaskState
-from dray.protocol.machine.dock import Dock
-from dray.protocol.machine.production import Goal, GoalBook
-from dray.protocol.machine.transports.receiving import Verdict, verdict_on
-from dray.protocol.machine.transports.transports import Transports
 from dray.protocol.runtime.events import NEVER_S, Effect, Ignore, Instruct, Record
+from dray.protocol.transports.dock import Dock
+from dray.protocol.transports.receiving import GateCount, Verdict, verdict_on
+from dray.protocol.transports.transports import Transports
 
 
 class Handovers:
     """Compares what carriers say with what is counted (`receiving`), and ends their transports.
 
     Args:
-        machine: whose.
+        place: whose.
         tasks: its open transports.
-        goals: what it makes.
+        goal_of: what the gate has counted of a goal, by its name; None for what no goal wants.
         dock: where loads come and go.
         out: where effects go.
         ask: called with a goal of which the gate may have counted more than is known, and now_s.
         settled: called when a transport has ended well, with its task, its carrier, the pieces that were counted, and now_s.
 
     Attributes:
-        counts: whether the machine's body counts what vehicles bring and take; else it is told what they say.
+        counts: whether the coordinator's body counts what vehicles bring and take; else it is told what they say.
     """
 
     def __init__(
         self,
-        machine: str,
+        place: str,
         tasks: Transports,
-        goals: GoalBook,
+        goal_of: Callable[[str], GateCount | None],
         dock: Dock,
         out: list[Effect],
         *,
-        ask: Callable[[Goal, float], None],
+        ask: Callable[[str, float], None],
         settled: Callable[[OpenTask, str, int, float], None],
     ) -> None:
-        self._machine = machine
+        self._place = place
         self._tasks = tasks
-        self._goals = goals
+        self._goal_of = goal_of
         self._dock = dock
         self._out = out
         self._ask = ask
@@ -95,12 +94,13 @@ class Handovers:
         receipt = task.contract.receipt
         if receipt.said_s == NEVER_S:
             return
-        goal = self._goals.get(cast(Transport, task.work).goal)
-        verdict, counted = verdict_on(task, goal, self._machine, now_s)
+        name = cast(Transport, task.work).goal
+        goal = self._goal_of(name)
+        verdict, counted = verdict_on(task, goal, self._place, now_s)
         if verdict is Verdict.WAITS:
             self._out.append(Ignore("a handover of a load that was not counted yet"))
             if goal is not None and goal.heard_s < receipt.said_s:
-                self._ask(goal, now_s)
+                self._ask(name, now_s)
             return
         carrier, work = task.primary, cast(Transport, task.work)
         if verdict is Verdict.SHORT or counted != receipt.said:
@@ -129,7 +129,7 @@ class Handovers:
     def _book(self, task: OpenTask) -> None:
         """The body does not count: it is told what the carrier says."""
         work = cast(Transport, task.work)
-        comes = work.destination == self._machine
+        comes = work.destination == self._place
         if not task.contract.receipt.booked and (comes or task.is_loaded):
             task.contract.receipt.booked = True
             change = task.contract.receipt.said if comes else -work.quantity

@@ -1,4 +1,4 @@
-"""What of a storage's stock is promised to whom, and who waits for more. Pure.
+"""What of a place's stock is promised to whom, and who waits for more. Pure.
 
     asked --enough is free--> RESERVED --fetched--> gone
       |                         |  ^
@@ -17,7 +17,7 @@ The rules
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 
 from dray.memory import ReservationMemory
 from dray.messages import StockAsked, StockLevel
@@ -83,7 +83,7 @@ class Ask:
 
 
 class Reservations:
-    """The reservations of one storage.
+    """The reservations of one place.
 
     Args:
         capacity: pieces of every material that find room there.
@@ -108,6 +108,10 @@ class Reservations:
         self._seq = seq
         self._set(stock)
 
+    def assume(self, level: Callable[[str], int]) -> None:
+        """Take the levels as somebody else keeps them, who hears of every change."""
+        self._level = {item: level(item) for item in self._capacity}
+
     def sense(self, stock: Mapping[str, int], seq: int) -> None:
         """Take its count, unless it is of another moment: what it has reported since is still to come."""
         if seq == self._seq:
@@ -121,6 +125,10 @@ class Reservations:
 
     def level(self, item: str) -> int:
         return self._level.get(item, 0)
+
+    def room(self, item: str) -> int:
+        """Pieces that still find room."""
+        return self._capacity.get(item, 0) - self.level(item)
 
     def free(self, item: str) -> int:
         """Pieces that are promised to nobody."""

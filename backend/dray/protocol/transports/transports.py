@@ -1,7 +1,7 @@
-"""A machine's transports: from the first announcement to the end, with a watch over whoever carries them.
+"""A coordinator's transports: from the first announcement to the end, with a watch over whoever carries them.
 
 Beyond what every coordinator does (`coordinator`), a transport has a secondary as long as it can be taken over
-(`secondaries`), its primary is replaced when it fails (`failover`), and it outlives a restart of its machine.
+(`secondaries`), its primary is replaced when it fails (`failover`), and it outlives a restart of its coordinator.
 
     AUCTION --accepted--> CARRIED --delivered, withdrawn--> closed
        ^                    |  ^
@@ -42,38 +42,38 @@ from dray.protocol.contract_net.trust.assessment import Assessor
 from dray.protocol.contract_net.trust.plausibility import by_our_clock
 from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
 from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S, WORKING_INTERVAL_S
-from dray.protocol.machine.transports.backlog import most_urgent, stands_back
-from dray.protocol.machine.transports.carrier_waits import ONE_AFTER_ANOTHER_S, CarrierWaits
 from dray.protocol.runtime.events import Effect, Ignore, Send
 from dray.protocol.runtime.timers import Timers
 from dray.protocol.takeover.failover import Failover
 from dray.protocol.takeover.secondaries import Secondaries
+from dray.protocol.transports.backlog import most_urgent, stands_back
+from dray.protocol.transports.carrier_waits import ONE_AFTER_ANOTHER_S, CarrierWaits
 
 RECOVERY_WAIT_S = 10.0
 """How long a coordinator that was started again listens for vehicles that work for it: many heartbeats."""
 
 
 class Transports(Coordinator):
-    """All open transports of one machine.
+    """All open transports of one coordinator.
 
     Args:
         machine: the coordinator's id.
         place: where it stands.
         audience: for a task's work and a radius (m), the bus keys of those to ask.
         rules: the auction's patience and reach.
-        timers: the machine's alarms; this class and what it consists of use names ``(kind, task)``.
-        subscriptions: which heartbeats the machine hears.
+        timers: its alarms; this class and what it consists of use names ``(kind, task)``.
+        subscriptions: which heartbeats it hears.
         assessor: what it asks of bids beside their price, and what it has learned of its carriers.
         out: where effects go.
         contracted: called when a task has got its primary, another one, or is without one again.
         lost: called when a task is given up with the vehicle that has carried it.
-        is_missing: whether the load of a task lies at the machine no more, by its own senses.
+        is_missing: whether the load of a task lies at its place no more, by its own senses.
         source_answers: whether the station where the load of a task is fetched lives, at a time (s).
         left: called with a vehicle that does not carry a task any more.
         unloaded: called when a task has ended because its load is down, though nobody has said so.
         commit: called when the next life must know of something else.
         ended: called with a task that has ended, before that is forgotten, and how.
-        incarnation: how often the machine was started.
+        incarnation: how often it was started.
 
     Attributes:
         failover: the watch over its carriers.
@@ -208,7 +208,9 @@ class Transports(Coordinator):
     def on_bid(self, sender: str, bid: Bid, now_s: float) -> None:
         task = self._present(bid)
         if any(other.primary == sender for other in self):
-            self._out.append(Ignore("a bid by one that carries for this machine"))
+            self._out.append(Ignore("a bid by one that carries for this coordinator"))
+        elif task is not None and cast(Transport, task.work).vehicle not in ("", sender):
+            self._out.append(Ignore("a bid for what only another vehicle may carry"))
         elif task is not None and bid.role is Role.SECONDARY:
             self._secondaries.on_bid(task, sender, bid, now_s)
         else:
@@ -285,7 +287,7 @@ class Transports(Coordinator):
 
     def offer(self, atv: str, abilities: Collection[str], now_s: float) -> bool:
         """Offer the most urgent transport that waits to a vehicle that asks for work; False when none does."""
-        if any(task.primary == atv for task in self) or (task := most_urgent(self, abilities)) is None:
+        if any(task.primary == atv for task in self) or (task := most_urgent(self, atv, abilities)) is None:
             return False
         task.auction.offer(atv, now_s)
         return True

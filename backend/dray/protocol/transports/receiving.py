@@ -1,30 +1,40 @@
-"""What a machine makes of a carrier's word that its load is down: the dock where it was to go has the last word.
+"""What a coordinator makes of a carrier's word that its load is down: the dock where it was to go has the last word.
 
     counted     that much is there, and the transport has ended
     waits       the dock may still tell: its count may come later than the carrier's word
     short       the dock has told something else by COUNT_S: the difference is disputed, and what is missing is missing
 
-Material is counted by the machine's own body, and taken by its carrier's name (`StockChanged`). Finished goods are counted as
+Material is counted by the coordinator's own body, and taken by its carrier's name (`StockChanged`). Finished goods are counted as
 they leave by the machine's own body, and as they arrive by the gate of the delivery warehouses: the strategist tells
 whose pieces have come in (`Confirmed`). While the strategist says nothing at all, the carrier is let go on its word, and the
 pieces are compared with the gate's count as soon as it is heard again.
 
-Nobody has counted, and the carrier's word is taken, where the contract was made by an earlier life of the machine, and
+Nobody has counted, and the carrier's word is taken, where the contract was made by an earlier life of the coordinator, and
 for pieces that no goal wants any more.
 """
 
 from __future__ import annotations
 
 from enum import Enum
-from typing import cast
+from typing import Protocol, cast
 
 from dray.messages import Transport
 from dray.protocol.contract_net.task import OpenTask
-from dray.protocol.machine.production import Goal
 
 COUNT_S = 8.0
 """A count may come so much later than the carrier's word: it is repeated until it is heard, as that word is. Well below
 the half minute after which a carrier gives its machine up."""
+
+
+class GateCount(Protocol):
+    """What the gate of the delivery warehouses has counted of one goal, as its machine has heard it."""
+
+    @property
+    def heard_s(self) -> float:
+        """When the strategist has told it last (plant clock)."""
+
+    def arrived_by(self, vehicle: str) -> int:
+        """Pieces that a vehicle has brought and that no other transport was ended by."""
 
 
 class Verdict(Enum):
@@ -35,13 +45,13 @@ class Verdict(Enum):
     SHORT = "short"
 
 
-def verdict_on(task: OpenTask, goal: Goal | None, machine: str, now_s: float) -> tuple[Verdict, int]:
+def verdict_on(task: OpenTask, goal: GateCount | None, place: str, now_s: float) -> tuple[Verdict, int]:
     """How much of a load that is said to be down has been counted.
 
     Args:
         task: the transport; its carrier has said so (`Receipt.said_s`).
         goal: whose goods these are; None for material, and for pieces that no goal wants.
-        machine: its coordinator.
+        place: its coordinator.
         now_s: the present time.
 
     Returns:
@@ -49,7 +59,7 @@ def verdict_on(task: OpenTask, goal: Goal | None, machine: str, now_s: float) ->
     """
     work = cast(Transport, task.work)
     is_patient = now_s - task.contract.receipt.said_s < COUNT_S
-    if work.destination == machine:
+    if work.destination == place:
         if not task.witnessed:
             return Verdict.COUNTED, max(work.quantity, task.contract.receipt.counted)
         return _judged(task.contract.receipt.counted, work.quantity, is_patient)

@@ -1,4 +1,4 @@
-"""Where a machine gets its material: it asks the stations of storages to set it aside before it hires anybody.
+"""Where a coordinator gets what is to be brought to it: it asks the stations of storages to set it aside before it hires anybody.
 
     ASKING --all have answered, one has it--> announced, from those that have it --contracted--> one of them
        |                                          ^
@@ -91,10 +91,10 @@ class Need:
 
 
 class Sourcing:
-    """The material that one machine has asked for.
+    """The material that one coordinator has asked for.
 
     Args:
-        machine: whose.
+        place: whose.
         plant: its storages.
         timers: its alarms; this class uses names ``(SOURCE, task)`` and ``(RENEW, task)``.
         out: where effects go.
@@ -109,7 +109,7 @@ class Sourcing:
 
     def __init__(
         self,
-        machine: str,
+        place: str,
         plant: Plant,
         timers: Timers,
         out: list[Effect],
@@ -119,7 +119,7 @@ class Sourcing:
         starve: Callable[[OpenTask, float], None],
         changed: Callable[[float], None],
     ) -> None:
-        self._machine = machine
+        self._place = place
         self._plant = plant
         self._timers = timers
         self._out = out
@@ -155,7 +155,7 @@ class Sourcing:
     def answers(self, task: OpenTask, now_s: float) -> bool:
         """Whether the station has answered lately where an open task's load is fetched; it is asked if it has not."""
         station = task.contract.source
-        if not _is_material(task, self._machine) or station not in _work(task).sources:
+        if not _is_material(task, self._place) or station not in _work(task).sources:
             return True
         if now_s - self._heard_s.get(station, -LIVES_S) < LIVES_S:
             return True
@@ -168,7 +168,7 @@ class Sourcing:
 
     def seek(self, task: str, work: Transport, deadline_s: float, now_s: float) -> None:
         """Have material set aside for a task that is to be announced."""
-        node = self._plant.node_of(self._machine)
+        node = self._plant.node_of(self._place)
         near = self._plant.closest(node, work.sources, ASKED_MAX)
         work = replace(work, sources=tuple(each for each in work.sources if each in near))
         need = self._needs[task] = Need(task, work, deadline_s, now_s)
@@ -216,7 +216,7 @@ class Sourcing:
 
     def follow(self, task: OpenTask, now_s: float) -> None:
         """An open task has got its carrier, has lost it, or is one of an earlier life."""
-        if not _is_material(task, self._machine):
+        if not _is_material(task, self._place):
             return
         if task.primary:
             if task.contract.source:
@@ -237,13 +237,13 @@ class Sourcing:
         """A task has ended; what was set aside for it and not fetched is given back."""
         held = self._held.pop(task.id, None)
         self._timers.clear((RENEW, task.id))
-        if _is_material(task, self._machine) and not fetched:
+        if _is_material(task, self._place) and not fetched:
             self._free(task.id, tuple(held or _sources(task)))
 
     # --- how it is done ---
 
     def _note_heard(self, station: str, now_s: float) -> None:
-        if station in self._plant.storages:
+        if self._plant.has_place(station):
             self._heard_s[station] = now_s
 
     def _settle(self, need: Need, now_s: float) -> None:
@@ -302,9 +302,9 @@ class Sourcing:
         self._out.extend(Send(station, StockFreed(task=task)) for station in stations)
 
 
-def _is_material(task: OpenTask, machine: str) -> bool:
+def _is_material(task: OpenTask, place: str) -> bool:
     work = task.work
-    return isinstance(work, Transport) and work.destination == machine
+    return isinstance(work, Transport) and work.destination == place
 
 
 def _work(task: OpenTask) -> Transport:

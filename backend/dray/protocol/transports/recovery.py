@@ -1,4 +1,4 @@
-"""After a restart: a machine listens for vehicles that work for it, and that it does not know of.
+"""After a restart: a coordinator listens for vehicles that work for it, and that it does not know of.
 
 Its own notes tell what it had announced, and nearly always who carries it. An award that was accepted
 while it was away is in nobody's notes but the vehicle's, and so is everything when the notes are lost.
@@ -6,45 +6,49 @@ while it was away is in nobody's notes but the vehicle's, and so is everything w
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from dray.messages import AtvHeartbeat, Brief, Phase, Transport
 from dray.plant import Plant
 from dray.protocol.liveness.failure_detector import EVERYBODY, HeartbeatSubscriptions
-from dray.protocol.machine.supply import Supply
-from dray.protocol.machine.transports.transports import RECOVERY_WAIT_S, Transports
 from dray.protocol.runtime.timers import Timers
+from dray.protocol.transports.transports import RECOVERY_WAIT_S, Transports
 
 RECOVERY_WAIT = "recovery wait"
 
 ON_THE_WAY = frozenset({Phase.APPROACHING, Phase.LOADING, Phase.CARRYING, Phase.UNLOADING})
-"""Phases of a transport that has not been handed over: only such a one is news to a machine that forgot all."""
+"""Phases of a transport that has not been handed over: only such a one is news to a coordinator that forgot all."""
 
 
 class Recovery:
-    """The first seconds of a machine's later lives.
+    """The first seconds of a coordinator's later lives.
 
     Args:
-        machine: who was started again.
-        plant: its materials, and where they come from.
-        subscriptions: whose heartbeats the machine listens to.
+        place: who was started again.
+        plant: where materials come from.
+        subscriptions: whose heartbeats it listens to.
         tasks: its transports.
-        supply: its buffers.
+        items: what is brought to it.
+        ordered: called with the work of a transport that was taken up on its carrier's word.
         timers: its alarms; this class uses `RECOVERY_WAIT`.
     """
 
     def __init__(
         self,
-        machine: str,
+        place: str,
         plant: Plant,
         subscriptions: HeartbeatSubscriptions,
         tasks: Transports,
-        supply: Supply,
         timers: Timers,
+        *,
+        items: tuple[str, ...],
+        ordered: Callable[[Transport], None],
     ) -> None:
-        self._machine = machine
+        self._place = place
         self._plant = plant
         self._subscriptions = subscriptions
         self._tasks = tasks
-        self._supply = supply
+        self._items, self._ordered = items, ordered
         self._timers = timers
         self._forgetful = False
         """It has no notes of the life before."""
@@ -59,16 +63,21 @@ class Recovery:
         """The alarm has come: listen to all vehicles no longer."""
         self._subscriptions.unfollow(EVERYBODY)
 
+    @property
+    def is_listening_for_all(self) -> bool:
+        """Whether it has no notes, and carriers may still tell of their tasks."""
+        return self._forgetful and self._timers.is_set(RECOVERY_WAIT)
+
     def waits_for_word_on(self, task: str) -> bool:
         """Whether a task that is not known may be one of an earlier life, of which its carrier's heartbeat tells."""
-        if not self._forgetful or not self._timers.is_set(RECOVERY_WAIT):
+        if not self.is_listening_for_all:
             return False
         return self._tasks.get(task) is None and self._tasks.closed(task) is None
 
     def on_heartbeat(self, heartbeat: AtvHeartbeat, now_s: float) -> None:
-        """A vehicle may name this machine as the one that it carries for."""
+        """A vehicle may name this coordinator as the one that it carries for."""
         brief = heartbeat.task
-        if brief is None or brief.coordinator != self._machine or not self._timers.is_set(RECOVERY_WAIT):
+        if brief is None or brief.coordinator != self._place or not self._timers.is_set(RECOVERY_WAIT):
             return
         known = self._tasks.get(brief.task)
         if known is not None:
@@ -78,19 +87,20 @@ class Recovery:
             and self._is_ours(brief)
             and not self._carries_already(heartbeat.atv)
         ):
+            storages = self._plant.storages_of(brief.item)
             work = Transport(
                 item=brief.item,
                 quantity=brief.quantity,
-                sources=self._plant.storages_of(brief.item),
-                destination=self._machine,
+                sources=tuple(each for each in storages if each != self._place) or storages,
+                destination=self._place,
                 ability=self._plant.materials[brief.item].ability,
             )
             self._tasks.acknowledge_unknown(heartbeat.atv, brief, work, now_s)
-            self._supply.ordered(work)
+            self._ordered(work)
 
     def _carries_already(self, atv: str) -> bool:
         """Whether the word of a vehicle was taken before: it has one contract, whatever it says."""
         return any(task.primary == atv for task in self._tasks)
 
     def _is_ours(self, brief: Brief) -> bool:
-        return brief.item in self._plant.materials_of(self._machine) and brief.phase in ON_THE_WAY
+        return brief.item in self._items and brief.phase in ON_THE_WAY

@@ -1,0 +1,380 @@
+"""Plain transports: asked for once, told to the place to which they go until it answers, and followed to their end.
+
+The row, its Idempotency-Key and nothing else are one transaction; the answer follows it. What is repeated to a place is not
+remembered: at the start and from time to time every transport that SQL believes open is asked for again, as orders are.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import hashlib
+import logging
+from collections.abc import Callable
+from contextlib import nullcontext, suppress
+from datetime import UTC, datetime
+from enum import StrEnum
+from http import HTTPStatus
+from typing import Annotated
+
+import msgspec
+from pydantic import BaseModel, ConfigDict, Field
+
+from dray.errors import UnavailableError
+from dray.gateway.access.principal import Principal, Scope
+from dray.gateway.http.problems import FieldError, Problem, unusable
+from dray.gateway.live.projection import Projection
+from dray.gateway.live.timescale import TimeScale
+from dray.gateway.orders.drafts import Moment
+from dray.gateway.orders.idempotency import alone, refuse_other_body
+from dray.gateway.orders.order_ids import new_transport_id
+from dray.gateway.orders.outbox import Reminders
+from dray.messages import (
+    TRANSPORT_ENDED,
+    Message,
+    TransportAnswered,
+    TransportCancelled,
+    TransportOrdered,
+    TransportState,
+)
+from dray.plant import Plant
+from dray.store import Store
+from dray.store.orders.idempotency_keys import KeptAnswer
+from dray.store.orders.transports import TransportRow
+
+OPEN_MAX = 5_000
+"""Transports that have not ended: days of a large fleet's work."""
+
+RECONCILE_EVERY_S = 60.0
+"""Wall seconds between two times that all open ones are asked for: people wait for them, and there are few."""
+
+_log = logging.getLogger(__name__)
+
+
+class Priority(StrEnum):
+    """How soon something is wanted."""
+
+    LOW = "low"
+    NORMAL = "normal"
+    HIGH = "high"
+    URGENT = "urgent"
+
+
+WANTED_WITHIN_S = {
+    Priority.URGENT: 60.0,
+    Priority.HIGH: 180.0,
+    Priority.NORMAL: 900.0,
+    Priority.LOW: 3600.0,
+}
+"""Plant seconds within which it is wanted where no time is given; of high and urgent ones at the latest. Of what waits the vehicles take
+first what was wanted first, and whatever has waited five minutes (`auction.PATIENCE_S`): so nothing is starved."""
+
+_PlantId = Annotated[str, Field(min_length=1, max_length=32, pattern=r"^[A-Za-z][A-Za-z0-9_.-]*$")]
+
+
+class TransportDraft(BaseModel):
+    """Something to be brought from one place to another."""
+
+    model_config = ConfigDict(extra="forbid", populate_by_name=True)
+
+    source: Annotated[_PlantId, Field(alias="from")]
+    """A storage, or a machine that has it in a buffer."""
+    to: _PlantId
+    """Likewise."""
+    item: _PlantId
+    """A material; `GET /api/materials` lists them, and where they are kept."""
+    quantity: Annotated[int, Field(strict=True, ge=1, le=10_000)]
+    """Pieces: one load, so at most the lot of the material."""
+    due_at: Moment | None = None
+    """When it should be there, with a time zone; not in the past."""
+    priority: Priority = Priority.NORMAL
+    vehicle: _PlantId | None = None
+    """The only vehicle that may carry it; it waits for that one."""
+
+
+class PlainTransports:
+    """Takes plain transports, and sees to it that they are done.
+
+    Args:
+        store: where they are kept.
+        projection: what stands where, and which vehicles there are.
+        send: says something to one agent.
+        time: the two clocks.
+        wall_s: the wall clock.
+    """
+
+    def __init__(
+        self,
+        store: Store,
+        projection: Projection,
+        send: Callable[[str, Message], None],
+        time: TimeScale,
+        wall_s: Callable[[], float],
+    ) -> None:
+        self._store, self._projection, self._send = store, projection, send
+        self._time, self._wall_s = time, wall_s
+        self._reminders = Reminders()
+        self._places: dict[str, str] = {}
+        """Who is asked about a transport, while that is repeated."""
+        self._heard: dict[str, TransportAnswered] = {}
+        """Ends that are to be written."""
+        self._news = asyncio.Event()
+        self._keys_at_work: set[str] = set()
+
+    # --- what people ask ---
+
+    async def call(
+        self,
+        draft: TransportDraft,
+        caller: Principal,
+        key: str | None,
+        render: Callable[[TransportRow], bytes],
+    ) -> tuple[KeptAnswer, bool]:
+        """Take a transport, or find what was answered when it was asked for before.
+
+        Returns:
+            The answer, and whether it is that of an earlier request.
+
+        Raises:
+            Problem: what it names does not exist or is not kept there, too many are open, or the key was used for another body.
+        """
+        body = f"transport {draft.model_dump_json()}"
+        fingerprint = hashlib.sha256(body.encode()).hexdigest()
+        async with alone(self._keys_at_work, key) if key else nullcontext(), self._store.write() as work:
+            if key and (known := await work.keys.get(key)) is not None:
+                refuse_other_body(known, fingerprint)
+                return known, True
+            row = self._row(draft, caller)
+            if len(await work.transports.open()) >= OPEN_MAX:
+                raise _too_many()
+            await work.transports.add(row)
+            kept = KeptAnswer(key or "", fingerprint, row.id, render(row).decode(), row.created_at_s)
+            if key:
+                await work.keys.add(kept)
+        self._ask(row)
+        return kept, False
+
+    async def cancel(self, transport: str, caller: Principal) -> TransportRow | None:
+        """Call a transport off; one that is called off already stays so.
+
+        Returns:
+            It as it is now, cancelled only when the factory has confirmed; None when there is none that the caller may see.
+
+        Raises:
+            Problem: 409, it is on board or delivered.
+        """
+        async with self._store.write() as work:
+            row = await work.transports.get(transport)
+            if row is None or not self.may_see(row, caller):
+                return None
+            if row.status in (TransportState.ON_BOARD, TransportState.DELIVERED):
+                raise _too_late(row)
+            if row.status is not TransportState.CANCELLED and row.cancel_at_s is None:
+                now_s = self._wall_s()
+                row = msgspec.structs.replace(row, cancel_at_s=now_s, updated_at_s=now_s)
+                await work.transports.put(row)
+        if not row.has_ended:
+            self._ask(row)
+        return row
+
+    def may_see(self, row: TransportRow, caller: Principal) -> bool:
+        """Whether a caller may be told of a transport: it begins or ends in its areas, or it has asked for it itself."""
+        if not caller.may(Scope.FACTORY_READ):
+            return row.caller == caller_key(caller)
+        places = self.places_of(caller)
+        return places is None or row.source in places or row.destination in places
+
+    def places_of(self, caller: Principal) -> frozenset[str] | None:
+        """The places for which a caller may ask; None for all."""
+        if caller.areas is None:
+            return None
+        plant, areas = self._plant, caller.areas
+        return frozenset(
+            place
+            for place in (*plant.machines, *plant.storages)
+            if not areas.isdisjoint(plant.areas_near(*plant.position_of(place), 0.0))
+        )
+
+    # --- what places answer ---
+
+    def on_answered(self, sender: str, answer: TransportAnswered) -> bool:
+        """A place has answered; returns whether it was asked."""
+        if self._places.get(answer.transport) != sender:
+            return False
+        if answer.state in TRANSPORT_ENDED:
+            self._heard[answer.transport] = answer
+        else:
+            self._forget(answer.transport)
+        self._news.set()
+        return True
+
+    async def start(self) -> None:
+        """Ask for all that are open.
+
+        Raises:
+            UnavailableError: the database cannot be read.
+        """
+        async with self._store.read() as work:
+            rows = await work.transports.open()
+        for row in rows:
+            if row.id not in self._reminders:
+                self._ask(row)
+
+    async def run(self) -> None:
+        """Repeat what is not answered, and write down how they have ended, until cancelled."""
+        clock = asyncio.get_running_loop()
+        reconcile_s = clock.time() + RECONCILE_EVERY_S
+        while True:
+            self._news.clear()
+            next_s = self._reminders.next_s()
+            wakes_s = reconcile_s if next_s is None else min(next_s, reconcile_s)
+            with suppress(TimeoutError):
+                async with asyncio.timeout_at(wakes_s):
+                    await self._news.wait()
+            await self._write_ends()
+            self._say_due(clock.time())
+            if clock.time() >= reconcile_s:
+                reconcile_s = clock.time() + RECONCILE_EVERY_S
+                try:
+                    await self.start()
+                except UnavailableError as error:
+                    _log.info("open transports are not reconciled this time: %s", error)
+
+    # --- how it is done ---
+
+    @property
+    def _plant(self) -> Plant:
+        return self._projection.site.plant
+
+    async def _write_ends(self) -> None:
+        while self._heard:
+            name, answer = self._heard.popitem()
+            try:
+                async with self._store.write() as work:
+                    row = await work.transports.get(name)
+                    if row is not None and not row.has_ended:
+                        now_s = self._wall_s()
+                        await work.transports.put(
+                            msgspec.structs.replace(
+                                row,
+                                status=answer.state,
+                                refused=answer.refused or "",
+                                wait="",
+                                ended_at_s=now_s,
+                                updated_at_s=now_s,
+                            )
+                        )
+                self._forget(name)
+            except UnavailableError as error:
+                # It is asked for again in some seconds.
+                _log.warning("how transport %s has ended cannot be written: %s", name, error)
+                return
+
+    def _ask(self, row: TransportRow) -> None:
+        message: Message = TransportCancelled(row.id)
+        if row.cancel_at_s is None:
+            due_s = self._time.to_plant_s(row.due_at_s)
+            message = TransportOrdered(row.id, row.source, row.item, row.quantity, due_s, row.vehicle)
+        now_s = asyncio.get_running_loop().time()
+        self._places[row.id] = row.destination
+        self._reminders.add(row.id, message, now_s)
+        self._say_due(now_s)
+        self._news.set()
+
+    def _say_due(self, now_s: float) -> None:
+        for message in self._reminders.due(now_s):
+            if isinstance(message, TransportOrdered | TransportCancelled):
+                self._send(self._places[message.transport], message)
+
+    def _forget(self, transport: str) -> None:
+        self._reminders.forget(transport)
+        self._places.pop(transport, None)
+
+    def _row(self, draft: TransportDraft, caller: Principal) -> TransportRow:
+        now_s = self._wall_s()
+        if errors := self._nonsense(draft, caller, now_s):
+            raise unusable(*errors)
+        within_s = now_s + WANTED_WITHIN_S[draft.priority] / self._projection.speed
+        due_s = within_s if draft.due_at is None else draft.due_at.timestamp()
+        if draft.priority in (Priority.HIGH, Priority.URGENT):
+            due_s = min(due_s, within_s)
+        return TransportRow(
+            id=new_transport_id(now_s),
+            source=draft.source,
+            destination=draft.to,
+            item=draft.item,
+            quantity=draft.quantity,
+            priority=draft.priority.value,
+            vehicle=draft.vehicle or "",
+            called_by=caller.name,
+            caller=caller_key(caller),
+            created_at_s=now_s,
+            due_at_s=due_s,
+            updated_at_s=now_s,
+        )
+
+    def _nonsense(self, draft: TransportDraft, caller: Principal, now_s: float) -> list[FieldError]:
+        """What has the right shape and still means nothing here."""
+        plant, item = self._plant, draft.item
+        if item in plant.products:
+            return [
+                FieldError("item", f"{item} is a product: finished goods leave their machine by themselves")
+            ]
+        if item not in plant.materials:
+            return [FieldError("item", f"there is no material {item!r}; GET /api/materials lists them")]
+        errors = []
+        keepers, spec = plant.keepers_of(item), plant.materials[item]
+        for field, place in (("from", draft.source), ("to", draft.to)):
+            if place not in keepers:
+                errors.append(
+                    FieldError(field, f"{place} does not keep {item}; it is kept at {', '.join(keepers)}")
+                )
+        if draft.source == draft.to:
+            errors.append(FieldError("to", f"it is {draft.to} already; name another place"))
+        if draft.quantity > spec.lot:
+            errors.append(
+                FieldError(
+                    "quantity", f"one load of {item} is {spec.lot} at most; ask for several transports"
+                )
+            )
+        places = self.places_of(caller)
+        if places is not None and places.isdisjoint((draft.source, draft.to)):
+            errors.append(FieldError("to", "neither place is in your areas; one of them must be"))
+        if draft.vehicle is not None:
+            errors += self._unfit(draft.vehicle, spec.ability)
+        if draft.due_at is not None and draft.due_at.timestamp() <= now_s:
+            now = datetime.fromtimestamp(now_s, UTC).isoformat(timespec="seconds")
+            errors.append(FieldError("due_at", f"it is past: here it is {now}; give a later time"))
+        return errors
+
+    def _unfit(self, vehicle: str, ability: str) -> list[FieldError]:
+        view = self._projection.atvs.view(vehicle)
+        if view is None:
+            return [FieldError("vehicle", f"there is no vehicle {vehicle!r}; GET /api/atvs lists them")]
+        kind = self._plant.vehicle_types.get(view.type)
+        if kind is not None and ability not in kind.abilities:
+            return [FieldError("vehicle", f"{vehicle} cannot carry this: it lacks {ability}")]
+        return []
+
+
+def caller_key(caller: Principal) -> str:
+    """Whose transport it is."""
+    return f"{caller.kind} {caller.id}"
+
+
+def _too_many() -> Problem:
+    return Problem(
+        HTTPStatus.SERVICE_UNAVAILABLE,
+        "too-many-transports",
+        "Too many transports are open",
+        f"{OPEN_MAX} have not ended; call some off, or try again later",
+        headers={"Retry-After": "600"},
+    )
+
+
+def _too_late(row: TransportRow) -> Problem:
+    return Problem(
+        HTTPStatus.CONFLICT,
+        "transport-on-its-way",
+        "The transport cannot be called off any more",
+        f"transport {row.id} is {row.status.value}; what has arrived can be taken away by another transport",
+    )

@@ -1,0 +1,240 @@
+"""Plain transports: something is brought from one place to another."""
+
+from __future__ import annotations
+
+from http import HTTPStatus
+from typing import Annotated
+
+import msgspec
+from fastapi import APIRouter, Depends, Query
+
+from dray.gateway.access.audit_log import Noted
+from dray.gateway.access.caller import Caller
+from dray.gateway.access.principal import Principal, Scope
+from dray.gateway.http.problems import not_found
+from dray.gateway.http.provided import Provided
+from dray.gateway.http.request_bodies import json_only
+from dray.gateway.http.responses import (
+    PAGE,
+    Cursor,
+    Json,
+    Limit,
+    described,
+    iso,
+    list_of,
+    listing,
+    problems,
+    read_cursor,
+    write_cursor,
+)
+from dray.gateway.orders.idempotency import Key, own_key
+from dray.gateway.orders.transports import PlainTransports, TransportDraft, caller_key
+from dray.messages import TransportState
+from dray.store import Store
+from dray.store.orders.transports import TransportRow
+
+router = APIRouter(tags=["transports"])
+
+
+class TransportAnswer(
+    msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True, rename={"source": "from"}
+):
+    """A plain transport."""
+
+    id: str
+    status: str
+    """waiting, assigned, on_board, delivered or cancelled."""
+    source: str
+    to: str
+    item: str
+    quantity: int
+    priority: str
+    vehicle: str | None = None
+    """The only one that may carry it."""
+    called_by: str
+    created_at: str
+    due_at: str
+    cancel_at: str | None = None
+    """When somebody has called it off: it is cancelled when the factory has confirmed."""
+    ended_at: str | None = None
+    updated_at: str
+    carrier: str | None = None
+    expected_at: str | None = None
+    """When its carrier has promised to be there."""
+    task: str | None = None
+    """Under which name it is given out: GET /api/tasks tells who has bid, and why others have not."""
+    wait: str | None = None
+    """Why nobody carries it: no_room where it goes, short where it is fetched, no_bid, or undecided yet."""
+    refused: str | None = None
+    """Why it cannot be done, where that has ended it."""
+
+
+EXAMPLE = TransportAnswer(
+    id="T-1M9K3X2A4-K7QM",
+    status="assigned",
+    source="S5",
+    to="M8",
+    item="bearing",
+    quantity=40,
+    priority="normal",
+    called_by="Call button M8",
+    created_at="2030-01-01T10:37:00Z",
+    due_at="2030-01-01T10:52:00Z",
+    updated_at="2030-01-01T10:37:05Z",
+    carrier="ATV6",
+    expected_at="2030-01-01T10:44:00Z",
+    task="T-1M9K3X2A4-K7QM-1",
+)
+
+DRAFTS = {
+    "bring": {
+        "summary": "A load from a storage to a machine",
+        "value": {"from": "S5", "to": "M8", "item": "bearing", "quantity": 40},
+    }
+}
+
+
+@router.post(
+    "/transports",
+    status_code=HTTPStatus.CREATED,
+    dependencies=[Depends(json_only)],
+    responses={
+        201: described(TransportAnswer, "The transport is on disk", EXAMPLE)
+        | {
+            "headers": {
+                "Location": {"description": "The transport", "schema": {"type": "string"}},
+                "Idempotency-Replayed": {
+                    "description": "`true` when this is the answer to an earlier request",
+                    "schema": {"type": "string"},
+                },
+            }
+        },
+        **problems(
+            p409="A request with this key is still being answered",
+            p503="Too many transports are open",
+        ),
+    },
+    openapi_extra={"requestBody": {"content": {"application/json": {"examples": DRAFTS}}}},
+    response_class=Json,
+)
+async def call_transport(
+    transports: Provided[PlainTransports],
+    caller: Caller,
+    note: Noted,
+    draft: TransportDraft,
+    key: Key = None,
+) -> Json:
+    """Have one load brought from one place to another, once, however often this is sent under one key."""
+    note.detail |= draft.model_dump(mode="json", exclude_none=True, by_alias=True)
+    kept, replayed = await transports.call(
+        draft,
+        caller,
+        None if key is None else own_key(caller, f"transport {key}"),
+        lambda row: msgspec.json.encode(transport_answer(row)),
+    )
+    note.target = kept.order_id
+    headers = {"Location": f"/api/transports/{kept.order_id}"}
+    if replayed:
+        headers["Idempotency-Replayed"] = "true"
+    return Json(kept.answer.encode(), HTTPStatus.CREATED, headers=headers)
+
+
+@router.get(
+    "/transports",
+    responses={200: list_of(TransportAnswer, "Plain transports, newest first")},
+    response_class=Json,
+)
+async def list_transports(
+    store: Provided[Store],
+    transports: Provided[PlainTransports],
+    caller: Caller,
+    status: Annotated[list[TransportState] | None, Query(description="Only these; may be repeated")] = None,
+    place: Annotated[str, Query(max_length=32, description="Only those from or to this place")] = "",
+    cursor: Cursor = None,
+    limit: Limit = PAGE,
+) -> Json:
+    """All plain transports there ever were; a caller that is limited to areas sees those from and to them."""
+    after = read_cursor(cursor, tuple[float, str])
+    own = transports.places_of(caller)
+    places = own if not place else frozenset({place}) if own is None else own & {place}
+    async with store.read() as work:
+        rows = await work.transports.page(
+            statuses=status or (),
+            places=None if places is None else sorted(places),
+            caller=_only_own(caller),
+            after=after,
+            limit=limit + 1,
+        )
+    last = rows[limit - 1] if len(rows) > limit else None
+    return listing(
+        [transport_answer(row) for row in rows[:limit]],
+        None if last is None else write_cursor(last.created_at_s, last.id),
+    )
+
+
+@router.get(
+    "/transports/{transport}",
+    responses={
+        200: described(TransportAnswer, "The transport", EXAMPLE),
+        **problems(p404="There is no such transport"),
+    },
+    response_class=Json,
+)
+async def get_transport(
+    store: Provided[Store], transports: Provided[PlainTransports], caller: Caller, transport: str
+) -> Json:
+    """One plain transport."""
+    async with store.read() as work:
+        row = await work.transports.get(transport)
+    if row is None or not transports.may_see(row, caller):
+        raise not_found("transport", transport, "GET /api/transports")
+    return Json(transport_answer(row))
+
+
+@router.post(
+    "/transports/{transport}/cancel",
+    responses={
+        200: described(TransportAnswer, "The transport; cancelled once the factory has confirmed", EXAMPLE),
+        **problems(p404="There is no such transport", p409="It is on board, or delivered"),
+    },
+    response_class=Json,
+)
+async def cancel_transport(
+    transports: Provided[PlainTransports], caller: Caller, note: Noted, transport: str
+) -> Json:
+    """Call a transport off, as long as it is not on board; doing it twice is harmless."""
+    note.target = transport
+    row = await transports.cancel(transport, caller)
+    if row is None:
+        raise not_found("transport", transport, "GET /api/transports")
+    return Json(transport_answer(row))
+
+
+def transport_answer(row: TransportRow) -> TransportAnswer:
+    """A transport, as REST shows it."""
+    return TransportAnswer(
+        id=row.id,
+        status=row.status.value,
+        source=row.source,
+        to=row.destination,
+        item=row.item,
+        quantity=row.quantity,
+        priority=row.priority,
+        vehicle=row.vehicle or None,
+        called_by=row.called_by,
+        created_at=iso(row.created_at_s),
+        due_at=iso(row.due_at_s),
+        cancel_at=None if row.cancel_at_s is None else iso(row.cancel_at_s),
+        ended_at=None if row.ended_at_s is None else iso(row.ended_at_s),
+        updated_at=iso(row.updated_at_s),
+        carrier=row.carrier or None,
+        expected_at=None if row.expected_at_s is None else iso(row.expected_at_s),
+        task=row.task or None,
+        wait=row.wait or None,
+        refused=row.refused or None,
+    )
+
+
+def _only_own(caller: Principal) -> str:
+    """Whose transports the caller is shown; empty for everybody's."""
+    return "" if caller.may(Scope.FACTORY_READ) else caller_key(caller)

@@ -1,1 +1,0 @@
-"""The transports of one machine: announced, watched, handed over, and found again after a restart."""

@@ -1,0 +1,351 @@
+"""Plain transports that people and programs have asked one place for: each is done once, whatever is lost on the way.
+
+    ordered --room--> set aside, given out --carried, counted--> DELIVERED
+       |       ^             |
+       |       +-------------+ its task was withdrawn, or only a part was counted: given out again under another name
+       +--- cancelled before it is on board, or refused --> CANCELLED
+
+An order is repeated by its gateway until it is answered, so it is known by its name, also for a while after it has ended. What
+is known of it is written down before anything is said of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Protocol
+
+from dray.memory import Memory, TransportMemory
+from dray.messages import (
+    TRANSPORT_ENDED,
+    Phase,
+    Transport,
+    TransportAnswered,
+    TransportCancelled,
+    TransportOrdered,
+    TransportRefusal,
+    TransportState,
+    TransportWait,
+)
+from dray.messages.fact import TransportProgressed
+from dray.plant import Plant
+from dray.protocol.contract_net.task import OpenTask
+from dray.protocol.runtime.events import Commit, Effect, Ignore, Record, Send
+from dray.protocol.transports.dock import Stock
+from dray.protocol.transports.sourcing import Sourcing
+from dray.protocol.transports.transports import Transports
+
+OPEN_MAX = 200
+"""Transports of one place that have not ended: hours of work of its dock. More are not taken, and are said again."""
+
+ENDED_KEPT = 4096
+"""That have ended, and whose repeated order is still recognised: a gateway asks every ten minutes for what it believes open."""
+
+NOTE = "transport "
+"""Names the note of a transport, before its own name."""
+
+_ON_BOARD = frozenset({Phase.CARRYING, Phase.UNLOADING, Phase.HANDING_OVER})
+
+
+class Flow(Protocol):
+    """What is needed of a place's material flow."""
+
+    tasks: Transports
+    sourcing: Sourcing
+
+    def seek(self, task: str, work: Transport, deadline_s: float, now_s: float) -> None:
+        """Have a load set aside, and then fetched."""
+
+    def end(self, task: OpenTask) -> None:
+        """End a transport that is not needed any more."""
+
+    def drop(self, task: str) -> None:
+        """Ask for a load no more for which nobody was hired yet."""
+
+    def inbound(self, item: str) -> int:
+        """Pieces that are on their way to this place, or are to be."""
+
+
+class CalledTransport:
+    """One that somebody has asked for."""
+
+    __slots__ = (
+        "attempt",
+        "done",
+        "due_s",
+        "id",
+        "item",
+        "quantity",
+        "source",
+        "state",
+        "task",
+        "told",
+        "vehicle",
+    )
+
+    def __init__(self, order: TransportOrdered) -> None:
+        self.id, self.source, self.item = order.transport, order.source, order.item
+        self.quantity, self.due_s, self.vehicle = order.quantity, order.due_s, order.vehicle
+        self.state = TransportState.WAITING
+        self.done = 0
+        """Pieces that were counted."""
+        self.attempt = 0
+        self.task = ""
+        """The name under which it is given out; empty while it waits for room."""
+        self.told: TransportProgressed | None = None
+
+    def memory(self) -> TransportMemory:
+        """For the next life."""
+        return TransportMemory(
+            transport=self.id,
+            source=self.source,
+            item=self.item,
+            quantity=self.quantity,
+            due_s=self.due_s,
+            vehicle=self.vehicle,
+            state=self.state,
+            done=self.done,
+            attempt=self.attempt,
+        )
+
+
+class CalledTransports:
+    """Those of one place.
+
+    Args:
+        place: where they go.
+        plant: who keeps what.
+        stock: what lies here.
+        flow: has loads set aside and fetched.
+        out: where effects go.
+        life: marks the names of tasks, so that no two lives give the same.
+    """
+
+    def __init__(
+        self, place: str, plant: Plant, stock: Stock, flow: Flow, out: list[Effect], life: str
+    ) -> None:
+        self._place, self._plant, self._stock, self._flow = place, plant, stock, flow
+        self._out, self._life = out, life
+        self._open: dict[str, CalledTransport] = {}
+        self._ended: dict[str, TransportState] = {}
+        """How those have ended that are still recognised, the oldest first."""
+        self._unwritten: dict[str, TransportMemory | None] = {}
+
+    def __iter__(self) -> Iterator[CalledTransport]:
+        return iter(self._open.values())
+
+    def has(self, task: str) -> bool:
+        """Whether a task is one that somebody has asked for."""
+        return any(called.task == task for called in self)
+
+    # --- what is asked ---
+
+    def on_ordered(self, sender: str, order: TransportOrdered, now_s: float) -> None:
+        """Somebody asks for a transport, for the first time or again."""
+        state = self._state_of(order.transport)
+        if state is not None:
+            self._answer(sender, order.transport, state)
+        elif refused := self._refusal(order):
+            self._refuse(order, refused)
+            self._answer(sender, order.transport, TransportState.CANCELLED, refused)
+        elif len(self._open) >= OPEN_MAX:
+            self._out.append(Ignore("has as many transports to see to as it can"))
+        else:
+            called = self._open[order.transport] = CalledTransport(order)
+            self._adopt(called)
+            self._write(called)
+            self.pursue(now_s)
+            self.review(now_s)
+            self._answer(sender, called.id, self._state_of(called.id) or called.state)
+
+    def on_cancelled(self, sender: str, message: TransportCancelled, now_s: float) -> None:
+        """Somebody does not need a transport any more."""
+        called = self._open.get(message.transport)
+        if called is not None and not self._is_on_board(called):
+            task = self._flow.tasks.get(called.task)
+            if task is not None:
+                self._flow.end(task)
+            elif called.task:
+                self._flow.drop(called.task)
+            self._end(called, TransportState.CANCELLED)
+        elif called is None and message.transport not in self._ended:
+            # It may be overtaken by its own order, which must not begin it.
+            self._note_ended(message.transport, TransportState.CANCELLED, None)
+        state = self._state_of(message.transport) or TransportState.CANCELLED
+        self._answer(sender, message.transport, state)
+
+    # --- what becomes of them ---
+
+    def pursue(self, now_s: float) -> None:
+        """Have fetched what there is room for."""
+        for called in list(self):
+            missing = called.quantity - called.done
+            if called.task or self._stock.room(called.item) - self._flow.inbound(called.item) < missing:
+                continue
+            called.attempt += 1
+            called.task = f"{called.id}{self._life}-{called.attempt}"
+            self._write(called)
+            work = Transport(
+                item=called.item,
+                quantity=missing,
+                sources=(called.source,),
+                destination=self._place,
+                ability=self._plant.materials[called.item].ability,
+                vehicle=called.vehicle,
+            )
+            self._flow.seek(called.task, work, called.due_s, now_s)
+
+    def on_lost(self, task: OpenTask) -> bool:
+        """A task was withdrawn; returns whether it was one of these, which is given out again."""
+        called = next((each for each in self if each.task == task.id), None)
+        if called is None:
+            return False
+        called.task = ""
+        return True
+
+    def on_settled(self, task: OpenTask, counted: int) -> bool:
+        """A load was counted; returns whether it was one of these."""
+        called = next((each for each in self if each.task == task.id), None)
+        if called is None:
+            if task.recovered and (name := _transport_of(task.id)) not in self._ended:
+                # Of a life that has left no notes: its order may come again, and must not be done again.
+                self._note_ended(name, TransportState.DELIVERED, None)
+            return False
+        called.done += min(counted, called.quantity - called.done)
+        called.task = ""
+        if called.done >= called.quantity:
+            self._end(called, TransportState.DELIVERED)
+        else:
+            self._write(called)
+        return True
+
+    def review(self, _now_s: float) -> None:
+        """Tell what has changed."""
+        for called in self:
+            self._tell(called)
+
+    # --- from life to life ---
+
+    def restore(self, memory: Memory) -> None:
+        """Go on with those of an earlier life; its tasks are there again by now."""
+        for note in memory.values():
+            if not isinstance(note, TransportMemory):
+                continue
+            if note.state in TRANSPORT_ENDED:
+                self._ended[note.transport] = note.state
+                continue
+            order = TransportOrdered(
+                note.transport, note.source, note.item, note.quantity, note.due_s, note.vehicle
+            )
+            called = self._open[note.transport] = CalledTransport(order)
+            called.done, called.attempt = note.done, note.attempt
+            self._adopt(called)
+
+    def commits(self) -> Sequence[Commit]:
+        """What is to be written down."""
+        commits = [Commit(note, NOTE + name) for name, note in self._unwritten.items()]
+        self._unwritten.clear()
+        return commits
+
+    # --- how it is done ---
+
+    def _adopt(self, called: CalledTransport) -> None:
+        """Its load may be on its way for an earlier life."""
+        for task in self._flow.tasks:
+            if _transport_of(task.id) == called.id:
+                called.task = task.id
+
+    def _refusal(self, order: TransportOrdered) -> TransportRefusal | None:
+        plant, item = self._plant, order.item
+        room = self._stock.level(item) + self._stock.room(item)
+        if item not in plant.materials or not 0 < order.quantity <= room:
+            return TransportRefusal.NOT_KEPT_HERE
+        if order.source == self._place or order.source not in plant.keepers_of(item):
+            return TransportRefusal.NOT_KEPT_THERE
+        return TransportRefusal.TOO_LARGE if order.quantity > plant.materials[item].lot else None
+
+    def _refuse(self, order: TransportOrdered, refused: TransportRefusal) -> None:
+        called = CalledTransport(order)
+        called.state = TransportState.CANCELLED
+        self._record(called, None, None, refused)
+        self._note_ended(order.transport, called.state, called)
+
+    def _state_of(self, transport: str) -> TransportState | None:
+        called = self._open.get(transport)
+        return self._ended.get(transport) if called is None else called.state
+
+    def _is_on_board(self, called: CalledTransport) -> bool:
+        task = self._flow.tasks.get(called.task)
+        return task is not None and (task.contract.phase in _ON_BOARD or task.is_counted)
+
+    def _tell(self, called: CalledTransport) -> None:
+        task = self._flow.tasks.get(called.task)
+        if task is None or not task.primary:
+            called.state = TransportState.WAITING
+            self._record(called, None, self._wait(called, task))
+        else:
+            called.state = TransportState.ON_BOARD if self._is_on_board(called) else TransportState.ASSIGNED
+            self._record(called, task, None)
+
+    def _wait(self, called: CalledTransport, task: OpenTask | None) -> TransportWait:
+        if task is not None:
+            return TransportWait.NO_BID if task.auction.was_in_vain else TransportWait.UNDECIDED
+        if not called.task:
+            return TransportWait.NO_ROOM
+        waits = any(need.task == called.task and need.waits for need in self._flow.sourcing)
+        return TransportWait.SHORT if waits else TransportWait.UNDECIDED
+
+    def _record(
+        self,
+        called: CalledTransport,
+        task: OpenTask | None,
+        wait: TransportWait | None,
+        refused: TransportRefusal | None = None,
+    ) -> None:
+        ended = called.state in TRANSPORT_ENDED
+        fact = TransportProgressed(
+            transport=called.id,
+            state=called.state,
+            item=called.item,
+            quantity=called.done if ended else called.quantity - called.done,
+            source=called.source,
+            destination=self._place,
+            task=called.task,
+            carrier=task.primary if task is not None else "",
+            expected_s=task.contract.promised_s if task is not None else None,
+            wait=wait,
+            refused=refused,
+        )
+        if fact != called.told:
+            called.told = fact
+            self._out.append(Record(fact))
+
+    def _end(self, called: CalledTransport, state: TransportState) -> None:
+        del self._open[called.id]
+        called.state, called.task = state, ""
+        self._record(called, None, None)
+        self._note_ended(called.id, state, called)
+
+    def _note_ended(self, name: str, state: TransportState, called: CalledTransport | None) -> None:
+        self._ended[name] = state
+        self._unwritten[name] = (
+            TransportMemory(name, "", "", 0, 0.0, "", state) if called is None else called.memory()
+        )
+        if len(self._ended) > ENDED_KEPT:
+            oldest = next(iter(self._ended))
+            del self._ended[oldest]
+            self._unwritten[oldest] = None
+
+    def _write(self, called: CalledTransport) -> None:
+        self._unwritten[called.id] = called.memory()
+
+    def _answer(
+        self, to: str, transport: str, state: TransportState, refused: TransportRefusal | None = None
+    ) -> None:
+        self._out.append(Send(to, TransportAnswered(transport, state, refused)))
+
+
+def _transport_of(task: str) -> str:
+    """The transport that a task is an attempt at, by its name; some other name for tasks of other kinds."""
+    name, _, _ = task.rpartition("-")
+    before, _, life = name.rpartition(".")
+    return before if before and life.isdigit() else name

@@ -1,0 +1,173 @@
+"""Where others have loads fetched: what is set aside for whom, and for whom the dock opens to load.
+
+Whoever coordinates a transport asks here to set its load aside before anybody is hired (`sourcing`). A storage's station
+hands out what lies in the storage, a machine what lies in its buffers when somebody wants it taken away.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from dray.messages import Docked, Message, StockAsked, StockFreed, StockReserved, StockShort
+from dray.protocol.contract_net.dock import Door
+from dray.protocol.runtime.events import Effect, Ignore, Send
+from dray.protocol.runtime.timers import Timers
+from dray.protocol.transports.reservations import Ask, Reservations
+
+LAPSE = "lapse"
+
+NOT_KEPT = "asked for what is not kept here"
+TOO_MANY = "asked for more than anybody needs"
+ANOTHERS = "about a task that another one has asked for"
+FETCHED = "asked again for what was fetched"
+DRAINING = "asked for while the station was draining"
+
+
+class StockDesk:
+    """The desk of one place.
+
+    Args:
+        place: whose.
+        book: what lies there, and what of it is promised.
+        timers: the alarms of its agent; this class uses `LAPSE`.
+        out: where effects go.
+        drains: whether its agent was asked to leave.
+        changed: called with now_s after every change, to see to what follows (`settle`).
+
+    Attributes:
+        message_handlers, alarms: for the agent's tables.
+    """
+
+    def __init__(
+        self,
+        place: str,
+        book: Reservations,
+        timers: Timers,
+        out: list[Effect],
+        *,
+        drains: Callable[[], bool],
+        changed: Callable[[float], None],
+    ) -> None:
+        self._place = place
+        self._book = book
+        self._timers = timers
+        self._out = out
+        self._drains = drains
+        self._changed = changed
+        self._door = Door(out)
+        self.message_handlers: Mapping[type[Message], Callable[..., None]] = {
+            StockAsked: self._on_asked,
+            StockFreed: self._on_freed,
+        }
+        self.alarms: Mapping[str, Callable[[Any, float], None]] = {LAPSE: self._lapse}
+
+    # --- who counts on what ---
+
+    def _on_asked(self, sender: str, asked: StockAsked, now_s: float) -> None:
+        known = self._book.get(asked.task)
+        if reason := self._refusal(sender, asked, known):
+            self._out.append(Ignore(reason))
+            return
+        ask = self._book.ask(asked, sender, now_s)
+        if ask.reserved:
+            self._say_reserved(ask)
+        self._changed(now_s)
+        if not ask.reserved:
+            self._say_short(ask)
+
+    def _refusal(self, sender: str, asked: StockAsked, known: Ask | None) -> str:
+        """Why a question is not answered; empty when it is."""
+        if not self._book.holds(asked.item, asked.quantity):
+            return NOT_KEPT
+        if self._book.was_taken(asked.task, asked.epoch):
+            return FETCHED
+        if known is not None:
+            same = (known.item, known.quantity) == (asked.item, asked.quantity)
+            return "" if same and known.coordinator in ("", sender) else ANOTHERS
+        if self._drains():
+            return DRAINING
+        return TOO_MANY if self._book.has_too_many(sender) else ""
+
+    def _on_freed(self, sender: str, freed: StockFreed, now_s: float) -> None:
+        ask = self._book.get(freed.task)
+        if ask is None or ask.coordinator != sender:
+            self._out.append(Ignore("gave back what it does not have"))
+            return
+        self._release(ask)
+        self._changed(now_s)
+
+    def _lapse(self, _about: None, now_s: float) -> None:
+        for ask in self._book.lapsed(now_s):
+            self._release(ask)
+        self._changed(now_s)
+
+    def _release(self, ask: Ask) -> None:
+        self._book.release(ask)
+        if ask.opened:
+            self._door.shut(ask.vehicle)
+
+    # --- the dock ---
+
+    def on_docked(self, sender: str, docked: Docked, now_s: float) -> None:
+        """A vehicle stands here and asks to load."""
+        ask = self._book.get(docked.task)
+        if ask is None or not ask.reserved:
+            ask = self._stand(sender, docked, now_s)
+        if ask is None:
+            self._door.hold(sender, docked, f"{self._place} does not keep this")
+        elif not ask.reserved:
+            self._door.hold(sender, docked, f"{self._place} has no {ask.item}")
+        elif ask.vehicle != sender and docked.epoch <= ask.opened:
+            self._door.hold(sender, docked, "another vehicle fetches it")
+        else:
+            self._open(sender, docked, ask, now_s)
+
+    def on_taken(self, vehicle: str, item: str) -> None:
+        """The body has counted that a vehicle has fetched something."""
+        self._book.take(vehicle, item)
+
+    def _stand(self, sender: str, docked: Docked, now_s: float) -> Ask | None:
+        """Nothing is set aside for its task; it waits before all others, for as long as it asks."""
+        if not self._book.holds(docked.item, docked.quantity):
+            return None
+        asked = StockAsked(docked.task, docked.epoch, docked.item, docked.quantity)
+        ask = self._book.stand(sender, asked, now_s)
+        self._changed(now_s)
+        return ask
+
+    def _open(self, vehicle: str, docked: Docked, ask: Ask, now_s: float) -> None:
+        if ask.opened and ask.vehicle != vehicle:
+            self._door.shut(ask.vehicle)
+        ask.vehicle, ask.opened, ask.epoch = vehicle, docked.epoch, max(ask.epoch, docked.epoch)
+        self._book.renew(ask, now_s)
+        self._door.open(vehicle, docked, ask.item, ask.quantity)
+        self._changed(now_s)
+
+    # --- what follows ---
+
+    @property
+    def is_held(self) -> bool:
+        """Whether a vehicle may load at this moment."""
+        return any(ask.opened for ask in self._book)
+
+    def settle(self, now_s: float) -> None:
+        """Promise what is free, and take back what cannot be kept."""
+        for ask in self._book.overdrawn():
+            if ask.vehicle:
+                self._door.shut(ask.vehicle)
+            self._say_short(ask)
+        for ask in self._book.promise(now_s):
+            self._say_reserved(ask)
+        self._timers.set(LAPSE, self._book.next_lapse_s)
+
+    def _say_reserved(self, ask: Ask) -> None:
+        if ask.coordinator:
+            reserved = StockReserved(task=ask.task, epoch=ask.epoch, item=ask.item, quantity=ask.quantity)
+            self._out.append(Send(ask.coordinator, reserved))
+
+    def _say_short(self, ask: Ask) -> None:
+        if ask.coordinator:
+            free = max(0, self._book.free(ask.item))
+            short = StockShort(task=ask.task, epoch=ask.epoch, item=ask.item, free=free)
+            self._out.append(Send(ask.coordinator, short))

@@ -1,0 +1,414 @@
+"""What is brought to one place: asked for, fetched, counted and found again after a restart, be it a machine's or a storage's.
+
+The transports are in `transports`, what they fetch in `sourcing`, the place's dock in `dock`, what carriers say of their loads in
+`handovers`, what people and programs have asked for in `called`. Here these parts are joined. What a machine needs beside it, its
+own orders of material and its finished goods, is added where it is made (`dray.protocol.machine.material_flow`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any, Protocol, cast
+
+from dray.body import StockChanged
+from dray.memory import Memory, TaskMemory
+from dray.messages import (
+    Accepted,
+    AtvHeartbeat,
+    Bid,
+    Declined,
+    Docked,
+    DockExpected,
+    Handover,
+    Message,
+    Resigned,
+    StockReserved,
+    StockShort,
+    TakenOver,
+    Transport,
+    TransportCancelled,
+    TransportOrdered,
+    Work,
+    WorkSought,
+)
+from dray.messages.fact import Outcome
+from dray.messages.keys import Keys
+from dray.plant import Plant
+from dray.protocol.contract_net.auction_rules import AuctionRules
+from dray.protocol.contract_net.task import OpenTask
+from dray.protocol.contract_net.terms import Place
+from dray.protocol.contract_net.trust.assessment import Assessor
+from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
+from dray.protocol.runtime.events import Effect, Ignore
+from dray.protocol.runtime.timers import Timers
+from dray.protocol.transports.called import CalledTransports
+from dray.protocol.transports.dock import Dock, Stock
+from dray.protocol.transports.handovers import Handovers
+from dray.protocol.transports.receiving import GateCount
+from dray.protocol.transports.recovery import RECOVERY_WAIT, Recovery
+from dray.protocol.transports.sourcing import Need, Sourcing
+from dray.protocol.transports.transports import Transports
+
+NOT_REMEMBERED = "about a task that may be of a life that has left no notes"
+
+HELD_MAX_S = 60.0
+"""How long a vehicle may wait for room: two or three cycles, if the machine can work at all."""
+
+TYPICAL_APPROACH_S = 45.0
+"""A first guess of how long a vehicle needs to reach a storage, until lead times are measured."""
+
+
+class FlowOwner(Protocol):
+    """What an agent does when its material moves."""
+
+    def pursue(self, now_s: float) -> None:
+        """Something has come or gone: go on with what can be done now."""
+
+    def commit(self) -> None:
+        """The next life must know of something else."""
+
+    def beat_soon(self, now_s: float) -> None:
+        """The heartbeat tells something new."""
+
+
+class TransportFlow:
+    """The transports to one place.
+
+    Args:
+        place: its id in the plant, which is its agent's.
+        plant: the plant it stands in.
+        keys: the plant's bus keys.
+        items: what may be brought to it.
+        stock: what lies there.
+        rules: patience and reach of its auctions.
+        timers: its alarms; this class and what it consists of use names ``(kind, task)``, and `RECOVERY_WAIT`.
+        out: where effects go.
+        owner: its agent.
+        incarnation: how often that was started.
+
+    Attributes:
+        tasks: its open transports.
+        sourcing: what is waited for before anybody is hired.
+        called: what people and programs have asked for.
+        message_handlers: by the type of a message, what to call with (sender, message, now_s).
+        alarms: what to call when an alarm of these names has come.
+        subscriptions: which heartbeats it hears.
+    """
+
+    def __init__(
+        self,
+        place: str,
+        plant: Plant,
+        keys: Keys,
+        items: tuple[str, ...],
+        stock: Stock,
+        rules: AuctionRules,
+        timers: Timers,
+        out: list[Effect],
+        owner: FlowOwner,
+        *,
+        incarnation: int,
+    ) -> None:
+        self._place = place
+        self._plant = plant
+        self._keys = keys
+        self._out = out
+        self._owner = owner
+        self._life = "" if incarnation == 1 else f".{incarnation}"
+        x_m, y_m = plant.position_of(place)
+        self.subscriptions = HeartbeatSubscriptions(keys.atv_heartbeat, out)
+        self.tasks = Transports(
+            place,
+            Place(x_m=x_m, y_m=y_m, reach_m=plant.diameter_m),
+            self._audience,
+            rules,
+            timers,
+            self.subscriptions,
+            Assessor(plant, out),
+            out,
+            contracted=self._on_carrier_changed,
+            lost=self._on_task_lost,
+            is_missing=self._lacks,
+            source_answers=lambda task, now_s: self.sourcing.answers(task, now_s),  # noqa: PLW0108 - made below
+            left=lambda atv: self._dock.shut(atv),  # noqa: PLW0108 - made below
+            unloaded=self._settle,
+            commit=owner.commit,
+            ended=self._on_task_ended,
+            incarnation=incarnation,
+        )
+        self.sourcing = Sourcing(
+            place,
+            plant,
+            timers,
+            out,
+            announce=self._announce_sourced,
+            task_of=self.tasks.get,
+            starve=self.withdraw,
+            changed=owner.beat_soon,
+        )
+        self._dock = Dock(place, self.tasks, stock, out)
+        self._handovers = Handovers(
+            place,
+            self.tasks,
+            self._counted_of,
+            self._dock,
+            out,
+            ask=self._ask_for_count,
+            settled=self._settle_counted,
+        )
+        self._recovery = Recovery(
+            place, plant, self.subscriptions, self.tasks, timers, items=items, ordered=self._note_ordered
+        )
+        self.called = CalledTransports(place, plant, stock, self, out, self._life)
+        self.message_handlers: dict[type[Message], Callable[..., None]] = {
+            AtvHeartbeat: self._on_vehicle,
+            Bid: self.tasks.on_bid,
+            Accepted: self._on_accepted,
+            Declined: self.tasks.on_declined,
+            Resigned: self._on_resigned,
+            StockReserved: self.sourcing.on_reserved,
+            StockShort: self.sourcing.on_short,
+            TakenOver: self._on_taken_over,
+            Docked: self._on_docked,
+            DockExpected: self.tasks.docks.on_expected,
+            Handover: self._handovers.on_handover,
+            TransportOrdered: self._on_ordered,
+            TransportCancelled: self.called.on_cancelled,
+        }
+        self.alarms: Mapping[str, Callable[[Any, float], None]] = {
+            RECOVERY_WAIT: self._end_recovery,
+            **self.tasks.alarms,
+            **self.sourcing.alarms,
+        }
+
+    # --- the beginning ---
+
+    def restore_tasks(self, memories: Iterable[TaskMemory], memory: Memory, now_s: float) -> None:
+        """Go on with the transports of an earlier life, and with those that people have asked for."""
+        for kept in memories:
+            self.sourcing.follow(self.tasks.restore(kept, now_s), now_s)
+            self._on_restored(kept.work)
+        self.called.restore(memory)
+
+    def recover(self, forgetful: bool, now_s: float) -> None:
+        """Listen for vehicles that work for this place, and that it does not know of."""
+        self._recovery.listen(forgetful, now_s)
+
+    def _end_recovery(self, _about: None, now_s: float) -> None:
+        self._recovery.stop_listening()
+        self._on_recovered(now_s)
+        self._owner.pursue(now_s)
+
+    # --- what the agent asks and tells ---
+
+    @property
+    def is_held(self) -> bool:
+        """Whether somebody may be about to answer, or is at the dock."""
+        return self.tasks.awaits_answers or any(task.is_changing_hands for task in self.tasks)
+
+    def knows(self, task: str) -> bool:
+        """Whether a task is, or was, one of this place's."""
+        return self.tasks.get(task) is not None or self.tasks.closed(task) is not None
+
+    def seek(self, task: str, work: Transport, deadline_s: float, now_s: float) -> None:
+        """Have a load set aside where it is to be fetched, and then fetched."""
+        self._note_ordered(work)
+        self.sourcing.seek(task, self._docked_here(work), deadline_s, now_s)
+
+    def drop(self, task: str) -> None:
+        """Ask for a load no more for which nobody was hired yet."""
+        for need in list(self.sourcing):
+            if need.task == task:
+                self._drop(need)
+
+    def drop_needs(self) -> None:
+        """Nothing is to be hired any more for what nobody was hired for yet."""
+        for need in list(self.sourcing):
+            self._drop(need)
+            for called in self.called:
+                if called.task == need.task:
+                    called.task = ""
+
+    def inbound(self, item: str) -> int:
+        """Pieces that are on their way to this place, or are to be."""
+        works = [*(cast(Transport, task.work) for task in self.tasks), *(need.work for need in self.sourcing)]
+        return sum(work.quantity for work in works if work.destination == self._place and work.item == item)
+
+    def offer(self, sender: str, message: WorkSought, now_s: float) -> None:
+        """Offer what waits to a vehicle that asks for work."""
+        if not self.tasks.offer(sender, message.abilities, now_s):
+            self._out.append(Ignore("asked for work, and none waits"))
+
+    def on_material(self, report: StockChanged, now_s: float) -> None:
+        """Material has come, or was taken."""
+        self._handovers.on_stock_changed(report, now_s)
+
+    # --- announcing ---
+
+    def _announce_sourced(self, need: Need, now_s: float) -> None:
+        """What is to be fetched is set aside: have it fetched."""
+        self._announce(need.task, need.work, self._latest_s(need, now_s), now_s)
+
+    def _announce(self, task: str, work: Transport, deadline_s: float, now_s: float) -> None:
+        self.tasks.open(task, work, deadline_s, now_s)
+        self._owner.commit()
+        self._owner.beat_soon(now_s)
+
+    def _drop(self, need: Need) -> None:
+        """Nothing is needed any more for which nobody was hired yet."""
+        self.sourcing.drop(need)
+        self._note_settled(need.work, None)
+
+    def _audience(self, _work: Work, radius_m: float) -> tuple[str, ...]:
+        x_m, y_m = self._plant.position_of(self._place)
+        return tuple(self._keys.transports(cell) for cell in self._plant.cells_within(x_m, y_m, radius_m))
+
+    # --- what is said ---
+
+    def _on_ordered(self, sender: str, order: TransportOrdered, now_s: float) -> None:
+        if self._recovery.is_listening_for_all:
+            # Its load may be on its way for a life that has left no notes.
+            self._out.append(Ignore(NOT_REMEMBERED))
+        else:
+            self.called.on_ordered(sender, order, now_s)
+
+    def _on_vehicle(self, _sender: str, heartbeat: AtvHeartbeat, now_s: float) -> None:
+        self.tasks.on_heartbeat(heartbeat, now_s)
+        self._handovers.on_carrier_heard(heartbeat.atv)
+        self._recovery.on_heartbeat(heartbeat, now_s)
+        self.called.review(now_s)
+
+    def _on_accepted(self, sender: str, answer: Accepted, now_s: float) -> None:
+        if self._is_remembered(answer.task):
+            self.tasks.on_accepted(sender, answer, now_s)
+
+    def _on_taken_over(self, sender: str, message: TakenOver, now_s: float) -> None:
+        if self._is_remembered(message.task):
+            self.tasks.on_taken_over(sender, message, now_s)
+
+    def _on_docked(self, sender: str, message: Docked, now_s: float) -> None:
+        if not self._is_remembered(message.task):
+            return
+        task = self.tasks.get(message.task)
+        if task is not None and self._lacks(task):
+            # Nothing would ever make them come: they are lost, and the books do not know.
+            self._on_lacking(now_s)
+        self._dock.on_docked(sender, message, now_s)
+        task = self.tasks.get(message.task)
+        if task is not None and now_s - task.contract.held_s > HELD_MAX_S:
+            self.withdraw(task, now_s)
+
+    def _on_resigned(self, sender: str, message: Resigned, now_s: float) -> None:
+        task = self.tasks.get(message.task)
+        gives_back = task is not None and (sender, message.epoch) == (task.primary, task.epoch)
+        if task is None or not gives_back or not message.short or task.is_of_goods or task.is_counted:
+            self.tasks.on_resigned(sender, message, now_s)
+            return
+        if self.sourcing.holds(task.id, message.short):
+            # Its station says otherwise, as far as is known.
+            self.tasks.failover.note_given_back(task, message.reason, now_s)
+        # Nobody else would find more there: nobody is hired before a station has it.
+        self.withdraw(task, now_s)
+
+    def _is_remembered(self, task: str) -> bool:
+        """Whether a word about a task can be answered yet; else it is said again."""
+        if self._recovery.waits_for_word_on(task):
+            self._out.append(Ignore(NOT_REMEMBERED))
+            return False
+        return True
+
+    # --- what becomes of a transport ---
+
+    def _on_carrier_changed(self, task: OpenTask, now_s: float) -> None:
+        self._owner.commit()
+        self._owner.beat_soon(now_s)
+        self.sourcing.follow(task, now_s)
+        self.called.review(now_s)
+
+    def _on_task_ended(self, task: OpenTask, outcome: Outcome) -> None:
+        self.sourcing.on_task_closed(task, fetched=outcome == "delivered")
+
+    def _on_task_lost(self, task: OpenTask, now_s: float) -> None:
+        """A task was withdrawn; what is needed in its place is given out anew."""
+        self._note_lost(task, now_s)
+        self.called.on_lost(task)
+        self._owner.commit()
+        self._owner.beat_soon(now_s)
+        self._owner.pursue(now_s)
+
+    def end(self, task: OpenTask) -> None:
+        """End a transport that is not needed any more."""
+        self.tasks.close(task, "withdrawn")
+        self._note_settled(cast(Transport, task.work), None)
+        self._owner.commit()
+
+    def withdraw(self, task: OpenTask, now_s: float) -> None:
+        """End a transport that keeps a vehicle from whatever would help: it finds no room, or nothing to fetch."""
+        self.tasks.close(task, "withdrawn")
+        self._on_task_lost(task, now_s)
+
+    def _settle(self, task: OpenTask, now_s: float) -> None:
+        """A transport was delivered, though its carrier has not said so."""
+        self._settle_counted(task, "", cast(Transport, task.work).quantity, now_s)
+
+    def _settle_counted(self, task: OpenTask, carrier: str, counted: int, now_s: float) -> None:
+        """A transport was delivered, so many pieces of it."""
+        self._owner.commit()
+        self._note_delivered(task, carrier, counted, now_s)
+        self.called.on_settled(task, counted)
+        self._owner.beat_soon(now_s)
+        self._owner.pursue(now_s)
+
+    # --- what a machine adds: the default is a place that neither makes nor uses anything ---
+
+    def _latest_s(self, need: Need, now_s: float) -> float:
+        """By when a load should be there that can be fetched only now (plant clock)."""
+        return max(need.deadline_s, now_s + first_lead_s(self._plant, self._place, need.work.sources))
+
+    def _docked_here(self, work: Transport) -> Transport:
+        """A transport as others need it to be told."""
+        return work
+
+    def _note_ordered(self, work: Transport) -> None:
+        """A load is to come."""
+
+    def _note_settled(self, work: Transport, took_s: float | None) -> None:
+        """A load comes no more, or has come after so long."""
+
+    def _note_lost(self, task: OpenTask, now_s: float) -> None:
+        """A task was withdrawn."""
+
+    def _note_delivered(self, task: OpenTask, carrier: str, counted: int, now_s: float) -> None:
+        """A task came to its good end."""
+
+    def _on_restored(self, work: Transport) -> None:
+        """A task of an earlier life is there again."""
+
+    def _on_recovered(self, now_s: float) -> None:
+        """All who work for an earlier life have been heard."""
+
+    def _lacks(self, task: OpenTask) -> bool:
+        """Whether the load of a task lies here no more, though nobody has fetched it."""
+        return False
+
+    def _on_lacking(self, now_s: float) -> None:
+        """The load of some task lies here no more."""
+
+    def _counted_of(self, goal: str) -> GateCount | None:
+        """What the gate has counted of a goal; None for what no goal wants."""
+        return None
+
+    def _ask_for_count(self, goal: str, now_s: float) -> None:
+        """The gate may have counted more of a goal than is known."""
+
+
+def first_lead_s(plant: Plant, place: str, sources: Iterable[str]) -> float:
+    """How long it takes until a load is brought, before anything was learned of it (s)."""
+    node = plant.node_of(place)
+    ways_s = [
+        plant.routes(kind).duration_s(plant.node_of(source), node)
+        for source in sources
+        for kind in plant.vehicle_types
+    ]
+    handling_s = max(kind.load_s + kind.unload_s for kind in plant.vehicle_types.values())
+    return TYPICAL_APPROACH_S + min(ways_s) + handling_s

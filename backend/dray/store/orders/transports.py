@@ -1,0 +1,202 @@
+"""Plain transports in SQL: what somebody has asked to be brought, and how far it is.
+
+The place to which it goes tells how far it is (`TransportProgressed`), in numbered events that come late, doubled and in any order: the
+newest counts, and an end stays.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+import msgspec
+from sqlalchemy import CheckConstraint, Column, Double, Index, Integer, String, Table, insert, select, update
+from sqlalchemy.ext.asyncio import AsyncConnection
+
+from dray.messages import TRANSPORT_ENDED, Event, TransportState
+from dray.messages.fact import TransportProgressed
+from dray.store.history.clocks import ToWall
+from dray.store.tables import Id, metadata
+
+transports = Table(
+    "transports",
+    metadata,
+    Column("id", Id, primary_key=True),
+    Column("status", String(16), nullable=False),
+    Column("source", Id, nullable=False),
+    Column("destination", Id, nullable=False),
+    Column("item", Id, nullable=False),
+    Column("quantity", Integer, nullable=False),
+    Column("priority", String(8), nullable=False),
+    Column("vehicle", Id, nullable=False, server_default=""),
+    Column("called_by", String(200), nullable=False),
+    Column("caller", String(200), nullable=False),
+    Column("created_at_s", Double, nullable=False),
+    Column("due_at_s", Double, nullable=False),
+    Column("cancel_at_s", Double),
+    Column("ended_at_s", Double),
+    Column("updated_at_s", Double, nullable=False),
+    Column("task", Id, nullable=False, server_default=""),
+    Column("carrier", Id, nullable=False, server_default=""),
+    Column("expected_at_s", Double),
+    Column("wait", String(16), nullable=False, server_default=""),
+    Column("refused", String(16), nullable=False, server_default=""),
+    Column("incarnation", Integer, nullable=False, server_default="0"),
+    Column("number", Integer, nullable=False, server_default="0"),
+    CheckConstraint("status IN ('waiting', 'assigned', 'on_board', 'delivered', 'cancelled')", name="status"),
+    CheckConstraint("quantity >= 1", name="quantity"),
+    Index(None, "created_at_s", "id"),
+    Index(None, "status", "created_at_s", "id"),
+    comment="Plain transports. incarnation, number: the newest event of its destination that was told about it.",
+)
+
+
+class TransportRow(msgspec.Struct, frozen=True, kw_only=True, gc=False):
+    """A plain transport. Times are wall clock seconds."""
+
+    id: str
+    status: TransportState = TransportState.WAITING
+    source: str
+    destination: str
+    item: str
+    quantity: int
+    priority: str
+    vehicle: str = ""
+    called_by: str
+    """For people: the name of who has asked for it."""
+    caller: str
+    """Kind and id of the same."""
+    created_at_s: float
+    due_at_s: float
+    cancel_at_s: float | None = None
+    """When somebody has called it off; it ends when the factory has confirmed."""
+    ended_at_s: float | None = None
+    updated_at_s: float
+    task: str = ""
+    """Under which name it is given out at present; empty for none."""
+    carrier: str = ""
+    expected_at_s: float | None = None
+    """When its carrier has promised to be there."""
+    wait: str = ""
+    """Why nobody carries it (`TransportWait`); empty while somebody does."""
+    refused: str = ""
+    """Why it cannot be done (`TransportRefusal`), where that has ended it."""
+    incarnation: int = 0
+    number: int = 0
+
+    @property
+    def has_ended(self) -> bool:
+        """Whether nothing changes any more."""
+        return self.status in TRANSPORT_ENDED
+
+
+class Transports:
+    """The plain transports, inside one transaction."""
+
+    def __init__(self, connection: AsyncConnection) -> None:
+        self._connection = connection
+
+    async def add(self, row: TransportRow) -> None:
+        """Keep a new one."""
+        await self._connection.execute(insert(transports), [_values(row)])
+
+    async def get(self, transport: str) -> TransportRow | None:
+        """One, or None."""
+        found = await self.many([transport])
+        return found[0] if found else None
+
+    async def many(self, ids: Iterable[str]) -> list[TransportRow]:
+        """Those of these names that there are."""
+        query = select(transports).where(transports.c.id.in_(list(ids)))
+        return [_row(row._mapping) for row in await self._connection.execute(query)]  # noqa: SLF001 - public
+
+    async def open(self) -> list[TransportRow]:
+        """Those that have not ended, the oldest first."""
+        ended = [state.value for state in TRANSPORT_ENDED]
+        query = (
+            select(transports).where(transports.c.status.not_in(ended)).order_by(transports.c.created_at_s)
+        )
+        return [_row(row._mapping) for row in await self._connection.execute(query)]  # noqa: SLF001 - public
+
+    async def page(
+        self,
+        *,
+        statuses: Sequence[TransportState],
+        places: Sequence[str] | None,
+        caller: str,
+        after: tuple[float, str] | None,
+        limit: int,
+    ) -> list[TransportRow]:
+        """Some, newest first.
+
+        Args:
+            statuses: only these; empty for all.
+            places: only those from or to one of these; None for all.
+            caller: only those of this one; empty for all.
+            after: where the page before has ended.
+            limit: how many at most.
+        """
+        c = transports.c
+        query = select(transports).order_by(c.created_at_s.desc(), c.id.desc()).limit(limit)
+        if statuses:
+            query = query.where(c.status.in_([status.value for status in statuses]))
+        if places is not None:
+            query = query.where(c.source.in_(places) | c.destination.in_(places))
+        if caller:
+            query = query.where(c.caller == caller)
+        if after is not None:
+            at_s, name = after
+            query = query.where((c.created_at_s < at_s) | ((c.created_at_s == at_s) & (c.id < name)))
+        return [_row(row._mapping) for row in await self._connection.execute(query)]  # noqa: SLF001 - public
+
+    async def put(self, row: TransportRow) -> None:
+        """Replace what is known of one."""
+        values = _values(row)
+        await self._connection.execute(
+            update(transports).where(transports.c.id == values.pop("id")).values(**values)
+        )
+
+    async def follow(self, events: Iterable[Event], to_wall_s: ToWall) -> None:
+        """Bring them up to date with what places have told."""
+        told = [event for event in events if isinstance(event.fact, TransportProgressed)]
+        if not told:
+            return
+        ids = {event.fact.transport for event in told if isinstance(event.fact, TransportProgressed)}
+        before = {row.id: row for row in await self.many(ids)}
+        after = dict(before)
+        for event in told:
+            assert isinstance(event.fact, TransportProgressed)  # noqa: S101 - chosen above
+            row = after.get(event.fact.transport)
+            if row is not None and event.agent == row.destination:
+                after[row.id] = progressed(row, event, event.fact, to_wall_s)
+        for name, row in after.items():
+            if row != before[name]:
+                await self.put(row)
+
+
+def progressed(row: TransportRow, event: Event, fact: TransportProgressed, to_wall_s: ToWall) -> TransportRow:
+    """A transport after its destination has told of it; what is older than what is known changes nothing."""
+    is_new = (event.incarnation, event.number) > (row.incarnation, row.number)
+    if row.has_ended or not is_new:
+        return row
+    at_s = to_wall_s(event.at_s)
+    return msgspec.structs.replace(
+        row,
+        status=fact.state,
+        task=fact.task,
+        carrier=fact.carrier,
+        expected_at_s=None if fact.expected_s is None else to_wall_s(fact.expected_s),
+        wait=fact.wait or "",
+        refused=fact.refused or "",
+        ended_at_s=at_s if fact.state in TRANSPORT_ENDED else None,
+        updated_at_s=max(row.updated_at_s, at_s),
+        incarnation=event.incarnation,
+        number=event.number,
+    )
+
+
+def _values(row: TransportRow) -> dict[str, object]:
+    return msgspec.to_builtins(row)  # type: ignore[no-any-return]
+
+
+def _row(values: object) -> TransportRow:
+    return msgspec.convert(dict(values), TransportRow)  # type: ignore[call-overload]

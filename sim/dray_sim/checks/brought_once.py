@@ -1,0 +1,76 @@
+"""Invariant 23: what somebody has asked to be brought is brought once, all of it, or called off and not brought.
+
+A check like those of `dray_sim.checks.invariants`: it hears what the places say to which something is brought, and takes no part.
+What they have counted is compared with what was asked for; that no piece appears or vanishes is invariant 2.
+"""
+
+from __future__ import annotations
+
+from dray.messages import Event, Message, TransportOrdered, TransportState
+from dray.messages.contract import Transport
+from dray.messages.fact import MemoryLost, TaskClosed, TaskOpened, TransportProgressed
+from dray_sim.checks.broken import InvariantBroken
+
+
+class BroughtOnce:
+    """Every plain transport ends once, with as much as was asked for.
+
+    A place that has lost its notes may know less than it has told: of its transports nothing is asked any more.
+    """
+
+    def __init__(self) -> None:
+        self._asked: dict[str, int] = {}
+        """By transport, pieces."""
+        self._ended: dict[str, TransportState] = {}
+        self._places: dict[str, str] = {}
+        """By transport, where it goes, as that place has told."""
+        self._tasks: dict[str, str] = {}
+        """By task, the transport that it is an attempt at."""
+        self._done: dict[str, int] = {}
+        """By transport, how many tasks were closed as delivered."""
+
+    def on_message(self, at_s: float, sender: str, _address: str, message: Message) -> None:
+        """Note one utterance.
+
+        Raises:
+            InvariantBroken: a transport has ended twice, or with another quantity, or went on after its end.
+        """
+        if type(message) is TransportOrdered:
+            self._asked.setdefault(message.transport, message.quantity)
+        elif type(message) is Event:
+            fact = message.fact
+            if type(fact) is TransportProgressed:
+                self._check(fact, sender, at_s)
+            elif type(fact) is TaskOpened and type(fact.work) is Transport:
+                self._check_task(fact, at_s)
+            elif type(fact) is TaskClosed and fact.outcome == "delivered" and fact.task in self._tasks:
+                self._done[self._tasks[fact.task]] = self._done.get(self._tasks[fact.task], 0) + 1
+            elif type(fact) is MemoryLost:
+                for name in [name for name, place in self._places.items() if place == sender]:
+                    del self._places[name]
+                    self._ended.pop(name, None)
+                    self._asked.pop(name, None)
+
+    def _check(self, fact: TransportProgressed, sender: str, at_s: float) -> None:
+        name = fact.transport
+        if name not in self._asked:
+            return
+        self._places[name] = sender
+        if fact.task:
+            self._tasks[fact.task] = name
+        if name in self._ended:
+            raise InvariantBroken(23, at_s, f"{name} was {self._ended[name]}, and is {fact.state} now")
+        if fact.state is TransportState.DELIVERED:
+            if fact.quantity != self._asked[name]:
+                seen = f"{name} was delivered with {fact.quantity} of {self._asked[name]} pieces"
+                raise InvariantBroken(23, at_s, seen)
+            if not self._done.get(name):
+                raise InvariantBroken(23, at_s, f"{name} was delivered, and no task of it was")
+        if fact.state in (TransportState.DELIVERED, TransportState.CANCELLED):
+            self._ended[name] = fact.state
+
+    def _check_task(self, fact: TaskOpened, at_s: float) -> None:
+        transport = self._tasks.get(fact.task, fact.task.rpartition("-")[0].partition(".")[0])
+        if transport in self._ended:
+            seen = f"{fact.task} is given out, and {transport} was {self._ended[transport]} before"
+            raise InvariantBroken(23, at_s, seen)

@@ -1,0 +1,124 @@
+"""People who have something brought or taken away: plain transports, some called off again, at any moment of their lives."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Iterable
+from dataclasses import dataclass
+from random import Random
+
+from dray.messages import (
+    TRANSPORT_ENDED,
+    Message,
+    TransportAnswered,
+    TransportCancelled,
+    TransportOrdered,
+    TransportState,
+)
+from dray.plant import Plant
+from dray.ports import Bus, Clock
+
+NAME = "caller"
+"""On the bus. Random generators are seeded with it."""
+
+AGAIN_S = 5.0
+"""What nobody has answered is said again after this long."""
+
+ASKED_EVERY_S = 40.0
+"""How a transport is that has been taken is asked so often, as a gateway asks for what it believes open."""
+
+CALLS = (1, 12)
+"""In a run, from and to."""
+
+CALLED_OFF_FRAC = 0.3
+
+FOR_ONE_VEHICLE_FRAC = 0.2
+
+
+@dataclass(frozen=True, slots=True)
+class Call:
+    """A transport that somebody asks for.
+
+    Attributes:
+        at_s: when (plant clock).
+        to: where it is to be brought.
+        order: what is said.
+        off_s: when it is called off, if it has not ended by then (plant clock).
+    """
+
+    at_s: float
+    to: str
+    order: TransportOrdered
+    off_s: float
+
+
+def draw_calls(plant: Plant, random: Random, until_s: float) -> tuple[Call, ...]:
+    """The transports of one run, between any two places that keep a material; none is waited for after `until_s`."""
+    calls = []
+    for number in range(random.randint(*CALLS)):
+        item = random.choice(sorted(plant.materials))
+        places = plant.keepers_of(item)
+        if len(places) < 2:
+            continue
+        source, to = random.sample(places, 2)
+        at_s = random.uniform(0.0, until_s)
+        off_s = random.uniform(at_s, until_s) if random.random() < CALLED_OFF_FRAC else until_s
+        vehicle = random.choice(sorted(plant.fleet)) if random.random() < FOR_ONE_VEHICLE_FRAC else ""
+        quantity = random.randint(1, plant.materials[item].lot)
+        order = TransportOrdered(
+            f"T-{number + 1}", source, item, quantity, at_s + random.uniform(30.0, 600.0), vehicle
+        )
+        calls.append(Call(at_s, to, order, off_s))
+    return tuple(calls)
+
+
+class TransportCaller:
+    """Asks for transports, each again and again until it has ended.
+
+    Args:
+        bus: joined at once.
+        clock: the plant's clock.
+
+    Attributes:
+        states: how those are that were answered.
+    """
+
+    def __init__(self, bus: Bus, clock: Clock) -> None:
+        self._session = bus.join(NAME, self._on_message)
+        self._clock = clock
+        self._answers: dict[str, asyncio.Event] = {}
+        self.states: dict[str, TransportState] = {}
+
+    async def call(self, calls: Iterable[Call]) -> None:
+        """Ask for all of them at their times; returns when all have ended."""
+        async with asyncio.TaskGroup() as group:
+            for call in calls:
+                group.create_task(self._see_to(call))
+
+    async def _see_to(self, call: Call) -> None:
+        name = call.order.transport
+        self._answers[name] = asyncio.Event()
+        await asyncio.sleep(max(0.0, call.at_s - self._clock.now_s()))
+        while self.states.get(name) not in TRANSPORT_ENDED:
+            is_off = self._clock.now_s() >= call.off_s
+            await self._ask(call.to, TransportCancelled(name) if is_off else call.order)
+            if self.states[name] not in TRANSPORT_ENDED:
+                left_s = max(AGAIN_S, call.off_s - self._clock.now_s())
+                await asyncio.sleep(min(ASKED_EVERY_S, left_s))
+        # Somebody who has missed the end asks once more: it is not begun again.
+        await self._ask(call.to, call.order)
+
+    async def _ask(self, to: str, message: TransportOrdered | TransportCancelled) -> None:
+        answered = self._answers[message.transport]
+        answered.clear()
+        while not answered.is_set():
+            self._session.send(to, message)
+            try:
+                await asyncio.wait_for(answered.wait(), AGAIN_S)
+            except TimeoutError:
+                continue
+
+    def _on_message(self, _sender: str, message: Message) -> None:
+        if isinstance(message, TransportAnswered):
+            self.states[message.transport] = message.state
+            self._answers[message.transport].set()
