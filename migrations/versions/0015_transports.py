@@ -41,8 +41,12 @@ def upgrade() -> None:
         sa.Column("refused", sa.String(16), nullable=False, server_default=""),
         sa.Column("incarnation", sa.Integer, nullable=False, server_default="0"),
         sa.Column("number", sa.Integer, nullable=False, server_default="0"),
+        sa.Column("key", sa.String(64)),
+        sa.Column("fingerprint", sa.String(64), nullable=False, server_default=""),
+        sa.Column("answer", sa.Text, nullable=False, server_default=""),
         sa.CheckConstraint(STATUS, name=op.f("ck_transports_status")),
         sa.CheckConstraint("quantity >= 1", name=op.f("ck_transports_quantity")),
+        sa.UniqueConstraint("key", name=op.f("uq_transports_key")),
         sa.PrimaryKeyConstraint("id", name=op.f("pk_transports")),
         comment="Plain transports. incarnation, number: the newest event of its destination that was told about it.",
     )

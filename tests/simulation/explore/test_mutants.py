@@ -46,6 +46,7 @@ from dray.protocol.traffic.books.district import District
 from dray.protocol.traffic.driving import yielding
 from dray.protocol.traffic.places import Places
 from dray.protocol.traffic.removal_authorisation import RemovalAuthorisation
+from dray.protocol.transports.called import CalledTransports
 from dray.protocol.transports.dock import Dock
 from dray.protocol.transports.handovers import Handovers
 from dray.protocol.transports.transports import Transports
@@ -73,7 +74,7 @@ def without_the_fence(patch: pytest.MonkeyPatch) -> None:
             on_docked(self, sender, message, now_s)
             return
         work = works[message.task]
-        if message.station == self._machine:
+        if message.station == self._place:
             opening = OpenDock(vehicle=sender, item=work.item, quantity=work.quantity)
             self._out.append(Instruct(opening))
         opened = DockOpened(task=message.task, epoch=message.epoch, station=message.station)
@@ -316,7 +317,13 @@ def with_bodies_that_see_nothing(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(FloorObstacles, "room_m", lambda *_: None)
 
 
+def that_forgets_what_it_has_brought(patch: pytest.MonkeyPatch) -> None:
+    """A place does not remember which transports have ended, and takes one that is asked for again for another."""
+    patch.setattr(CalledTransports, "_note_ended", lambda *_: None)
+
+
 MUTANTS = [
+    pytest.param(that_forgets_what_it_has_brought, "calls", 0, "invariant 23", id="brought-twice"),
     pytest.param(that_works_out_of_service, "hands", 0, "invariant 16", id="works-out-of-service"),
     pytest.param(that_waits_for_whoever_lives, "liars", 0, "invariant 1", id="no-progress-deadline"),
     pytest.param(with_clocks_that_jump, "clocks", 0, "invariant 6", id="clocks-that-jump"),

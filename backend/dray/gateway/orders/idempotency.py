@@ -43,7 +43,7 @@ async def alone(at_work: set[str], key: str) -> AsyncIterator[None]:
         Problem: 409, another one does.
     """
     if key in at_work:
-        raise _key_at_work()
+        raise key_at_work()
     at_work.add(key)
     try:
         yield
@@ -68,7 +68,8 @@ def refuse_other_body(kept: KeptAnswer, fingerprint: str) -> None:
         )
 
 
-def _key_at_work() -> Problem:
+def key_at_work() -> Problem:
+    """Another request with the key is being answered: 409."""
     return Problem(
         HTTPStatus.CONFLICT,
         "key-at-work",

@@ -1,6 +1,6 @@
 """Plain transports: asked for once, told to the place to which they go until it answers, and followed to their end.
 
-The row, its Idempotency-Key and nothing else are one transaction; the answer follows it. What is repeated to a place is not
+A transport and its Idempotency-Key are one row; the answer follows its commit. What is repeated to a place is not
 remembered: at the start and from time to time every transport that SQL believes open is asked for again, as orders are.
 """
 
@@ -25,7 +25,7 @@ from dray.gateway.http.problems import FieldError, Problem, unusable
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.timescale import TimeScale
 from dray.gateway.orders.drafts import Moment
-from dray.gateway.orders.idempotency import alone, refuse_other_body
+from dray.gateway.orders.idempotency import alone, key_at_work, refuse_other_body
 from dray.gateway.orders.order_ids import new_transport_id
 from dray.gateway.orders.outbox import Reminders
 from dray.messages import (
@@ -140,18 +140,17 @@ class PlainTransports:
         body = f"transport {draft.model_dump_json()}"
         fingerprint = hashlib.sha256(body.encode()).hexdigest()
         async with alone(self._keys_at_work, key) if key else nullcontext(), self._store.write() as work:
-            if key and (known := await work.keys.get(key)) is not None:
-                refuse_other_body(known, fingerprint)
-                return known, True
+            if key and (known := await work.transports.of_key(key)) is not None:
+                refuse_other_body(_kept(known), fingerprint)
+                return _kept(known), True
             row = self._row(draft, caller)
             if len(await work.transports.open()) >= OPEN_MAX:
                 raise _too_many()
-            await work.transports.add(row)
-            kept = KeptAnswer(key or "", fingerprint, row.id, render(row).decode(), row.created_at_s)
-            if key:
-                await work.keys.add(kept)
+            row = msgspec.structs.replace(row, key=key, fingerprint=fingerprint, answer=render(row).decode())
+            if not await work.transports.add(row):
+                raise key_at_work()
         self._ask(row)
-        return kept, False
+        return _kept(row), False
 
     async def cancel(self, transport: str, caller: Principal) -> TransportRow | None:
         """Call a transport off; one that is called off already stays so.
@@ -359,6 +358,10 @@ class PlainTransports:
 def caller_key(caller: Principal) -> str:
     """Whose transport it is."""
     return f"{caller.kind} {caller.id}"
+
+
+def _kept(row: TransportRow) -> KeptAnswer:
+    return KeptAnswer(row.key or "", row.fingerprint, row.id, row.answer, row.created_at_s)
 
 
 def _too_many() -> Problem:

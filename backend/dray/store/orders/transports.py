@@ -9,7 +9,21 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 import msgspec
-from sqlalchemy import CheckConstraint, Column, Double, Index, Integer, String, Table, insert, select, update
+from sqlalchemy import (
+    CheckConstraint,
+    Column,
+    Double,
+    Index,
+    Integer,
+    String,
+    Table,
+    Text,
+    UniqueConstraint,
+    insert,
+    select,
+    update,
+)
+from sqlalchemy.exc import IntegrityError
 from sqlalchemy.ext.asyncio import AsyncConnection
 
 from dray.messages import TRANSPORT_ENDED, Event, TransportState
@@ -42,8 +56,12 @@ transports = Table(
     Column("refused", String(16), nullable=False, server_default=""),
     Column("incarnation", Integer, nullable=False, server_default="0"),
     Column("number", Integer, nullable=False, server_default="0"),
+    Column("key", String(64)),
+    Column("fingerprint", String(64), nullable=False, server_default=""),
+    Column("answer", Text, nullable=False, server_default=""),
     CheckConstraint("status IN ('waiting', 'assigned', 'on_board', 'delivered', 'cancelled')", name="status"),
     CheckConstraint("quantity >= 1", name="quantity"),
+    UniqueConstraint("key"),
     Index(None, "created_at_s", "id"),
     Index(None, "status", "created_at_s", "id"),
     comment="Plain transports. incarnation, number: the newest event of its destination that was told about it.",
@@ -82,11 +100,20 @@ class TransportRow(msgspec.Struct, frozen=True, kw_only=True, gc=False):
     """Why it cannot be done (`TransportRefusal`), where that has ended it."""
     incarnation: int = 0
     number: int = 0
+    key: str | None = None
+    """A digest of the Idempotency-Key and of whose it is."""
+    fingerprint: str = ""
+    """A digest of what was asked."""
+    answer: str = ""
+    """What was answered, for a request that is sent again."""
 
     @property
     def has_ended(self) -> bool:
         """Whether nothing changes any more."""
         return self.status in TRANSPORT_ENDED
+
+
+_COLUMNS = [transports.c[name] for name in TransportRow.__struct_fields__]
 
 
 class Transports:
@@ -95,9 +122,18 @@ class Transports:
     def __init__(self, connection: AsyncConnection) -> None:
         self._connection = connection
 
-    async def add(self, row: TransportRow) -> None:
-        """Keep a new one."""
-        await self._connection.execute(insert(transports), [_values(row)])
+    async def add(self, row: TransportRow) -> bool:
+        """Keep a new one; False when another process has just used its key: the transaction is over then."""
+        try:
+            await self._connection.execute(insert(transports), [_values(row)])
+        except IntegrityError:
+            return False
+        return True
+
+    async def of_key(self, key: str) -> TransportRow | None:
+        """The one that was asked for under a key, or None."""
+        rows = await self._connection.execute(select(*_COLUMNS).where(transports.c.key == key))
+        return next((_row(row) for row in rows), None)
 
     async def get(self, transport: str) -> TransportRow | None:
         """One, or None."""
@@ -106,16 +142,14 @@ class Transports:
 
     async def many(self, ids: Iterable[str]) -> list[TransportRow]:
         """Those of these names that there are."""
-        query = select(transports).where(transports.c.id.in_(list(ids)))
-        return [_row(row._mapping) for row in await self._connection.execute(query)]  # noqa: SLF001 - public
+        query = select(*_COLUMNS).where(transports.c.id.in_(list(ids)))
+        return [_row(row) for row in await self._connection.execute(query)]
 
     async def open(self) -> list[TransportRow]:
         """Those that have not ended, the oldest first."""
         ended = [state.value for state in TRANSPORT_ENDED]
-        query = (
-            select(transports).where(transports.c.status.not_in(ended)).order_by(transports.c.created_at_s)
-        )
-        return [_row(row._mapping) for row in await self._connection.execute(query)]  # noqa: SLF001 - public
+        query = select(*_COLUMNS).where(transports.c.status.not_in(ended)).order_by(transports.c.created_at_s)
+        return [_row(row) for row in await self._connection.execute(query)]
 
     async def page(
         self,
@@ -136,7 +170,7 @@ class Transports:
             limit: how many at most.
         """
         c = transports.c
-        query = select(transports).order_by(c.created_at_s.desc(), c.id.desc()).limit(limit)
+        query = select(*_COLUMNS).order_by(c.created_at_s.desc(), c.id.desc()).limit(limit)
         if statuses:
             query = query.where(c.status.in_([status.value for status in statuses]))
         if places is not None:
@@ -146,7 +180,7 @@ class Transports:
         if after is not None:
             at_s, name = after
             query = query.where((c.created_at_s < at_s) | ((c.created_at_s == at_s) & (c.id < name)))
-        return [_row(row._mapping) for row in await self._connection.execute(query)]  # noqa: SLF001 - public
+        return [_row(row) for row in await self._connection.execute(query)]
 
     async def put(self, row: TransportRow) -> None:
         """Replace what is known of one."""
@@ -198,5 +232,5 @@ def _values(row: TransportRow) -> dict[str, object]:
     return msgspec.to_builtins(row)  # type: ignore[no-any-return]
 
 
-def _row(values: object) -> TransportRow:
-    return msgspec.convert(dict(values), TransportRow)  # type: ignore[call-overload]
+def _row(values: Iterable[object]) -> TransportRow:
+    return msgspec.convert(dict(zip(TransportRow.__struct_fields__, values, strict=True)), TransportRow)

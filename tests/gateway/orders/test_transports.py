@@ -1,0 +1,180 @@
+"""Plain transports over REST: on disk before they are answered, asked of the place to which they go, and followed to their end."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import Any
+
+import pytest
+from gateway_kit import House, gateway
+from heartbeats import events
+
+from dray.gateway.access.principal import Role, Scope
+from dray.messages import (
+    TransportAnswered,
+    TransportCancelled,
+    TransportOrdered,
+    TransportRefusal,
+    TransportState,
+)
+from dray.messages.fact import TransportProgressed
+
+pytestmark = pytest.mark.anyio
+
+PATH = "/api/transports"
+DRAFT = {"from": "S3", "to": "M8", "item": "shaft", "quantity": 40}
+
+
+async def called(house: House, **fields: Any) -> dict[str, Any]:
+    response = await house.client.post(PATH, json=DRAFT | fields)
+    assert response.status_code == 201, response.text
+    answer: dict[str, Any] = response.json()
+    return answer
+
+
+async def settled(house: House, name: str, status: str) -> dict[str, Any]:
+    """It, once it has this status."""
+    for _ in range(200):
+        answer: dict[str, Any] = await house.get(f"{PATH}/{name}")
+        if answer["status"] == status:
+            return answer
+        await asyncio.sleep(0)
+    pytest.fail(f"{name} is {answer['status']}, and not {status}")
+
+
+def progress(name: str, state: TransportState, **fields: Any) -> TransportProgressed:
+    usual = {"item": "shaft", "quantity": 40, "source": "S3", "destination": "M8"}
+    return TransportProgressed(name, state, **usual | fields)
+
+
+async def test_it_is_asked_of_the_place_to_which_it_goes(house: House) -> None:
+    answer = await called(house, priority="urgent", vehicle=None)
+    assert (answer["status"], answer["from"], answer["to"]) == ("waiting", "S3", "M8")
+    [asked] = house.bus.sent_to("M8", TransportOrdered)
+    assert (asked.transport, asked.source, asked.item, asked.quantity) == (answer["id"], "S3", "shaft", 40)
+    assert asked.due_s == pytest.approx(60.0)
+    assert await house.get(f"{PATH}/{answer['id']}") == answer
+    assert (await house.get(PATH))["items"] == [answer]
+    line = (await house.audit())[0]
+    assert (line.action, line.target) == ("transport.call", answer["id"])
+
+
+async def test_the_same_key_is_one_transport(house: House) -> None:
+    key = {"Idempotency-Key": "button-8-1"}
+    first = await house.client.post(PATH, json=DRAFT, headers=key)
+    again = await house.client.post(PATH, json=DRAFT, headers=key)
+    assert (again.status_code, again.content) == (201, first.content)
+    assert again.headers["Idempotency-Replayed"] == "true"
+    assert len((await house.get(PATH))["items"]) == 1
+    other = await house.client.post(PATH, json=DRAFT | {"quantity": 5}, headers=key)
+    assert other.status_code == 422
+
+
+async def test_what_its_place_tells_is_shown_and_an_end_stays(house: House) -> None:
+    name = (await called(house))["id"]
+    told = (
+        progress(name, TransportState.WAITING, wait="short"),
+        progress(name, TransportState.ASSIGNED, carrier="ATV6", expected_s=90.0, task=f"{name}-1"),
+        progress(name, TransportState.DELIVERED),
+        progress(name, TransportState.WAITING),
+    )
+    first, second, *last = events("M8", *told)
+    await house.say([first])
+    assert (await house.get(f"{PATH}/{name}"))["wait"] == "short"
+    await house.say([second])
+    answer = await house.get(f"{PATH}/{name}")
+    assert (answer["status"], answer["carrier"], answer["task"]) == ("assigned", "ATV6", f"{name}-1")
+    await house.say([*last, first])
+    answer = await house.get(f"{PATH}/{name}")
+    assert (answer["status"], "carrier" in answer, "ended_at" in answer) == ("delivered", False, True)
+
+
+async def test_nobody_else_tells_how_it_is(house: House) -> None:
+    name = (await called(house))["id"]
+    await house.say(events("M9", progress(name, TransportState.DELIVERED)))
+    house.bus.tell("M9", "gateway", TransportAnswered(name, TransportState.DELIVERED))
+    assert (await house.get(f"{PATH}/{name}"))["status"] == "waiting"
+
+
+async def test_the_places_answer_ends_it_too_with_the_reason(house: House) -> None:
+    name = (await called(house))["id"]
+    refused = TransportAnswered(name, TransportState.CANCELLED, TransportRefusal.NOT_KEPT_HERE)
+    house.bus.tell("M8", "gateway", refused)
+    assert (await settled(house, name, "cancelled"))["refused"] == "not_kept_here"
+
+
+async def test_it_is_called_off_until_it_is_on_board(house: House) -> None:
+    name = (await called(house))["id"]
+    house.bus.tell("M8", "gateway", TransportAnswered(name, TransportState.WAITING))
+    answer = await house.client.post(f"{PATH}/{name}/cancel")
+    assert (answer.status_code, answer.json()["status"], "cancel_at" in answer.json()) == (
+        200,
+        "waiting",
+        True,
+    )
+    assert house.bus.sent_to("M8", TransportCancelled) == [TransportCancelled(name)]
+    house.bus.tell("M8", "gateway", TransportAnswered(name, TransportState.CANCELLED))
+    await settled(house, name, "cancelled")
+    assert (await house.client.post(f"{PATH}/{name}/cancel")).status_code == 200
+    late = (await called(house))["id"]
+    await house.say(events("M8", progress(late, TransportState.ON_BOARD), first=50))
+    refused = await house.client.post(f"{PATH}/{late}/cancel")
+    assert (refused.status_code, refused.json()["type"]) == (409, "urn:dray:problem:transport-on-its-way")
+
+
+async def test_a_gateway_that_starts_again_asks_for_what_is_open(url: str) -> None:
+    async with gateway(url) as house:
+        name, off = (await called(house))["id"], (await called(house))["id"]
+        await house.client.post(f"{PATH}/{off}/cancel")
+    async with gateway(url, incarnation=2) as house:
+        assert [asked.transport for asked in house.bus.sent_to("M8", TransportOrdered)] == [name]
+        assert house.bus.sent_to("M8", TransportCancelled) == [TransportCancelled(off)]
+
+
+@pytest.mark.parametrize(
+    ("fields", "field"),
+    [
+        ({"item": "gold"}, "item"),
+        ({"item": "gear-unit-g1"}, "item"),
+        ({"from": "S2"}, "from"),
+        ({"to": "M10"}, "to"),
+        ({"to": "S3"}, "to"),
+        ({"quantity": 41}, "quantity"),
+        ({"quantity": 0}, "quantity"),
+        ({"vehicle": "ATV99"}, "vehicle"),
+        ({"due_at": "2001-01-01T00:00:00Z"}, "due_at"),
+        ({"colour": "red"}, "colour"),
+    ],
+)
+async def test_what_cannot_be_is_refused_with_the_field(
+    house: House, fields: dict[str, Any], field: str
+) -> None:
+    answer = await house.client.post(PATH, json=DRAFT | fields)
+    assert answer.status_code == 422
+    assert [error["field"] for error in answer.json()["errors"]] == [field]
+
+
+async def test_a_key_may_call_and_nothing_else_and_sees_its_own(house: House) -> None:
+    others = (await called(house))["id"]
+    _, button = await house.key(Scope.TRANSPORTS_CALL)
+    visitor = house.visitor(**button)
+    own = (await visitor.post(PATH, json=DRAFT)).json()["id"]
+    assert [each["id"] for each in (await visitor.get(PATH)).json()["items"]] == [own]
+    assert (await visitor.get(f"{PATH}/{others}")).status_code == 404
+    assert (await visitor.post(f"{PATH}/{others}/cancel")).status_code == 404
+    assert (await visitor.get("/api/orders")).status_code == 403
+    assert (await visitor.post(f"{PATH}/{own}/cancel")).status_code == 200
+
+
+async def test_an_operator_calls_for_the_own_area(house: House) -> None:
+    plant = house.projection.site.plant
+    area = next(area for area in plant.areas if area in plant.areas_near(*plant.position_of("M8"), 0.0))
+    elsewhere = next(
+        each for each in plant.areas if each not in plant.areas_near(*plant.position_of("M8"), 0.0)
+    )
+    near = await house.log_in("anna", Role.OPERATOR, area)
+    assert (await near.post(PATH, json=DRAFT, headers={"Origin": "http://dray.test"})).status_code == 201
+    far = await house.log_in("bert", Role.OPERATOR, elsewhere)
+    answer = await far.post(PATH, json=DRAFT | {"from": "S1"}, headers={"Origin": "http://dray.test"})
+    keeps = plant.areas_near(*plant.position_of("S1"), 0.0)
+    assert answer.status_code == (201 if elsewhere in keeps else 422)
