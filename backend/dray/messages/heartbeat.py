@@ -347,9 +347,7 @@ class StationHeartbeat(Message, frozen=True):
     stocks: tuple[StockLevel, ...] = ()
     """In the order of the plant file."""
     tasks: tuple[TaskBrief, ...] = ()
-    """Transports that it has given out."""
     waits: tuple[MaterialWait, ...] = ()
-    """What is to be brought to it and nobody can fetch, the oldest first."""
     software: Text = ""
     draining: bool = False
     awaits: Awaited | UnsetType = UNSET

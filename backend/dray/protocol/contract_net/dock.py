@@ -1,7 +1,7 @@
 """Docks: where vehicles stand at the places of a transport, and the door that opens for one vehicle and one load.
 
 Who may load or unload is for the dock's owner to know: whoever receives a load asks its contracts
-(`transports.dock`), whoever gives one its reservations (`transports.stock_desk`).
+(`transports.dock`), whoever gives one its reservations (`transports.issuing`).
 """
 
 from __future__ import annotations

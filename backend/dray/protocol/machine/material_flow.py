@@ -1,7 +1,7 @@
 """A machine's material flow: what it orders itself, and its goods, besides all else that is brought to it.
 
 Its transports are those of every place (`dray.protocol.transports.transport_flow`); the material that it sees to itself is in
-`supply`, the goods in `finished_goods`, what others have taken away from its buffers in `stock_desk`. Here these parts are joined.
+`supply`, the goods in `finished_goods`, what others have taken away from its buffers in `issuing`. Here these parts are joined.
 What the machine does when something has moved is its own affair.
 """
 
@@ -24,10 +24,10 @@ from dray.protocol.machine.production import Goal, GoalBook
 from dray.protocol.machine.supply import Supply
 from dray.protocol.runtime.events import Effect
 from dray.protocol.runtime.timers import Timers
+from dray.protocol.transports.issuing import Issuing
 from dray.protocol.transports.receiving import GateCount
 from dray.protocol.transports.reservations import Reservations
 from dray.protocol.transports.sourcing import Need
-from dray.protocol.transports.stock_desk import StockDesk
 from dray.protocol.transports.transport_flow import FlowOwner, TransportFlow
 
 
@@ -58,7 +58,7 @@ class MaterialFlow(TransportFlow):
         goals: what it makes.
         supply: its buffers and goods.
         rules: patience and reach of its auctions.
-        timers: its alarms, as for `TransportFlow`, and those of its `StockDesk`.
+        timers: its alarms, as for `TransportFlow`, and those of its `Issuing`.
         out: where effects go.
         owner: the machine.
         incarnation: how often it has been started.
@@ -105,7 +105,7 @@ class MaterialFlow(TransportFlow):
             machine, plant, goals, supply, self.tasks, send=self._send_goods, lose=owner.miss_goods
         )
         self._book = Reservations({item: plant.materials[item].buffer for item in supply.materials})
-        self._desk = StockDesk(
+        self._issuing = Issuing(
             machine,
             self._book,
             timers,
@@ -113,8 +113,8 @@ class MaterialFlow(TransportFlow):
             drains=lambda: owner.is_draining,
             changed=self.note_stock,
         )
-        self.message_handlers |= self._desk.message_handlers
-        self.alarms = {**self.alarms, **self._desk.alarms}
+        self.message_handlers |= self._issuing.message_handlers
+        self.alarms = {**self.alarms, **self._issuing.alarms}
 
     # --- the beginning ---
 
@@ -132,7 +132,7 @@ class MaterialFlow(TransportFlow):
 
     @property
     def is_held(self) -> bool:
-        return super().is_held or self._desk.is_held
+        return super().is_held or self._issuing.is_held
 
     def announce_needs(self, product: str, now_s: float) -> None:
         """Have material brought for what is made and for what is to come, and goods fetched."""
@@ -155,12 +155,12 @@ class MaterialFlow(TransportFlow):
     def note_stock(self, now_s: float) -> None:
         """What lies in the buffers may be other than before: what others count on follows from it."""
         self._book.assume(self._supply.level)
-        self._desk.settle(now_s)
+        self._issuing.settle(now_s)
 
     def on_material(self, report: StockChanged, now_s: float) -> None:
         super().on_material(report, now_s)
         if report.vehicle and report.change < 0:
-            self._desk.on_taken(report.vehicle, report.item)
+            self._issuing.on_taken(report.vehicle, report.item)
         self.note_stock(now_s)
 
     def on_goods(self, report: StockChanged, is_news: bool, now_s: float) -> None:
@@ -187,7 +187,7 @@ class MaterialFlow(TransportFlow):
         if message.station == self._place and message.item and not self.knows(message.task):
             # Another place's transport: what it fetches here is taken away.
             self._book.assume(self._supply.level)
-            self._desk.on_docked(sender, message, now_s)
+            self._issuing.on_docked(sender, message, now_s)
         else:
             super()._on_docked(sender, message, now_s)
 

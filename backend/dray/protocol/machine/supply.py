@@ -6,7 +6,7 @@ from dray.messages import BufferLevel, Transport
 from dray.plant import Plant
 from dray.protocol.machine.production import GoalBook
 from dray.protocol.machine.replenishment import LeadTime, order_quantity, reorder_point, runs_out_at_s
-from dray.protocol.transports.transport_flow import first_lead_s
+from dray.protocol.transports.lead_time import first_lead_s
 
 
 class Supply:

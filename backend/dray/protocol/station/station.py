@@ -1,6 +1,6 @@
 """The station of a storage: tells what lies there and what is promised, and opens its dock for who may fetch it.
 
-Whoever coordinates transports asks it to set material aside before anybody is hired (`transports.stock_desk`); what is promised
+Whoever coordinates transports asks it to set material aside before anybody is hired (`transports.issuing`); what is promised
 is written down before it is said. Like a machine it has a dock: a vehicle asks before it loads. What is brought back is
 put down without a question, for whoever brings it has nowhere else to go. What people want brought here it coordinates itself,
 with the same code as a machine (`transports.transport_flow`).
@@ -28,8 +28,8 @@ from dray.protocol.runtime.trust import Trusts, trusts_nobody
 from dray.protocol.traffic.books.bookkeeping import Bookkeeping
 from dray.protocol.traffic.traffic_map import TrafficMap
 from dray.protocol.transports.carrier_waits import docks_heard
+from dray.protocol.transports.issuing import Issuing
 from dray.protocol.transports.reservations import Reservations
-from dray.protocol.transports.stock_desk import StockDesk
 from dray.protocol.transports.transport_flow import TransportFlow
 
 
@@ -68,7 +68,7 @@ class Station(AgentBase):
         self._book = Reservations({kept.material: kept.capacity for kept in plant.storages[storage].stocks})
         self._told: tuple[StockLevel, ...] = ()
         self._written: tuple[ReservationMemory, ...] = ()
-        self._desk = StockDesk(
+        self._issuing = Issuing(
             storage,
             self._book,
             self._timers,
@@ -90,7 +90,7 @@ class Station(AgentBase):
         )
         self._message_handlers = {
             **self._flow.message_handlers,
-            **self._desk.message_handlers,
+            **self._issuing.message_handlers,
             **self._closures.message_handlers,
             Docked: self._on_docked,
             WorkSought: self._on_sought,
@@ -104,7 +104,7 @@ class Station(AgentBase):
         self._alarm_handlers = {
             BEAT: self._beat,
             **self._closures.alarms,
-            **self._desk.alarms,
+            **self._issuing.alarms,
             **self._flow.alarms,
             **self._bookkeeping.alarms,
         }
@@ -172,7 +172,7 @@ class Station(AgentBase):
         self._heartbeat_timer.at_once(now_s)
 
     def _is_held(self) -> bool:
-        return self._desk.is_held or self._flow.is_held
+        return self._issuing.is_held or self._flow.is_held
 
     def _take_leave(self, now_s: float) -> None:
         self._say_status(now_s)
@@ -196,7 +196,7 @@ class Station(AgentBase):
         if docked.station != self.id and not self._flow.knows(docked.task):
             self._out.append(Ignore("asked for the dock of another storage"))
         elif docked.item and docked.station == self.id and not self._flow.knows(docked.task):
-            self._desk.on_docked(sender, docked, now_s)
+            self._issuing.on_docked(sender, docked, now_s)
         else:
             self._flow.message_handlers[Docked](sender, docked, now_s)
 
@@ -208,14 +208,14 @@ class Station(AgentBase):
         self._book.change(report.item, report.change, report.seq)
         self._flow.on_material(report, now_s)
         if report.change < 0:
-            self._desk.on_taken(report.vehicle, report.item)
+            self._issuing.on_taken(report.vehicle, report.item)
         self._go_on(now_s)
 
     # --- what follows ---
 
     def _go_on(self, now_s: float) -> None:
         """See to all that follows from a change: promises, what cannot be kept, what is short, when to look again."""
-        self._desk.settle(now_s)
+        self._issuing.settle(now_s)
         if not self._shutdown.begun:
             self._flow.called.pursue(now_s)
         self._flow.called.review(now_s)

@@ -55,7 +55,7 @@ class Flow(Protocol):
     def seek(self, task: str, work: Transport, deadline_s: float, now_s: float) -> None:
         """Have a load set aside, and then fetched."""
 
-    def end(self, task: OpenTask) -> None:
+    def cancel(self, task: OpenTask) -> None:
         """End a transport that is not needed any more."""
 
     def drop(self, task: str) -> None:
@@ -151,7 +151,7 @@ class CalledTransports:
             self._out.append(Ignore("has as many transports to see to as it can"))
         else:
             called = self._open[order.transport] = CalledTransport(order)
-            self._adopt(called)
+            self._take_up(called)
             self._write(called)
             self.pursue(now_s)
             self.review(now_s)
@@ -163,7 +163,7 @@ class CalledTransports:
         if called is not None and not self._is_on_board(called):
             task = self._flow.tasks.get(called.task)
             if task is not None:
-                self._flow.end(task)
+                self._flow.cancel(task)
             elif called.task:
                 self._flow.drop(called.task)
             self._end(called, TransportState.CANCELLED)
@@ -238,7 +238,7 @@ class CalledTransports:
             )
             called = self._open[note.transport] = CalledTransport(order)
             called.done, called.attempt = note.done, note.attempt
-            self._adopt(called)
+            self._take_up(called)
 
     def commits(self) -> Sequence[Commit]:
         """What is to be written down."""
@@ -248,7 +248,7 @@ class CalledTransports:
 
     # --- how it is done ---
 
-    def _adopt(self, called: CalledTransport) -> None:
+    def _take_up(self, called: CalledTransport) -> None:
         """Its load may be on its way for an earlier life."""
         for task in self._flow.tasks:
             if _transport_of(task.id) == called.id:

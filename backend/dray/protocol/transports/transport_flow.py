@@ -44,6 +44,7 @@ from dray.protocol.runtime.timers import Timers
 from dray.protocol.transports.called import CalledTransports
 from dray.protocol.transports.dock import Dock, Stock
 from dray.protocol.transports.handovers import Handovers
+from dray.protocol.transports.lead_time import first_lead_s
 from dray.protocol.transports.receiving import GateCount
 from dray.protocol.transports.recovery import RECOVERY_WAIT, Recovery
 from dray.protocol.transports.sourcing import Need, Sourcing
@@ -53,9 +54,6 @@ NOT_REMEMBERED = "about a task that may be of a life that has left no notes"
 
 HELD_MAX_S = 60.0
 """How long a vehicle may wait for room: two or three cycles, if the machine can work at all."""
-
-TYPICAL_APPROACH_S = 45.0
-"""A first guess of how long a vehicle needs to reach a storage, until lead times are measured."""
 
 
 class FlowOwner(Protocol):
@@ -336,7 +334,7 @@ class TransportFlow:
         self._owner.beat_soon(now_s)
         self._owner.pursue(now_s)
 
-    def end(self, task: OpenTask) -> None:
+    def cancel(self, task: OpenTask) -> None:
         """End a transport that is not needed any more."""
         self.tasks.close(task, "withdrawn")
         self._note_settled(cast(Transport, task.work), None)
@@ -400,15 +398,3 @@ class TransportFlow:
 
     def _ask_for_count(self, goal: str, now_s: float) -> None:
         """The gate may have counted more of a goal than is known."""
-
-
-def first_lead_s(plant: Plant, place: str, sources: Iterable[str]) -> float:
-    """How long it takes until a load is brought, before anything was learned of it (s)."""
-    node = plant.node_of(place)
-    ways_s = [
-        plant.routes(kind).duration_s(plant.node_of(source), node)
-        for source in sources
-        for kind in plant.vehicle_types
-    ]
-    handling_s = max(kind.load_s + kind.unload_s for kind in plant.vehicle_types.values())
-    return TYPICAL_APPROACH_S + min(ways_s) + handling_s

@@ -107,8 +107,7 @@ class Transports(Coordinator):
             machine, place, audience, rules, timers, out, contracted, assessor, heard, incarnation=incarnation
         )
         self.reliability = assessor.reliability
-        self._commit = commit
-        self._ended = ended
+        self._commit, self._ended = commit, ended
         self._lost = lost
         self._left = left
         self._unloaded = unloaded
@@ -210,7 +209,7 @@ class Transports(Coordinator):
         if any(other.primary == sender for other in self):
             self._out.append(Ignore("a bid by one that carries for this coordinator"))
         elif task is not None and cast(Transport, task.work).vehicle not in ("", sender):
-            self._out.append(Ignore("a bid for what only another vehicle may carry"))
+            self._out.append(Ignore("a bid for another vehicle's transport"))
         elif task is not None and bid.role is Role.SECONDARY:
             self._secondaries.on_bid(task, sender, bid, now_s)
         else:

@@ -24,8 +24,8 @@ FETCHED = "asked again for what was fetched"
 DRAINING = "asked for while the station was draining"
 
 
-class StockDesk:
-    """The desk of one place.
+class Issuing:
+    """What one place gives out.
 
     Args:
         place: whose.
