@@ -144,6 +144,8 @@ async def _fill(house: House) -> dict[str, str]:
     token = order["tracking_url"].rpartition("/")[2]
     await house.alerts.look()
     draft = (await house.client.post("/api/plant-drafts", json={"name": "Hall 2"})).json()["id"]
+    called = {"from": "S3", "to": "M8", "item": "shaft", "quantity": 4}
+    transport = (await house.client.post("/api/transports", json=called)).json()["id"]
     return {
         "alert": "machine_error-M1",
         "order": order["id"],
@@ -156,6 +158,7 @@ async def _fill(house: House) -> dict[str, str]:
         "closure": "c1f0a93be",
         "call": "ATV1-1-1",
         "draft": draft,
+        "transport": transport,
     }
 
 

@@ -149,7 +149,9 @@ async def list_transports(
     transports: Provided[PlainTransports],
     caller: Caller,
     status: Annotated[list[TransportState] | None, Query(description="Only these; may be repeated")] = None,
-    place: Annotated[str, Query(max_length=32, description="Only those from or to this place")] = "",
+    place: Annotated[
+        str, Query(max_length=32, pattern=r"^[^\x00]*$", description="Only those from or to this place")
+    ] = "",
     cursor: Cursor = None,
     limit: Limit = PAGE,
 ) -> Json:
