@@ -36,9 +36,7 @@ from dray.store.orders.transports import TransportRow
 router = APIRouter(tags=["transports"])
 
 
-class TransportAnswer(
-    msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True, rename={"source": "from"}
-):
+class TransportAnswer(msgspec.Struct, frozen=True, kw_only=True, rename={"source": "from"}):
     """A plain transport."""
 
     id: str
