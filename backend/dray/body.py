@@ -149,6 +149,8 @@ class LinkNoticed(Part, frozen=True):
     """The vehicle's modem has lost the WLAN, or is back on it."""
 
     link: Link
+    access_point: str = ""
+    """Of a loss: over which it was on the WLAN last; empty where the modem does not know."""
 
 
 _OnTheWay = NodePassed | WayDone | WayBlocked | WayFree

@@ -66,7 +66,6 @@ from dray.messages.heartbeat import (
     BufferLevel,
     GoalBrief,
     JoiningMachine,
-    Link,
     MachineHeartbeat,
     MachineStatus,
     MaterialWait,
@@ -80,6 +79,7 @@ from dray.messages.heartbeat import (
     TaskBrief,
 )
 from dray.messages.history import Event, EventsAsked, EventsKept
+from dray.messages.link import Link, LostWlan
 from dray.messages.order import (
     CancellationTaken,
     OrderCancelled,
@@ -238,6 +238,7 @@ __all__ = [
     "Implausible",
     "JoiningMachine",
     "Link",
+    "LostWlan",
     "MachineCommand",
     "MachineCommandKind",
     "MachineHeartbeat",

@@ -26,6 +26,7 @@ from dray.messages.base import (
     Text,
 )
 from dray.messages.floor.traffic import NO_RANK, Places, Rank
+from dray.messages.link import Link, LostWlan
 from dray.messages.problem import HelpWanted, Problem
 from dray.messages.reason import Reason
 
@@ -52,13 +53,6 @@ class MachineStatus(StrEnum):
     BLOCKED = "blocked"
     """Has a goal, but its output buffer is full."""
     ERROR = "error"
-
-
-class Link(StrEnum):
-    """The way by which an ATV's heartbeat reaches the cloud (paper, case 3)."""
-
-    WLAN = "wlan"
-    MESH = "mesh"
 
 
 class Role(StrEnum):
@@ -184,6 +178,8 @@ class AtvHeartbeat(Message, frozen=True):
     link: Link = Link.WLAN
     via: tuple[Id, ...] = ()
     """The vehicles that passed this heartbeat on, in order, when the link is MESH."""
+    lost_wlan: LostWlan | UnsetType = UNSET
+    """Left out while the link is WLAN."""
     task: Brief | None = None
     """The task it is primary of: at most one (invariant 3)."""
     watches: tuple[Brief, ...] = ()

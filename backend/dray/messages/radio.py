@@ -30,7 +30,8 @@ from dray.messages.contract import (
     Withdrawn,
 )
 from dray.messages.floor.traffic import HoldsAsked, PlaceGranted, PlaceWished, YieldAsked, YieldRefused
-from dray.messages.heartbeat import AtvHeartbeat, Link
+from dray.messages.heartbeat import AtvHeartbeat
+from dray.messages.link import Link
 from dray.messages.people.call import CallAnswered, HelpCall
 from dray.messages.people.command import CommandAnswered, VehicleCommand
 
@@ -66,7 +67,7 @@ DISPENSABLE: tuple[dict[str, Any], ...] = (
     {"watches": ()},
     {"software": "", "dwell_point": "", "about_problem": UNSET},
     {"floor": UNSET, "closures": UNSET},
-    {"out_of_service": UNSET},
+    {"out_of_service": UNSET, "lost_wlan": UNSET},
 )
 """What a heartbeat leaves out so that it fits into a frame, in this order: what others can do without first."""
 

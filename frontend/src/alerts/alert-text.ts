@@ -47,12 +47,21 @@ function kindText(alert: AlertView, nowS: number, speed: number): string {
     case "atv_battery":
       return t("alerts.what.atv_battery", { percent: format.percent(battery_frac ?? 0) });
     case "atv_mesh":
-      return alert.vehicles.length === 0 ? t("alerts.what.atv_mesh") : t("alerts.what.atv_meshOver", { atvs: format.list(alert.vehicles) });
+      return meshText(alert, nowS);
     case "order_late":
       return t("alerts.what.order_late", { due: format.due(until_at_s ?? nowS, nowS) });
     default:
       return t(`alerts.what.${kind}`);
   }
+}
+
+/** Since when, by which access point before, and over whom it is heard: as much of it as is known. */
+function meshText({ access_point: point, seen_at_s: sinceS, vehicles }: AlertView, nowS: number): string {
+  const said = [t("alerts.what.atv_mesh")];
+  if (sinceS !== null) said.push(t("alerts.what.atv_meshSince", { age: format.age(nowS - sinceS) }));
+  if (point !== "") said.push(t("alerts.what.atv_meshAt", { point }));
+  if (vehicles.length > 0) said.push(t("alerts.what.atv_meshOver", { atvs: format.list(vehicles) }));
+  return said.join(", ");
 }
 
 function overloadText({ carried_frac, waiting }: AlertView): string {

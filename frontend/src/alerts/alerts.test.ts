@@ -7,7 +7,7 @@ const cause = (more: Partial<CauseView>): CauseView => ({ reason: "", detail: ""
 
 const alert = (more: Partial<AlertView>): AlertView => ({
   id: `${more.kind ?? "machine_error"}-${more.agent ?? "M8"}`, kind: "machine_error", level: "alarm", response: "repair",
-  since_at_s: 100, agent: "M8", task: "", order: "", place: "", vehicles: [], keepers: [], cause: null, by: "", seen_at_s: null, until_at_s: null,
+  since_at_s: 100, agent: "M8", task: "", order: "", place: "", vehicles: [], keepers: [], cause: null, by: "", seen_at_s: null, access_point: "", until_at_s: null,
   battery_frac: null, behind_s: null, clock_ahead_s: null, waiting: null, carried_frac: null,
   acknowledged_by: "", acknowledged_at_s: null, ...more,
 });
@@ -66,6 +66,9 @@ describe("an alert says", () => {
 
   test("for how long nothing was heard", () => {
     expect(said({ kind: "atv_lost", seen_at_s: 70 })).toBe("No heartbeat for 30 s");
+    expect(said({ kind: "atv_mesh" })).toBe("No WLAN");
+    const mesh = said({ kind: "atv_mesh", seen_at_s: 70, access_point: "AP3", vehicles: ["ATV1"] });
+    expect(mesh).toBe("No WLAN, for 30 s, last at AP3, heard over ATV1");
     const station = alert({ kind: "station_lost", agent: "S1", response: "look_at_station", seen_at_s: 70 });
     expect(whatText(station, 100, 1).replaceAll("\u202f", " ")).toBe("No heartbeat of its station for 30 s: nobody is promised material from here");
     expect(asksText(station)).toContain("power and network");

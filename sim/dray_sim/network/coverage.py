@@ -98,6 +98,12 @@ class Coverage:
         """The same with more holes, and more access points off."""
         return Coverage(self.access_points, (*self.holes, *holes), (*self.down, *down), whole=self.whole)
 
+    def nearest(self, x_m: float, y_m: float) -> str:
+        """The access point that a point is served by while all are up; empty for none."""
+        near = [(hypot(x_m - point.x_m, y_m - point.y_m), point) for point in self.access_points]
+        served = [(away_m, point.id) for away_m, point in near if away_m <= point.range_m]
+        return min(served, default=(0.0, ""))[1]
+
     def covers(self, x_m: float, y_m: float) -> bool:
         """Whether the WLAN reaches a point; a circle's edge belongs to it."""
         if self.perfect:

@@ -22,16 +22,21 @@ NOTICE_S = 1.0
 point (one in 102 ms) and a few tries to reach another, or the time to join again."""
 
 
+Notice = Callable[["Link", str], None]
+"""What a vehicle is told: by which link it speaks now, and by which access point it was served when it lost the WLAN."""
+
+
 class Modem:
     """One vehicle's modem.
 
     Args:
         agent: the vehicle.
         where: its pose at this moment.
-        notice: told when the link has changed.
+        notice: told when the link has changed; see `Notice`.
 
     Attributes:
         link: what the modem uses at present.
+        access_point: by which it was served when it saw the WLAN go; empty for none that is known.
         pending: it has seen another state and waits whether that lasts.
         gateway: who last passed a frame of this vehicle on to the bus; empty for nobody.
         gateway_s: when that was.
@@ -42,6 +47,7 @@ class Modem:
         "_at_s",
         "_position_m",
         "_where",
+        "access_point",
         "agent",
         "gateway",
         "gateway_s",
@@ -52,10 +58,11 @@ class Modem:
         "tokens_s",
     )
 
-    def __init__(self, agent: str, where: Callable[[], Pose], notice: Callable[[Link], None]) -> None:
+    def __init__(self, agent: str, where: Callable[[], Pose], notice: Notice) -> None:
         self.agent = agent
         self.notice = notice
         self.link = Link.WLAN
+        self.access_point = ""
         self.pending = False
         self.gateway = ""
         self.gateway_s = 0.0
@@ -75,7 +82,7 @@ class Modem:
     def turn_to(self, link: Link) -> None:
         """Use this link from now on, and say so."""
         self.link = link
-        self.notice(link)
+        self.notice(link, self.access_point if link is Link.MESH else "")
 
 
 class Modems:
@@ -131,6 +138,8 @@ class Modems:
         has_wlan = self.has_wlan(modem.agent)
         if has_wlan is not (modem.link is Link.WLAN) and not modem.pending:
             modem.pending = True
+            if not has_wlan:
+                modem.access_point = self._links.coverage.nearest(*modem.position_m(self._clock.time_s))
             self._clock.call_at(self._clock.time_s + NOTICE_S, self._notice, modem)
         return has_wlan
 

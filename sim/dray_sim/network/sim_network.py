@@ -31,7 +31,7 @@ from dray.messages.speakers import objection
 from dray_sim.network.coverage import Coverage
 from dray_sim.network.latency import WLAN, Latency
 from dray_sim.network.links import Links
-from dray_sim.network.modem import Modem, Modems
+from dray_sim.network.modem import Modem, Modems, Notice
 from dray_sim.network.radio import RADIO, UNFIT, Frame, Radio, RadioSpec
 from dray_sim.network.session import SimSession
 from dray_sim.network.subscriptions import Subscriptions
@@ -141,7 +141,7 @@ class SimNetwork:
 
     # --- what can go wrong -----------------------------------------------------------------------
 
-    def equip(self, agent: str, where: Callable[[], Pose], notice: Callable[[Link], None]) -> None:
+    def equip(self, agent: str, where: Callable[[], Pose], notice: Notice) -> None:
         """Give a vehicle its modem. Whoever has none is wired. Again for the same agent: a new modem.
 
         Args:

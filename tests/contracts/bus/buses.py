@@ -115,7 +115,7 @@ class Ill(InProcess):
     def run(self, test: Coroutine[Any, Any, None]) -> None:
         async def main() -> None:
             network = SimNetwork(clock(), Random(7), coverage=Coverage(holes=[Hole(0.0, 0.0, 1.0)]))
-            network.equip("V", lambda: Pose(0.0, 0.0, 0.0), lambda _: None)
+            network.equip("V", lambda: Pose(0.0, 0.0, 0.0), lambda *_: None)
             for fault in (WlanCut("V"), LinkTrouble(sender="V*", loss_frac=1.0), Partition((("V",),))):
                 network.begin(fault)
             self.bus = network

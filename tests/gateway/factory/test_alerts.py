@@ -6,7 +6,7 @@ from typing import Any, get_args
 
 import pytest
 from alerts_kit import alerts, the_alert
-from facts_kit import wall_s
+from facts_kit import SPEED, wall_s
 from fake_bus import PLANT
 from heartbeats import atv_heartbeat, events, machine_heartbeat, station_heartbeat
 from msgspec import UNSET
@@ -22,6 +22,7 @@ from dray.messages import (
     Brief,
     HelpWanted,
     Link,
+    LostWlan,
     MachineStatus,
     MaterialWait,
     OutOfService,
@@ -103,15 +104,21 @@ def test_a_vehicle_has_its_gravest_trouble(projection: Projection, fields: dict[
     assert the_alert(projection).kind == kind
 
 
+LOST = LostWlan(since_s=-4.0, access_point="AP3")
+
+
 def test_a_vehicle_that_has_lost_its_wlan_is_an_alert_that_tells_over_whom_it_is_heard(
     projection: Projection,
 ) -> None:
     projection.fold(atv_heartbeat("ATV2", 1, task=CARRYING))
     assert alerts(projection) == []
-    projection.fold(atv_heartbeat("ATV2", 2, task=CARRYING, link=Link.MESH, via=("ATV4", "ATV1")))
+    projection.fold(
+        atv_heartbeat("ATV2", 2, task=CARRYING, link=Link.MESH, via=("ATV4", "ATV1"), lost_wlan=LOST)
+    )
     alert = the_alert(projection)
     assert (alert.kind, alert.level, alert.response) == ("atv_mesh", "warning", "repair_link")
     assert alert.vehicles == ("ATV4", "ATV1")
+    assert (alert.access_point, alert.seen_at_s) == ("AP3", NOW_S + LOST.since_s / SPEED)
     projection.fold(atv_heartbeat("ATV2", 3, task=CARRYING))
     assert alerts(projection) == []
 

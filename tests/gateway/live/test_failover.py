@@ -219,6 +219,12 @@ def test_of_a_link_only_the_newest_is_kept_and_it_is_the_newest_news(projection:
     assert [(line.agent, line.kind) for line in news] == [("ATV4", "link_lost"), ("ATV2", "link_back")]
 
 
+def test_news_that_come_late_stand_at_their_time(projection: Projection) -> None:
+    tell(projection, "ATV4", LinkChanged(link=Link.WLAN), at_s=120.0)
+    tell(projection, "ATV2", LinkChanged(link=Link.MESH), at_s=110.0)
+    assert [line.agent for line in projection.news.views()] == ["ATV2", "ATV4"]
+
+
 def test_news_that_come_late_change_nothing(projection: Projection) -> None:
     tell(projection, "ATV2", LinkChanged(link=Link.WLAN), at_s=120.0, first=2)
     projection.discard_changes()

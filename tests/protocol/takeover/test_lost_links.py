@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from defaults import PLANT
 from effects import instructed, sent
+from msgspec import UNSET
 from rigs import VehicleRig
 from spoken import award
 from watches import GOODS, carrying, guard, newest
@@ -17,6 +18,7 @@ from dray.messages import (
     DockOpened,
     Handover,
     Link,
+    LostWlan,
     Resigned,
     Role,
 )
@@ -32,6 +34,18 @@ def test_a_vehicle_on_the_mesh_keeps_its_task_and_takes_nothing_else() -> None:
     assert newest(rig).task is not None
     declined = sent(rig.on_message("M9", award(task="M9-2", role=Role.SECONDARY, primary="ATV2")), Declined)
     assert len(declined) == 1
+
+
+def test_a_heartbeat_tells_since_when_there_is_no_wlan_and_by_which_access_point_there_was() -> None:
+    rig = carrying()
+    assert newest(rig).lost_wlan is UNSET
+    rig.report(LinkNoticed(link=Link.MESH, access_point="AP3"))
+    lost = LostWlan(since_s=rig.now_s, access_point="AP3")
+    assert newest(rig).lost_wlan == lost
+    rig.run(rig.now_s + 30.0)
+    assert newest(rig).lost_wlan == lost
+    rig.report(LinkNoticed(link=Link.WLAN))
+    assert newest(rig).lost_wlan is UNSET
 
 
 def test_a_watch_is_given_back_on_the_mesh_and_taken_again_after_the_repair() -> None:

@@ -19,7 +19,7 @@ from dray.messages import (
 from dray_sim.clock.loop import clock, run
 from dray_sim.faults import WlanCut
 from dray_sim.network.coverage import Coverage
-from dray_sim.network.modem import NOTICE_S
+from dray_sim.network.modem import NOTICE_S, Notice
 from dray_sim.network.radio import RADIO, RadioSpec
 from dray_sim.network.sim_network import SimNetwork
 from dray_sim.run.trace import Trace
@@ -53,10 +53,12 @@ class Floor:
         self.places_m = dict(enumerate(places_m))
         self.heard: dict[str, list[tuple[str, Message]]] = {}
         self.noticed: dict[str, list[tuple[float, Link]]] = {}
+        self.served: dict[str, list[str]] = {}
+        """By vehicle, which access points its modem has named with that."""
         self.sessions = {}
         for number in self.places_m:
             name = f"V{number}"
-            self.noticed[name] = []
+            self.noticed[name], self.served[name] = [], []
             self.network.equip(name, self._where(number), self._notice(name))
             self.join(name)
         for name in "MG":
@@ -70,8 +72,12 @@ class Floor:
     def _where(self, number: int) -> Callable[[], Pose]:
         return lambda: Pose(self.places_m[number], 0.0, 0.0)
 
-    def _notice(self, name: str) -> Callable[[Link], None]:
-        return lambda link: self.noticed[name].append((clock().now_s(), link))
+    def _notice(self, name: str) -> Notice:
+        def notice(link: Link, access_point: str) -> None:
+            self.noticed[name].append((clock().now_s(), link))
+            self.served[name].append(access_point)
+
+        return notice
 
     async def cut(self, *names: str) -> None:
         """Take the WLAN of these vehicles, and wait until they have noticed."""

@@ -182,7 +182,7 @@ async def storm(seed: int, *, codec: bool = False) -> str:
             return Pose(20.0 * cos(angle), 10.0 * sin(angle), 0.0)
 
         name = f"V{number}"
-        network.equip(name, where, lambda _: beat())
+        network.equip(name, where, lambda *_: beat())
         session = network.join(name, lambda *_: None)
 
         def beat() -> None:

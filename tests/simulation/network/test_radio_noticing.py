@@ -111,8 +111,15 @@ def test_an_access_point_that_fails_leaves_its_vehicles_with_their_radios() -> N
         floor.network.end(AccessPointDown("AP1"))
         await asyncio.sleep(SOON_S)
         assert [link for _, link in floor.noticed["V0"]] == [Link.MESH, Link.WLAN]
+        assert floor.served["V0"] == ["AP1", ""]
 
     play(story())
+
+
+def test_the_access_point_that_a_place_is_served_by_is_the_nearest_whether_it_is_up_or_not() -> None:
+    points = [AccessPoint("AP1", 0.0, 0.0, 15.0), AccessPoint("AP2", 25.0, 0.0, 15.0)]
+    coverage = Coverage(points, down=["AP1"])
+    assert [coverage.nearest(x_m, 0.0) for x_m in (0.0, 12.0, 13.0, 90.0)] == ["AP1", "AP1", "AP2", ""]
 
 
 def test_the_coverage_can_be_replaced_at_run_time_and_faults_stay_in_it() -> None:

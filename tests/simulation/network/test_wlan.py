@@ -168,7 +168,7 @@ def test_an_agents_own_words_reach_itself_whatever_is_wrong() -> None:
     async def main() -> None:
         faults = (LinkTrouble(loss_frac=1.0), WlanCut("A"), Partition((("A",), ("B",))))
         network = SimNetwork(clock(), Random(1))
-        network.equip("A", lambda: HERE, lambda _: None)
+        network.equip("A", lambda: HERE, lambda *_: None)
         heard: list[str] = []
         session = network.join("A", lambda sender, _: heard.append(sender))
         session.subscribe("p/k")

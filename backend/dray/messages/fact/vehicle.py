@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dray.messages.base import Count, Id, IdOrNone, Seconds, Text
 from dray.messages.fact.base import Fact
-from dray.messages.heartbeat import AtvStatus, Link, Phase
+from dray.messages.heartbeat import AtvStatus, Phase
+from dray.messages.link import Link
 from dray.messages.problem import NOTHING_KNOWN, Problem, ProblemKind
 from dray.messages.reason import CommandRefusal
 

@@ -283,7 +283,7 @@ class Atv(AgentBase):
     def _link_noticed(self, report: LinkNoticed, now_s: float) -> None:
         if report.link is self.link:
             return
-        self.link = report.link
+        self.link, self._status_report.access_point = report.link, report.access_point
         self._out.append(Record(LinkChanged(link=report.link)))
         self._obstacles.tell(now_s)
         if report.link is Link.MESH:

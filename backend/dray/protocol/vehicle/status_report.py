@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Protocol
 
-from msgspec import UNSET
+from msgspec import UNSET, UnsetType
 
-from dray.messages import NOTHING_KNOWN, AtvHeartbeat, AtvStatus, Link
+from dray.messages import NOTHING_KNOWN, AtvHeartbeat, AtvStatus, Link, LostWlan
 from dray.protocol.closures.known_floor import KnownFloor
 from dray.protocol.runtime.heartbeat_timer import HeartbeatTimer
 from dray.protocol.vehicle.contracts import Contracts
@@ -38,6 +38,9 @@ class StatusReport:
         software: the version it runs.
         timer: numbers heartbeats.
         driver, contracts, idle, commands: the vehicle's parts.
+
+    Attributes:
+        access_point: by which its modem was on the WLAN last; empty for not known.
     """
 
     def __init__(
@@ -57,6 +60,8 @@ class StatusReport:
         self._contracts = contracts
         self._idle = idle
         self._commands = commands
+        self.access_point = ""
+        self._lost: LostWlan | UnsetType = UNSET
 
     @property
     def status(self) -> AtvStatus:
@@ -114,6 +119,7 @@ class StatusReport:
             speed_limit_frac=driver.speed_frac,
             acknowledged=self._commands.acknowledged,
             link=link,
+            lost_wlan=self._lost_wlan(link, now_s),
             problem=assistance.problem,
             about_problem=UNSET if assistance.about == NOTHING_KNOWN else assistance.about,
             help=assistance.help,
@@ -124,3 +130,11 @@ class StatusReport:
             floor=driver.floor(now_s),
             closures=self._vehicle.floor.closures_known,
         )
+
+    def _lost_wlan(self, link: Link, now_s: float) -> LostWlan | UnsetType:
+        """Since when it is left with its radio: every change of the link is told at once."""
+        if link is Link.WLAN:
+            self._lost = UNSET
+        elif self._lost is UNSET:
+            self._lost = LostWlan(since_s=now_s, access_point=self.access_point)
+        return self._lost

@@ -178,11 +178,11 @@ class SimVehicle:
     def stopped(self) -> bool:
         return self._condition.stopped
 
-    def notice_link(self, link: Link) -> None:
+    def notice_link(self, link: Link, access_point: str = "") -> None:
         """The modem has lost the WLAN or is back on it; told when that is a change."""
         if link is not self._link:
             self._link = link
-            self._reporter.say(LinkNoticed(link=link))
+            self._reporter.say(LinkNoticed(link=link, access_point=access_point))
             self._reporter.flush_soon()
 
     def power_off(self) -> None:

@@ -42,7 +42,7 @@ class News:
     def __init__(self, to_wall_s: ToWall) -> None:
         self._to_wall_s = to_wall_s
         self._news: dict[str, NewsView] = {}
-        """Oldest first."""
+        """By name."""
         self._on: dict[type, Callable[[Event, Any], bool]] = {
             TookOver: self._took_over,
             CarrierChanged: self._carrier_changed,
@@ -68,8 +68,8 @@ class News:
         return handler is not None and handler(event, event.fact)
 
     def views(self) -> tuple[NewsView, ...]:
-        """All that is kept, oldest first."""
-        return tuple(self._news.values())
+        """All that is kept, oldest first; what has come late stands at its time."""
+        return tuple(sorted(self._news.values(), key=lambda news: news.at_s))
 
     def take_changed(self) -> tuple[NewsView, ...]:
         """What has changed since the last call."""
@@ -166,7 +166,7 @@ class News:
         self._news[news.id] = news
         self.changes.mark(news.id)
         if len(self._news) > NEWS_KEPT:
-            oldest = next(iter(self._news))
+            oldest = min(self._news, key=lambda name: self._news[name].at_s)
             del self._news[oldest]
             self.changes.drop(oldest)
         return True

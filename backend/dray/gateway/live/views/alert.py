@@ -91,7 +91,9 @@ class Condition(View, kw_only=True):
     by: str = ""
     """Who is on the way to help, or has shut the agent out."""
     seen_at_s: float | None = None
-    """Of who is lost: when it was last heard. Of a call for help: since when."""
+    """Of who is lost: when it was last heard. Of a call for help, or without WLAN: since when."""
+    access_point: str = ""
+    """Of a vehicle without WLAN: over which it was on it last; empty where that is not known."""
     until_at_s: float | None = None
     """How long help is waited for, or when the order was due."""
     battery_frac: float | None = None

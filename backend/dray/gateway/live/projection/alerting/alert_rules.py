@@ -204,7 +204,14 @@ def of_atvs(
             yield Condition(kind="atv_battery", agent=agent, battery_frac=round(heard.battery_frac, 2))
         # Its heartbeat tells that at once, over others; the fact of it may be under way for long.
         elif heard.link is Link.MESH:
-            yield Condition(kind="atv_mesh", agent=agent, vehicles=heard.via)
+            lost = heard.lost_wlan or None
+            yield Condition(
+                kind="atv_mesh",
+                agent=agent,
+                vehicles=heard.via,
+                seen_at_s=None if lost is None else now.to_wall_s(lost.since_s),
+                access_point="" if lost is None else lost.access_point,
+            )
 
 
 def of_transports(tasks: Iterable[TaskView], told: Iterable[Condition]) -> Iterator[Condition]:
