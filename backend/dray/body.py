@@ -19,7 +19,8 @@ from dray.gate import GoodsArrived as GoodsArrived  # noqa: PLC0414
 from dray.messages.base import Part
 from dray.messages.floor.obstacle import WayBlocked as WayBlocked  # noqa: PLC0414
 from dray.messages.floor.obstacle import WayFree as WayFree  # noqa: PLC0414
-from dray.messages.heartbeat import Link, Pose
+from dray.messages.heartbeat import Pose
+from dray.messages.link import Link
 from dray.messages.people.call import CallAnswer, HelpCall
 from dray.messages.problem import NOTHING_KNOWN, Problem, ProblemKind
 

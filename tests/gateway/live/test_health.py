@@ -16,7 +16,7 @@ from dray.errors import UnavailableError
 from dray.gateway.live import health, strategist_probe
 from dray.messages import EventsAsked, EventsKept, Message
 from dray.messages.fact import LinkChanged
-from dray.messages.heartbeat import Link
+from dray.messages.link import Link
 from dray.store.history.events import Events
 from dray.store.work import Work
 

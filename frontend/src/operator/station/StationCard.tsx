@@ -62,12 +62,13 @@ function Goals({ machine }: { machine: MachineView }) {
   if (machine.goals.length === 0) return <p class="muted">{t("station.noGoal")}</p>;
   return (
     <ul class="goals">
-      {machine.goals.map(({ deadline_at_s: atS, goal, made, product, quantity }) => (
+      {machine.goals.map(({ deadline_at_s: atS, goal, made, order_due_at_s: orderS, product, quantity }) => (
         <li key={goal}>
           <span class="clip">{names.value(product)}</span>
           <Meter frac={quantity > 0 ? made / quantity : 0} label={t("station.goalLabel", { item: names.value(product), made, quantity })} />
           <span class="num">{t("machine.level", { level: format.count(made), capacity: format.count(quantity) })}</span>
           {atS !== null && <small>{t("station.due", { at: format.due(atS, moment.value.nowS) })}</small>}
+          {orderS !== null && <small>{t("station.orderDue", { at: format.due(orderS, moment.value.nowS) })}</small>}
         </li>
       ))}
     </ul>

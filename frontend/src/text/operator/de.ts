@@ -241,6 +241,7 @@ export const de: Catalogue<typeof en> = {
   "station.noGoal": "Sie hat kein Ziel.",
   "station.goalLabel": "{item}: {made} von {quantity} gefertigt",
   "station.due": "soll fertig sein: {at}",
+  "station.orderDue": "Auftrag fällig: {at}",
   "station.title": "Material",
   "station.none": "Wählen Sie im Plan eine Maschine, um ihr Material zu sehen.",
   "station.coming": "+{quantity} mit {atv}, {at}",

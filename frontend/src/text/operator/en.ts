@@ -239,6 +239,7 @@ export const en = {
   "station.noGoal": "It has no goal.",
   "station.goalLabel": "{item}: {made} of {quantity} made",
   "station.due": "should be done {at}",
+  "station.orderDue": "order due {at}",
   "station.title": "Material",
   "station.none": "Choose a machine on the map to see its material.",
   "station.coming": "+{quantity} with {atv}, {at}",

@@ -241,6 +241,7 @@ export const es: Catalogue<typeof en> = {
   "station.noGoal": "No tiene objetivo.",
   "station.goalLabel": "{item}: {made} de {quantity} hechas",
   "station.due": "debe estar listo {at}",
+  "station.orderDue": "pedido para {at}",
   "station.title": "Material",
   "station.none": "Elija una máquina en el plano para ver su material.",
   "station.coming": "+{quantity} con {atv}, {at}",

@@ -38,6 +38,18 @@ def test_an_order_is_followed_from_its_release_to_its_last_piece(projection: Pro
     assert projection.orders.views()[0].delivered_at_s == wall_s(501.0)
 
 
+def test_a_machines_goal_tells_when_its_order_is_due(projection: Projection) -> None:
+    projection.orders.put(order("O-1", 4, due_at_s=wall_s(1000.0)))
+    tell(projection, "strategist", contracted())
+    goals = tuple(
+        GoalBrief(goal=name, product="P1", quantity=4, made=0, delivered=0) for name in ("G1", "G9")
+    )
+    projection.fold(machine_heartbeat("M8", goals=goals))
+    view = projection.machines.view("M8")
+    assert view is not None
+    assert [goal.order_due_at_s for goal in view.goals] == [wall_s(1000.0), None]
+
+
 def test_facts_of_an_order_in_any_order_and_twice_end_the_same(projection: Projection) -> None:
     told = events(
         "somebody", contracted(), contracted("G2", 1, 2), made(2), made(4), arrived(2), arrived(4),

@@ -151,6 +151,11 @@ class Orders:
         """One order, if it is kept here."""
         return self._orders.get(order)
 
+    def due_of(self, goal: str) -> float | None:
+        """When the order of a goal is due; None where that is not known."""
+        order = self.get(self._order_of.get(goal, ""))
+        return None if order is None else order.due_at_s
+
     def waits(self, order: str) -> CauseView | None:
         """Why an order waits; None when it goes on, or is not kept here."""
         if strange := self._strange.get(order):

@@ -88,8 +88,8 @@ class Projection:
         self.tasks = Tasks(time.to_wall_s)
         storages = {storage.id: storage for storage in plant.storages}
         self.stations = Stations(storages, time.to_wall_s, self.outsiders, self.clocks, self._silence)
-        products = frozenset(product.id for product in plant.products)
-        self.orders = Orders(time.to_wall_s, products, self._materials)
+        self.orders = Orders(time.to_wall_s, frozenset(each.id for each in plant.products), self._materials)
+        self.machines.due_of = self.orders.due_of
         self.alerts, self.traffic, self.commands = Alerts(), Traffic(plant.lanes), RecentCommands()
         self.faults = InjectedFaults(possible=fault_injection)
         self.closures, self.obstacles = Closures(), Obstacles(time.speed)

@@ -32,6 +32,8 @@ class GoalView(View, kw_only=True):
     delivered: int
     deadline_at_s: float | None = None
     """When it should be done; its order is due some minutes later. None where the machine does not tell."""
+    order_due_at_s: float | None = None
+    """When its order is due. None where that is not known here."""
     offered: bool = False
     """Its machine does not work at it: others may make what is missing."""
 

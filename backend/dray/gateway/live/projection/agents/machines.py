@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 
 from msgspec import UNSET
 
@@ -64,6 +64,8 @@ class Machines:
         """Per machine, since when it has had its status (plant clock)."""
         self.use = TimeUse(DOINGS)
         self.changes = Changes("machine")
+        self.due_of: Callable[[str], float | None] = lambda _goal: None
+        """By a goal, when its order is due (wall clock); None where that is not known."""
         self.by_status: Counter[str] = Counter()
 
     def fold(self, heartbeat: MachineHeartbeat) -> bool:
@@ -165,6 +167,7 @@ class Machines:
             made=goal.made,
             delivered=goal.delivered,
             deadline_at_s=None if goal.deadline_s is UNSET else self._to_wall_s(goal.deadline_s),
+            order_due_at_s=self.due_of(goal.goal),
             offered=goal.offered is True,
         )
 
