@@ -24,6 +24,9 @@ DELAY_S = 0.02
 
 MANUFACTURER = "Dray"
 
+Carry = Callable[[str, bytes, Callable[[bytes], None]], None]
+"""Of a vehicle's id, a message, and what hands it over."""
+
 
 class MemoryFleet:
     """The vehicles of a factory, each with its master.
@@ -33,6 +36,7 @@ class MemoryFleet:
         clock: the plant's.
         profile_of: what each vehicle understands, by its id; None for one that is simulated without VDA 5050.
         quirks_of: how each misbehaves.
+        carry: brings a message of a vehicle or to it; by default each as it is, after `DELAY_S`.
 
     Attributes:
         vehicles: by id.
@@ -46,7 +50,9 @@ class MemoryFleet:
         clock: Clock,
         profile_of: Callable[[str], Profile | None],
         quirks_of: Callable[[str], Misbehaviour] = lambda _: Misbehaviour(),
+        carry: Carry | None = None,
     ) -> None:
+        self._carry = carry or self._bring
         self._plant, self._clock = plant, clock
         self._profile_of, self._quirks_of = profile_of, quirks_of
         self._chargers = {plant.node_of(charger): charger for charger in plant.chargers}
@@ -91,15 +97,14 @@ class MemoryFleet:
         if self._is_meeting:
             self.bodies[atv].on_message(topic, data)
         elif atv in self.bodies:
-            self._clock.call_at(
-                self._clock.now_s() + DELAY_S, partial(self.bodies[atv].on_message, topic, data)
-            )
+            self._carry(atv, data, partial(self.bodies[atv].on_message, topic))
 
     def say(self, atv: str, topic: str, data: bytes) -> None:
         """What a master says to its vehicle."""
-        self._clock.call_at(
-            self._clock.now_s() + DELAY_S, partial(self.vehicles[atv].on_message, topic, data)
-        )
+        self._carry(atv, data, partial(self.vehicles[atv].on_message, topic))
+
+    def _bring(self, _atv: str, data: bytes, hand: Callable[[bytes], None]) -> None:
+        self._clock.call_at(self._clock.now_s() + DELAY_S, partial(hand, data))
 
     def remember(self, atv: str, memory: Memory) -> None:
         """What the next life must know."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from itertools import pairwise
@@ -68,6 +69,15 @@ class Order:
         """Nothing is left to do, and nothing is to come."""
         over = all(action.status in ("FINISHED", "FAILED") for action in self.actions)
         return self.cancelled or (over and self.reached >= len(self.points) - 1)
+
+
+def read_message(data: bytes) -> dict[str, Any]:
+    """What was said; empty for what is no message: that is not obeyed."""
+    try:
+        said = json.loads(data)
+    except ValueError:
+        return {}
+    return said if isinstance(said, dict) else {}
 
 
 def read_order(said: dict[str, Any]) -> Order:

@@ -28,7 +28,15 @@ from dray.plant.model import VehicleType
 from dray.ports import Clock
 from dray_sim.bodies.vehicle.vehicle import SimVehicle
 from dray_sim.vda5050.misbehaviour import Misbehaviour
-from dray_sim.vda5050.order import NodeAction, Order, instruction_of, over_corners, read_actions, read_order
+from dray_sim.vda5050.order import (
+    NodeAction,
+    Order,
+    instruction_of,
+    over_corners,
+    read_actions,
+    read_message,
+    read_order,
+)
 from dray_sim.vda5050.words import Condition, Words
 
 Publish = Callable[[str, bytes, bool], None]
@@ -163,8 +171,8 @@ class Vda5050Vehicle:
         if self._ignored.get(topic, 0):
             self._ignored[topic] -= 1
             return
-        said = json.loads(data)
-        if topic == "order":
+        said = read_message(data)
+        if topic == "order" and said:
             self._on_order(read_order(said))
         elif topic == "instantActions":
             for action in read_actions(said):
@@ -321,7 +329,7 @@ class Vda5050Vehicle:
             return
         body = self._body.sense()
         ahead = list(range(order.reached, stop + 1))
-        if body.next_node != body.node or order.points[order.reached].id != body.node:
+        if body.next_node != order.points[order.reached].id:
             ahead = ahead[1:]  # It is on a lane, and finishes that first.
         if order.points[ahead[0]].id == order.points[order.reached].id and len(ahead) > 1:
             twin = order.points[ahead[1]].id == order.points[ahead[0]].id

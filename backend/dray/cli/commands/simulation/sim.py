@@ -9,6 +9,7 @@ import typer
 
 from dray.cli.commands.simulation.explore import explore
 from dray.cli.commands.simulation.plants import plants
+from dray.cli.commands.simulation.vehicles import vehicles
 from dray.cli.runtime.options import Traffic
 
 if TYPE_CHECKING:
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
 app = typer.Typer(no_args_is_help=True, help="Named scenarios in virtual time.")
 app.command()(explore)
 app.command()(plants)
+app.command()(vehicles)
 
 
 @app.callback()
