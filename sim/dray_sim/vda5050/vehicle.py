@@ -27,16 +27,9 @@ from dray.body import (
 from dray.plant.model import VehicleType
 from dray.ports import Clock
 from dray_sim.bodies.vehicle.vehicle import SimVehicle
+from dray_sim.vda5050 import order as reading
 from dray_sim.vda5050.misbehaviour import Misbehaviour
-from dray_sim.vda5050.order import (
-    NodeAction,
-    Order,
-    instruction_of,
-    over_corners,
-    read_actions,
-    read_message,
-    read_order,
-)
+from dray_sim.vda5050.order import NodeAction, Order
 from dray_sim.vda5050.words import Condition, Words
 
 Publish = Callable[[str, bytes, bool], None]
@@ -171,11 +164,11 @@ class Vda5050Vehicle:
         if self._ignored.get(topic, 0):
             self._ignored[topic] -= 1
             return
-        said = read_message(data)
+        said = reading.read_message(data)
         if topic == "order" and said:
-            self._on_order(read_order(said))
+            self._on_order(reading.read_order(said))
         elif topic == "instantActions":
-            for action in read_actions(said):
+            for action in reading.read_actions(said):
                 if all(action.id != known.id for known in self.condition.instant):
                     del self.condition.instant[: -INSTANT_KEPT + 1]
                     self.condition.instant.append(action)
@@ -337,7 +330,7 @@ class Vda5050Vehicle:
                 self._reach(ahead[1])
                 self._proceed()
                 return
-        nodes, indexes = over_corners(order, ahead, body.next_node, self._corners)
+        nodes, indexes = reading.over_corners(order, ahead, body.next_node, self._corners)
         self._instruct_drive(nodes, len(nodes), indexes)
 
     def _instruct_drive(self, nodes: tuple[str, ...], released: int, indexes: list[int]) -> None:
@@ -348,7 +341,7 @@ class Vda5050Vehicle:
     def _begin(self, action: NodeAction) -> None:
         self._drive += 1
         self._action, action.status = action, "RUNNING"
-        instruction = instruction_of(action, self._drive, self._charger_at(self._body.sense().node))
+        instruction = reading.instruction_of(action, self._drive, self._charger_at(self._body.sense().node))
         if instruction is None:
             self._end_action("FAILED", f"no action {action.type}")
         else:
