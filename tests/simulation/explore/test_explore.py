@@ -90,7 +90,7 @@ def test_a_run_is_played_the_same_in_every_process() -> None:
 
 
 def test_listening_changes_nothing() -> None:
-    quiet, heard = play(draw(3)), play(draw(3), listen=True)
+    quiet, heard = play(draw(5)), play(draw(5), listen=True)
     assert msgspec.structs.replace(heard, trace="") == quiet
     assert len(heard.trace) == 32
 
@@ -129,12 +129,12 @@ def test_a_violation_is_told_with_what_came_before_it(monkeypatch: pytest.Monkey
 
 
 def test_processes_change_nothing_but_the_time(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("dray_sim.explore.search.CHUNK", 2)
+    monkeypatch.setattr("dray_sim.explore.search.CHUNK", 1)
     seeds: list[int] = []
-    one = search(0, 5, profile="faultless")
-    two = search(0, 5, profile="faultless", jobs=2, progress=lambda outcome: seeds.append(outcome.seed))
-    assert seeds == list(range(5))
-    assert one.runs == two.runs == 5
+    one = search(0, 3, profile="faultless")
+    two = search(0, 3, profile="faultless", jobs=2, progress=lambda outcome: seeds.append(outcome.seed))
+    assert seeds == list(range(3))
+    assert one.runs == two.runs == 3
     assert (one.virtual_s, one.messages, one.transports) == (two.virtual_s, two.messages, two.transports)
     assert not one.interrupted
     assert one.rate > 0
@@ -173,6 +173,7 @@ def test_a_second_ctrl_c_leaves_no_process_behind(monkeypatch: pytest.MonkeyPatc
         shutdown(pool, **how)
 
     monkeypatch.setattr(ProcessPoolExecutor, "shutdown", interrupted)
+    monkeypatch.setattr("dray_sim.explore.search.CHUNK", 1)
     before = signal.getsignal(signal.SIGINT)
     summary = search(
         0, 10_000, profile="faultless", jobs=2, progress=lambda _outcome: signal.raise_signal(signal.SIGINT)
@@ -183,7 +184,7 @@ def test_a_second_ctrl_c_leaves_no_process_behind(monkeypatch: pytest.MonkeyPatc
 
 
 def test_a_process_that_is_killed_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("dray_sim.explore.search.CHUNK", 2)
+    monkeypatch.setattr("dray_sim.explore.search.CHUNK", 1)
 
     def kill(_outcome: Outcome) -> None:
         for child in multiprocessing.active_children():
@@ -195,6 +196,6 @@ def test_a_process_that_is_killed_is_told(monkeypatch: pytest.MonkeyPatch) -> No
 
 def test_violations_are_kept_for_reading(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Bounds, "task_s", lambda *_: 1.0)
-    summary = search(0, 4)
+    summary = search(4, 7)
     assert summary.broken == len(summary.violations) > 0
     assert [found.seed for found in summary.violations] == sorted(found.seed for found in summary.violations)
