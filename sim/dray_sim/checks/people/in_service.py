@@ -8,7 +8,7 @@ from __future__ import annotations
 from msgspec import UNSET
 
 from dray.messages import AtvHeartbeat, Event, MachineHeartbeat, Message, OutOfService
-from dray.messages.fact import ContractTaken, PieceMade
+from dray.messages.fact import CommandObeyed, ContractTaken, PieceMade
 from dray_sim.checks.broken import InvariantBroken
 
 ONE_IN_WORK = 1
@@ -38,7 +38,10 @@ class InServiceOnly:
             if type(message.fact) is ContractTaken:
                 task = message.fact.task
                 raise InvariantBroken(16, at_s, f"{sender} took {task}, out of service since {since_s:.1f} s")
-            if type(message.fact) is PieceMade and not out.after_work:
+            if type(message.fact) is CommandObeyed and message.fact.what == "put_in" and message.fact.done:
+                # It tells so before its next heartbeat does, and works at once.
+                del self._out[sender]
+            elif type(message.fact) is PieceMade and not out.after_work:
                 made = self._made[sender] = self._made.get(sender, 0) + 1
                 if made > ONE_IN_WORK:
                     goal = message.fact.goal
