@@ -40,7 +40,7 @@ class InServiceOnly:
                 raise InvariantBroken(16, at_s, f"{sender} took {task}, out of service since {since_s:.1f} s")
             if type(message.fact) is CommandObeyed and message.fact.what == "put_in" and message.fact.done:
                 # It tells so before its next heartbeat does, and works at once.
-                del self._out[sender]
+                self._back(sender)
             elif type(message.fact) is PieceMade and not out.after_work:
                 made = self._made[sender] = self._made.get(sender, 0) + 1
                 if made > ONE_IN_WORK:
@@ -54,8 +54,11 @@ class InServiceOnly:
             return
         self._newest[agent] = order
         if heartbeat.out_of_service is UNSET:
-            self._out.pop(agent, None)
-            self._made.pop(agent, None)
+            self._back(agent)
         else:
             _, since_s = self._out.get(agent, (None, at_s))
             self._out[agent] = heartbeat.out_of_service, since_s
+
+    def _back(self, agent: str) -> None:
+        self._out.pop(agent, None)
+        self._made.pop(agent, None)
