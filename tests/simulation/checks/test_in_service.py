@@ -34,7 +34,7 @@ def test_a_machine_that_works_on_is_noticed() -> None:
 def test_a_machine_that_has_obeyed_to_be_back_works_at_once_and_one_that_refused_does_not(done: bool) -> None:
     check = out_of_service()
     check.on_message(3.0, "M8", "*", event("M8", CommandObeyed(command="c1", what="put_in", done=done)))
-    taken = event("M8", ContractTaken(task="G2", epoch=1, role=Role.PRIMARY))
+    taken = event("M8", ContractTaken(task="G2", epoch=1, role=Role.PRIMARY, coordinator="STRAT"))
     if done:
         check.on_message(3.0, "M8", "*", taken)
         check.on_message(4.0, "M8", "*", event("M8", MADE))
