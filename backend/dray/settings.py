@@ -275,7 +275,7 @@ class Settings(BaseSettings):
     trusted_keys: Several = ()
     """Public keys of gateways in hex, several with commas: whose grants of people's commands vehicles believe."""
 
-    traffic: bool = False
+    traffic: bool = True
     """Vehicles take up room, and drive with right of way. The same for all agents of a plant."""
 
     traffic_log: Path | None = None

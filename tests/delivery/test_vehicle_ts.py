@@ -125,6 +125,8 @@ class Workshop:
         return {
             "DRAY_PLANT_FILE": str(PLANT_FILE),
             "DRAY_PLANT_SPEED": str(SPEED),
+            # This vehicle keeps no right of way.
+            "DRAY_TRAFFIC": "false",
             "DRAY_BUS_CERTIFICATES": str(self.certificates),
             "DRAY_JOURNAL_FOLDER": str(self.folder / "journals"),
         }

@@ -48,6 +48,11 @@ class Table(msgspec.Struct, frozen=True):
     head: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
 
+    def document(self) -> str:
+        """The table in a Markdown document."""
+        lines = [f"{self.title}:", "", _row(self.head), _row(("---",) * len(self.head))]
+        return "\n".join((*lines, *map(_row, self.rows)))
+
 
 class Evidence(msgspec.Struct, frozen=True):
     """The report of a scenario."""
@@ -118,8 +123,7 @@ class Evidence(msgspec.Struct, frozen=True):
             ),
         ]
         for each in self.tables:
-            lines += ["", f"{each.title}:", "", _row(each.head), _row(("---",) * len(each.head))]
-            lines += [_row(row) for row in each.rows]
+            lines += ["", each.document()]
         lines += ["", f"`dray sim run {self.scenario} --seed {self.seed}`"]
         return "\n".join(lines)
 

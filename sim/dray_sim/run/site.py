@@ -19,18 +19,18 @@ class Site:
         plant: instead of the default one.
         load: part of the machines' time that the demand takes, above 0.
         hours: of demand, above 0.
-        traffic: vehicles take up room, and drive with right of way; every scenario can be played so.
+        traffic: vehicles take up room, and drive with right of way; every scenario can be played without, too.
     """
 
     plant: Plant | None = None
     load: float | None = None
     hours: float | None = None
-    traffic: bool = False
+    traffic: bool = True
 
     @property
     def is_other(self) -> bool:
         """Whether plant, load or time are other than in the scenario."""
-        return replace(self, traffic=False) != Site()
+        return replace(self, traffic=True) != Site()
 
     @property
     def ground(self) -> Plant:
@@ -54,6 +54,6 @@ class Site:
             parts.append(f"a load of {self.load:.0%}")
         if self.hours is not None:
             parts.append(f"{self.hours:g} hours")
-        if self.traffic:
-            parts.append("vehicles that take up room")
+        if not self.traffic:
+            parts.append("vehicles that pass through one another")
         return ", ".join(parts)

@@ -14,6 +14,7 @@ import msgspec
 from dray_sim.run.scenario import HERE
 from dray_sim.run.site import Site
 from dray_sim.scenarios import SCENARIOS
+from dray_sim.scenarios.ghosts import compared
 
 COMMAND = "dray sim report --out docs/scenarios.md"
 
@@ -33,13 +34,14 @@ def section(name: str, seed: int, site: Site = HERE) -> Section:
     """Play a scenario, and write its part."""
     scenario = SCENARIOS[name]
     outcome = scenario.run(seed, site)
+    ghosts = compared(name, seed, site, outcome)
     return Section(
         name=name,
         shows=scenario.shows,
         source=scenario.source,
         held=not outcome.failure,
         failure=outcome.failure,
-        text=outcome.document(),
+        text=outcome.document() if ghosts is None else f"{outcome.document()}\n\n{ghosts.document()}",
     )
 
 

@@ -40,7 +40,7 @@ def test_a_violation_comes_with_its_story_and_the_command_that_replays_it(explor
     assert "invariant 1 is broken" in out
     replay = next(line for line in out.splitlines() if line.startswith("replay: "))
     seed = replay.split(" --seed ")[1].split()[0]
-    assert replay == f"replay: dray sim explore --seed {seed} --no-traffic"
+    assert replay == f"replay: dray sim explore --seed {seed} --traffic"
 
     code, again, _ = explore("--seed", seed)
     assert code == 1

@@ -12,7 +12,8 @@ import pytest
 from dray.messages.fact import TookOver
 from dray_sim.faults import PoweredOff, RadioCut
 from dray_sim.run.evidence import HELD, Check, Evidence, Table
-from dray_sim.run.scenario import Findings, Scenario
+from dray_sim.run.scenario import HERE, Findings, Scenario
+from dray_sim.run.site import Site
 from dray_sim.run.stage import Played, Shift, Stage, play
 from dray_sim.scenarios import (
     SCENARIOS,
@@ -26,6 +27,7 @@ from dray_sim.scenarios import (
     soak,
     takeover,
 )
+from dray_sim.scenarios.ghosts import TITLE
 from dray_sim.scenarios.paper import experiment_power_off, experiment_wlan, figure_6
 from dray_sim.scenarios.paper.laboratory import laboratory
 
@@ -233,6 +235,17 @@ def test_the_document_has_every_scenario_and_all_held() -> None:
     written = DOCUMENT.read_text(encoding="utf-8")
     assert re.findall(r"^## (.*)$", written, re.MULTILINE) == list(SCENARIOS)
     assert "**no**" not in written
+
+
+def test_a_section_has_what_ghosts_would_promise_and_one_of_ghosts_has_nothing_to_compare() -> None:
+    ghosts = Site(traffic=False)
+    true, alone = (document.section("experiment-power-off", 1, site).text for site in (HERE, ghosts))
+    assert f"{TITLE}:" in true
+    assert TITLE not in alone
+    (row,) = [line for line in true.split(f"{TITLE}:")[1].splitlines() if line.startswith("| ATV1 delivers")]
+    _, _, seen, as_ghosts, _ = (cell.strip() for cell in row.split("|"))
+    assert seen != as_ghosts
+    assert f"| ATV1 delivers | yes | {as_ghosts} |" in alone
 
 
 def test_scenarios_are_written_in_the_order_of_the_list_whoever_ends_first() -> None:

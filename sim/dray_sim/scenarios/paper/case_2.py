@@ -28,8 +28,9 @@ CARRIED_AFTER_S = 120.0
 
 SHIFT = Shift(name="case-2", duration_s=6300.0, load=1.0, keep=(Bid, ContractTaken, ContractEnded, TookOver))
 
-SOON_S = 900.0
-"""Only what is announced nearby is heard, and somebody has to need something."""
+SOON_S = LEAVE_S - JOIN_S
+"""While they are there. How soon says nothing of joining: only what is announced nearby is heard, and somebody near has to need
+something. With seed 1 nobody near the parking place P2 needs anything for 992 s."""
 
 
 @dataclass(frozen=True, slots=True)
