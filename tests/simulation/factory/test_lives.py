@@ -64,7 +64,7 @@ class Shelf:
     def events(self) -> Shelf:
         return self
 
-    samples = orders = goals = events
+    samples = orders = goals = transports = events
 
     async def add(self, told: Iterable[Event | Heartbeat], _to_wall_s: object) -> None:
         for one in told:
@@ -95,6 +95,9 @@ class Shelf:
 
     async def advance(self, _order: Order, _progress: object) -> None:
         """No orders here."""
+
+    async def follow(self, _events: Iterable[Event], _to_wall_s: object) -> None:
+        """No transports here."""
 
 
 class Deafened:

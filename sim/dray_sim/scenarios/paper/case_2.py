@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from dataclasses import dataclass
 
-from dray.messages import Bid, Reason, Role
+from dray.messages import Bid, Phase, Reason, Role
 from dray.messages.fact import ContractEnded, ContractTaken, TookOver
 from dray.plant import VehicleSpec, default_plant
 from dray_sim.run.evidence import Check
@@ -100,12 +100,16 @@ async def visit(stage: Stage, join_s: float = JOIN_S, leave_s: float = LEAVE_S) 
 
 
 async def _carrying(stage: Stage, guests: set[str]) -> str:
-    """Wait until a guest is on its way with material that somebody watches, and name the task."""
+    """Wait until a guest has material on board that somebody watches, and name the task."""
     for _ in range(int(stage.shift.duration_s - LEAVE_S)):
+        atvs = stage.witness.atvs
+        loaded = {
+            heard.task.task for heard in atvs.values() if heard.task and heard.task.phase is Phase.CARRYING
+        }
         for machine, heard in stage.witness.machines.items():
             for brief in heard.tasks:
                 mine = brief.primary in guests and brief.secondary not in {*guests, ""}
-                if mine and brief.destination == machine:
+                if mine and brief.task in loaded and brief.destination == machine:
                     return brief.task
         await asyncio.sleep(1.0)
     return ""
