@@ -184,7 +184,7 @@ def test_drawn_plants_are_played_judged_and_kept(tmp_path: Path) -> None:
     assert "1 plants: 1 served" in told
     assert load_plant(kept).id == "p3"
     [each] = json.loads(judged.read_text())
-    assert each["replay"] == "dray sim plants --seed 3 --small --hours 0.3 --no-traffic"
+    assert each["replay"] == "dray sim plants --seed 3 --small --hours 0.3 --traffic"
 
 
 # --- layouts of other systems -------------------------------------------------------------------------

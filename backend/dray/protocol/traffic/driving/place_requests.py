@@ -237,6 +237,9 @@ class PlaceRequests:
         """Give back what it is clear of, ask for what comes next, and look again in time."""
         self.way.give_back()
         self._asked &= self.way.held.keys()
+        if self.way.stands and self.is_placed and self.way.take(()):
+            # Back over a place that it was not clear of yet: no book has to grant it.
+            self._drive_on(now_s)
         groups = self._groups()
         wanted_in = self._places.district_of[groups[0][0]] if groups else ""
         if self.way.stands and groups:
