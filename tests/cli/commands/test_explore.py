@@ -25,7 +25,7 @@ def impatient(monkeypatch) -> None:
 
 
 def test_a_search_that_holds_sums_up(explore, tmp_path) -> None:
-    code, out, _ = explore("--seeds", "3:5", "--profile", "faultless", "--jobs", "1", "--json", "found.json")
+    code, out, _ = explore("--seeds", "1:3", "--profile", "faultless", "--jobs", "1", "--json", "found.json")
     assert code == 0
     assert "2 seeds: none broken" in out
     assert "seeds a minute and core" in out
@@ -35,7 +35,7 @@ def test_a_search_that_holds_sums_up(explore, tmp_path) -> None:
 
 
 def test_a_violation_comes_with_its_story_and_the_command_that_replays_it(explore, impatient) -> None:
-    code, out, _ = explore("--seeds", "0:4", "--jobs", "1")
+    code, out, _ = explore("--seeds", "2:4", "--jobs", "1")
     assert code == 1
     assert "invariant 1 is broken" in out
     replay = next(line for line in out.splitlines() if line.startswith("replay: "))
@@ -50,7 +50,7 @@ def test_a_violation_comes_with_its_story_and_the_command_that_replays_it(explor
 
 
 def test_a_replay_says_what_the_seed_stands_for(explore) -> None:
-    code, out, _ = explore("--seed", "3")
+    code, out, _ = explore("--seed", "2")
     assert code == 0
     assert "machine" in out.splitlines()[0]
     assert "held" in out.splitlines()

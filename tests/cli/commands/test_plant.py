@@ -15,6 +15,7 @@ from dray.errors import PlantError, PlantErrors, SettingsError
 from dray.plant import load_plant
 
 TINY_SHIFT = ("--hours", "0.3", "--load", "0.5")
+SHORTEST_SHIFT = ("--hours", "0.1", "--load", "0.5")
 
 
 def dray(*args: str, typed: str | None = None) -> tuple[int, str]:
@@ -137,10 +138,10 @@ FIELDS = {
 
 def test_a_claim_is_played_in_another_plant_and_has_the_same_fields(tmp_path: Path) -> None:
     file = tmp_path / "report.json"
-    dray("sim", "run", "loss-sweep", "--plant", "workshop", *TINY_SHIFT, "--json", str(file))
+    dray("sim", "run", "loss-sweep", "--plant", "workshop", *SHORTEST_SHIFT, "--json", str(file))
     evidence = json.loads(file.read_text())
     assert evidence.keys() >= FIELDS
-    assert "Played here with the plant workshop (Workshop), a load of 50%, 0.3 hours." in evidence["story"]
+    assert "Played here with the plant workshop (Workshop), a load of 50%, 0.1 hours." in evidence["story"]
 
 
 @pytest.mark.parametrize("name", ["case-1", "experiment-wlan", "soak"])

@@ -151,6 +151,7 @@ def test_two_vehicles_with_one_charger_carry_on() -> None:
     assert all_delivered(result)
 
 
+@pytest.mark.slow
 def test_six_vehicles_share_one_charger() -> None:
     plant = small(vehicles=6, chargers=1, battery_frac=0.3)
     looks, result = played(plant, hours=2.0, load=0.3)
