@@ -2,24 +2,29 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
+from typing import Any
 
 from playwright.sync_api import Page, WebSocket
+
+from dray.gateway.live.frames import COLLECTIONS
 
 LOOK_MS = 50
 """From look to look whether it has come; Playwright hands on frames meanwhile."""
 
 
 class Frames:
-    """Waits for a frame.
+    """Waits for a frame. What has changed of an entity is laid over what was told of it before, so that each is whole.
 
     Args:
         page: has not gone anywhere yet.
         wanted: is asked about each frame until one is wanted.
     """
 
-    def __init__(self, page: Page, wanted: Callable[[str | bytes], bool]) -> None:
+    def __init__(self, page: Page, wanted: Callable[[dict[str, Any]], bool]) -> None:
         self._page, self._wanted, self._come = page, wanted, False
+        self._whole: dict[tuple[str, str], dict[str, Any]] = {}
         page.on("websocket", self._opened)
 
     def wait(self, timeout_ms: float) -> None:
@@ -38,4 +43,13 @@ class Frames:
         socket.on("framereceived", self._take)
 
     def _take(self, payload: str | bytes) -> None:
-        self._come = self._come or self._wanted(payload)
+        if self._come:
+            return
+        frame = json.loads(payload)
+        for kind in COLLECTIONS.values() & frame.keys():
+            frame[kind] = [self._laid_over(kind, told) for told in frame[kind]]
+        self._come = self._wanted(frame)
+
+    def _laid_over(self, kind: str, told: dict[str, Any]) -> dict[str, Any]:
+        whole = self._whole[kind, told["id"]] = self._whole.get((kind, told["id"]), {}) | told
+        return whole

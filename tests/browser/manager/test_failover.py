@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -38,9 +37,9 @@ class Watched:
     def __init__(self) -> None:
         self.task: dict[str, Any] = {}
 
-    def __call__(self, payload: str | bytes) -> bool:
+    def __call__(self, frame: dict[str, Any]) -> bool:
         """Take one frame of the stream."""
-        for task in json.loads(payload).get("tasks", ()):
+        for task in frame.get("tasks", ()):
             carried = task["kind"] == "transport" and not task["goal"] and task["phase"] == "approaching"
             if carried and task["secondary"] and task["epoch"] == 1:
                 self.task = task

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -44,13 +43,10 @@ class Movement:
         self._where: dict[str, tuple[float, float]] = {}
         self.moved: set[str] = set()
 
-    def two_have_moved(self, payload: str | bytes) -> bool:
+    def two_have_moved(self, frame: dict[str, Any]) -> bool:
         """Take one frame of the stream."""
-        frame: dict[str, Any] = json.loads(payload)
         for atv in frame.get("atvs", ()):
-            # A delta tells what has changed: whoever drives along one axis says one of them.
-            x_m, y_m = self._where.get(atv["id"], (0.0, 0.0))
-            here = (atv.get("x_m", x_m), atv.get("y_m", y_m))
+            here = (atv["x_m"], atv["y_m"])
             if self._where.setdefault(atv["id"], here) != here:
                 self.moved.add(atv["id"])
         return len(self.moved) >= 2
@@ -60,9 +56,9 @@ PIXELS = "[...document.querySelectorAll('canvas')].map((canvas) => canvas.toData
 """Everything that is drawn on the map at this moment."""
 
 
-def is_busy(payload: str | bytes) -> bool:
+def is_busy(frame: dict[str, Any]) -> bool:
     """Whether this frame shows a plant at work: transports were finished, and several vehicles drive."""
-    factory = json.loads(payload).get("factory") or {}
+    factory = frame.get("factory") or {}
     return bool(factory.get("transport_p50_s")) and factory["atvs_by_status"].get("working", 0) >= 3
 
 

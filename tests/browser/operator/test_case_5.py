@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -62,8 +61,7 @@ class Loaded:
         self._before: dict[str, str] = {}
         self._deadline_at_s: dict[str, float] = {}
 
-    def __call__(self, payload: str | bytes) -> bool:
-        frame = json.loads(payload)
+    def __call__(self, frame: dict[str, Any]) -> bool:
         self._deadline_at_s |= {task["id"]: task["deadline_at_s"] or 0.0 for task in frame.get("tasks", ())}
         for atv in frame.get("atvs", ()):
             phase = atv["task"]["phase"] if atv["task"] else ""

@@ -25,6 +25,9 @@ from dray_sim.people.order_client import OrderClient
 
 JOINING = "ATV99"
 
+FREE_NODE = PLANT.file.chargers[-1].node
+"""Where nobody is: the vehicles of the plant are parked, and have much left in their batteries."""
+
 PIECES = 8
 """Enough that the order is still in work when both have been killed, one after the other."""
 
@@ -87,7 +90,7 @@ def test_an_order_is_delivered_whoever_is_killed_and_a_joining_agent_joins_and_l
                 )
             async with asyncio.timeout(START_S):
                 spec = next(iter(PLANT.fleet.values()))
-                with joining(fleet, "atv", JOINING, "--type", spec.type, "--node", spec.node) as process:
+                with joining(fleet, "atv", JOINING, "--type", spec.type, "--node", FREE_NODE) as process:
                     await witness.until(
                         lambda heard: (
                             isinstance(heard, AtvHeartbeat)

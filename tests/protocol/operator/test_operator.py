@@ -201,6 +201,15 @@ def test_a_call_that_is_not_said_any_more_binds_nobody() -> None:
     assert rig.shown == {}
 
 
+def test_a_call_is_forgotten_at_the_very_moment_for_which_the_operator_wanted_to_be_woken() -> None:
+    rig, heard_s = on_duty(), 236.828
+    assert (heard_s + CALL_SILENCE_S) - heard_s < CALL_SILENCE_S, "rounded down"
+    rig.run(heard_s)
+    rig.on_message("ATV1", call())
+    rig.run(heard_s + CALL_SILENCE_S)
+    assert rig.shown == {}
+
+
 def test_what_was_promised_holds_for_the_callers_next_life() -> None:
     rig = on_duty()
     rig.on_message("ATV1", call())

@@ -179,7 +179,7 @@ class Operator(AgentBase):
         for caller in [
             caller
             for caller, (call, heard_s) in self._calls.items()
-            if call.state is CallState.ENDED or now_s - heard_s >= CALL_SILENCE_S
+            if call.state is CallState.ENDED or now_s >= heard_s + CALL_SILENCE_S
         ]:
             call = self._calls[caller][0]
             if self._commitment.call == call.call:
