@@ -6,6 +6,7 @@ minutes, and is charged in five.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
 from random import Random
@@ -190,7 +191,11 @@ def drawn(seed: int) -> Plant:
     """Any plant with few chargers, perhaps one, with few or no parking places and small batteries."""
     random = Random(f"{seed} few chargers")
     file = with_scarce_power(generate_plant(seed, random.randint(1, 6), random.randint(2, 10)).file, random)
-    kept = random.randint(1, len(file.chargers))
+    kinds = {kind.id: kind for kind in file.vehicle_types}
+    # What vehicles use that only stand must come back, and half as much again for their driving.
+    used_w = 1.5 * sum(kinds[spec.type].idle_w for spec in file.fleet)
+    enough = math.ceil(used_w / min(kind.charge_w for kind in file.vehicle_types))
+    kept = min(len(file.chargers), max(enough, random.randint(1, len(file.chargers))))
     fleet = tuple(_charged(spec, round(random.uniform(0.2, 0.9), 2)) for spec in file.fleet)
     return Plant(msgspec.structs.replace(file, chargers=file.chargers[:kept], fleet=fleet))
 
