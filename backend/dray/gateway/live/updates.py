@@ -8,8 +8,10 @@ from __future__ import annotations
 
 from typing import Any
 
+import msgspec
+
 from dray.gateway.live.frames import COLLECTIONS, Delta
-from dray.gateway.live.views import FactoryView, View
+from dray.gateway.live.views import FactoryView
 
 
 class Updates:
@@ -62,11 +64,13 @@ class Updates:
         frame: dict[str, Any] = {"type": "delta", "number": number, "at_s": at_s, "factory": self._factory}
         for collection, views in self._changed.items():
             told = self._told[collection]
+            # Views go on changing in place: what was told is kept as it was.
+            now = {entity: msgspec.to_builtins(view) for entity, view in views.items()}
             frame[collection] = [
                 view if self._is_whole or (before := told.get(entity)) is None else _difference(before, view)
-                for entity, view in views.items()
+                for entity, view in now.items()
             ]
-            told |= views
+            told |= now
             views.clear()
         frame["gone"] = list(self._gone)
         for name in self._gone:
@@ -77,11 +81,6 @@ class Updates:
         return frame
 
 
-def _difference(before: View, view: Any) -> dict[str, Any]:
+def _difference(before: dict[str, Any], view: dict[str, Any]) -> dict[str, Any]:
     """What of an entity is different from before, and its id."""
-    different = {"id": view.id}
-    for field in view.__struct_fields__:
-        value = getattr(view, field)
-        if value != getattr(before, field):
-            different[field] = value
-    return different
+    return {"id": view["id"]} | {field: value for field, value in view.items() if value != before[field]}
