@@ -35,14 +35,14 @@ class Delivered:
             self.count += message.fact.outcome == "delivered"
 
 
-async def played(plant: Plant, *, traffic: bool) -> tuple[int, Invariants, Overlaps]:
+async def played(plant: Plant, seed: int, *, traffic: bool) -> tuple[int, Invariants, Overlaps]:
     """An hour of a plant at its full load: transports, what was broken, and vehicles in one spot."""
     listeners, delivered = Listeners(), Delivered()
-    factory = SimFactory(plant, clock(), seed=1, listener=listeners, traffic=traffic)
+    factory = SimFactory(plant, clock(), seed=seed, listener=listeners, traffic=traffic)
     overlaps = Overlaps(factory.vehicles, strict=False)
     invariants = Invariants(factory, HeldPlaces(factory))
     listeners.add(delivered, overlaps, invariants)
-    orders = list(demand.orders(plant, Random(1), load=1.0, until_s=SPAN_S))
+    orders = list(demand.orders(plant, Random(seed), load=1.0, until_s=SPAN_S))
     tasks = [
         asyncio.create_task(factory.run()),
         asyncio.create_task(OrderClient(factory.bus, factory.clock).place(orders)),
@@ -61,11 +61,14 @@ async def played(plant: Plant, *, traffic: bool) -> tuple[int, Invariants, Overl
     "plant", [load_plant("single-track"), default_plant()], ids=["single track", "two lanes"]
 )
 def test_vehicles_with_right_of_way_carry_on_and_never_touch(plant: Plant) -> None:
-    alone, _, ghosts = run(played(plant, traffic=False), JUMP)
-    carried, invariants, overlaps = run(played(plant, traffic=True), JUMP)
-    assert ghosts.count > 0, "else nothing is shown"
-    assert (overlaps.count, invariants.broken) == (0, None)
-    assert carried >= 0.85 * alone
+    alone = carried = 0
+    for seed in (1, 2):
+        by_ghosts, _, ghosts = run(played(plant, seed, traffic=False), JUMP)
+        by_vehicles, invariants, overlaps = run(played(plant, seed, traffic=True), JUMP)
+        assert ghosts.count > 0, "else nothing is shown"
+        assert (overlaps.count, invariants.broken) == (0, None)
+        alone, carried = alone + by_ghosts, carried + by_vehicles
+    assert carried >= 0.9 * alone
 
 
 @pytest.mark.parametrize("seed", range(3))

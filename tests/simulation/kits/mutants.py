@@ -10,7 +10,7 @@ import pytest
 from dray_sim.explore.play import play
 from dray_sim.explore.run import Run
 
-WITHIN = 300
+WITHIN = 40
 """Seeds in which a mutant must be found; it takes one to ten."""
 
 Mutant = Callable[[pytest.MonkeyPatch], None]
