@@ -23,6 +23,7 @@ from dray.messages.heartbeat import Pose
 from dray.messages.link import Link
 from dray.messages.people.call import CallAnswer, HelpCall
 from dray.messages.problem import NOTHING_KNOWN, Problem, ProblemKind
+from dray.messages.product import BillLine
 
 # --- a vehicle: instructions ---------------------------------------------------------------------
 
@@ -191,6 +192,10 @@ class StartCycle(Part, frozen=True):
     """Make one piece: takes the bill of material out of the buffers, puts a piece into the goods."""
 
     product: str
+    bill: tuple[BillLine, ...] = ()
+    """What it takes; empty for what the workcell was set up with."""
+    cycle_s: float = 0.0
+    """How long a piece takes at full speed, for a product that the workcell was not set up for; 0 where nobody says it."""
 
 
 class OpenDock(Part, frozen=True):

@@ -17,6 +17,7 @@ from dray.messages import (
     OrderItem,
     OutOfService,
     Phase,
+    ProductDefinition,
     Production,
     Reason,
     TakenOver,
@@ -97,6 +98,15 @@ class MachineMemory(Part, tag_field="kind", tag="machine", frozen=True):
     speed_frac: float = 1.0
     answered: tuple[CommandMemory, ...] = ()
     """Commands that it would obey if they came again."""
+    products: tuple[ProductMemory, ...] = ()
+    """Of which pieces lie in its goods, though it was not set up for them."""
+
+
+class ProductMemory(Part, frozen=True):
+    """A product that a goal has brought, as its machine remembers it."""
+
+    product: str
+    definition: ProductDefinition
 
 
 class GoalMemory(Part, frozen=True):

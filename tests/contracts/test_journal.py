@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Protocol
 
 import pytest
+from makings import making
 
 from dray.adapters.journal.sqlite_journal import SqliteJournal
 from dray.memory import (
@@ -28,7 +29,7 @@ from dray.memory import (
     StrategistMemory,
     TaskMemory,
 )
-from dray.messages import CommandRefusal, Event, OrderItem, Phase, Production, Transport
+from dray.messages import CommandRefusal, Event, OrderItem, Phase, Transport
 from dray.messages.fact import OrderFulfilled
 from dray.ports import Journal
 from dray_sim.factory.journal import HeldJournal
@@ -100,7 +101,7 @@ def write(journal: Journal, numbers: range) -> list[Event]:
 
 
 FETCH = Transport(item="steel", quantity=4, sources=("S1", "S2"), destination="M1", ability="tote")
-MAKE = Production(product="P1", quantity=4, order="O-1", item=0)
+MAKE = making("P1", 4, "O-1")
 
 CONTRACT = Contract(
     task="M1-7",

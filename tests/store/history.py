@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 
+from makings import making
+
 from dray.messages import (
     AtvHeartbeat,
     AtvStatus,
@@ -11,7 +13,6 @@ from dray.messages import (
     EventsAsked,
     Message,
     Pose,
-    Production,
     Role,
     Transport,
 )
@@ -151,7 +152,7 @@ def a_day() -> list[Event]:
                 epoch=1,
                 role=Role.PRIMARY,
                 round=1,
-                work=Production(product="P1", quantity=4, order="O-1", item=0),
+                work=making("P1", 4, "O-1"),
                 radius_m=0.0,
                 deadline_s=900.0,
                 bids_until_s=101.0,

@@ -1,6 +1,6 @@
 """Everything agents say to one another: frozen structs, one per utterance.
 
-`heartbeat` is what everybody may hear at any time, `contract` the negotiation, `order` what customers want, `stock` how material in
+`heartbeat` is what everybody may hear at any time, `contract` the negotiation, `order` what customers want, `product` what is known of a product, `stock` how material in
 storages is reserved, `shutout` the agents whom a manager has excluded, `fact` what each writes into its `history`. `people` holds
 what people say and hear (who is on duty, who calls for help, commands), `floor` what is said about the floor (who may drive where,
 where one may stand, what is closed or lies there).
@@ -101,6 +101,7 @@ from dray.messages.people.command import (
 )
 from dray.messages.people.operator import OPERATOR_PREFIX, DutyStatus, OperatorHeartbeat
 from dray.messages.problem import NOTHING_KNOWN, HelpWanted, Problem, ProblemEnded, ProblemKind
+from dray.messages.product import BillLine, MachineCycle, ProductDefinition
 from dray.messages.reason import CommandRefusal, Implausible, Reason
 from dray.messages.shutout import ShutOut
 from dray.messages.stock import StockAsked, StockFreed, StockReserved, StockShort
@@ -194,6 +195,7 @@ __all__ = [
     "AtvStatus",
     "Award",
     "Bid",
+    "BillLine",
     "BookAsked",
     "BookKept",
     "BookTold",
@@ -241,6 +243,7 @@ __all__ = [
     "LostWlan",
     "MachineCommand",
     "MachineCommandKind",
+    "MachineCycle",
     "MachineHeartbeat",
     "MachineStatus",
     "MaterialWait",
@@ -264,6 +267,7 @@ __all__ = [
     "Problem",
     "ProblemEnded",
     "ProblemKind",
+    "ProductDefinition",
     "Production",
     "ProductionCost",
     "Reason",

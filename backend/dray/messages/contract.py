@@ -14,6 +14,7 @@ from msgspec import Meta
 
 from dray.messages.base import Count, Id, IdOrNone, Message, Metres, Part, Seconds, Text
 from dray.messages.heartbeat import Role
+from dray.messages.product import ProductDefinition
 from dray.messages.reason import Implausible, Reason
 
 
@@ -45,6 +46,8 @@ class Production(Part, tag_field="kind", tag="production", frozen=True):
     order: Id
     item: Count
     """The index of the order's item."""
+    definition: ProductDefinition
+    """The product as it was when its order was released: whoever makes it needs to know no more."""
 
 
 Work = Transport | Production

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dray.messages.base import Count, Id, Message, Part, Seconds
+from dray.messages.product import ProductDefinition
 
 
 class OrderItem(Part, frozen=True):
@@ -10,6 +11,8 @@ class OrderItem(Part, frozen=True):
 
     product: Id
     quantity: Count
+    definition: ProductDefinition | None = None
+    """The product as its master data have it; None for one that is made as the plant file says."""
 
 
 class OrderReleased(Message, frozen=True):

@@ -192,8 +192,8 @@ class Plant:
         return (*self._storages_of[material], *machines)
 
     def machines_for(self, product: str) -> tuple[str, ...]:
-        """The machines that can make a product."""
-        return self._machines_for[product]
+        """The machines that were set up for a product; none for one that is not in the plant file."""
+        return self._machines_for.get(product, ())
 
     def cycle_s(self, machine: str, product: str) -> float:
         """Seconds for one piece of a product on a machine that can make it."""

@@ -72,7 +72,7 @@ class Floor:
         self.source = SourceWarehouse(plant.source_warehouses[0], plant.materials)
         self.gate = Gate(clock)
         self.delivery: Mapping[str, DeliveryWarehouse] = {
-            warehouse: DeliveryWarehouse(warehouse, plant.products, self.gate)
+            warehouse: DeliveryWarehouse(warehouse, plant.materials, self.gate)
             for warehouse in plant.delivery_warehouses
         }
         self.storages: dict[str, Storage] = {

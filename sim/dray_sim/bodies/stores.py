@@ -98,7 +98,7 @@ class DeliveryWarehouse:
 
     Args:
         id_: the warehouse.
-        products: ids of what it accepts.
+        materials: ids of what it does not accept.
         gate: admits goods by their goal; without one, all goods are let in.
 
     Attributes:
@@ -106,11 +106,11 @@ class DeliveryWarehouse:
         aside: pieces of every product that were put down here without being admitted.
     """
 
-    def __init__(self, id_: str, products: Iterable[str], gate: Gate | None = None) -> None:
+    def __init__(self, id_: str, materials: Iterable[str], gate: Gate | None = None) -> None:
         self.id = id_
         self.arrived: Counter[str] = Counter()
         self.aside: Counter[str] = Counter()
-        self._products = frozenset(products)
+        self._materials = frozenset(materials)
         self._gate = gate
 
     def take(self, vehicle: str, item: str, quantity: int) -> str:
@@ -119,7 +119,7 @@ class DeliveryWarehouse:
 
     def put(self, vehicle: str, item: str, quantity: int, goal: str = "") -> str:
         """See `Place`. With a gate, the goods of a goal need its leave; those of none are set aside."""
-        if item not in self._products:
+        if item in self._materials:
             return NOT_KEPT
         if self._gate is not None:
             if not goal:

@@ -89,6 +89,7 @@ class SimWorkcell:
         seed: int = 0,
     ) -> None:
         self.id = spec.id
+        self._plant = plant
         self.consumed: Counter[str] = Counter()
         self.made: Counter[str] = Counter()
         self._clock = clock
@@ -96,7 +97,10 @@ class SimWorkcell:
         self._cycle_s = {making.product: making.cycle_s for making in spec.makes}
         self._cycle_cv = {making.product: making.cycle_cv for making in spec.makes}
         self._durations = Durations(f"{seed} cycles {spec.id}")
-        self._bills = {product: plant.products[product].bill for product in self._cycle_s}
+        self._bills = {
+            product: {line.material: line.quantity for line in plant.products[product].bill}
+            for product in self._cycle_s
+        }
         materials = plant.materials_of(spec.id)
         self._buffers = {material: plant.materials[material].buffer for material in materials}
         self._goods_capacity = spec.goods_capacity
@@ -130,8 +134,9 @@ class SimWorkcell:
         if self._off:
             return
         if isinstance(instruction, StartCycle):
-            self._start(instruction.product)
+            self._start(instruction)
         elif isinstance(instruction, OpenDock):
+            self._provide(instruction.item)
             self._docks.open(instruction.vehicle, instruction.item, instruction.quantity)
         elif isinstance(instruction, CloseDock):
             self._docks.shut(instruction.vehicle)
@@ -195,6 +200,12 @@ class SimWorkcell:
             goods = sum(self._stock[product] for product in self._cycle_s)
             return self._goods_capacity - goods - (self._cycle is not None)
         return 0
+
+    def _provide(self, item: str) -> None:
+        """Have a buffer for a material that is brought for the first time: each has room for any of the plant's."""
+        if item in self._plant.materials and item not in self._buffers:
+            self._buffers[item] = self._plant.materials[item].buffer
+            self._stock[item] = 0
 
     # --- the world -------------------------------------------------------------------------------
 
@@ -283,20 +294,28 @@ class SimWorkcell:
             self._schedule(self._cycle)
         self._reporter.flush_soon()
 
-    def _start(self, product: str) -> None:
-        reason = self._why_not(product)
+    def _start(self, start: StartCycle) -> None:
+        product = start.product
+        if start.cycle_s > 0.0 and product not in self._cycle_s and product not in self._plant.materials:
+            # Of what it was not set up for, it is told how long a piece takes.
+            self._cycle_s[product], self._cycle_cv[product] = start.cycle_s, 0.0
+            self._stock.setdefault(product, 0)
+        bill = {line.material: line.quantity for line in start.bill} or self._bills.get(product, {})
+        for material in bill:
+            self._provide(material)
+        reason = self._why_not(product, bill)
         if reason:
             self._reporter.say(CycleFailed(product=product, reason=reason))
             return
         self._settle()
-        for line in self._bills[product]:
-            self._stock[line.material] -= line.quantity
-            self.consumed[line.material] += line.quantity
+        for material, quantity in bill.items():
+            self._stock[material] -= quantity
+            self.consumed[material] += quantity
         cycle_s = self._durations.draw_s(self._cycle_s[product], self._cycle_cv[product])
         self._cycle = _Cycle(product, cycle_s / self._speed_frac)
         self._schedule(self._cycle)
 
-    def _why_not(self, product: str) -> str:
+    def _why_not(self, product: str, bill: Mapping[str, int]) -> str:
         """Why a cycle cannot start; empty when it can."""
         if product not in self._cycle_s:
             return "not made here"
@@ -306,9 +325,7 @@ class SimWorkcell:
             return f"busy with {self._cycle.product}"
         if self.room(product) < 1:
             return "no room for the piece"
-        missing = [
-            line.material for line in self._bills[product] if self._stock[line.material] < line.quantity
-        ]
+        missing = [material for material, quantity in bill.items() if self._stock.get(material, 0) < quantity]
         for material in missing:
             del self._unbooked[material]  # Whoever reaches for a piece sees what lies there.
         return f"missing {', '.join(missing)}" if missing else ""

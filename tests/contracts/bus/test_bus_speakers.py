@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from buses import KINDS, Certified, InProcess, World
+from makings import making
 
 from dray.messages import (
     AnyFact,
@@ -20,7 +21,6 @@ from dray.messages import (
     OrderTaken,
     Phase,
     Pose,
-    Production,
     Role,
     TaskAnnounced,
 )
@@ -62,7 +62,7 @@ def hum(machine: str) -> MachineHeartbeat:
 
 
 def call(coordinator: str) -> TaskAnnounced:
-    work = Production(product="pump", quantity=1, order="o-1", item=0)
+    work = making("pump", 1, "o-1")
     return TaskAnnounced("W1-1", 1, Role.PRIMARY, coordinator, work, 100.0)
 
 

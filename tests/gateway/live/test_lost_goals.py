@@ -6,11 +6,12 @@ import pytest
 from facts_kit import tell
 from failover_kit import contracted, delivered, hired, the_news
 from gateway_kit import PRODUCT
+from makings import making
 from wall_clock import NOW_S
 
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.views import OrderView
-from dray.messages import Production, Reason, Role
+from dray.messages import Reason, Role
 from dray.messages.fact import (
     AwardAnswered,
     GoalLost,
@@ -131,7 +132,7 @@ def test_a_wait_that_is_told_after_its_end_is_over(ordered: Projection) -> None:
 
 
 def test_a_goal_that_nobody_can_make_is_a_task_in_trouble(projection: Projection) -> None:
-    work = Production(product=PRODUCT, quantity=4, order="O-1", item=0)
+    work = making(PRODUCT, 4, "O-1")
     goal = TaskOpened(
         task="G2",
         epoch=1,

@@ -9,6 +9,7 @@ from answers import problem
 from fake_bus import PLANT
 from gateway_kit import PRODUCT, House, gateway
 from heartbeats import atv_heartbeat, events, machine_heartbeat
+from makings import making
 from wall_clock import NOW_S
 
 from dray.messages import (
@@ -20,7 +21,6 @@ from dray.messages import (
     MachineStatus,
     Phase,
     Pose,
-    Production,
     Refusal,
     Role,
     TaskBrief,
@@ -50,7 +50,7 @@ def opened(task: str, order: str = "") -> TaskOpened:
         epoch=1,
         role=Role.PRIMARY,
         round=1,
-        work=Production(product=PRODUCT, quantity=5, order=order, item=0) if order else carry,
+        work=making(PRODUCT, 5, order) if order else carry,
         radius_m=20.0,
         deadline_s=900.0,
         bids_until_s=105.0,

@@ -238,7 +238,7 @@ class MachineRig(Rig):
     def handle(self, event: Event) -> list[Effect]:
         effects = super().handle(event)
         for cycle in instructed(effects, StartCycle):
-            for line in PLANT.products[cycle.product].bill:
+            for line in cycle.bill:
                 self.stock[line.material] -= line.quantity
                 assert self.stock[line.material] >= 0, f"a cycle took {line.material} that is not there"
         return self.heard_by_stations(effects)

@@ -6,6 +6,7 @@ from typing import Any
 
 import msgspec
 from defaults import PLANT, SOME_TIME_S
+from makings import making
 
 from dray.messages import (
     Accepted,
@@ -37,7 +38,8 @@ def transport(**changes: Any) -> Transport:
 
 def production(**changes: Any) -> Production:
     """A lot of pumps for order O1, unless told otherwise."""
-    return msgspec.structs.replace(Production(product="pump-p3", quantity=24, order="O1", item=0), **changes)
+    work = making(changes.get("product", "pump-p3"), 24, "O1", plant=PLANT)
+    return msgspec.structs.replace(work, **changes)
 
 
 def announcement(**changes: Any) -> TaskAnnounced:

@@ -43,7 +43,9 @@ from dray.protocol.transports.transport_flow import HELD_MAX_S
 
 
 def test_a_cycle_begins_as_soon_as_there_is_a_goal_and_material() -> None:
-    assert instructed(m7(goal=24).all, StartCycle) == [StartCycle(product="pump-p3")]
+    started = instructed(m7(goal=24).all, StartCycle)
+    assert [cycle.product for cycle in started] == ["pump-p3"]
+    assert [line.material for line in started[0].bill] == ["housing", "impeller", "seal-kit"]
 
 
 def test_one_cycle_runs_at_a_time_and_as_many_as_the_goal_has_pieces() -> None:

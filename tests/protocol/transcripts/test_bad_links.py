@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from makings import making
 
 from dray.messages import (
     AtvHeartbeat,
@@ -21,7 +22,6 @@ from dray.messages import (
     DwellPointClaimed,
     MachineHeartbeat,
     Message,
-    Production,
     Role,
 )
 from dray.messages.fact import ContractEnded, ContractTaken, TaskClosed
@@ -80,7 +80,7 @@ def play(faults: Mapping[int, float]) -> BadStage:
         vehicle = ScriptedVehicle(stage, atv, "light", node, battery_frac=0.9)
         stage.add(Atv(atv, stage.plant, vehicle_type="light"), vehicle)
     stage.add(Machine("M8", stage.plant), stage.shafts)
-    goal = Production(product="gear-unit-g2", quantity=24, order="O1", item=0)
+    goal = making("gear-unit-g2", 24, "O1", plant=stage.plant)
     award = Award(task="G8", epoch=1, role=Role.PRIMARY, work=goal, deadline_s=3600.0)
     stage.say("STRAT", "M8", award, at_s=10.0)
     stage.say("STRAT", "M8", Confirmed(task="G8", epoch=1), at_s=10.02)

@@ -5,6 +5,8 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
+from makings import making
+
 from dray.messages import Award, Confirmed, Production, Role, Transport
 from dray.messages.fact import AwardAnswered, AwardGiven, BidReceived
 
@@ -17,7 +19,7 @@ GOLDEN = Path(__file__).parent / "figure_3.txt"
 def play() -> Stage:
     stage = without_shafts(ATV1="p4", ATV2="p3", ATV3="p1")
     # The strategist's goal makes M8 look at its shafts; M7 elects ATV3 while M8 still collects bids.
-    goal = Production(product="gear-unit-g2", quantity=24, order="O1", item=0)
+    goal = making("gear-unit-g2", 24, "O1", plant=stage.plant)
     stage.say("STRAT", "M8", _award("G8", goal), at_s=10.0)
     stage.say("STRAT", "M8", Confirmed(task="G8", epoch=1), at_s=10.02)
     rival = Transport(item="seal-kit", quantity=40, sources=("S6",), destination="M7", ability="tote")

@@ -5,7 +5,9 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from dray.messages import Award, Confirmed, Production, Reason, Role
+from makings import making
+
+from dray.messages import Award, Confirmed, Reason, Role
 from dray.messages.fact import CarrierChanged, PrimarySuspected, TaskClosed
 
 sys.path.insert(0, str(Path(__file__).parent))
@@ -16,7 +18,7 @@ GOLDEN = Path(__file__).parent / "planned_takeover.txt"
 
 def play() -> Stage:
     stage = without_shafts(ATV1="p4", ATV2="p3", ATV3="p7")
-    goal = Production(product="gear-unit-g2", quantity=24, order="O1", item=0)
+    goal = making("gear-unit-g2", 24, "O1", plant=stage.plant)
     stage.say("STRAT", "M8", Award("G8", 1, Role.PRIMARY, goal, deadline_s=3600.0), at_s=10.0)
     stage.say("STRAT", "M8", Confirmed(task="G8", epoch=1), at_s=10.02)
     stage.ask_to_leave("ATV2", at_s=20.0)

@@ -124,7 +124,7 @@ def gate(yard: Yard) -> Gate:
 
 @pytest.fixture
 def gated(gate: Gate) -> DeliveryWarehouse:
-    return DeliveryWarehouse("DELIVERY", PLANT.products, gate)
+    return DeliveryWarehouse("DELIVERY", PLANT.materials, gate)
 
 
 def test_a_gated_warehouse_lets_in_what_the_gate_admits(gate: Gate, gated: DeliveryWarehouse) -> None:

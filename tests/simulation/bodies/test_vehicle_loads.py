@@ -79,16 +79,21 @@ def test_a_new_way_ends_a_manoeuvre_without_effect(yard: Yard, vehicle: SimVehic
     assert vehicle.sense().load == ""
 
 
+def test_what_a_station_does_not_keep_is_not_picked(yard: Yard, vehicle: SimVehicle) -> None:
+    said = yard.do(vehicle, msgspec.structs.replace(PICK, item="bolt"), for_s=100.0)
+    assert said == [ActionFailed(order=5, reason=NOT_KEPT)]
+
+
 @pytest.mark.parametrize(
     ("action", "reason"),
     [
         (msgspec.structs.replace(PICK, station="M1"), "not at M1"),
         (msgspec.structs.replace(PICK, station="XX"), "no station XX"),
         (msgspec.structs.replace(PICK, station="CH1"), "no station CH1"),
-        (msgspec.structs.replace(PICK, item="bolt"), "no item bolt"),
         (msgspec.structs.replace(PICK, item="block"), "cannot carry pallet"),
         (msgspec.structs.replace(PICK, quantity=21), "21 is not within a lot of 20"),
         (msgspec.structs.replace(PICK, quantity=0), "0 is not within a lot of 20"),
+        (msgspec.structs.replace(PICK, item="bolt", quantity=0), "nothing to pick"),
         (Drop(order=5, station="S1"), "nothing on board"),
         (Charge(order=5, charger="CH1"), "not at CH1"),
         (Charge(order=5, charger="S1"), "no charger S1"),

@@ -6,7 +6,7 @@ The vehicle and the yard are those of `test_vehicle.py`: 1 m/s, 0.5 m/s2, lanes 
 from __future__ import annotations
 
 import pytest
-from yard import Yard, drive
+from yard import PLANT, Yard, drive
 
 from dray.body import (
     ActionDone,
@@ -342,7 +342,7 @@ def test_a_vehicle_that_is_carried_away_leaves_its_charger(yard: Yard) -> None:
 
 
 def test_goods_that_the_gate_refuses_stay_on_board_and_can_be_set_aside(yard: Yard) -> None:
-    warehouse = DeliveryWarehouse("DELIVERY", ["gear"], Gate(yard.clock))
+    warehouse = DeliveryWarehouse("DELIVERY", PLANT.materials, Gate(yard.clock))
     yard.places["DELIVERY"] = warehouse
     vehicle = yard.vehicle("north")
     assert yard.workcell.put_by_hand("gear", 5) == ""

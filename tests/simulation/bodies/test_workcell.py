@@ -133,10 +133,10 @@ def test_a_closed_dock_is_shut_and_closing_it_twice_is_harmless(yard: Yard) -> N
 
 def test_a_dock_that_was_opened_for_a_wrong_item_lets_nothing_through(yard: Yard) -> None:
     workcell = cell(yard)
-    yard.do(workcell, OpenDock(vehicle="ATV1", item="block", quantity=1))
-    assert workcell.put("ATV1", "block", 1) == NOT_KEPT
-    assert workcell.take("ATV1", "block", 1) == NOT_KEPT
-    assert workcell.room("block") == 0
+    yard.do(workcell, OpenDock(vehicle="ATV1", item="valve", quantity=1))
+    assert workcell.put("ATV1", "valve", 1) == NOT_KEPT
+    assert workcell.take("ATV1", "valve", 1) == NOT_KEPT
+    assert workcell.room("valve") == 0
 
 
 def test_an_overflow_is_refused_and_the_dock_stays_open(yard: Yard) -> None:

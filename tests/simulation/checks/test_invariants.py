@@ -7,6 +7,7 @@ from random import Random
 
 import msgspec
 import pytest
+from makings import making
 from msgspec.structs import replace
 from watched import OPENED, Watched
 
@@ -17,7 +18,6 @@ from dray.messages import (
     OrderItem,
     OrderReleased,
     OrderTaken,
-    Production,
     Reason,
     Role,
 )
@@ -187,7 +187,7 @@ def test_a_count_of_pieces_that_never_came_is_noticed(ordered: Watched) -> None:
 
 def test_a_goal_closed_too_early_is_noticed(ordered: Watched) -> None:
     ordered.bring("G1", 24)
-    work = Production(product="pump-p3", quantity=48, order="O1", item=0)
+    work = making("pump-p3", 48, "O1")
     ordered.say("strategist", msgspec.structs.replace(OPENED, task="G1", work=work))
     ordered.say("strategist", msgspec.structs.replace(CLOSED, task="G1"))
     assert ordered.broken == 4

@@ -5,8 +5,9 @@ from __future__ import annotations
 import msgspec
 import pytest
 from check_kit import PLANT, TASK, closed, event, heartbeat, opened
+from makings import making
 
-from dray.messages import CancellationTaken, Message, OrderReleased, Production, RevocationTaken
+from dray.messages import CancellationTaken, Message, OrderReleased, RevocationTaken
 from dray.messages.fact import Fact, OrderFulfilled, PieceMade
 from dray.protocol.people.patience import PATIENCE_MAX_S
 from dray_sim.checks.bounds import NOTICE_S, Bounds
@@ -82,7 +83,7 @@ def test_the_check_is_over_when_everything_has_ended() -> None:
     watched = Watched()
     watched.say("desk", OrderReleased(order="D1", items=(), due_s=0.0))
     watched.say("M8", opened())
-    watched.say("strategist", opened("D1-1", Production(product="pump-p3", quantity=1, order="D1", item=0)))
+    watched.say("strategist", opened("D1-1", making("pump-p3", 1, "D1")))
     watched.liveness.start(0.0)
     watched.wait(10.0)
     assert not watched.liveness.over.is_set()

@@ -6,13 +6,14 @@ from collections import Counter
 from collections.abc import Collection
 from typing import Literal
 
+from makings import making
+
 from dray.errors import UnavailableError
 from dray.gateway.live.timescale import TimeScale
 from dray.messages import (
     Event,
     MachineHeartbeat,
     MachineStatus,
-    Production,
     Role,
 )
 from dray.messages.fact import ContractTaken, Fact, TaskClosed
@@ -21,7 +22,7 @@ from dray_sim.bench.losses.history import History
 from dray_sim.explore.run import draw
 from dray_sim.run.witness import Witness
 
-GOAL = Production(product="pump-p3", quantity=24, order="O-1", item=0)
+GOAL = making("pump-p3", 24, "O-1")
 
 
 class Told:

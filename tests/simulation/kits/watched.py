@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+from makings import making
 from msgspec.structs import replace
 
 from dray.body import Admit
 from dray.messages import (
     Event,
     Message,
-    Production,
     Role,
     Transport,
 )
@@ -51,7 +51,7 @@ class Watched:
 
     def put_up(self, goal: str, quantity: int) -> None:
         """The strategist asks who makes pumps for order O1."""
-        work = Production(product="pump-p3", quantity=quantity, order="O1", item=0)
+        work = making("pump-p3", quantity, "O1")
         self.say("strategist", replace(OPENED, task=goal, work=work))
 
     def bring(self, goal: str, pieces: int) -> None:

@@ -130,7 +130,7 @@ class Yard:
         self.clock = VirtualClock()
         self.said: list[tuple[float, str, Report]] = []
         self.source = SourceWarehouse("SOURCE", PLANT.materials)
-        self.delivery = DeliveryWarehouse("DELIVERY", PLANT.products)
+        self.delivery = DeliveryWarehouse("DELIVERY", PLANT.materials)
         self.storage = AttendedStorage(PLANT.storages["S1"], self.clock, self.source)
         self.workcell = SimWorkcell(PLANT.machines["M1"], PLANT, self.clock)
         self.places: dict[str, Place] = {

@@ -6,7 +6,6 @@ from collections.abc import Callable
 
 from dray.body import StartCycle
 from dray.messages.fact import PieceMade
-from dray.plant import Plant
 from dray.protocol.machine.production import Goal, GoalBook
 from dray.protocol.machine.supply import Supply
 from dray.protocol.runtime.events import Effect, Instruct, Record
@@ -16,7 +15,6 @@ class Cycle:
     """The running cycle of one machine, if there is one.
 
     Args:
-        plant: bills of material.
         goals: what is to be made.
         supply: what is at hand.
         out: where effects go.
@@ -27,9 +25,8 @@ class Cycle:
     """
 
     def __init__(
-        self, plant: Plant, goals: GoalBook, supply: Supply, out: list[Effect], commit: Callable[[], None]
+        self, goals: GoalBook, supply: Supply, out: list[Effect], commit: Callable[[], None]
     ) -> None:
-        self._plant = plant
         self._goals = goals
         self._supply = supply
         self._out = out
@@ -46,9 +43,11 @@ class Cycle:
         if goal is None:
             return
         self._goal, self.product = goal, goal.work.product
-        for line in self._plant.products[self.product].bill:
+        bill = goal.work.definition.bill
+        for line in bill:
             self._supply.use(line.material, line.quantity)
-        self._out.append(Instruct(StartCycle(product=self.product)))
+        cycle_s = self._goals.products.cycle_s(goal.work)
+        self._out.append(Instruct(StartCycle(product=self.product, bill=bill, cycle_s=cycle_s)))
 
     def done(self, product: str, seq: int) -> None:
         """A piece has come out; it is spare when its goal has ended meanwhile."""

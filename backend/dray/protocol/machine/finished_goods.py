@@ -50,13 +50,14 @@ class FinishedGoods:
         self._send = send
         self._lose = lose
         self._capacity = plant.machines[machine].goods_capacity
-        self._products = tuple(making.product for making in plant.machines[machine].makes)
+        self._products = goals.products
         self._delivery = plant.closest(plant.node_of(machine), plant.delivery_warehouses, 1)[0]
 
     @property
     def full(self) -> bool:
         """Whether there is no room for another piece."""
-        return sum(self._supply.level(product) for product in self._products) >= self._capacity
+        stock = self._supply.stock
+        return sum(stock[item] for item in stock if self._products.is_goods(item)) >= self._capacity
 
     def levels(self) -> tuple[BufferLevel, ...]:
         """What lies there of every product, for the heartbeat."""
@@ -68,6 +69,7 @@ class FinishedGoods:
                 spare=self._goals.spare(product),
             )
             for product in self._products
+            if product in self._products.own or self._supply.level(product)
         )
 
     def count(self) -> None:
@@ -108,31 +110,32 @@ class FinishedGoods:
             self._clear_spare(now_s)
 
     def _dispatch(self, goal: Goal, now_s: float) -> None:
-        product = self._plant.products[goal.work.product]
+        lot, ability = goal.work.definition.lot, goal.work.definition.ability
         # Finished goods of goals that more urgent ones have interrupted must not fill the machine for ever.
         whole = goal.to_make > 0 and goal.given_back_s is None and not self.full
-        while goal.ready >= product.lot or (goal.ready > 0 and not whole):
-            quantity = min(goal.ready, product.lot)
+        while goal.ready >= lot or (goal.ready > 0 and not whole):
+            quantity = min(goal.ready, lot)
             goal.committed += quantity
             deadline_s = max(goal.deadline_s, now_s + self._supply.patience_s())
-            self._send(self._way_out(product.id, quantity, goal.id), deadline_s, now_s)
+            self._send(self._way_out(goal.work.product, ability, quantity, goal.id), deadline_s, now_s)
 
     def _clear_spare(self, now_s: float) -> None:
         """Pieces that no goal wants must not fill the machine for ever: they are set aside."""
         for product in self._products:
-            quantity = min(self._goals.spare(product), self._plant.products[product].lot)
+            lot, ability = self._products.container(product)
+            quantity = min(self._goals.spare(product), lot)
             if quantity:
                 self._goals.take_spare(product, quantity)
                 deadline_s = now_s + self._supply.patience_s()
-                self._send(self._way_out(product, quantity, ""), deadline_s, now_s)
+                self._send(self._way_out(product, ability, quantity, ""), deadline_s, now_s)
 
-    def _way_out(self, product: str, quantity: int, goal: str) -> Transport:
+    def _way_out(self, product: str, ability: str, quantity: int, goal: str) -> Transport:
         return Transport(
             item=product,
             quantity=quantity,
             sources=(self._machine,),
             destination=self._delivery,
-            ability=self._plant.products[product].ability,
+            ability=ability,
             goal=goal,
         )
 
@@ -141,7 +144,7 @@ class FinishedGoods:
     def lack(self, task: OpenTask) -> bool:
         """Whether the load of a transport does not lie there, though nobody has fetched it."""
         work = cast(Transport, task.work)
-        if work.item not in self._products or task.is_loaded:
+        if not self._products.is_goods(work.item) or task.is_loaded:
             return False
         return self._supply.level(work.item) < work.quantity
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 
 from dray.messages import (
     Accepted,
@@ -43,7 +43,6 @@ class GoalBidder:
     """Bids for one machine.
 
     Args:
-        lots: pieces in a container of each product that the machine can make.
         goals: what it has taken.
         supply: what is at hand.
         probation: of the machine. A goal of one container is short: more is not spoilt by a bad one.
@@ -57,7 +56,6 @@ class GoalBidder:
 
     def __init__(
         self,
-        lots: Mapping[str, int],
         goals: GoalBook,
         supply: Supply,
         probation: Probation,
@@ -65,7 +63,6 @@ class GoalBidder:
         out: list[Effect],
         commit: Callable[[], None],
     ) -> None:
-        self._lots = lots
         self._goals = goals
         self._supply = supply
         self._probation = probation
@@ -87,16 +84,19 @@ class GoalBidder:
             now_s: the present time.
         """
         work = message.work
-        if not isinstance(work, Production) or work.product not in self._lots:
+        if not isinstance(work, Production) or not self._goals.products.can_make(work):
             return
-        is_short = work.quantity <= self._lots[work.product]
+        if objection := self._goals.products.objection(work):
+            self._refusals.note(message, Refusal.ABILITY, objection)
+            return
+        is_short = work.quantity <= work.definition.lot
         if not unfit and self._probation.bars(short=is_short, round_number=message.round):
             unfit = ON_PROBATION
         if unfit:
             self._refusals.note(message, Refusal.NOT_FIT, unfit)
             return
         self._refusals.forget(message)
-        cost = self._goals.quote(work, self._supply.stock, self._supply.longest_lead_s(work.product))
+        cost = self._goals.quote(work, self._supply.stock, self._supply.longest_lead_s(work))
         finish_s = now_s + cost.total_s
         self._quoted_s[message.task] = finish_s
         self._out += offer(message, cost, finish_s, now_s)
@@ -104,7 +104,7 @@ class GoalBidder:
     def on_award(self, sender: str, award: Award, unfit: str, now_s: float) -> bool:
         """Take a goal or decline it; True when it was taken just now."""
         work = award.work
-        if not isinstance(work, Production) or work.product not in self._lots:
+        if not isinstance(work, Production) or not self._is_able(work):
             self._out.append(decline(sender, award, Refusal.ABILITY))
             return False
         known = self._goals.get(award.task)
@@ -183,13 +183,17 @@ class GoalBidder:
         self._out.append(Record(ended))
         return goal
 
+    def _is_able(self, work: Production) -> bool:
+        products = self._goals.products
+        return products.can_make(work) and not products.objection(work)
+
     def _why_not(self, goal: str, work: Production, unfit: str, now_s: float) -> Refusal | None:
         """A goal that was taken since the bid may have made its promise empty."""
         if unfit:
             return Refusal.NOT_FIT
         if len(self._goals) >= GOALS_MAX:
             return Refusal.BUSY
-        cost = self._goals.quote(work, self._supply.stock, self._supply.longest_lead_s(work.product))
+        cost = self._goals.quote(work, self._supply.stock, self._supply.longest_lead_s(work))
         finish_s = now_s + cost.total_s
         promised_s = self._quoted_s[goal] = self._quoted_s.get(goal, finish_s)
         return Refusal.BUSY if finish_s - promised_s > QUOTE_TOLERANCE_S else None

@@ -103,12 +103,10 @@ class Machine(AgentBase):
         self._spec = plant.machines[machine]
         self._heartbeat_timer = HeartbeatTimer(self.id, self._timers)
         self._keys = Keys(plant.id)
-        self._products = tuple(making.product for making in self._spec.makes)
         self._goals = GoalBook(machine, plant)
         self._supply = Supply(machine, plant, self._goals)
         self._probation = Probation(probation)
-        lots = {product: plant.products[product].lot for product in self._products}
-        made = (lots, self._goals, self._supply, self._probation)
+        made = (self._goals, self._supply, self._probation)
         self._bidder = GoalBidder(*made, self._timers, self._out, self._commit)
         self._flow = MaterialFlow(
             machine,
@@ -123,7 +121,7 @@ class Machine(AgentBase):
             incarnation=incarnation,
             tells_node=joining,
         )
-        self._cycle = Cycle(plant, self._goals, self._supply, self._out, self._commit)
+        self._cycle = Cycle(self._goals, self._supply, self._out, self._commit)
         self._breakdown = Breakdown(machine, self._keys, self._goals, self._timers, self._out)
         authority = CommandAuthorisation(machine, plant, trusts)
         self._commands = MachineCommandHandling(authority, self._breakdown, self, running, self._out)
@@ -195,7 +193,7 @@ class Machine(AgentBase):
             self._restore(note, memory, now_s)
         self._breakdown.start(body, note.help if isinstance(note, MachineMemory) else None, now_s)
         self._flow.goods.count()
-        self._out.extend(Subscribe(self._keys.goals(product)) for product in self._products)
+        self._out.extend(Subscribe(self._keys.goals(product)) for product in self._goals.products.own)
         self._out += (Subscribe(self._keys.all_free), *self._docks)
         self._closures.listen()
         if self.incarnation > 1:
@@ -206,9 +204,12 @@ class Machine(AgentBase):
 
     def _restore(self, memory: MachineMemory, notes: Memory, now_s: float) -> None:
         """Go on with what an earlier life was bound by."""
+        for known in memory.products:
+            self._goals.products.note(known.product, known.definition)
         for booked in memory.goals:
             # It goes on with them: the strategist may be away, and the gate knows what may still get in.
             self._bidder.ask(self._goals.restore(booked), now_s)
+        self._supply.goals_changed()
         self._flow.restore(memory, notes, now_s)
         self._commands.restore(memory)
         # Tasks without a carrier have a higher epoch now: no life may use one that an earlier one has used.
@@ -223,6 +224,7 @@ class Machine(AgentBase):
             out_of_service=self._commands.service.out,
             speed_frac=self._goals.speed_frac,
             answered=self._commands.answered,
+            products=self._goals.products.memories(self._supply.level),
         )
 
     def _sense(self, body: BodyState | None, now_s: float) -> None:
@@ -262,7 +264,7 @@ class Machine(AgentBase):
 
     def _stock_changed(self, report: StockChanged, now_s: float) -> None:
         is_news = self._supply.change(report.item, report.change, report.seq)
-        if report.item not in self._products:
+        if not self._goals.products.is_goods(report.item):
             self._flow.on_material(report, now_s)
         else:
             self._flow.on_goods(report, is_news, now_s)

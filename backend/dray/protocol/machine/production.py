@@ -9,6 +9,7 @@ from msgspec import UNSET
 from dray.memory import GoalMemory
 from dray.messages import Confirmed, GoalBrief, Production, ProductionCost
 from dray.plant import Plant
+from dray.protocol.machine.products import Products
 from dray.protocol.runtime.events import NEVER_S
 
 GOODS_LEAVE_S = 180.0
@@ -182,12 +183,14 @@ class GoalBook:
 
     Args:
         machine: whose goals.
-        plant: bills of material and cycle times.
+        plant: what it was set up for.
+
+    Attributes:
+        products: what it can make.
     """
 
     def __init__(self, machine: str, plant: Plant) -> None:
-        self._machine = machine
-        self._plant = plant
+        self.products = Products(machine, plant)
         self._goals: dict[str, Goal] = {}
         self._spare: dict[str, int] = {}
         self.speed_frac = 1.0
@@ -204,6 +207,7 @@ class GoalBook:
 
     def add(self, goal: Goal) -> None:
         self._goals[goal.id] = goal
+        self.products.note(goal.work.product, goal.work.definition)
         urgent_first = sorted(self._goals.values(), key=lambda each: (each.deadline_s, each.id))
         self._goals = {each.id: each for each in urgent_first}
 
@@ -270,7 +274,7 @@ class GoalBook:
     def next_to_make(self, stock: Mapping[str, int]) -> Goal | None:
         """The most urgent goal for whose next piece everything is at hand."""
         for goal in self.at_work():
-            if goal.to_make > 0 and self._at_hand(goal.work.product, stock):
+            if goal.to_make > 0 and _at_hand(goal.work, stock):
                 return goal
         return None
 
@@ -283,7 +287,7 @@ class GoalBook:
         """
         pieces = 0
         for goal in self.at_work():
-            per_piece = self._per_piece(goal.work.product, material)
+            per_piece = _per_piece(goal.work, material)
             if per_piece:
                 running = 1 if goal.work.product == cycling else 0
                 pieces += per_piece * max(0, goal.to_make - running)
@@ -294,7 +298,7 @@ class GoalBook:
     def use_per_s(self, material: str) -> float:
         """Pieces per second at full speed, of the hungriest goal that is still to be made."""
         rates = [
-            self._per_piece(goal.work.product, material) / self.cycle_s(goal.work.product)
+            _per_piece(goal.work, material) / self.cycle_s(goal.work)
             for goal in self.at_work()
             if goal.to_make > 0
         ]
@@ -308,26 +312,26 @@ class GoalBook:
             stock: pieces at hand.
             lead_time_s: how long missing material takes to come.
         """
-        waits_s = [goal.to_make * self.cycle_s(goal.work.product) for goal in self._goals.values()]
+        waits_s = [goal.to_make * self.cycle_s(goal.work) for goal in self._goals.values()]
         queue_s = sum(waits_s, start=0.0)
         to_make = max(0, work.quantity - self.spare(work.product))
         # While it works at other goals the material for this one is on its way.
-        missing = to_make > 0 and not self._at_hand(work.product, stock)
+        missing = to_make > 0 and not _at_hand(work, stock)
         return ProductionCost(
             queue_s=queue_s,
             material_s=max(0.0, lead_time_s - queue_s) if missing else 0.0,
-            making_s=to_make * self.cycle_s(work.product),
+            making_s=to_make * self.cycle_s(work),
         )
 
-    def cycle_s(self, product: str) -> float:
+    def cycle_s(self, work: Production) -> float:
         """How long a piece takes at the present speed."""
-        return self._plant.cycle_s(self._machine, product) / self.speed_frac
+        return self.products.cycle_s(work) / self.speed_frac
 
     def slack_s(self, now_s: float) -> float:
         """How much later than now all of it could begin and still be in time; below 0 when something is late."""
         left_s, done_s = float("inf"), now_s
         for goal in self.confirmed():
-            done_s += max(0, goal.to_make) * self.cycle_s(goal.work.product)
+            done_s += max(0, goal.to_make) * self.cycle_s(goal.work)
             left_s = min(left_s, goal.deadline_s - done_s)
         return left_s
 
@@ -364,10 +368,10 @@ class GoalBook:
         """Those of them that are not given back."""
         return (goal for goal in self.confirmed() if goal.given_back_s is None)
 
-    def _per_piece(self, product: str, material: str) -> int:
-        bill = self._plant.products[product].bill
-        return sum(line.quantity for line in bill if line.material == material)
 
-    def _at_hand(self, product: str, stock: Mapping[str, int]) -> bool:
-        bill = self._plant.products[product].bill
-        return all(stock.get(line.material, 0) >= line.quantity for line in bill)
+def _per_piece(work: Production, material: str) -> int:
+    return sum(line.quantity for line in work.definition.bill if line.material == material)
+
+
+def _at_hand(work: Production, stock: Mapping[str, int]) -> bool:
+    return all(stock.get(line.material, 0) >= line.quantity for line in work.definition.bill)

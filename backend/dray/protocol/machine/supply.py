@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from dray.messages import BufferLevel, Transport
+from collections import Counter
+from collections.abc import Collection
+
+from dray.messages import BufferLevel, Production, Transport
 from dray.plant import Plant
 from dray.protocol.machine.production import GoalBook
 from dray.protocol.machine.replenishment import LeadTime, order_quantity, reorder_point, runs_out_at_s
@@ -22,33 +25,32 @@ class Supply:
         self._machine = machine
         self._plant = plant
         self._goals = goals
-        self.materials = plant.materials_of(machine)
-        products = [making.product for making in plant.machines[machine].makes]
-        self._per_cycle = {
-            material: max(
-                line.quantity
-                for product in products
-                for line in plant.products[product].bill
-                if line.material == material
-            )
-            for material in self.materials
-        }
-        self._lead = {
-            material: LeadTime(first_lead_s(plant, machine, plant.storages_of(material)))
-            for material in self.materials
-        }
-        self._on_order = dict.fromkeys(self.materials, 0)
+        self._per_cycle = dict.fromkeys(plant.materials_of(machine), 0)
+        """By material, the most that one cycle takes of it."""
+        for making in plant.machines[machine].makes:
+            for line in plant.products[making.product].bill:
+                self._provide(line.material, line.quantity)
+        self._lead: dict[str, LeadTime] = {}
+        self._on_order: Counter[str] = Counter()
         self._levels: tuple[BufferLevel, ...] | None = None
         self.stock: dict[str, int] = {}
         """Pieces at hand of every material and product; only this class changes it."""
         self._seq = 0
         """Of the last change that is in `stock` (`dray.body.WorkcellState.seq`)."""
 
+    @property
+    def materials(self) -> Collection[str]:
+        """Those for which it has a buffer: what it was set up for, and what goals have asked for since."""
+        return self._per_cycle.keys()
+
     # --- what is there ---
 
     def take_count(self, stock: dict[str, int], seq: int) -> None:
         """Take the workcell's count at the start, which tells all that was reported to earlier lives, too."""
         self.stock, self._seq, self._levels = dict(stock), seq, None
+        for item in stock:
+            if item in self._plant.materials:
+                self._provide(item, 1)
 
     def sense(self, stock: dict[str, int], seq: int) -> bool:
         """Take the workcell's count, unless it is of another moment: what it has reported since is still to come.
@@ -125,7 +127,7 @@ class Supply:
 
     def latest_s(self, work: Transport, planned_s: float, now_s: float) -> float:
         """By when it should be there if it can be fetched only now (plant clock)."""
-        return max(planned_s, now_s + self._lead[work.item].mean_s)
+        return max(planned_s, now_s + self._lead_of(work.item).mean_s)
 
     def needs(self, material: str, cycling: str) -> bool:
         """Whether any goal still takes some of it."""
@@ -141,19 +143,33 @@ class Supply:
         self._on_order[work.item] -= work.quantity
         self._levels = None
         if took_s is not None:
-            self._lead[work.item].note(took_s)
+            self._lead_of(work.item).note(took_s)
 
-    def longest_lead_s(self, product: str) -> float:
-        """The longest lead time of what a product is made of (s)."""
-        return max(self._lead[line.material].mean_s for line in self._plant.products[product].bill)
+    def longest_lead_s(self, work: Production) -> float:
+        """The longest lead time of what a goal is made of (s)."""
+        return max(self._lead_of(line.material).mean_s for line in work.definition.bill)
 
     def patience_s(self) -> float:
         """How long a transport may take that nothing presses (s): twice what the slowest material takes."""
-        return 2.0 * max(lead.mean_s for lead in self._lead.values())
+        return 2.0 * max(self._lead_of(material).mean_s for material in self.materials)
 
     def goals_changed(self) -> None:
-        """The reorder points follow from the goals."""
+        """The buffers and their reorder points follow from the goals."""
         self._levels = None
+        for goal in self._goals:
+            for line in goal.work.definition.bill:
+                self._provide(line.material, line.quantity)
+
+    def _provide(self, material: str, per_cycle: int) -> None:
+        """Have a buffer for a material of which a cycle takes so much."""
+        self._per_cycle[material] = max(self._per_cycle.get(material, 0), per_cycle)
+
+    def _lead_of(self, material: str) -> LeadTime:
+        lead = self._lead.get(material)
+        if lead is None:
+            first_s = first_lead_s(self._plant, self._machine, self._plant.storages_of(material))
+            lead = self._lead[material] = LeadTime(first_s)
+        return lead
 
     def _move(self, item: str, pieces: int) -> None:
         self.stock[item] = self.stock.get(item, 0) + pieces
@@ -176,9 +192,11 @@ class Supply:
     def _needed_at_s(self, material: str, now_s: float) -> float:
         expected = self.level(material) + self._on_order[material]
         use_per_s = self._goals.use_per_s(material)
-        return max(runs_out_at_s(now_s, expected, use_per_s), now_s + self._lead[material].mean_s)
+        return max(runs_out_at_s(now_s, expected, use_per_s), now_s + self._lead_of(material).mean_s)
 
     def _reorder_point(self, material: str) -> int:
         spec, per_cycle = self._plant.materials[material], self._per_cycle[material]
         ceiling = max(per_cycle, spec.buffer - spec.lot)
-        return reorder_point(self._goals.use_per_s(material), self._lead[material].mean_s, per_cycle, ceiling)
+        return reorder_point(
+            self._goals.use_per_s(material), self._lead_of(material).mean_s, per_cycle, ceiling
+        )

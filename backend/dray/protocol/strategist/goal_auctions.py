@@ -165,7 +165,7 @@ class GoalAuctions(Coordinator):
         if goal.waits:
             return
         goal.waits = True
-        machines = self._watch.failures(goal.work.product, now_s)
+        machines = self._watch.failures(goal.work, now_s)
         self._out.append(Record(GoalWaits(goal=goal.id, order=goal.work.order, machines=machines)))
 
     def _check_takers(self, product: str, now_s: float) -> None:
@@ -173,18 +173,19 @@ class GoalAuctions(Coordinator):
         waiting = list(self._book.unclaimed(product))
         if not waiting:
             return
-        if self._watch.anybody_fit(product, now_s):
-            for goal in waiting:
+        for goal in waiting:
+            if self._watch.anybody_fit(goal.work, now_s):
                 goal.waits = False
-        else:
-            for goal in waiting:
+            else:
                 self.say_waits(goal, now_s)
         self._timers.set((TAKERS, product), now_s + GOAL_SILENCE_S)
 
     # --- how it is done ---
 
     def _audience(self, work: Work, _radius_m: float) -> tuple[str, ...]:
-        return (self._keys.goals(cast(Production, work).product),)
+        goal = cast(Production, work)
+        named = self._watch.named_for(goal)
+        return (self._keys.goals(goal.product), *(self._keys.addressed(machine) for machine in named))
 
     def _on_contracted(self, task: OpenTask, now_s: float) -> None:
         goal = self._book.goal(task.id)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from msgspec import UNSET
 
-from dray.messages import JoiningMachine, MachineHeartbeat, MachineStatus, Reason
+from dray.messages import JoiningMachine, MachineHeartbeat, MachineStatus, Production, Reason
 from dray.messages.fact import MachineFailure
 from dray.messages.heartbeat import JOINING_MACHINES_MAX
 from dray.messages.people.command import PROMISE_MAX_S
@@ -82,22 +82,29 @@ class MachineMonitor:
         for heard in self._heard.values():
             heard.heard_s += span_s
 
-    def machines_for(self, product: str) -> tuple[str, ...]:
-        """All that can make a product, those included that the plant file does not know."""
+    def machines_for(self, work: Production) -> tuple[str, ...]:
+        """All that can make a goal, those included that the plant file does not know."""
         joining = (
             machine
             for machine, joining in self._joining.items()
-            if any(making.product == product for making in joining.makes)
+            if any(making.product == work.product for making in joining.makes)
         )
-        return (*self._plant.machines_for(product), *joining)
+        own = (*self._plant.machines_for(work.product), *joining)
+        return (*own, *(each.machine for each in work.definition.machines if each.machine not in own))
 
-    def anybody_fit(self, product: str, now_s: float) -> bool:
-        """Whether anybody lives and works who can make a product."""
-        return any(not self.failure(machine, now_s) for machine in self.machines_for(product))
+    def named_for(self, work: Production) -> tuple[str, ...]:
+        """Those that can make a goal because its product's definition says so, and do not listen for it by themselves."""
+        named = {each.machine for each in work.definition.machines}
+        listening = self._plant.machines_for(work.product)
+        return tuple(each for each in self.machines_for(work) if each in named and each not in listening)
 
-    def failures(self, product: str, now_s: float) -> tuple[MachineFailure, ...]:
-        """Those that can make a product and make nothing now."""
-        failures = ((machine, self.failure(machine, now_s)) for machine in self.machines_for(product))
+    def anybody_fit(self, work: Production, now_s: float) -> bool:
+        """Whether anybody lives and works who can make a goal."""
+        return any(not self.failure(machine, now_s) for machine in self.machines_for(work))
+
+    def failures(self, work: Production, now_s: float) -> tuple[MachineFailure, ...]:
+        """Those that can make a goal and make nothing now."""
+        failures = ((machine, self.failure(machine, now_s)) for machine in self.machines_for(work))
         return tuple(MachineFailure(machine, reason) for machine, reason in failures if reason is not None)
 
     def failure(self, machine: str, now_s: float) -> Reason | None:

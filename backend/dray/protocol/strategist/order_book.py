@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 
+from msgspec.structs import replace
+
 from dray.memory import (
     WHOLE,
     EndedOrder,
@@ -17,6 +19,7 @@ from dray.memory import (
 from dray.messages import OrderItem, OrderReleased, Production, Reason
 from dray.plant import Plant
 from dray.protocol.runtime.events import Commit
+from dray.protocol.strategist.definitions import definition_for
 
 DELIVERY_S = 300.0
 """How long before an order is due its goals should be made: carrying the last lot away."""
@@ -106,12 +109,12 @@ class OrderBook:
     """All orders of one plant, oldest first.
 
     Args:
-        plant: what can be made of what.
-        machines_for: who can make a product.
+        plant: its products, for orders that bring no definition.
+        machines_for: who can make a goal.
         life: marks the names of goals, so that no two lives give the same.
     """
 
-    def __init__(self, plant: Plant, machines_for: Callable[[str], Sequence[str]], life: str) -> None:
+    def __init__(self, plant: Plant, machines_for: Callable[[Production], Sequence[str]], life: str) -> None:
         self._plant = plant
         self._machines_for = machines_for
         self._life = life
@@ -170,17 +173,23 @@ class OrderBook:
         """Goals of a product that nobody has taken, in the order in which they are put up."""
         return (goal for goal in self if not goal.machine and goal.work.product == product)
 
+    def can_be_made(self, item: OrderItem) -> bool:
+        """Whether its product is known, and somebody can make it."""
+        work = self._work(item)
+        return work is not None and bool(self._machines_for(work))
+
     # --- orders and goals come and go ---
 
     def take(self, message: OrderReleased) -> OrderInWork:
         """Split a new order into goals."""
-        order = OrderInWork(message.order, message.items, message.due_s, message.release)
+        # The goals have their definitions, once each.
+        items = tuple(OrderItem(item.product, item.quantity) for item in message.items)
+        order = OrderInWork(message.order, items, message.due_s, message.release)
         self._orders[order.id] = order
         self._returned.pop(order.id, None)
         self._unwritten[order.id] = None
         for index, item in enumerate(message.items):
-            for quantity in self._split(item):
-                work = Production(product=item.product, quantity=quantity, order=order.id, item=index)
+            for work in self._split(order.id, index, item):
                 self._add(order, work, message.due_s - DELIVERY_S)
         return order
 
@@ -209,12 +218,7 @@ class OrderBook:
         order = self._orders[goal.work.order]
         self.close(goal)
         work = goal.work
-        rest = Production(
-            product=work.product,
-            quantity=work.quantity - goal.arrived,
-            order=work.order,
-            item=work.item,
-        )
+        rest = replace(work, quantity=work.quantity - goal.arrived)
         return self._add(order, rest, goal.deadline_s)
 
     def close(self, goal: OpenGoal) -> OrderInWork:
@@ -321,13 +325,20 @@ class OrderBook:
         self._goals[goal.id] = order.goals[goal.id] = goal
         return goal
 
-    def _split(self, item: OrderItem) -> list[int]:
+    def _split(self, order: str, index: int, item: OrderItem) -> list[Production]:
         """Share an item among the machines that can make it, in whole containers."""
-        if not item.quantity:
+        work = self._work(item, order, index)
+        if work is None or not item.quantity:
             return []  # All of it was delivered before the order was released again.
-        lot = self._plant.products[item.product].lot
-        machines = len(self._machines_for(item.product))
+        lot, machines = work.definition.lot, len(self._machines_for(work))
         lots = -(-item.quantity // lot)
         share = -(-lots // machines) * lot
         whole, rest = divmod(item.quantity, share)
-        return [share] * whole + ([rest] if rest else [])
+        return [replace(work, quantity=pieces) for pieces in [share] * whole + ([rest] if rest else [])]
+
+    def _work(self, item: OrderItem, order: str = "", index: int = 0) -> Production | None:
+        """All of an item as one goal; None when nobody has defined its product."""
+        definition = definition_for(item, self._plant)
+        if definition is None:
+            return None
+        return Production(item.product, item.quantity, order, index, definition)

@@ -134,7 +134,7 @@ class Strategist(AgentBase):
                 self._deliver(goal)
         for order in list(self._book.revoked()):
             self._shut(order)
-        for product in self._plant.products:
+        for product in dict.fromkeys(goal.work.product for goal in self._book):
             self._auctions.ask_next(product, now_s)
 
     def _is_held(self) -> bool:
@@ -147,8 +147,8 @@ class Strategist(AgentBase):
             # Unanswered, it is sent again, to the next life.
             self._out.append(Ignore("an order that came while the strategist was draining"))
             return
-        if any(item.product not in self._plant.products for item in message.items):
-            self._out.append(Ignore("an order for a product that this plant does not make"))
+        if not all(self._book.can_be_made(item) for item in message.items):
+            self._out.append(Ignore("an order for a product that nobody here makes"))
             return
         in_work = self._book.order(message.order)
         if in_work is not None and in_work.release < message.release:
@@ -333,7 +333,7 @@ class Strategist(AgentBase):
         failure = goal.failure or self._failure(goal, now_s)
         if not failure:
             goal.waits = False
-        elif goal.failure or self._monitor.anybody_fit(goal.work.product, now_s):
+        elif goal.failure or self._monitor.anybody_fit(goal.work, now_s):
             goal.failure = failure
             # For the strategist's own body, each time the alarm comes until the gate has counted: no message on the bus.
             self._out.append(Instruct(Admit(goal=goal.id, quantity=0)))

@@ -6,7 +6,7 @@ while it was away is in nobody's notes but the vehicle's, and so is everything w
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 
 from dray.messages import AtvHeartbeat, Brief, Phase, Transport
 from dray.plant import Plant
@@ -41,7 +41,7 @@ class Recovery:
         tasks: Transports,
         timers: Timers,
         *,
-        items: tuple[str, ...],
+        items: Collection[str],
         ordered: Callable[[Transport], None],
     ) -> None:
         self._place = place

@@ -7,7 +7,7 @@ own orders of material and its finished goods, is added where it is made (`dray.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from typing import Any, Protocol, cast
 
 from dray.body import StockChanged
@@ -98,7 +98,7 @@ class TransportFlow:
         place: str,
         plant: Plant,
         keys: Keys,
-        items: tuple[str, ...],
+        items: Collection[str],
         stock: Stock,
         rules: AuctionRules,
         timers: Timers,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+from makings import making
 
 from dray.cli.fleet.rollout.history import WINDOW_S, History, Told
 from dray.messages import (
@@ -60,7 +61,7 @@ def test_a_task_that_is_open_and_that_its_machine_does_not_name_is_lost() -> Non
 
 
 def test_goals_and_watches_are_no_transports() -> None:
-    goal = Production(product="P1", quantity=1, order="O1", item=0)
+    goal = making("P1", 1, "O1")
     history = told((STRATEGIST, opened("g", work=goal)), ("M1", opened("w", role=Role.SECONDARY)))
     assert history.lost(words(10.0)) == set()
     assert told((STRATEGIST, closed("g")), (STRATEGIST, closed("g"))).twice == set()

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import pytest
 from facts_kit import answer, award, bid, closed, delta, opened, phase, refused, task, tell, wall_s
+from makings import making
 
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.projection.auctions import tasks as tasks_module
 from dray.gateway.live.projection.auctions.bids import MAX_BIDS
 from dray.gateway.live.projection.auctions.reorder_buffer import EARLY_KEPT
 from dray.gateway.live.projection.auctions.tasks import CLOSED_KEPT
-from dray.messages import OrderTaken, Phase, Production, ProductionCost, Reason, Role
+from dray.messages import OrderTaken, Phase, ProductionCost, Reason, Role
 from dray.messages.fact import ContractTaken, GoalWaits, MachineFailure, PieceMade, RoundFailed, WatchLost
 
 # --- tasks ------------------------------------------------------------------------------------------
@@ -36,7 +37,7 @@ def test_bids_are_seen_with_the_parts_of_their_price(projection: Projection) -> 
 
 
 def test_a_production_goal_is_a_task_that_names_its_order(projection: Projection) -> None:
-    work = Production(product="P1", quantity=4, order="O-1", item=0)
+    work = making("P1", 4, "O-1")
     cost = ProductionCost(queue_s=1.0, material_s=2.0, making_s=3.0)
     tell(projection, "strategist", opened("G1", work=work), bid("M1", 6.0, task="G1", cost=cost))
     view = task(projection, "G1")
@@ -206,7 +207,7 @@ def test_that_nobody_can_make_a_goal_is_kept_until_its_announcement(projection: 
         "strategist",
         GoalWaits(goal="G1", order="O-1", machines=(MachineFailure("M1", Reason.SILENT),)),
     )
-    work = Production(product="P1", quantity=4, order="O-1", item=0)
+    work = making("P1", 4, "O-1")
     tell(projection, "strategist", opened("G1", work=work))
     trouble = task(projection, "G1").trouble
     assert trouble is not None

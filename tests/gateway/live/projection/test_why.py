@@ -11,6 +11,7 @@ from facts_kit import refused
 from fake_bus import PLANT
 from gateway_kit import House
 from heartbeats import events, machine_heartbeat
+from makings import making
 from wall_clock import NOW_S
 
 from dray.gateway.live.projection import Projection
@@ -20,7 +21,6 @@ from dray.gateway.live.projection.auctions.why_text import ANSWERS, REFUSALS
 from dray.gateway.live.timescale import TimeScale
 from dray.gateway.live.views import WhyView
 from dray.messages import (
-    Production,
     ProductionCost,
     Reason,
     Refusal,
@@ -42,7 +42,7 @@ from dray.messages.fact import (
 )
 
 FETCH = Transport(item="steel", quantity=8, sources=("S1",), destination="M8", ability="tote")
-MAKE = Production(product="gear-unit-g1", quantity=40, order="O1", item=0)
+MAKE = making("gear-unit-g1", 40, "O1")
 
 
 @pytest.fixture

@@ -1,0 +1,25 @@
+"""Products of the plant file, as goals carry them; an order that brings definitions of its own needs none of these."""
+
+from __future__ import annotations
+
+from dray.messages import BillLine, OrderItem, ProductDefinition
+from dray.plant import Plant
+from dray.plant.model import Product
+
+
+def definition_for(item: OrderItem, plant: Plant) -> ProductDefinition | None:
+    """The product of an order's item: as the order has it, else as the plant file does; None when neither knows it."""
+    product = plant.products.get(item.product)
+    if item.definition is not None or product is None:
+        return item.definition
+    return definition_of(product)
+
+
+def definition_of(product: Product) -> ProductDefinition:
+    """A product of the plant file. Which machines make it they know themselves."""
+    return ProductDefinition(
+        lot=product.lot,
+        ability=product.ability,
+        bill=tuple(BillLine(line.material, line.quantity) for line in product.bill),
+        name=product.name,
+    )
