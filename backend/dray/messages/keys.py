@@ -10,7 +10,8 @@ never holds any of these.
     {plant}/hb/operator/{id}  heartbeats of an operator on duty
     {plant}/call/{id}         whom an agent calls for help, and who comes
     {plant}/task/{cell}       announcements of transports, to the grid cells within the radius
-    {plant}/goal/{product}    announcements of production goals, to the machines that can make it
+    {plant}/goal/{product}    announcements of production goals, to the machines that were set up for it
+    {plant}/goal/{machine}    those of other products, to a machine that can make them by their definition
     {plant}/dwell-point/{id}  claims of one charger or parking place
     {plant}/free/{id}         a vehicle that is free asks for work that waits
     {plant}/dock/{place}      when vehicles will be at the dock of a place, to those who hire vehicles for it
@@ -96,8 +97,8 @@ class Keys:
     def transports(self, cell: str) -> str:
         return f"{self.plant}/task/{cell}"
 
-    def goals(self, product: str) -> str:
-        return f"{self.plant}/goal/{product}"
+    def goals(self, product_or_machine: str) -> str:
+        return f"{self.plant}/goal/{product_or_machine}"
 
     def dwell_point(self, dwell_point: str) -> str:
         return f"{self.plant}/dwell-point/{dwell_point}"

@@ -11,7 +11,7 @@ from dray.messages.base import Count, Id, Part, Text
 Pieces = Annotated[int, Meta(ge=1, le=10**6)]
 """Of a container or of one line of a bill: none is larger."""
 
-CycleSeconds = Annotated[float, Meta(gt=0.0, le=1e7)]
+CycleSeconds = Annotated[float, Meta(ge=0.001, le=1e7)]
 """For one piece: none takes longer than four months."""
 
 BILL_MAX = 100

@@ -209,8 +209,9 @@ class Plant:
         return self._materials_of[machine]
 
     def ability_of(self, item: str) -> str:
-        """What a vehicle must be able to carry for a material or product."""
-        return self._items[item].ability
+        """What a vehicle must be able to carry for a material or product; empty for one that is not in the plant file."""
+        known = self._items.get(item)
+        return "" if known is None else known.ability
 
     def able(self, ability: str) -> tuple[str, ...]:
         """The vehicles of the fleet that can carry what needs this ability."""

@@ -88,7 +88,7 @@ _PUBLISHED = (
     Channel(
         "goals",
         _KEYS.goals("{product}"),
-        "Announcements of production goals, to the machines that can make the product.",
+        "Announcements of production goals, to the machines that were set up for the product; to others by their own name.",
         (TaskAnnounced,),
     ),
     Channel(

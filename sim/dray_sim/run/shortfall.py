@@ -238,7 +238,7 @@ class Shortfall:
     def _nobody(self, task: TaskBrief) -> Cause:
         """Why nobody takes a transport: no battery, or all are busy."""
         ability = self._plant.ability_of(task.item)
-        able = [self._atvs[atv] for atv in self._able[ability] if atv in self._atvs]
+        able = [self._atvs[atv] for atv in self._able.get(ability, ()) if atv in self._atvs]
         refused = self._refused.get(task.task, {})
         without_battery = sum(
             beat.status is AtvStatus.CHARGING
@@ -273,8 +273,16 @@ class Shortfall:
         levels = {level.item: level.level for level in heard.buffers}
         for goal in heard.goals:
             if goal.made < goal.quantity:
-                bill = self._plant.products[goal.product].bill
-                short = [line.material for line in bill if levels.get(line.material, 0) < line.quantity]
+                # Of a product that was defined since, it is known only what the machine has a buffer for.
+                known = self._plant.products.get(goal.product)
+                bill = (
+                    {line.material: line.quantity for line in known.bill}
+                    if known
+                    else dict.fromkeys(levels, 1)
+                )
+                short = [
+                    material for material, quantity in bill.items() if levels.get(material, 0) < quantity
+                ]
                 if short:
                     return short
         return []

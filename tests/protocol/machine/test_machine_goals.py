@@ -44,6 +44,7 @@ def test_a_machine_listens_for_the_goals_it_can_make() -> None:
     assert listening(rig.start()) == {
         KEYS.goals("gear-unit-g2"),
         KEYS.goals("pump-p3"),
+        KEYS.goals("M8"),
         KEYS.all_free,
         KEYS.closures,
         KEYS.all_breakdowns,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import msgspec
 import pytest
 from bureau import announced, contract, contract_all, done, order, released
 from defaults import KEYS, PLANT
@@ -13,19 +14,23 @@ from dray.body import Repaired
 from dray.errors import ProtocolViolation
 from dray.messages import (
     Award,
+    BillLine,
     Confirmed,
     Docked,
     DwellPointClaimed,
     GoalClosed,
+    MachineCycle,
     OrderItem,
     OrderReleased,
     OrderTaken,
+    ProductDefinition,
+    Production,
     TaskAnnounced,
     Transport,
     Withdrawn,
 )
 from dray.messages.fact import GoodsDelivered, OrderAccepted, OrderFulfilled, TaskClosed
-from dray.protocol.runtime.events import NEVER_S, Started
+from dray.protocol.runtime.events import NEVER_S, Publish, Started
 
 # --- orders become goals ----------------------------------------------------------------------------
 
@@ -223,3 +228,47 @@ def test_a_strategist_has_a_gate_and_no_other_body() -> None:
 
 def test_being_woken_for_nothing_is_harmless() -> None:
     assert released(order(pump=24)).wake() == []
+
+
+NEW = ProductDefinition(
+    lot=4,
+    ability="tote",
+    bill=(BillLine("shaft", 1),),
+    revision=3,
+    machines=(MachineCycle("M3", 10.0), MachineCycle("M4", 12.0)),
+)
+
+
+def new_order(definition: ProductDefinition | None = NEW) -> OrderReleased:
+    return OrderReleased("O1", (OrderItem("new", 8, definition),), 7200.0)
+
+
+def test_a_goal_carries_its_product_as_the_order_had_it() -> None:
+    rig = released(new_order())
+    work = published(rig.all, TaskAnnounced)[0].work
+    assert isinstance(work, Production)
+    assert (work.quantity, work.definition) == (4, NEW)
+
+
+def test_machines_that_a_definition_names_are_asked_by_name() -> None:
+    asked = {
+        effect.key
+        for effect in released(new_order()).all
+        if isinstance(effect, Publish) and isinstance(effect.message, TaskAnnounced)
+    }
+    assert asked == {KEYS.goals("new"), KEYS.goals("M3"), KEYS.goals("M4")}
+
+
+def test_a_product_of_the_plant_file_is_announced_once() -> None:
+    rig = released(order(pump=24))
+    keys = [
+        effect.key
+        for effect in rig.all
+        if isinstance(effect, Publish) and isinstance(effect.message, TaskAnnounced)
+    ]
+    assert keys == [KEYS.goals("pump-p3")]
+
+
+@pytest.mark.parametrize("definition", [None, msgspec.structs.replace(NEW, machines=())])
+def test_an_order_for_what_nobody_makes_is_not_taken(definition: ProductDefinition | None) -> None:
+    assert sent(released(new_order(definition)).all, OrderTaken) == []

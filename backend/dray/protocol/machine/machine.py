@@ -193,7 +193,7 @@ class Machine(AgentBase):
             self._restore(note, memory, now_s)
         self._breakdown.start(body, note.help if isinstance(note, MachineMemory) else None, now_s)
         self._flow.goods.count()
-        self._out.extend(Subscribe(self._keys.goals(product)) for product in self._goals.products.own)
+        self._out += [Subscribe(self._keys.goals(each)) for each in (*self._goals.products.own, self.id)]
         self._out += (Subscribe(self._keys.all_free), *self._docks)
         self._closures.listen()
         if self.incarnation > 1:

@@ -185,7 +185,7 @@ class GoalAuctions(Coordinator):
     def _audience(self, work: Work, _radius_m: float) -> tuple[str, ...]:
         goal = cast(Production, work)
         named = self._watch.named_for(goal)
-        return (self._keys.goals(goal.product), *(self._keys.addressed(machine) for machine in named))
+        return tuple(self._keys.goals(each) for each in (goal.product, *named))
 
     def _on_contracted(self, task: OpenTask, now_s: float) -> None:
         goal = self._book.goal(task.id)
