@@ -66,6 +66,7 @@ def bus(tmp_path: Path) -> Iterator[dict[str, str]]:
         floor.kill()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("agent", [("agent", "atv", "ATV1"), ("agent", "machine", "M1"), ("strategist",)])
 def test_an_agent_takes_part_and_leaves_without_the_simulator(
     agent: tuple[str, ...], bus: dict[str, str], tmp_path: Path

@@ -58,6 +58,7 @@ def test_a_signal_stops_it_cleanly_while_a_browser_watches(start_dray, by) -> No
     assert "Traceback" not in dray.output()
 
 
+@pytest.mark.slow
 def test_a_plant_of_one_product_gets_its_demand(start_dray, tmp_path: Path) -> None:
     file = tmp_path / "one.yaml"
     file.write_text(plant_yaml(Plant(plant_file())))
@@ -114,6 +115,7 @@ def test_an_accepted_order_survives_a_kill_and_is_delivered_once(start_dray, url
     assert dray.stop() == 0, dray.output()
 
 
+@pytest.mark.slow
 def test_a_second_one_on_the_same_port_is_told_so_and_the_first_goes_on(start_dray) -> None:
     dray = start_dray(*SPEED)
     port = dray.url.rpartition(":")[2]

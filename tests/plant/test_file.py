@@ -202,6 +202,7 @@ def test_any_text_is_a_plant_or_a_plant_error(text: str) -> None:
         parse_plant(text, "plant.yaml")
 
 
+@pytest.mark.slow
 @settings(deadline=None, max_examples=40)
 @given(st.data())
 def test_a_plant_with_a_piece_torn_out_is_a_plant_or_a_plant_error(data: st.DataObject) -> None:

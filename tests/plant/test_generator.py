@@ -36,6 +36,7 @@ def test_a_generated_plant_survives_being_written_and_read(seed: int, machines: 
     assert parse_plant(plant_yaml(plant), "generated.yaml") == plant
 
 
+@pytest.mark.slow
 def test_a_plant_of_200_machines_and_500_vehicles_is_read_back() -> None:
     plant = generate_plant(1, 200, 500)
     assert parse_plant(plant_yaml(plant), "generated.yaml") == plant

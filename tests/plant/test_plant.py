@@ -95,6 +95,7 @@ def test_a_plant_survives_being_written_and_read(plant: Plant, small_text: str) 
         assert parse_plant(plant_yaml(original), "copy.yaml") == original
 
 
+@pytest.mark.slow
 def test_every_process_gives_the_same_answers_in_the_same_order() -> None:
     script = (
         "from dray.plant import default_plant\n"

@@ -15,6 +15,7 @@ def test_a_claim_about_one_vehicle_holds_where_vehicles_pass_through_one_another
     assert SCENARIOS[name].run(1, GHOSTS).failure == ""
 
 
+@pytest.mark.slow
 def test_a_scenario_is_another_run_without_right_of_way_and_the_same_one_again_with_it() -> None:
     scenario = SCENARIOS["experiment-power-off"]
     beside, alone, again = scenario.run(1), scenario.run(1, GHOSTS), scenario.run(1)
@@ -22,6 +23,7 @@ def test_a_scenario_is_another_run_without_right_of_way_and_the_same_one_again_w
     assert "pass through one another" in alone.story
 
 
+@pytest.mark.slow
 def test_a_day_is_played_with_right_of_way() -> None:
     day = SCENARIOS["day"]
     alone, beside = day.run(1, Site(hours=0.25, traffic=False)), day.run(1, Site(hours=0.25))

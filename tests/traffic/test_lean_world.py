@@ -64,6 +64,7 @@ def test_nobody_overlaps_and_nobody_is_stuck(floor: str, quality: Quality) -> No
     assert finish(world).per_h > 20.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "seed", [292, 969, 111, *(pytest.param(s, marks=pytest.mark.slow) for s in (572, 825, 930, 901))]
 )
@@ -96,6 +97,7 @@ def test_a_vehicle_that_dies_on_a_lane_keeps_its_places_and_others_go_round_it()
     assert finish(world).per_h > 150.0
 
 
+@pytest.mark.slow
 def test_every_machine_dies_once_and_no_place_is_held_twice() -> None:
     world = build(Setting(FLOORS["default"](), 4, 900.0, quality=POOR))
     for number, machine in enumerate(world.machines.values()):
@@ -124,6 +126,7 @@ def test_the_same_seed_gives_the_same_run() -> None:
     assert one == other
 
 
+@pytest.mark.slow
 def test_ghosts_carry_more_and_first_come_is_stuck() -> None:
     setting = Setting(FLOORS["default"](), 1, 900.0)
     ghosts, ours, first = run_ghosts(setting), run_boxes(setting), run_boxes(setting, rules=FIRST_COME)

@@ -163,6 +163,7 @@ def day(monkeypatch: pytest.MonkeyPatch, newer: Callable[[str], bool]) -> str:
     return run(main())
 
 
+@pytest.mark.slow
 def test_a_factory_in_which_half_of_all_agents_are_newer_goes_on_as_before(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -34,6 +34,7 @@ def test_a_search_that_holds_sums_up(explore, tmp_path) -> None:
     assert summary["violations"] == []
 
 
+@pytest.mark.slow
 def test_a_violation_comes_with_its_story_and_the_command_that_replays_it(explore, impatient) -> None:
     code, out, _ = explore("--seeds", "2:4", "--jobs", "1")
     assert code == 1

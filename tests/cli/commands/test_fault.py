@@ -172,6 +172,7 @@ def test_what_is_no_address_is_refused(run: Run, url: str) -> None:
     assert err.startswith("dray: --url: ")
 
 
+@pytest.mark.slow
 def test_a_vehicle_of_a_running_factory_is_switched_off_and_on(
     run: Run, start_dray: Callable[..., Any]
 ) -> None:

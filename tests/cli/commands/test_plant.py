@@ -136,6 +136,7 @@ FIELDS = {
 }
 
 
+@pytest.mark.slow
 def test_a_claim_is_played_in_another_plant_and_has_the_same_fields(tmp_path: Path) -> None:
     file = tmp_path / "report.json"
     dray("sim", "run", "loss-sweep", "--plant", "workshop", *SHORTEST_SHIFT, "--json", str(file))

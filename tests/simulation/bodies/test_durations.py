@@ -59,6 +59,7 @@ def varied() -> Plant:
     )
 
 
+@pytest.mark.slow
 def test_a_run_with_times_that_vary_holds_and_is_the_same_again() -> None:
     shift = Shift(name="varied", duration_s=900.0, load=0.85, stock_frac=(0.0, 0.2))
     one, again, plain = play(shift, varied(), 3), play(shift, varied(), 3), play(shift, default_plant(), 3)

@@ -166,6 +166,7 @@ def test_it_is_all_the_same_how_often_a_motion_is_told(one: Course, other: Cours
     assert bool(cut.count) == bool(whole.count)
 
 
+@pytest.mark.slow
 def test_a_run_with_right_of_way_for_nobody_has_overlaps_and_is_the_same_run() -> None:
     shift = Shift(name="ghosts", duration_s=600.0, load=0.85, stock_frac=(0.0, 0.1))
     plain = play(shift, default_plant(), 1)

@@ -89,6 +89,7 @@ def test_a_run_is_played_the_same_in_every_process() -> None:
     assert printed == {" ".join(here)}
 
 
+@pytest.mark.slow
 def test_listening_changes_nothing() -> None:
     quiet, heard = play(draw(5)), play(draw(5), listen=True)
     assert msgspec.structs.replace(heard, trace="") == quiet
@@ -165,6 +166,7 @@ def test_a_search_that_is_stopped_tells_what_it_has_seen(
     assert not multiprocessing.active_children()
 
 
+@pytest.mark.slow
 def test_a_second_ctrl_c_leaves_no_process_behind(monkeypatch: pytest.MonkeyPatch) -> None:
     shutdown = ProcessPoolExecutor.shutdown
 
@@ -194,6 +196,7 @@ def test_a_process_that_is_killed_is_told(monkeypatch: pytest.MonkeyPatch) -> No
         search(0, 10_000, profile="faultless", jobs=2, progress=kill)
 
 
+@pytest.mark.slow
 def test_violations_are_kept_for_reading(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Bounds, "task_s", lambda *_: 1.0)
     summary = search(4, 7)

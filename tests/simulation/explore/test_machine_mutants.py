@@ -42,6 +42,7 @@ def with_goals_that_are_handed_over_and_kept(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(GoalBidder, "on_over", keep)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("mutant", "first", "finding"),
     [

@@ -130,6 +130,7 @@ def standing_s(looks: list[Look], nodes: set[str]) -> float:
 # --- numbers of vehicles and chargers -----------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "parkings",
     [
@@ -146,6 +147,7 @@ def test_two_vehicles_share_one_charger(parkings: int) -> None:
     assert lowest(looks) > 0.2, "nobody is kept waiting by one that has enough"
 
 
+@pytest.mark.slow
 def test_two_vehicles_with_one_charger_carry_on() -> None:
     looks, result = played(small(vehicles=2, chargers=1), hours=2.0, load=0.15)
     assert flat(looks) == set()
@@ -163,6 +165,7 @@ def test_six_vehicles_share_one_charger() -> None:
     assert max(charging) == 1
 
 
+@pytest.mark.slow
 def test_one_vehicle_with_one_charger_works_on() -> None:
     looks, result = played(small(vehicles=1, chargers=1, parkings=1), hours=2.0, load=0.08)
     assert flat(looks) == set()
@@ -231,6 +234,7 @@ def test_a_dead_vehicle_at_a_charger_is_gone_round() -> None:
     assert lowest(looks) > 0.1
 
 
+@pytest.mark.slow
 def test_a_dead_vehicle_at_the_only_charger_is_visited_now_and_then_and_not_besieged() -> None:
     plant = small(vehicles=2, chargers=1, battery_frac=0.5)
     looks, _ = played(plant, hours=3.0, load=0.0, script=dies_at_the_charger)
@@ -288,6 +292,7 @@ def let_lie(stage: Stage, *, standing: bool) -> None:
         session.subscribe(factory.keys.dwell_point(charger))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "standing",
     [pytest.param(False, id="is on its way", marks=pytest.mark.slow), pytest.param(True, id="stands there")],

@@ -78,6 +78,7 @@ def test_machines_of_the_plant_file_do_not_introduce_themselves() -> None:
     assert play(SHIFT, PLANT, 1, script).invariants == HELD
 
 
+@pytest.mark.slow
 def test_a_joining_machine_and_a_strategist_that_are_started_anew_go_on() -> None:
     async def script(stage: Stage) -> None:
         goal = await _contracted(stage)
@@ -93,6 +94,7 @@ def test_a_joining_machine_and_a_strategist_that_are_started_anew_go_on() -> Non
     assert play(SHIFT, PLANT, 1, script).invariants == HELD
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("strategist_too", [False, True])
 def test_the_goals_of_a_joining_machine_that_fails_go_to_others(strategist_too: bool) -> None:
     async def script(stage: Stage) -> None:

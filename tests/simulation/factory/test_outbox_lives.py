@@ -147,6 +147,7 @@ async def cancel_later(peer: OrderPeer, order: str, wait_s: float) -> None:
     peer.cancel(order)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(1, 4))])
 def test_every_order_is_delivered_once_or_dropped(seed: int) -> None:
     async def main() -> None:

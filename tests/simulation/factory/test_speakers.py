@@ -7,6 +7,8 @@ import typing
 from collections import Counter
 from random import Random
 
+import pytest
+
 from dray.messages import (
     AnyFact,
     AnyMessage,
@@ -80,6 +82,7 @@ def test_every_field_that_says_who_speaks_is_compared_with_the_speaker() -> None
     assert found == SIGNATURES
 
 
+@pytest.mark.slow
 def test_nobody_says_in_a_troubled_factory_what_it_may_not() -> None:
     plant = default_plant()
     listener = Listener()

@@ -94,6 +94,7 @@ def ordering(stage: Stage, listener: _Ear) -> None:
     stage.order("pump-p3", 24)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_a_scarce_material_holds_up_who_needs_it_and_nobody_else(seed: int) -> None:
     listener = _Ear()

@@ -77,6 +77,7 @@ async def _stop_everybody_once(seed: int) -> tuple[Invariants, int]:
     return checks, stops
 
 
+@pytest.mark.slow
 def test_stops_in_the_middle_of_everything_break_nothing() -> None:
     checks, stops = run(_stop_everybody_once(seed=3))
     assert stops == 24

@@ -73,6 +73,7 @@ def closed(kind: ClosureKind = ClosureKind.CLOSED) -> list[Closure]:
     return [Closure(f"K{node}", kind, NAME, node=node, speed_mps=0.5) for node in SHUT]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("tells_end", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_nobody_is_seen_where_it_is_closed_and_work_goes_on(tells_end: bool) -> None:
     watch = run(_shift(*closed(), tells_end=tells_end))
@@ -84,6 +85,7 @@ def test_nobody_is_seen_where_it_is_closed_and_work_goes_on(tells_end: bool) -> 
     assert max(watch.knows_s.values()) < BEGINS_S + 1.0
 
 
+@pytest.mark.slow
 def test_a_list_that_is_signed_by_somebody_else_closes_nothing() -> None:
     watch = run(_shift(*closed(), authority=SigningKey(bytes(32))))
     assert watch.knows_s == {}

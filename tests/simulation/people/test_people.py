@@ -6,6 +6,7 @@ import asyncio
 from collections import Counter
 from random import Random
 
+import pytest
 from people_floor import PLANT, QUICK, Floor, Story, play, trouble, until
 
 from dray.messages import Brief, Phase, Role
@@ -146,6 +147,7 @@ def test_people_bring_everything_back_to_life_and_no_piece_is_lost() -> None:
     assert checks.broken is None
 
 
+@pytest.mark.slow
 def test_no_stop_outlives_its_operator_though_words_are_lost_doubled_and_overtaken() -> None:
     bad = LinkTrouble(latency_s=0.1, jitter_s=1.0, loss_frac=0.2, duplicate_frac=0.3, reorder_frac=0.5)
     factory, _, done = run(_misfortunes(3, 6, bad))

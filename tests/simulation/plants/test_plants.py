@@ -23,6 +23,7 @@ def test_every_seed_gives_a_plant_that_the_check_accepts() -> None:
         assert 2 <= len(plant.fleet) <= 8
 
 
+@pytest.mark.slow
 def test_large_ones_too_and_they_are_of_many_kinds() -> None:
     plants = [draw_plant(seed) for seed in SEEDS]
     assert {len(plant.machines) > 20 for plant in plants} == {True, False}
@@ -108,6 +109,7 @@ def sample() -> list:
     return list(play_seeds(0, 4, small=True, hours=1.0))
 
 
+@pytest.mark.slow
 def test_small_plants_are_served(sample: list) -> None:
     assert [(each.seed, each.failures) for each in sample if each.failures and not each.named] == []
 

@@ -95,6 +95,7 @@ def played(file: PlantFile, load: float, hours: float = HOURS) -> Report:
     return report
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", variants(SHORT, "vehicles"))
 def test_the_verdict_names_what_was_short(kind: str) -> None:
     verdict = played(*SHORT[kind]).verdict
@@ -111,6 +112,7 @@ def test_where_nothing_is_short_the_verdict_says_so() -> None:
     assert any(each.kind == "machine" and 0.0 < each.busy_frac < 0.85 for each in report.verdict.resources)
 
 
+@pytest.mark.slow
 def test_the_material_is_named_and_where_it_is_kept() -> None:
     verdict = played(*SHORT["material"], hours=1.0).verdict
     assert verdict.name == "board"

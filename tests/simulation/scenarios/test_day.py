@@ -51,6 +51,7 @@ def test_most_transports_are_watched(hour: Report) -> None:
     assert hour.watches_taken > 0.8 * hour.transports
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("hash_seed", variants(["4711", "0", "1"]))
 def test_the_same_seed_gives_the_same_report_in_another_process(hour: Report, hash_seed: str) -> None:
     environment = {**os.environ, "PYTHONHASHSEED": hash_seed}
@@ -60,12 +61,14 @@ def test_the_same_seed_gives_the_same_report_in_another_process(hour: Report, ha
     assert printed.stdout == describe(hour) + "\n"
 
 
+@pytest.mark.slow
 def test_another_seed_gives_another_trace(hour: Report) -> None:
     other = report_of(dataclasses.replace(HOUR, duration_s=600.0), 8)
     first = report_of(dataclasses.replace(HOUR, duration_s=600.0), 7)
     assert other.trace != first.trace
 
 
+@pytest.mark.slow
 def test_a_day_through_the_codec_leaves_the_same_trace(hour: Report) -> None:
     through_codec = report_of(dataclasses.replace(HOUR, codec=True), 7)
     assert through_codec.trace == hour.trace

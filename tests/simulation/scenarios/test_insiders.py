@@ -38,6 +38,7 @@ def orders_without() -> int:
     return played.told.orders
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", variants(WORST, "bids-the-least"))
 def test_a_liar_stops_nothing(name: str) -> None:
     played = play(SHORT, default_plant(), 1, partial(work, behaviour=BEHAVIOURS[name]))
@@ -53,6 +54,7 @@ async def lossy(stage: Stage) -> set[str]:
     return {seen.said.contractor for seen in stage.witness.all(ContractorRated) if seen.said.restricted}
 
 
+@pytest.mark.slow
 def test_honest_vehicles_on_bad_links_are_never_restricted() -> None:
     played = play(replace(SHORT, keep=(ContractorRated,)), default_plant(), 1, lossy)
     assert played.told == set()

@@ -70,6 +70,7 @@ def short(shift: Shift, duration_s: float) -> Shift:
     return dataclasses.replace(shift, duration_s=duration_s)
 
 
+@pytest.mark.slow
 def test_delays_of_two_seconds_are_endured() -> None:
     found = latency_sweep.sweep(1, (2.0,), short(latency_sweep.SHIFT, 900.0))
     assert failed(found) == []
@@ -125,6 +126,7 @@ def test_judging_problems_saves_time() -> None:
 # --- and could fail ----------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_without_a_radio_the_experiment_does_not_hold() -> None:
     """The checks of the experiment see what happens: a vehicle that nobody hears is replaced."""
 
@@ -237,6 +239,7 @@ def test_the_document_has_every_scenario_and_all_held() -> None:
     assert "**no**" not in written
 
 
+@pytest.mark.slow
 def test_a_section_has_what_ghosts_would_promise_and_one_of_ghosts_has_nothing_to_compare() -> None:
     ghosts = Site(traffic=False)
     true, alone = (document.section("experiment-power-off", 1, site).text for site in (HERE, ghosts))
@@ -248,6 +251,7 @@ def test_a_section_has_what_ghosts_would_promise_and_one_of_ghosts_has_nothing_t
     assert f"| ATV1 delivers | yes | {as_ghosts} |" in alone
 
 
+@pytest.mark.slow
 def test_scenarios_are_written_in_the_order_of_the_list_whoever_ends_first() -> None:
     names = ("experiment-power-off", "experiment-wlan")
     ended: list[str] = []
