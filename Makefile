@@ -65,7 +65,7 @@ test: ## All checks, without the tests of `test-long`
 
 test-long: setup programs ## What takes minutes: fleets as processes, shifts, searches, fuzz at length, packaging
 	$(call stage,pytest of what takes long)
-	$(PYTEST) -n $(WORKERS) --dist worksteal --durations 20 -m slow $(ARGS)
+	DRAY_TEST_EXAMPLES=all $(PYTEST) -n $(WORKERS) --dist worksteal --durations 20 -m "slow or hypothesis" $(ARGS)
 
 test-quick: setup ## Python's tests without the slow and the browser ones
 	$(PYTEST) -q -m "not slow and not browser" $(ARGS)

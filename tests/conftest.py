@@ -29,6 +29,7 @@ from hypothesis import settings
 sys.path.insert(0, str(Path(__file__).parent / "kits"))
 
 from databases import Files, Postgres
+from examples import examples
 from forbidden import Forbidden
 
 from dray_sim.bench.postgres import MISSING, PostgresServer, installed
@@ -52,7 +53,7 @@ FORBIDDEN = "forbidden"
 
 
 # No example fails for the time that it took: that says how busy the machine is. All else is Hypothesis' own choice.
-settings.register_profile("without-deadline", settings(), deadline=None)
+settings.register_profile("without-deadline", settings(), deadline=None, max_examples=examples(100))
 settings.load_profile("without-deadline")
 
 # A shell lets a command that it starts in the background ignore Ctrl-C, and with it all that the tests start.

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import pytest
+from examples import examples
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from situations import NAMES, SITUATIONS, Played
@@ -94,7 +95,7 @@ def test_no_message_of_any_type_ends_an_agent_in_any_situation(kind: type[Messag
 
 @pytest.mark.parametrize("situation", SITUATIONS, ids=lambda situation: situation.__name__)
 def test_no_talk_ends_an_agent(situation: Callable[[], Played]) -> None:
-    @settings(max_examples=15)
+    @settings(max_examples=examples(15))
     @given(TALKS)
     def hears(talk: Talk) -> None:
         listen(situation(), talk)
@@ -104,7 +105,7 @@ def test_no_talk_ends_an_agent(situation: Callable[[], Played]) -> None:
 
 @pytest.mark.parametrize("situation", SITUATIONS, ids=lambda situation: situation.__name__)
 def test_no_talk_keeps_an_agent_from_leaving(situation: Callable[[], Played]) -> None:
-    @settings(max_examples=10)
+    @settings(max_examples=examples(10))
     @given(TALKS, TALKS)
     def hears_and_leaves(before: Talk, meanwhile: Talk) -> None:
         actor = situation()
@@ -118,7 +119,7 @@ def test_no_talk_keeps_an_agent_from_leaving(situation: Callable[[], Played]) ->
     hears_and_leaves()
 
 
-@settings(max_examples=60)
+@settings(max_examples=examples(60))
 @given(st.tuples(UTTERANCES.sender(), UTTERANCES.any(), WAITS_S), st.sampled_from(SITUATIONS), st.data())
 def test_damaged_bytes_end_no_agent(
     said: tuple[str, Message, float], situation: Callable[[], Played], data: st.DataObject

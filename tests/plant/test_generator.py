@@ -7,6 +7,7 @@ import subprocess
 import sys
 
 import pytest
+from examples import examples
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -21,7 +22,7 @@ def density_m2(plant: Plant) -> float:
     return plant.width_m * plant.height_m / len(plant.machines)
 
 
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None, max_examples=examples(40))
 @given(st.integers(0, 2**64), st.integers(1, 40), st.integers(1, 60))
 def test_a_plant_of_any_size_has_no_faults(seed: int, machines: int, vehicles: int) -> None:
     plant = generate_plant(seed, machines, vehicles)
@@ -29,7 +30,7 @@ def test_a_plant_of_any_size_has_no_faults(seed: int, machines: int, vehicles: i
     assert (len(plant.machines), len(plant.fleet)) == (machines, vehicles)
 
 
-@settings(deadline=None, max_examples=10)
+@settings(deadline=None, max_examples=examples(10))
 @given(st.integers(0, 2**64), st.integers(1, 20), st.integers(1, 30))
 def test_a_generated_plant_survives_being_written_and_read(seed: int, machines: int, vehicles: int) -> None:
     plant = generate_plant(seed, machines, vehicles)

@@ -7,6 +7,7 @@ from math import cos, sin
 
 import networkx as nx
 import pytest
+from examples import examples
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -53,7 +54,7 @@ def lane_s(roads: Roads, nodes: tuple[str, ...], vehicle: VehicleType) -> float:
     return sum(times)
 
 
-@settings(deadline=None, max_examples=300)
+@settings(deadline=None, max_examples=examples(300))
 @given(random_roads())
 def test_every_way_is_as_short_as_networkx_finds_it(roads: Roads) -> None:
     graph = nx.DiGraph()
@@ -74,7 +75,7 @@ def test_every_way_is_as_short_as_networkx_finds_it(roads: Roads) -> None:
                     routes.way(start, goal)
 
 
-@settings(deadline=None, max_examples=300)
+@settings(deadline=None, max_examples=examples(300))
 @given(random_roads())
 def test_every_way_takes_as_long_as_the_simulated_vehicle_needs(roads: Roads) -> None:
     routes = Routes(roads, FAST, {})

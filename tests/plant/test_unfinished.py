@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from examples import examples
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -94,7 +95,7 @@ VALUES = st.recursive(
 )
 
 
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=examples(80), deadline=None)
 @given(spot=st.data())
 def test_a_file_with_anything_anywhere_is_judged_and_drawn(spot: st.DataObject, small_text_once: str) -> None:
     data = data_of(small_text_once)

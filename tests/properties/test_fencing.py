@@ -15,6 +15,7 @@ from actors import Actor
 from bodies import PlainVehicle, PlainWorkcell
 from credulous import believing
 from defaults import PLANT
+from examples import examples
 from hypothesis import settings
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
 from spoken import accepted, award, bid, declined, production, rhb
@@ -311,9 +312,9 @@ def _light(life: int) -> Atv:
 
 
 TestCoordinating = Coordinating.TestCase
-TestCoordinating.settings = settings(max_examples=120, stateful_step_count=30)
+TestCoordinating.settings = settings(max_examples=examples(120), stateful_step_count=30)
 TestWatching = Watching.TestCase
-TestWatching.settings = settings(max_examples=60, stateful_step_count=20)
+TestWatching.settings = settings(max_examples=examples(60), stateful_step_count=20)
 
 
 def test_a_dock_that_an_earlier_life_has_opened_is_shut_by_the_next_one() -> None:

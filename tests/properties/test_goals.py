@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from defaults import PLANT
 from effects import facts, published
+from examples import examples
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from rigs import MachineRig, StrategistRig
@@ -21,7 +22,7 @@ MATERIALS = tuple(line.material for line in PUMP.bill)
     quantity=st.integers(min_value=1, max_value=120),
     stock=st.dictionaries(st.sampled_from(MATERIALS), st.integers(min_value=0, max_value=60)),
 )
-@settings(max_examples=60)
+@settings(max_examples=examples(60))
 def test_a_goal_is_made_carried_away_and_supplied_to_the_piece(quantity: int, stock: dict[str, int]) -> None:
     rig = MachineRig("M7", stock)
     rig.start()

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from defaults import PLANT
 from effects import facts, instructed, remember, sent
+from examples import examples
 from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, rule
@@ -185,4 +186,4 @@ class GoalsOutlive(RuleBasedStateMachine):
 
 
 TestGoalsOutlive = GoalsOutlive.TestCase
-TestGoalsOutlive.settings = settings(max_examples=400, stateful_step_count=40, deadline=None)
+TestGoalsOutlive.settings = settings(max_examples=examples(400), stateful_step_count=40, deadline=None)

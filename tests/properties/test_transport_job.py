@@ -14,6 +14,7 @@ import hypothesis.strategies as st
 from actors import Actor
 from bodies import PlainVehicle
 from defaults import PLANT
+from examples import examples
 from hypothesis import settings
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, rule
 from spoken import award, transport
@@ -259,7 +260,7 @@ def _light(life: int) -> Atv:
 
 
 TestCarrying = Carrying.TestCase
-TestCarrying.settings = settings(max_examples=200, stateful_step_count=15)
+TestCarrying.settings = settings(max_examples=examples(200), stateful_step_count=15)
 
 
 def test_what_an_earlier_life_has_put_down_is_handed_over_and_not_brought_again() -> None:

@@ -8,6 +8,7 @@ fun, everything is brought back, and what was ordered must be delivered.
 from __future__ import annotations
 
 import hypothesis.strategies as st
+from examples import examples
 from hypothesis import note, settings
 from hypothesis.stateful import RuleBasedStateMachine, initialize, rule
 from world import World
@@ -170,4 +171,4 @@ class Adversary(RuleBasedStateMachine):
 
 
 TestAdversary = Adversary.TestCase
-TestAdversary.settings = settings(max_examples=60, stateful_step_count=20)
+TestAdversary.settings = settings(max_examples=examples(60), stateful_step_count=20)

@@ -14,6 +14,7 @@ from typing import Any
 import anyio
 import pytest
 from databases import Postgres
+from examples import examples
 from history import (
     Line,
     a_day,
@@ -86,7 +87,9 @@ async def test_a_day_is_kept_and_its_order_delivered(store: Store) -> None:
     assert (historian.missing, historian.lost) == (0, 0)
 
 
-@settings(max_examples=15, deadline=None, suppress_health_check=[HealthCheck.too_slow], derandomize=True)
+@settings(
+    max_examples=examples(15), deadline=None, suppress_health_check=[HealthCheck.too_slow], derandomize=True
+)
 @given(seed=st.integers(0, 2**32), doubled=st.lists(st.sampled_from(a_day()), max_size=20))
 def test_shuffled_and_doubled_events_leave_the_same_rows(seed: int, doubled: list[Event]) -> None:
     shuffled = a_day() + doubled

@@ -6,6 +6,7 @@ import asyncio
 from random import Random
 
 import pytest
+from variants import variants
 
 from dray.messages import Event, Message
 from dray.messages.fact import TaskClosed
@@ -71,7 +72,7 @@ def test_vehicles_with_right_of_way_carry_on_and_never_touch(plant: Plant) -> No
     assert carried >= 0.9 * alone
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", variants(range(3)))
 def test_runs_without_faults_come_to_their_end(seed: int) -> None:
     assert play(draw(seed, "faultless", traffic=True)).broken == ""
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+from variants import variants
 
 from dray_sim.run.site import Site
 from dray_sim.scenarios import SCENARIOS
@@ -10,7 +11,7 @@ from dray_sim.scenarios import SCENARIOS
 GHOSTS = Site(traffic=False)
 
 
-@pytest.mark.parametrize("name", ["experiment-wlan", "experiment-power-off", "case-4", "case-5"])
+@pytest.mark.parametrize("name", variants(["experiment-wlan", "experiment-power-off", "case-4", "case-5"]))
 def test_a_claim_about_one_vehicle_holds_where_vehicles_pass_through_one_another(name: str) -> None:
     assert SCENARIOS[name].run(1, GHOSTS).failure == ""
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import pytest
+from variants import variants
 
 from dray.messages.floor.traffic import PlaceBooking, PlaceWished
 from dray.plant import Plant
@@ -54,9 +55,7 @@ def played(floor: str, seed: int, quality: Quality, *, gap_s: float = 0.0, span_
 
 
 @pytest.mark.parametrize("floor", FLOORS)
-@pytest.mark.parametrize(
-    "quality", [GOOD, pytest.param(POOR, marks=pytest.mark.slow), SLOW], ids=["good", "poor", "slow"]
-)
+@pytest.mark.parametrize("quality", variants([GOOD, POOR, SLOW]), ids=["good", "poor", "slow"])
 def test_nobody_overlaps_and_nobody_is_stuck(floor: str, quality: Quality) -> None:
     world = played(floor, 1, quality)
     assert world.checks.found == Found()
@@ -77,8 +76,8 @@ def test_nobody_is_stuck_where_chance_has_put_roads(seed: int) -> None:
     assert stands_s(world, 0.0) < STAND_S
 
 
-@pytest.mark.parametrize("floor", FLOORS)
-@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("floor", variants(FLOORS))
+@pytest.mark.parametrize("seed", variants([0, 1]))
 def test_faults_make_nobody_overlap_and_traffic_goes_on_after_them(floor: str, seed: int) -> None:
     world = played(floor, seed, POOR, gap_s=10.0, span_s=1200.0)
     assert world.checks.found == Found()

@@ -86,6 +86,7 @@ def test_a_lane_is_chosen_on_the_map_closed_with_a_reason_and_opened(
     expect(card).to_have_count(0)
 
 
+@pytest.mark.slow
 def test_what_an_area_would_cut_off_is_said_before_it_is_closed(
     factory: str, open_page: OpenPage, screenshot: Screenshot
 ) -> None:
@@ -110,6 +111,7 @@ def test_what_an_area_would_cut_off_is_said_before_it_is_closed(
     screenshot(page, "closures-slow")
 
 
+@pytest.mark.slow
 def test_it_is_told_in_german_too(factory: str, open_page: OpenPage, screenshot: Screenshot) -> None:
     page = open_page(factory, locale="de-DE")
     page.evaluate(

@@ -93,6 +93,7 @@ def test_a_vehicle_that_is_switched_off_is_taken_over_from_and_its_load_delivere
     assert factory.ask("/api/faults")["items"] == []
 
 
+@pytest.mark.slow
 def test_a_vehicle_without_wlan_is_seen_over_its_neighbours(
     factory: Any, open_page: OpenPage, screenshot: Screenshot
 ) -> None:

@@ -14,6 +14,7 @@ from open_house import OpenHouse, open_house
 from playwright.sync_api import Page, expect
 from puppets import Puppet
 from tablet_kit import LOOKS, Enter, card
+from variants import variants
 
 from dray.gateway.live.projection.alerting.wait_rules import LONG_WAIT_S
 from dray.messages import AtvStatus, Brief, Phase, Role
@@ -107,7 +108,7 @@ def picture(page: Page) -> bytes:
     return page.locator("#plant-map").screenshot()
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("scheme", variants(["dark", "light"]))
 def test_a_jam_is_one_alert_a_sentence_and_a_place_on_the_map_until_it_is_gone(
     house: OpenHouse, jam: Jam, open_page: OpenPage, screenshot: Screenshot, scheme: str
 ) -> None:
@@ -142,7 +143,7 @@ def test_a_jam_is_one_alert_a_sentence_and_a_place_on_the_map_until_it_is_gone(
     expect(inbox).to_have_count(0)
 
 
-@pytest.mark.parametrize("look", LOOKS)
+@pytest.mark.parametrize("look", variants(LOOKS, "upright-dark-de"))
 def test_an_operator_reads_for_whom_the_vehicles_of_the_area_wait(
     enter: Enter, house: OpenHouse, jam: Jam, screenshot: Screenshot, look: str
 ) -> None:
@@ -160,6 +161,7 @@ def test_an_operator_reads_for_whom_the_vehicles_of_the_area_wait(
     expect(waits).to_have_count(0)
 
 
+@pytest.mark.slow
 def test_without_right_of_way_nothing_of_it_is_there(house: OpenHouse, open_page: OpenPage) -> None:
     async def one(inside: House) -> None:
         await Puppet.join(inside, "ATV1", 7.0, 5.0, node="a1", at_s=inside.wall() - NOW_S)

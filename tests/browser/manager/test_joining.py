@@ -6,6 +6,7 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
+import pytest
 from open_house import open_house
 from playwright.sync_api import Page, expect
 
@@ -25,6 +26,7 @@ async def _join(house: House) -> None:
     house.bus.say(introduction())
 
 
+@pytest.mark.slow
 def test_a_joining_agent_appears_on_the_map_of_an_open_panel(
     open_page: Callable[..., Page], screenshot: Callable[..., Path], sqlite_url: str
 ) -> None:

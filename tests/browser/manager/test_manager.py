@@ -106,6 +106,7 @@ def test_a_quantity_that_is_no_number_is_refused_beside_its_field(
     expect(page.locator("#publish-quantity-wrong")).not_to_be_empty()
 
 
+@pytest.mark.slow
 def test_orders_and_the_fleet_are_narrowed_down_and_taken_along(
     busy_factory: str, open_page: OpenPage, screenshot: Screenshot
 ) -> None:
@@ -162,6 +163,7 @@ def test_the_keyboard_alone_chooses_on_the_map_and_leads_to_the_alerts(
     expect(page.get_by_role("heading", name="Alerts")).to_be_visible()
 
 
+@pytest.mark.slow
 def test_the_traffic_of_the_last_hour_is_a_layer_with_a_legend(
     busy_factory: str, open_page: OpenPage, screenshot: Screenshot
 ) -> None:
@@ -199,6 +201,7 @@ def test_the_watch_shows_who_guards_whom_and_can_be_filtered(
     expect(page.get_by_role("button", name="Not watched")).to_have_attribute("aria-pressed", "true")
 
 
+@pytest.mark.slow
 def test_the_promise_ledger_can_be_sorted_and_downloaded(
     busy_factory: str, open_page: OpenPage, screenshot: Screenshot
 ) -> None:
@@ -280,6 +283,7 @@ def test_the_panel_speaks_the_language_that_is_chosen_and_remembers_it(
     expect(page.get_by_role("heading", name="Produktion starten")).to_be_visible()
 
 
+@pytest.mark.slow
 def test_the_audit_log_can_be_narrowed_turned_over_and_downloaded(
     quiet_factory: str, open_page: OpenPage, screenshot: Screenshot
 ) -> None:
@@ -325,6 +329,7 @@ def test_whoever_logs_out_is_led_to_the_login_in_every_tab(quiet_factory: str, o
     other.wait_for_url("**/login?next=*")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("theme", ["light", pytest.param("dark", marks=pytest.mark.slow)])
 def test_a_busy_plant_is_shown_without_complaints_in_both_themes(
     busy_factory: str, open_page: OpenPage, screenshot: Screenshot, theme: str

@@ -53,6 +53,7 @@ def click(page: Page, x_m: float, y_m: float) -> None:
     page.mouse.click(*at(page, x_m, y_m))
 
 
+@pytest.mark.slow
 def test_from_a_lif_file_to_a_played_shift(
     workshop: str, open_page: OpenPage, screenshot: Screenshot, lif_file: Path
 ) -> None:
@@ -138,6 +139,7 @@ def test_it_is_drawn_with_the_keyboard_alone_in_the_dark_and_in_german(
     expect(page.get_by_role("button", name="Tastatur", exact=True)).to_be_visible()
 
 
+@pytest.mark.slow
 def test_two_who_draw_at_once_do_not_write_over_one_another(workshop: str, open_page: OpenPage) -> None:
     one = open_page(f"{workshop}/editor", **SIZE)
     one.get_by_label("Name of the draft").fill("Shared")

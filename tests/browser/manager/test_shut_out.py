@@ -22,6 +22,7 @@ def factory(start_dray) -> Iterator[str]:
     assert dray.stop() == 0, dray.output()
 
 
+@pytest.mark.slow
 def test_a_vehicle_is_shut_out_with_a_reason_and_readmitted(
     factory: str, open_page: OpenPage, screenshot: Screenshot
 ) -> None:

@@ -49,6 +49,7 @@ def test_a_stream_that_stalls_is_shown_as_old_with_its_age_and_afterwards_as_new
     expect(page.locator(".live-live").first).to_be_visible()
 
 
+@pytest.mark.slow
 def test_a_server_that_takes_its_time_leaves_a_page_that_says_what_it_waits_for(
     factory: str, open_page: OpenPage
 ) -> None:

@@ -12,6 +12,7 @@ from open_house import OpenHouse, open_house
 from playwright.sync_api import Page, expect
 from puppets import Puppet
 from tablet_kit import LOOKS, Enter, card
+from variants import variants
 
 from dray.messages import Event
 from dray.messages.fact import PlaceKept, PlacesFreed
@@ -85,7 +86,7 @@ def number_of(house: OpenHouse) -> int:
     return house.do(ask)
 
 
-@pytest.mark.parametrize("look", LOOKS)
+@pytest.mark.parametrize("look", variants(LOOKS, "upright-dark-de"))
 def test_an_operator_carries_a_vehicle_away_and_puts_it_back(
     enter: Enter, house: OpenHouse, dead: Puppet, screenshot: Screenshot, look: str
 ) -> None:
@@ -115,6 +116,7 @@ def test_an_operator_carries_a_vehicle_away_and_puts_it_back(
     expect(steps).to_have_count(0)
 
 
+@pytest.mark.slow
 def test_a_manager_does_so_at_the_vehicle(
     house: OpenHouse, dead: Puppet, open_page: OpenPage, screenshot: Screenshot
 ) -> None:

@@ -14,6 +14,7 @@ from open_house import OpenHouse, open_house
 from playwright.sync_api import Page, expect
 from puppets import Puppet
 from tablet_kit import LYING, TOUCH_PX, UPRIGHT, Enter, beat
+from variants import variants
 
 from dray.messages import (
     AtvStatus,
@@ -123,7 +124,7 @@ def on_duty(inside: House) -> list[str]:
     return [each.operator for each in inside.projection.people.on_duty(0.0)]
 
 
-@pytest.mark.parametrize("language", ["en", "de", pytest.param("es", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("language", variants(["de", "en", "es"]))
 def test_an_operator_on_duty_is_asked_takes_a_blocked_way_and_is_free_again(
     house: OpenHouse, vehicles: dict[str, Puppet], enter: Enter, screenshot: Screenshot, language: str
 ) -> None:

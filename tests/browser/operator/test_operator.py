@@ -251,6 +251,7 @@ def test_of_a_silent_vehicle_only_stop_is_left(
     assert kinds(vehicles["ATV2"]) == [CommandKind.STOP]
 
 
+@pytest.mark.slow
 def test_a_cut_network_is_said_and_no_command_waits_for_its_end(
     house: OpenHouse,
     vehicles: dict[str, Puppet],
@@ -280,6 +281,7 @@ def test_a_cut_network_is_said_and_no_command_waits_for_its_end(
     forgive(complaints, "ERR_INTERNET_DISCONNECTED")
 
 
+@pytest.mark.slow
 def test_a_session_that_has_run_out_leaves_stop_and_a_way_in_again(
     house: OpenHouse,
     vehicles: dict[str, Puppet],

@@ -114,6 +114,7 @@ def test_whatever_happens_no_stop_comes_under_a_hand_that_was_over_another_one(
     forgive(complaints, "status of 504")
 
 
+@pytest.mark.slow
 def test_a_place_that_has_a_new_owner_counts_no_touch_at_first_and_says_so(
     house: OpenHouse, vehicles: dict[str, Puppet], enter: Enter
 ) -> None:
@@ -150,7 +151,7 @@ def _run_until(page: Page, atv: str, text: str) -> None:
 
 
 @pytest.mark.parametrize("count", variants([1, 8, 50], 50))
-@pytest.mark.parametrize("size", [LYING, UPRIGHT], ids=["lying", "upright"])
+@pytest.mark.parametrize("size", variants([LYING, UPRIGHT]), ids=["lying", "upright"])
 def test_the_bar_is_one_line_that_hides_nothing_however_many_there_are(
     house: OpenHouse, enter: Enter, screenshot: Screenshot, count: int, size: dict[str, int]
 ) -> None:
@@ -185,6 +186,7 @@ def test_the_bar_is_one_line_that_hides_nothing_however_many_there_are(
 # --- what is not confirmed ---------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_an_unconfirmed_stop_stays_in_sight_wherever_its_vehicle_goes(
     house: OpenHouse,
     vehicles: dict[str, Puppet],
@@ -214,6 +216,7 @@ def test_an_unconfirmed_stop_stays_in_sight_wherever_its_vehicle_goes(
     forgive(complaints, "status of 504")
 
 
+@pytest.mark.slow
 def test_an_unconfirmed_stop_goes_when_a_person_says_that_it_was_seen_to(
     house: OpenHouse, vehicles: dict[str, Puppet], enter: Enter, complaints: Complaints
 ) -> None:

@@ -78,7 +78,7 @@ async def test_every_route_gives_an_operator_of_any_area_nothing_of_another(url:
         for area in AREAS:
             client = await operator_of(house, area)
             for method, template in API:
-                for other in AREAS:
+                for other in AREAS if "{" in template else (area,):
                     path = paths(template, things(other))
                     answer = await client.request(method, path)
                     assert answer.status_code != 500, (method, path)

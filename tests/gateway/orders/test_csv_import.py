@@ -10,6 +10,7 @@ from typing import Any
 import msgspec
 import pytest
 from answers import problem
+from examples import examples
 from gateway_kit import OTHER_PRODUCT, PRODUCT, House
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -122,7 +123,7 @@ def test_no_more_of_a_file_is_read_than_could_be_taken() -> None:
     assert Rows.read == MAX_ROWS + 2
 
 
-@settings(deadline=None)
+@settings(deadline=None, max_examples=examples(100))
 @given(st.text(max_size=200) | st.text(",;\n\"'abc1", max_size=200).map(lambda rows: HEAD + rows))
 def test_no_text_is_too_odd_to_be_read(text: str) -> None:
     orders, wrong = read_orders(text)

@@ -145,7 +145,7 @@ def test_processes_change_nothing_but_the_time(monkeypatch: pytest.MonkeyPatch) 
     ("jobs", "how"),
     [
         (1, signal.SIGINT),
-        (2, signal.SIGTERM),
+        pytest.param(2, signal.SIGTERM, marks=pytest.mark.slow),
         pytest.param(1, signal.SIGTERM, marks=pytest.mark.slow),
         pytest.param(2, signal.SIGINT, marks=pytest.mark.slow),
     ],

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+from variants import variants
 
 from dray.protocol.vehicle.idle_positioning import IdlePositioning
 from dray.protocol.vehicle.job.job_ways import JobWays
@@ -14,7 +15,7 @@ WITHIN = 40
 
 
 @pytest.mark.parametrize("profile", ["closures-alone", "closures"])
-@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("seed", variants(SEEDS))
 def test_runs_with_closures_hold(seed: int, profile: str) -> None:
     outcome = try_seed(seed, profile)
     assert outcome.broken == ""

@@ -9,6 +9,7 @@ from random import Random
 from typing import cast
 
 import pytest
+from variants import variants
 
 from dray.messages import AtvHeartbeat, Event, Heartbeat, Message
 from dray.messages.history import HISTORY_KEPT
@@ -198,7 +199,7 @@ async def attend(shelf: Shelf, factory: SimFactory, chance: Random) -> Historian
     return last
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", variants(range(3)))
 def test_agents_end_and_begin_at_any_moment_and_the_history_has_no_holes(seed: int) -> None:
     async def main() -> None:
         plant, listeners, beats, shelf = default_plant(), Listeners(), Beats(), Shelf()

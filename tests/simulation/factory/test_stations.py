@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import msgspec
 import pytest
+from variants import variants
 
 from dray.messages import (
     Accepted,
@@ -114,7 +115,7 @@ def test_a_scarce_material_holds_up_who_needs_it_and_nobody_else(seed: int) -> N
     assert f"{SCARCE} (storage S1 has none)" in listener.waits
 
 
-@pytest.mark.parametrize("loses_journal", [False, True])
+@pytest.mark.parametrize("loses_journal", variants([False, True]))
 def test_a_station_that_is_away_for_a_while_costs_no_order(loses_journal: bool) -> None:
     listener = _Ear()
 

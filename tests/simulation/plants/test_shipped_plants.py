@@ -16,8 +16,7 @@ HOUR_S = 3600.0
     "name",
     [
         "workshop",
-        "single-track",
-        *(pytest.param(name, marks=pytest.mark.slow) for name in ("two-halls", "large")),
+        *(pytest.param(name, marks=pytest.mark.slow) for name in ("single-track", "two-halls", "large")),
     ],
 )
 def test_a_shipped_plant_delivers_all_that_is_ordered_in_an_hour(name: str) -> None:

@@ -8,6 +8,7 @@ import re
 from pathlib import Path
 
 import pytest
+from variants import variants
 
 from dray.messages.fact import TookOver
 from dray_sim.faults import PoweredOff, RadioCut
@@ -54,7 +55,7 @@ def failed(found: Findings) -> list[str]:
 # --- the claims hold ---------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("seed", variants([1, 2]))
 @pytest.mark.parametrize("name", QUICK)
 def test_a_claim_about_one_vehicle_holds(name: str, seed: int) -> None:
     assert evidence(name, seed).failure == ""
