@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+from collections.abc import AsyncIterator
 from random import Random
 from typing import Any
 
@@ -19,7 +20,7 @@ from dray.gateway.live.stream import CALM_S, QUIET_S, Client, Hub, Pace, extent_
 from dray.gateway.live.timescale import TimeScale
 from dray.messages import Message
 from dray.messages.keys import Keys
-from dray.plant import default_plant
+from dray.plant import Plant, default_plant
 from dray_sim.clock.loop import clock, run
 from dray_sim.factory.sim_factory import SimFactory
 from dray_sim.people import demand
@@ -76,6 +77,48 @@ def everything(hub: Hub, who: Principal) -> dict[str, dict[str, Any]]:
     return {kind: {each["id"]: each for each in frame[name]} for kind, name in COLLECTIONS.items()}
 
 
+async def seconds(plant: Plant, projection: Projection, count: int) -> AsyncIterator[int]:
+    """A factory at work of which a projection hears all, second by second."""
+    factory = SimFactory(plant, clock(), seed=7)
+    session = factory.bus.join("panel", lambda _sender, message: projection.fold(message))
+    keys = Keys(plant.id)
+    session.subscribe(keys.all_heartbeats)
+    session.subscribe(keys.all_events)
+    orders = demand.orders(plant, Random(7), load=0.85, until_s=float(count))
+    async with asyncio.TaskGroup() as group:
+        tasks = [
+            group.create_task(factory.run()),
+            group.create_task(OrderClient(factory.bus, factory.clock).place(orders)),
+        ]
+        for step in range(count):
+            await asyncio.sleep(1.0)
+            yield step
+        for task in tasks:
+            task.cancel()
+
+
+def test_a_panel_that_is_told_by_changes_alone_sees_at_every_moment_what_the_gateway_knows() -> None:
+    """Nobody is slow and nobody comes later, so nothing but the first snapshot is told whole."""
+    plant, wall = default_plant(), Wall()
+    projection = Projection(plant.file, TimeScale(0.0, NOW_S))
+    hub = Hub(projection, wall_s=wall, rate_hz=10.0, queue_frames=QUEUE, clients=20, each=20)
+
+    async def main() -> None:
+        panels = {Panel(hub): ADMIN, Panel(hub, OPERATOR): OPERATOR}
+        async for step in seconds(plant, projection, 300):
+            wall.now_s += 1.0
+            projection.look(wall.now_s)
+            hub.tick()
+            for panel, who in panels.items():
+                await panel.read_all()
+                if step % 10 == 9:
+                    known = everything(hub, who)
+                    assert {kind: panel.seen[kind] for kind in known} == known, step
+        assert [panel.snapshots for panel in panels] == [1, 1]
+
+    run(main())
+
+
 def test_panels_of_every_pace_see_what_the_gateway_knows_while_a_factory_runs() -> None:
     """Four panels come at some time, some read late, and at the end all of them show the same as the projection."""
     plant, chance, wall = default_plant(), Random(7), Wall()
@@ -83,30 +126,16 @@ def test_panels_of_every_pace_see_what_the_gateway_knows_while_a_factory_runs() 
     hub = Hub(projection, wall_s=wall, rate_hz=10.0, queue_frames=QUEUE, clients=20, each=20)
 
     async def main() -> list[Panel]:
-        factory = SimFactory(plant, clock(), seed=7)
-        session = factory.bus.join("panel", lambda _sender, message: projection.fold(message))
-        keys = Keys(plant.id)
-        session.subscribe(keys.all_heartbeats)
-        session.subscribe(keys.all_events)
-        orders = demand.orders(plant, Random(7), load=0.85, until_s=300.0)
-        async with asyncio.TaskGroup() as group:
-            tasks = [
-                group.create_task(factory.run()),
-                group.create_task(OrderClient(factory.bus, factory.clock).place(orders)),
-            ]
-            panels: list[Panel] = []
-            for step in range(300):
-                await asyncio.sleep(1.0)
-                wall.now_s += 1.0 if step % 2 else 0.1
-                if step % 75 == 0:
-                    panels += (Panel(hub), Panel(hub, pace=Pace.CALM), Panel(hub, OPERATOR))
-                projection.look(wall.now_s)
-                hub.tick()
-                for panel in panels:
-                    if chance.random() < 0.3:
-                        await panel.read_all()
-            for task in tasks:
-                task.cancel()
+        panels: list[Panel] = []
+        async for step in seconds(plant, projection, 300):
+            wall.now_s += 1.0 if step % 2 else 0.1
+            if step % 75 == 0:
+                panels += (Panel(hub), Panel(hub, pace=Pace.CALM), Panel(hub, OPERATOR))
+            projection.look(wall.now_s)
+            hub.tick()
+            for panel in panels:
+                if chance.random() < 0.3:
+                    await panel.read_all()
         wall.now_s += QUIET_S
         hub.tick()
         for panel in panels:
