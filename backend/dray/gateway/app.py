@@ -18,6 +18,7 @@ from dray.gateway.access.login.hasher import Hasher
 from dray.gateway.access.queries import KnownQueries
 from dray.gateway.factory.duty import OperatorHost
 from dray.gateway.factory.fault_injection import FaultInjector
+from dray.gateway.factory.scenario_play import ScenarioPlayer
 from dray.gateway.http import problems
 from dray.gateway.http.assets import PREFIX, STATIC, BuiltFiles, Panels
 from dray.gateway.http.compression import Compression
@@ -53,6 +54,7 @@ def create_app(
     hasher: Hasher | None = None,
     beside: Beside | None = None,
     operators: OperatorHost | None = None,
+    scenario: ScenarioPlayer | None = None,
 ) -> FastAPI:
     """Put a gateway together. It joins the bus when the server starts, and leaves it when it ends.
 
@@ -72,6 +74,7 @@ def create_app(
         hasher: of secrets, when not the usual one.
         beside: runs as long as the application does: the stop path.
         operators: runs the agents of people on duty; None where nobody can be.
+        scenario: what the factory plays, where it is simulated; None where nobody wrote its day.
     """
 
     @asynccontextmanager
@@ -93,6 +96,8 @@ def create_app(
             operators=operators,
         )
         await restore(services)
+        if scenario is not None:
+            scenario.follow(services.projection.scenarios.put)
         measure(services)
         provide(app, services.by_type(), wall_s)
         async with running(services, beside):

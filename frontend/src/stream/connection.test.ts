@@ -17,7 +17,7 @@ class FakeSocket implements Socket {
   }
 }
 
-const empty = { at_s: 0, plant: "p", factory: {}, atvs: [], machines: [], stations: [], tasks: [], orders: [], news: [], alerts: [], fault_injection: false, faults: [], commands: [], closures: [], obstacles: [], waits: [], audience: null, gone: [] };
+const empty = { at_s: 0, plant: "p", factory: {}, atvs: [], machines: [], stations: [], tasks: [], orders: [], news: [], alerts: [], fault_injection: false, faults: [], commands: [], closures: [], obstacles: [], waits: [], scenarios: [], audience: null, gone: [] };
 const snapshot = (number: number) => ({ ...empty, type: "snapshot", number });
 const delta = (number: number) => ({ ...empty, type: "delta", number, factory: null });
 

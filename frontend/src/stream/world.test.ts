@@ -7,11 +7,11 @@ const atv = (id: string, battery_frac = 1) => ({ id, battery_frac }) as AtvView;
 
 export const snapshot = (number: number, atvs: AtvView[] = []): Snapshot => ({
   type: "snapshot", number, at_s: 100, plant: "dray", factory, atvs, machines: [], stations: [], tasks: [], orders: [],
-  news: [], alerts: [], fault_injection: false, faults: [], commands: [], closures: [], obstacles: [], waits: [], audience: null,
+  news: [], alerts: [], fault_injection: false, faults: [], commands: [], closures: [], obstacles: [], waits: [], scenarios: [], audience: null,
 });
 export const delta = (number: number, more: Partial<Delta> = {}): Delta => ({
   type: "delta", number, at_s: 101, factory: null, atvs: [], machines: [], stations: [], tasks: [], orders: [], news: [],
-  alerts: [], faults: [], commands: [], closures: [], obstacles: [], waits: [], gone: [], ...more,
+  alerts: [], faults: [], commands: [], closures: [], obstacles: [], waits: [], scenarios: [], gone: [], ...more,
 });
 
 describe("a world", () => {

@@ -15,6 +15,7 @@ import type {
   NewsView,
   ObstacleView,
   OrderView,
+  ScenarioView,
   Snapshot,
   StationView,
   TaskView,
@@ -52,6 +53,8 @@ export interface World {
   readonly obstacles: ReadonlyMap<string, ObstacleView>;
   /** Vehicles that cannot drive on, and for whom they wait; empty where vehicles drive without right of way. */
   readonly waits: ReadonlyMap<string, WaitView>;
+  /** The one that the simulated factory plays, if any. */
+  readonly scenarios: ReadonlyMap<string, ScenarioView>;
   /** Who is shown all this, and how much of the plant. */
   readonly audience: AudienceView | null;
 }
@@ -70,6 +73,7 @@ const GONE = {
   closure: "closures",
   obstacle: "obstacles",
   wait: "waits",
+  scenario: "scenarios",
 } as const;
 
 export function worldOf(frame: Snapshot): World {
@@ -91,6 +95,7 @@ export function worldOf(frame: Snapshot): World {
     closures: byId(frame.closures),
     obstacles: byId(frame.obstacles),
     waits: byId(frame.waits),
+    scenarios: byId(frame.scenarios),
     audience: frame.audience,
   };
 }
@@ -120,6 +125,7 @@ export function advance(world: World | null, frame: Frame): World | null {
     closures: changed(world.closures, frame.closures, gone.closures),
     obstacles: changed(world.obstacles, frame.obstacles, gone.obstacles),
     waits: changed(world.waits, frame.waits, gone.waits),
+    scenarios: changed(world.scenarios, frame.scenarios, gone.scenarios),
   };
 }
 
@@ -153,7 +159,7 @@ type Kind = (typeof GONE)[keyof typeof GONE];
 function goneByKind(ids: readonly string[]): Record<Kind, string[]> {
   const gone: Record<Kind, string[]> = {
     atvs: [], machines: [], stations: [], tasks: [], orders: [], news: [], alerts: [], faults: [], commands: [],
-    closures: [], obstacles: [], waits: [],
+    closures: [], obstacles: [], waits: [], scenarios: [],
   };
   for (const id of ids) {
     const cut = id.indexOf(":");

@@ -57,7 +57,7 @@ class SimFactory:
         codec: pass every message through the wire format.
         listener: hears everything that is said.
         meet: makes where the agents meet out of the simulated network.
-        trusts: whose grants vehicles believe; by default those of `authority`.
+        authority: grants the commands of simulated people, and is the one that vehicles believe; follows from the seed by default.
         traffic: whether vehicles drive with right of way; else as if each were alone.
         embody: what stands between a vehicle and each life of its agent; nothing by default.
 
@@ -85,7 +85,7 @@ class SimFactory:
         codec: bool = False,
         listener: Listener | None = None,
         meet: Callable[[Bus], Bus] = lambda network: network,
-        trusts: Trusts | None = None,
+        authority: SigningKey | None = None,
         traffic: bool = False,
         embody: Embody = directly,
     ) -> None:
@@ -93,8 +93,8 @@ class SimFactory:
         self.plant = plant
         self.clock = clock
         self.keys = Keys(plant.id)
-        self.authority = SigningKey(sha256(f"{seed} authority".encode()).digest())
-        self.trusts = trusts or TrustedKeys(self.authority.public)
+        self.authority = authority or SigningKey(sha256(f"{seed} authority".encode()).digest())
+        self.trusts: Trusts = TrustedKeys(self.authority.public)
         # One generator per concern, so that a change to one does not shift the chances of another.
         self.bus = SimNetwork(
             clock,

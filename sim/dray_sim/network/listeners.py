@@ -33,6 +33,10 @@ class Listeners:
         """Let these hear everything, too, from now on."""
         self._listeners += listeners
 
+    def clear(self) -> None:
+        """Nobody hears anything any more."""
+        self._listeners = ()
+
     def on_message(self, at_s: float, sender: str, address: str, message: Message) -> None:
         """See `Listener`."""
         for listener in self._listeners:

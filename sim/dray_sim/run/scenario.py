@@ -9,6 +9,7 @@ from typing import Any, Protocol
 
 from dray.errors import SettingsError
 from dray_sim.run.evidence import FIGURES, HELD, Check, Evidence, Table
+from dray_sim.run.part import Part
 from dray_sim.run.report import Report
 from dray_sim.run.site import Site
 from dray_sim.run.stage import Played, with_right_of_way
@@ -93,6 +94,7 @@ class Scenario:
         play: does it, for a seed.
         elsewhere: does it in another plant, under another load or for another time; None where what is done names
             machines and vehicles of one plant.
+        parts: those of its runs that can be followed live, step by step.
     """
 
     name: str
@@ -102,6 +104,7 @@ class Scenario:
     story: str
     play: Callable[[int], Findings]
     elsewhere: Callable[[int, Site], Findings] | None = None
+    parts: tuple[Part[Any], ...] = ()
 
     @property
     def moves(self) -> bool:

@@ -8,7 +8,7 @@ breaks ends the run.
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Awaitable, Callable, Iterator
+from collections.abc import Awaitable, Callable, Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
@@ -17,6 +17,7 @@ from typing import Any, Generic, TypeVar
 
 from dray.messages import OrderItem
 from dray.plant import Plant
+from dray.scenario_steps import ScenarioStep
 from dray_sim.bodies.floor import FIRST_STOCK_FRAC
 from dray_sim.checks.floor.held_places import HeldPlaces
 from dray_sim.checks.floor.overlaps import Overlaps
@@ -37,6 +38,7 @@ from dray_sim.run.evidence import HELD
 from dray_sim.run.observer import Observer
 from dray_sim.run.report import Report, make_report
 from dray_sim.run.shortfall import Shortfall
+from dray_sim.run.steps import Happened, Steps
 from dray_sim.run.trace import Trace
 from dray_sim.run.witness import Witness
 
@@ -98,12 +100,14 @@ class Played(Generic[T]):
     Attributes:
         told: what the script returned; None when a broken invariant has cut it short.
         report: the figures of the run.
-        trace: counts of all that was said.
+        counts: of all that was said, by name.
+        steps: those that have happened, in their order.
     """
 
     told: T | None
     report: Report
     counts: dict[str, int]
+    steps: Mapping[ScenarioStep, Happened]
 
     @property
     def invariants(self) -> str:
@@ -117,6 +121,8 @@ class Stage:
         shift: how long, and how busy.
         plant: the factory.
         seed: everything else follows from it.
+        steps: that the script will tell of.
+        make: makes the factory: `SimFactory`, or one that is open to the outside.
 
     Attributes:
         factory: bodies, network, agents.
@@ -125,14 +131,21 @@ class Stage:
         office: says which vehicles people have carried away; None where nobody needs to be told.
         overlaps: vehicles in one spot so far; None where they are not looked for.
         witness: what was said.
+        steps: how far the script is.
         observer: figures so far.
         shortfall: who has waited for what so far.
-        listeners: hear everything that is said; a script may add its own.
         orders: all of them, placed or still to come.
-        listeners: hear all that is said.
+        listeners: hear all that is said; a script may add its own.
     """
 
-    def __init__(self, shift: Shift, plant: Plant, seed: int) -> None:
+    def __init__(
+        self,
+        shift: Shift,
+        plant: Plant,
+        seed: int,
+        steps: tuple[ScenarioStep, ...] = (),
+        make: Callable[..., SimFactory] = SimFactory,
+    ) -> None:
         self.shift = shift
         self.plant = plant
         self.seed = seed
@@ -142,7 +155,7 @@ class Stage:
             self.orders += demand.orders(plant, random, load=shift.load, until_s=shift.duration_s)
         self.observer, self.trace, self.witness = Observer(), Trace(), Witness(*shift.keep)
         self.listeners = listeners = Listeners()
-        self.factory = SimFactory(
+        self.factory = make(
             plant,
             clock(),
             seed=seed,
@@ -172,7 +185,8 @@ class Stage:
             self.overlaps = Overlaps(self.factory.vehicles, strict=strict)
             self.checks.add(self.overlaps)
         self.shortfall = Shortfall(plant, self.factory.storages)
-        listeners.add(self.trace, self.observer, self.checks, self.witness, self.shortfall)
+        self.steps = Steps(steps, self.now_s)
+        listeners.add(self.trace, self.observer, self.checks, self.witness, self.shortfall, self.steps)
         self._customers = OrderClient(self.factory.bus, self.factory.clock)
         self._demand = tuple(self.orders)
         self._placing: list[asyncio.Task[None]] = []
@@ -247,7 +261,11 @@ class Stage:
 
 
 def play(
-    shift: Shift, plant: Plant, seed: int, script: Callable[[Stage], Awaitable[T]] | None = None
+    shift: Shift,
+    plant: Plant,
+    seed: int,
+    script: Callable[[Stage], Awaitable[T]] | None = None,
+    steps: tuple[ScenarioStep, ...] = (),
 ) -> Played[T]:
     """Run a script in virtual time, all invariants watched.
 
@@ -256,17 +274,22 @@ def play(
         plant: the factory.
         seed: everything else follows from it.
         script: what is done to the factory; None for nothing but letting the shift's time pass.
+        steps: that the script tells of.
 
     Returns:
         What was told, and the figures. A broken invariant ends the run and is named in the report.
     """
-    return run(_play(shift, plant, seed, script), JUMP)
+    return run(_play(shift, plant, seed, script, steps), JUMP)
 
 
 async def _play(
-    shift: Shift, plant: Plant, seed: int, script: Callable[[Stage], Awaitable[T]] | None
+    shift: Shift,
+    plant: Plant,
+    seed: int,
+    script: Callable[[Stage], Awaitable[T]] | None,
+    steps: tuple[ScenarioStep, ...],
 ) -> Played[T]:
-    stage = Stage(shift, plant, seed)
+    stage = Stage(shift, plant, seed, steps)
     life = asyncio.create_task(stage.live())
     broken = asyncio.create_task(stage.checks.wait_broken())
     acting = asyncio.ensure_future(_act(stage, script))
@@ -286,7 +309,7 @@ async def _play(
     for task in (life, broken, acting):
         task.cancel()
     await asyncio.gather(life, broken, acting, return_exceptions=True)
-    return Played(told, report, stage.trace.counts_by_name())
+    return Played(told, report, stage.trace.counts_by_name(), stage.steps.happened)
 
 
 async def _act(stage: Stage, script: Callable[[Stage], Awaitable[T]] | None) -> T | None:

@@ -7,8 +7,11 @@ and what we want to know beside them.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
 
-from dray_sim.run.scenario import Playable
+from dray_sim.run.part import Part
+from dray_sim.run.scenario import Playable, Scenario
 from dray_sim.scenarios import (
     day,
     fault_cost,
@@ -57,3 +60,25 @@ _ALL: tuple[Playable, ...] = (
 
 SCENARIOS: Mapping[str, Playable] = {scenario.name: scenario for scenario in _ALL}
 """By name, in the order in which they are listed."""
+
+
+@dataclass(frozen=True, slots=True)
+class LivePart:
+    """A part of a scenario that can be followed live.
+
+    Attributes:
+        part: what is played.
+        shows: what its scenario shows, in one line.
+    """
+
+    part: Part[Any]
+    shows: str
+
+
+LIVE: Mapping[str, LivePart] = {
+    part.name: LivePart(part, scenario.shows)
+    for scenario in _ALL
+    if isinstance(scenario, Scenario)
+    for part in scenario.parts
+}
+"""What `dray up --scenario NAME` plays, by name."""

@@ -241,6 +241,17 @@ def test_an_option_out_of_range_is_refused(dray, option, value) -> None:
     assert option in done.err
 
 
+def test_a_scenario_that_there_is_not_is_refused_with_those_that_there_are(dray) -> None:
+    done = dray("up", "--scenario", "case-7")
+    assert done.code == 2
+    assert "case-7" in done.err
+    assert "case-4-promised" in done.err
+    done = dray("up", "--scenario", "case-4", "--plant", "workshop")
+    assert done.code == 2
+    assert "--plant" in done.err
+    assert not Path("dray-scenario.db").exists()
+
+
 @pytest.mark.parametrize("speed", ["0", "51", "nan"])
 def test_a_speed_that_no_fleet_can_have_is_refused(dray, speed) -> None:
     done = dray("fleet", "up", "--speed", speed)

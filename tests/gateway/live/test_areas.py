@@ -34,9 +34,10 @@ from dray.gateway.access.principal import ADMIN, SCOPES, Principal, Role
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.stream import Client, Hub
 from dray.gateway.live.timescale import TimeScale
-from dray.gateway.live.views import CommandView
+from dray.gateway.live.views import CommandView, ScenarioView, StepView
 from dray.gateway.live.visibility import ELSEWHERE, AreaVisibility
 from dray.messages import Message
+from dray.scenario_steps import ScenarioStep
 
 pytestmark = pytest.mark.anyio
 
@@ -332,3 +333,44 @@ async def test_an_empty_room_is_forgotten() -> None:
     stage.hub.leave(client)
     assert stage.hub._rooms == {}
     assert (await next_of(stage.join(operator(AREAS[0]))))["type"] == "snapshot"
+
+
+# --- a scenario that is played ----------------------------------------------------------------------
+
+BEFORE = ScenarioView(id="case-5", shows="", steps=(StepView(step=ScenarioStep.STOPPED),))
+AFTER = ScenarioView(
+    id="case-5",
+    shows="",
+    steps=(StepView(step=ScenarioStep.STOPPED, after_s=61.5, agents=("ATV3",)),),
+    state="held",
+    after_s=90.0,
+)
+
+
+async def test_a_manager_is_told_of_each_step() -> None:
+    stage = Stage()
+    stage.projection.scenarios.put(BEFORE)
+    client = stage.join(ADMIN)
+    (seen,) = (await next_of(client))["scenarios"]
+    assert seen["steps"] == [{"step": "stopped", "after_s": None, "agents": []}]
+    stage.projection.scenarios.put(AFTER)
+    stage.wall.now_s += 0.2
+    stage.hub.tick()
+    (seen,) = (await next_of(client))["scenarios"]
+    assert seen["steps"] == [{"step": "stopped", "after_s": 61.5, "agents": ["ATV3"]}]
+    assert seen["state"] == "held"
+
+
+async def test_an_operator_hears_nothing_of_it() -> None:
+    stage = Stage()
+    stage.projection.scenarios.put(BEFORE)
+    client = stage.join(operator(AREAS[0]))
+    stage.projection.scenarios.put(AFTER)
+    stage.wall.now_s += 2.0
+    stage.hub.tick()
+    assert [frame["scenarios"] for frame in await waiting(client)] == [[]]
+    stage.hub.tick()
+    stage.projection.scenarios.put(BEFORE)
+    stage.wall.now_s += 2.0
+    stage.hub.tick()
+    assert all(frame["scenarios"] == [] for frame in await waiting(client))

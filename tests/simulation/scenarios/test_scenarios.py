@@ -11,12 +11,15 @@ import pytest
 from variants import variants
 
 from dray.messages.fact import TookOver
+from dray.scenario_steps import ScenarioStep
 from dray_sim.faults import PoweredOff, RadioCut
 from dray_sim.run.evidence import HELD, Check, Evidence, Table
 from dray_sim.run.scenario import HERE, Findings, Scenario
 from dray_sim.run.site import Site
 from dray_sim.run.stage import Played, Shift, Stage, play
+from dray_sim.run.steps import Happened
 from dray_sim.scenarios import (
+    LIVE,
     SCENARIOS,
     document,
     fault_cost,
@@ -124,6 +127,44 @@ def test_judging_problems_saves_time() -> None:
     assert failed(found) == []
 
 
+# --- step by step -------------------------------------------------------------------------------------
+
+
+def as_told(checks: tuple[Check, ...]) -> tuple[Check, ...]:
+    return checks
+
+
+def assert_every_step_happens(name: str) -> None:
+    part = LIVE[name].part
+    played = part.play(1)
+    assert [check.name for check in part.checks(played) if not check.held] == []
+    assert set(part.steps) == set(played.steps)
+    times_s = [played.steps[step].at_s for step in part.steps]
+    assert times_s == sorted(times_s)
+
+
+@pytest.mark.parametrize("name", ["experiment-wlan", "case-4-nobody-left"])
+def test_every_step_happens_in_its_order(name: str) -> None:
+    assert_every_step_happens(name)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", sorted(set(LIVE) - {"experiment-wlan", "case-4-nobody-left"}))
+def test_every_step_of_the_others_happens_in_its_order(name: str) -> None:
+    assert_every_step_happens(name)
+
+
+def test_steps_tell_whom_they_are_about_and_nothing_that_was_not_declared() -> None:
+    async def tell_both(stage: Stage) -> None:
+        stage.steps.tell(ScenarioStep.UNDER_WAY, "ATV3", "")
+        await stage.until_s(5.0)
+        stage.steps.tell(ScenarioStep.UNDER_WAY, "ATV1")
+        stage.steps.tell(ScenarioStep.DELIVERED, "ATV3")
+
+    steps = play(Shift("steps", 0.0), laboratory(), 1, tell_both, (ScenarioStep.UNDER_WAY,)).steps
+    assert steps == {ScenarioStep.UNDER_WAY: Happened(0.0, ("ATV3",))}
+
+
 # --- and could fail ----------------------------------------------------------------------------------
 
 
@@ -135,7 +176,7 @@ def test_without_a_radio_the_experiment_does_not_hold() -> None:
         stage.faults.begin(RadioCut("ATV3"))
         return await experiment_wlan.cut(stage)
 
-    checks = figure_6.in_laboratory("experiment-wlan", 1, cut_both).told
+    checks = figure_6.in_laboratory("experiment-wlan", cut_both, as_told).play(1).told
     assert checks is not None
     held = [check.held for check in checks]
     assert held[0]
@@ -148,8 +189,7 @@ def test_without_a_secondary_the_experiment_does_not_hold() -> None:
         stage.faults.begin(PoweredOff("ATV1"))
         return await experiment_power_off.switch_off(stage)
 
-    shift = dataclasses.replace(experiment_power_off.SHIFT, people=None)
-    checks = figure_6.in_laboratory("experiment-power-off", 1, alone, shift).told
+    checks = figure_6.in_laboratory("experiment-power-off", alone, as_told).play(1).told
     assert checks is not None
     assert not checks[0].held
     assert not all(check.held for check in checks[1:])

@@ -12,11 +12,12 @@ import socket
 import time
 from collections.abc import Callable, Coroutine, Iterator
 from dataclasses import dataclass
+from functools import partial
 
 from fastapi import FastAPI
 from opentelemetry.sdk.trace import TracerProvider
 
-from dray.adapters.security.signing import SigningKey, TrustedKeys
+from dray.adapters.security.signing import SigningKey
 from dray.adapters.vda5050.link import BrokerAddress
 from dray.cli.runtime.authority import authority_of
 from dray.cli.runtime.first_users import welcome
@@ -35,6 +36,7 @@ from dray.cli.runtime.telemetry.logs import prepare_logs
 from dray.cli.runtime.telemetry.traces import traced, watched
 from dray.cli.simulation.factory_meter import FactoryMeter
 from dray.cli.simulation.fault_injection import SimFaultInjector
+from dray.cli.simulation.scenario_player import SimScenarioPlayer
 from dray.gateway.app import create_app
 from dray.gateway.live.timescale import TimeScale
 from dray.messages.keys import Keys
@@ -46,6 +48,9 @@ from dray_sim.factory.installation import directly
 from dray_sim.factory.sim_factory import SimFactory
 from dray_sim.faults import Faults
 from dray_sim.network.bridge import BridgedBus, SimThread
+from dray_sim.run.live import LivePlay
+from dray_sim.run.stage import with_right_of_way
+from dray_sim.scenarios import LivePart
 from dray_sim.vda5050.broker_fleet import BrokerFleet
 
 BUILDING_S = 60.0
@@ -60,23 +65,28 @@ class Inside:
         factory: to be used in its own thread only, except for reading what it counts.
         faults: to be used in the factory's thread only.
         time: the factory's clock and ours.
+        play: what is played in it, to be used in the factory's thread only; None where nobody wrote its day.
     """
 
     factory: SimFactory
     faults: Faults
     time: TimeScale
+    play: LivePlay | None = None
 
 
 Factory = SimThread[Inside]
 
 
-async def run_service(service: Service, seed: int, broker: BrokerAddress | None = None) -> None:
+async def run_service(
+    service: Service, seed: int, broker: BrokerAddress | None = None, live: LivePart | None = None
+) -> None:
     """Run until a signal.
 
     Args:
         service: what is to be run.
         seed: of everything that is left to chance in the factory.
         broker: through which vehicles speak VDA 5050 with their agents; None for vehicles without it.
+        live: what is played in the factory, in whose plant the service is; None for a factory without a script.
 
     Raises:
         UnavailableError: the port or the database is not to be had.
@@ -95,11 +105,11 @@ async def run_service(service: Service, seed: int, broker: BrokerAddress | None 
             incarnation = await store.next_incarnation(service.plant.id)
             authority = await authority_of(store)
             tracing = stack.enter_context(traced(settings))
-            life = _life(service, seed, incarnation, authority.public, tracing, broker)
+            life = _life(service, seed, incarnation, authority, tracing, broker, live)
             factory = SimThread(life, paced(service.speed))
             try:
                 inside = await asyncio.to_thread(factory.start, BUILDING_S)
-                app = _app(service, store, authority, factory, inside, incarnation, (stops, port))
+                app = _app(service, store, authority, factory, inside, incarnation, (stops, port), live)
                 url = address_of(listener, settings.host)
                 greeting = greeting_of(
                     service, url, token, await welcome(store, service.plant.file, time.time())
@@ -115,9 +125,10 @@ def _life(
     service: Service,
     seed: int,
     incarnation: int,
-    trusted: bytes,
+    authority: SigningKey,
     tracing: TracerProvider | None,
     broker: BrokerAddress | None,
+    live_part: LivePart | None,
 ) -> Callable[[Callable[[Inside], None]], Coroutine[None, None, None]]:
     """What the factory's thread runs."""
 
@@ -129,23 +140,33 @@ def _life(
             return scale.to_wall_s(plant_s)
 
         fleet = None if broker is None else BrokerFleet(service.plant, now, broker, to_wall_s)
-        factory = SimFactory(
-            service.plant,
-            now,
-            seed=seed,
+        make = partial(
+            SimFactory,
             incarnation=incarnation,
-            stock_frac=NEARLY_EMPTY_FRAC,
-            trusts=TrustedKeys(trusted),
+            authority=authority,
             meet=watched(service.settings, tracing, to_wall_s),
-            traffic=service.settings.traffic,
-            embody=directly if fleet is None else fleet.embody,
         )
+        play = None
+        if live_part is None:
+            factory = make(
+                service.plant,
+                now,
+                seed=seed,
+                stock_frac=NEARLY_EMPTY_FRAC,
+                traffic=service.settings.traffic,
+                embody=directly if fleet is None else fleet.embody,
+            )
+            faults = Faults(factory)
+        else:
+            with with_right_of_way(service.settings.traffic):
+                play = LivePlay(live_part.part, service.plant, seed, make)
+            factory, faults = play.stage.factory, play.stage.faults
         scale = TimeScale(now.now_s(), time.time(), service.speed)
         if fleet is not None:
             await fleet.ready()
-        ready(Inside(factory, Faults(factory), scale))
+        ready(Inside(factory, faults, scale, play))
         try:
-            await factory.run()
+            await (factory.run() if play is None else play.run())
         finally:
             if fleet is not None:
                 await fleet.end()
@@ -161,6 +182,7 @@ def _app(
     inside: Inside,
     incarnation: int,
     stops: tuple[socket.socket, int],
+    live: LivePart | None,
 ) -> FastAPI:
     settings, plant = service.settings, service.plant
 
@@ -183,4 +205,7 @@ def _app(
         faults=SimFaultInjector(inside.faults, factory.loop, time.time),
         beside=StopPath(*stops, settings, beside, authority, inside.time, incarnation).beside,
         operators=OperatorWorkers(bus, Keys(plant.id), inside.time, time.time),
+        scenario=None
+        if inside.play is None or live is None
+        else SimScenarioPlayer(inside.play, factory.loop, live.shows),
     )

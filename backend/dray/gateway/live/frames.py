@@ -17,6 +17,7 @@ from dray.gateway.live.views import (
     NewsView,
     ObstacleView,
     OrderView,
+    ScenarioView,
     StationView,
     TaskView,
     View,
@@ -55,6 +56,8 @@ class Snapshot(View, kw_only=True, tag_field="type", tag="snapshot"):
     """What vehicles have met on lanes, oldest first."""
     waits: tuple[WaitView, ...] = ()
     """Vehicles that cannot drive on, by their ids."""
+    scenarios: tuple[ScenarioView, ...] = ()
+    """The one that the factory plays, where it does; managers alone see it."""
     audience: AudienceView | None = None
     """Whoever reads this; None only in a snapshot that is nobody's."""
 
@@ -72,6 +75,7 @@ COLLECTIONS = {
     "closure": "closures",
     "obstacle": "obstacles",
     "wait": "waits",
+    "scenario": "scenarios",
 }
 """Kind of an entity, as in `Delta.gone` -> where a frame tells of them."""
 
@@ -95,5 +99,6 @@ class Delta(View, kw_only=True, tag_field="type", tag="delta"):
     closures: tuple[ClosureView, ...] = ()
     obstacles: tuple[ObstacleView, ...] = ()
     waits: tuple[WaitView, ...] = ()
+    scenarios: tuple[ScenarioView, ...] = ()
     gone: tuple[str, ...] = ()
     """Ids that left the stream, as `task:M8-214` or `order:...`."""

@@ -8,6 +8,7 @@ import { AuctionCard } from "../cards/auction/AuctionCard";
 import { FactoryCard } from "../cards/factory/FactoryCard";
 import { ChosenPlace } from "../cards/machine/ChosenPlace";
 import { NewsStrips } from "../cards/news/NewsStrips";
+import { ScenarioCard } from "../cards/scenario/ScenarioCard";
 import { OrdersCard } from "../orders/OrdersCard";
 import { PublishCard } from "../cards/publish/PublishCard";
 import { plant, plantFailed } from "../state";
@@ -19,6 +20,7 @@ export function PlantView() {
       <h1 class="unseen">{t("nav.plant")}</h1>
       <div class="column left">
         <FactoryCard />
+        <ScenarioCard />
         <AlertsCard />
         <ClosuresCard />
         <ObstaclesCard />

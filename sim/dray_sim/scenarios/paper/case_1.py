@@ -8,11 +8,13 @@ from dataclasses import dataclass
 from dray.messages import Production
 from dray.messages.fact import GoalContracted, GoalLost, GoalWaits, TaskOpened
 from dray.plant import default_plant
+from dray.scenario_steps import ScenarioStep
 from dray_sim.faults import MachineBroken, PoweredOff
 from dray_sim.people.demand import Order
 from dray_sim.run.evidence import Check, Table
+from dray_sim.run.part import Part
 from dray_sim.run.scenario import Findings, Scenario
-from dray_sim.run.stage import Played, Shift, Stage, play
+from dray_sim.run.stage import Shift, Stage, play
 from dray_sim.scenarios.paper.laboratory import only_on
 
 # --- others can make it --------------------------------------------------------------------------
@@ -78,13 +80,21 @@ async def fail(stage: Stage) -> Failed | None:
     held = tuple(brief.goal for brief in stage.witness.machines[machine].goals)
     of_it = _orders_of(stage, machine)
     fault, failed_s = stage.faults.begin(PoweredOff(machine)), stage.now_s()
+    stage.steps.tell(ScenarioStep.MACHINE_OFF, machine)
+    stage.steps.expect(
+        ScenarioStep.GOALS_PASSED, GoalLost, lambda fact: fact.machine == machine, about=lambda _: machine
+    )
     await asyncio.sleep(AWAY_S)
     stage.faults.end(fault)
     back_s = stage.now_s()
+    stage.steps.tell(ScenarioStep.MACHINE_BACK, machine)
+    stage.steps.expect(
+        ScenarioStep.NEW_GOALS, GoalContracted, lambda fact: fact.machine == machine, about=lambda _: machine
+    )
     await asyncio.sleep(BACK_S)
     _order_for_all(stage, machine)
     await stage.until_s(stage.shift.duration_s)
-    await stage.settle(SETTLE_S)
+    await _deliver(stage)
     others = [order for order in stage.orders if order.id not in of_it]
     return Failed(
         machine=machine,
@@ -99,6 +109,13 @@ async def fail(stage: Stage) -> Failed | None:
         others=len(others),
         left=len(stage.undelivered()),
     )
+
+
+async def _deliver(stage: Stage) -> None:
+    """Let it run until everything is delivered."""
+    await stage.settle(SETTLE_S)
+    if not stage.undelivered():
+        stage.steps.tell(ScenarioStep.ALL_DELIVERED)
 
 
 def _order_for_all(stage: Stage, machine: str) -> None:
@@ -157,10 +174,12 @@ async def mend(stage: Stage) -> Failed | None:
         return None
     held = tuple(brief.goal for brief in stage.witness.machines[machine].goals)
     fault, failed_s = stage.faults.begin(MachineBroken(machine)), stage.now_s()
+    stage.steps.tell(ScenarioStep.MACHINE_BROKEN, machine)
     await asyncio.sleep(BREAK_S)
     stage.faults.end(fault)
+    stage.steps.tell(ScenarioStep.MACHINE_MENDED, machine)
     await stage.until_s(stage.shift.duration_s)
-    await stage.settle(SETTLE_S)
+    await _deliver(stage)
     return Failed(machine, held, _passed(stage, machine, failed_s), True, (), 0, len(stage.undelivered()))
 
 
@@ -229,16 +248,15 @@ async def _alone(stage: Stage, *, failing: bool) -> Alone:
 
 def case_1(seed: int) -> Findings:
     """Play all three, and the third once more without the failure."""
-    others = play(SHIFT, default_plant(), seed, fail)
-    mended = play(SHIFT, default_plant(), seed, mend)
+    others, mended = PART.play(seed), MENDED.play(seed)
     plant = only_on(ONLY_PRODUCT, ONLY_MACHINE)
     alone = play(ALONE, plant, seed, fail_alone)
     twin = play(ALONE, plant, seed, work_alone)
     return Findings(
         runs=(others, mended, alone, twin),
         checks=(
-            *_mended(mended.told),
-            *_given_away(others),
+            *MENDED.checks(mended),
+            *PART.checks(others),
             *(_waiting(alone.told, twin.told) if alone.told is not None and twin.told is not None else ()),
         ),
         tables=(_times(alone.told, twin.told),) if alone.told is not None and twin.told is not None else (),
@@ -255,8 +273,7 @@ def _mended(told: Failed | None) -> tuple[Check, ...]:
     )
 
 
-def _given_away(played: Played[Failed | None]) -> tuple[Check, ...]:
-    told = played.told
+def _given_away(told: Failed | None) -> tuple[Check, ...]:
     if told is None:
         return (Check("A machine fails in the middle of a goal", False, "none was busy"),)
     passed = told.passed
@@ -334,6 +351,31 @@ def _minutes(at_s: float | None) -> str:
     return f"{at_s / 60:.1f} min" if at_s is not None else "-"
 
 
+PART = Part(
+    "case-1",
+    SHIFT,
+    default_plant,
+    fail,
+    (
+        ScenarioStep.MACHINE_OFF,
+        ScenarioStep.GOALS_PASSED,
+        ScenarioStep.MACHINE_BACK,
+        ScenarioStep.NEW_GOALS,
+        ScenarioStep.ALL_DELIVERED,
+    ),
+    _given_away,
+)
+
+MENDED = Part(
+    "case-1-mended",
+    SHIFT,
+    default_plant,
+    mend,
+    (ScenarioStep.MACHINE_BROKEN, ScenarioStep.MACHINE_MENDED, ScenarioStep.ALL_DELIVERED),
+    _mended,
+)
+
+
 CASE_1 = Scenario(
     name="case-1",
     shows="A machine fails: mended, replaced by others, or only its own orders wait.",
@@ -350,4 +392,5 @@ CASE_1 = Scenario(
         "without a failure."
     ),
     play=case_1,
+    parts=(PART, MENDED),
 )

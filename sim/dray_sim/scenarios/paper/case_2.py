@@ -8,9 +8,11 @@ from dataclasses import dataclass
 from dray.messages import Bid, Phase, Reason, Role
 from dray.messages.fact import ContractEnded, ContractTaken, TookOver
 from dray.plant import VehicleSpec, default_plant
+from dray.scenario_steps import ScenarioStep
 from dray_sim.run.evidence import Check
+from dray_sim.run.part import Part
 from dray_sim.run.scenario import Findings, Scenario
-from dray_sim.run.stage import Played, Shift, Stage, play
+from dray_sim.run.stage import Shift, Stage
 from dray_sim.scenarios.tally import SETTLE_S
 
 JOINING = (
@@ -44,7 +46,8 @@ class Guests:
         disturbed: transports of the others that did not end by their handover, and that no guest had carried before.
         in_the_middle: one left in the middle of a transport.
         taken_over: its task was taken over.
-        left: orders that were not delivered in the end.
+        placed: orders.
+        left: those that were not delivered in the end.
     """
 
     first_s: dict[str, float]
@@ -54,6 +57,7 @@ class Guests:
     in_the_middle: str
     taken_over: bool
     lives: int
+    placed: int
     left: int
 
 
@@ -64,17 +68,24 @@ async def visit(stage: Stage, join_s: float = JOIN_S, leave_s: float = LEAVE_S) 
     await stage.until_s(join_s)
     for spec in JOINING:
         factory.add_vehicle(spec)
+    stage.steps.tell(ScenarioStep.JOINED, *sorted(guests))
+    stage.steps.expect(ScenarioStep.FIRST_BID, Bid, by=tuple(guests))
     await stage.until_s(leave_s)
     task = await _carrying(stage, guests)
     gone_s = stage.now_s()
     # Switched off where they are, and not back again in this run.
     for guest in sorted(guests):
         factory.power_off(guest)
+    stage.steps.tell(ScenarioStep.LEFT, *sorted(guests))
+    stage.steps.expect(ScenarioStep.TAKEN_OVER, TookOver, lambda fact: fact.task == task)
     await stage.until_s(gone_s + CARRIED_AFTER_S)
     for guest in sorted(guests):
         stage.carry_away(guest)
+    stage.steps.tell(ScenarioStep.CARRIED_AWAY, *sorted(guests))
     await stage.until_s(stage.shift.duration_s)
     await stage.settle(SETTLE_S)
+    if not stage.undelivered():
+        stage.steps.tell(ScenarioStep.ALL_DELIVERED)
     taken = [seen for seen in witness.all(ContractTaken) if seen.agent in guests]
     theirs = {seen.said.task for seen in taken if seen.said.role is Role.PRIMARY}
     ended = witness.all(ContractEnded)
@@ -97,6 +108,7 @@ async def visit(stage: Stage, join_s: float = JOIN_S, leave_s: float = LEAVE_S) 
         in_the_middle=task,
         taken_over=any(seen.said.task == task for seen in witness.all(TookOver, since_s=gone_s)),
         lives=sum(heard.incarnation for heard in witness.machines.values()) - len(witness.machines),
+        placed=sum(order.at_s <= stage.now_s() for order in stage.orders),
         left=len(stage.undelivered()),
     )
 
@@ -117,43 +129,58 @@ async def _carrying(stage: Stage, guests: set[str]) -> str:
     return ""
 
 
-def case_2(seed: int) -> Findings:
-    """Play it."""
-    played: Played[Guests] = play(SHIFT, default_plant(), seed, visit)
-    told = played.told
-    if told is None:
-        return Findings(runs=(played,), checks=())
+def _judge(told: Guests) -> tuple[Check, ...]:
     slowest_s = max(told.first_s.values(), default=0.0)
-    return Findings(
-        runs=(played,),
-        checks=(
-            Check(
-                f"Whoever joins bids by itself within {SOON_S / 60:.0f} minutes",
-                len(told.first_s) == len(JOINING) and slowest_s <= SOON_S,
-                f"{len(told.first_s)} of {len(JOINING)}, the slowest after {slowest_s:.0f} s",
-            ),
-            Check(
-                "Those that join take a part of the work",
-                told.carried > 0,
-                f"{told.carried} transports, {told.watched} watches",
-            ),
-            Check(
-                "Nobody who was there before is disturbed or restarted",
-                not told.disturbed and told.lives == 0,
-                ", ".join(told.disturbed) or "every transport that was never a guest's ended by its handover",
-            ),
-            Check(
-                "They may leave at any moment: what one of them was about to bring is brought by its secondary",
-                told.taken_over,
-                f"{told.in_the_middle or 'nothing'} was under way",
-            ),
-            Check(
-                "Every order is delivered",
-                told.left == 0,
-                f"{played.report.orders_delivered} of {played.report.orders_placed}",
-            ),
+    return (
+        Check(
+            f"Whoever joins bids by itself within {SOON_S / 60:.0f} minutes",
+            len(told.first_s) == len(JOINING) and slowest_s <= SOON_S,
+            f"{len(told.first_s)} of {len(JOINING)}, the slowest after {slowest_s:.0f} s",
+        ),
+        Check(
+            "Those that join take a part of the work",
+            told.carried > 0,
+            f"{told.carried} transports, {told.watched} watches",
+        ),
+        Check(
+            "Nobody who was there before is disturbed or restarted",
+            not told.disturbed and told.lives == 0,
+            ", ".join(told.disturbed) or "every transport that was never a guest's ended by its handover",
+        ),
+        Check(
+            "They may leave at any moment: what one of them was about to bring is brought by its secondary",
+            told.taken_over,
+            f"{told.in_the_middle or 'nothing'} was under way",
+        ),
+        Check(
+            "Every order is delivered",
+            told.left == 0,
+            f"{told.placed - told.left} of {told.placed}",
         ),
     )
+
+
+PART = Part(
+    "case-2",
+    SHIFT,
+    default_plant,
+    visit,
+    (
+        ScenarioStep.JOINED,
+        ScenarioStep.FIRST_BID,
+        ScenarioStep.LEFT,
+        ScenarioStep.TAKEN_OVER,
+        ScenarioStep.CARRIED_AWAY,
+        ScenarioStep.ALL_DELIVERED,
+    ),
+    _judge,
+)
+
+
+def case_2(seed: int) -> Findings:
+    """Play it."""
+    played = PART.play(seed)
+    return Findings(runs=(played,), checks=PART.checks(played))
 
 
 CASE_2 = Scenario(
@@ -170,4 +197,5 @@ CASE_2 = Scenario(
         f"carried away {CARRIED_AFTER_S / 60:.0f} minutes later."
     ),
     play=case_2,
+    parts=(PART,),
 )

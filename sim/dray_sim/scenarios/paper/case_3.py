@@ -9,10 +9,12 @@ from itertools import count
 from dray.messages import AtvHeartbeat, Bid, Link, MachineStatus
 from dray.messages.fact import AwardAnswered, MachineStatusChanged, TaskOpened
 from dray.plant import default_plant
+from dray.scenario_steps import ScenarioStep
 from dray_sim.faults import RadioCut, Timed, WlanCut
 from dray_sim.faults import play as let_happen
 from dray_sim.network.radio import RADIO
 from dray_sim.run.evidence import Check, Table
+from dray_sim.run.part import Part
 from dray_sim.run.scenario import Findings, Scenario
 from dray_sim.run.stage import Played, Shift, Stage, play
 from dray_sim.scenarios.paper.figure_6 import STOCK_FRAC, WAIT_S
@@ -56,20 +58,28 @@ class Endured:
 async def deafen(stage: Stage) -> Endured | None:
     """Cut every vehicle's WLAN at the moment of an announcement."""
     stage.order(PRODUCT, stage.plant.products[PRODUCT].lot)
+    stage.steps.tell(ScenarioStep.ORDERED, MACHINE)
     opened = await stage.witness.first(TaskOpened, by=MACHINE, within_s=WAIT_S)
     if opened is None:
         return None
     task = opened.said.task
+    stage.steps.tell(ScenarioStep.ANNOUNCED, MACHINE)
     faults = [stage.faults.begin(WlanCut(atv)) for atv in stage.factory.vehicles]
+    stage.steps.tell(ScenarioStep.ALL_DEAF, *stage.factory.vehicles)
     await asyncio.sleep(DEAF_S)
     for fault in faults:
         stage.faults.end(fault)
     heard_s = stage.now_s()
+    stage.steps.tell(ScenarioStep.ALL_HEAR, *stage.factory.vehicles)
     accepted = await stage.witness.first(
         AwardAnswered, lambda fact: fact.task == task and fact.answer == "accepted", within_s=WAIT_S
     )
+    if accepted is not None:
+        stage.steps.tell(ScenarioStep.FOUND_CARRIER, MACHINE, accepted.said.bidder)
     rounds = max(seen.said.round for seen in stage.witness.all(TaskOpened) if seen.said.task == task)
     await stage.settle(SETTLE_S)
+    if not stage.undelivered():
+        stage.steps.tell(ScenarioStep.ALL_DELIVERED)
     starved = any(
         seen.said.status is MachineStatus.STARVED
         for seen in stage.witness.all(MachineStatusChanged, since_s=opened.at_s)
@@ -178,29 +188,51 @@ def _bids_on_the_mesh(stage: Stage) -> int:
     return bids
 
 
+def _endured(told: Endured | None) -> tuple[Check, ...]:
+    return (
+        Check(
+            "A task that nobody could bid for finds its contract as soon as somebody can",
+            told is not None and told.contracted_s is not None and told.contracted_s <= SOON_S,
+            f"{told.task}: nobody heard it for {DEAF_S:.0f} s; contracted {told.contracted_s:.0f} s later, in round "
+            f"{told.rounds}"
+            if told is not None and told.contracted_s is not None
+            else "no contract",
+        ),
+        Check(
+            "The machine had asked early enough: it does not run out of material",
+            told is not None and not told.starved,
+            "it ran out" if told is None or told.starved else "never without material",
+        ),
+    )
+
+
+PART = Part(
+    "case-3",
+    LABORATORY,
+    laboratory,
+    deafen,
+    (
+        ScenarioStep.ORDERED,
+        ScenarioStep.ANNOUNCED,
+        ScenarioStep.ALL_DEAF,
+        ScenarioStep.ALL_HEAR,
+        ScenarioStep.FOUND_CARRIER,
+        ScenarioStep.ALL_DELIVERED,
+    ),
+    _endured,
+)
+
+
 def case_3(seed: int) -> Findings:
     """Play all three."""
-    deaf = play(LABORATORY, laboratory(), seed, deafen)
+    deaf = PART.play(seed)
     meshed = play(PLANT, default_plant(), seed, cut_in_turn)
     alone = play(PLANT, default_plant(), seed, cut_without_radio)
     runs: tuple[Played[CutOff], ...] = (meshed, alone)
-    told = deaf.told
     return Findings(
         runs=(deaf, *runs),
         checks=(
-            Check(
-                "A task that nobody could bid for finds its contract as soon as somebody can",
-                told is not None and told.contracted_s is not None and told.contracted_s <= SOON_S,
-                f"{told.task}: nobody heard it for {DEAF_S:.0f} s; contracted {told.contracted_s:.0f} s later, in round "
-                f"{told.rounds}"
-                if told is not None and told.contracted_s is not None
-                else "no contract",
-            ),
-            Check(
-                "The machine had asked early enough: it does not run out of material",
-                told is not None and not told.starved,
-                "it ran out" if told is None or told.starved else "never without material",
-            ),
+            *PART.checks(deaf),
             *(_hours(meshed.told, alone.told) if meshed.told is not None and alone.told is not None else ()),
         ),
         tables=(
@@ -284,4 +316,5 @@ CASE_3 = Scenario(
         "one to three minutes; and the same hour without radios."
     ),
     play=case_3,
+    parts=(PART,),
 )

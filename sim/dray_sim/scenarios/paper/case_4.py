@@ -8,11 +8,13 @@ from dataclasses import dataclass
 
 from dray.messages import Phase
 from dray.messages.fact import CarrierChanged, HelpAsked, HelpPromised, TookOver
+from dray.scenario_steps import ScenarioStep
 from dray_sim.faults import PoweredOff, VehicleBroken
 from dray_sim.people.habits import Habits
 from dray_sim.run.evidence import Check, Table
+from dray_sim.run.part import Part
 from dray_sim.run.scenario import Findings, Scenario
-from dray_sim.run.stage import Played, Shift, Stage
+from dray_sim.run.stage import Played, Stage
 from dray_sim.scenarios.paper.figure_6 import Contract, closed, in_laboratory, reached, replenishment
 
 REASON = "the way is blocked"
@@ -77,6 +79,7 @@ async def _break(stage: Stage, also: Callable[[Stage, Contract], Awaitable[None]
     await asyncio.sleep(ON_THE_WAY_S)
     stage.faults.begin(VehicleBroken(contract.primary, REASON))
     broken_s = stage.now_s()
+    stage.steps.tell(ScenarioStep.WAY_BLOCKED, contract.primary)
     await also(stage, contract)
     done = await closed(stage, contract)
     done_s = stage.now_s()
@@ -107,26 +110,21 @@ async def _nothing(_stage: Stage, _contract: Contract) -> None:
 async def _switch_others_off(stage: Stage, contract: Contract) -> None:
     others = [atv for atv in stage.factory.vehicles if atv != contract.primary]
     off = {atv: stage.faults.begin(PoweredOff(atv)) for atv in others}
+    stage.steps.tell(ScenarioStep.OTHERS_OFF, *others)
     await stage.witness.first(CarrierChanged, lambda fact: fact.task == contract.task, within_s=600.0)
     await asyncio.sleep(BACK_S)
     stage.faults.end(off[others[-1]])
+    stage.steps.tell(ScenarioStep.BROUGHT_BACK, others[-1])
 
 
 def case_4(seed: int) -> Findings:
     """Play all four."""
-    quick = in_laboratory("case-4", seed, helped_or_not, Shift("case-4", 0.0, people=QUICK))
-    promised = in_laboratory("case-4", seed, helped_or_not, Shift("case-4", 0.0, people=SLOW))
-    alone = in_laboratory("case-4", seed, helped_or_not)
-    nobody = in_laboratory("case-4", seed, nobody_left)
-    runs = (quick, promised, alone, nobody)
+    runs = tuple(part.play(seed) for part in PARTS)
     return Findings(
         runs=runs,
         checks=(
-            _said(runs),
-            _kept("Helped in time, the vehicle goes on and delivers itself", quick.told),
-            _held_back(promised.told),
-            _taken_over(alone.told),
-            _auctioned(nobody.told),
+            _said(tuple(played.told for played in runs)),
+            *(check for part, played in zip(PARTS, runs, strict=True) for check in _verdict(part, played)),
         ),
         tables=(
             Table(
@@ -145,13 +143,22 @@ def case_4(seed: int) -> Findings:
     )
 
 
-def _said(runs: tuple[Played[Told | None], ...]) -> Check:
-    asked_s = [played.told.asked_s if played.told is not None else None for played in runs]
+def _verdict(part: Part[Told | None], played: Played[Told | None]) -> tuple[Check, ...]:
+    """What a part shows beside what is asked of all of them at once."""
+    return part.judge(played.told)[1:]
+
+
+def _said(runs: tuple[Told | None, ...]) -> Check:
+    asked_s = [told.asked_s if told is not None else None for told in runs]
     return Check(
         "The vehicle says what is wrong and how long its task can wait",
         all(each_s is not None for each_s in asked_s),
         ", ".join(_seconds(each_s) for each_s in asked_s),
     )
+
+
+def _helped(told: Told | None) -> Check:
+    return _kept("Helped in time, the vehicle goes on and delivers itself", told)
 
 
 def _kept(name: str, told: Told | None) -> Check:
@@ -233,6 +240,37 @@ def _seconds(seconds: float | None) -> str:
     return f"{seconds:.0f} s" if seconds is not None else "-"
 
 
+def _part(
+    name: str,
+    script: Callable[[Stage], Awaitable[Told | None]],
+    verdict: Callable[[Told | None], Check],
+    steps: tuple[ScenarioStep, ...],
+    people: Habits | None = None,
+) -> Part[Told | None]:
+    return in_laboratory(
+        name,
+        script,
+        lambda told: (_said((told,)), verdict(told)),
+        (ScenarioStep.WAY_BLOCKED, *steps, ScenarioStep.DELIVERED),
+        people,
+    )
+
+
+ASKED, PROMISED = ScenarioStep.HELP_ASKED, ScenarioStep.HELP_PROMISED
+
+PARTS = (
+    _part("case-4", helped_or_not, _helped, (ASKED,), QUICK),
+    _part("case-4-promised", helped_or_not, _held_back, (ASKED, PROMISED), SLOW),
+    _part("case-4-nobody-comes", helped_or_not, _taken_over, (ASKED, ScenarioStep.TAKEN_OVER)),
+    _part(
+        "case-4-nobody-left",
+        nobody_left,
+        _auctioned,
+        (ScenarioStep.OTHERS_OFF, ASKED, ScenarioStep.AUCTIONED, ScenarioStep.BROUGHT_BACK),
+    ),
+)
+
+
 CASE_4 = Scenario(
     name="case-4",
     shows="A busy vehicle has a problem: help in time, a promise, a takeover, a new auction.",
@@ -248,4 +286,5 @@ CASE_4 = Scenario(
         "other vehicles are switched off too until the machine has given up."
     ),
     play=case_4,
+    parts=PARTS,
 )

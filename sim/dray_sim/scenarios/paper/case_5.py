@@ -8,11 +8,12 @@ from math import hypot
 
 from dray.messages import AtvHeartbeat, CommandAnswered, CommandKind, Message, Phase, VehicleCommand
 from dray.messages.fact import CarrierChanged, CommandObeyed, HelpAsked, TookOver
+from dray.scenario_steps import ScenarioStep
 from dray_sim.faults import FaultError, LoadShifted
 from dray_sim.people.habits import Habits
 from dray_sim.run.evidence import Check
 from dray_sim.run.scenario import Findings, Scenario
-from dray_sim.run.stage import Shift, Stage
+from dray_sim.run.stage import Stage
 from dray_sim.run.witness import Seen
 from dray_sim.scenarios.paper.figure_6 import (
     Contract,
@@ -28,7 +29,14 @@ LOADING_S = 5.0
 
 HABITS = Habits(slow_frac=0.5, slow_s=60.0)
 
-IN_ORDER = ("stop", "set_speed", "acknowledge", "resume")
+GIVEN = {
+    ScenarioStep.STOPPED: "stop",
+    ScenarioStep.SLOWED: "set_speed",
+    ScenarioStep.ACKNOWLEDGED: "acknowledge",
+    ScenarioStep.RESUMED: "resume",
+}
+
+IN_ORDER = tuple(GIVEN.values())
 """What the operator gives, with the repair between the first and the second."""
 
 STILL_M = 0.01
@@ -73,6 +81,7 @@ async def shift(stage: Stage) -> tuple[Check, ...]:
         return ()
     witness = stage.witness
     stranger = Unauthorised(stage)
+    await reached(stage, contract, Phase.APPROACHING)
     await reached(stage, contract, Phase.LOADING)
     await asyncio.sleep(LOADING_S)
     try:
@@ -80,6 +89,14 @@ async def shift(stage: Stage) -> tuple[Check, ...]:
     except FaultError as nothing:
         return (Check("A load is on its way on board", False, str(nothing)),)
     shifted_s = stage.now_s()
+    stage.steps.tell(ScenarioStep.LOAD_SHIFTED, contract.primary)
+    for step, what in GIVEN.items():
+        stage.steps.expect(
+            step,
+            CommandObeyed,
+            lambda fact, what=what: fact.what == what and fact.done,  # type: ignore[misc]
+            by=(contract.primary,),
+        )
     stopped = await _obeyed(stage, contract, "stop")
     if stopped is None:
         return (Check("An operator stops the vehicle", False, f"not within {ANSWER_S:.0f} s"),)
@@ -169,10 +186,19 @@ def _said(answer: CommandAnswered) -> str:
     return f"{reason}: {answer.detail}" if answer.detail else reason
 
 
+PART = in_laboratory(
+    "case-5",
+    shift,
+    lambda told: told,
+    (ScenarioStep.LOADING, ScenarioStep.LOAD_SHIFTED, *GIVEN, ScenarioStep.DELIVERED),
+    HABITS,
+)
+
+
 def case_5(seed: int) -> Findings:
     """Play it."""
-    played = in_laboratory("case-5", seed, shift, Shift("case-5", 0.0, people=HABITS))
-    return Findings(runs=(played,), checks=played.told or ())
+    played = PART.play(seed)
+    return Findings(runs=(played,), checks=PART.checks(played))
 
 
 CASE_5 = Scenario(
@@ -188,4 +214,5 @@ CASE_5 = Scenario(
         "says that all is well, and to go on, before it is."
     ),
     play=case_5,
+    parts=(PART,),
 )

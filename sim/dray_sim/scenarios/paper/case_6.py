@@ -12,7 +12,9 @@ from dray.messages import Phase, Reason
 from dray.messages.fact import CarrierChanged, GoalLost, PrimarySuspected, TaskClosed
 from dray.messages.keys import STRATEGIST
 from dray.plant import default_plant
+from dray.scenario_steps import ScenarioStep
 from dray_sim.run.evidence import Check, Table
+from dray_sim.run.part import Part
 from dray_sim.run.scenario import Findings, Scenario
 from dray_sim.run.stage import Shift, Stage, play
 from dray_sim.scenarios.tally import SETTLE_S, Tally, all_delivered, tally
@@ -128,6 +130,8 @@ async def _span(stage: Stage, act: Callable[[Stage], Awaitable[tuple[Replaced, .
     transports, pieces = len(seen.took_s) - transports, sum(seen.delivered.values()) - pieces
     await stage.until_s(stage.shift.duration_s)
     settled_s = await stage.settle(SETTLE_S)
+    if not stage.undelivered():
+        stage.steps.tell(ScenarioStep.ALL_DELIVERED)
     versions = {atv: heard.software for atv, heard in witness.atvs.items()}
     versions.update((machine, heard.software) for machine, heard in witness.machines.items())
     closed = witness.all(TaskClosed, since_s=WARM_UP_S)
@@ -151,17 +155,22 @@ async def _update(stage: Stage) -> tuple[Replaced, ...]:
     vehicles, machines, strategist = KINDS
     old = list(stage.factory.vehicles)
     first = await _at_work(stage, old, PHASES[0])
+    stage.steps.tell(ScenarioStep.FIRST_UPDATED, first)
     replaced = [await _replace(stage, vehicles, first, FIRST_PROBATION, FIRST_PATIENCE_S)]
     if replaced[0].tried_s is not None:
+        stage.steps.tell(ScenarioStep.FIRST_PROVEN, first)
         while old:
             atv = await _at_work(stage, old, PHASES[len(old) % len(PHASES)])
             replaced.append(await _replace(stage, vehicles, atv, PROBATION, PATIENCE_S))
+        stage.steps.tell(ScenarioStep.VEHICLES_UPDATED)
         replaced += [
             await _replace(stage, machines, machine, PROBATION, PATIENCE_S)
             for machine in stage.factory.workcells
         ]
+        stage.steps.tell(ScenarioStep.MACHINES_UPDATED)
         # It gets no transports that it could be tried with.
         replaced.append(await _replace(stage, strategist, STRATEGIST, 0, 0.0))
+        stage.steps.tell(ScenarioStep.ALL_UPDATED)
     return tuple(replaced)
 
 
@@ -199,9 +208,54 @@ async def _pass_probation(stage: Stage, agent: str, patience_s: float) -> bool:
     return False
 
 
+def _judge(told: Span) -> tuple[Check, ...]:
+    """What is seen without the same time in which nobody is updated."""
+    first = told.replaced[0]
+    return (
+        Check(
+            f"One vehicle is tried out alone, among others of the old version, and does {FIRST_PROBATION} transports",
+            first.tried_s is not None,
+            "not in time" if first.tried_s is None else f"in {first.tried_s / 60:.0f} minutes",
+        ),
+        Check(
+            "In the end every agent runs the new version",
+            not told.old,
+            f"{told.agents - len(told.old)} of {told.agents} in {told.took_s / 60:.0f} minutes; one at a time, each "
+            f"away for {AWAY_S:.0f} s",
+        ),
+        Check(
+            "Nobody is missed: nobody is suspected, and carriers change in planned takeovers only",
+            not told.suspected and set(told.changed) <= {Reason.GRACEFUL_SHUTDOWN},
+            f"suspected: {told.suspected}; planned takeovers: {told.changed.count(Reason.GRACEFUL_SHUTDOWN)} of {len(told.changed)}",
+        ),
+        Check(
+            "Nothing is lost: no machine loses a goal, and every task that ends is delivered",
+            not told.lost and not told.withdrawn,
+            f"goals: {told.lost}; tasks: {told.withdrawn}",
+        ),
+    )
+
+
+PART = Part(
+    "case-6",
+    SHIFT,
+    default_plant,
+    update,
+    (
+        ScenarioStep.FIRST_UPDATED,
+        ScenarioStep.FIRST_PROVEN,
+        ScenarioStep.VEHICLES_UPDATED,
+        ScenarioStep.MACHINES_UPDATED,
+        ScenarioStep.ALL_UPDATED,
+        ScenarioStep.ALL_DELIVERED,
+    ),
+    _judge,
+)
+
+
 def case_6(seed: int) -> Findings:
     """Play the same demand with the update and without."""
-    updated = play(SHIFT, default_plant(), seed, update)
+    updated = PART.play(seed)
     told = updated.told
     if told is None:
         return Findings(runs=(updated,), checks=())
@@ -209,32 +263,11 @@ def case_6(seed: int) -> Findings:
     twin = twin_run.told
     if twin is None:
         return Findings(runs=(updated, twin_run), checks=())
-    first = told.replaced[0]
     cost = twin.tally.on_time_frac - told.tally.on_time_frac
     return Findings(
         runs=(updated, twin_run),
         checks=(
-            Check(
-                f"One vehicle is tried out alone, among others of the old version, and does {FIRST_PROBATION} transports",
-                first.tried_s is not None,
-                "not in time" if first.tried_s is None else f"in {first.tried_s / 60:.0f} minutes",
-            ),
-            Check(
-                "In the end every agent runs the new version",
-                not told.old,
-                f"{told.agents - len(told.old)} of {told.agents} in {told.took_s / 60:.0f} minutes; one at a time, each "
-                f"away for {AWAY_S:.0f} s",
-            ),
-            Check(
-                "Nobody is missed: nobody is suspected, and carriers change in planned takeovers only",
-                not told.suspected and set(told.changed) <= {Reason.GRACEFUL_SHUTDOWN},
-                f"suspected: {told.suspected}; planned takeovers: {told.changed.count(Reason.GRACEFUL_SHUTDOWN)} of {len(told.changed)}",
-            ),
-            Check(
-                "Nothing is lost: no machine loses a goal, and every task that ends is delivered",
-                not told.lost and not told.withdrawn,
-                f"goals: {told.lost}; tasks: {told.withdrawn}",
-            ),
+            *PART.checks(updated),
             Check(
                 f"Production goes on: at least {SHARE:.0%} of the transports and pieces of the same time without an update",
                 told.transports >= SHARE * twin.transports and told.pieces >= SHARE * twin.pieces,
@@ -292,4 +325,5 @@ CASE_6 = Scenario(
         f"load, the next with the load on board, and so on. Beside it the same demand without an update."
     ),
     play=case_6,
+    parts=(PART,),
 )

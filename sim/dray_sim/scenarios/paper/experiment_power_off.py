@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import asyncio
 
-from dray.messages import Phase
+from dray.messages import AtvHeartbeat, Phase
 from dray.messages.fact import PhaseEntered, PrimarySuspected, TookOver
 from dray.protocol.liveness.suspicion import WORKING_INTERVAL_S, bound_s
+from dray.scenario_steps import ScenarioStep
 from dray_sim.faults import PoweredOff
 from dray_sim.people.habits import Habits
 from dray_sim.run.evidence import Check
 from dray_sim.run.scenario import Findings, Scenario
-from dray_sim.run.stage import Shift, Stage
+from dray_sim.run.stage import Stage
 from dray_sim.scenarios.paper.figure_6 import (
     PRIMARY,
     SECONDARY,
@@ -35,8 +36,6 @@ TAKEOVER_S = 30.0
 REMOVED_S = 1800.0
 """Somebody has come for the dead vehicle by then."""
 
-SHIFT = Shift(name="experiment-power-off", duration_s=0.0, people=Habits())
-
 
 async def switch_off(stage: Stage) -> tuple[Check, ...]:
     """Switch the primary off on its way, and see who delivers."""
@@ -46,7 +45,13 @@ async def switch_off(stage: Stage) -> tuple[Check, ...]:
     await reached(stage, contract, Phase.APPROACHING)
     await asyncio.sleep(ON_THE_WAY_S)
     stage.faults.begin(PoweredOff(contract.primary))
-    off_s = stage.now_s()
+    off_s, life = stage.now_s(), stage.witness.atvs[contract.primary].incarnation
+    stage.steps.tell(ScenarioStep.SWITCHED_OFF, contract.primary)
+    stage.steps.expect(
+        ScenarioStep.BROUGHT_BACK,
+        AtvHeartbeat,
+        lambda said: said.atv == contract.primary and said.incarnation > life,
+    )
     allowed_s = bound_s(WORKING_INTERVAL_S) + AIR_S
     took = await stage.witness.first(TookOver, lambda fact: fact.task == contract.task, within_s=TAKEOVER_S)
     left = [
@@ -62,6 +67,8 @@ async def switch_off(stage: Stage) -> tuple[Check, ...]:
         await asyncio.sleep(1.0)
     suspected = stage.witness.all(PrimarySuspected, since_s=off_s)
     settled_s = await stage.settle(3 * 3600.0)
+    if not stage.undelivered():
+        stage.steps.tell(ScenarioStep.ALL_DELIVERED)
     return (
         as_in_figure_6(contract),
         Check(
@@ -100,10 +107,25 @@ async def switch_off(stage: Stage) -> tuple[Check, ...]:
     )
 
 
+PART = in_laboratory(
+    "experiment-power-off",
+    switch_off,
+    lambda told: told,
+    (
+        ScenarioStep.SWITCHED_OFF,
+        ScenarioStep.TAKEN_OVER,
+        ScenarioStep.DELIVERED,
+        ScenarioStep.BROUGHT_BACK,
+        ScenarioStep.ALL_DELIVERED,
+    ),
+    Habits(),
+)
+
+
 def experiment(seed: int) -> Findings:
     """Play it."""
-    played = in_laboratory("experiment-power-off", seed, switch_off, SHIFT)
-    return Findings(runs=(played,), checks=played.told or ())
+    played = PART.play(seed)
+    return Findings(runs=(played,), checks=PART.checks(played))
 
 
 EXPERIMENT_POWER_OFF = Scenario(
@@ -119,4 +141,5 @@ EXPERIMENT_POWER_OFF = Scenario(
         "secondary. When ATV3 is on its way it is switched off."
     ),
     play=experiment,
+    parts=(PART,),
 )

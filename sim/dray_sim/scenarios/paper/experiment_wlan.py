@@ -7,11 +7,12 @@ import asyncio
 from dray.messages import Bid, CallState, HelpCall, Link, Phase
 from dray.messages.fact import AwardAnswered, CarrierChanged, LinkChanged, PrimarySuspected, TookOver
 from dray.protocol.liveness.suspicion import WORKING_INTERVAL_S, bound_s
+from dray.scenario_steps import ScenarioStep
 from dray_sim.faults import WlanCut
 from dray_sim.people.habits import Habits
 from dray_sim.run.evidence import Check
 from dray_sim.run.scenario import Findings, Scenario
-from dray_sim.run.stage import Shift, Stage
+from dray_sim.run.stage import Stage
 from dray_sim.scenarios.paper.figure_6 import (
     PRIMARY,
     as_in_figure_6,
@@ -32,8 +33,6 @@ ON_THE_WAY_S = 3.0
 REPAIRED_S = 600.0
 """The operators have plugged the cable in again by then, after the delivery."""
 
-SHIFT = Shift(name="experiment-wlan", duration_s=0.0, people=Habits())
-
 AGAIN_S = 3600.0
 """Machine 8 needs its next material within half an hour."""
 
@@ -47,6 +46,10 @@ async def cut(stage: Stage) -> tuple[Check, ...]:
     await reached(stage, contract, Phase.APPROACHING)
     await asyncio.sleep(ON_THE_WAY_S)
     fault, cut_s = stage.faults.begin(WlanCut(contract.primary)), stage.now_s()
+    stage.steps.tell(ScenarioStep.WLAN_CUT, contract.primary)
+    stage.steps.expect(
+        ScenarioStep.LINK_REPAIRED, LinkChanged, lambda fact: fact.link is Link.WLAN, by=(contract.primary,)
+    )
     done = await closed(stage, contract)
     done_s = stage.now_s()
     relayed_s, relays = mesh_heartbeats(stage, contract.primary, cut_s, done_s)
@@ -59,6 +62,7 @@ async def cut(stage: Stage) -> tuple[Check, ...]:
     repaired_s = stage.now_s()
     bids_meanwhile = [seen for seen in witness.all(Bid, since_s=cut_s) if seen.agent == contract.primary]
     changed = [*witness.all(CarrierChanged), *witness.all(TookOver), *witness.all(PrimarySuspected)]
+    stage.steps.expect(ScenarioStep.BIDS_AGAIN, Bid, by=(contract.primary,))
     again = await witness.first(Bid, by=contract.primary, within_s=AGAIN_S)
     won = await witness.first(
         AwardAnswered,
@@ -122,10 +126,25 @@ def _called(stage: Stage, atv: str, done_s: float) -> Check:
     )
 
 
+PART = in_laboratory(
+    "experiment-wlan",
+    cut,
+    lambda told: told,
+    (
+        ScenarioStep.WLAN_CUT,
+        ScenarioStep.RELAYED,
+        ScenarioStep.DELIVERED,
+        ScenarioStep.LINK_REPAIRED,
+        ScenarioStep.BIDS_AGAIN,
+    ),
+    Habits(),
+)
+
+
 def experiment(seed: int) -> Findings:
     """Play it."""
-    played = in_laboratory("experiment-wlan", seed, cut, SHIFT)
-    return Findings(runs=(played,), checks=played.told or ())
+    played = PART.play(seed)
+    return Findings(runs=(played,), checks=PART.checks(played))
 
 
 EXPERIMENT_WLAN = Scenario(
@@ -142,4 +161,5 @@ EXPERIMENT_WLAN = Scenario(
         "ATV3 is on its way its WLAN is cut. An operator who sees that on the tablet waits for the delivery, and plugs it in again."
     ),
     play=experiment,
+    parts=(PART,),
 )

@@ -6,7 +6,7 @@ Both experiments and the cases about one vehicle begin with them.
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import pairwise
 
 from dray.messages import Accepted, AtvHeartbeat, Award, Bid, HandoverAccepted, HelpCall, Link, Phase, Role
@@ -23,8 +23,11 @@ from dray.messages.fact import (
     TaskOpened,
     TookOver,
 )
+from dray.scenario_steps import ScenarioStep
+from dray_sim.people.habits import Habits
 from dray_sim.run.evidence import Check
-from dray_sim.run.stage import Played, Shift, Stage, T, play
+from dray_sim.run.part import Part
+from dray_sim.run.stage import Shift, Stage, T
 from dray_sim.scenarios.paper.laboratory import MACHINE, PRODUCT, laboratory
 
 PRIMARY, SECONDARY = "ATV3", "ATV1"
@@ -39,6 +42,9 @@ WAIT_S = 1800.0
 """Machine 8 asks for material some ten minutes after it has begun."""
 
 SETTLE_S = 3 * 3600.0
+
+BEGINNING = (ScenarioStep.ORDERED, ScenarioStep.CONTRACTED, ScenarioStep.UNDER_WAY)
+"""How each of these parts begins."""
 
 KEPT = (
     AtvHeartbeat,
@@ -74,6 +80,7 @@ class Contract:
 async def replenishment(stage: Stage) -> Contract | None:
     """Order a lot of pumps, and wait until machine 8 has both vehicles for its first material."""
     stage.order(PRODUCT, LOT)
+    stage.steps.tell(ScenarioStep.ORDERED, MACHINE)
     primary = await stage.witness.first(
         AwardAnswered, lambda fact: _accepted(fact, Role.PRIMARY), by=MACHINE, within_s=WAIT_S
     )
@@ -87,19 +94,52 @@ async def replenishment(stage: Stage) -> Contract | None:
         within_s=WAIT_S,
     )
     brief = stage.witness.atvs[primary.said.bidder].task
-    return Contract(
+    contract = Contract(
         task,
         primary.said.bidder,
         secondary.said.bidder if secondary is not None else "",
         brief.item if brief is not None else "",
     )
+    stage.steps.tell(ScenarioStep.CONTRACTED, MACHINE, contract.primary, contract.secondary)
+    _expect(stage, contract)
+    return contract
+
+
+def _expect(stage: Stage, contract: Contract) -> None:
+    """What may become of the transport, in the words by which all know it."""
+    steps, task, primary = stage.steps, contract.task, contract.primary
+    steps.expect(ScenarioStep.TAKEN_OVER, TookOver, lambda fact: fact.task == task)
+    steps.expect(ScenarioStep.AUCTIONED, CarrierChanged, lambda fact: fact.task == task and not fact.carrier)
+    steps.expect(
+        ScenarioStep.DELIVERED,
+        TaskClosed,
+        lambda fact: fact.task == task and fact.outcome == "delivered",
+        about=lambda fact: fact.carrier,
+    )
+    steps.expect(ScenarioStep.HELP_ASKED, HelpAsked, by=(primary,))
+    steps.expect(ScenarioStep.HELP_PROMISED, HelpPromised, by=(primary,))
+    steps.expect(
+        ScenarioStep.RELAYED,
+        AtvHeartbeat,
+        lambda said: said.atv == primary and bool(said.via) and said.link is Link.MESH,
+    )
+
+
+PHASES = {Phase.APPROACHING: ScenarioStep.UNDER_WAY, Phase.LOADING: ScenarioStep.LOADING}
 
 
 async def reached(stage: Stage, contract: Contract, phase: Phase) -> bool:
     """Wait until the primary is that far."""
     brief = stage.witness.atvs[contract.primary].task
-    if brief is not None and brief.phase is phase:
-        return True
+    is_there = brief is not None and brief.phase is phase
+    if not is_there:
+        is_there = await _entered(stage, contract, phase)
+    if is_there and phase in PHASES:
+        stage.steps.tell(PHASES[phase], contract.primary)
+    return is_there
+
+
+async def _entered(stage: Stage, contract: Contract, phase: Phase) -> bool:
     seen = await stage.witness.first(
         PhaseEntered,
         lambda fact: fact.task == contract.task and fact.phase is phase,
@@ -168,11 +208,23 @@ def longest_gap_s(times_s: list[float], since_s: float, until_s: float) -> float
 
 
 def in_laboratory(
-    name: str, seed: int, script: Callable[[Stage], Awaitable[T]], shift: Shift | None = None
-) -> Played[T]:
-    """Play a script with the paper's three vehicles and nobody else's demand."""
-    base = shift or Shift(name=name, duration_s=0.0)
-    return play(replace(base, name=name, stock_frac=STOCK_FRAC, keep=KEPT), laboratory(), seed, script)
+    name: str,
+    script: Callable[[Stage], Awaitable[T]],
+    judge: Callable[[T], tuple[Check, ...]],
+    steps: tuple[ScenarioStep, ...] = (),
+    people: Habits | None = None,
+) -> Part[T]:
+    """A part that is played with the paper's three vehicles and nobody else's demand.
+
+    Args:
+        name: of the part, and of the shift.
+        script: what is done.
+        judge: what must be so of what the script has told.
+        steps: what it tells of after `BEGINNING`; nothing for a part that nobody follows.
+        people: see `Shift.people`.
+    """
+    shift = Shift(name=name, duration_s=0.0, stock_frac=STOCK_FRAC, people=people, keep=KEPT)
+    return Part(name, shift, laboratory, script, (*BEGINNING, *steps) if steps else (), judge)
 
 
 def _accepted(fact: AwardAnswered, role: Role) -> bool:

@@ -30,10 +30,11 @@ def sim() -> None:
 def list_scenarios() -> None:
     """What can be run."""
     from dray.cli.runtime.output import table
-    from dray_sim.scenarios import SCENARIOS
+    from dray_sim.scenarios import LIVE, SCENARIOS
 
     rows = [(name, "any" if each.moves else "its own", each.shows) for name, each in SCENARIOS.items()]
     table(("scenario", "plant", "what it shows"), rows)
+    typer.echo(f"Live in the panels, by `dray up --scenario NAME`: {', '.join(LIVE)}.")
 
 
 @app.command()

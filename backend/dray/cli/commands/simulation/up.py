@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -14,6 +14,10 @@ from dray.cli.runtime.options import Traffic
 
 if TYPE_CHECKING:
     from dray.adapters.vda5050.link import BrokerAddress
+    from dray_sim.scenarios import LivePart
+
+SCENARIO_DATABASE = "sqlite:///dray-scenario.db"
+"""Of its own: the orders of another plant in `dray.db` are no part of the play."""
 
 
 def up(
@@ -40,6 +44,14 @@ def up(
     demand: Annotated[
         bool, typer.Option("--demand/--no-demand", help="Place orders, so that there is something to see.")
     ] = True,
+    scenario: Annotated[
+        str | None,
+        typer.Option(
+            help="Play one of the paper's cases or experiments, as `dray sim list` names them, in its own plant and with "
+            "its own orders; without --db or DRAY_DATABASE_URL on dray-scenario.db.",
+            show_default=False,
+        ),
+    ] = None,
     traffic: Traffic = None,
     vda5050: Annotated[
         bool,
@@ -65,10 +77,39 @@ def up(
     from dray.cli.simulation.one_process import run_service
 
     settings = load_settings(host=host, port=port, database_url=db, plant_file=plant, traffic=traffic)
-    chosen = chosen_plant(settings.plant_file)
-    customers = customers_of(chosen, speed=speed, seed=seed) if demand else None
+    live = None
+    if scenario is None:
+        chosen = chosen_plant(settings.plant_file)
+    else:
+        live = _live_part(scenario, {"--plant": plant is not None, "--vda5050": vda5050})
+        chosen = live.part.plant()
+        if "database_url" not in settings.model_fields_set:
+            settings = load_settings(host=host, port=port, database_url=SCENARIO_DATABASE, traffic=traffic)
+    customers = customers_of(chosen, speed=speed, seed=seed) if demand and live is None else None
     with brokered(vda5050=vda5050, url=broker) as address:
-        asyncio.run(run_service(Service(settings, chosen, speed, customers), seed, address))
+        asyncio.run(run_service(Service(settings, chosen, speed, customers), seed, address, live))
+
+
+def _live_part(name: str, others: Mapping[str, bool]) -> LivePart:
+    """The scenario of this name.
+
+    Args:
+        name: as `dray sim list` names it.
+        others: options that go with no scenario, and whether they were given.
+
+    Raises:
+        BadParameter: one of them was.
+        SettingsError: there is no such scenario that can be followed live; it says which there are.
+    """
+    from dray.cli.runtime.output import one_of
+    from dray_sim.scenarios import LIVE
+
+    for option, given in others.items():
+        if given:
+            raise typer.BadParameter(
+                "a scenario has its own plant and its own vehicles; leave it out", param_hint=option
+            )
+    return one_of(LIVE, name, "--scenario")
 
 
 @contextmanager

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 
 from msgspec import UNSET
 
-from dray.gateway.live.frames import Delta, Snapshot
+from dray.gateway.live.frames import COLLECTIONS, Delta, Snapshot
 from dray.gateway.live.projection.agents.atvs import Atvs
 from dray.gateway.live.projection.agents.disputes import Disputes
 from dray.gateway.live.projection.agents.machines import BROKEN, DOWN, Machines
@@ -30,6 +30,7 @@ from dray.gateway.live.projection.obstacles import Obstacles
 from dray.gateway.live.projection.orders import Orders
 from dray.gateway.live.projection.recent_commands import RecentCommands
 from dray.gateway.live.projection.right_of_way.waits import Waits
+from dray.gateway.live.projection.scenarios import Scenarios
 from dray.gateway.live.projection.site import Site
 from dray.gateway.live.timescale import TimeScale
 from dray.gateway.live.views import FactoryView, RemovalView, UseView
@@ -49,7 +50,7 @@ class Projection:
     Args:
         plant: names and types of what stands in it.
         time: the two clocks.
-        faults_possible: whether faults can be begun by hand.
+        fault_injection: whether faults can be begun by hand.
         wall_s: the wall clock, by which times are judged that agents tell; None where all of them are believed.
 
     Attributes:
@@ -91,26 +92,14 @@ class Projection:
         self.orders = Orders(time.to_wall_s, frozenset(each.id for each in plant.products), self._materials)
         self.machines.due_of = self.orders.due_of
         self.alerts, self.traffic, self.commands = Alerts(), Traffic(plant.lanes), RecentCommands()
-        self.faults = InjectedFaults(possible=fault_injection)
+        self.faults, self.scenarios = InjectedFaults(possible=fault_injection), Scenarios()
         self.closures, self.obstacles = Closures(), Obstacles(time.speed)
         self.news, self.waits = News(time.to_wall_s), Waits(time.to_wall_s)
         self.interventions, self._overload = Interventions(), Overload()
         self._on_fact = self._rooms_by_fact()
-        kinds = (
-            self.atvs,
-            self.machines,
-            self.stations,
-            self.tasks,
-            self.orders,
-            self.news,
-            self.alerts,
-            self.commands,
-            self.faults,
-            self.closures,
-            self.obstacles,
-            self.waits,
-        )
-        self._all = tuple(kind.changes for kind in kinds)
+        self._kinds = {collection: getattr(self, collection) for collection in COLLECTIONS.values()}
+        """What frames tell of, by where they do."""
+        self._all = tuple(kind.changes for kind in self._kinds.values())
         self.heard = 0
         """Messages that told something."""
         self.ignored = 0
@@ -299,19 +288,8 @@ class Projection:
             at_s=wall_s,
             plant=self.plant,
             factory=self.factory(wall_s),
-            atvs=self.atvs.views(),
-            machines=self.machines.views(),
-            stations=self.stations.views(),
-            tasks=self.tasks.views(),
-            orders=self.orders.views(),
-            news=self.news.views(),
-            alerts=self.alerts.views(),
             fault_injection=self.faults.possible,
-            faults=self.faults.views(),
-            commands=self.commands.views(),
-            closures=self.closures.views(),
-            obstacles=self.obstacles.views(),
-            waits=self.waits.views(),
+            **{collection: kind.views() for collection, kind in self._kinds.items()},
         )
 
     def delta(self, number: int, wall_s: float, factory: FactoryView | None) -> Delta:
@@ -322,18 +300,7 @@ class Projection:
             number=number,
             at_s=wall_s,
             factory=factory,
-            atvs=self.atvs.take_changed(),
-            machines=self.machines.take_changed(),
-            stations=self.stations.take_changed(),
-            tasks=self.tasks.take_changed(),
-            orders=self.orders.take_changed(),
-            news=self.news.take_changed(),
-            alerts=self.alerts.take_changed(),
-            faults=self.faults.take_changed(),
-            commands=self.commands.take_changed(),
-            closures=self.closures.take_changed(),
-            obstacles=self.obstacles.take_changed(),
-            waits=self.waits.take_changed(),
+            **{collection: kind.take_changed() for collection, kind in self._kinds.items()},
             gone=tuple(name for changes in self._all for name in changes.take_gone()),
         )
 

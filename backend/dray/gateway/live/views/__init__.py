@@ -23,7 +23,15 @@ from dray.gateway.live.views.atv import (
 from dray.gateway.live.views.base import View
 from dray.gateway.live.views.cause import CauseView, FailureView, HandoverView, LackView
 from dray.gateway.live.views.command import CommandState, CommandView
-from dray.gateway.live.views.factory import AudienceView, FactoryView, FaultView, UseView
+from dray.gateway.live.views.factory import (
+    AudienceView,
+    FactoryView,
+    FaultView,
+    ScenarioCheckView,
+    ScenarioView,
+    StepView,
+    UseView,
+)
 from dray.gateway.live.views.floor.closure import ClosureView, LaneView
 from dray.gateway.live.views.floor.obstacle import ObstacleView
 from dray.gateway.live.views.floor.wait import WaitCauseView, WaitKind, WaitView
@@ -70,9 +78,12 @@ __all__ = [
     "RefusalView",
     "RefusedView",
     "RemovalView",
+    "ScenarioCheckView",
+    "ScenarioView",
     "ShutOutView",
     "SilenceView",
     "StationView",
+    "StepView",
     "StockView",
     "TaskView",
     "UseView",

@@ -7,6 +7,7 @@ from typing import Any, Literal
 import msgspec
 
 from dray.gateway.live.views.base import View
+from dray.scenario_steps import ScenarioStep
 
 
 class AudienceView(View, kw_only=True):
@@ -31,6 +32,43 @@ class FaultView(View, kw_only=True):
     agents: tuple[str, ...]
     """Whom it is about; empty where it is about the network as a whole."""
     began_at_s: float
+
+
+class StepView(View, kw_only=True):
+    """A step of a scenario."""
+
+    step: ScenarioStep
+    after_s: float | None = None
+    """Factory seconds after the scenario began; None as long as it has not happened."""
+    agents: tuple[str, ...] = ()
+    """Whom it is about."""
+
+
+class ScenarioCheckView(View, kw_only=True):
+    """One thing that must be so for the claim of a scenario to hold."""
+
+    name: str
+    """In English."""
+    held: bool
+    figure: str
+    """What was seen, in English."""
+
+
+class ScenarioView(View, kw_only=True):
+    """The scenario that a simulated factory plays, step by step."""
+
+    id: str
+    """As in `dray up --scenario`."""
+    shows: str
+    """What it shows, in English."""
+    steps: tuple[StepView, ...]
+    """In the order in which they are expected."""
+    state: Literal["playing", "held", "failed"] = "playing"
+    """Whether its claim has held, when it has ended."""
+    after_s: float | None = None
+    """Factory seconds from its begin to its end."""
+    checks: tuple[ScenarioCheckView, ...] = ()
+    """Why, when it has ended."""
 
 
 class UseView(View, kw_only=True):

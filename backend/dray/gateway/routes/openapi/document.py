@@ -27,6 +27,7 @@ from dray.gateway.live.views import (
     MachineView,
     ObstacleView,
     RemovalView,
+    ScenarioView,
     TaskView,
     WaitView,
 )
@@ -84,6 +85,7 @@ SHAPES = (
     ProductAnswer,
     PromiseLedger,
     RemovalView,
+    ScenarioView,
     Snapshot,
     StorageAnswer,
     TaskView,

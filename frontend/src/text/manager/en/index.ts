@@ -4,6 +4,7 @@ import { auction } from "./auction";
 import { orders } from "./orders";
 import { panel } from "./panel";
 import { records } from "./records";
+import { scenario } from "./scenario";
 
 export const en = {
   ...shared,
@@ -11,4 +12,5 @@ export const en = {
   ...orders,
   ...auction,
   ...records,
+  ...scenario,
 } as const;

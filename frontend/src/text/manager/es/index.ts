@@ -6,6 +6,7 @@ import { auction } from "./auction";
 import { orders } from "./orders";
 import { panel } from "./panel";
 import { records } from "./records";
+import { scenario } from "./scenario";
 
 export const es: Catalogue<typeof en> = {
   ...shared,
@@ -13,4 +14,5 @@ export const es: Catalogue<typeof en> = {
   ...orders,
   ...auction,
   ...records,
+  ...scenario,
 };

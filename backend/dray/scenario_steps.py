@@ -1,0 +1,76 @@
+"""The steps of the paper's cases and experiments: one list, for who plays them (`dray_sim`) and for the panel that tells of them."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+
+
+class ScenarioStep(StrEnum):
+    """What happens in a scenario; the names of those it happens to are told beside it."""
+
+    ORDERED = "ordered"
+    """An order is placed."""
+    CONTRACTED = "contracted"
+    """The machine has asked for material, and has contracted a primary and a secondary."""
+    UNDER_WAY = "under_way"
+    """The primary is on its way to the load."""
+    LOADING = "loading"
+    """The primary takes its load up."""
+
+    WLAN_CUT = "wlan_cut"
+    SWITCHED_OFF = "switched_off"
+    WAY_BLOCKED = "way_blocked"
+    LOAD_SHIFTED = "load_shifted"
+    OTHERS_OFF = "others_off"
+    """All other vehicles are switched off."""
+    ANNOUNCED = "announced"
+    """The machine announces a transport."""
+    ALL_DEAF = "all_deaf"
+    """No vehicle hears anything."""
+    ALL_HEAR = "all_hear"
+
+    RELAYED = "relayed"
+    """A heartbeat comes over a neighbour."""
+    HELP_ASKED = "help_asked"
+    HELP_PROMISED = "help_promised"
+    STOPPED = "stopped"
+    """A person has stopped it."""
+    SLOWED = "slowed"
+    ACKNOWLEDGED = "acknowledged"
+    RESUMED = "resumed"
+    TAKEN_OVER = "taken_over"
+    AUCTIONED = "auctioned"
+    """The machine has put the task up for auction again."""
+    FOUND_CARRIER = "found_carrier"
+    """A task that nobody could bid for has found its contract."""
+    DELIVERED = "delivered"
+    """The material is handed over."""
+    LINK_REPAIRED = "link_repaired"
+    BIDS_AGAIN = "bids_again"
+    BROUGHT_BACK = "brought_back"
+    """A person has brought it back and switched it on."""
+
+    MACHINE_BROKEN = "machine_broken"
+    MACHINE_OFF = "machine_off"
+    GOALS_PASSED = "goals_passed"
+    """Its goals have gone to others."""
+    MACHINE_MENDED = "machine_mended"
+    MACHINE_BACK = "machine_back"
+    NEW_GOALS = "new_goals"
+    """It is given goals again."""
+
+    JOINED = "joined"
+    FIRST_BID = "first_bid"
+    """One of those that joined bids."""
+    LEFT = "left"
+    CARRIED_AWAY = "carried_away"
+
+    FIRST_UPDATED = "first_updated"
+    FIRST_PROVEN = "first_proven"
+    """It has done its transports on probation."""
+    VEHICLES_UPDATED = "vehicles_updated"
+    MACHINES_UPDATED = "machines_updated"
+    ALL_UPDATED = "all_updated"
+
+    ALL_DELIVERED = "all_delivered"
+    """Every order is made and delivered."""

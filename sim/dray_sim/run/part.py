@@ -1,0 +1,45 @@
+"""A part of a scenario: one run, as it is played in virtual time (`dray sim run`) and in the panels (`dray up --scenario`)."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable
+from dataclasses import dataclass
+from typing import Generic, TypeVar, cast
+
+from dray.plant import Plant
+from dray.scenario_steps import ScenarioStep
+from dray_sim.run.evidence import HELD, Check
+from dray_sim.run.stage import Played, Shift, Stage, play
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, slots=True)
+class Part(Generic[T]):
+    """Where, with whom, what is done, and what must be so then.
+
+    Attributes:
+        name: as in `dray up --scenario NAME`.
+        shift: how long and how busy.
+        plant: makes the plant that it is played in.
+        script: what is done.
+        steps: that it tells of, in the order in which they are expected.
+        judge: what must be so of what the script has told.
+    """
+
+    name: str
+    shift: Shift
+    plant: Callable[[], Plant]
+    script: Callable[[Stage], Awaitable[T]]
+    steps: tuple[ScenarioStep, ...]
+    judge: Callable[[T], tuple[Check, ...]]
+
+    def play(self, seed: int) -> Played[T]:
+        """Play it in virtual time."""
+        return play(self.shift, self.plant(), seed, self.script, self.steps)
+
+    def checks(self, played: Played[T]) -> tuple[Check, ...]:
+        """What its run has shown; nothing where a broken invariant has cut it short."""
+        if played.told is None and played.invariants != HELD:
+            return ()
+        return self.judge(cast(T, played.told))

@@ -1,0 +1,67 @@
+"""The card of a scenario: a manager reads what has happened, what is next and how it ended."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+from manager_kit import GoingWall, as_manager
+from open_house import OpenHouse, open_house
+from playwright.sync_api import Page, expect
+
+from dray.gateway.live.views import ScenarioCheckView, ScenarioView, StepView
+from dray.scenario_steps import ScenarioStep
+
+from gateway_kit import House  # isort: skip - its folder is on the path since `open_house` is
+
+OpenPage = Callable[..., Page]
+Screenshot = Callable[..., Path]
+
+CHECKS = (ScenarioCheckView(name="ATV1 delivers", held=False, figure="not delivered"),)
+
+
+@pytest.fixture
+def house(sqlite_url: str) -> Iterator[OpenHouse]:
+    with open_house(sqlite_url, wall=GoingWall()) as house:
+        yield house
+
+
+def put(house: OpenHouse, **more: object) -> None:
+    """ATV3 is switched off; its task is not taken over yet."""
+    steps = (
+        StepView(step=ScenarioStep.SWITCHED_OFF, after_s=605.0, agents=("ATV3",)),
+        StepView(step=ScenarioStep.TAKEN_OVER),
+        StepView(step=ScenarioStep.DELIVERED),
+    )
+    view = ScenarioView(id="experiment-power-off", shows="Figure 6, right", steps=steps, **more)  # type: ignore[arg-type]
+
+    async def tell(inside: House) -> None:
+        inside.projection.scenarios.put(view)
+
+    house.do(tell)
+
+
+def test_steps_are_told_as_they_happen_and_then_the_end(
+    house: OpenHouse, open_page: OpenPage, screenshot: Screenshot
+) -> None:
+    page = as_manager(house, open_page)
+    card = page.locator(".scenario")
+    expect(page.get_by_role("heading", name="Factory")).to_be_visible()
+    expect(card).to_have_count(0)
+    put(house)
+    lines = card.locator("ol").get_by_role("listitem")
+    expect(lines).to_have_text(
+        [
+            "Switched off: ATV310:05 min",
+            "The task is taken overnext",
+            "Delivered",
+        ]
+    )
+    expect(lines.nth(1)).to_have_attribute("aria-current", "step")
+    screenshot(page, "scenario")
+    put(house, state="failed", after_s=2400.0, checks=CHECKS)
+    expect(card.get_by_role("status")).to_have_text("Did not hold, after 40:00 min")
+    expect(lines.nth(2)).to_contain_text("did not happen")
+    card.locator("summary").click()
+    expect(card.get_by_text("ATV1 delivers")).to_be_visible()
