@@ -2,7 +2,7 @@ import { Icon } from "./Icon";
 import { t } from "../text";
 import { theme, THEMES } from "../theme/theme";
 
-const ICONS = { system: "system", light: "sun", dark: "moon" } as const;
+const ICONS = { system: "system", light: "sun", dark: "moon", paper: "paper" } as const;
 
 export function ThemeSwitch() {
   return (

@@ -52,6 +52,22 @@ describe.each([["light", light], ["dark", dark]] as const)("the %s theme", (_nam
   });
 });
 
+describe("the scheme of the paper", () => {
+  const block = new Map([...(light ?? []), ...(css.split("{").map(colours).find((each) => each.has("vehicle")) ?? [])]);
+
+  test.each([
+    ["machine-ink", "machine"], ["machine-chosen", "machine"], ["machine-part", "machine"],
+  ])("writes %s legibly on %s (4.5:1)", (front, back) => {
+    expect(contrast(block, front, back)).toBeGreaterThanOrEqual(4.5);
+  });
+
+  test.each([
+    ["machine", "lane"], ["machine", "floor"], ["machine-sign", "machine"], ["vehicle", "lane"], ["link", "floor"],
+  ])("draws %s visibly on %s (3:1)", (front, back) => {
+    expect(contrast(block, front, back)).toBeGreaterThanOrEqual(3);
+  });
+});
+
 test("dark is the same, chosen or left to the system", () => {
   expect(systemDark).toEqual(dark);
   expect([...(light?.keys() ?? [])]).toEqual([...(dark?.keys() ?? [])]);

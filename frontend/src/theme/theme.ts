@@ -1,8 +1,8 @@
-/** Light, dark, or as the system wishes. `init.ts` applies the remembered choice before first paint. */
+/** Light, dark, as the system wishes, or light with the map in the colours of the paper. `init.ts` applies the remembered choice before first paint. */
 import { effect, signal } from "@preact/signals";
 import { recall, remember } from "../memory";
 
-export const THEMES = ["system", "light", "dark"] as const;
+export const THEMES = ["system", "light", "dark", "paper"] as const;
 export type Theme = (typeof THEMES)[number];
 
 /** Also read by `init.ts`, which may not import. */

@@ -65,3 +65,21 @@ def test_steps_are_told_as_they_happen_and_then_the_end(
     expect(lines.nth(2)).to_contain_text("did not happen")
     card.locator("summary").click()
     expect(card.get_by_text("ATV1 delivers")).to_be_visible()
+
+
+def test_the_map_is_as_in_the_paper_for_who_wants_it_so(
+    house: OpenHouse, open_page: OpenPage, screenshot: Screenshot
+) -> None:
+    page = as_manager(house, open_page, color_scheme="dark")
+    plant_map = page.locator("#plant-map")
+    expect(plant_map).to_be_visible()
+    calm = plant_map.screenshot()
+    page.locator("button.person").click()
+    choice = page.get_by_role("button", name="As in the paper (light)")
+    choice.click()
+    expect(choice).to_have_attribute("aria-pressed", "true")
+    assert plant_map.screenshot() != calm
+    page.reload()
+    expect(plant_map).to_be_visible()
+    expect(page.locator("html")).to_have_attribute("data-theme", "paper")
+    screenshot(page, "as-in-the-paper")

@@ -9,7 +9,7 @@ export function drawWays(brush: Brush, ways: readonly (readonly Place[])[]): voi
   ctx.beginPath();
   for (const points of ways) tracePoints(brush, points);
   ctx.globalAlpha = 0.5;
-  stroke(ctx, palette.steel, 1.75);
+  stroke(ctx, palette.link, 1.75);
   ctx.globalAlpha = 1;
 }
 
@@ -55,7 +55,7 @@ export function drawLinks(brush: Brush, lines: readonly Line[], style: LineStyle
   } else {
     ctx.setLineDash(style === "primary" ? [] : [6, 4]);
     if (style === "overdue") stroke(ctx, palette.warn, 2);
-    else stroke(ctx, strong ? palette.chosen : palette.steel, strong ? 1.75 : 1);
+    else stroke(ctx, strong ? palette.chosen : palette.link, strong ? 1.75 : 1);
   }
   ctx.setLineDash([]);
   ctx.lineCap = "butt";

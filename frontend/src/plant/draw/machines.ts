@@ -32,10 +32,10 @@ function drawBody({ ctx, view, palette }: Brush, rect: Rect, machine: DrawnMachi
   const abnormal = alarm ? "alarm" : status === "starved" || status === "blocked" ? "warn" : null;
   ctx.beginPath();
   ctx.roundRect(left, top, right - left, bottom - top, Math.min(8, 0.45 * view.scale));
-  ctx.fillStyle = machine.lost ? palette.lane : abnormal ? palette[`${abnormal}-soft`] : palette.panel;
+  ctx.fillStyle = machine.lost ? palette.lane : abnormal ? palette[`${abnormal}-soft`] : palette.machine;
   ctx.fill();
   ctx.lineWidth = Math.min(3, Math.max(1, (abnormal ? 0.16 : 0.12) * view.scale));
-  ctx.strokeStyle = abnormal ? palette[abnormal] : palette.steel;
+  ctx.strokeStyle = abnormal ? palette[abnormal] : palette["machine-edge"];
   if (!machine.view || machine.lost) ctx.setLineDash([4, 3]);
   ctx.stroke();
   ctx.setLineDash([]);
@@ -60,13 +60,17 @@ function drawNames(brush: Brush, rect: Rect, machine: DrawnMachine): void {
   const y = rect.top + height * (detail.machineParts ? (withProduct ? 0.3 : 0.4) : 0.52);
   ctx.textAlign = "center";
   ctx.textBaseline = "middle";
-  ctx.fillStyle = palette[machine.view?.status === "error" || machine.lost ? "alarm" : machine.chosen ? "chosen" : "steel-ink"];
+  const { status } = machine.view ?? {};
+  // A warning or an alarm has a ground of its own.
+  const warned = status === "starved" || status === "blocked";
+  const ink = warned ? (machine.chosen ? "chosen" : "steel-ink") : machine.chosen ? "machine-chosen" : "machine-ink";
+  ctx.fillStyle = palette[status === "error" || machine.lost ? "alarm" : ink];
   setFont(brush, px, 650);
   // A long name gives way to the sign in the corner.
   ctx.fillText(machine.spec.id, middle, y, width * 0.66);
   if (!withProduct) return;
   setFont(brush, Math.max(10, px * 0.6), 450);
-  ctx.fillStyle = palette["ink-2"];
+  ctx.fillStyle = palette[warned || status === "error" ? "ink-2" : "machine-part"];
   ctx.fillText(machine.product, middle, rect.top + height * 0.56, width - 10);
 }
 
@@ -112,7 +116,7 @@ function drawSign({ ctx, view, palette }: Brush, rect: Rect, status: MachineView
       ctx.lineTo(x + 0.7 * r, y);
       ctx.lineTo(x - 0.5 * r, y + 0.7 * r);
       ctx.closePath();
-      ctx.fillStyle = palette.steel;
+      ctx.fillStyle = palette["machine-sign"];
       break;
     case "blocked":
       ctx.rect(x - 0.65 * r, y - 0.65 * r, 1.3 * r, 1.3 * r);

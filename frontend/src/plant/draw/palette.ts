@@ -2,6 +2,7 @@
 
 const TOKENS = [
   "floor", "line", "ink", "ink-2", "ink-3", "lane", "lane-mark", "heat", "wall", "steel", "steel-ink",
+  "machine", "machine-edge", "machine-ink", "machine-chosen", "machine-part", "machine-sign", "vehicle", "link",
   "panel", "raised", "chosen", "chosen-soft", "on-chosen", "warn", "warn-soft", "alarm", "alarm-soft",
 ] as const;
 

@@ -30,13 +30,13 @@ const BODY = {
   lost: "lane",
   charging: "steel",
   idle: "floor",
-  normal: "steel-ink",
+  normal: "vehicle",
 } as const;
 
 /** Who is free is an empty ring; who is in trouble, a red one; who is silent, a broken red one. */
-function rimOf(look: Look): "alarm" | "steel-ink" | null {
+function rimOf(look: Look): "alarm" | "vehicle" | null {
   if (look === "alarm" || look === "lost") return "alarm";
-  return look === "idle" ? "steel-ink" : null;
+  return look === "idle" ? "vehicle" : null;
 }
 
 /** Thousands of dots are quickest as one path per colour. */
@@ -155,7 +155,7 @@ function drawInside(brush: Brush, x: number, y: number, r: number, view: AtvView
     ctx.fillStyle = palette.floor;
     traceBolt(ctx, x, y, r * 0.62);
   } else if (view.load) {
-    ctx.fillStyle = palette[look === "chosen" ? "on-chosen" : look === "idle" ? "steel-ink" : "floor"];
+    ctx.fillStyle = palette[look === "chosen" ? "on-chosen" : look === "idle" ? "vehicle" : "floor"];
     ctx.roundRect(x - r * 0.42, y - r * 0.42, r * 0.84, r * 0.84, r * 0.16);
   } else {
     return;

@@ -22,6 +22,7 @@ export const de: Catalogue<typeof en> = {
   "theme.system": "Wie das System",
   "theme.light": "Hell",
   "theme.dark": "Dunkel",
+  "theme.paper": "Wie im Aufsatz (hell)",
 
   "machine.title": "Maschine",
   "machine.none": "Wählen Sie eine Maschine im Plan, oder suchen Sie sie beim Namen.",

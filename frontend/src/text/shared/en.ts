@@ -19,6 +19,7 @@ export const en = {
   "theme.system": "System",
   "theme.light": "Light",
   "theme.dark": "Dark",
+  "theme.paper": "As in the paper (light)",
 
   "machine.title": "Machine",
   "machine.none": "Choose a machine on the plant, or find it by name.",

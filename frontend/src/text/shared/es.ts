@@ -22,6 +22,7 @@ export const es: Catalogue<typeof en> = {
   "theme.system": "Como el sistema",
   "theme.light": "Claro",
   "theme.dark": "Oscuro",
+  "theme.paper": "Como en el artículo (claro)",
 
   "machine.title": "Máquina",
   "machine.none": "Elija una máquina en el plano o búsquela por su nombre.",
