@@ -20,6 +20,7 @@ from dray.gateway.access.audit_log import AuditLog
 from dray.gateway.access.login.hasher import Hasher
 from dray.gateway.factory.alerts import AlertMonitor
 from dray.gateway.factory.carrying import Carrying
+from dray.gateway.factory.catalogue import Catalogue
 from dray.gateway.factory.closings import Closings
 from dray.gateway.factory.commands import Commands
 from dray.gateway.factory.duty import DutyRota, OperatorHost
@@ -77,6 +78,7 @@ class Services:
     strategist_probe: StrategistProbe
     projection: Projection
     hub: Hub
+    catalogue: Catalogue
     database_sync: DatabaseSync
     health: Health
     metrics: Metrics
@@ -109,6 +111,7 @@ class Services:
             SideWork: self.side_work,
             Projection: self.projection,
             Hub: self.hub,
+            Catalogue: self.catalogue,
             Peer: self.peer,
             Health: self.health,
             Metrics: self.metrics,
@@ -151,8 +154,15 @@ def open_services(
     peer = Peer(bus, Keys(plant.plant), settings.gateway_name, incarnation)
     projection = Projection(plant, time, fault_injection=faults is not None, wall_s=wall_s)
     strategist_probe = StrategistProbe(peer.send)
-    products = frozenset(product.id for product in plant.products)
-    outbox = Outbox(send=peer.send, time=time, wall_s=wall_s, products=products)
+    catalogue = Catalogue(store, projection)
+    products = projection.site.products
+    outbox = Outbox(
+        send=peer.send,
+        time=time,
+        wall_s=wall_s,
+        products=products,
+        definition_of=catalogue.definition_of,
+    )
     placing = Placing(store.database, keys_kept_s=KEYS_KEPT_S, lines_kept=settings.audit_kept)
     commands = Commands(
         peer.send,
@@ -183,7 +193,8 @@ def open_services(
             clients=settings.stream_clients,
             each=settings.stream_clients_each,
         ),
-        database_sync=DatabaseSync(store, projection, outbox.follow),
+        catalogue=catalogue,
+        database_sync=DatabaseSync(store, projection, outbox.follow, catalogue.look),
         health=Health(store, peer, strategist_probe, historian),
         metrics=Metrics(collectors),
         access=open_access(settings, store, wall_s, hasher),
@@ -216,7 +227,8 @@ async def restore(services: Services) -> None:
         UnavailableError: the database cannot be read or written.
     """
     async with services.store.write() as work:
-        await work.products.replace(services.plant.products)
+        await services.catalogue.look(work)
+        await work.products.replace(services.projection.site.plant.file.products)
     await services.database_sync.restore()
     async with services.store.read() as work:
         await backfill_news(work, services.projection.news, services.time)

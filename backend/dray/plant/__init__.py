@@ -14,9 +14,11 @@ from dray.plant.file.file import (
     load_plant,
     parse_plant,
     plant_yaml,
+    product_faults,
     shipped_plant,
     sum_up,
     with_machine,
+    with_product,
 )
 from dray.plant.model import (
     Area,
@@ -82,7 +84,9 @@ __all__ = [
     "load_plant",
     "parse_plant",
     "plant_yaml",
+    "product_faults",
     "shipped_plant",
     "sum_up",
     "with_machine",
+    "with_product",
 ]

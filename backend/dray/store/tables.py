@@ -46,6 +46,10 @@ products = Table(
     Column("id", Id, primary_key=True),
     Column("name", String(80), nullable=False),
     Column("made_here", Boolean, nullable=False, server_default=false()),
+    Column("revision", Integer, nullable=False, server_default="1"),
+    Column("definition", Text, nullable=False, server_default=""),
+    Column("by", String(200), nullable=False, server_default=""),
+    Column("at_s", Double, nullable=False, server_default="0"),
     comment="What could ever be ordered; a product that left the plant stays, for its orders' sake.",
 )
 

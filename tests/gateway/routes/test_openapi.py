@@ -159,6 +159,7 @@ async def _fill(house: House) -> dict[str, str]:
         "call": "ATV1-1-1",
         "draft": draft,
         "transport": transport,
+        "product": PRODUCT,
     }
 
 

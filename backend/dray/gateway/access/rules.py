@@ -63,6 +63,8 @@ RULES: Mapping[tuple[str, str], Rule] = {
     ("GET", "/api/stream"): Rule(Scope.FACTORY_READ, by_area=True),
     ("GET", "/api/plant"): Rule(Scope.FACTORY_READ, by_area=True),
     ("GET", "/api/products"): Rule(Scope.ORDERS_READ),
+    ("GET", "/api/products/{product}"): Rule(Scope.ORDERS_READ),
+    ("PUT", "/api/products/{product}"): Rule(Scope.FLOOR_WRITE, action="product.define"),
     ("GET", "/api/inventory"): Rule(Scope.FACTORY_READ, by_area=True),
     ("GET", "/api/storages"): Rule(Scope.FACTORY_READ, by_area=True),
     ("GET", "/api/materials"): Rule(Scope.FACTORY_READ, by_area=True),

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import Callable, Collection
+from collections.abc import Awaitable, Callable, Collection
 
 from dray.errors import UnavailableError
 from dray.gateway.live.projection import Projection
@@ -18,6 +18,7 @@ from dray.store import Store
 from dray.store.orders.order_filter import OrderFilter
 from dray.store.orders.orders import Mark, Order
 from dray.store.orders.progress import ENDED, UNENDED
+from dray.store.work import Work
 
 LOOK_EVERY_S = 2.0
 """Wall seconds between two looks: about as long as it takes to call over to somebody at another panel. Each
@@ -40,10 +41,17 @@ class DatabaseSync:
         store: where they write it.
         projection: who shows it.
         follow: told of orders that others have changed, since what is repeated about them may not hold any more.
+        learn: reads what others have defined, before orders for it are looked at.
     """
 
-    def __init__(self, store: Store, projection: Projection, follow: Callable[[Order], None]) -> None:
-        self._store, self._projection, self._follow = store, projection, follow
+    def __init__(
+        self,
+        store: Store,
+        projection: Projection,
+        follow: Callable[[Order], None],
+        learn: Callable[[Work], Awaitable[None]] | None = None,
+    ) -> None:
+        self._store, self._projection, self._follow, self._learn_more = store, projection, follow, learn
         self._marks: dict[str, Mark] = {}
         """Of the orders that had not ended at the last look."""
         self._looks, self._newest_s = 0, 0.0
@@ -73,6 +81,8 @@ class DatabaseSync:
         self._looks += 1
         whole = self._looks % WHOLE_EVERY == 0
         async with self._store.read() as work:
+            if self._learn_more is not None:
+                await self._learn_more(work)
             newest_s = await work.orders.newest_change_s()
             marks = await work.orders.marks(None if whole else min(newest_s, self._newest_s) - OVERLAP_S)
             acknowledged = await work.acknowledgements.all()

@@ -24,6 +24,7 @@ from dray.messages import (
     OrderReleased,
     OrderRevoked,
     OrderTaken,
+    ProductDefinition,
     RevocationTaken,
 )
 from dray.messages.keys import STRATEGIST
@@ -158,6 +159,7 @@ class Outbox:
         time: the two clocks.
         wall_s: the wall clock.
         products: what this plant can make.
+        definition_of: a product as people have defined it; None for one that is made as the plant file says.
     """
 
     def __init__(
@@ -167,8 +169,10 @@ class Outbox:
         time: TimeScale,
         wall_s: Callable[[], float],
         products: Collection[str],
+        definition_of: Callable[[str], ProductDefinition | None] = lambda _product: None,
     ) -> None:
         self._send, self._time, self._wall_s, self._products = send, time, wall_s, products
+        self._definition_of = definition_of
         self._reminders = Reminders()
         self._strange: set[str] = set()
         """Orders of which it was said that this plant cannot make them: such as an earlier plant file could."""
@@ -211,7 +215,10 @@ class Outbox:
         message = OrderReleased(
             order=order.id,
             # An item that is delivered keeps its place: goals name items by their index.
-            items=tuple(OrderItem(item.product, outstanding) for item, outstanding in items),
+            items=tuple(
+                OrderItem(item.product, outstanding, self._definition_of(item.product))
+                for item, outstanding in items
+            ),
             due_s=due_s + (NO_DUE_S if wanted_s is None else 0.0),
             release=order.releases,
         )

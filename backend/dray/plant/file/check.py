@@ -71,6 +71,15 @@ def faults(file: PlantFile) -> Iterator[Fault]:
         yield unassigned_fault(index, station.id, station.node)
 
 
+def item_faults(file: PlantFile) -> Iterator[Fault]:
+    """What does not fit together of materials, products, and who makes and carries them; the floor is not looked at."""
+    yield from _ids(file)
+    yield from _references(file)
+    yield from _values(file)
+    yield from _items(file)
+    yield from _machines(file)
+
+
 def _ids(file: PlantFile) -> Iterator[Fault]:
     for sections in SPACES:
         owners: dict[str, str] = {}

@@ -8,7 +8,7 @@ named, and how its lanes fit together, as far as they are drawn.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 from importlib.resources import files
 from itertools import islice
@@ -18,11 +18,11 @@ import msgspec
 from msgspec.structs import replace
 
 from dray.errors import PlantError, PlantErrors
-from dray.plant.file.check import faults
+from dray.plant.file.check import Fault, faults, item_faults
 from dray.plant.file.check_floor import floor_faults
 from dray.plant.file.document import Document, read_document, write_document
 from dray.plant.file.unfinished import drawable, entry_type, has_null, open_points
-from dray.plant.model import MachineSpec, PlantFile
+from dray.plant.model import MachineSpec, Making, PlantFile, Product
 from dray.plant.plant import Plant
 
 MAX_BYTES = 8 * 1024 * 1024
@@ -171,6 +171,36 @@ def with_machine(plant: Plant, spec: MachineSpec, name: str) -> Plant:
     for field, reason in faults(file):
         raise PlantError(name, field, reason)
     return Plant(file)
+
+
+def with_product(plant: Plant, product: Product, cycles_s: Mapping[str, float]) -> Plant:
+    """The same plant with one product more, or with another definition of one; see `product_faults`."""
+    return Plant(_with_product(plant.file, product, cycles_s))
+
+
+def product_faults(plant: Plant, product: Product, cycles_s: Mapping[str, float]) -> list[Fault]:
+    """What does not fit together in a plant with one product more, which is `products[0]` here; nothing for a good one.
+
+    Args:
+        plant: without it, or with another definition of it.
+        product: as it is to be.
+        cycles_s: by machine that can make it, seconds for one piece; those that say so in the plant file need not be there.
+    """
+    return list(item_faults(_with_product(plant.file, product, cycles_s)))
+
+
+def _with_product(file: PlantFile, product: Product, cycles_s: Mapping[str, float]) -> PlantFile:
+    def makes(machine: MachineSpec) -> MachineSpec:
+        cycle_s = cycles_s.get(machine.id)
+        if cycle_s is None:
+            return machine
+        others = tuple(making for making in machine.makes if making.product != product.id)
+        same = next((making for making in machine.makes if making.product == product.id), None)
+        cycle_cv = 0.0 if same is None else same.cycle_cv
+        return replace(machine, makes=(*others, Making(product.id, cycle_s, cycle_cv)))
+
+    others = (each for each in file.products if each.id != product.id)
+    return replace(file, products=(product, *others), machines=tuple(map(makes, file.machines)))
 
 
 def plant_yaml(plant: Plant) -> str:

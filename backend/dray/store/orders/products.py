@@ -4,12 +4,31 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from sqlalchemy import bindparam, select, update
+import msgspec
+from sqlalchemy import bindparam, func, select, update
 from sqlalchemy.ext.asyncio import AsyncConnection
 
 from dray.plant.model import Product
 from dray.store.database.dialect import insert_new
 from dray.store.tables import products
+
+
+class DefinedProduct(msgspec.Struct, frozen=True, gc=False):
+    """A product as people have defined it."""
+
+    id: str
+    name: str
+    revision: int
+    """One higher with every change; a product of the plant file begins with 1."""
+    definition: str
+    """JSON of a `ProductDefinition`; empty in SQL for one that is made as the plant file says."""
+    by: str
+    """Who has changed it last."""
+    at_s: float
+    """When; wall clock."""
+
+
+_COLUMNS = [products.c[name] for name in DefinedProduct.__struct_fields__]
 
 
 class Products:
@@ -28,6 +47,29 @@ class Products:
                 update(products).where(products.c.id == bindparam("known")).values(made_here=True),
                 [{"known": row["id"], "name": row["name"]} for row in rows],
             )
+
+    async def defined(self) -> list[DefinedProduct]:
+        """Those that people have defined, by id."""
+        query = select(*_COLUMNS).where(products.c.definition != "").order_by(products.c.id)
+        return [DefinedProduct(*row) for row in await self._connection.execute(query)]
+
+    async def mark(self) -> int:
+        """Another number whenever somebody has defined one."""
+        query = select(func.coalesce(func.sum(products.c.revision), 0)).where(products.c.definition != "")
+        return int((await self._connection.execute(query)).scalar_one())
+
+    async def define(self, product: DefinedProduct) -> bool:
+        """Write a definition in the place of the revision before it; whether that is still the newest."""
+        row = {**msgspec.structs.asdict(product), "made_here": True}
+        if product.revision == 1:
+            insertion = insert_new(self._connection, products).values(row)
+            return bool((await self._connection.execute(insertion)).rowcount)
+        done = await self._connection.execute(
+            update(products)
+            .where(products.c.id == product.id, products.c.revision == product.revision - 1)
+            .values(row)
+        )
+        return bool(done.rowcount)
 
     async def made_here(self) -> list[str]:
         """Ids of the plant's products."""

@@ -18,7 +18,11 @@ class Materials:
     """
 
     def __init__(self, names: Mapping[str, str], bills: Mapping[str, Collection[str]]) -> None:
-        self._names, self._bills = names, bills
+        self._names, self._bills = names, dict(bills)
+
+    def note(self, product: str, materials: Collection[str]) -> None:
+        """A product takes these from now on."""
+        self._bills[product] = materials
 
     def lacking(self, heartbeat: MachineHeartbeat) -> dict[str, tuple[MaterialWait, ...]]:
         """By goal of a machine that is not made and waits: for what."""

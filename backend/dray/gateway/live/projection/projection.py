@@ -82,14 +82,14 @@ class Projection:
             top_mps,
         )
         self.site = Site(plant)
-        self._materials = _materials(plant)
+        self.materials = _materials(plant)
         self.machines = Machines(
-            self.site, time.to_wall_s, self.outsiders, self.clocks, self._silence, self._materials
+            self.site, time.to_wall_s, self.outsiders, self.clocks, self._silence, self.materials
         )
         self.tasks = Tasks(time.to_wall_s)
         storages = {storage.id: storage for storage in plant.storages}
         self.stations = Stations(storages, time.to_wall_s, self.outsiders, self.clocks, self._silence)
-        self.orders = Orders(time.to_wall_s, frozenset(each.id for each in plant.products), self._materials)
+        self.orders = Orders(time.to_wall_s, self.site.products, self.materials)
         self.machines.due_of = self.orders.due_of
         self.alerts, self.traffic, self.commands = Alerts(), Traffic(plant.lanes), RecentCommands()
         self.faults, self.scenarios = InjectedFaults(possible=fault_injection), Scenarios()
@@ -213,7 +213,7 @@ class Projection:
             *alert_rules.of_clocks(clocks.items()),
             *alert_rules.of_disputes(self.disputes, clocks.keys(), now),
             *alert_rules.of_strangers(self.atvs.strangers + self.machines.strangers),
-            *alert_rules.of_machines(machines, self._materials, now),
+            *alert_rules.of_machines(machines, self.materials, now),
             *alert_rules.of_stations(stations, now),
             *alert_rules.of_calls(self.people.calls(now.plant_s), now),
             *of_atvs,

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from msgspec import ValidationError, convert, to_builtins
 
 from dray.errors import PlantError
 from dray.messages import JoiningMachine, MachineHeartbeat
 from dray.messages.heartbeat import JOINING_MACHINES_MAX
-from dray.plant import MachineSpec, Plant, PlantFile, with_machine
+from dray.plant import MachineSpec, Plant, PlantFile, Product, product_faults, with_machine, with_product
 
 
 class Site:
@@ -17,11 +19,13 @@ class Site:
         file: a plant file without faults.
 
     Attributes:
-        plant: replaced by another one when a machine has come; it does not change itself.
+        plant: replaced by another one when a machine has come, or people have defined a product; it does not change itself.
+        products: ids of what can be ordered; grows.
     """
 
     def __init__(self, file: PlantFile) -> None:
         self.plant = Plant(file)
+        self.products = {product.id for product in file.products}
         self._heard: set[str] = set()
         """Joining machines whose introduction was read, whether they fit into the plant or not."""
 
@@ -35,6 +39,22 @@ class Site:
             self.plant = with_machine(self.plant, _spec(machine, joining), machine)
         except (PlantError, ValidationError):
             return
+
+    def define(self, product: Product, cycles_s: Mapping[str, float]) -> list[tuple[str, str]]:
+        """Take a product in as it is defined now.
+
+        Returns:
+            Its `faults`; when there are any, nothing has changed.
+        """
+        found = self.faults(product, cycles_s)
+        if not found:
+            self.plant = with_product(self.plant, product, cycles_s)
+            self.products.add(product.id)
+        return found
+
+    def faults(self, product: Product, cycles_s: Mapping[str, float]) -> list[tuple[str, str]]:
+        """What of a product does not fit here, by field (it is `products[0]`) and reason."""
+        return product_faults(self.plant, product, cycles_s)
 
 
 def _spec(machine: str, joining: JoiningMachine) -> MachineSpec:

@@ -38,7 +38,7 @@ from dray.gateway.routes.history.events import EventAnswer
 from dray.gateway.routes.orders.imports import ImportAnswer, ImportedOrder
 from dray.gateway.routes.orders.orders import EXAMPLE as ORDER
 from dray.gateway.routes.orders.transports import EXAMPLE as TRANSPORT
-from dray.gateway.routes.products import ProductAnswer
+from dray.gateway.routes.products import EXAMPLE as PRODUCT
 from dray.gateway.tracking.answer import TrackAnswer, TrackEta, TrackStage
 from dray.gateway.tracking.track import StageName, TrackedItem
 from dray.plant import default_plant
@@ -101,7 +101,7 @@ _STRUCTS = (
     MaterialAnswer(
         id="shaft", name="Shaft", lot=20, storages=("S1",), at_machines=8, on_board=20, on_order=20
     ),
-    ProductAnswer(id="P1", name="Gear unit", lot=4, bill={"shaft": 2, "steel": 1}),
+    PRODUCT,
     MachineView(
         id="M1",
         name="Lathe",
