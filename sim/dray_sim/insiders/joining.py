@@ -53,6 +53,7 @@ def bring_in(factory: SimFactory, behaviour: Behaviour, bus: Bus | None = None) 
             incarnation=life,
             software=software,
             probation=probation,
+            traffic=factory.traffic,
             trusts=factory.trusts,
         )
         return Turncoat(atv, behaviour)

@@ -76,6 +76,11 @@ FOUND_WITH_TRAFFIC = [
     # A secondary took over what it was just being asked for: it was told that it does not carry it, by the machine
     # that counted on it.
     ("carried", 127),
+    # Something lay before a vehicle, and its best way still led there, for the other one was full of silent vehicles:
+    # it was blocked again in the same instant, a thousand times.
+    ("all", 21),
+    # A liar without a body obeys, and stands nowhere.
+    ("all", 19),
 ]
 
 

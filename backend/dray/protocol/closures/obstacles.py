@@ -15,6 +15,9 @@ MOST = 64
 
 MOST_OF_ONE = 8
 
+DOUBLED_AT_MOST = 16
+"""Times that an obstacle is counted on for twice as long as before."""
+
 
 class Known(msgspec.Struct, frozen=True):
     """One obstacle."""
@@ -62,7 +65,7 @@ class Obstacles:
         lane = lane_of(start, end)
         times = self._times.get(lane, 0)
         self._times[lane] = times + 1
-        for_s: float = min(FORGOTTEN_S * 2.0**times, FORGOTTEN_AT_MOST_S)
+        for_s: float = min(FORGOTTEN_S * 2.0 ** min(times, DOUBLED_AT_MOST), FORGOTTEN_AT_MOST_S)
         self._known.pop(lane, None)
         self.on_told(start, end, by, for_s, now_s)
         return for_s

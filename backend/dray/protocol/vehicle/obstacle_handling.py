@@ -176,7 +176,7 @@ class ObstacleHandling:
             return
         ahead = (self._driver.next_node, *self._driver.ahead)
         on_way = any({start, end} == set(ends) for ends in pairwise(ahead))
-        if on_way and self._leads_round(self._driver.next_node):
+        if on_way and self._driver.leads_round(self._driver.next_node, now_s):
             self._follow(now_s)
 
     # --- what it does ----------------------------------------------------------------------------
@@ -188,13 +188,10 @@ class ObstacleHandling:
 
     def _go_round(self, node: str, now_s: float) -> bool:
         """Go another way from the node where it stands; False when none leads round."""
-        if not self._leads_round(node) or not self._driver.turn_back(node, now_s):
+        if not self._driver.leads_round(node, now_s) or not self._driver.turn_back(node, now_s):
             return False
         self._follow(now_s)
         return True
-
-    def _leads_round(self, node: str) -> bool:
-        return self._driver.leads_round(node)
 
     def _follow(self, now_s: float) -> None:
         if self._contracts.job is None:

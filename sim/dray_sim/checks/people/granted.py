@@ -27,7 +27,9 @@ class GrantedOnly:
         if type(message) is VehicleCommand or type(message) is MachineCommand:
             self._note(address.removeprefix(">"), message)
         elif type(message) is Event and type(message.fact) is CommandObeyed and message.fact.done:
-            self._check(sender, message.fact, at_s)
+            # An insider without a body stands nowhere.
+            if sender in self._factory.vehicles or self._factory.plant.has_place(sender):
+                self._check(sender, message.fact, at_s)
 
     def _note(self, agent: str, command: VehicleCommand | MachineCommand) -> None:
         self._given.setdefault((agent, command.command), []).append(command)

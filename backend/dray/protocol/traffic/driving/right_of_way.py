@@ -105,6 +105,12 @@ class RightOfWay(PlaceRequests):
                 self.way.turn_to(way)
         self._settle(now_s, anew=True)
 
+    def leads_round(self, node: str, now_s: float) -> bool:
+        """Whether nothing is known to lie on the way that it would take to its goal from a node."""
+        prices = self._outlook.prices(now_s)
+        way = self._ways.way(node, self.goal, prices)
+        return way is not None and prices.obstructed.isdisjoint(pairwise(way))
+
     def go(self, goal: str, rank_class: int, now_s: float) -> bool:
         """Begin a leg; False when no way leads there."""
         way = self._ways.way(self.way.base_end, goal, self._outlook.prices(now_s))

@@ -141,8 +141,8 @@ class Driver:
         """Where it drives to, or stands."""
         return self.way[-1] if self.way else self.node
 
-    def leads_round(self, node: str) -> bool:
-        """Whether a way leads from a node to where it drives on which nothing is known to lie."""
+    def leads_round(self, node: str, _now_s: float) -> bool:
+        """Whether a way leads from a node to where it drives on which nothing is known to lie, and which it would take."""
         return self._routes.leads_round(node, self.goal)
 
     def turn_back(self, node: str, now_s: float) -> bool:

@@ -209,6 +209,10 @@ class ReservedDriver(Driver):
     def goal(self) -> str:
         return self.right_of_way.goal if self._right_of_way is not None else self.node
 
+    def leads_round(self, node: str, now_s: float) -> bool:
+        # A way past vehicles that are silent may cost more than the obstacle does.
+        return super().leads_round(node, now_s) and self.right_of_way.leads_round(node, now_s)
+
     def turn_back(self, node: str, now_s: float) -> bool:
         row = self.right_of_way
         if row.way.node != node:
