@@ -22,7 +22,7 @@ from areas_kit import (
     words,
 )
 from fake_injector import FakeInjector
-from gateway_kit import House, gateway
+from gateway_kit import PRODUCT, House, gateway
 from heartbeats import atv_heartbeat
 
 from dray.gateway.access.principal import Role
@@ -56,6 +56,7 @@ def things(area: str) -> dict[str, str]:
         "task": TASK[area],
         "alert": f"atv_help-{ATV[area]}",
         "order": ORDER,
+        "product": PRODUCT,
         "fault": "f1",
         "token": "t" * 20,
     }

@@ -63,6 +63,9 @@ from dray.protocol.strategist.goal_auctions import GoalAuctions
 from dray.protocol.strategist.machine_monitor import MachineMonitor
 from dray.protocol.strategist.order_book import OpenGoal, OrderBook, OrderInWork
 
+ORDER_ID_MAX = 96
+"""Characters of an order's id: the ids of its goals begin with it, and have at most 128."""
+
 GOAL_CHECK = "goal check"
 """The alarm for looking whether a goal is still made, by goal."""
 
@@ -146,6 +149,9 @@ class Strategist(AgentBase):
         if self._shutdown.begun:
             # Unanswered, it is sent again, to the next life.
             self._out.append(Ignore("an order that came while the strategist was draining"))
+            return
+        if len(message.order) > ORDER_ID_MAX:
+            self._out.append(Ignore("an order whose id leaves no room for those of its goals"))
             return
         if not all(self._book.can_be_made(item) for item in message.items):
             self._out.append(Ignore("an order for a product that nobody here makes"))

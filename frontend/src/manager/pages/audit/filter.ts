@@ -13,9 +13,13 @@ export interface Filter {
 
 export const NOTHING: Filter = { since: "", until: "", who: "", action: "", target: "", result: "" };
 
+/** All that the gateway names (`gateway/access/rules.py`). */
 export const ACTIONS = [
-  "vehicle.command", "alert.acknowledge", "order.place", "order.release", "order.revoke", "order.cancel",
-  "fault.begin", "fault.end", "login", "login.station", "logout",
+  "vehicle.command", "vehicle.carry_away", "vehicle.put_back", "machine.command", "call.answer", "duty.set", "alert.acknowledge",
+  "order.place", "order.import", "order.release", "order.revoke", "order.cancel", "transport.call", "transport.cancel",
+  "product.define", "link.create", "link.revoke", "floor.close", "floor.open", "floor.cleared", "agent.shut_out", "agent.readmit",
+  "draft.begin", "draft.change", "draft.plan", "draft.play", "draft.remove", "fault.begin", "fault.end",
+  "login", "login.station", "logout",
 ] as const;
 export const RESULTS = ["done", "refused", "failed"] as const;
 
