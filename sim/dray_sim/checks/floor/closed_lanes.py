@@ -50,7 +50,10 @@ class ClosedLanes:
             self._watch_new()
         if type(message) is Closures:
             self._said[message.number] = message
-        elif type(message) is Event and type(message.fact) is ClosuresKnown:
+        elif (
+            type(message) is Event and type(message.fact) is ClosuresKnown and sender in self._factory.workers
+        ):
+            # An insider without a body knows of them, too, and drives nowhere.
             floor = self._floors.setdefault(sender, KnownFloor(self._factory.plant))
             floor.take(self._said[message.fact.number], self._factory.clock_of(sender).now_s())
             self.known[sender] = self.known.get(sender, 0) + 1
