@@ -26,6 +26,9 @@ from dray_sim.factory.sim_factory import SimFactory
 from dray_sim.people import demand
 from dray_sim.people.order_client import OrderClient
 
+STEP_S = 1.0
+"""Of the factory's clock, which jumps: nothing waits for it."""
+
 QUEUE = 4
 """Frames that wait for a client here."""
 
@@ -91,7 +94,7 @@ async def seconds(plant: Plant, projection: Projection, count: int) -> AsyncIter
             group.create_task(OrderClient(factory.bus, factory.clock).place(orders)),
         ]
         for step in range(count):
-            await asyncio.sleep(1.0)
+            await asyncio.sleep(STEP_S)
             yield step
         for task in tasks:
             task.cancel()

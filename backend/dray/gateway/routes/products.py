@@ -161,7 +161,7 @@ async def define(
     """
     note.target, note.detail["name"] = product, request.name
     before = catalogue.revision(product) if product in projection.site.products else None
-    _check_version(before, if_match, if_none_match)
+    _check_version(product, before, if_match, if_none_match)
     wanted = Product(
         id=product,
         name=request.name,
@@ -181,8 +181,8 @@ async def define(
     )
 
 
-def _check_version(before: int | None, if_match: str | None, if_none_match: str | None) -> None:
-    """Refuse who would write over what he has not seen.
+def _check_version(product: str, before: int | None, if_match: str | None, if_none_match: str | None) -> None:
+    """Refuse a change of a revision that the caller has not read.
 
     Raises:
         Problem: 412 or 428.
@@ -194,12 +194,15 @@ def _check_version(before: int | None, if_match: str | None, if_none_match: str 
             "It is not said what is changed",
             "send If-None-Match: * for a new product, or If-Match with the ETag of the product as you have read it",
         )
-    if if_none_match is not None and (if_none_match.strip() != "*" or before is not None):
-        raise _exists() if if_none_match.strip() == "*" else _odd()
+    if if_none_match is not None:
+        if if_none_match.strip() != "*":
+            raise _odd()
+        if before is not None:
+            raise _exists()
     if if_match is not None:
         known = () if before is None else (_tag(before), "*")
         if if_match.strip().removeprefix("W/") not in known:
-            raise _changed("product")
+            raise _changed(product)
 
 
 def _exists() -> Problem:
