@@ -1,4 +1,4 @@
-"""What all tests share: a skipped test is never overlooked.
+"""What all tests share: a skipped test is never overlooked, a failed one is named at once.
 
 On a developer's machine a test may be skipped, for want of a browser say; the run then ends with a loud
 line that names it. Under CI (`CI=true`) nothing may be skipped: what would be, fails. What the machine itself
@@ -72,7 +72,13 @@ def pytest_runtest_makereport(
 
 
 def pytest_report_teststatus(report: pytest.TestReport) -> tuple[str, str, str] | None:
-    return (FORBIDDEN, "!", "FORBIDDEN") if hasattr(report, FORBIDDEN) else None
+    """A failure is named when it happens: who watches need not wait for the end, and a log cut short has it."""
+    if hasattr(report, FORBIDDEN):
+        return FORBIDDEN, "!", "FORBIDDEN"
+    if report.failed:
+        category = "failed" if report.when == "call" else "error"
+        return category, f"\nFAILED {report.nodeid} ({report.when}): {reason_of(report)}\n", "FAILED"
+    return None
 
 
 @pytest.hookimpl(wrapper=True)
