@@ -8,7 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from open_house import OpenHouse
-from playwright.sync_api import Page
+from playwright.sync_api import Page, expect
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "gateway/kits"))
 
@@ -44,5 +44,9 @@ def as_manager(house: OpenHouse, open_page: OpenPage, **look: object) -> Page:
 
 
 def choose(page: Page, name: str) -> None:
-    page.get_by_placeholder("Find").fill(name)
-    page.get_by_placeholder("Find").press("Enter")
+    """With the keyboard alone, once the panel knows who is there."""
+    finder = page.get_by_role("combobox", name="Find")
+    finder.focus()
+    page.keyboard.type(name)
+    expect(page.locator("#finder-list").get_by_role("option").first).to_contain_text(name)
+    page.keyboard.press("Enter")

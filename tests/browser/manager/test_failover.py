@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 from frames import Frames
+from manager_kit import choose
 from playwright.sync_api import Page, expect
 
 OpenPage = Callable[..., Page]
@@ -44,13 +45,6 @@ class Watched:
             if carried and task["secondary"] and task["epoch"] == 1:
                 self.task = task
         return bool(self.task)
-
-
-def choose(page: Page, name: str) -> None:
-    finder = page.get_by_role("combobox", name="Find")
-    finder.fill(name)
-    expect(page.locator("#finder-list").get_by_role("option").first).to_contain_text(name)
-    finder.press("Enter")
 
 
 @pytest.mark.slow

@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 from frames import Frames
+from manager_kit import choose
 from playwright.sync_api import Page, expect
 
 OpenPage = Callable[..., Page]
@@ -150,9 +151,7 @@ def test_the_keyboard_alone_chooses_on_the_map_and_leads_to_the_alerts(
     quiet_factory: str, open_page: OpenPage
 ) -> None:
     page = open_page(quiet_factory)
-    page.get_by_role("combobox", name="Find").focus()
-    page.keyboard.type("ATV3")
-    page.keyboard.press("Enter")
+    choose(page, "ATV3")
     expect(page.get_by_role("region", name="ATV3")).to_be_visible()
     traffic = page.get_by_role("button", name="Traffic")
     traffic.focus()
