@@ -191,7 +191,7 @@ class _Game:
         if run.habits is not None:
             people = hire(factory, seed=run.seed, habits=run.habits, office=office)
         checks.add(OneTakerEach(people))
-        checks.add(NoCallIsLost(factory, lambda atv: atv == liar))
+        checks.add(NoCallIsLost(lambda atv: atv == liar))
         if run.closings:
             attribution.restrict(max(each.until_s for each in run.closings))
             checks.add(ClosedLanes(factory))

@@ -176,7 +176,7 @@ class Stage:
             self.people = hire(self.factory, seed=seed, habits=shift.people, office=self.office)
         self.checks = Invariants(self.factory)
         self.checks.add(OneTakerEach(self.people))
-        self.checks.add(NoCallIsLost(self.factory))
+        self.checks.add(NoCallIsLost())
         self.overlaps: Overlaps | None = None
         if self.factory.traffic is not None:
             self.checks.add(HeldPlaces(self.factory))

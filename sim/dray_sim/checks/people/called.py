@@ -18,7 +18,6 @@ from dray.messages import (
     OperatorHeartbeat,
 )
 from dray_sim.checks.broken import InvariantBroken
-from dray_sim.factory.sim_factory import SimFactory
 from dray_sim.people.operators import Operator
 
 LOST_S = 60.0
@@ -89,15 +88,18 @@ class OneTakerEach:
 class NoCallIsLost:
     """Invariant 19: a vehicle that cannot go on without somebody calls, and goes on calling until it can.
 
+    Time in which its agent does not run is not counted: between the last heartbeat of one life and the first of the next.
+
     Args:
-        factory: whose vehicles they are.
         excused: called with a vehicle: whether it is off, off the floor, or held up by a fault of its own.
     """
 
-    def __init__(self, factory: SimFactory, excused: Callable[[str], bool] = lambda _atv: False) -> None:
-        self._factory, self._excused = factory, excused
+    def __init__(self, excused: Callable[[str], bool] = lambda _atv: False) -> None:
+        self._excused = excused
         self._since_s: dict[str, float] = {}
         """By vehicle that has a problem: since when, or since its call was said last."""
+        self._heard: dict[str, tuple[int, float]] = {}
+        """By vehicle: its life that was heard last, and when."""
 
     def on_message(self, at_s: float, sender: str, _address: str, message: Message) -> None:
         """Note one utterance.
@@ -113,6 +115,10 @@ class NoCallIsLost:
 
     def _note(self, heartbeat: AtvHeartbeat, at_s: float) -> None:
         atv = heartbeat.atv
+        life, heard_s = self._heard.get(atv, (heartbeat.incarnation, at_s))
+        self._heard[atv] = (heartbeat.incarnation, at_s)
+        if life != heartbeat.incarnation and atv in self._since_s:
+            self._since_s[atv] += at_s - heard_s
         calls = heartbeat.problem and heartbeat.out_of_service is UNSET and not heartbeat.draining
         if not calls or self._excused(atv):
             self._since_s.pop(atv, None)
