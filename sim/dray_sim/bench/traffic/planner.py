@@ -13,9 +13,10 @@ from heapq import heappop, heappush
 from itertools import count, pairwise
 from math import inf
 
-from dray.body import Drive, ReleaseWay
 from dray.plant import Plant, bends
+from dray.plant.restrictions import OPEN
 from dray.protocol.traffic.driving.reserved_way import ReservedWay
+from dray.protocol.traffic.driving.wheels import Wheels
 from dray.protocol.traffic.places import Footprint, Places
 from dray_sim.bench.traffic.air import Air
 from dray_sim.bench.traffic.carrier import Carrier
@@ -62,9 +63,11 @@ class CentralPilot:
         self.taken: list[Visit] = []
         """Those of the places that it holds."""
         self._planner = planner
-        self._order = 0
-        self._driven: tuple[str, ...] = ()
         self._asked = True
+        kind = carrier.kind
+        self._wheels = Wheels(
+            kind.max_speed_mps, kind.acceleration_mps2, count(1).__next__, restrictions=lambda: OPEN
+        )
 
     def go(self, node: str, *, idle: bool) -> None:
         self.goal, self.since_s = node, self._planner.clock.now_s + (1e6 if idle else 0.0)
@@ -104,18 +107,7 @@ class CentralPilot:
 
     def drive_on(self) -> None:
         """The base has grown."""
-        base, ahead = self.way.base, self.way.ahead
-        done = len(self._driven) - len(ahead)
-        if done > 0 and self._driven[done - 1 :] == (self.way.node, *ahead):
-            self.carrier.instruct(ReleaseWay(order=self._order, released=done + len(base)))
-            return
-        on_lane = self.carrier.travel.on_lane(self._planner.clock.now_s)
-        nodes = ahead if on_lane else (self.way.node, *ahead)
-        self._order += 1
-        self._driven = nodes
-        self.carrier.instruct(
-            Drive(order=self._order, nodes=nodes, released=len(base) + (0 if on_lane else 1))
-        )
+        self.carrier.instruct(self._wheels.drive(self.way, self.carrier.sense()[1]))
 
 
 class Planner:

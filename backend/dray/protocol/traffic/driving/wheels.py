@@ -57,8 +57,8 @@ class Wheels:
         """Drive the base: more of the way that the body knows, or another one from the next node on."""
         base, ahead = way.base, way.ahead
         done = len(self._driven) - len(ahead)
-        follows = done > 0 and self._driven[done - 1 :] == (way.node, *ahead)
-        if follows or (done == 0 and self._driven == ahead):
+        # By number, too: a way that passes a node twice is like its own end at the first time.
+        if self._is_next(way.passed + 1, done) and self._driven[done:] == ahead:
             return ReleaseWay(order=self._order, released=done + len(base))
         stood = speed_mps == 0.0 and way.past_m <= 0.0
         self._driven = (way.node, *ahead) if stood else ahead
@@ -69,6 +69,10 @@ class Wheels:
             released=len(base) + (1 if stood else 0),
             limits_mps=self._restrictions().limits_on(self._driven),
         )
+
+    def _is_next(self, number: int, index: int) -> bool:
+        """Whether a node of the reserved way, by its number, is the one with an index in the way that the body knows."""
+        return index >= 0 and bool(self._driven) and self._first[self._order] + index == number
 
     def finish(self, way: ReservedWay) -> Drive:
         """End the way that the body knows where it stands."""
