@@ -147,6 +147,8 @@ class TaskMemory(Part, frozen=True):
     """Whether anybody was asked to carry it in this epoch."""
     recovered: bool = False
     """Taken up on its carrier's word alone, after a life that has left no notes."""
+    least_epoch: int = 0
+    """A carrier was told that no epoch below this one is right any more; 0 where none was."""
 
 
 class StationMemory(Part, tag_field="kind", tag="station", frozen=True):

@@ -223,6 +223,20 @@ def test_once_others_were_asked_an_earlier_acceptance_is_over() -> None:
     assert carrier(later) == ("", 3)
 
 
+def test_who_was_told_that_it_has_lost_its_task_is_not_taken_up_by_the_next_life() -> None:
+    rig = supplied_by("ATV2")
+    gives_back = Resigned(task="M7-1", epoch=1, role=Role.PRIMARY, reason=Reason.PROBLEM)
+    assert sent(rig.on_message("ATV2", gives_back), Superseded) == [Superseded(task="M7-1", epoch=2)]
+    # With right of way nobody may have been asked since: one vehicle is hired after the other.
+    notes = cast(MachineMemory, committed(rig.all)[WHOLE])
+    unasked = tuple(msgspec.structs.replace(each, offered=False) for each in notes.tasks)
+    again = MachineRig("M7", rig.stock, incarnation=2)
+    again.memory, again.now_s = {WHOLE: msgspec.structs.replace(notes, tasks=unasked)}, rig.now_s
+    again.start()
+    again.on_message("ATV2", rhb("ATV2", 1, again.now_s, task="M7-1", coordinator="M7"))
+    assert carrier(again) == ("", 2)
+
+
 def test_whoever_is_asked_by_the_next_life_is_not_taken_at_its_word_for_the_load() -> None:
     again = reborn(asking(), doubts=True)
     again.run(again.now_s + RECOVERY_WAIT_S)

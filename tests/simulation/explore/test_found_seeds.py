@@ -83,6 +83,9 @@ FOUND_WITH_TRAFFIC = [
     ("all", 21),
     # A liar without a body obeys, and stands nowhere.
     ("all", 19),
+    # A machine told a carrier that it had lost its task, asked nobody else yet, and was started again: it took that carrier
+    # up again, in the epoch before.
+    ("all", 60),
 ]
 
 

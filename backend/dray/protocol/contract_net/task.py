@@ -116,6 +116,7 @@ class OpenTask:
         "due_s",
         "epoch",
         "id",
+        "least_epoch",
         "opened_s",
         "recovered",
         "standby",
@@ -132,6 +133,8 @@ class OpenTask:
         self.states = States("a task", TRANSITIONS, TaskState.UNASSIGNED)
         self.epoch = auction.terms.epoch
         """Rises whenever the carrier changes; whatever comes with a lower one is refused."""
+        self.least_epoch = 0
+        """A carrier was told that no epoch below this one is right any more."""
         self.auction = auction
         self.watch: Auction | None = None
         """The auction for a secondary, while one is sought."""
@@ -238,6 +241,7 @@ class OpenTask:
             watch_number=self.standby.number,
             offered=self.is_offered,
             recovered=self.recovered,
+            least_epoch=self.least_epoch,
         )
 
     @property

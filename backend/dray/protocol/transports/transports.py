@@ -178,7 +178,7 @@ class Transports(Coordinator):
         deadline_s = prolonged_s(memory.deadline_s, memory.opened_s, now_s)
         auction = self._auction(memory.task, epoch, memory.work, deadline_s)
         task = self._open[memory.task] = OpenTask(memory.task, memory.work, auction, memory.opened_s)
-        task.due_s, task.witnessed = memory.deadline_s, False
+        task.due_s, task.witnessed, task.least_epoch = memory.deadline_s, False, memory.least_epoch
         if memory.primary:
             auction.cancel()
             task.recovered = memory.recovered
@@ -323,9 +323,10 @@ class Transports(Coordinator):
     def _may_be_carried(self, task: OpenTask, epoch: int) -> bool:
         """Whether somebody may have accepted a task of an earlier life in this epoch, and nobody since.
 
-        Once others were asked, in this life or before, the epoch must not fall.
+        Once others were asked, or a carrier was told of an epoch, in this life or before, the epoch must not fall.
         """
-        return not task.primary and not task.is_offered and task.epoch - 1 <= epoch <= task.epoch
+        least = max(task.epoch - 1, task.least_epoch)
+        return not task.primary and not task.is_offered and least <= epoch <= task.epoch
 
     def _bind_carrier(self, task: OpenTask, atv: str, epoch: int, promised_s: float, now_s: float) -> None:
         task.auction.cancel()
@@ -389,10 +390,9 @@ class Transports(Coordinator):
 
     def _supersede(self, task: OpenTask, epoch: int, reason: Reason, now_s: float) -> tuple[str, float]:
         """Fence the present carrier off. Returns its name, and how long nothing was heard of it (s)."""
-        replaced = task.primary
-        silent_s = self.failover.silent_s(task, now_s)
+        replaced, silent_s = task.primary, self.failover.silent_s(task, now_s)
         self._let_go(task, reason)
-        task.epoch = epoch
+        task.epoch = task.least_epoch = epoch
         self._out.append(Send(replaced, Superseded(task=task.id, epoch=epoch)))
         return replaced, silent_s
 
