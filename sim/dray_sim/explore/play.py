@@ -48,7 +48,7 @@ from dray_sim.people.random.random_answers import NAME as AT_RANDOM
 from dray_sim.people.random.random_answers import RandomAnswers
 from dray_sim.people.random.random_operator import RandomOperator
 from dray_sim.people.random.revoker import Revoker
-from dray_sim.people.technicians import Skill, employ
+from dray_sim.people.technicians import Skill, Technician, employ
 from dray_sim.people.transport_caller import TransportCaller
 from dray_sim.run.trace import Trace
 
@@ -185,13 +185,16 @@ class _Game:
         if liar:
             attribution.distrust(liar)
         people: tuple[Operator, ...] = ()
+        technicians: tuple[Technician, ...] = ()
         office = None
         if run.traffic:
             office = FloorOffice(factory.bus, factory.clock, factory.keys, factory.authority)
         if run.habits is not None:
             people = hire(factory, seed=run.seed, habits=run.habits, office=office)
-        checks.add(OneTakerEach(people))
-        checks.add(NoCallIsLost(lambda atv: atv == liar))
+            technicians = employ(factory, seed=run.seed, skill=QUICK)
+        crew = (*people, *technicians)
+        checks.add(OneTakerEach(person.duty for person in crew))
+        checks.add(NoCallIsLost(lambda agent: agent == liar))
         if run.closings:
             attribution.restrict(max(each.until_s for each in run.closings))
             checks.add(ClosedLanes(factory))
@@ -210,7 +213,7 @@ class _Game:
             self._tally,
             checks,
         )
-        life = asyncio.create_task(self._live(factory, faults, office, people))
+        life = asyncio.create_task(self._live(factory, faults, office, crew))
         broken = asyncio.create_task(checks.wait_broken())
         end = asyncio.create_task(self._await_end(factory, liveness))
         try:
@@ -245,7 +248,7 @@ class _Game:
         factory: SimFactory,
         faults: Faults,
         office: FloorOffice | None,
-        people: tuple[Operator, ...],
+        crew: tuple[Operator | Technician, ...],
     ) -> None:
         run = self._run
         async with asyncio.TaskGroup() as group:
@@ -261,11 +264,8 @@ class _Game:
                 if run.carryings:
                     careless = Random(f"{run.seed} careless")
                     group.create_task(carriers.say_carelessly(careless, run.faults_until_s))
-            for operator in people:
-                group.create_task(operator.run())
-            if run.habits is not None:
-                for technician in employ(factory, seed=run.seed, skill=QUICK):
-                    group.create_task(technician.run())
+            for person in crew:
+                group.create_task(person.run())
             if run.random_answers:
                 group.create_task(self._answer_at_random(factory))
             if run.random_operator:

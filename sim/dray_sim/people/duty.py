@@ -53,6 +53,7 @@ class PersonOnDuty:
         keys: the plant's.
         bus: joined while on duty.
         clock: the plant's clock.
+        looks_after: called with a caller's name; of whoever it says no to, the person says at once that somebody else has to come.
 
     Attributes:
         agent_id: the agent's name on the bus.
@@ -60,13 +61,21 @@ class PersonOnDuty:
     """
 
     def __init__(
-        self, name: str, areas: tuple[str, ...] | None, *, keys: Keys, bus: Bus, clock: Clock
+        self,
+        name: str,
+        areas: tuple[str, ...] | None,
+        *,
+        keys: Keys,
+        bus: Bus,
+        clock: Clock,
+        looks_after: Callable[[str], bool],
     ) -> None:
         self.agent_id = OPERATOR_PREFIX + name
         self.answered: dict[str, CallAnswer] = {}
         self._callers: set[str] = set()
         self._state = DutyState(areas=areas or (), everywhere=areas is None)
         self._keys, self._bus, self._clock = keys, bus, clock
+        self._looks_after = looks_after
         self._journal = HeldJournal(incarnation=0)
         self._report: Callable[[Report], None] | None = None
         self._worker: Worker | None = None
@@ -186,6 +195,9 @@ class PersonOnDuty:
     def _show(self, shown: dict[str, ShownCall]) -> None:
         self._shown = shown
         self._changed.set()
+        for caller, each in shown.items():
+            if each.part is CallPart.ASKED and not self._looks_after(caller):
+                asyncio.get_running_loop().call_soon(self.reply, each.call.call, CallAnswer.CANNOT)
 
     def _change(self, *, there: bool) -> None:
         state = self._state

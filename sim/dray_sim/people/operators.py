@@ -98,9 +98,11 @@ class Operator:
         self._habits = habits
         self._office = office
         own = None if area == EVERYWHERE else (area,)
-        keys = Keys(plant.id)
+        keys, machines = Keys(plant.id), plant.machines
         self._tablet = Tablet(self.name, own, keys=keys, bus=bus, clock=clock, authority=authority)
-        self.duty = PersonOnDuty(area, own, keys=keys, bus=bus, clock=clock)
+        self.duty = PersonOnDuty(
+            area, own, keys=keys, bus=bus, clock=clock, looks_after=lambda caller: caller not in machines
+        )
         self._careless = careless or Random(self.name)
         self._heard = self._tablet.heard
         """All that is known of vehicles from afar."""
@@ -250,9 +252,8 @@ class Operator:
         if not await self.duty.take(shown.call, estimate_s):
             return False
         habits = self._habits
-        if not habits.forgets_frac or self._clock.now_s() >= habits.careless_until_s:
-            return True
-        if self._careless.random() >= habits.forgets_frac:
+        may_forget = habits.forgets_frac and self._clock.now_s() < habits.careless_until_s
+        if not may_forget or self._careless.random() >= habits.forgets_frac:
             return True
         await asyncio.sleep(estimate_s)
         return False
@@ -262,10 +263,10 @@ class Operator:
         # From here on it may be stopped, answered or not.
         self._stops[atv] = self._clock.now_s()
         answer = await self._tablet.say(atv, CommandKind.STOP)
-        if answer is not None and not answer.done:
-            # It has driven on meanwhile, and slipped once more: out there it is a colleague's.
-            del self._stops[atv]
         if answer is None or not answer.done:
+            if answer is not None:
+                # It has driven on meanwhile, and slipped once more: out there it is a colleague's.
+                del self._stops[atv]
             return
         await asyncio.sleep(mend_s)
         self._hands.mend(atv)

@@ -1,10 +1,11 @@
 """People who look after machines (paper, case 1): they come when one is broken, mend it, and say so; or they hand its goals over.
 
-A technician has a tablet that shows the machines' heartbeats, and does one thing at a time. What takes longer than the goals can wait is
-handed over first; a machine that is taken to pieces is out of service meanwhile.
+A technician is on duty, has a tablet that shows the machines' heartbeats, and does one thing at a time: a machine that calls for help is
+seen to by whom it asks. What takes longer than the goals can wait is handed over first; a machine that is taken to pieces is out of
+service meanwhile.
 
-    short      react -> promise -> walk -> mend -> CLEAR FAULT
-    long       react -> walk -> HAND OVER -> TAKE OUT -> mend -> CLEAR FAULT -> PUT IN
+    short      react -> take -> promise -> walk -> mend -> CLEAR FAULT
+    long       react -> take -> walk -> HAND OVER -> TAKE OUT -> mend -> CLEAR FAULT -> PUT IN
 """
 
 from __future__ import annotations
@@ -19,7 +20,9 @@ from msgspec import UNSET
 
 from dray.messages import CommandRefusal, MachineCommandKind, MachineHeartbeat, ProblemKind
 from dray.messages.people.command import PROMISE_MAX_S
+from dray.messages.speakers import Kind
 from dray_sim.people.areas import EVERYWHERE, area_at
+from dray_sim.people.duty import PersonOnDuty
 from dray_sim.people.habits import Range
 from dray_sim.people.hands import Hands
 from dray_sim.people.tablet import Tablet
@@ -65,6 +68,7 @@ class Technician:
 
     Attributes:
         name: on the bus.
+        duty: what others know of this person, and which machines call.
         mended: how many machines were put right.
         handed_over: how many of them had lost their goals before.
     """
@@ -79,9 +83,18 @@ class Technician:
         self._skill = skill
         self._out: set[str] = set()
         """Machines that are out of service by this person's word."""
+        own = None if area == EVERYWHERE else (area,)
+        self.duty = PersonOnDuty(
+            self.name,
+            own,
+            keys=factory.keys,
+            bus=factory.bus,
+            clock=factory.clock,
+            looks_after=lambda caller: caller in self._plant.machines,
+        )
         self._tablet = Tablet(
             self.name,
-            None if area == EVERYWHERE else (area,),
+            own,
             keys=factory.keys,
             bus=factory.bus,
             clock=factory.clock,
@@ -91,22 +104,28 @@ class Technician:
     async def run(self) -> None:
         """Work until cancelled."""
         with self._tablet.on():
-            while True:
-                await asyncio.sleep(LOOK_S)
-                needy = sorted(
-                    machine
-                    for machine, beat in self._tablet.machines.items()
-                    if self._concerns(machine, beat)
-                )
-                if needy:
-                    await self._attend(needy[0])
-                for machine in sorted(self._out):
-                    await self._bring_back(machine)
+            async with asyncio.TaskGroup() as group:
+                group.create_task(self.duty.run())
+                group.create_task(self._look())
+
+    async def _look(self) -> None:
+        """See which machine needs somebody, and see to it, one at a time."""
+        while True:
+            await asyncio.sleep(LOOK_S)
+            needy = sorted(
+                machine for machine, beat in self._tablet.machines.items() if self._concerns(machine, beat)
+            )
+            if needy:
+                await self._attend(needy[0])
+            for machine in sorted(self._out):
+                await self._bring_back(machine)
 
     def _concerns(self, machine: str, beat: MachineHeartbeat) -> bool:
-        """Whether it stands here, is broken, and nobody else is on the way."""
+        """Whether it is broken, and asks this person; or calls nobody, stands here, and nobody else is on the way."""
         if not beat.problem or machine not in self._plant.machines:
             return False
+        if self._tablet.calls(machine):
+            return self.duty.shown(machine) is not None
         if area_at(self._plant, *self._plant.position_of(machine)) != self._area:
             return False
         return beat.help is UNSET or beat.help.promised_by in ("", self.name)
@@ -118,6 +137,9 @@ class Technician:
         walk_s = self._draw(self._skill.walk_s)
         mend_s = self._draw(self._skill.mend_s.get(kind, self._skill.other_s))
         is_long = mend_s > self._skill.longest_s
+        shown = self.duty.shown(machine)
+        if shown is not None and not await self.duty.take(shown.call, walk_s + mend_s):
+            return
         if not is_long and self._random.random() < self._skill.promises_frac:
             wait_s = min((walk_s + mend_s) * self._draw(self._skill.estimate), PROMISE_MAX_S)
             await self._tablet.tell(machine, MachineCommandKind.PROMISE, wait_s=wait_s)
@@ -154,7 +176,10 @@ def employ(factory: SimFactory, *, seed: int, skill: Skill | None = None) -> tup
         seed: each draws from a generator of its own that follows from it.
         skill: of everybody.
     """
-    return tuple(
+    crew = tuple(
         Technician(area, factory, Random(f"{seed} technician {area}"), skill or Skill())
         for area in factory.plant.areas or (EVERYWHERE,)
     )
+    for technician in crew:
+        factory.bus.kinds[technician.duty.agent_id] = Kind.OPERATOR
+    return crew

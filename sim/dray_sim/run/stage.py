@@ -175,7 +175,7 @@ class Stage:
         if shift.people is not None:
             self.people = hire(self.factory, seed=seed, habits=shift.people, office=self.office)
         self.checks = Invariants(self.factory)
-        self.checks.add(OneTakerEach(self.people))
+        self.checks.add(OneTakerEach(person.duty for person in self.people))
         self.checks.add(NoCallIsLost())
         self.overlaps: Overlaps | None = None
         if self.factory.traffic is not None:

@@ -48,6 +48,7 @@ def test_a_machine_listens_for_the_goals_it_can_make() -> None:
         KEYS.all_free,
         KEYS.closures,
         KEYS.all_breakdowns,
+        KEYS.all_operator_heartbeats,
     }
 
 

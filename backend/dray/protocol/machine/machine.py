@@ -122,7 +122,7 @@ class Machine(AgentBase):
             tells_node=joining,
         )
         self._cycle = Cycle(self._goals, self._supply, self._out, self._commit)
-        self._breakdown = Breakdown(machine, self._keys, self._goals, self._timers, self._out)
+        self._breakdown = Breakdown(machine, incarnation, plant, self._goals, self._timers, self._out)
         authority = CommandAuthorisation(machine, plant, trusts)
         self._commands = MachineCommandHandling(authority, self._breakdown, self, running, self._out)
         parts = (self._goals, self._supply, self._flow, self._breakdown)
@@ -132,9 +132,9 @@ class Machine(AgentBase):
             TaskAnnounced: lambda _from, said, now_s: self._bidder.on_announced(said, self._unfit(), now_s),
             Award: self._on_award,
             Confirmed: self._on_confirmed,
-            Release: self._on_goal_over,
-            Withdrawn: self._on_goal_over,
-            GoalClosed: self._on_goal_closed,
+            Release: lambda _from, said, now_s: self._end_goal(self._bidder.on_over(said), now_s),
+            Withdrawn: lambda _from, said, now_s: self._end_goal(self._bidder.on_over(said), now_s),
+            GoalClosed: lambda _from, said, now_s: self._end_goal(self._bidder.on_closed(said), now_s),
             WorkSought: self._on_sought,
             MachineCommand: self._on_command,
             **self._breakdown.message_handlers,
@@ -174,6 +174,7 @@ class Machine(AgentBase):
         self._alarm_handlers = {
             BEAT: self._beat,
             PATIENCE_OVER: lambda _about, now_s: self._changed(now_s),
+            **self._breakdown.alarms,
             **self._closures.alarms,
             **self._bidder.alarms,
             **self._flow.alarms,
@@ -243,6 +244,7 @@ class Machine(AgentBase):
 
     def _prepare_to_leave(self, now_s: float) -> None:
         self._flow.drop_needs()
+        self._breakdown.update_call(now_s, expected=False)
         self._heartbeat_timer.at_once(now_s)
 
     def _is_held(self) -> bool:
@@ -311,6 +313,8 @@ class Machine(AgentBase):
     def pursue(self, now_s: float) -> None:
         """Do whatever the present state asks for."""
         self._sharing.decide(now_s)
+        in_service = self._commands.service.out is None and not self._shutdown.begun
+        self._breakdown.update_call(now_s, expected=in_service)
         self._cycle.share_spare()
         self._flow.note_stock(now_s)
         if not self._breakdown.problem and not self._flow.goods.full:
@@ -379,12 +383,6 @@ class Machine(AgentBase):
         else:
             self._out.append(Ignore("confirmed twice"))
         self._flow.on_goal_counted(message.task, now_s)
-
-    def _on_goal_over(self, _sender: str, message: Release | Withdrawn, now_s: float) -> None:
-        self._end_goal(self._bidder.on_over(message), now_s)
-
-    def _on_goal_closed(self, _sender: str, message: GoalClosed, now_s: float) -> None:
-        self._end_goal(self._bidder.on_closed(message), now_s)
 
     def _end_goal(self, goal: Goal | None, now_s: float) -> None:
         if goal is None:

@@ -44,12 +44,19 @@ export function knownText({ kind, load_movable: movable, needs_person: needed, p
   return said.join(" ");
 }
 
-export function Patience({ help, leftS, waits = t("help.waits") }: { help: HelpView; leftS: number; waits?: string }) {
+interface PatienceProps {
+  readonly help: HelpView;
+  readonly leftS: number;
+  readonly waits?: string;
+  readonly coming?: "help.coming" | "machine.coming";
+}
+
+export function Patience({ coming = "help.coming", help, leftS, waits = t("help.waits") }: PatienceProps) {
   const by = help.promised_by;
   return (
     <p class="patience" role="timer">
       <b class="countdown">{format.duration(leftS)}</b>
-      <span>{by === "" ? waits : t("help.coming", { by })}</span>
+      <span>{by === "" ? waits : t(coming, { by })}</span>
     </p>
   );
 }

@@ -24,7 +24,7 @@ export function MachineActs({ machine, need }: { machine: MachineView; need: Mac
     <>
       {help !== null && (
         <div class="help">
-          {leftS > 0 ? <Patience help={help} leftS={leftS} waits={t("machine.waits")} /> : <p>{t("machine.over")}</p>}
+          {leftS > 0 ? <Patience help={help} leftS={leftS} waits={t("machine.waits")} coming="machine.coming" /> : <p>{t("machine.over")}</p>}
           <Promises machine={machine} disabled={disabled} />
           <Leaving
             disabled={disabled || machine.goals.length === 0}

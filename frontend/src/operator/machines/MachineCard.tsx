@@ -52,7 +52,7 @@ function goalsText(machine: MachineView): string {
   const what = first ? t("machine.goal", {
     item: names.value(first.product), made: format.count(first.made), quantity: format.count(first.quantity),
   }) : "";
-  const many = t("machine.goals", { count: format.count(count), what });
+  const many = count === 1 ? t("machine.oneGoal", { what }) : t("machine.goals", { count: format.count(count), what });
   const due = firstAtS === null ? "" : ` ${t("machine.firstDue", { at: format.due(firstAtS, moment.value.nowS) })}`;
   const offered = machine.goals.some((goal) => goal.offered) ? ` ${t("machine.offered")}` : "";
   return `${many}${due}${offered}`;

@@ -168,6 +168,8 @@ export const de: Catalogue<typeof en> = {
   "reason.why.too_soon": "ein Gebot, das früher fertig wäre, als ein Fahrzeug kann",
   "reason.why.before_now": "ein Gebot, das in der Vergangenheit fertig wäre",
   "reason.why.too_late": "ein Gebot, das viel später fertig wäre, als sein Preis sagt",
+  "failure.a tool has broken": "ein Werkzeug ist gebrochen",
+  "failure.the way is blocked": "der Weg ist versperrt",
   "failure.battery empty": "Batterie leer",
   "failure.the load has shifted": "die Ladung ist verrutscht",
   "reason.why.silent": "stumm",

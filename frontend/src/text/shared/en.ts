@@ -165,6 +165,8 @@ export const en = {
   "reason.why.too_soon": "a bid that would be done sooner than any vehicle could",
   "reason.why.before_now": "a bid that would be done in the past",
   "reason.why.too_late": "a bid that would be done much later than its price tells",
+  "failure.a tool has broken": "a tool has broken",
+  "failure.the way is blocked": "the way is blocked",
   "failure.battery empty": "battery empty",
   "failure.the load has shifted": "the load has shifted",
   "reason.why.silent": "silent",

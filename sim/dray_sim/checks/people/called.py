@@ -14,14 +14,15 @@ from dray.messages import (
     CallState,
     DutyStatus,
     HelpCall,
+    MachineHeartbeat,
     Message,
     OperatorHeartbeat,
 )
 from dray_sim.checks.broken import InvariantBroken
-from dray_sim.people.operators import Operator
+from dray_sim.people.duty import PersonOnDuty
 
 LOST_S = 60.0
-"""A vehicle with a problem that needs somebody calls at once; one that may pass after half a minute, and says so every 5 s."""
+"""A vehicle or a machine with a problem that needs somebody calls at once; one that may pass after half a minute, and says so every 5 s."""
 
 
 class OneTakerEach:
@@ -30,9 +31,9 @@ class OneTakerEach:
     Invariant 18: whom a caller expects has answered: people are asked and never assigned.
     """
 
-    def __init__(self, people: Iterable[Operator]) -> None:
+    def __init__(self, people: Iterable[PersonOnDuty]) -> None:
         self._people = tuple(people)
-        self._own = {person.duty.agent_id: person.duty for person in self._people}
+        self._own = {person.agent_id: person for person in self._people}
         self._turns: dict[tuple[str, int], str] = {}
         """By call and turn, who has it, as its caller has said."""
         self._lives: dict[str, int] = {}
@@ -65,10 +66,10 @@ class OneTakerEach:
                 )
         expected: dict[tuple[str, int], str] = {}
         for person in self._people:
-            agent = person.duty.agent
+            agent = person.agent
             taken = None if agent is None else agent.taken
-            if taken is not None and expected.setdefault(taken, person.duty.agent_id) != person.duty.agent_id:
-                seen = f"{expected[taken]} and {person.duty.agent_id} both believe that they have {taken[0]}"
+            if taken is not None and expected.setdefault(taken, person.agent_id) != person.agent_id:
+                seen = f"{expected[taken]} and {person.agent_id} both believe that they have {taken[0]}"
                 raise InvariantBroken(17, at_s, seen)
 
     def _count(self, heartbeat: OperatorHeartbeat, sender: str, at_s: float) -> None:
@@ -86,20 +87,20 @@ class OneTakerEach:
 
 
 class NoCallIsLost:
-    """Invariant 19: a vehicle that cannot go on without somebody calls, and goes on calling until it can.
+    """Invariant 19: a vehicle or a machine that cannot go on without somebody calls, and goes on calling until it can.
 
     Time in which its agent does not run is not counted: between the last heartbeat of one life and the first of the next.
 
     Args:
-        excused: called with a vehicle: whether it is off, off the floor, or held up by a fault of its own.
+        excused: called with either: whether it is off, off the floor, or held up by a fault of its own.
     """
 
-    def __init__(self, excused: Callable[[str], bool] = lambda _atv: False) -> None:
+    def __init__(self, excused: Callable[[str], bool] = lambda _agent: False) -> None:
         self._excused = excused
         self._since_s: dict[str, float] = {}
-        """By vehicle that has a problem: since when, or since its call was said last."""
+        """By vehicle or machine that has a problem: since when, or since its call was said last."""
         self._heard: dict[str, tuple[int, float]] = {}
-        """By vehicle: its life that was heard last, and when."""
+        """By vehicle or machine: its life that was heard last, and when."""
 
     def on_message(self, at_s: float, sender: str, _address: str, message: Message) -> None:
         """Note one utterance.
@@ -110,20 +111,23 @@ class NoCallIsLost:
         if type(message) is HelpCall:
             if message.state is not CallState.ENDED and sender in self._since_s:
                 self._since_s[sender] = at_s
-        elif type(message) is AtvHeartbeat and sender == message.atv:
-            self._note(message, at_s)
+        elif isinstance(message, AtvHeartbeat | MachineHeartbeat) and sender == _of(message):
+            self._note(message, sender, at_s)
 
-    def _note(self, heartbeat: AtvHeartbeat, at_s: float) -> None:
-        atv = heartbeat.atv
-        life, heard_s = self._heard.get(atv, (heartbeat.incarnation, at_s))
-        self._heard[atv] = (heartbeat.incarnation, at_s)
-        if life != heartbeat.incarnation and atv in self._since_s:
-            self._since_s[atv] += at_s - heard_s
+    def _note(self, heartbeat: AtvHeartbeat | MachineHeartbeat, agent: str, at_s: float) -> None:
+        life, heard_s = self._heard.get(agent, (heartbeat.incarnation, at_s))
+        self._heard[agent] = (heartbeat.incarnation, at_s)
+        if life != heartbeat.incarnation and agent in self._since_s:
+            self._since_s[agent] += at_s - heard_s
         calls = heartbeat.problem and heartbeat.out_of_service is UNSET and not heartbeat.draining
-        if not calls or self._excused(atv):
-            self._since_s.pop(atv, None)
-        elif at_s - self._since_s.setdefault(atv, at_s) > LOST_S:
-            lost_s = at_s - self._since_s[atv]
+        if not calls or self._excused(agent):
+            self._since_s.pop(agent, None)
+        elif at_s - self._since_s.setdefault(agent, at_s) > LOST_S:
+            lost_s = at_s - self._since_s[agent]
             raise InvariantBroken(
-                19, at_s, f"{atv} has had {heartbeat.problem!r} for {lost_s:.0f} s and calls nobody"
+                19, at_s, f"{agent} has had {heartbeat.problem!r} for {lost_s:.0f} s and calls nobody"
             )
+
+
+def _of(heartbeat: AtvHeartbeat | MachineHeartbeat) -> str:
+    return heartbeat.atv if isinstance(heartbeat, AtvHeartbeat) else heartbeat.machine

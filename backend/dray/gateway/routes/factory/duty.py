@@ -22,7 +22,15 @@ from dray.gateway.http.responses import Json, described, problems
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.timescale import TimeScale
 from dray.gateway.live.views.duty import CallView, ColleagueView, DutyChoice, DutyView
-from dray.messages import CallAnswer, CallState, CommandKind, HelpCall, ProblemKind
+from dray.messages import (
+    CallAnswer,
+    CallState,
+    CommandKind,
+    HelpCall,
+    MachineCommand,
+    MachineCommandKind,
+    ProblemKind,
+)
 from dray.messages.people.call import CALL_WAIT_MAX_S
 
 router = APIRouter(tags=["factory"])
@@ -120,18 +128,31 @@ async def answer_call(
     call: str,
     request: CallAnswerRequest,
 ) -> Json:
-    """Take a call for help, decline it, or say that you cannot. Who takes the call of a vehicle whose task waits promises that to the vehicle, too."""
+    """Take a call for help, decline it, or say that you cannot. Who takes the call of one whose work waits promises that to it, too."""
     note.detail |= request.model_dump(mode="json", exclude_none=True)
     if request.answer is CallAnswer.TAKE and request.wait_s is None:
         raise unusable(FieldError("wait_s", "say within which time it will be done"))
     expected = await rota.answer(caller, call, request.answer, request.wait_s)
     known = projection.people.call(call)
-    atv = None if known is None else projection.atvs.last(known.caller)
-    if expected and atv is not None and atv.help is not None:
-        # A vehicle that is elsewhere, or waits for nobody any more, says so; the call is taken all the same.
+    if expected and known is not None and request.wait_s is not None:
+        # Who is elsewhere, or waits for nobody any more, says so; the call is taken all the same.
         with suppress(Problem):
-            await commands.order(atv.atv, CommandKind.PROMISE, by=caller, wait_s=request.wait_s)
+            await _promise(projection, commands, caller, known.caller, request.wait_s)
     return Json(CallAnswered(expected=expected))
+
+
+async def _promise(
+    projection: Projection, commands: Commands, by: Principal, agent: str, wait_s: float
+) -> None:
+    """Tell a vehicle or a machine whose work waits until when it is helped."""
+    atv, machine = projection.atvs.last(agent), projection.machines.view(agent)
+    if atv is not None and atv.help is not None:
+        await commands.order(agent, CommandKind.PROMISE, by=by, wait_s=wait_s)
+    elif machine is not None and machine.help is not None:
+        said = MachineCommand(
+            command=commands.new_name(), kind=MachineCommandKind.PROMISE, wait_s=wait_s, issued_by=by.name
+        )
+        await commands.give(agent, said, by=by)
 
 
 def _view(rota: DutyRota, projection: Projection, time: TimeScale, by: Principal) -> DutyView:

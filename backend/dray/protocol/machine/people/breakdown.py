@@ -6,6 +6,8 @@
 Where such breakdowns are usually over within the room, the goals wait as long as there is room; else they are offered to others at
 once. Of a breakdown about which there are only words nothing is usual, and the goals wait BREAKDOWN_S. A person's word counts above:
 one who promises to come is waited for, and one who has seen that it takes too long lets the goals go.
+
+Whether goals wait or not, a machine that cannot go on calls for help: operators who are on duty, as vehicles do (`protocol.calls`).
 """
 
 from __future__ import annotations
@@ -28,9 +30,11 @@ from dray.messages import (
 from dray.messages.fact import HelpAsked, HelpPromised
 from dray.messages.keys import Keys
 from dray.messages.people.command import PROMISE_MAX_S
+from dray.plant import Plant
+from dray.protocol.calls.help_calls import HelpCalls
 from dray.protocol.liveness.suspicion import BREAKDOWN_S
 from dray.protocol.machine.production import GoalBook
-from dray.protocol.people.patience import Experience
+from dray.protocol.people.patience import PASSES_AT_FIRST_S, Experience
 from dray.protocol.runtime.events import Effect, Publish, Record, Subscribe
 from dray.protocol.runtime.timers import Timers
 
@@ -42,12 +46,26 @@ PATIENCE_OVER = "patience over"
 """The alarm for the end of the goals' wait."""
 
 
+class _Caller:
+    """A machine as its calls see it."""
+
+    hears_all = True
+
+    def __init__(self, machine: str, incarnation: int, plant: Plant) -> None:
+        self.id, self.incarnation, self._plant = machine, incarnation, plant
+
+    @property
+    def place_m(self) -> tuple[float, float]:
+        return self._plant.position_of(self.id)
+
+
 class Breakdown:
     """What keeps one machine from working.
 
     Args:
         machine: its id.
-        keys: of its plant.
+        incarnation: of its agent.
+        plant: the plant it stands in.
         goals: what waits for it.
         timers: its alarms; this class uses the name `PATIENCE_OVER`.
         out: where effects go.
@@ -58,26 +76,39 @@ class Breakdown:
         resettable: the sensors find nothing wrong any more.
         help: how long the goals wait for a person; None while it works.
         message_handlers: by the type of a message, what to call with (sender, message, now_s).
+        alarms: by name, what to call with (None, now_s).
     """
 
-    def __init__(self, machine: str, keys: Keys, goals: GoalBook, timers: Timers, out: list[Effect]) -> None:
-        self._machine, self._keys = machine, keys
+    def __init__(
+        self,
+        machine: str,
+        incarnation: int,
+        plant: Plant,
+        goals: GoalBook,
+        timers: Timers,
+        out: list[Effect],
+    ) -> None:
+        self._machine, self._keys = machine, Keys(plant.id)
         self._goals = goals
         self._timers = timers
         self._out = out
         self._experience = Experience()
+        self._calls = HelpCalls(_Caller(machine, incarnation, plant), plant, timers, out)
         self._since_s = 0.0
         self.problem = ""
         self.about: Problem = NOTHING_KNOWN
         self.resettable = False
         self.help: HelpWanted | None = None
         self.message_handlers: dict[type[Message], Callable[[str, Any, float], None]] = {
-            ProblemEnded: self._on_ended
+            ProblemEnded: self._on_ended,
+            **self._calls.message_handlers,
         }
+        self.alarms = self._calls.alarms
 
     def start(self, body: WorkcellState, wanted: HelpWanted | None, now_s: float) -> None:
         """Go on with what the body knows and an earlier life was told, and listen."""
         self._out.append(Subscribe(self._keys.all_breakdowns))
+        self._calls.listen()
         if body.broken:
             self.help = wanted
             self.on_broken(Broken(body.broken, body.about_problem, body.resettable), now_s)
@@ -110,6 +141,19 @@ class Breakdown:
             self._out.append(Publish(self._keys.breakdown(self._machine), ended))
         self.problem, self.about, self.resettable, self.help = "", NOTHING_KNOWN, False, None
         self._timers.clear(PATIENCE_OVER)
+
+    def update_call(self, now_s: float, *, expected: bool) -> None:
+        """Call somebody while a person is needed, and nobody longer than that.
+
+        Args:
+            now_s: the present time.
+            expected: it should work; one that is out of service, or that leaves, calls nobody: people know of it.
+        """
+        if not self.problem or not expected:
+            self._calls.close(now_s)
+            return
+        waits = self.about.passes is True and not self.about.needs_person
+        self._calls.open(self.about, self.problem, now_s, after_s=PASSES_AT_FIRST_S if waits else 0.0)
 
     def is_over_patience(self, now_s: float) -> bool:
         """Whether its goals wait for it no longer."""
