@@ -192,7 +192,7 @@ class _Game:
         if run.habits is not None:
             people = hire(factory, seed=run.seed, habits=run.habits, office=office)
             technicians = employ(factory, seed=run.seed, skill=QUICK)
-        crew = (*people, *technicians)
+        crew: tuple[Operator | Technician, ...] = (*people, *technicians)
         checks.add(OneTakerEach(person.duty for person in crew))
         checks.add(NoCallIsLost(lambda agent: agent == liar))
         if run.closings:
