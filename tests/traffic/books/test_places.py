@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from math import hypot
+
 import msgspec
 import pytest
 
-from dray.plant import Plant, load_plant
+from dray.plant import Plant, default_plant, load_plant
 from dray.plant.model import Lane
 from dray.protocol.traffic.places import KEEPERS, Crossing, Footprint, Places
+from dray_sim.plants.generator import generate_plant
 
 
 def test_every_node_of_the_default_plant_has_a_district_with_three_keepers() -> None:
@@ -76,3 +79,36 @@ def test_lanes_that_leave_at_a_sharp_angle_are_cleared_later() -> None:
     file = load_plant("single-track").file
     sharp = Plant(msgspec.structs.replace(file, lanes=(*file.lanes, Lane("b3", "a4", both_ways=True))))
     assert Places(sharp).clear_m("b3", "a4") > Places(sharp).clear_m("d3", "m6-lane")
+
+
+@pytest.mark.parametrize("plant", [default_plant(), generate_plant(1, 20, 50)], ids=["default", "generated"])
+def test_whoever_stands_behind_a_crossing_is_clear_of_where_it_waited_and_in_nobody_s_way(
+    plant: Plant,
+) -> None:
+    places, size = Places(plant), Footprint.of(plant)
+    turned_back = 0
+    for lane in plant.roads.lanes:
+        if not (places.may_stop(lane.start) and places.may_stop(lane.end)):
+            continue
+        assert places.clear_m(lane.start, lane.end) <= lane.length_m
+        if len(places.needs(lane.start, lane.end)) == 1 or lane.length_m > size.spacing_m + 1.0:
+            continue
+        turned_back += 1
+        stands = spot_m(plant, lane.end)
+        for other in (*plant.roads.leaving[lane.start], *plant.roads.entering[lane.start]):
+            if lane.end not in (other.start, other.end):
+                gap_m = from_lane_m(stands, spot_m(plant, other.start), spot_m(plant, other.end))
+                assert gap_m > size.turning_radius_m + size.width_m / 2.0
+    assert turned_back > 50
+
+
+def spot_m(plant: Plant, node: str) -> tuple[float, float]:
+    return plant.nodes[node].x_m, plant.nodes[node].y_m
+
+
+def from_lane_m(spot: tuple[float, float], start: tuple[float, float], end: tuple[float, float]) -> float:
+    """From a spot to the nearest one on a straight lane."""
+    dx_m, dy_m = end[0] - start[0], end[1] - start[1]
+    along = ((spot[0] - start[0]) * dx_m + (spot[1] - start[1]) * dy_m) / (dx_m**2 + dy_m**2)
+    part = min(max(along, 0.0), 1.0)
+    return hypot(spot[0] - start[0] - part * dx_m, spot[1] - start[1] - part * dy_m)

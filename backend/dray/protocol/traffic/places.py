@@ -123,7 +123,10 @@ class Places:
             places = (crossed.get(ends, ""), inner.get(lane.end, lane.end))
             self._needs[ends] = tuple(dict.fromkeys(place for place in places if place))
         self._inner_of = inner
-        self._clear_m = {(lane.start, lane.end): self._leaves_m(lane) for lane in plant.roads.lanes}
+        self._clear_m = {
+            (lane.start, lane.end): self._leaves_m(lane, crosses=(lane.start, lane.end) in crossed)
+            for lane in plant.roads.lanes
+        }
         spots = {node.id: (node.x_m, node.y_m) for node in plant.nodes.values() if node.id not in inner}
         spots |= {crossing.id: (crossing.x_m, crossing.y_m) for crossing in crossings}
         self.all: tuple[str, ...] = tuple(spots)
@@ -193,8 +196,13 @@ class Places:
 
     # --- how it is worked out --------------------------------------------------------------------
 
-    def _leaves_m(self, lane: DirectedLane) -> float:
-        """How far along a lane its first node is clear for everybody else."""
+    def _leaves_m(self, lane: DirectedLane, *, crosses: bool) -> float:
+        """How far along a lane its first node is clear for everybody else.
+
+        Who turns back at a crossing is clear of the stop point where it waited as soon as it stands at the next one: there is
+        room for two that stand, turn and set off side by side (`dray.plant.layout`). Else two that had turned back at both
+        ends of a road would each stand before a stop point that the other one still holds.
+        """
         others = [
             other.heading_rad - lane.heading_rad
             for other in self._roads.leaving[lane.start]
@@ -205,9 +213,11 @@ class Places:
             for other in self._roads.entering[lane.start]
             if other.start != lane.end
         ]
-        return max(
+        leaves_m = max(
             (self._footprint.clear_m(_between(angle)) for angle in others), default=self._footprint.spacing_m
         )
+        between_stops = crosses and self.may_stop(lane.start) and self.may_stop(lane.end)
+        return min(leaves_m, lane.length_m) if between_stops else leaves_m
 
     def _side_by_side(self, spots: Mapping[str, tuple[float, float]]) -> dict[str, tuple[str, ...]]:
         """Each district, with those that a vehicle in it is told of."""
