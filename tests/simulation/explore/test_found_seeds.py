@@ -86,6 +86,10 @@ FOUND_WITH_TRAFFIC = [
     # A machine told a carrier that it had lost its task, asked nobody else yet, and was started again: it took that carrier
     # up again, in the epoch before.
     ("all", 60),
+    # Two had turned back at both ends of a road, and each stood before a stop point that the other one had left and still held.
+    ("all", 143),
+    # The search's own: who has lost its memory knows of no closure, until somebody tells it again.
+    ("all", 139),
 ]
 
 

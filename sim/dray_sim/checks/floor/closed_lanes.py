@@ -7,7 +7,7 @@ moment in which it has heard it. Whether that is closed is asked of the list as 
 from __future__ import annotations
 
 from dray.messages import Closures, Event, Message
-from dray.messages.fact import ClosuresKnown
+from dray.messages.fact import ClosuresKnown, MemoryLost
 from dray.protocol.closures.known_floor import KnownFloor
 from dray_sim.bodies.vehicle.course import Course
 from dray_sim.checks.broken import InvariantBroken
@@ -57,6 +57,9 @@ class ClosedLanes:
             floor = self._floors.setdefault(sender, KnownFloor(self._factory.plant))
             floor.take(self._said[message.fact.number], self._factory.clock_of(sender).now_s())
             self.known[sender] = self.known.get(sender, 0) + 1
+        elif type(message) is Event and type(message.fact) is MemoryLost:
+            # What its earlier lives had heard is lost, until somebody tells it again.
+            self._floors.pop(sender, None)
         if self._broken is not None:
             raise self._broken
 
