@@ -1,6 +1,6 @@
 """Heartbeats: the short public status that every agent repeats (paper, 3.2: MHB and RHB).
 
-A heartbeat is a whole state, never a difference: a lost one costs nothing but time. `seq` grows by
+A heartbeat is a whole state, never a difference: a lost one costs nothing but time. What has its default is left out. `seq` grows by
 one per heartbeat; `incarnation` grows by one each time the agent's process starts, so that
 (incarnation, seq) orders all heartbeats of one agent.
 """
@@ -83,7 +83,7 @@ GOODS_ABOARD = frozenset({Phase.CARRYING, Phase.UNLOADING, Phase.HANDING_OVER, P
 """Phases in which a load has left its source: goods cannot be fetched there a second time."""
 
 
-class Pose(Part, frozen=True):
+class Pose(Part, frozen=True, omit_defaults=True):
     """Where a vehicle is in the plant's frame: x to the right, y up, heading from x towards y."""
 
     x_m: Metres
@@ -91,7 +91,7 @@ class Pose(Part, frozen=True):
     heading_rad: Radians
 
 
-class Brief(Part, frozen=True):
+class Brief(Part, frozen=True, omit_defaults=True):
     """A vehicle's own words about one task it is contracted for."""
 
     task: Id
@@ -113,7 +113,7 @@ AWAITED_MAX = 8
 Awaited = Annotated[tuple[Id, ...], Meta(max_length=AWAITED_MAX)]
 
 
-class OutOfService(Part, frozen=True):
+class OutOfService(Part, frozen=True, omit_defaults=True):
     """A person has taken an agent out of service: it takes no work."""
 
     by: Text
@@ -126,7 +126,7 @@ class OutOfService(Part, frozen=True):
     """What it carries it brings to its end first."""
 
 
-class FloorBrief(Part, frozen=True):
+class FloorBrief(Part, frozen=True, omit_defaults=True):
     """What a vehicle holds of the floor, for others' prices of ways and places to make room: a hint, and no right to anything."""
 
     holds: Places = ()
@@ -147,7 +147,7 @@ class FloorBrief(Part, frozen=True):
     """The newest time that it was carried away, as far as it knows (`dray.messages.floor.removal`)."""
 
 
-class ProbationBrief(Part, frozen=True):
+class ProbationBrief(Part, frozen=True, omit_defaults=True):
     """How far an agent on probation has come."""
 
     of: Count
@@ -155,7 +155,7 @@ class ProbationBrief(Part, frozen=True):
     done: Count = 0
 
 
-class AtvHeartbeat(Message, frozen=True):
+class AtvHeartbeat(Message, frozen=True, omit_defaults=True):
     """RHB: what an ATV tells everybody (paper, 3.2).
 
     Idle 0.2 Hz, working 1 Hz, and at once when the status changes.
@@ -211,7 +211,7 @@ class AtvHeartbeat(Message, frozen=True):
     """The number of the list of closures that it goes by; left out where it has heard of none."""
 
 
-class BufferLevel(Part, frozen=True):
+class BufferLevel(Part, frozen=True, omit_defaults=True):
     """One material in front of a machine, or its finished goods."""
 
     item: Id
@@ -225,7 +225,7 @@ class BufferLevel(Part, frozen=True):
     """Finished pieces that belong to no goal, as of a cancelled order: the next goal of the product takes them."""
 
 
-class TaskBrief(Part, frozen=True):
+class TaskBrief(Part, frozen=True, omit_defaults=True):
     """A coordinator's own words about one of its open tasks."""
 
     task: Id
@@ -247,7 +247,7 @@ class TaskBrief(Part, frozen=True):
     """Which problem its carrier reports."""
 
 
-class GoalBrief(Part, frozen=True):
+class GoalBrief(Part, frozen=True, omit_defaults=True):
     """A machine's own words about one production goal. Counts only ever grow."""
 
     goal: Id
@@ -262,7 +262,7 @@ class GoalBrief(Part, frozen=True):
     not so."""
 
 
-class Making(Part, frozen=True):
+class Making(Part, frozen=True, omit_defaults=True):
     """A product that a machine can make."""
 
     product: Id
@@ -274,7 +274,7 @@ JOINING_MACHINES_MAX = 100
 into it."""
 
 
-class JoiningMachine(Part, frozen=True):
+class JoiningMachine(Part, frozen=True, omit_defaults=True):
     """What a machine tells of itself that the plant files of others do not know yet."""
 
     name: Text
@@ -290,7 +290,7 @@ class JoiningMachine(Part, frozen=True):
     goods_capacity: Count
 
 
-class MaterialWait(Part, frozen=True):
+class MaterialWait(Part, frozen=True, omit_defaults=True):
     """Material that a machine needs, and for which nobody is hired because it is nowhere to be fetched."""
 
     item: Id
@@ -318,7 +318,7 @@ def _storages(places: tuple[str, ...]) -> str:
     return f"storage{'s' if len(places) > 1 else ''} {', '.join(places)}"
 
 
-class StockLevel(Part, frozen=True):
+class StockLevel(Part, frozen=True, omit_defaults=True):
     """One material in a storage."""
 
     item: Id
@@ -330,7 +330,7 @@ class StockLevel(Part, frozen=True):
     """Pieces that are asked for and cannot be promised yet."""
 
 
-class StationHeartbeat(Message, frozen=True):
+class StationHeartbeat(Message, frozen=True, omit_defaults=True):
     """What the agent of a storage tells everybody: what lies there, and what is promised.
 
     0.2 Hz, and at once when it changes.
@@ -350,7 +350,7 @@ class StationHeartbeat(Message, frozen=True):
     """Vehicles without whose word it grants no place of a book that was lost; of more than `AWAITED_MAX` the first."""
 
 
-class MachineHeartbeat(Message, frozen=True):
+class MachineHeartbeat(Message, frozen=True, omit_defaults=True):
     """MHB: what a machine tells everybody (paper, 3.2).
 
     Idle 0.2 Hz, working 1 Hz, and at once when the status changes. A goal stays in `goals` until
@@ -367,9 +367,10 @@ class MachineHeartbeat(Message, frozen=True):
     goals: tuple[GoalBrief, ...] = ()
     """In the order in which they are worked at."""
     tasks: tuple[TaskBrief, ...] = ()
-    buffers: tuple[BufferLevel, ...] = ()
-    """Materials in the order of the plant file."""
-    goods: tuple[BufferLevel, ...] = ()
+    buffers: tuple[BufferLevel, ...] | UnsetType = UNSET
+    """Materials in the order of the plant file. They and the goods are left out while they are as in an earlier heartbeat of the same life,
+    up to 10 s old (`dray.messages.told_stock`)."""
+    goods: tuple[BufferLevel, ...] | UnsetType = UNSET
     """Finished products that wait to be carried away."""
     waits: tuple[MaterialWait, ...] = ()
     """What it needs and cannot have fetched, the oldest first."""

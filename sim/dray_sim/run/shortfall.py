@@ -28,6 +28,7 @@ from dray.messages import (
 )
 from dray.messages.contract import DockHeld, Refusal
 from dray.messages.fact import BidRefused, TaskOpened
+from dray.messages.told_stock import with_stock
 from dray.overload import Overload
 from dray.plant import Plant
 
@@ -123,7 +124,7 @@ class Shortfall:
         if isinstance(message, AtvHeartbeat):
             self._note_atv(message)
         elif isinstance(message, MachineHeartbeat):
-            self._machines[message.machine] = message
+            self._machines[message.machine] = with_stock(message, self._machines.get(message.machine))
         elif isinstance(message, Event):
             fact = message.fact
             if isinstance(fact, BidRefused) and fact.role is Role.PRIMARY:
@@ -264,13 +265,13 @@ class Shortfall:
                 cause = self._blame(heard, item, stock) or ("buffer", f"{item} at {machine}")
                 self.lost_s[cause] += span_s / len(missing)
         elif heard.status is MachineStatus.BLOCKED:
-            for item in {level.item for level in heard.goods if level.level}:
+            for item in {level.item for level in heard.goods or () if level.level}:
                 cause = self._blame(heard, item, stock) or ("buffer", f"{item} from {machine}")
-                self.lost_s[cause] += span_s / max(1, sum(level.level > 0 for level in heard.goods))
+                self.lost_s[cause] += span_s / max(1, sum(level.level > 0 for level in heard.goods or ()))
 
     def _missing(self, heard: MachineHeartbeat) -> list[str]:
         """Materials of which there are too few for the next piece of the first goal that is not done."""
-        levels = {level.item: level.level for level in heard.buffers}
+        levels = {level.item: level.level for level in heard.buffers or ()}
         for goal in heard.goals:
             if goal.made < goal.quantity:
                 # Of a product that was defined since, it is known only what the machine has a buffer for.

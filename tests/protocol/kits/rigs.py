@@ -13,6 +13,7 @@ import plentiful
 from credulous import believing
 from defaults import PLANT
 from effects import T, award_number, instructed, published, sent
+from msgspec import UNSET
 from seals import trusts_seals
 from spoken import accepted, bid
 
@@ -40,12 +41,15 @@ from dray.memory import Memory
 from dray.messages import (
     Accepted,
     Award,
+    BufferLevel,
     Confirmed,
+    MachineHeartbeat,
     Message,
     Pose,
     Production,
     Role,
 )
+from dray.messages.told_stock import with_stock
 from dray.protocol.machine.machine import Machine
 from dray.protocol.runtime.events import (
     Agent,
@@ -229,6 +233,16 @@ class MachineRig(Rig):
         self.paces = True
         self.seq = 0
         self._cycles = 0
+
+    def stock_told(self) -> tuple[tuple[BufferLevel, ...], tuple[BufferLevel, ...]]:
+        """Materials and finished products, as its heartbeats have told them so far."""
+        told: MachineHeartbeat | None = None
+        for heartbeat in self.heartbeats(MachineHeartbeat):
+            told = with_stock(heartbeat, told)
+        assert told is not None
+        assert told.buffers is not UNSET
+        assert told.goods is not UNSET
+        return told.buffers, told.goods
 
     def sense(self) -> WorkcellState:
         return WorkcellState(

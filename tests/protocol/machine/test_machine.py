@@ -9,12 +9,15 @@ import pytest
 from defaults import PLANT
 from effects import deeds, facts, published, sent
 from m7 import NO_HOUSINGS, m7, status, supplied_by
+from msgspec import UNSET
+from msgspec.structs import replace
 from rigs import MachineRig
 from spoken import accepted, bid, goal_bid, mhb, production, rhb
 
 from dray.body import Broken, Repaired, VehicleState
 from dray.errors import ProtocolViolation
 from dray.messages import (
+    BufferLevel,
     CommandKind,
     DwellPointClaimed,
     GoalClosed,
@@ -25,6 +28,7 @@ from dray.messages import (
     VehicleCommand,
 )
 from dray.messages.fact import MachineStatusChanged
+from dray.messages.told_stock import STOCK_EVERY_S, with_stock
 from dray.protocol.runtime.events import Reported, Woke
 
 # --- status and heartbeats --------------------------------------------------------------------------
@@ -138,12 +142,14 @@ def test_the_heartbeat_tells_of_buffers_and_goods() -> None:
     rig.cycles(3)
     rig.run(2.0)
     last = rig.heartbeats(MachineHeartbeat)[-1]
-    assert [(level.item, level.level, level.capacity) for level in last.buffers] == [
+    assert [(level.item, level.level, level.capacity) for level in rig.stock_told()[0]] == [
         ("housing", 68, 72),
         ("impeller", 86, 90),
         ("seal-kit", 116, 120),
     ]
-    assert [(level.item, level.level, level.capacity) for level in last.goods] == [("pump-p3", 3, 60)]
+    assert [(level.item, level.level, level.capacity) for level in rig.stock_told()[1]] == [
+        ("pump-p3", 3, 60)
+    ]
     assert last.product == "pump-p3"
     [brief] = last.goals
     assert (brief.made, brief.delivered) == (3, 0)
@@ -206,3 +212,28 @@ def test_an_agent_leaves_what_it_is_told_as_it_is() -> None:
     rig.agent.handle(Reported(Repaired()), 3.0)
     rig.take_goal("G1", production())
     assert msgspec.json.encode(body) == before
+
+
+def test_what_lies_there_is_told_when_it_changes_and_now_and_then() -> None:
+    rig = m7(goal=24)
+    rig.run(rig.now_s + 60.0)
+    before = len(rig.heartbeats(MachineHeartbeat))
+    rig.run(rig.now_s + 3 * STOCK_EVERY_S)
+    quiet = rig.heartbeats(MachineHeartbeat)[before:]
+    assert len(quiet) >= 3 * STOCK_EVERY_S - 1
+    assert [each.buffers is not UNSET for each in quiet].count(True) == 3
+    assert all((each.buffers is UNSET) == (each.goods is UNSET) for each in quiet)
+    changed = len(rig.heartbeats(MachineHeartbeat))
+    rig.cycle()
+    rig.run(rig.now_s + 1.0)
+    assert any(each.goods is not UNSET for each in rig.heartbeats(MachineHeartbeat)[changed:])
+
+
+def test_a_heartbeat_that_leaves_out_what_lies_there_is_made_whole_within_one_life() -> None:
+    whole = MachineHeartbeat(
+        "M7", 1, 1, 0.0, MachineStatus.IDLE, buffers=(BufferLevel("shaft", 3, 9),), goods=()
+    )
+    brief = MachineHeartbeat("M7", 1, 2, 1.0, MachineStatus.IDLE)
+    assert with_stock(brief, whole).buffers == whole.buffers
+    assert with_stock(brief, None).buffers is UNSET
+    assert with_stock(replace(brief, incarnation=2), whole).buffers is UNSET

@@ -9,7 +9,7 @@ from rigs import MachineRig
 from spoken import production
 
 from dray.body import Broken, Repaired
-from dray.messages import MachineHeartbeat, TaskAnnounced, Transport
+from dray.messages import TaskAnnounced, Transport
 
 
 def test_without_a_goal_nothing_is_ordered_however_empty_the_buffers_are() -> None:
@@ -40,7 +40,7 @@ def test_an_order_names_storages_destination_ability_and_a_deadline_that_can_be_
 def test_material_is_ordered_at_the_reorder_point_and_not_before() -> None:
     rig = m7(FULL | {"housing": 24}, goal=1000)
     rig.run(1.0)
-    point = rig.heartbeats(MachineHeartbeat)[-1].buffers[0].reorder_point
+    point = rig.stock_told()[0][0].reorder_point
     assert 1 < point < 20
     while rig.stock["housing"] > point + 1:
         assert incoming(rig.cycle()) == []

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from typing import Protocol
 
-from msgspec import UNSET
+from msgspec import UNSET, UnsetType
 
-from dray.messages import NOTHING_KNOWN, JoiningMachine, MachineHeartbeat, MachineStatus
+from dray.messages import NOTHING_KNOWN, BufferLevel, JoiningMachine, MachineHeartbeat, MachineStatus
 from dray.messages.fact import MachineStatusChanged
 from dray.messages.heartbeat import Making
 from dray.messages.keys import Keys
+from dray.messages.told_stock import STOCK_EVERY_S
 from dray.plant.model import MachineSpec
 from dray.protocol.contract_net.trust.probation import Probation
+from dray.protocol.liveness.suspicion import WORKING_INTERVAL_S
 from dray.protocol.machine.cycle import Cycle
 from dray.protocol.machine.material_flow import MaterialFlow
 from dray.protocol.machine.people.breakdown import Breakdown
@@ -21,6 +23,9 @@ from dray.protocol.machine.supply import Supply
 from dray.protocol.runtime.events import Effect, Publish, Record
 from dray.protocol.runtime.heartbeat_timer import HeartbeatTimer
 from dray.protocol.traffic.books.bookkeeping import Bookkeeping
+
+Stock = tuple[tuple[BufferLevel, ...], tuple[BufferLevel, ...]]
+"""Materials, and finished products."""
 
 
 class Owner(Protocol):
@@ -82,10 +87,14 @@ class StatusReport:
         self._bookkeeping = bookkeeping
         self._out = out
         self.status = MachineStatus.IDLE
+        self._told: Stock | None = None
+        self._told_s = 0.0
+        """Which stock was told last, and when."""
 
     def say(self, now_s: float) -> MachineHeartbeat:
         """Send a heartbeat."""
         breakdown = self._breakdown
+        buffers, goods = self._stock(now_s)
         heartbeat = MachineHeartbeat(
             machine=self._owner.id,
             incarnation=self._owner.incarnation,
@@ -95,8 +104,8 @@ class StatusReport:
             product=self._cycle.product,
             goals=self._goals.briefs(now_s),
             tasks=tuple(task.brief() for task in self._flow.tasks),
-            buffers=self._supply.levels(),
-            goods=self._flow.goods.levels(),
+            buffers=buffers,
+            goods=goods,
             waits=self._flow.sourcing.waits(),
             problem=breakdown.problem,
             about_problem=UNSET if breakdown.about == NOTHING_KNOWN else breakdown.about,
@@ -112,6 +121,15 @@ class StatusReport:
         )
         self._out.append(Publish(self._key, heartbeat))
         return heartbeat
+
+    def _stock(self, now_s: float) -> Stock | tuple[UnsetType, UnsetType]:
+        """What lies here, where the next heartbeat tells it."""
+        stock = self._supply.levels(), self._flow.goods.levels()
+        # A heartbeat early is as good as one late.
+        if stock == self._told and now_s - self._told_s < STOCK_EVERY_S - WORKING_INTERVAL_S / 2:
+            return UNSET, UNSET
+        self._told, self._told_s = stock, now_s
+        return stock
 
     def update(self, now_s: float) -> None:
         """Work the status out anew; tell it if it has changed."""

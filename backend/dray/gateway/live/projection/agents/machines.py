@@ -18,6 +18,7 @@ from dray.gateway.live.projection.site import Site
 from dray.gateway.live.reasons import trouble_of
 from dray.gateway.live.views import BufferView, GoalView, MachineView, OpenTaskView
 from dray.messages import BufferLevel, GoalBrief, MachineHeartbeat, MachineStatus, TaskBrief
+from dray.messages.told_stock import with_stock
 from dray.store.history.clocks import Clocks, ToWall
 
 MAKING, STARVED, IDLE, BROKEN, DOWN = "making", "starved", "idle", "broken", "down"
@@ -88,6 +89,7 @@ class Machines:
             if last.status is not heartbeat.status:
                 self.by_status[heartbeat.status.value] += 1
                 self.by_status[last.status.value] -= 1
+        heartbeat = with_stock(heartbeat, last)
         if last is None or last.status is not heartbeat.status:
             self._since_s[heartbeat.machine] = heartbeat.at_s
         self.use.tell(heartbeat.machine, doing(heartbeat), heartbeat.at_s)
@@ -136,8 +138,8 @@ class Machines:
             product=heartbeat.product,
             goals=tuple(self._goal(goal) for goal in heartbeat.goals),
             tasks=tuple(self._task(task) for task in heartbeat.tasks),
-            buffers=tuple(_buffer(level) for level in heartbeat.buffers),
-            goods=tuple(_buffer(level) for level in heartbeat.goods),
+            buffers=tuple(_buffer(level) for level in heartbeat.buffers or ()),
+            goods=tuple(_buffer(level) for level in heartbeat.goods or ()),
             problem=heartbeat.problem,
             about_problem=None if heartbeat.about_problem is UNSET else problem_view(heartbeat.about_problem),
             resettable=heartbeat.resettable is True,
