@@ -6,13 +6,13 @@ import time as clock
 from collections.abc import AsyncIterator, Callable, Iterable
 from contextlib import asynccontextmanager
 
-from fastapi import Depends, FastAPI
+from fastapi import FastAPI
 from prometheus_client.registry import Collector
 from starlette.middleware.errors import ServerErrorMiddleware
 
 from dray import __version__
 from dray.adapters.security.signing import SigningKey
-from dray.gateway.access.caller import admitted, takes_files
+from dray.gateway.access.caller import takes_files
 from dray.gateway.access.gate import Gate
 from dray.gateway.access.login.hasher import Hasher
 from dray.gateway.access.queries import KnownQueries
@@ -112,7 +112,6 @@ def create_app(
         docs_url=None,
         redoc_url=None,
         redirect_slashes=False,
-        dependencies=[Depends(admitted)],
     )
     add_routes(app)
     app.mount(PREFIX.rstrip("/"), BuiltFiles(directory=STATIC, check_dir=False), "static")

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from fastapi import FastAPI
+from fastapi import APIRouter, Depends, FastAPI
 
+from dray.gateway.access.caller import admitted
 from dray.gateway.routes import health, me, plant, products, stream
 from dray.gateway.routes.factory import (
     agents,
@@ -59,9 +60,19 @@ BESIDE = (docs, stream)
 REST = (health, login, panels, customer)
 
 
-def add_routes(app: FastAPI) -> None:
-    """Let an application answer what routers answer."""
+def _joined() -> APIRouter:
+    router = APIRouter(dependencies=[Depends(admitted)])
     for module in (*API, *BESIDE):
-        app.include_router(module.router, prefix="/api")
+        router.include_router(module.router, prefix="/api")
     for module in REST:
-        app.include_router(module.router)
+        router.include_router(module.router)
+    return router
+
+
+_ROUTER = _joined()
+"""One for all applications of a process: FastAPI reads the signature of every handler once."""
+
+
+def add_routes(app: FastAPI) -> None:
+    """Let an application answer what routers answer, whoever may ask."""
+    app.router.routes.extend(_ROUTER.routes)
