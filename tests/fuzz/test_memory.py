@@ -29,6 +29,7 @@ from situations import (
     strategist_with_an_order,
 )
 from utterances import MESSAGE_TYPES
+from variants import variants
 
 from dray.messages import Award, Message, OrderReleased, VehicleCommand
 from dray.plant import Plant
@@ -147,7 +148,7 @@ SITUATIONS: tuple[Callable[[], Played], ...] = (
 
 
 @pytest.mark.parametrize("situation", SITUATIONS, ids=lambda each: each.__name__)
-@pytest.mark.parametrize("kind", MESSAGE_TYPES, ids=lambda each: each.__name__)
+@pytest.mark.parametrize("kind", variants(MESSAGE_TYPES, *MESSAGE_TYPES[::4]), ids=lambda each: each.__name__)
 def test_an_agent_does_not_keep_all_that_it_hears(
     kind: type[Message], situation: Callable[[], Played], monkeypatch: pytest.MonkeyPatch
 ) -> None:

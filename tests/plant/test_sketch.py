@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import itertools
-
 import pytest
+from variants import variants
 
 from dray.plant import Plant, parse_plant, plant_yaml
 from dray.plant.advice import advice
 from dray.plant.sketch import Wishes, sketch
 
 
-@pytest.mark.parametrize(("machines", "vehicles"), tuple(itertools.product((1, 3, 40), (1, 5, 40))))
+@pytest.mark.parametrize("machines", variants((1, 3, 40), 1, 40))
+@pytest.mark.parametrize("vehicles", variants((1, 5, 40), 5))
 def test_whatever_is_wished_for_has_no_fault(machines: int, vehicles: int) -> None:
     for products in (1, 9):
         file = sketch(Wishes(machines=machines, vehicles=vehicles, products=products))

@@ -29,7 +29,7 @@ from dray.gateway.http.provided import provide
 from dray.gateway.live.timescale import TimeScale
 from dray.gateway.metrics import Stopwatch
 from dray.gateway.routes.openapi import document
-from dray.gateway.routes.table import add_routes
+from dray.gateway.routes.table import GUARDS, add_routes
 from dray.gateway.services import Beside, measure, open_services, restore, running
 from dray.plant.model import PlantFile
 from dray.ports import Bus
@@ -112,6 +112,7 @@ def create_app(
         docs_url=None,
         redoc_url=None,
         redirect_slashes=False,
+        dependencies=GUARDS,
     )
     add_routes(app)
     app.mount(PREFIX.rstrip("/"), BuiltFiles(directory=STATIC, check_dir=False), "static")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 from gateway_kit import gateway
 from plants import EXTREMES, plant_file
+from variants import variants
 
 from dray.plant import load_plant
 
@@ -20,7 +21,7 @@ PAGES = (
 
 
 @pytest.mark.anyio
-@pytest.mark.parametrize("kind", EXTREMES)
+@pytest.mark.parametrize("kind", variants(EXTREMES, *list(EXTREMES)[::4]))
 async def test_a_gateway_starts_in_it_and_takes_an_order(sqlite_url: str, kind: str) -> None:
     plant = plant_file(**EXTREMES[kind])
     async with gateway(sqlite_url, plant=plant) as house:

@@ -60,8 +60,12 @@ BESIDE = (docs, stream)
 REST = (health, login, panels, customer)
 
 
+GUARDS = (Depends(admitted),)
+"""Of every route, and of whichever an application may get beside these."""
+
+
 def _joined() -> APIRouter:
-    router = APIRouter(dependencies=[Depends(admitted)])
+    router = APIRouter(dependencies=GUARDS)
     for module in (*API, *BESIDE):
         router.include_router(module.router, prefix="/api")
     for module in REST:
@@ -74,5 +78,5 @@ _ROUTER = _joined()
 
 
 def add_routes(app: FastAPI) -> None:
-    """Let an application answer what routers answer, whoever may ask."""
+    """Let an application answer what routers answer."""
     app.router.routes.extend(_ROUTER.routes)
