@@ -69,7 +69,7 @@ class Campaign:
         down: processes that are away at once, at most, beside those that stay away: a busy computer starts them slowly.
         lasting_s: real seconds for which somebody stays away.
         dark_s: real seconds before a killed database is started again.
-        drain_s: real seconds for the last orders, at most.
+        drain_s: real seconds without one more piece delivered, after which the last orders are taken for lost.
         seed: of the demand, and of who is killed.
         traffic: whether vehicles drive with right of way; None: as `dray fleet up` does.
     """
@@ -291,13 +291,16 @@ class _Field:
         return None if joined_s is None else joined_s - at_s
 
     async def _drain(self) -> None:
-        """Wait for the last orders and the last lives; what is not there by then is judged as lost."""
-        deadline_s = time.time() + self._campaign.drain_s
-        while time.time() < deadline_s:
+        """Wait for the last orders and the last lives; what does not move any more is judged as lost."""
+        arrived, since_s = -1, time.monotonic()
+        while time.monotonic() < since_s + self._campaign.drain_s:
             orders = await _all_orders(self._store)
             there = all(kill.away_s is not None for kill in self.kills)
             if there and all(order.status is OrderStatus.DELIVERED for order in orders):
                 return
+            pieces = sum(sum(order.delivered) for order in orders)
+            if pieces > arrived:
+                arrived, since_s = pieces, time.monotonic()
             await asyncio.sleep(LOOK_S)
 
     def _now_s(self) -> float:
