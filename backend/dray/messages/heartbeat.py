@@ -1,8 +1,9 @@
 """Heartbeats: the short public status that every agent repeats (paper, 3.2: MHB and RHB).
 
-A heartbeat is a whole state, never a difference: a lost one costs nothing but time. What has its default is left out. `seq` grows by
-one per heartbeat; `incarnation` grows by one each time the agent's process starts, so that
-(incarnation, seq) orders all heartbeats of one agent.
+A heartbeat is a whole state, never a difference: a lost one costs nothing but time. What has its default is left
+out, and what lies at a machine is not in every one of its heartbeats (`dray.messages.told_stock`). `seq` grows by
+one per heartbeat; `incarnation` grows by one each time the agent's process starts, so that (incarnation, seq)
+orders all heartbeats of one agent.
 """
 
 from __future__ import annotations
