@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
+from floater import OPERATOR, dray_with_floater
 from frames import Frames
 from playwright.sync_api import Page, expect
 
@@ -33,24 +32,11 @@ TABLET = {"width": 1024, "height": 768}
 HOLD_MS = 1200
 """Longer than Resume has to be held."""
 
-OPERATOR = "floater"
-AREAS = ("AREA1", "AREA2", "AREA3", "AREA4")
-"""Everywhere: a vehicle waits for a promise for half a minute, too short to choose whom to send and let them log in."""
-
 
 @pytest.fixture(scope="module")
 def dray(start_dray: Callable[..., Any], tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
-    database = f"sqlite:///{tmp_path_factory.mktemp('case-5') / 'dray.db'}"
-    dray = start_dray("--speed", str(SPEED), "--seed", "3", url=database)
-
-    def user(*arguments: str) -> str:
-        command = [sys.executable, "-m", "dray", "user", *arguments, "--db", database]
-        return subprocess.run(command, check=True, capture_output=True, text=True).stdout.strip()
-
-    user("add", OPERATOR, *(word for area in AREAS for word in ("--area", area)))
-    dray.links[OPERATOR] = user("link", OPERATOR, "--url", dray.url)
-    yield dray
-    assert dray.stop() == 0, dray.output()
+    with dray_with_floater(start_dray, tmp_path_factory.mktemp("case-5"), SPEED) as dray:
+        yield dray
 
 
 class Loaded:

@@ -7,14 +7,13 @@ comes in time and nothing changes hands, or a person sees that it takes too long
 from __future__ import annotations
 
 import re
-import subprocess
-import sys
 import urllib.request
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
+from floater import OPERATOR, dray_with_floater
 from frames import Frames
 from playwright.sync_api import Page, expect
 from tablet_kit import LYING, UPRIGHT
@@ -37,9 +36,7 @@ DELIVERED_MS = 600_000
 HANDED_OVER_MS = 90_000
 """The card lets go after three seconds; an auction of a goal lasts less than a minute."""
 
-OPERATOR, STATION = "floater", "M8"
-AREAS = ("AREA1", "AREA2", "AREA3", "AREA4")
-"""Everywhere: which vehicle and which machine have work is left to the factory."""
+STATION = "M8"
 
 PHONE = {"width": 390, "height": 844}
 
@@ -57,17 +54,8 @@ GIVEN_AWAY = re.compile("Others may take them now|No goal waits for it")
 
 @pytest.fixture(scope="module")
 def dray(start_dray: Callable[..., Any], tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
-    database = f"sqlite:///{tmp_path_factory.mktemp('cases-1-and-4') / 'dray.db'}"
-    dray = start_dray("--speed", str(SPEED), "--seed", "3", url=database)
-
-    def user(*arguments: str) -> str:
-        command = [sys.executable, "-m", "dray", "user", *arguments, "--db", database]
-        return subprocess.run(command, check=True, capture_output=True, text=True).stdout.strip()
-
-    user("add", OPERATOR, *(word for area in AREAS for word in ("--area", area)))
-    dray.links[OPERATOR] = user("link", OPERATOR, "--url", dray.url)
-    yield dray
-    assert dray.stop() == 0, dray.output()
+    with dray_with_floater(start_dray, tmp_path_factory.mktemp("cases-1-and-4"), SPEED) as dray:
+        yield dray
 
 
 class Wanted:
