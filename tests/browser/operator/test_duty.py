@@ -11,9 +11,9 @@ from fake_bus import KEYS, FakeSession
 from gateway_kit import House
 from msgspec.structs import replace
 from open_house import OpenHouse, open_house
-from playwright.sync_api import Page, expect
+from playwright.sync_api import Page, Route, expect
 from puppets import Puppet
-from tablet_kit import LYING, TOUCH_PX, UPRIGHT, Enter, beat
+from tablet_kit import LYING, TOUCH_PX, UPRIGHT, Enter, beat, card
 from variants import variants
 
 from dray.messages import (
@@ -166,6 +166,29 @@ def test_an_operator_on_duty_is_asked_takes_a_blocked_way_and_is_free_again(
     page.get_by_role("button", name=says["off"], exact=True).tap()
     expect(page.get_by_role("button", name=says["off"], exact=True)).to_have_attribute("aria-pressed", "true")
     assert house.until(lambda inside: not on_duty(inside))
+
+
+def test_nobody_chooses_before_the_page_knows_who_it_is(
+    house: OpenHouse, vehicles: dict[str, Puppet], enter: Enter
+) -> None:
+    """A choice that is kept for nobody would be forgotten: shown as on duty, and never asked."""
+    held: list[Route] = []
+
+    def hold(route: Route) -> None:
+        held.append(route)
+
+    page = enter(before=lambda page: page.route("**/api/me", hold))
+    expect(card(page, "ATV2")).to_be_visible()
+    on = page.get_by_role("button", name="On duty", exact=True)
+    page.wait_for_timeout(500)
+    expect(on).to_have_count(0)
+    held.pop().continue_()
+    on.tap()
+    expect(on).to_have_attribute("aria-pressed", "true")
+    calling: Calling = do(house, lambda inside: Calling(inside, vehicles["ATV2"]))
+    [operator] = house.until(on_duty)
+    do(house, lambda _inside: calling.say(state=CallState.ASKING, asked=(operator,), until_s=SOON_S))
+    expect(page.locator(".call")).to_contain_text("asks you")
 
 
 def test_who_passes_is_not_shown_the_call_any_more(

@@ -28,11 +28,14 @@ let shown = 0;
 /** What this person has chosen here; another one who logs in in this tab has chosen nothing yet. */
 function wanted(): DutyState {
   const [person, state] = (sessionStorage.getItem(KEPT) ?? "").split(" ");
-  return me.value !== null && person === me.value.id && (state === "on" || state === "break") ? state : "off";
+  return person === me.value?.id && (state === "on" || state === "break") ? state : "off";
 }
 
+/** Begins when it is known whose duty it is: a choice is kept under that person. */
 export function beginDuty(): void {
-  void ask();
+  me.subscribe((person) => {
+    if (person !== null) void ask();
+  });
 }
 
 /** Goes on duty, has a break, or goes off duty. */
@@ -50,7 +53,7 @@ export async function answer(call: CallView, said: CallAnswerRequest): Promise<v
 }
 
 async function ask(): Promise<void> {
-  if (ended.value !== null || (me.value !== null && wanted() === "off" && duty.value !== null)) return;
+  if (ended.value !== null || (wanted() === "off" && duty.value !== null)) return;
   try {
     await tell(async () => {
       const view = await fetchDuty();
