@@ -70,9 +70,8 @@ def test_every_page_is_itself_in_every_language_and_theme(
         screenshot(page, f"{name}-{language}-{theme}")
 
 
-@pytest.mark.parametrize(
-    ("language", "theme"), [pytest.param("en", "light", marks=pytest.mark.slow), ("de", "dark")]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize(("language", "theme"), [("en", "light"), ("de", "dark")])
 def test_every_view_of_the_management_panel_is_fit_for_all(
     factory: Any, open_page: OpenPage, screenshot: Screenshot, language: str, theme: str
 ) -> None:
@@ -90,7 +89,7 @@ def test_every_view_of_the_management_panel_is_fit_for_all(
         screenshot(page, f"management-{address.removeprefix('#')}-{language}-{theme}")
 
 
-@pytest.mark.parametrize("name", PAGES)
+@pytest.mark.parametrize("name", variants(PAGES, "operator"))
 def test_at_200_percent_nothing_has_to_be_scrolled_sideways(
     factory: Any, open_page: OpenPage, screenshot: Screenshot, name: str
 ) -> None:
@@ -121,7 +120,7 @@ FOCUSED = """() => {
 }"""
 
 
-@pytest.mark.parametrize("name", PAGES)
+@pytest.mark.parametrize("name", variants(PAGES))
 def test_everything_that_can_be_used_is_reached_by_keyboard_and_seen_to_be(
     factory: Any, open_page: OpenPage, name: str
 ) -> None:

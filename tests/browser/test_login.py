@@ -11,6 +11,7 @@ import pytest
 from databases import Files
 from open_house import OpenHouse, open_house
 from playwright.sync_api import Page, expect
+from variants import variants
 
 from dray.gateway.access.login.invitations import invite
 from dray.gateway.access.principal import Role
@@ -65,7 +66,7 @@ def fits(page: Page) -> bool:
     return bool(page.evaluate("document.documentElement.scrollWidth <= innerWidth"))
 
 
-@pytest.mark.parametrize("look", LOOKS)
+@pytest.mark.parametrize("look", variants(LOOKS, "desk-dark-de", "lying-dark-es"))
 @pytest.mark.parametrize("role", ["manager", "operator"])
 def test_the_login_fits_every_screen_in_every_language(
     plant: OpenHouse, open_page: OpenPage, screenshot: Screenshot, look: str, role: str

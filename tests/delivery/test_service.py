@@ -49,6 +49,7 @@ def watch(dray: Any, order_id: str, status: str) -> dict[str, Any]:
     return view
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("by", variants([signal.SIGTERM, signal.SIGINT]))
 def test_a_signal_stops_it_cleanly_while_a_browser_watches(start_dray, by) -> None:
     dray = start_dray("--speed", "20")
@@ -100,6 +101,7 @@ def test_an_order_over_rest_is_delivered_and_its_events_tell_every_auction(
         } <= told
 
 
+@pytest.mark.slow
 def test_an_accepted_order_survives_a_kill_and_is_delivered_once(start_dray, url: str) -> None:
     dray = start_dray(*SPEED, url=url)
     placed = order(dray, 6, "k-2")

@@ -8,6 +8,11 @@ from typing import Any
 import pytest
 
 
+def later(*ways: tuple[Any, ...]) -> list[Any]:
+    """Parameters of a test, each with several values, that are left to `make test-long`."""
+    return [pytest.param(*way, marks=pytest.mark.slow) for way in ways]
+
+
 def variants(ways: Iterable[Any], *quick: Any) -> list[Any]:
     """Parameters of a test.
 

@@ -223,6 +223,7 @@ def test_lanes_too_short_to_tell_apart_make_no_circle() -> None:
         Routes(Roads(nodes, lanes), FAST, {}).way("a", "d")
 
 
+@pytest.mark.slow
 def test_every_way_of_the_default_plant_joins_its_ends_by_lanes() -> None:
     plant = default_plant()
     routes = plant.routes("heavy")

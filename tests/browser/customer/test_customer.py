@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 from playwright.sync_api import Page, expect
-from variants import variants
+from variants import later, variants
 
 OpenPage = Callable[..., Page]
 Screenshot = Callable[[Page, str], Path]
@@ -69,7 +69,7 @@ def test_a_customer_follows_an_order_to_its_delivery_without_touching_the_page(
 
 @pytest.mark.parametrize("theme", variants(["dark", "light"]))
 @pytest.mark.parametrize(
-    ("locale", "words"), [("en-GB", "As of"), ("de-DE", "Stand"), ("es-ES", "Actualizado")]
+    ("locale", "words"), [("en-GB", "As of"), *later(("de-DE", "Stand"), ("es-ES", "Actualizado"))]
 )
 def test_every_language_and_theme_fits_a_small_telephone(
     factory: Any, open_page: OpenPage, screenshot: Screenshot, theme: str, locale: str, words: str
@@ -84,6 +84,7 @@ def test_every_language_and_theme_fits_a_small_telephone(
     screenshot(page, f"customer-{locale[:2]}-{theme}")
 
 
+@pytest.mark.slow
 def test_a_language_is_chosen_by_keyboard_and_remembered(factory: Any, open_page: OpenPage) -> None:
     url = order(factory, 9000)
     page = open_page(url, who=None)
@@ -131,6 +132,7 @@ def test_a_lost_connection_is_said_and_its_return_too(factory: Any, open_page: O
     expect(page.locator("#offline")).to_be_hidden()
 
 
+@pytest.mark.slow
 def test_paper_is_black_on_white_whatever_the_theme(
     factory: Any, open_page: OpenPage, screenshot: Screenshot
 ) -> None:

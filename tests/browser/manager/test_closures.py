@@ -53,6 +53,7 @@ def opened(page: Page) -> Locator:
     return page.locator(".pop-sheet:popover-open")
 
 
+@pytest.mark.slow
 def test_a_lane_is_chosen_on_the_map_closed_with_a_reason_and_opened(
     factory: str, open_page: OpenPage, screenshot: Screenshot
 ) -> None:

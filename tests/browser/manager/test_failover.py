@@ -103,6 +103,7 @@ def test_a_vehicle_without_wlan_is_seen_over_its_neighbours(
     expect(card).not_to_contain_text("mesh")
 
 
+@pytest.mark.slow
 def test_faults_are_reached_and_left_by_keyboard(factory: Any, open_page: OpenPage) -> None:
     page = open_page(factory.url)
     choose(page, "ATV2")

@@ -143,6 +143,7 @@ def test_a_jam_is_one_alert_a_sentence_and_a_place_on_the_map_until_it_is_gone(
     expect(inbox).to_have_count(0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("look", variants(LOOKS, "upright-dark-de"))
 def test_an_operator_reads_for_whom_the_vehicles_of_the_area_wait(
     enter: Enter, house: OpenHouse, jam: Jam, screenshot: Screenshot, look: str

@@ -130,6 +130,7 @@ def test_orders_and_the_fleet_are_narrowed_down_and_taken_along(
 VIEWS = ("Plant", "Orders", "Fleet", "Tasks", "Watch", "Promises", "Figures", "Audit")
 
 
+@pytest.mark.slow
 def test_at_200_percent_nothing_is_cut_off_sideways(
     quiet_factory: str, open_page: OpenPage, screenshot: Screenshot
 ) -> None:
@@ -243,6 +244,7 @@ def test_an_alert_says_what_to_do_and_is_taken_on_by_name(
     expect(page.get_by_text("Nothing needs an answer.")).to_be_visible()
 
 
+@pytest.mark.slow
 def test_a_keyboard_goes_on_at_the_next_alert_when_one_is_taken(
     quiet_factory: str, open_page: OpenPage
 ) -> None:
@@ -264,6 +266,7 @@ def test_a_keyboard_goes_on_at_the_next_alert_when_one_is_taken(
     page.request.delete(f"{quiet_factory}/api/faults/{fault.json()['id']}")
 
 
+@pytest.mark.slow
 def test_the_panel_speaks_the_language_that_is_chosen_and_remembers_it(
     quiet_factory: str, open_page: OpenPage, screenshot: Screenshot
 ) -> None:
@@ -318,6 +321,7 @@ def test_the_audit_log_can_be_narrowed_turned_over_and_downloaded(
     assert target in lines[1]
 
 
+@pytest.mark.slow
 def test_whoever_logs_out_is_led_to_the_login_in_every_tab(quiet_factory: str, open_page: OpenPage) -> None:
     page = open_page(quiet_factory)
     other = page.context.new_page()

@@ -111,6 +111,7 @@ def test_from_a_lif_file_to_a_played_shift(
     assert "unassigned" not in Path(saved.value.path()).read_text(encoding="utf-8").partition("nodes")[0]
 
 
+@pytest.mark.slow
 def test_it_is_drawn_with_the_keyboard_alone_in_the_dark_and_in_german(
     workshop: str, open_page: OpenPage, screenshot: Screenshot
 ) -> None:

@@ -80,6 +80,7 @@ def some_history(step_s: int, steps: int) -> dict[str, Any]:
     return {"since_at_s": since_s, "until_at_s": since_s + steps * step_s, "step_s": step_s, "items": items}
 
 
+@pytest.mark.slow
 def test_the_figures_are_charts_that_keys_can_read_with_tables_behind_them(
     factory: str, open_page: OpenPage, screenshot: Screenshot
 ) -> None:
@@ -115,6 +116,7 @@ def test_the_figures_are_charts_that_keys_can_read_with_tables_behind_them(
     screenshot(page, "figures-dark")
 
 
+@pytest.mark.slow
 def test_a_file_of_orders_is_looked_through_and_then_placed(
     factory: str, open_page: OpenPage, screenshot: Screenshot
 ) -> None:

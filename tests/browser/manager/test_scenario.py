@@ -67,6 +67,7 @@ def test_steps_are_told_as_they_happen_and_then_the_end(
     expect(card.get_by_text("ATV1 delivers")).to_be_visible()
 
 
+@pytest.mark.slow
 def test_the_map_is_as_in_the_paper_for_who_wants_it_so(
     house: OpenHouse, open_page: OpenPage, screenshot: Screenshot
 ) -> None:

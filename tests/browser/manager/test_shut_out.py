@@ -48,6 +48,7 @@ def test_a_vehicle_is_shut_out_with_a_reason_and_readmitted(
     expect(card).not_to_contain_text("Shut out by")
 
 
+@pytest.mark.slow
 def test_a_machine_is_shut_out_and_the_alerts_and_the_log_tell_by_whom(
     factory: str, open_page: OpenPage, screenshot: Screenshot
 ) -> None:

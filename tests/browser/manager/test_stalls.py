@@ -31,6 +31,7 @@ class Stream:
         server.on_message(lambda frame: None if self.stalled else browser.send(frame))
 
 
+@pytest.mark.slow
 def test_a_stream_that_stalls_is_shown_as_old_with_its_age_and_afterwards_as_new(
     factory: str, open_page: OpenPage
 ) -> None:

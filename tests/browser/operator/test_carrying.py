@@ -86,6 +86,7 @@ def number_of(house: OpenHouse) -> int:
     return house.do(ask)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("look", variants(LOOKS, "upright-dark-de"))
 def test_an_operator_carries_a_vehicle_away_and_puts_it_back(
     enter: Enter, house: OpenHouse, dead: Puppet, screenshot: Screenshot, look: str

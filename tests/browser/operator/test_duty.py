@@ -168,6 +168,7 @@ def test_an_operator_on_duty_is_asked_takes_a_blocked_way_and_is_free_again(
     assert house.until(lambda inside: not on_duty(inside))
 
 
+@pytest.mark.slow
 def test_nobody_chooses_before_the_page_knows_who_it_is(
     house: OpenHouse, vehicles: dict[str, Puppet], enter: Enter
 ) -> None:
@@ -191,6 +192,7 @@ def test_nobody_chooses_before_the_page_knows_who_it_is(
     expect(page.locator(".call")).to_contain_text("asks you")
 
 
+@pytest.mark.slow
 def test_who_passes_is_not_shown_the_call_any_more(
     house: OpenHouse, vehicles: dict[str, Puppet], enter: Enter
 ) -> None:

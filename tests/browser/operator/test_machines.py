@@ -93,6 +93,7 @@ class Machine:
             self.beat(out_of_service=UNSET)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("look", ["upright-dark-de", pytest.param("lying-light-en", marks=pytest.mark.slow)])
 def test_a_broken_machine_is_seen_to_by_a_person_and_taken_out_of_service(
     house: OpenHouse, vehicles: dict[str, Puppet], enter: Enter, screenshot: Screenshot, look: str

@@ -140,6 +140,7 @@ def test_a_fault_that_is_still_there_cannot_be_acknowledged(
     expect(acknowledge).to_be_enabled()
 
 
+@pytest.mark.slow
 def test_speed_is_limited_in_steps_and_the_vehicles_word_shows_which(
     house: OpenHouse, vehicles: dict[str, Puppet], enter: Enter
 ) -> None:
@@ -179,6 +180,7 @@ def test_a_call_for_help_comes_first_and_what_a_person_says_of_it_is_told_to_the
     screenshot(page, f"operator-handed-over-{look}")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("look", IN_EACH_LOOK)
 def test_a_vehicle_is_taken_out_of_service_and_put_into_service_again(
     house: OpenHouse, vehicles: dict[str, Puppet], enter: Enter, screenshot: Screenshot, look: str
@@ -209,6 +211,7 @@ def test_a_vehicle_is_taken_out_of_service_and_put_into_service_again(
 # --- what can fail -----------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_refusal_is_told_with_the_vehicles_reason(
     house: OpenHouse, vehicles: dict[str, Puppet], enter: Enter
 ) -> None:
@@ -311,6 +314,7 @@ def test_a_session_that_has_run_out_leaves_stop_and_a_way_in_again(
     forgive(complaints, "status of 401")
 
 
+@pytest.mark.slow
 def test_a_session_that_was_ended_leaves_for_the_login(
     house: OpenHouse, vehicles: dict[str, Puppet], enter: Enter
 ) -> None:
@@ -321,6 +325,7 @@ def test_a_session_that_was_ended_leaves_for_the_login(
     expect(page).to_have_url(f"{house.url}/login?as=operator")
 
 
+@pytest.mark.slow
 def test_what_one_tab_commands_the_other_one_shows(
     house: OpenHouse, vehicles: dict[str, Puppet], enter: Enter
 ) -> None:
@@ -334,6 +339,7 @@ def test_what_one_tab_commands_the_other_one_shows(
     expect(card(second, "ATV2").get_by_role("button", name="Fault is gone")).to_be_enabled()
 
 
+@pytest.mark.slow
 def test_the_panel_opens_without_a_network_and_shows_nothing_old(
     house: OpenHouse,
     vehicles: dict[str, Puppet],
@@ -363,6 +369,7 @@ def test_the_panel_opens_without_a_network_and_shows_nothing_old(
 # --- by keyboard -------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_stop_acknowledge_and_resume_are_reached_by_keyboard_alone(
     house: OpenHouse, vehicles: dict[str, Puppet], enter: Enter
 ) -> None:

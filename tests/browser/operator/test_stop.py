@@ -150,6 +150,7 @@ def _run_until(page: Page, atv: str, text: str) -> None:
 # --- one line ----------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", variants([1, 8, 50], 50))
 @pytest.mark.parametrize("size", variants([LYING, UPRIGHT]), ids=["lying", "upright"])
 def test_the_bar_is_one_line_that_hides_nothing_however_many_there_are(
@@ -233,6 +234,7 @@ def test_an_unconfirmed_stop_goes_when_a_person_says_that_it_was_seen_to(
 # --- whose tablet ------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_tablet_whose_login_was_replaced_says_so_and_keeps_stop(
     house: OpenHouse,
     vehicles: dict[str, Puppet],
@@ -259,6 +261,7 @@ async def _log_in_elsewhere(inside: House) -> None:
     await inside.access.watch.check()
 
 
+@pytest.mark.slow
 def test_a_tablet_whose_person_was_disabled_says_that_stop_does_not_work_from_it(
     house: OpenHouse, vehicles: dict[str, Puppet], enter: Enter, complaints: Complaints
 ) -> None:
@@ -281,6 +284,7 @@ def test_a_tablet_whose_person_was_disabled_says_that_stop_does_not_work_from_it
 # --- what is said of a vehicle -----------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_of_a_vehicle_that_a_person_has_stopped_nobody_says_that_it_asks_for_help(
     house: OpenHouse, vehicles: dict[str, Puppet], enter: Enter
 ) -> None:
@@ -293,6 +297,7 @@ def test_of_a_vehicle_that_a_person_has_stopped_nobody_says_that_it_asks_for_hel
     expect(page.locator("body")).not_to_contain_text("asks for help")
 
 
+@pytest.mark.slow
 def test_a_silent_vehicle_promises_nothing_any_more(
     house: OpenHouse, vehicles: dict[str, Puppet], enter: Enter
 ) -> None:

@@ -24,6 +24,7 @@ def impatient(monkeypatch) -> None:
     monkeypatch.setattr(Bounds, "task_s", lambda *_: 1.0)
 
 
+@pytest.mark.slow
 def test_a_search_that_holds_sums_up(explore, tmp_path) -> None:
     code, out, _ = explore("--seeds", "1:3", "--profile", "faultless", "--jobs", "1", "--json", "found.json")
     assert code == 0

@@ -12,6 +12,7 @@ from typing import Any, TypeVar
 
 import pytest
 from argon2 import PasswordHasher
+from variants import later, variants
 
 from dray.adapters.security.signing import TrustedKeys
 from dray.gateway.access.login.hasher import Hasher
@@ -105,16 +106,20 @@ def test_the_public_key_of_gateways_is_printed_and_stays_the_same(dray: Run, dat
     ("args", "told"),
     [
         (("add", "ana", "--area", "AREA1"), "already"),
-        (("add", "Ana", "--area", "AREA1"), "small letters"),
-        (("add", "a b", "--area", "AREA1"), "small letters"),
-        (("add", "x" * 65, "--area", "AREA1"), "small letters"),
+        *later(
+            (("add", "Ana", "--area", "AREA1"), "small letters"),
+            (("add", "a b", "--area", "AREA1"), "small letters"),
+            (("add", "x" * 65, "--area", "AREA1"), "small letters"),
+        ),
         (("add", "eva"), "an operator needs one"),
         (("add", "eva", "--area", "AREA9"), "no 'AREA9'; choose of AREA1, AREA2"),
         (("add", "eva", "--role", "emperor"), "manager, operator"),
         (("add", "eva", "--role", "manager", "--area", "AREA1"), "a manager works everywhere"),
         (("password", "ana"), "dray user pin"),
-        (("pin", "eva"), "there is no 'eva'"),
-        (("link", "eva"), "there is no 'eva'"),
+        *later(
+            (("pin", "eva"), "there is no 'eva'"),
+            (("link", "eva"), "there is no 'eva'"),
+        ),
         (("disable", "eva"), "there is no 'eva'"),
         (("link", "ana", "--hours", "0"), "--hours"),
     ],
@@ -158,9 +163,11 @@ def test_a_password_is_kept_as_a_hash_and_ends_what_was_before(dray: Run, databa
     ("typed", "told"),
     [
         ("", "12 to 256 characters"),
-        ("short", "12 to 256 characters"),
-        ("x" * 257, "12 to 256 characters"),
-        ("aaaaaaaaaaaaaa", "too easy"),
+        *later(
+            ("short", "12 to 256 characters"),
+            ("x" * 257, "12 to 256 characters"),
+            ("aaaaaaaaaaaaaa", "too easy"),
+        ),
         ("i am the boss now", "too easy"),
     ],
 )
@@ -174,7 +181,13 @@ def test_a_weak_password_is_refused(dray: Run, database: str, boss: None, typed:
 
 
 @pytest.mark.parametrize(
-    "typed", ["12345", "1234567890123", "40271a", "", "٤٠٢٧١٩", "123456", "000000", "654321", "890123"]
+    "typed",
+    variants(
+        ["12345", "1234567890123", "40271a", "", "٤٠٢٧١٩", "123456", "000000", "654321", "890123"],
+        "12345",
+        "٤٠٢٧١٩",
+        "654321",
+    ),
 )
 def test_a_weak_pin_is_refused(dray: Run, ana: None, typed: str) -> None:
     code, _, err = dray("user", "pin", "ana", typed=typed + "\n")

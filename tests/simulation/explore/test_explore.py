@@ -129,6 +129,7 @@ def test_a_violation_is_told_with_what_came_before_it(monkeypatch: pytest.Monkey
 # --- many runs ------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_processes_change_nothing_but_the_time(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("dray_sim.explore.search.CHUNK", 1)
     seeds: list[int] = []

@@ -13,7 +13,6 @@ from random import Random
 
 import msgspec
 import pytest
-from variants import variants
 
 from dray.body import VehicleState
 from dray.messages import DwellPointClaimed, Message
@@ -203,7 +202,8 @@ def drawn(seed: int) -> Plant:
     return Plant(msgspec.structs.replace(file, chargers=file.chargers[:kept], fleet=fleet))
 
 
-@pytest.mark.parametrize("seed", variants(range(40), 1))
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(40))
 def test_in_plants_drawn_at_random_nobody_runs_flat(seed: int) -> None:
     looks, result = played(drawn(seed), hours=1.5, load=0.05, seed=seed)
     assert flat(looks) == set()
@@ -317,6 +317,7 @@ def charge_only_when_it_is_too_late(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(Charging, "wants", lambda _self, battery_frac, _now_s: battery_frac < TOO_LATE_FRAC)
 
 
+@pytest.mark.slow
 def test_the_search_sees_that_somebody_runs_flat(monkeypatch: pytest.MonkeyPatch) -> None:
     runs = [draw(seed, "batteries") for seed in range(WITHIN)]
     charge_only_when_it_is_too_late(monkeypatch)

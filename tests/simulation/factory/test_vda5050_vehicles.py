@@ -89,6 +89,7 @@ def done_twice(fleet: MemoryFleet) -> list[str]:
     ]
 
 
+@pytest.mark.slow
 def test_orders_are_delivered_by_vehicles_of_all_versions_and_simulated_ones() -> None:
     closed, fleet, invariants, _ = run(played(1800.0, traffic=False), JUMP)
     assert {vehicle.words.version for vehicle in fleet.vehicles.values()} == {"2.0", "2.1", "3.0"}

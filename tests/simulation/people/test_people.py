@@ -138,6 +138,7 @@ def assert_all_is_well(factory: SimFactory) -> None:
         assert (vehicle.off, vehicle.problem, vehicle.sense().held) == (False, "", False)
 
 
+@pytest.mark.slow
 def test_people_bring_everything_back_to_life_and_no_piece_is_lost() -> None:
     factory, checks, done = run(_misfortunes(seed=5))
     assert_all_is_well(factory)

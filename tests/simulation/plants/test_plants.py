@@ -120,6 +120,7 @@ def test_more_small_plants_are_served() -> None:
     assert [(each.seed, each.failures) for each in more if each.failures and not each.named] == []
 
 
+@pytest.mark.slow
 def test_another_play_of_a_seed_gives_the_same_figures(sample: list) -> None:
     [again] = play_seeds(0, 1, small=True, hours=1.0)
     first = sample[0]

@@ -12,6 +12,7 @@ from dray_sim.run.stage import Shift, Stage, play
 HOUR_S = 3600.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
     [

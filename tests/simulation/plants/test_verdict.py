@@ -103,6 +103,7 @@ def test_the_verdict_names_what_was_short(kind: str) -> None:
     assert "%" in verdict.text
 
 
+@pytest.mark.slow
 def test_where_nothing_is_short_the_verdict_says_so() -> None:
     report = played(WORKSHOP, 0.4)
     assert report.verdict.bottleneck == NOTHING

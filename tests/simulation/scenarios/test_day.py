@@ -37,16 +37,19 @@ def hour() -> Report:
     return report_of(HOUR, 7)
 
 
+@pytest.mark.slow
 def test_the_invariants_hold(hour: Report) -> None:
     assert hour.invariants == HELD
 
 
+@pytest.mark.slow
 def test_goods_are_made_and_delivered(hour: Report) -> None:
     assert hour.transports > 20
     assert hour.pieces_delivered > 200
     assert hour.orders_delivered >= 3
 
 
+@pytest.mark.slow
 def test_most_transports_are_watched(hour: Report) -> None:
     assert hour.watches_taken > 0.8 * hour.transports
 

@@ -80,6 +80,7 @@ def test_delays_of_two_seconds_are_endured() -> None:
     assert failed(found) == []
 
 
+@pytest.mark.slow
 def test_a_loss_of_a_fifth_is_endured() -> None:
     found = loss_sweep.sweep(1, (0.2,), short(loss_sweep.SHIFT, 900.0))
     assert failed(found) == []
@@ -266,6 +267,7 @@ def test_a_witness_waits_no_longer_than_it_is_told() -> None:
 # --- the document ------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_the_document_is_what_the_command_makes_now() -> None:
     """A part of it stands for the whole: `dray sim report --out docs/scenarios.md` makes it anew."""
     written = DOCUMENT.read_text(encoding="utf-8")
