@@ -72,7 +72,7 @@ SCHEMA = schemathesis.openapi.from_dict(_unguarded())
 OPERATIONS = [(method, path) for path, methods in DOCUMENT["paths"].items() for method in methods]
 
 FEW, MANY = 2, 12
-"""Requests per operation and mode: some, and enough for every field to be wrong once."""
+"""Requests per operation: some good ones, and enough, good and bad, for every field to be wrong once."""
 
 CREDENTIALS = {"Authorization", "authorization", "Cookie", "cookie"}
 
@@ -168,10 +168,10 @@ async def _fill(house: House) -> dict[str, str]:
 def test_every_answer_is_one_that_the_document_tells_of_whatever_the_database(
     running: list[Running], method: str, path: str, examples: int
 ) -> None:
-    # What is refused changes nothing, so it comes first.
-    # Where any text may stand, nothing can be wrong.
-    with suppress(Unsatisfiable):
-        _ask(running, method, path, GenerationMode.NEGATIVE, examples)
+    # What is refused changes nothing, so it comes first. It is searched for long where any text may stand.
+    if examples == MANY:
+        with suppress(Unsatisfiable):
+            _ask(running, method, path, GenerationMode.NEGATIVE, examples)
     _ask(running, method, path, GenerationMode.POSITIVE, examples)
 
 
