@@ -65,10 +65,23 @@ class Order:
         return max((i for i, point in enumerate(self.points) if point.released), default=-1)
 
     @property
+    def ahead(self) -> range:
+        """From the point that was reached to the next one with an action, or to the end of the base: indexes."""
+        after = range(self.reached + 1, self.base_end + 1)
+        stop = next((i for i in after if self.points[i].actions), self.base_end)
+        return range(self.reached, stop + 1)
+
+    @property
     def is_over(self) -> bool:
         """Nothing is left to do, and nothing is to come."""
         over = all(action.status in ("FINISHED", "FAILED") for action in self.actions)
         return self.cancelled or (over and self.reached >= len(self.points) - 1)
+
+    def give_up(self) -> None:
+        """End it where it is: what is not finished has failed."""
+        self.cancelled = True
+        for action in self.actions:
+            action.status = action.status if action.status == "FINISHED" else "FAILED"
 
 
 def read_message(data: bytes) -> dict[str, Any]:

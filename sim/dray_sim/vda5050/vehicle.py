@@ -81,6 +81,8 @@ class Vda5050Vehicle:
         """The number of the newest instruction to its body."""
         self._way: list[int] = []
         """For each node of the present drive its index in the order."""
+        self._passed_m = 0.0
+        """What it had driven when it was at a node of its map last."""
         self._spoken_s = float("-inf")
         self._asked = not self.quirks.silent_until_asked
         self._ready_s = float("-inf")
@@ -102,13 +104,10 @@ class Vda5050Vehicle:
     def introduce(self) -> None:
         """Say that it is there, what it is, and how it is: the broker keeps the first two."""
         now_s = self._clock.now_s()
-        self._publish_json("connection", self.words.connection(self._connection, now_s), retain=True)
+        word = "OFFLINE" if self.quirks.says_offline else "ONLINE"
+        self._publish_json("connection", self.words.connection(word, now_s), retain=True)
         self.say_factsheet()
         self.say_state()
-
-    @property
-    def _connection(self) -> str:
-        return "OFFLINE" if self.quirks.says_offline else "ONLINE"
 
     def say_state(self) -> None:
         """Say how it is, now."""
@@ -117,7 +116,10 @@ class Vda5050Vehicle:
         now_s = self._clock.now_s()
         self._spoken_s = now_s
         order = None if self.quirks.forgets_finished_order and self._is_idle else self.order
-        said = self.words.state(self._body.sense(), order, self.condition, now_s)
+        body = self._body.sense()
+        is_at_node = body.next_node == body.node
+        self.condition.past_m = 0.0 if is_at_node else self._body.odometer().metres_m - self._passed_m
+        said = self.words.state(body, order, self.condition, now_s)
         for _ in range(2 if self.quirks.doubles_states else 1):
             self._publish_json("state", said)
 
@@ -205,35 +207,25 @@ class Vda5050Vehicle:
     def _accept(self, order: Order) -> None:
         self._forget_errors()
         if self._doomed:
-            self._doomed, order.cancelled = False, True
-            for action in order.actions:
-                action.status = "FAILED"
-        here = (self.condition.last_node, self.condition.last_sequence)
+            self._doomed = False
+            order.give_up()
+        before = self.condition.last_node
         self.order = order
         first = order.points[0]
         order.reached = 0
         self.condition.last_node, self.condition.last_sequence = first.id, first.sequence
-        if order.cancelled:
-            self.say_state()
-            return
-        if (
-            self.quirks.no_action_at_last_node
-            and first.actions
-            and len(order.points) == 1
-            and here[0] == first.id
-        ):
-            self.say_state()  # Its actions wait for a node that never comes.
-            return
         self.say_state()
-        self._proceed()
+        # Its actions may wait for a node that never comes.
+        waits = self.quirks.no_action_at_last_node and first.actions and before == first.id
+        if not (waits and len(order.points) == 1):
+            self._proceed()
 
     def _on_update(self, now: Order, update: Order) -> None:
         stitch, base_end = update.points[0], now.base_end
         last = now.points[base_end]
         if now.cancelled or (stitch.id, stitch.sequence) != (last.id, last.sequence):
-            self._refuse(
-                update, "OUTDATED_ORDER_UPDATE", "the update does not begin with the last node of the base"
-            )
+            text = "the update does not begin with the last node of the base"
+            self._refuse(update, "OUTDATED_ORDER_UPDATE", text, "orderUpdateError")
             return
         now.update = update.update
         if self.quirks.loses_updates:
@@ -246,11 +238,18 @@ class Vda5050Vehicle:
         self.say_state()
         self._proceed()
 
-    def _refuse(self, order: Order, kind: str, text: str) -> None:
-        old = "orderUpdateError" if self.order is not None and order.id == self.order.id else "orderError"
+    def _refuse(self, order: Order, kind: str, text: str, old: str = "orderError") -> None:
         named = {"orderId": order.id, "orderUpdateId": str(order.update)}
         self.condition.errors.append((kind if self.words.version == "3.0" else old, "WARNING", text, named))
         self.say_state()
+
+    def _lose_way(self, reason: str) -> None:
+        """It follows its lanes: what does not go on from where it stands is not driven, and ends the order."""
+        order, self._way = self.order, []
+        if order is None or order.is_over:
+            return
+        order.give_up()
+        self._refuse(order, "NO_ROUTE_TO_TARGET", reason, "noRouteError")
 
     def _forget_errors(self) -> None:
         if not self.quirks.lingering_warnings:
@@ -294,9 +293,7 @@ class Vda5050Vehicle:
 
     def _finish_cancel(self, action: NodeAction) -> None:
         if self.order is not None:
-            self.order.cancelled = True
-            for one in self.order.actions:
-                one.status = one.status if one.status == "FINISHED" else "FAILED"
+            self.order.give_up()
         self._way = []
         action.status = "FINISHED"
         self.say_state()
@@ -313,15 +310,11 @@ class Vda5050Vehicle:
         if action is not None:
             self._begin(action)
             return
-        stop = next(
-            (i for i in range(order.reached + 1, order.base_end + 1) if order.points[i].actions),
-            order.base_end,
-        )
-        if stop <= order.reached:
+        ahead = list(order.ahead)
+        if len(ahead) < 2:
             self._finish_if_over()
             return
         body = self._body.sense()
-        ahead = list(range(order.reached, stop + 1))
         if body.next_node != order.points[order.reached].id:
             ahead = ahead[1:]  # It is on a lane, and finishes that first.
         if order.points[ahead[0]].id == order.points[order.reached].id and len(ahead) > 1:
@@ -380,6 +373,8 @@ class Vda5050Vehicle:
     def _on_report(self, report: Report) -> None:
         match report:
             case NodePassed(number, _, index) if number == self._drive and index < len(self._way):
+                if self._way[index] >= 0:  # No corner.
+                    self._passed_m = self._body.odometer().metres_m
                 self._reach(self._way[index])
                 if not self.quirks.tells_ends_only:
                     self.say_state()
@@ -389,6 +384,8 @@ class Vda5050Vehicle:
                 self._proceed()
             case ActionDone(number) if number == self._drive:
                 self._end_action("FINISHED", "")
+            case ActionFailed(number, reason) if number == self._drive and self._action is None:
+                self._lose_way(reason)
             case ActionFailed(number, reason) if number == self._drive:
                 self._end_action("FAILED", reason)
             case ProblemRaised(reason):

@@ -25,6 +25,7 @@ class Condition:
         localised: it knows where it is.
         last_node: as `state` has it.
         last_sequence: likewise.
+        past_m: driven since the last node; 0 at a node.
         instant: instant actions, the newest last.
     """
 
@@ -33,6 +34,7 @@ class Condition:
     localised: bool = True
     last_node: str = ""
     last_sequence: int = 0
+    past_m: float = 0.0
     errors: list[tuple[str, str, str, dict[str, str]]] = field(default_factory=list)
     instant: list[NodeAction] = field(default_factory=list)
     loads: list[dict[str, str]] | None = None
@@ -95,6 +97,7 @@ class Words:
             "orderUpdateId": 0 if order is None else order.update,
             "lastNodeId": condition.last_node,
             "lastNodeSequenceId": condition.last_sequence,
+            "distanceSinceLastNode": condition.past_m,
             "driving": body.speed_mps > 0.0,
             "paused": body.held and not quirks.ignores_pause,
             "operatingMode": condition.mode,

@@ -281,7 +281,9 @@ class Orders:
             elif not order.beyond:
                 self._end(order, OrderState.DONE, "", now_s)
         elif self._is_quiet(order, state, now_s):
-            self._end(order, OrderState.ENDED, STOPPED_SHORT, now_s)
+            # Shown, never begun, and complained of: a refusal that came late.
+            error = _refusal(order, state) if not order.passed else None
+            self._end(order, OrderState.ENDED, STOPPED_SHORT if error is None else error.text, now_s)
 
     def _judge_action(self, order: VehicleOrder, action: Action, state: State, now_s: float) -> None:
         shown = state.action(action.id)

@@ -174,7 +174,7 @@ class Work:
         if order is not None and order.kind is Kind.STEP:
             return
         course = self.way.nodes if self.way is not None else ()
-        found = self._whereabouts.find(self._view.pose, self._view.state.last_node_id or "", course)
+        found = self._find(self._view.state.last_node_id or "", course)
         self.lacks_place = found is None
         if found is None or found == self.stand:
             return
@@ -182,6 +182,11 @@ class Work:
         way = self.way
         if way is not None and before is not None and way.passed >= 0 and found.node != before.node:
             self._lose_way(way, f"it was moved from {before.node} to {found.node}")
+
+    def _find(self, said: str, course: tuple[str, ...]) -> Stand | None:
+        state = self._view.state
+        past_m = state.distance_since_last_node or 0.0 if said == state.last_node_id else 0.0
+        return self._whereabouts.find(self._view.pose, said, course, past_m)
 
     # --- what becomes of an order (`Owner`) ------------------------------------------------------
 
@@ -204,7 +209,7 @@ class Work:
 
     def _end_step(self, order: VehicleOrder, done: bool, now_s: float) -> None:
         node = order.nodes[order.passed]
-        found = self._whereabouts.find(self._view.pose, node, order.nodes[order.passed :])
+        found = self._find(node, order.nodes[order.passed :])
         if found is not None and not done:
             self._pass_corners(order, found, now_s)
         self.stand = Stand(node) if done or found is None else found

@@ -134,6 +134,8 @@ class State(Said, frozen=True):
     order_update_id: int | None = None
     last_node_id: str | None = None
     last_node_sequence_id: int | None = None
+    distance_since_last_node: float | None = None
+    """In metres, of vehicles that follow lines: None of those that do not."""
     driving: bool | None = None
     paused: bool | None = None
     operating_mode: str | None = None
