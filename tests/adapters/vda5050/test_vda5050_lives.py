@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from random import Random
+from typing import Any
 
 import msgspec
 import pytest
 from vda_rig import FLOWING, PROFILE, Rig
 from yard import HOLD, PICK, TO_CORNER, UNHOLD, drive
 
+from dray.adapters.vda5050.events import Memory
 from dray.adapters.vda5050.profile import Profile
 from dray.body import (
     ActionDone,
@@ -120,6 +122,64 @@ def test_20_a_vehicle_that_is_restarted_fails_its_way(profile: Profile) -> None:
     rest = TO_CORNER[TO_CORNER.index(state.next_node) :]
     rig.do(drive(*rest, order=2), for_s=150.0)
     assert rig.heard[-1] == WayDone(order=2, node="corner")
+
+
+@pytest.mark.parametrize("version", ["2.0", "2.1", "3.0"])
+def test_20_a_vehicle_that_follows_lines_drives_its_lane_to_the_end_when_all_else_is_forgotten(
+    version: Any,
+) -> None:
+    rig = Rig(msgspec.structs.replace(PROFILE, version=version), node="middle")
+    rig.do(drive("middle", "east"), for_s=1.2)
+    forget_all(rig)
+    state = rig.body.sense()
+    assert 10.05 < state.pose.x_m < 10.0 + PROFILE.node_m
+    assert (state.node, state.next_node) == ("middle", "east")
+    assert rig.said("state", "it")[-1]["distanceSinceLastNode"] == pytest.approx(state.pose.x_m - 10.0)
+    rig.do(drive("middle", "pit", order=2), for_s=5.0)
+    assert rig.failures() == ["the way must begin at east"]
+    rig.do(drive("east", "middle", "pit", order=3), for_s=120.0)
+    assert rig.heard[-1] == WayDone(order=3, node="pit")
+    assert rig.said("state", "it")[-1]["distanceSinceLastNode"] == 0.0
+
+
+@pytest.mark.parametrize(
+    ("version", "kind"), [("2.0", "noRouteError"), ("2.1", "noRouteError"), ("3.0", "NO_ROUTE_TO_TARGET")]
+)
+def test_20_a_way_that_leaves_the_lane_is_refused_aloud(version: Any, kind: str) -> None:
+    rig = Rig(msgspec.structs.replace(PROFILE, version=version), node="middle")
+    rig.do(drive("middle", "east"), for_s=0.4)
+    forget_all(rig)
+    assert rig.body.sense().next_node == "middle", "so near that it is thought to be there still"
+    rig.do(drive("middle", "pit", order=2), for_s=15.0)
+    assert rig.failures() == [f"{kind}: the way must begin at east"]
+    state = rig.said("state", "it")[-1]
+    error = state["errors"][-1]
+    assert (error["errorType"], state["nodeStates"], state["driving"]) == (kind, [], False)
+    assert {"referenceKey": "orderId", "referenceValue": rig.orders()[-1]["orderId"]} in error[
+        "errorReferences"
+    ]
+    assert rig.problems() == []
+
+
+def test_20_a_horizon_that_is_left_of_a_forgotten_order_is_cancelled() -> None:
+    rig = Rig(msgspec.structs.replace(FLOWING, version="3.0", horizon=2))
+    rig.do(Drive(order=1, nodes=TO_CORNER, released=2), for_s=30.0)
+    assert rig.said("state", "it")[-1]["nodeStates"]
+    rig.memory = Memory()
+    rig.begin_life()
+    rig.run(1.0)
+    rig.do(drive("middle", "pit", order=1001), for_s=90.0)
+    assert rig.heard[-1] == WayDone(order=1001, node="pit")
+    assert len(rig.instant("cancelOrder")) == 1
+
+
+def forget_all(rig: Rig) -> None:
+    """The vehicle loses its power where it is, and its agent its memory."""
+    rig.vehicle.restart()
+    rig.memory = Memory()
+    rig.begin_life()
+    rig.run(1.0)
+    rig.heard.clear()
 
 
 def test_20_what_is_on_board_after_a_restart_is_asked() -> None:

@@ -14,7 +14,15 @@ from dray.adapters.vda5050.control.vehicle_order import Kind, Place, Stop, Vehic
 from dray.adapters.vda5050.control.view import NEVER_S, VehicleView
 from dray.adapters.vda5050.events import Effect, Say
 from dray.adapters.vda5050.profile import Profile
-from dray.adapters.vda5050.wire.messages import FAILED, FINISHED, RETRIABLE, WAITING, State, VehicleError
+from dray.adapters.vda5050.wire.messages import (
+    FAILED,
+    FINISHED,
+    OVER,
+    RETRIABLE,
+    WAITING,
+    State,
+    VehicleError,
+)
 from dray.adapters.vda5050.wire.orders import Action, order_body
 
 SETTLE_S = 3.0
@@ -188,8 +196,9 @@ class Orders:
             case OrderState.OFFERED | OrderState.EXTENDING:
                 self._insist(order, now_s)
             case OrderState.REFUSED if now_s >= order.retry_s and self.is_ready(now_s):
-                order.states.enter(OrderState.OFFERED)
-                self._offer(order, now_s)
+                if not self._is_hindered(order, now_s):
+                    order.states.enter(OrderState.OFFERED)
+                    self._offer(order, now_s)
             case OrderState.CANCELLING:
                 self._watch_cancel(order, now_s)
         if order.now in ACTIVE and order.is_shown(self._view.state):
@@ -240,6 +249,20 @@ class Orders:
             self._end(order, OrderState.ENDED, reason, now_s)
         else:
             order.retry_s = now_s + FIRST_RETRY_S * 2.0 ** (len(order.ids) - 1)
+
+    def _is_hindered(self, order: VehicleOrder, now_s: float) -> bool:
+        """Whether an order of an earlier life keeps it from taking this one, by a horizon that is left: it is cancelled first."""
+        state, instant = self._view.state, self._instant
+        ours = (state.order_id or "").startswith(self._ours)
+        if state.is_idle or not ours or order.reason == REFUSED_SILENTLY:
+            instant.forget(CANCEL)
+            return False
+        if not instant.is_open(CANCEL):
+            instant.say(CANCEL, now_s)
+        if instant.status(CANCEL) not in OVER and not instant.is_given_up(CANCEL):
+            return True
+        instant.forget(CANCEL)
+        return False
 
     # --- an order that runs ----------------------------------------------------------------------
 
