@@ -159,6 +159,9 @@ def test_20_a_way_that_leaves_the_lane_is_refused_aloud(version: Any, kind: str)
         "errorReferences"
     ]
     assert rig.problems() == []
+    assert rig.body.sense().next_node == "east", "now it is known that it has left"
+    rig.do(drive("east", "middle", "pit", order=3), for_s=120.0)
+    assert rig.heard[-1] == WayDone(order=3, node="pit")
 
 
 def test_20_a_horizon_that_is_left_of_a_forgotten_order_is_cancelled() -> None:

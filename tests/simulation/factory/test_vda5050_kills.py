@@ -18,9 +18,8 @@ KILLS = 60
 
 
 @pytest.mark.slow
-# Not so yet with seed 2: a vehicle that loses its power on a lane, and its agent with it, is sent on as from the node behind
-# it, to another node than the lane's end. It refuses that and does not say so.
-@pytest.mark.parametrize(("seed", "traffic"), [(4, True)])
+# 2: a vehicle loses its power on a lane, near the node behind it, and its agent its memory. 4: an order whose horizon is left.
+@pytest.mark.parametrize(("seed", "traffic"), [(2, True), (4, True)])
 def test_every_task_is_delivered_once_and_no_action_is_carried_out_twice(seed: int, traffic: bool) -> None:
     outcome = play(default_plant(), seed, KILLS, traffic=traffic)
     assert outcome.failures == []

@@ -11,7 +11,7 @@ from dray.messages.base import Part
 from dray.plant import Plant
 
 PAST_M = 0.05
-"""A vehicle that follows lines and stops no farther behind a node is still there."""
+"""A vehicle that follows lines and says a `distanceSinceLastNode` no greater is still at the node."""
 
 
 class Stand(Part, frozen=True):
@@ -35,7 +35,7 @@ class Whereabouts:
         self._plant, self._profile = plant, profile
 
     def find(
-        self, pose: Pose | None, said: str, course: tuple[str, ...] = (), past_m: float = 0.0
+        self, pose: Pose | None, said: str, course: tuple[str, ...] = (), *, is_past: bool = False
     ) -> Stand | None:
         """Where it stands.
 
@@ -43,7 +43,7 @@ class Whereabouts:
             pose: in the plant's frame; None when the vehicle does not tell one.
             said: `lastNodeId`; believed when the pose agrees, or when there is none.
             course: the nodes that it was about to drive to, in their order.
-            past_m: `distanceSinceLastNode`. A vehicle that follows lines cannot go back to a node that it has left, however near.
+            is_past: it follows lines and has left its last node: it cannot go back to that, however near.
 
         Returns:
             None when it is at no place of the plant, or does not say where.
@@ -53,7 +53,7 @@ class Whereabouts:
             return Stand(said) if said in nodes else None
         nearest = min(nodes.values(), key=lambda node: hypot(node.x_m - pose.x_m, node.y_m - pose.y_m))
         if hypot(nearest.x_m - pose.x_m, nearest.y_m - pose.y_m) <= self._profile.node_m:
-            if nearest.id != said or past_m <= PAST_M:
+            if nearest.id != said or not is_past:
                 return Stand(nearest.id)
             left = self._on_lane(pose, said, course[course.index(said) :] if said in course else ())
             return left if left is not None and left.node == said else Stand(said)

@@ -26,7 +26,7 @@ from dray.adapters.vda5050.control.steps import Steps
 from dray.adapters.vda5050.control.vehicle_order import Kind, Task, VehicleOrder
 from dray.adapters.vda5050.control.view import VehicleView
 from dray.adapters.vda5050.control.way import Way, objection
-from dray.adapters.vda5050.control.whereabouts import Stand, Whereabouts
+from dray.adapters.vda5050.control.whereabouts import PAST_M, Stand, Whereabouts
 from dray.adapters.vda5050.events import Effect, Tell
 from dray.adapters.vda5050.profile import Profile
 from dray.adapters.vda5050.wire.messages import OVER
@@ -82,6 +82,8 @@ class Work:
         self.way: Way | None = None
         self.task: Task | None = None
         self.speed_frac = 1.0
+        self._left = ""
+        """A node that it could not set off from: however near it is, it has left it."""
         self._charged_s: float | None = None
         """Since when it charges for our task."""
 
@@ -186,13 +188,14 @@ class Work:
     def _find(self, said: str, course: tuple[str, ...]) -> Stand | None:
         state = self._view.state
         past_m = state.distance_since_last_node or 0.0 if said == state.last_node_id else 0.0
-        return self._whereabouts.find(self._view.pose, said, course, past_m)
+        least_m, course = (PAST_M, course) if said != self._left else (0.0, ())
+        return self._whereabouts.find(self._view.pose, said, course, is_past=past_m > least_m)
 
     # --- what becomes of an order (`Owner`) ------------------------------------------------------
 
     def on_passed(self, order: VehicleOrder, index: int, now_s: float) -> None:
         """A node of its base was reached."""
-        self.stand = Stand(order.nodes[index])
+        self.stand, self._left = Stand(order.nodes[index]), ""
         way, place = self.way, order.places[index]
         if way is not None and place is not None and place[0] == way.number:
             self._reach(way, place[1])
@@ -209,6 +212,8 @@ class Work:
 
     def _end_step(self, order: VehicleOrder, done: bool, now_s: float) -> None:
         node = order.nodes[order.passed]
+        if not (done or order.passed or order.reason in (CANCELLED, STOPPED_SHORT)):
+            self._left = node
         found = self._find(node, order.nodes[order.passed :])
         if found is not None and not done:
             self._pass_corners(order, found, now_s)
