@@ -37,20 +37,15 @@ from dray.gateway.access.principal import Role
 from dray.gateway.access.sessions import LIFE_S
 from dray.messages import AtvStatus, CommandKind
 
-OpenPage = Callable[..., Page]
 Screenshot = Callable[..., Path]
-
-IN_EACH_LOOK = [
-    "upright-dark-de",
-    pytest.param("lying-light-en", marks=pytest.mark.slow),
-]
+IN_EACH_LOOK = ["upright-dark-de", pytest.param("lying-light-en", marks=pytest.mark.slow)]
 
 
 # --- coming in ---------------------------------------------------------------------------------------
 
 
 def test_an_operator_comes_in_by_touch_with_a_pin_and_a_station(
-    house: OpenHouse, vehicles: dict[str, Puppet], open_page: OpenPage, screenshot: Screenshot
+    house: OpenHouse, vehicles: dict[str, Puppet], open_page: Callable[..., Page], screenshot: Screenshot
 ) -> None:
     house.do(lambda inside: inside.know(WHO, Role.OPERATOR, AREA))
     page = open_page(f"{house.url}/operator", who=None, has_touch=True, viewport=LYING)
