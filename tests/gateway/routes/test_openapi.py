@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
-from contextlib import ExitStack, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from copy import deepcopy
 from dataclasses import dataclass
 from typing import Any, cast
@@ -15,6 +15,7 @@ import pytest
 import requests
 import schemathesis
 from anyio.from_thread import BlockingPortal, start_blocking_portal
+from databases import Files
 from fake_bus import PLANT, FakeBus
 from fake_injector import FakeInjector
 from gateway_kit import AUTHORITY, BEARER, PRODUCT, House, gateway
@@ -110,20 +111,36 @@ class Running:
         return self.portal.call(ask)
 
 
-@pytest.fixture
-def running(request: pytest.FixtureRequest) -> Iterator[list[Running]]:
-    """A gateway; where much is asked, on each kind of database."""
-    urls = [request.getfixturevalue("sqlite_url")]
-    if request.node.callspec.params["examples"] == MANY:
-        # Without PostgreSQL other tests are skipped, and tell so.
-        with suppress(pytest.skip.Exception):
-            urls.append(request.getfixturevalue("postgresql_url"))
+@contextmanager
+def _running(*urls: str) -> Iterator[list[Running]]:
+    """A gateway on each of these databases, with something of everything in it."""
     with start_blocking_portal("asyncio") as portal, ExitStack() as stack:
         houses = [
             stack.enter_context(portal.wrap_async_context_manager(gateway(url, faults=FakeInjector())))
             for url in urls
         ]
         yield [Running(portal, house, portal.call(_fill, house)) for house in houses]
+
+
+@pytest.fixture(scope="module")
+def shared(files: Files, tmp_path_factory: pytest.TempPathFactory) -> Iterator[list[Running]]:
+    """One gateway of which every operation is asked in turn."""
+    with _running(files.new(tmp_path_factory.mktemp("shared"))) as running:
+        yield running
+
+
+@pytest.fixture
+def running(request: pytest.FixtureRequest) -> Iterator[list[Running]]:
+    """The shared gateway; where much is asked, one of its own on each kind of database."""
+    if request.node.callspec.params["examples"] == FEW:
+        yield request.getfixturevalue("shared")
+        return
+    urls = [request.getfixturevalue("sqlite_url")]
+    # Without PostgreSQL other tests are skipped, and tell so.
+    with suppress(pytest.skip.Exception):
+        urls.append(request.getfixturevalue("postgresql_url"))
+    with _running(*urls) as running:
+        yield running
 
 
 async def _fill(house: House) -> dict[str, str]:
