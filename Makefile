@@ -23,7 +23,7 @@ export PYTHONDONTWRITEBYTECODE :=
 
 .DEFAULT_GOAL := help
 .PHONY: help setup panels run test test-long test-quick programs bench lint format types imports frontend panels-types panels-test \
-	pytest screenshots 	sdist-and-wheel lock clean
+	collected pytest screenshots 	sdist-and-wheel lock clean
 
 help: ## What can be done
 	@sed -nE 's/^([a-z-]+):.*## (.*)/  make \1|\2/p' $(MAKEFILE_LIST) | column -t -s '|' 2>/dev/null \
@@ -66,7 +66,7 @@ define stage
 endef
 
 test: ## All checks, without the tests of `test-long`
-	@$(MAKE) --no-print-directory --jobs 3 $(SYNC) setup programs panels-test types panels-types lint imports
+	@$(MAKE) --no-print-directory --jobs 3 $(SYNC) setup programs panels-test types panels-types lint imports collected
 	@$(MAKE) --no-print-directory pytest
 
 test-long: setup programs ## What takes minutes: fleets as processes, shifts, searches, fuzz at length, packaging
@@ -101,6 +101,11 @@ panels-types: setup
 panels-test: panels
 	$(call stage,Vitest)
 	@$(NPM) run --silent test
+
+# What Python compiles is kept: else each of the workers would compile all of it, at the same moment.
+collected: setup
+	$(call stage,pytest finds its tests)
+	@$(PYTEST) --collect-only --quiet --quiet > $(STAMPS)/collected.txt || { cat $(STAMPS)/collected.txt; false; }
 
 pytest: setup programs ## Python's tests: units, simulation, gateway, store, browser
 	$(call stage,pytest)
