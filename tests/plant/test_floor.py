@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dray.plant import Point
-from dray.plant.geometry import area_m2, crossed_edges, distance_m, inside
-from dray.plant.grid import Grid
+from dray.plant.floor.geometry import area_m2, crossed_edges, distance_m, inside
+from dray.plant.floor.grid import Grid
 
 SIDE_M = st.floats(1.0, 200.0)
 HERE_M = st.floats(-50.0, 250.0)

@@ -8,7 +8,7 @@ import pytest
 from msgspec.structs import replace
 
 from dray.plant import Lane, Node, Plant, Point, default_plant, parse_plant, plant_yaml
-from dray.plant.drawing import draw
+from dray.plant.planning.drawing import draw
 from dray.protocol.traffic.places import Places
 
 Break = Callable[..., list[tuple[str, str]]]

@@ -9,8 +9,8 @@ from msgspec.structs import replace
 
 from dray.errors import PlantError
 from dray.plant import SHIPPED, Plant, is_shipped, load_plant, parse_plant, plant_yaml, with_machine
-from dray.plant.advice import advice
 from dray.plant.model import VehicleType
+from dray.plant.planning.advice import advice
 from dray_sim.bodies.vehicle.battery import Battery
 
 NAMES = tuple(SHIPPED)

@@ -12,10 +12,10 @@ from hypothesis import strategies as st
 
 from dray.errors import PlantError
 from dray.plant import parse_plant
-from dray.plant.drawing import draw
 from dray.plant.file.document import read_document, write_document
 from dray.plant.file.file import document_faults, unfinished_plant
 from dray.plant.file.unfinished import drawable
+from dray.plant.planning.drawing import draw
 
 Break = Any
 

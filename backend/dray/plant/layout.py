@@ -13,7 +13,7 @@ A vehicle goes from stop point to stop point in a straight line: a right turn is
 docks and other single tracks stay as they are, and begin in the middle of the crossing. Where a road is too short for
 a stop point, the crossings at its ends are one crossing; so are those that a single track joins.
 
-What is left to others: who may cross next, and what is too narrow (`dray.plant.advice_floor`).
+What is left to others: who may cross next, and what is too narrow (`dray.plant.planning.advice_floor`).
 """
 
 from __future__ import annotations
@@ -81,7 +81,7 @@ class Crossing(msgspec.Struct, frozen=True):
 
     id: str
     """Its first node in the plant file. It is a node of the floor only where a single track begins in it. A lane with a shape
-    is a crossing, too: it has the name of its first corner's lane (`dray.plant.shapes`)."""
+    is a crossing, too: it has the name of its first corner's lane (`dray.plant.floor.shapes`)."""
     nodes: tuple[str, ...]
     """Of the plant file: more than one where there is no stop point between them; none for a lane with a shape."""
     x_m: float
@@ -115,7 +115,7 @@ class Layout(msgspec.Struct, frozen=True):
 
 
 def lay_out(file: PlantFile) -> Layout:
-    """The floor of a plant file whose ids and references are right; lanes with a shape are still whole (`dray.plant.shapes`)."""
+    """The floor of a plant file whose ids and references are right; lanes with a shape are still whole (`dray.plant.floor.shapes`)."""
     if not any(_has_two_lanes(lane, file, frozenset()) for lane in file.lanes):
         return Layout(file.nodes, file.lanes, {}, {}, {})
     return _Draft(file).layout()

@@ -67,7 +67,7 @@ class Lane(Item, frozen=True):
     plant says if it is left out; a road to a dock is single track. See `dray.plant.layout`."""
     shape: Annotated[tuple[Point, ...], Meta(max_length=200)] = ()
     """The corners between its ends, from `start` on, of a lane that is not straight: a curve is written as short pieces.
-    Such a lane is single track, and nobody stops on it. See `dray.plant.shapes`."""
+    Such a lane is single track, and nobody stops on it. See `dray.plant.floor.shapes`."""
 
 
 class Box(Item, frozen=True):

@@ -13,8 +13,9 @@ from typing import Protocol, TypeVar
 
 from msgspec.structs import replace
 
-from dray.plant.geometry import box_of, distance_m, inside
-from dray.plant.grid import Grid
+from dray.plant.floor.geometry import box_of, distance_m, inside
+from dray.plant.floor.grid import Grid
+from dray.plant.floor.shapes import floor_of
 from dray.plant.layout import Crossing, Layout
 from dray.plant.model import (
     Area,
@@ -36,7 +37,6 @@ from dray.plant.model import (
 from dray.plant.restrictions import OPEN, Ends, Extent, Restrictions, extent_of, opposite_stops
 from dray.plant.roads import DirectedLane, Roads
 from dray.plant.routes import Routes
-from dray.plant.shapes import floor_of
 
 
 class _HasId(Protocol):

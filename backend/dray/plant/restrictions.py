@@ -9,7 +9,7 @@ from math import ceil
 import msgspec
 from msgspec.structs import replace
 
-from dray.plant.geometry import box_of, inside
+from dray.plant.floor.geometry import box_of, inside
 from dray.plant.layout import name_after, name_before
 from dray.plant.model import Area, Node, PlantFile, Point
 from dray.plant.roads import DirectedLane, Roads

@@ -1,6 +1,6 @@
 """The road network of a plant: directed lanes between nodes, and who can reach whom.
 
-`dray.plant.routes` finds ways over it, `dray.plant.motion` tells how long a vehicle takes.
+`dray.plant.routes` finds ways over it, `dray.plant.floor.motion` tells how long a vehicle takes.
 """
 
 from __future__ import annotations

@@ -19,8 +19,8 @@ from math import inf
 import msgspec
 
 from dray.errors import NoWay
+from dray.plant.floor.motion import Run, joint_mps, limit_mps, runs_s
 from dray.plant.model import VehicleType
-from dray.plant.motion import Run, joint_mps, limit_mps, runs_s
 from dray.plant.restrictions import OPEN, Restrictions
 from dray.plant.roads import DirectedLane, Roads, bends
 

@@ -10,8 +10,8 @@ from collections.abc import Mapping
 from math import hypot
 
 from dray.plant import Plant
+from dray.plant.floor.rectangles import Rectangle, gap_m
 from dray.plant.model import VehicleType
-from dray.plant.rectangles import Rectangle, gap_m
 
 Ends = tuple[str, str]
 """A lane in one direction, by its nodes."""

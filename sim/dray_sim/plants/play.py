@@ -10,8 +10,8 @@ import msgspec
 
 from dray.messages import OrderItem
 from dray.plant import Plant
-from dray.plant.advice import NO_LOAD_FRAC, advice
-from dray.plant.flow import Flow
+from dray.plant.planning.advice import NO_LOAD_FRAC, advice
+from dray.plant.planning.flow import Flow
 from dray_sim.people import demand
 from dray_sim.plants.draw import draw_plant
 from dray_sim.plants.watch import Waiting, Watch

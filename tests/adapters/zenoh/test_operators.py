@@ -13,7 +13,7 @@ from dray.adapters.security.identity import Identity
 from dray.adapters.system_clock import SystemClock
 from dray.adapters.zenoh.bus import ZenohBus
 from dray.body import CallReplied, DutyState, ShowCalls
-from dray.cli.runtime.operators import OperatorWorkers
+from dray.cli.runtime.gateway.operators import OperatorWorkers
 from dray.errors import SettingsError
 from dray.gateway.factory.duty import Tablet
 from dray.gateway.live.timescale import TimeScale

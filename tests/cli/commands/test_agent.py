@@ -17,7 +17,7 @@ from dray.adapters.journal.sqlite_journal import SqliteJournal
 from dray.adapters.security.certificates import Authority
 from dray.adapters.zenoh.bus import ZenohBus
 from dray.adapters.zenoh.links import Links
-from dray.cli.runtime.gateway_process import run_historian
+from dray.cli.runtime.gateway.gateway_process import run_historian
 from dray.cli.runtime.surroundings import Surroundings
 from dray.cli.simulation.floor_process import serve_floor
 from dray.errors import UnavailableError
@@ -195,7 +195,7 @@ def test_a_historian_ends_when_another_one_has_been_started(
 
     async def main() -> None:
         ready = asyncio.Event()
-        monkeypatch.setattr("dray.cli.runtime.gateway_process.say_ready", lambda _name: ready.set())
+        monkeypatch.setattr("dray.cli.runtime.gateway.gateway_process.say_ready", lambda _name: ready.set())
         async with asyncio.timeout(PATIENCE_S), asyncio.TaskGroup() as group:
             first = group.create_task(run_historian(Surroundings(settings, plant)))
             await ready.wait()

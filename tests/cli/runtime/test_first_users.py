@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from pathlib import Path
 
-from dray.cli.runtime.first_users import welcome
+from dray.cli.runtime.gateway.first_users import welcome
 from dray.plant import default_plant
 from dray.store import open_store
 

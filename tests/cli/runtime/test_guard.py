@@ -10,8 +10,8 @@ from typing import Any
 import pytest
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
-from dray.cli.runtime.guard import BODY_S, HEAD_S, SPARE_FILES, STALL_S, Guard, room_for
-from dray.cli.runtime.serving import Server, listen
+from dray.cli.runtime.gateway.guard import BODY_S, HEAD_S, SPARE_FILES, STALL_S, Guard, room_for
+from dray.cli.runtime.gateway.serving import Server, listen
 from dray.settings import Settings
 
 

@@ -11,8 +11,8 @@ from collections.abc import AsyncIterator
 import pytest
 from fastapi import FastAPI
 
-from dray.cli.runtime.service import Service, greeting_of
-from dray.cli.runtime.serving import Server, asked_by_signals, listen
+from dray.cli.runtime.gateway.service import Service, greeting_of
+from dray.cli.runtime.gateway.serving import Server, asked_by_signals, listen
 from dray.errors import UnavailableError
 from dray.plant import default_plant
 from dray.settings import Settings

@@ -20,7 +20,7 @@ from prometheus_client.registry import Collector
 from wall_clock import NOW_S, Wall
 
 from dray.adapters.security.signing import SigningKey
-from dray.cli.runtime.operators import OperatorWorkers
+from dray.cli.runtime.gateway.operators import OperatorWorkers
 from dray.gateway.access.access import Access
 from dray.gateway.access.login.hasher import Hasher
 from dray.gateway.access.principal import Role, Scope

@@ -10,12 +10,12 @@ from layout_files import edge, layout, lif, node, station
 
 from dray.errors import PlantError
 from dray.plant import Plant, PlantFile
-from dray.plant.drawing import draw
 from dray.plant.exchange.assemble import Imported
 from dray.plant.exchange.read import read_layout
 from dray.plant.file.document import write_document
 from dray.plant.file.file import document_faults, parse_plant
 from dray.plant.file.unfinished import drawable
+from dray.plant.planning.drawing import draw
 
 LINE = [node("a", 0, 0), node("b", 10, 0)]
 HALF_CIRCLE = {

@@ -8,11 +8,11 @@ import pytest
 from layout_files import model
 
 from dray.errors import PlantError
-from dray.plant.drawing import draw
 from dray.plant.exchange.assemble import Imported
 from dray.plant.exchange.curves import bezier, length_m
 from dray.plant.exchange.read import read_layout
 from dray.plant.file.unfinished import drawable
+from dray.plant.planning.drawing import draw
 
 
 def read(content: bytes) -> Imported:

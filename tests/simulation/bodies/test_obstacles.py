@@ -6,7 +6,7 @@ import pytest
 from yard import LIGHT, PLANT, Yard, drive, passed
 
 from dray.body import WayBlocked, WayDone, WayFree
-from dray.plant.rectangles import Rectangle, gap_m
+from dray.plant.floor.rectangles import Rectangle, gap_m
 from dray_sim.bodies.floor import Floor
 from dray_sim.bodies.obstacles import CLEAR_M, SIZES_M, STEP_M, Obstacles
 from dray_sim.clock.loop import VirtualClock

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from dray.messages import AtvHeartbeat
 from dray.plant import default_plant
-from dray.plant.rectangles import gap_m
+from dray.plant.floor.rectangles import gap_m
 from dray_sim.bodies.vehicle.course import Course
 from dray_sim.bodies.vehicle.motion import STANDSTILL, Stretch, plan
 from dray_sim.bodies.vehicle.vehicle import SimVehicle

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from dray.plant import Plant, load_plant
-from dray.plant.sketch import Wishes, sketch
+from dray.plant.planning.sketch import Wishes, sketch
 from dray_sim.run.evidence import HELD
 from dray_sim.run.stage import Shift, Stage, play
 

@@ -34,7 +34,7 @@ def gateway(
     """Run a gateway: panels and API for a plant whose agents run elsewhere."""
     import asyncio
 
-    from dray.cli.runtime.gateway_process import run_gateway
+    from dray.cli.runtime.gateway.gateway_process import run_gateway
     from dray.cli.runtime.options import load_settings
     from dray.cli.runtime.surroundings import Surroundings
 
@@ -51,7 +51,7 @@ def historian(db: Database = None, settings: SettingsFile = None) -> None:
     """Run the historian, which writes what happens to the database; one is enough."""
     import asyncio
 
-    from dray.cli.runtime.gateway_process import run_historian
+    from dray.cli.runtime.gateway.gateway_process import run_historian
     from dray.cli.runtime.options import load_settings
     from dray.cli.runtime.surroundings import Surroundings
 

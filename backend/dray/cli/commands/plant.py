@@ -44,7 +44,7 @@ def check(
     """
     from dray.cli.runtime.output import write_json
     from dray.plant import load_plant, sum_up
-    from dray.plant.advice import advice
+    from dray.plant.planning.advice import advice
 
     chosen = load_plant(file)
     typer.echo(sum_up(chosen))
@@ -87,8 +87,8 @@ def draw(
 ) -> None:
     """Draw a plant file as a picture (SVG), for a browser or a document; of one that is not finished, what is in it."""
     from dray.cli.runtime.output import write_text
-    from dray.plant.drawing import draw as drawn
     from dray.plant.file.file import unfinished_plant
+    from dray.plant.planning.drawing import draw as drawn
 
     chosen, faults = unfinished_plant(file)
     if faults:
@@ -119,9 +119,9 @@ def new(
     from dray.cli.runtime.output import write_text
     from dray.errors import SettingsError
     from dray.plant import parse_plant, plant_yaml, sum_up
-    from dray.plant.advice import advice
+    from dray.plant.planning.advice import advice
+    from dray.plant.planning.sketch import Wishes, sketch
     from dray.plant.plant import Plant
-    from dray.plant.sketch import Wishes, sketch
 
     if out.exists() and not force:
         raise SettingsError("OUT", f"{out} is there already: choose another file, or give --force")

@@ -31,9 +31,9 @@ from dray.cli.fleet.process_registry import RegistryWriter, read_registry
 from dray.cli.fleet.process_specs import DISTANCES, specs_of
 from dray.cli.fleet.process_supervisor import Filling, ProcessSupervisor
 from dray.cli.fleet.software import OWN
-from dray.cli.runtime.authority import authority_of
+from dray.cli.runtime.gateway.authority import authority_of
+from dray.cli.runtime.gateway.serving import listen, stopped_by_signals
 from dray.cli.runtime.roster import FLOOR
-from dray.cli.runtime.serving import listen, stopped_by_signals
 from dray.errors import UnavailableError
 from dray.gateway.access.tokens import new_token
 from dray.plant import Plant, is_shipped

@@ -7,7 +7,7 @@ import logging
 from datetime import UTC, datetime
 from random import Random
 
-from dray.cli.runtime.service import Customers
+from dray.cli.runtime.gateway.service import Customers
 from dray.gateway.http.problems import Problem
 from dray.gateway.orders.drafts import OrderDraft
 from dray.gateway.orders.placement import OrderPlacement

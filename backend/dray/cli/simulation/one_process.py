@@ -19,10 +19,10 @@ from opentelemetry.sdk.trace import TracerProvider
 
 from dray.adapters.security.signing import SigningKey
 from dray.adapters.vda5050.link import BrokerAddress
-from dray.cli.runtime.authority import authority_of
-from dray.cli.runtime.first_users import welcome
-from dray.cli.runtime.operators import OperatorWorkers
-from dray.cli.runtime.service import (
+from dray.cli.runtime.gateway.authority import authority_of
+from dray.cli.runtime.gateway.first_users import welcome
+from dray.cli.runtime.gateway.operators import OperatorWorkers
+from dray.cli.runtime.gateway.service import (
     Service,
     greeting_of,
     historian_of,
@@ -30,8 +30,8 @@ from dray.cli.runtime.service import (
     with_admin_token,
     with_stop_port,
 )
-from dray.cli.runtime.serving import address_of, listen
-from dray.cli.runtime.stop_path import StopPath, listen_for_stops
+from dray.cli.runtime.gateway.serving import address_of, listen
+from dray.cli.runtime.gateway.stop_path import StopPath, listen_for_stops
 from dray.cli.runtime.telemetry.logs import prepare_logs
 from dray.cli.runtime.telemetry.traces import traced, watched
 from dray.cli.simulation.factory_meter import FactoryMeter

@@ -14,11 +14,11 @@ import msgspec
 
 from dray.errors import PlantError
 from dray.plant import Plant, PlantFile, parse_plant
-from dray.plant.advice import advice
 from dray.plant.exchange.onto import put_onto
 from dray.plant.exchange.read import read_layout
 from dray.plant.file.document import read_document, write_document
 from dray.plant.file.file import document_faults
+from dray.plant.planning.advice import advice
 
 OWN = frozenset({"closed", "plan"})
 """Sections of a draft that no plant file has."""

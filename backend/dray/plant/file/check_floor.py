@@ -7,11 +7,11 @@ from collections.abc import Iterator
 from itertools import pairwise
 from math import ceil, hypot
 
-from dray.plant.geometry import area_m2, crossed_edges
+from dray.plant.floor.geometry import area_m2, crossed_edges
+from dray.plant.floor.shapes import corner_names, corners_of, floor_of
 from dray.plant.layout import dock_nodes, stop_names
 from dray.plant.model import Area, Box, Lane, Node, PlantFile
 from dray.plant.roads import Roads
-from dray.plant.shapes import corner_names, corners_of, floor_of
 
 MAX_SIDE_M = 10_000.0
 """Ten kilometres: no factory floor is longer, but one written in millimetres is."""

@@ -16,7 +16,7 @@ from math import hypot
 from dray.messages import DutyStatus, OperatorHeartbeat, ProblemKind
 from dray.messages.people.call import ASKED_MAX
 from dray.plant import Plant
-from dray.plant.geometry import box_of
+from dray.plant.floor.geometry import box_of
 
 ASKED_IN_ROUND = (1, 3, ASKED_MAX)
 """How many are asked at a time: one at first, so that nobody runs for nothing."""

@@ -13,8 +13,8 @@ from itertools import count
 from math import cos, inf, sin
 
 from dray.plant import Plant, bends
+from dray.plant.floor.motion import limit_mps
 from dray.plant.model import VehicleType
-from dray.plant.motion import limit_mps
 from dray.protocol.traffic.places import Places
 from dray.protocol.traffic.prices import OBSTRUCTED_S, STANDS_S, Prices
 

@@ -9,7 +9,7 @@ from itertools import count
 from random import Random
 
 from dray.plant import Plant
-from dray.plant.advice_floor import floor_advice
+from dray.plant.planning.advice_floor import floor_advice
 from dray_sim.bench.traffic.plants import spurred
 
 PITCH_M, SPUR_M = 5.0, 2.5

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import cos, hypot, sin
 
-from dray.plant.rectangles import Rectangle
+from dray.plant.floor.rectangles import Rectangle
 from dray_sim.bodies.vehicle.motion import Profile
 
 

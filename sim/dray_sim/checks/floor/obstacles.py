@@ -7,7 +7,7 @@ beats: of what it has met itself it has told, as long as it has WLAN; and of not
 from __future__ import annotations
 
 from dray.messages import AtvHeartbeat, Link, Message, ObstacleSeen
-from dray.plant.rectangles import gap_m
+from dray.plant.floor.rectangles import gap_m
 from dray.plant.restrictions import Ends
 from dray.protocol.closures.obstacles import lane_of
 from dray.protocol.vehicle.atv import Atv

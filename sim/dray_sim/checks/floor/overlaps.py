@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from math import floor, pi
 
 from dray.messages import Message
-from dray.plant.rectangles import Rectangle, gap_m
+from dray.plant.floor.rectangles import Rectangle, gap_m
 from dray_sim.bodies.vehicle.course import Course
 from dray_sim.bodies.vehicle.vehicle import SimVehicle
 from dray_sim.checks.broken import InvariantBroken

@@ -91,7 +91,7 @@ def signing(db: Database = None) -> None:
     """Print the public key by which gateways on this database sign people's commands (DRAY_TRUSTED_KEYS)."""
     import asyncio
 
-    from dray.cli.runtime.authority import authority_of
+    from dray.cli.runtime.gateway.authority import authority_of
     from dray.cli.runtime.options import load_settings
     from dray.store import open_store
 

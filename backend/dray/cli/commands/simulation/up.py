@@ -71,8 +71,8 @@ def up(
     import asyncio
 
     from dray.cli.commands.plant import chosen_plant
+    from dray.cli.runtime.gateway.service import Service
     from dray.cli.runtime.options import load_settings
-    from dray.cli.runtime.service import Service
     from dray.cli.simulation.customers import customers_of
     from dray.cli.simulation.one_process import run_service
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from dray.plant.geometry import inside
+from dray.plant.floor.geometry import inside
 from dray.plant.model import MachineSpec, PlantFile, Point
 
 

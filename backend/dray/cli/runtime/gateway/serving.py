@@ -12,7 +12,7 @@ from typing import Any
 
 import uvicorn
 
-from dray.cli.runtime.guard import Guard, guarded, room_for
+from dray.cli.runtime.gateway.guard import Guard, guarded, room_for
 from dray.errors import UnavailableError
 from dray.settings import Settings
 
@@ -148,7 +148,7 @@ class Server(uvicorn.Server):
             # To asyncio: how many are accepted in one go, before the guard sees any of them.
             backlog=ACCEPTED_AT_ONCE,
             log_level=settings.log_level,
-            # Ours: see `dray.cli.runtime.service`.
+            # Ours: see `dray.cli.runtime.gateway.service`.
             log_config=None,
             access_log=settings.log_level == "debug",
             # Else uvicorn would believe every program on this machine what address it speaks for.

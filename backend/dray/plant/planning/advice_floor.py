@@ -11,9 +11,9 @@ from itertools import product
 from math import floor, hypot, pi
 from typing import TypeVar
 
+from dray.plant.floor.rectangles import Rectangle, driven, gap_m, standing
 from dray.plant.layout import Size
 from dray.plant.plant import Plant
-from dray.plant.rectangles import Rectangle, driven, gap_m, standing
 from dray.plant.roads import DirectedLane
 
 T = TypeVar("T")

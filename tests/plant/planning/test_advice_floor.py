@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from dray.plant import Lane, Node, Parking, Plant, Point, VehicleType, load_plant
-from dray.plant.advice import advice
-from dray.plant.advice_floor import floor_advice
-from dray.plant.rectangles import Rectangle, gap_m
+from dray.plant.floor.rectangles import Rectangle, gap_m
+from dray.plant.planning.advice import advice
+from dray.plant.planning.advice_floor import floor_advice
 
 KIND = VehicleType("kind", "Kind", length_m=1.0, width_m=0.6)
 

@@ -15,8 +15,8 @@ from dataclasses import dataclass
 from dray.adapters.crossing import Crossing
 from dray.adapters.security.signing import SigningKey
 from dray.adapters.system_clock import SystemClock
-from dray.cli.runtime.guard import Guard
-from dray.cli.runtime.serving import Server, listen, proxies
+from dray.cli.runtime.gateway.guard import Guard
+from dray.cli.runtime.gateway.serving import Server, listen, proxies
 from dray.cli.runtime.telemetry.logs import quieten
 from dray.errors import UnavailableError
 from dray.gateway.access.access import Access

@@ -8,7 +8,7 @@ import pytest
 from msgspec.structs import replace
 
 from dray.plant import SHIPPED, Plant, default_plant, load_plant
-from dray.plant.drawing import KINDS, draw
+from dray.plant.planning.drawing import KINDS, draw
 from dray_sim.plants.draw import draw_plant
 
 SVG = "{http://www.w3.org/2000/svg}"

@@ -15,7 +15,6 @@ from math import ceil
 
 import msgspec
 
-from dray.plant.advice import advice
 from dray.plant.model import (
     Area,
     BillLine,
@@ -37,6 +36,7 @@ from dray.plant.model import (
     Warehouse,
     WorkingStation,
 )
+from dray.plant.planning.advice import advice
 from dray.plant.plant import Plant
 
 PITCH_M = 6.0

@@ -6,8 +6,8 @@ import pytest
 from variants import variants
 
 from dray.plant import Plant, parse_plant, plant_yaml
-from dray.plant.advice import advice
-from dray.plant.sketch import Wishes, sketch
+from dray.plant.planning.advice import advice
+from dray.plant.planning.sketch import Wishes, sketch
 
 
 @pytest.mark.parametrize("machines", variants((1, 3, 40), 1, 40))

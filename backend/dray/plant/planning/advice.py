@@ -1,8 +1,8 @@
 """What a plant file may say, and what will starve all the same: warnings, each with a figure and what to do.
 
 Faults (`dray.plant.file.check`) say that a plant cannot be run at all. A warning says that it can, and how far: which
-resource is full before the machines are (`dray.plant.flow`), who cannot be replaced, where nobody gets away, where
-the floor is too narrow for the vehicles (`dray.plant.advice_floor`).
+resource is full before the machines are (`dray.plant.planning.flow`), who cannot be replaced, where nobody gets away, where
+the floor is too narrow for the vehicles (`dray.plant.planning.advice_floor`).
 """
 
 from __future__ import annotations
@@ -11,9 +11,9 @@ from collections.abc import Iterator
 
 import msgspec
 
-from dray.plant.advice_floor import floor_advice
-from dray.plant.flow import USABLE_FRAC, Flow, Limit
 from dray.plant.model import Material, Product
+from dray.plant.planning.advice_floor import floor_advice
+from dray.plant.planning.flow import USABLE_FRAC, Flow, Limit
 from dray.plant.plant import Plant
 
 GOOD_LOAD_FRAC = 0.85

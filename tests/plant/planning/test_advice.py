@@ -7,8 +7,8 @@ import re
 import pytest
 
 from dray.plant import Plant, default_plant, parse_plant
-from dray.plant.advice import Advice, advice
-from dray.plant.flow import Flow
+from dray.plant.planning.advice import Advice, advice
+from dray.plant.planning.flow import Flow
 from dray_sim.scenarios.paper.laboratory import only_on
 
 

@@ -7,11 +7,10 @@ import contextlib
 import time
 
 from dray.adapters.system_clock import SystemClock
-from dray.cli.runtime.authority import authority_of
-from dray.cli.runtime.first_users import welcome
-from dray.cli.runtime.operators import OperatorWorkers
-from dray.cli.runtime.readiness import say_ready
-from dray.cli.runtime.service import (
+from dray.cli.runtime.gateway.authority import authority_of
+from dray.cli.runtime.gateway.first_users import welcome
+from dray.cli.runtime.gateway.operators import OperatorWorkers
+from dray.cli.runtime.gateway.service import (
     Customers,
     Service,
     greeting_of,
@@ -20,8 +19,9 @@ from dray.cli.runtime.service import (
     with_admin_token,
     with_stop_port,
 )
-from dray.cli.runtime.serving import address_of, listen, stopped_by_signals
-from dray.cli.runtime.stop_path import StopPath, listen_for_stops
+from dray.cli.runtime.gateway.serving import address_of, listen, stopped_by_signals
+from dray.cli.runtime.gateway.stop_path import StopPath, listen_for_stops
+from dray.cli.runtime.readiness import say_ready
 from dray.cli.runtime.surroundings import Surroundings
 from dray.cli.runtime.telemetry.bus_meter import BusMeter
 from dray.cli.runtime.telemetry.clock_meter import ClockMeter
