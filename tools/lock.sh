@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Pins every dependency with hashes: requirements.txt to run, requirements-dev.txt to build and test.
-# Resolves against the default index alone, so that the files hold no address and the hashes of all
+# Pins every dependency with hashes: requirements.txt to run, requirements-dev.txt to build and test,
+# requirements-pip.txt to install them. Resolves against the default index alone, so that the files hold no address and the hashes of all
 # platforms. Usage: tools/lock.sh PYTHON [pip-compile options, as --upgrade]
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -18,3 +18,4 @@ options=(--quiet --generate-hashes --strip-extras --resolver=backtracking
 "$tools/bin/pip-compile" "${options[@]}" "$@" --output-file requirements.txt pyproject.toml
 "$tools/bin/pip-compile" "${options[@]}" "$@" --extra dev --constraint requirements.txt \
     --output-file requirements-dev.txt pyproject.toml
+echo pip | "$tools/bin/pip-compile" "${options[@]}" "$@" --allow-unsafe --output-file requirements-pip.txt -
