@@ -20,11 +20,19 @@ from wall_clock import NOW_S
 
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.timescale import TimeScale
+from dray.gateway.orders import outbox
 
 
 @pytest.fixture(scope="session")
 def anyio_backend() -> str:
     return "asyncio"
+
+
+@pytest.fixture(autouse=True)
+def nothing_is_repeated(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What agents do not answer is said once, however slow the machine is; a test of repetitions says its pauses."""
+    if "url" in request.fixturenames:
+        monkeypatch.setattr(outbox, "PAUSE_S", (3600.0, 3600.0))
 
 
 @pytest.fixture
