@@ -68,8 +68,8 @@ define stage
 endef
 
 test: ## All checks, without the tests of `test-long`
-	@$(MAKE) --no-print-directory --jobs 3 $(SYNC) setup programs panels-test types panels-types lint imports collected
-	@$(MAKE) --no-print-directory pytest
+	@$(MAKE) --no-print-directory --jobs 3 $(SYNC) setup programs lint imports collected
+	@$(MAKE) --no-print-directory --jobs 4 $(SYNC) AT_ONCE='>&3' pytest types panels-types panels-test 3>&1
 
 test-long: setup programs ## What takes minutes: fleets as processes, shifts, searches, fuzz at length, packaging
 	$(call stage,pytest of what takes long)
@@ -109,9 +109,10 @@ collected: setup
 	$(call stage,pytest finds its tests)
 	@$(PYTEST) --collect-only --quiet --quiet > $(STAMPS)/collected.txt || { cat $(STAMPS)/collected.txt; false; }
 
+# `AT_ONCE` leads past the output that make keeps back until a target is done: how far it is, is told meanwhile.
 pytest: setup programs ## Python's tests: units, simulation, gateway, store, browser
-	$(call stage,pytest)
-	$(PYTEST) -n $(WORKERS) --dist worksteal --durations 20 -m "not slow" $(ARGS)
+	$(call stage,pytest) $(AT_ONCE)
+	$(PYTEST) -n $(WORKERS) --dist worksteal --durations 20 -m "not slow" $(ARGS) $(AT_ONCE)
 
 programs: ## What tests need besides Python, where it may be installed: Chromium, PostgreSQL, iproute2
 	$(call stage,Chromium)

@@ -54,7 +54,7 @@ def played(floor: str, seed: int, quality: Quality, *, gap_s: float = 0.0, span_
     return world
 
 
-@pytest.mark.parametrize("floor", FLOORS)
+@pytest.mark.parametrize("floor", variants(FLOORS, "default", "corridor"))
 @pytest.mark.parametrize("quality", variants([GOOD, POOR, SLOW]), ids=["good", "poor", "slow"])
 def test_nobody_overlaps_and_nobody_is_stuck(floor: str, quality: Quality) -> None:
     world = played(floor, 1, quality)
@@ -160,11 +160,13 @@ def test_a_grant_without_the_book_is_found(monkeypatch: pytest.MonkeyPatch) -> N
     assert found.overlaps
 
 
+@pytest.mark.slow
 def test_a_grant_that_no_majority_has_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Copies, "majority", property(lambda self: 1))
     assert faults_of("bridge", range(12), POOR, 8.0).double_holds
 
 
+@pytest.mark.slow
 def test_a_release_that_is_believed_too_early_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
     def strike(self: Book, wish: PlaceWished, atv: str) -> bool:
         gone = [line.place for line in self.of(atv) if line.place not in wish.holds]

@@ -10,6 +10,7 @@ from answers import problem
 from fake_bus import PLANT
 from gateway_kit import House
 from tracking_kit import GERMAN, GOAL, MACHINE, OTHER_MACHINE, VEHICLE, WAY_OUT, Story, assert_private, iso
+from variants import variants
 from wall_clock import NOW_S
 
 from dray.gateway.tracking.facts import KEPT_S
@@ -65,7 +66,7 @@ async def whole_life(house: House) -> list[Story]:
     return stories
 
 
-@pytest.mark.parametrize("language", ["en", "de", "es"])
+@pytest.mark.parametrize("language", variants(["en", "de", "es"]))
 async def test_neither_page_nor_data_name_anything_of_the_factory(house: House, language: str) -> None:
     secret = ids_of_the_plant() | {GOAL, WAY_OUT, "strategist", "Muster GmbH", PLANT.plant}
     assert {MACHINE, VEHICLE, "S1", "a1"} <= secret
