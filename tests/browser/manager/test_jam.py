@@ -37,6 +37,9 @@ QUEUE = {
 }
 """Each vehicle's node, the way before it, what it holds, and for whom it waits; the first one is at the dock of M8."""
 
+LONG = re.compile(r"\b[2-9]:\d\d")
+"""Two minutes and more: the clock goes on while a slow browser draws."""
+
 SENTENCE = "ATV5 waits for ATV3, which waits for ATV7 at the dock of M8"
 
 
@@ -127,7 +130,7 @@ def test_a_jam_is_one_alert_a_sentence_and_a_place_on_the_map_until_it_is_gone(
     expect(inbox).to_contain_text(
         re.compile(r"Jam: 3 vehicles \(ATV3, ATV5, ATV2\) wait for ATV7 at the dock of M8")
     )
-    expect(note.get_by_role("listitem").first).to_contain_text("2:0")
+    expect(note.get_by_role("listitem").first).to_contain_text(LONG)
     screenshot(page, f"jam-{scheme}")
     shown = picture(page)
     layer.click()
@@ -153,7 +156,7 @@ def test_an_operator_reads_for_whom_the_vehicles_of_the_area_wait(
     waits = card(page, "ATV5").locator(".waits")
     words = {"en": "waits for ATV3, which waits for ATV7", "de": "wartet auf ATV3; dieses wartet auf ATV7"}
     expect(waits).to_contain_text(words[look[-2:]])
-    expect(waits).to_contain_text("2:0")
+    expect(waits).to_contain_text(LONG)
     expect(card(page, "ATV2")).to_have_count(0)
     expect(card(page, "ATV7").locator(".waits")).to_have_count(0)
     assert "ATV2" not in page.content(), "it stands outside of the area"

@@ -158,7 +158,7 @@ def test_the_keyboard_alone_chooses_on_the_map_and_leads_to_the_alerts(
     traffic.focus()
     page.keyboard.press("Space")
     expect(traffic).to_have_attribute("aria-pressed", "true")
-    page.get_by_role("link", name="No alarms").focus()
+    page.locator(".alerts-button").focus()
     page.keyboard.press("Enter")
     expect(page.get_by_role("heading", name="Alerts")).to_be_visible()
 

@@ -17,7 +17,7 @@ WHY = "accepts transports and does not move"
 
 @pytest.fixture(scope="module")
 def factory(start_dray) -> Iterator[str]:
-    dray = start_dray("--speed", "10", "--seed", "3")
+    dray = start_dray("--seed", "3")
     yield dray.url
     assert dray.stop() == 0, dray.output()
 
