@@ -6,11 +6,10 @@ import { jamText } from "../text/wait";
 
 /** @param speed factory seconds per real second */
 export function whatText(alert: AlertView, nowS: number, speed: number): string {
-  const what = kindText(alert, nowS, speed);
-  if (alert.cause === null) return what;
-  const { vehicles } = alert;
-  const why = alert.cause.wait !== null && vehicles.length > 0 ? jamText(vehicles, alert.cause.wait) : causeText(alert.cause);
-  return `${what}: ${why}`;
+  const { agents, call, cause } = alert;
+  let said = kindText(alert, nowS, speed);
+  if (cause !== null) said += `: ${cause.wait !== null && agents.length > 0 ? jamText(agents, cause.wait) : causeText(cause)}`;
+  return call === null ? said : `${said}; ${t(`alerts.call.${call}`)}`;
 }
 
 export function asksText(alert: AlertView): string {
@@ -28,6 +27,8 @@ function kindText(alert: AlertView, nowS: number, speed: number): string {
     case "machine_lost":
     case "atv_lost":
       return t("alerts.what.lost", { age: format.age(nowS - (seen_at_s ?? nowS)) });
+    case "part_lost":
+      return t("alerts.what.part_lost", { age: format.age(nowS - (seen_at_s ?? nowS)), agents: format.list(alert.agents) });
     case "atv_awaited":
       return t("alerts.what.atv_awaited", { keepers: format.list(alert.keepers) });
     case "station_lost":
@@ -46,6 +47,12 @@ function kindText(alert: AlertView, nowS: number, speed: number): string {
     }
     case "atv_battery":
       return t("alerts.what.atv_battery", { percent: format.percent(battery_frac ?? 0) });
+    case "access_point":
+      return t("alerts.what.access_point", {
+        point: alert.access_point,
+        age: format.age(nowS - (seen_at_s ?? nowS)),
+        atvs: format.list(alert.agents),
+      });
     case "atv_mesh":
       return meshText(alert, nowS);
     case "order_late":
@@ -56,11 +63,11 @@ function kindText(alert: AlertView, nowS: number, speed: number): string {
 }
 
 /** Since when, by which access point before, and over whom it is heard: as much of it as is known. */
-function meshText({ access_point: point, seen_at_s: sinceS, vehicles }: AlertView, nowS: number): string {
+function meshText({ access_point: point, agents, seen_at_s: sinceS }: AlertView, nowS: number): string {
   const said = [t("alerts.what.atv_mesh")];
   if (sinceS !== null) said.push(t("alerts.what.atv_meshSince", { age: format.age(nowS - sinceS) }));
   if (point !== "") said.push(t("alerts.what.atv_meshAt", { point }));
-  if (vehicles.length > 0) said.push(t("alerts.what.atv_meshOver", { atvs: format.list(vehicles) }));
+  if (agents.length > 0) said.push(t("alerts.what.atv_meshOver", { atvs: format.list(agents) }));
   return said.join(", ");
 }
 

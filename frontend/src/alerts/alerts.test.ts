@@ -7,7 +7,7 @@ const cause = (more: Partial<CauseView>): CauseView => ({ reason: "", detail: ""
 
 const alert = (more: Partial<AlertView>): AlertView => ({
   id: `${more.kind ?? "machine_error"}-${more.agent ?? "M8"}`, kind: "machine_error", level: "alarm", response: "repair",
-  since_at_s: 100, agent: "M8", task: "", order: "", place: "", vehicles: [], keepers: [], cause: null, by: "", seen_at_s: null, access_point: "", until_at_s: null,
+  since_at_s: 100, agent: "M8", task: "", order: "", place: "", agents: [], call: null, keepers: [], cause: null, by: "", seen_at_s: null, access_point: "", until_at_s: null,
   battery_frac: null, behind_s: null, clock_ahead_s: null, waiting: null, carried_frac: null,
   acknowledged_by: "", acknowledged_at_s: null, ...more,
 });
@@ -48,6 +48,22 @@ describe("an alert says", () => {
     expect(said({ cause: cause({ detail: "spindle" }) })).toBe("Stopped by a fault: spindle");
   });
 
+  test("why nobody comes, after what is wrong", () => {
+    const called = alert({ cause: cause({ detail: "spindle" }), call: "call_nobody", response: "send_somebody" });
+    expect(whatText(called, 100, 1)).toBe("Stopped by a fault: spindle; nobody is on duty there");
+    expect(said({ kind: "atv_help", until_at_s: 142, call: "call_unanswered" })).toBe("Needs help within 42 s; nobody has taken the call");
+  });
+
+  test("what many have lost, and who", () => {
+    const agents = ["ATV1", "ATV4", "M8"];
+    const part = alert({ kind: "part_lost", agent: "", agents, seen_at_s: 70, response: "look_at_part" });
+    expect(whatText(part, 100, 1).replaceAll("\u202f", " ")).toBe("No heartbeat of ATV1, ATV4, M8 for 30 s; they fell silent at the same moment");
+    expect([isOfPlant(part), asksText(part)]).toEqual([true, "See what they share: a part of the network, or power"]);
+    expect(said({ kind: "access_point", agent: "", agents: ["ATV1", "ATV4"], access_point: "AP3", seen_at_s: 70 })).toBe(
+      "No WLAN at access point AP3, for 30 s: ATV1, ATV4 have lost it",
+    );
+  });
+
   test("for what a machine waits", () => {
     const waits = { kind: "machine_starved", cause: cause({ lacks: [{ material: "Rotor", short: ["S3"], silent: [] }] }) } as const;
     expect(said(waits)).toBe("Has waited long for material: Rotor (nothing in storage S3)");
@@ -67,7 +83,7 @@ describe("an alert says", () => {
   test("for how long nothing was heard", () => {
     expect(said({ kind: "atv_lost", seen_at_s: 70 })).toBe("No heartbeat for 30 s");
     expect(said({ kind: "atv_mesh" })).toBe("No WLAN");
-    const mesh = said({ kind: "atv_mesh", seen_at_s: 70, access_point: "AP3", vehicles: ["ATV1"] });
+    const mesh = said({ kind: "atv_mesh", seen_at_s: 70, access_point: "AP3", agents: ["ATV1"] });
     expect(mesh).toBe("No WLAN, for 30 s, last at AP3, heard over ATV1");
     const station = alert({ kind: "station_lost", agent: "S1", response: "look_at_station", seen_at_s: 70 });
     expect(whatText(station, 100, 1).replaceAll("\u202f", " ")).toBe("No heartbeat of its station for 30 s: nobody is promised material from here");

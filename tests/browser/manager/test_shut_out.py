@@ -53,6 +53,8 @@ def test_a_machine_is_shut_out_and_the_alerts_and_the_log_tell_by_whom(
     factory: str, open_page: OpenPage, screenshot: Screenshot
 ) -> None:
     page = open_page(factory)
+    page.get_by_role("link", name="Fleet").click()
+    expect(page.get_by_role("row", name=re.compile("ATV2"))).to_be_visible()
     page.evaluate(
         """async (why) => {
             for (const agent of ["M8", "ATV2"]) await fetch(`/api/agents/${agent}/shut-out`, {
@@ -61,7 +63,6 @@ def test_a_machine_is_shut_out_and_the_alerts_and_the_log_tell_by_whom(
         }""",
         WHY,
     )
-    page.get_by_role("link", name="Fleet").click()
     expect(page.get_by_role("row", name=re.compile("ATV2"))).to_contain_text(f": {WHY}")
     screenshot(page, "shut-out-fleet")
     page.locator(".alerts-button").click()

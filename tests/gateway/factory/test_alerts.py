@@ -117,7 +117,7 @@ def test_a_vehicle_that_has_lost_its_wlan_is_an_alert_that_tells_over_whom_it_is
     )
     alert = the_alert(projection)
     assert (alert.kind, alert.level, alert.response) == ("atv_mesh", "warning", "repair_link")
-    assert alert.vehicles == ("ATV4", "ATV1")
+    assert alert.agents == ("ATV4", "ATV1")
     assert (alert.access_point, alert.seen_at_s) == ("AP3", NOW_S + LOST.since_s / SPEED)
     projection.fold(atv_heartbeat("ATV2", 3, task=CARRYING))
     assert alerts(projection) == []

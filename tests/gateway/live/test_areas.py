@@ -105,7 +105,8 @@ async def test_a_snapshot_holds_what_is_in_the_area(area: str) -> None:
 
 @every_area
 async def test_the_station_of_a_storage_is_seen_with_its_alarm_where_the_storage_stands(area: str) -> None:
-    stage = Stage(*everything(), *(station_heartbeat(storage, at_s=-60.0) for storage in STORAGE.values()))
+    fell_silent = {storage: -60.0 - 30.0 * place for place, storage in enumerate(STORAGE.values())}
+    stage = Stage(*everything(), *(station_heartbeat(each, at_s=at_s) for each, at_s in fell_silent.items()))
     stage.projection.look(NOW_S + 1.0)
     client = stage.join(operator(area))
     frame = await next_of(client)
@@ -115,6 +116,16 @@ async def test_the_station_of_a_storage_is_seen_with_its_alarm_where_the_storage
     stage.wall.now_s += 1.0
     stage.hub.tick()
     assert ids(await next_of(client), "stations") == [STORAGE[area]]
+
+
+@every_area
+async def test_of_many_that_fell_silent_at_once_only_those_of_the_area_are_named(area: str) -> None:
+    stage = Stage(*everything(), *(station_heartbeat(storage, at_s=-60.0) for storage in STORAGE.values()))
+    stage.projection.look(NOW_S + 1.0)
+    frame = await next_of(stage.join(operator(area)))
+    (alert,) = (each for each in frame["alerts"] if each["kind"] == "part_lost")
+    assert sorted(alert["agents"]) == [*[ELSEWHERE] * (len(STORAGE) - 1), STORAGE[area]]
+    assert words(frame) & secrets_of(area) == set()
 
 
 @every_area
@@ -270,7 +281,7 @@ async def test_who_waits_for_one_elsewhere_says_so_and_not_for_whom(area: str) -
     assert (wait["id"], wait["place"], wait["cause"]["chain"]) == (ATV[area], NODE[area], [ELSEWHERE])
     assert wait["text"] == "waits for *, in a circle"
     (jam,) = (each for each in frame["alerts"] if each["kind"] == "jam")
-    assert sorted(set(jam["vehicles"])) == [ELSEWHERE, ATV[area]]
+    assert sorted(set(jam["agents"])) == [ELSEWHERE, ATV[area]]
     (atv,) = frame["atvs"]
     seen = {
         node["id"]

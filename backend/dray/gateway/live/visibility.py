@@ -35,6 +35,7 @@ from dray.gateway.live.views import (
     WaitView,
     WhyView,
 )
+from dray.gateway.live.views.alert import OF_MANY
 from dray.plant import Plant
 from dray.plant.model import PlantFile
 
@@ -235,8 +236,8 @@ class AreaVisibility:
         """What is wrong with a machine, a station, a vehicle or a transport that is seen, and that nothing new is heard at all."""
         if view.kind == "plant_behind":
             return view
-        if view.kind == "jam":
-            return self._jam(view)
+        if view.kind in OF_MANY:
+            return self._of_many(view)
         if view.task:
             task = self._projection.tasks.view(view.task)
             if task is None or not self._concerns(task):
@@ -244,8 +245,8 @@ class AreaVisibility:
             return replace(view, agent=self._who(view.agent), cause=self._cause(view.cause))
         if not view.agent or not self.has(view.agent):
             return None
-        over = tuple(self._who(atv) for atv in view.vehicles)
-        return replace(view, cause=self._cause(view.cause), vehicles=over)
+        over = tuple(self._who(atv) for atv in view.agents)
+        return replace(view, cause=self._cause(view.cause), agents=over)
 
     def command(self, view: CommandView) -> CommandView | None:
         """A command to a vehicle that was there when it was given."""
@@ -336,15 +337,15 @@ class AreaVisibility:
         chain = tuple(who for who, _ in groupby(self._who(atv) for atv in view.chain))
         return replace(view, chain=chain, place=place)
 
-    def _jam(self, view: AlertView) -> AlertView | None:
-        """A jam in which somebody is seen."""
-        if not any(self.has(atv) for atv in view.vehicles):
+    def _of_many(self, view: AlertView) -> AlertView | None:
+        """A jam, or what many have lost, where one of them is seen."""
+        if not any(self.has(agent) for agent in view.agents):
             return None
         return replace(
             view,
             agent=self._who(view.agent),
             place=view.place if view.place in self._places else "",
-            vehicles=tuple(self._who(atv) for atv in view.vehicles),
+            agents=tuple(self._who(agent) for agent in view.agents),
             cause=self._cause(view.cause),
         )
 

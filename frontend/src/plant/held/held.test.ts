@@ -42,7 +42,7 @@ describe("waits", () => {
 });
 
 describe("a jam", () => {
-  const alert = { kind: "jam", vehicles: ["a", "b", "*"], since_at_s: 150 } as AlertView;
+  const alert = { kind: "jam", agents: ["a", "b", "*"], since_at_s: 150 } as AlertView;
 
   test("has all that are seen of it, and lasts since the first one has waited", () => {
     const waits = new Map([["a", wait("a", ["c"], { since_at_s: 120 })], ["b", wait("b", ["x"], { since_at_s: 110 })]]);
@@ -52,7 +52,7 @@ describe("a jam", () => {
   });
 
   test("of which nobody is seen is not drawn", () => {
-    expect(jamsOf([{ ...alert, vehicles: ["*"] }], new Map(), find)).toEqual([]);
+    expect(jamsOf([{ ...alert, agents: ["*"] }], new Map(), find)).toEqual([]);
   });
 });
 

@@ -56,12 +56,12 @@ export interface Jam {
 /** The jams that people are alerted to, as far as those in them are seen. */
 export function jamsOf(alerts: Iterable<AlertView>, waits: ReadonlyMap<string, WaitView>, find: Find): Jam[] {
   return [...alerts].filter(({ kind }) => kind === "jam").flatMap((alert) => {
-    const lines = alert.vehicles.flatMap((id) => {
+    const lines = alert.agents.flatMap((id) => {
       const from = find(id);
       const to = find(waits.get(id)?.cause.chain[0] ?? "") ?? from;
       return from && to ? [{ from, to }] : [];
     });
-    const sinceAtS = Math.min(...alert.vehicles.map((id) => waits.get(id)?.since_at_s ?? alert.since_at_s));
+    const sinceAtS = Math.min(...alert.agents.map((id) => waits.get(id)?.since_at_s ?? alert.since_at_s));
     return lines.length === 0 ? [] : [{ alert, lines, sinceAtS }];
   });
 }

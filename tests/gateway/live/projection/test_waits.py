@@ -245,7 +245,7 @@ def test_three_behind_one_dock_are_one_alert_that_names_all(projection: Projecti
     beat(projection, LONG_WAIT_S + 2, *of)
     (jam,) = now(projection, LONG_WAIT_S + 2)
     assert (jam.id, jam.kind, jam.level, jam.place, jam.agent) == ("jam-M8", "jam", "alarm", "M8", "ATV9")
-    assert jam.vehicles == ("ATV1", "ATV2", "ATV3")
+    assert jam.agents == ("ATV1", "ATV2", "ATV3")
     assert jam.cause.text == "ATV1, ATV2, ATV3 wait for ATV9 at the dock of M8"
 
 
@@ -285,7 +285,7 @@ def test_idle_vehicles_that_look_for_room_ask_nothing_of_people(projection: Proj
     assert now(projection, 125.0) == []
     fold(projection, waiting("ATV5", "ATV4", at_s=125.0))
     (jam,) = now(projection, 125.0)
-    assert jam.vehicles == (*names, "ATV5")
+    assert jam.agents == (*names, "ATV5")
 
 
 # --- REST -------------------------------------------------------------------------------------------

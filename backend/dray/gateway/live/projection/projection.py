@@ -15,7 +15,7 @@ from dray.gateway.live.projection.agents.people import People
 from dray.gateway.live.projection.agents.removals import Removals
 from dray.gateway.live.projection.agents.silence import Silence, heard_until_s, plant_bound_s
 from dray.gateway.live.projection.agents.stations import Stations
-from dray.gateway.live.projection.alerting import alert_rules, wait_rules
+from dray.gateway.live.projection.alerting import alert_rules, causes, wait_rules
 from dray.gateway.live.projection.alerting.alerts import Alerts
 from dray.gateway.live.projection.auctions.tasks import Tasks
 from dray.gateway.live.projection.closures import Closures
@@ -222,7 +222,7 @@ class Projection:
             *alert_rules.of_transports(self.tasks.under_way(), of_atvs),
             *alert_rules.of_orders(self.orders.in_trouble(wall_s), self.orders.impossible(), now),
         )
-        return self.alerts.look(wrong, wall_s)
+        return self.alerts.look(causes.gathered(wrong, now.speed), wall_s)
 
     def traffic_at(self, wall_s: float) -> Iterator[LaneTraffic]:
         """The lanes that were passed, or waited on, within the hour before this moment."""

@@ -10,6 +10,7 @@ from dray.gateway.live.views.cause import CauseView
 
 AlertKind = Literal[
     "plant_behind",
+    "part_lost",
     "machine_lost",
     "machine_error",
     "station_lost",
@@ -38,13 +39,21 @@ AlertKind = Literal[
     "atv_promised",
     "atv_stopped",
     "atv_battery",
+    "access_point",
     "atv_mesh",
 ]
 """What can be wrong; graver kinds first."""
 
+OF_MANY: frozenset[AlertKind] = frozenset(("jam", "access_point", "part_lost"))
+"""Kinds that tell of all their agents at once."""
+
+CallKind = Literal["call_nobody", "call_unanswered"]
+"""Why nobody comes: nobody is on duty there, or nobody who was asked has taken the call."""
+
 AlertResponse = Literal[
     "look_at_server",
     "add_vehicles",
+    "look_at_part",
     "look_at_machine",
     "look_at_station",
     "repair",
@@ -66,6 +75,7 @@ AlertResponse = Literal[
     "look_at_network",
     "clear_way",
     "repair_link",
+    "repair_access_point",
     "send_somebody",
 ]
 """What an alert asks of people."""
@@ -82,8 +92,11 @@ class Condition(View, kw_only=True):
     order: str = ""
     place: str = ""
     """Of a jam before a dock: whose dock that is."""
-    vehicles: tuple[str, ...] = ()
-    """Of a jam: all that wait in it, who has waited longest first. Of a vehicle without WLAN: those over which it is heard, in order."""
+    agents: tuple[str, ...] = ()
+    """Of a jam: all that wait in it, who has waited longest first. Of a vehicle without WLAN: those over which it is heard, in order.
+    Of an access point and of a part of the network: all that have lost it, by name."""
+    call: CallKind | None = None
+    """Of who has called for help in vain: why nobody comes."""
     keepers: tuple[str, ...] = ()
     """Of a vehicle that is awaited: the machines and storages that grant no places before it has told what it holds."""
     cause: CauseView | None = None
@@ -91,9 +104,9 @@ class Condition(View, kw_only=True):
     by: str = ""
     """Who is on the way to help, or has shut the agent out."""
     seen_at_s: float | None = None
-    """Of who is lost: when it was last heard. Of a call for help, or without WLAN: since when."""
+    """Of who is lost: when it was last heard, of many the first of them. Of a call for help, or without WLAN: since when."""
     access_point: str = ""
-    """Of a vehicle without WLAN: over which it was on it last; empty where that is not known."""
+    """Over which vehicles without WLAN were on it last; empty where that is not known."""
     until_at_s: float | None = None
     """How long help is waited for, or when the order was due."""
     battery_frac: float | None = None
@@ -110,9 +123,12 @@ class Condition(View, kw_only=True):
     def alert(self) -> str:
         """The id of its alert: the same one as long as the same thing is wrong with the same subject."""
         subject = self.order or self.task or self.agent
-        if self.kind == "jam":
-            # Whoever sees only a part of the jam is not told by its name who stands elsewhere.
-            subject = self.place or blake2s(subject.encode(), digest_size=4).hexdigest()
+        if self.kind == "access_point":
+            subject = self.access_point
+        elif self.kind in OF_MANY:
+            # Whoever sees only a part of it is not told by its name who is elsewhere.
+            first = (subject or self.agents[0]).encode()
+            subject = self.place or blake2s(first, digest_size=4).hexdigest()
         return f"{self.kind}-{subject}" if subject else self.kind
 
 

@@ -208,7 +208,7 @@ def of_atvs(
             yield Condition(
                 kind="atv_mesh",
                 agent=agent,
-                vehicles=heard.via,
+                agents=heard.via,
                 seen_at_s=None if lost is None else now.to_wall_s(lost.since_s),
                 access_point="" if lost is None else lost.access_point,
             )

@@ -20,6 +20,7 @@ from dray.store.factory.acknowledgements import Acknowledgement
 RESPONSES: Mapping[AlertKind, tuple[Literal["alarm", "warning"], AlertResponse]] = {
     "plant_behind": ("alarm", "look_at_server"),
     "overloaded": ("warning", "add_vehicles"),
+    "part_lost": ("alarm", "look_at_part"),
     "machine_lost": ("alarm", "look_at_machine"),
     "station_lost": ("alarm", "look_at_station"),
     "machine_error": ("alarm", "repair"),
@@ -37,6 +38,7 @@ RESPONSES: Mapping[AlertKind, tuple[Literal["alarm", "warning"], AlertResponse]]
     "atv_stopped": ("warning", "resume"),
     "atv_battery": ("warning", "bring_to_charger"),
     "atv_mesh": ("warning", "repair_link"),
+    "access_point": ("warning", "repair_access_point"),
     "atv_awaited": ("alarm", "switch_on"),
     "jam": ("alarm", "clear_way"),
     "atv_waits": ("warning", "clear_way"),
@@ -154,7 +156,7 @@ def is_meant(alert: AlertView, acknowledgement: Acknowledgement) -> bool:
 
 
 def _view(condition: Condition, wall_s: float) -> AlertView:
-    level, response = RESPONSES[condition.kind]
+    level, response = RESPONSES[condition.call or condition.kind]
     return AlertView(
         id=condition.alert,
         level=level,

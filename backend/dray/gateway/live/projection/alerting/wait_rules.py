@@ -89,6 +89,6 @@ def _jam(views: list[WaitView], waits: Waits) -> Condition:
         kind="jam",
         agent=ends[0],
         place=cause.place,
-        vehicles=vehicles,
+        agents=vehicles,
         cause=CauseView(wait=cause, text=jam_text(vehicles, cause)),
     )
