@@ -20,13 +20,14 @@ from dray.gateway.routes.factory import (
 )
 from dray.gateway.routes.factory.floor import carrying, closures, obstacles, traffic, waits
 from dray.gateway.routes.history import audit, events, kpis, promises
-from dray.gateway.routes.orders import imports, orders, track, transports
+from dray.gateway.routes.orders import imports, orders, timeline, track, transports
 from dray.gateway.routes.pages import customer, docs, login, panels
 
 API = (
     # Its path looks like that of an order, so it comes first.
     imports,
     orders,
+    timeline,
     track,
     transports,
     products,

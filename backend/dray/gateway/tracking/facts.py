@@ -60,7 +60,7 @@ async def facts_of(store: Store, projection: Projection, token: str, now_s: floa
         why = _ended(link, order, now_s)
         if why is not None:
             return Found(None, why)
-        return Found(await _gathered(projection, work, order, now_s))
+        return Found(await facts_of_order(projection, work, order, now_s))
 
 
 def _ended(link: Link, order: Order, now_s: float) -> NoPage | None:
@@ -74,7 +74,15 @@ def _ended(link: Link, order: Order, now_s: float) -> NoPage | None:
     return NoPage.EXPIRED if ends_s is not None and ends_s <= now_s else None
 
 
-async def _gathered(projection: Projection, work: Work, order: Order, now_s: float) -> Facts:
+async def facts_of_order(projection: Projection, work: Work, order: Order, now_s: float) -> Facts:
+    """All that is known of an order.
+
+    Args:
+        projection: what happens now.
+        work: what has happened.
+        order: the order.
+        now_s: wall clock.
+    """
     names = {product.id: product.name for product in projection.site.plant.file.products}
     goals = tuple((await work.goals.of_orders([order.id]))[order.id])
     times = await work.milestones.of_order(order.id)

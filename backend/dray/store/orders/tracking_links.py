@@ -44,6 +44,13 @@ class Links:
         row = (await self._connection.execute(query)).one_or_none()
         return None if row is None else Link(**row._mapping)  # noqa: SLF001 - SQLAlchemy's public name
 
+    async def of_order(self, order_id: str) -> list[Link]:
+        """All links to the page of an order, ended ones too, newest first."""
+        columns = [tracking_links.c[name] for name in Link.__struct_fields__]
+        query = select(*columns).where(tracking_links.c.order_id == order_id)
+        rows = await self._connection.execute(query.order_by(tracking_links.c.created_at_s.desc()))
+        return [Link(**row._mapping) for row in rows]  # noqa: SLF001 - SQLAlchemy's public name
+
     async def revoke(self, token: str, at_s: float) -> int:
         """Take one link back; returns how many were taken back by this: 0 or 1."""
         return await self._revoke(tracking_links.c.token_hash == digest(token), at_s)

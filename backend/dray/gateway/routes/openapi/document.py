@@ -44,6 +44,7 @@ from dray.gateway.routes.me import MeAnswer
 from dray.gateway.routes.openapi.examples import examples
 from dray.gateway.routes.orders.imports import ImportAnswer
 from dray.gateway.routes.orders.orders import OrderAnswer
+from dray.gateway.routes.orders.timeline import LinksRevoked, NewLink, OrderStory
 from dray.gateway.routes.orders.transports import TransportAnswer
 from dray.gateway.routes.products import ProductAnswer
 from dray.gateway.tracking.answer import TrackAnswer
@@ -71,6 +72,8 @@ SHAPES = (
     FindingView,
     ImportAnswer,
     KpiHistory,
+    LinksRevoked,
+    NewLink,
     InventoryLine,
     MachineView,
     MaterialAnswer,
@@ -78,6 +81,7 @@ SHAPES = (
     ObstacleView,
     OrderAnswer,
     OrderPreview,
+    OrderStory,
     Outlook,
     PlantFile,
     PlayView,

@@ -37,6 +37,8 @@ from dray.gateway.routes.factory.plant_draft_bodies import LINE_EXAMPLE, PLAY_EX
 from dray.gateway.routes.history.events import EventAnswer
 from dray.gateway.routes.orders.imports import ImportAnswer, ImportedOrder
 from dray.gateway.routes.orders.orders import EXAMPLE as ORDER
+from dray.gateway.routes.orders.timeline import EXAMPLE as STORY
+from dray.gateway.routes.orders.timeline import LinksRevoked, NewLink
 from dray.gateway.routes.orders.transports import EXAMPLE as TRANSPORT
 from dray.gateway.routes.products import EXAMPLE as PRODUCT
 from dray.gateway.tracking.answer import TrackAnswer, TrackEta, TrackStage
@@ -188,6 +190,9 @@ _STRUCTS = (
         fleet=PROMISES,
         items=(msgspec.structs.replace(PROMISES, atv="ATV2"),),
     ),
+    STORY,
+    NewLink(ORDER.tracking_url, NOW_S + 30 * 86_400.0),
+    LinksRevoked(2),
     ImportAnswer(
         orders=(
             ImportedOrder(id=ORDER.id, customer=ORDER.customer, reference=ORDER.reference, items=1, pieces=5),

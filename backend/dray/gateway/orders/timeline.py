@@ -1,0 +1,329 @@
+"""The timeline of an order: its goals, the transports of what was made, who carried them, and what went otherwise. Pure.
+
+Folded from what agents have told (`store.history.events`), so it is the same long after the factory has forgotten the order. Material is
+carried to machines and not to orders: no transport of it is here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Literal
+
+import msgspec
+
+from dray.gateway.live.views.base import View
+from dray.messages import Phase, Transport
+from dray.messages.fact import (
+    AnyFact,
+    CarrierChanged,
+    GoalContracted,
+    GoalLost,
+    GoalWaits,
+    GoalWithdrawn,
+    GoodsDelivered,
+    OrderDropped,
+    OrderFulfilled,
+    OrderReturned,
+    PhaseEntered,
+    PieceMade,
+    TaskClosed,
+    TaskOpened,
+)
+from dray.store.history.events import EventRow
+from dray.store.orders.progress import Goal
+
+TOLD_BY = (
+    *(CarrierChanged, GoalContracted, GoalLost, GoalWaits, GoalWithdrawn, GoodsDelivered, OrderDropped),
+    *(OrderFulfilled, OrderReturned, PhaseEntered, PieceMade, TaskClosed, TaskOpened),
+)
+"""Facts of which a timeline is made."""
+
+MomentKind = Literal[
+    "planned",
+    "moved",
+    "waits",
+    "began",
+    "fetched",
+    "handed_over",
+    "took_over",
+    "announced_anew",
+    "withdrawn",
+    "arrived",
+    "delivered",
+    "dropped",
+    "returned",
+]
+
+
+class LegView(View, kw_only=True):
+    """One vehicle's part of a transport."""
+
+    carrier: str
+    since_at_s: float
+    """It drives to the source."""
+    aboard_at_s: float | None = None
+    """It has the goods; None before."""
+    until_at_s: float | None = None
+    """It has handed over, or was replaced; None while it is under way."""
+    replaced: str = ""
+    """Why another one carries on; empty for whoever brings it."""
+
+
+class WayOutView(View, kw_only=True):
+    """A transport of goods from the machine that made them."""
+
+    task: str
+    goal: str
+    item: str
+    quantity: int
+    source: str
+    destination: str
+    opened_at_s: float
+    closed_at_s: float | None = None
+    outcome: Literal["", "delivered", "withdrawn"] = ""
+    legs: tuple[LegView, ...] = ()
+
+
+class OrderGoalView(View, kw_only=True):
+    """A part of an order that one machine makes."""
+
+    goal: str
+    product: str
+    quantity: int
+    machine: str
+    """Who makes it, or made it last."""
+    made: int = 0
+    delivered: int = 0
+    taken_at_s: float | None = None
+    begun_at_s: float | None = None
+    """The first piece was made."""
+    last_at_s: float | None = None
+    """The last piece so far was made."""
+    promised_at_s: float | None = None
+    """By when its machine has promised it."""
+    ended: Literal["", "lost", "withdrawn"] = ""
+    ended_at_s: float | None = None
+    successor: str = ""
+    """The goal that goes on with what was lost."""
+
+
+class MomentView(View, kw_only=True):
+    """Something that happened to an order. What does not belong to its kind is empty."""
+
+    kind: MomentKind
+    at_s: float
+    task: str = ""
+    goal: str = ""
+    agent: str = ""
+    other: str = ""
+    """Of a takeover: who was replaced. Of a moved goal: whose it was. Of a hand-over: where."""
+    item: str = ""
+    quantity: int = 0
+    reason: str = ""
+    silent_s: float | None = None
+
+
+class TimelineView(View, kw_only=True):
+    """All of an order, oldest first. Times are wall clock seconds."""
+
+    goals: tuple[OrderGoalView, ...] = ()
+    transports: tuple[WayOutView, ...] = ()
+    moments: tuple[MomentView, ...] = ()
+    is_whole: bool = True
+    """Whether all that was told of it has been read, or the first of it only."""
+
+
+_READ = msgspec.json.Decoder(AnyFact)
+
+
+def timeline(rows: Iterable[EventRow], goals: Iterable[Goal], *, is_whole: bool = True) -> TimelineView:
+    """What these events tell of an order.
+
+    Args:
+        rows: of one order, in any order.
+        goals: what SQL knows of its goals.
+        is_whole: whether there are no more of them.
+    """
+    told = _Timeline(goals)
+    in_order = sorted(rows, key=lambda each: (each.plant_s, each.agent, each.incarnation, each.number))
+    # A vehicle's clock may be a little ahead of its coordinator's: what it carries is known before its own words.
+    opened = TaskOpened.__name__
+    for row in sorted(in_order, key=lambda each: each.kind != opened):
+        told.on(_READ.decode(row.fact), row.at_s, row.agent)
+    return told.view(is_whole)
+
+
+class _Timeline:
+    """What was told so far."""
+
+    def __init__(self, goals: Iterable[Goal]) -> None:
+        self._known = {goal.id: goal for goal in goals}
+        self._goals: dict[str, OrderGoalView] = {}
+        self._ways: dict[str, WayOutView] = {}
+        self._legs: dict[str, list[LegView]] = {}
+        self._moments: list[MomentView] = []
+
+    def view(self, is_whole: bool) -> TimelineView:
+        for task, way in self._ways.items():
+            way.legs = tuple(self._legs.get(task, ()))
+        for goal, known in self._known.items():
+            # What was told of a goal and is not in its history any more.
+            view = self._goals.get(goal)
+            if view is None and known.product:
+                view = self._goals[goal] = OrderGoalView(
+                    goal=goal, product=known.product, quantity=known.quantity, machine=known.machine
+                )
+            if view is not None:
+                view.made, view.delivered = max(view.made, known.made), max(view.delivered, known.delivered)
+                view.promised_at_s = known.promised_at_s
+        return TimelineView(
+            goals=tuple(self._goals.values()),
+            transports=tuple(self._ways.values()),
+            moments=tuple(self._moments),
+            is_whole=is_whole,
+        )
+
+    def on(self, fact: AnyFact, at_s: float, agent: str) -> None:
+        match fact:
+            case TaskOpened() | PhaseEntered() | CarrierChanged() | TaskClosed():
+                self._on_task(fact, at_s, agent)
+            case OrderFulfilled():
+                self._say("delivered", at_s)
+            case OrderDropped():
+                self._say("dropped", at_s)
+            case OrderReturned():
+                self._say("returned", at_s)
+            case _:
+                self._on_goal(fact, at_s, agent)
+
+    # --- goals ---
+
+    def _on_goal(self, fact: AnyFact, at_s: float, agent: str) -> None:
+        match fact:
+            case GoalContracted():
+                self._on_contract(fact, at_s)
+            case PieceMade():
+                self._on_piece(fact, at_s, agent)
+            case GoodsDelivered():
+                if (goal := self._goals.get(fact.goal)) is not None:
+                    goal.delivered = max(goal.delivered, fact.delivered)
+                self._say("arrived", at_s, goal=fact.goal, item=fact.product, quantity=fact.quantity)
+            case GoalLost():
+                self._on_end(fact.goal, "lost", at_s, fact.successor)
+            case GoalWithdrawn():
+                self._on_end(fact.goal, "withdrawn", at_s)
+                self._say("withdrawn", at_s, goal=fact.goal, agent=fact.machine)
+            case GoalWaits():
+                self._say("waits", at_s, goal=fact.goal)
+            case _:
+                pass
+
+    def _on_contract(self, fact: GoalContracted, at_s: float) -> None:
+        before = next((each for each in self._goals.values() if each.successor == fact.goal), None)
+        self._goals[fact.goal] = OrderGoalView(
+            goal=fact.goal,
+            product=fact.product,
+            quantity=fact.quantity,
+            machine=fact.machine,
+            taken_at_s=at_s,
+        )
+        said = {"goal": fact.goal, "agent": fact.machine, "item": fact.product}
+        if before is None:
+            self._say("planned", at_s, quantity=fact.quantity, **said)
+        else:
+            self._say("moved", at_s, quantity=fact.quantity, other=before.machine, **said)
+
+    def _on_piece(self, fact: PieceMade, at_s: float, agent: str) -> None:
+        goal = self._goals.get(fact.goal)
+        if goal is None:
+            return
+        if goal.begun_at_s is None:
+            goal.begun_at_s = at_s
+            self._say("began", at_s, goal=fact.goal, agent=agent, item=fact.product)
+        goal.made, goal.last_at_s = max(goal.made, fact.made), at_s
+
+    def _on_end(
+        self, goal: str, ended: Literal["lost", "withdrawn"], at_s: float, successor: str = ""
+    ) -> None:
+        if (view := self._goals.get(goal)) is not None:
+            view.ended, view.ended_at_s, view.successor = ended, at_s, successor
+
+    # --- transports ---
+
+    def _on_task(
+        self, fact: TaskOpened | PhaseEntered | CarrierChanged | TaskClosed, at_s: float, agent: str
+    ) -> None:
+        if isinstance(fact, TaskOpened):
+            if isinstance(fact.work, Transport):
+                self._on_opened(fact.task, fact.work, at_s)
+        elif fact.task in self._ways:
+            match fact:
+                case PhaseEntered():
+                    self._on_phase(fact, at_s, agent)
+                case CarrierChanged():
+                    self._on_change(fact, at_s)
+                case TaskClosed():
+                    self._on_close(fact, at_s)
+
+    def _on_opened(self, task: str, work: Transport, at_s: float) -> None:
+        """Every round of bidding is an opening; the first one counts."""
+        if task not in self._ways:
+            self._ways[task] = WayOutView(
+                task=task,
+                goal=work.goal,
+                item=work.item,
+                quantity=work.quantity,
+                source=work.sources[0],
+                destination=work.destination,
+                opened_at_s=at_s,
+            )
+
+    def _on_phase(self, fact: PhaseEntered, at_s: float, agent: str) -> None:
+        legs = self._legs.setdefault(fact.task, [])
+        way = self._ways[fact.task]
+        if not legs or legs[-1].carrier != agent or legs[-1].until_at_s is not None:
+            if fact.phase in (Phase.RETURNING, Phase.HANDING_OVER):
+                return  # Told late by somebody who was replaced.
+            legs.append(LegView(carrier=agent, since_at_s=at_s))
+        leg = legs[-1]
+        said = {
+            "task": fact.task,
+            "goal": way.goal,
+            "agent": agent,
+            "item": way.item,
+            "quantity": way.quantity,
+        }
+        if fact.phase is Phase.CARRYING and leg.aboard_at_s is None:
+            leg.aboard_at_s = at_s
+            self._say("fetched", at_s, other=way.source, **said)
+        elif fact.phase is Phase.HANDING_OVER:
+            leg.until_at_s = at_s
+            self._say("handed_over", at_s, other=way.destination, **said)
+
+    def _on_change(self, fact: CarrierChanged, at_s: float) -> None:
+        way = self._ways[fact.task]
+        for leg in self._legs.get(fact.task, ()):
+            if leg.carrier == fact.replaced and leg.until_at_s is None:
+                leg.until_at_s, leg.replaced = at_s, fact.reason.value
+        self._say(
+            "took_over" if fact.carrier else "announced_anew",
+            at_s,
+            task=fact.task,
+            goal=way.goal,
+            agent=fact.carrier,
+            other=fact.replaced,
+            item=way.item,
+            quantity=way.quantity,
+            reason=fact.reason.value,
+            silent_s=fact.silent_s or None,
+        )
+
+    def _on_close(self, fact: TaskClosed, at_s: float) -> None:
+        way = self._ways[fact.task]
+        way.closed_at_s, way.outcome = at_s, fact.outcome
+        for leg in self._legs.get(fact.task, ()):
+            if leg.until_at_s is None:
+                leg.until_at_s = at_s
+
+    def _say(self, kind: MomentKind, at_s: float, **said: object) -> None:
+        self._moments.append(MomentView(kind=kind, at_s=at_s, **said))  # type: ignore[arg-type]

@@ -1,0 +1,220 @@
+"""All of one order: its goals and transports in time, when it is expected, and its customer's links."""
+
+from __future__ import annotations
+
+from http import HTTPStatus
+
+import msgspec
+from fastapi import APIRouter, Depends
+from pydantic import BaseModel, ConfigDict, Field
+
+from dray.gateway.access.audit_log import Noted
+from dray.gateway.http.problems import not_found
+from dray.gateway.http.provided import Now, Provided
+from dray.gateway.http.public_urls import BaseUrl
+from dray.gateway.http.request_bodies import json_only
+from dray.gateway.http.responses import Json, described, problems
+from dray.gateway.live.projection import Projection
+from dray.gateway.orders.order_ids import new_token
+from dray.gateway.orders.timeline import (
+    TOLD_BY,
+    LegView,
+    MomentView,
+    OrderGoalView,
+    TimelineView,
+    WayOutView,
+    timeline,
+)
+from dray.gateway.tracking.facts import facts_of_order
+from dray.gateway.tracking.track import track
+from dray.store import Store
+from dray.store.history.events import EventFilter
+from dray.store.orders.tracking_links import Link
+
+router = APIRouter(tags=["orders"])
+
+EVENTS_MOST = 5_000
+"""Events that are read for one order: 1,000 pieces with their transports, of which one may take some takeovers."""
+
+DAY_S = 86_400.0
+
+_KINDS = tuple(kind.__name__ for kind in TOLD_BY)
+
+
+class ExpectedView(msgspec.Struct, frozen=True):
+    """When an order is expected (wall clock, seconds)."""
+
+    from_at_s: float
+    to_at_s: float
+
+
+class LinkView(msgspec.Struct, frozen=True):
+    """A link to the customer's page; its address is told once, when it is made. Times are wall clock seconds."""
+
+    created_at_s: float
+    expires_at_s: float | None
+    """None: a quarter after the order has ended."""
+    revoked_at_s: float | None
+
+
+class OrderStory(TimelineView, kw_only=True):
+    """The timeline of an order, what is expected of it, and its customer's links."""
+
+    expected: ExpectedView | None = None
+    """None when nothing can be said honestly, and when it has ended."""
+    late: str = ""
+    """How the expectation stands to the due time: `maybe`, `yes`, or empty."""
+    links: tuple[LinkView, ...] = ()
+    """Newest first."""
+
+
+EXAMPLE = OrderStory(
+    goals=(
+        OrderGoalView(
+            goal="O-1M9K3X2A4-K7QM-1.1",
+            product="P1",
+            quantity=5,
+            machine="M4",
+            made=5,
+            taken_at_s=1_893_456_000.0,
+            begun_at_s=1_893_456_060.0,
+            last_at_s=1_893_456_300.0,
+            promised_at_s=1_893_456_400.0,
+        ),
+    ),
+    transports=(
+        WayOutView(
+            task="M4.1-3",
+            goal="O-1M9K3X2A4-K7QM-1.1",
+            item="P1",
+            quantity=5,
+            source="M4",
+            destination="DELIVERY",
+            opened_at_s=1_893_456_300.0,
+            legs=(LegView(carrier="ATV1", since_at_s=1_893_456_310.0, aboard_at_s=1_893_456_350.0),),
+        ),
+    ),
+    moments=(
+        MomentView(
+            kind="planned",
+            at_s=1_893_456_000.0,
+            goal="O-1M9K3X2A4-K7QM-1.1",
+            agent="M4",
+            item="P1",
+            quantity=5,
+        ),
+    ),
+    expected=ExpectedView(1_893_456_420.0, 1_893_456_480.0),
+    links=(LinkView(1_893_456_000.0, None, None),),
+)
+
+
+class LinkDraft(BaseModel):
+    """A link to make."""
+
+    model_config = ConfigDict(extra="forbid", json_schema_extra={"examples": [{"days": 30}, {}]})
+
+    days: int | None = Field(
+        None,
+        ge=1,
+        le=3650,
+        description="How long it leads to the page; else until a quarter after the order's end",
+    )
+
+
+class NewLink(msgspec.Struct, frozen=True):
+    """A link that was made."""
+
+    tracking_url: str
+    """Told this once, and kept nowhere."""
+    expires_at_s: float | None
+
+
+class LinksRevoked(msgspec.Struct, frozen=True):
+    """Links that were taken back."""
+
+    count: int
+
+
+@router.get(
+    "/orders/{order}/timeline",
+    responses={
+        200: described(OrderStory, "Goals, transports and what happened, oldest first"),
+        **problems(p404="There is no such order"),
+    },
+    response_class=Json,
+)
+async def order_timeline(
+    store: Provided[Store], projection: Provided[Projection], now_s: Now, order: str
+) -> Json:
+    """All of an order from its start to its end.
+
+    Read from agents' histories: of an order whose events were pruned its goals are told only.
+    """
+    async with store.read() as work:
+        found = await work.orders.get(order)
+        if found is None:
+            raise not_found("order", order, "GET /api/orders")
+        facts = await facts_of_order(projection, work, found, now_s)
+        rows = await work.events.page(
+            EventFilter(kinds=_KINDS, order=order), None, EVENTS_MOST + 1, newest_first=False
+        )
+        links = await work.links.of_order(order)
+    told = timeline(rows[:EVENTS_MOST], facts.goals, is_whole=len(rows) <= EVENTS_MOST)
+    tracked = track(facts)
+    expected = None if tracked.eta is None else ExpectedView(tracked.eta.from_s, tracked.eta.to_s)
+    return Json(
+        OrderStory(
+            goals=told.goals,
+            transports=told.transports,
+            moments=told.moments,
+            is_whole=told.is_whole,
+            expected=expected,
+            late=tracked.late.value,
+            links=tuple(LinkView(each.created_at_s, each.expires_at_s, each.revoked_at_s) for each in links),
+        )
+    )
+
+
+@router.post(
+    "/orders/{order}/links",
+    status_code=HTTPStatus.CREATED,
+    dependencies=[Depends(json_only)],
+    responses={201: described(NewLink, "The link"), **problems(p404="There is no such order")},
+    response_class=Json,
+)
+async def make_link(
+    store: Provided[Store],
+    base: BaseUrl,
+    now_s: Now,
+    note: Noted,
+    order: str,
+    draft: LinkDraft,
+) -> Json:
+    """Make another link to the customer's page of an order."""
+    token = new_token()
+    ends_s = None if draft.days is None else now_s + draft.days * DAY_S
+    async with store.write() as work:
+        if await work.orders.get(order) is None:
+            raise not_found("order", order, "GET /api/orders")
+        await work.links.add(token, Link(order, now_s, expires_at_s=ends_s))
+    note.detail["days"] = draft.days
+    return Json(NewLink(f"{base}/track/{token}", ends_s), HTTPStatus.CREATED)
+
+
+@router.delete(
+    "/orders/{order}/links",
+    responses={
+        200: described(LinksRevoked, "How many were taken back by this"),
+        **problems(p404="There is no such order"),
+    },
+    response_class=Json,
+)
+async def revoke_links(store: Provided[Store], now_s: Now, note: Noted, order: str) -> Json:
+    """Take all links of an order back, also the one that came with it; their pages say so from now on."""
+    async with store.write() as work:
+        if await work.orders.get(order) is None:
+            raise not_found("order", order, "GET /api/orders")
+        count = await work.links.revoke_all(order, now_s)
+    note.detail["links"] = count
+    return Json(LinksRevoked(count))

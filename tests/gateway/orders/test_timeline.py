@@ -1,0 +1,223 @@
+"""The timeline of an order: goals, transports, carriers, and what went otherwise."""
+
+from __future__ import annotations
+
+import random
+from typing import Any
+
+import msgspec
+import pytest
+from answers import problem
+from gateway_kit import House
+from tracking_kit import GOAL, MACHINE, OTHER_MACHINE, PACE_S, VEHICLE, WAY_OUT, Story
+from wall_clock import NOW_S
+
+from dray.gateway.orders.timeline import TimelineView, timeline
+from dray.messages import Phase, Reason, Role, Transport
+from dray.messages.fact import (
+    AnyFact,
+    CarrierChanged,
+    GoalContracted,
+    GoalLost,
+    OrderFulfilled,
+    PhaseEntered,
+    PieceMade,
+    TaskClosed,
+    TaskOpened,
+)
+from dray.store.history.events import EventRow
+from dray.store.orders.progress import Goal
+
+pytestmark = pytest.mark.anyio
+
+WORK = Transport("shaft", 8, ("M4",), "DELIVERY", "tote", goal="G1")
+
+OPENED = TaskOpened("M4-1", 1, Role.PRIMARY, 1, WORK, 20.0, 300.0, 5.0)
+
+
+def rows(*told: tuple[float, str, AnyFact]) -> list[EventRow]:
+    """Events of the plant's clock, which is the wall's."""
+    return [
+        EventRow(
+            position=place,
+            agent=agent,
+            incarnation=1,
+            number=place,
+            at_s=at_s,
+            plant_s=at_s,
+            kind=type(fact).__name__,
+            task=None,
+            goal=None,
+            order_id=None,
+            fact=msgspec.Raw(msgspec.json.encode(fact)),
+        )
+        for place, (at_s, agent, fact) in enumerate(told, 1)
+    ]
+
+
+def phase(atv: str, at_s: float, name: Phase, epoch: int = 1) -> tuple[float, str, AnyFact]:
+    return at_s, atv, PhaseEntered("M4-1", epoch, name, "M4")
+
+
+def brought() -> list[EventRow]:
+    """ATV3 falls silent with nothing aboard, ATV1 takes over and brings it."""
+    return rows(
+        (1.0, "strategist", GoalContracted("G1", "O-1", 0, "shaft", 8, "M4", 90.0)),
+        (10.0, "M4", PieceMade("G1", "shaft", 1)),
+        (20.0, "M4", PieceMade("G1", "shaft", 2)),
+        (21.0, "M4", OPENED),
+        phase("ATV3", 22.0, Phase.APPROACHING),
+        (30.0, "M4", CarrierChanged("M4-1", 2, "ATV3", "ATV1", Reason.SILENT, 5.5)),
+        phase("ATV1", 31.0, Phase.APPROACHING, 2),
+        phase("ATV1", 40.0, Phase.CARRYING, 2),
+        phase("ATV1", 50.0, Phase.HANDING_OVER, 2),
+        (51.0, "M4", TaskClosed("M4-1", 2, "delivered", "ATV1", 45.0)),
+        (52.0, "strategist", OrderFulfilled("O-1")),
+    )
+
+
+def kinds(view: TimelineView) -> list[str]:
+    return [each.kind for each in view.moments]
+
+
+# --- pure -------------------------------------------------------------------------------------------
+
+
+def test_a_transport_tells_who_carried_it_and_why_another_went_on() -> None:
+    told = timeline(brought(), [])
+    (way,) = told.transports
+    assert (way.source, way.destination, way.outcome) == ("M4", "DELIVERY", "delivered")
+    assert (way.opened_at_s, way.closed_at_s) == (21.0, 51.0)
+    first, second = way.legs
+    assert (first.carrier, first.since_at_s, first.aboard_at_s, first.until_at_s) == (
+        "ATV3",
+        22.0,
+        None,
+        30.0,
+    )
+    assert first.replaced == "silent"
+    assert (second.carrier, second.aboard_at_s, second.until_at_s) == ("ATV1", 40.0, 50.0)
+    assert second.replaced == ""
+
+
+def test_what_happened_is_told_in_its_order() -> None:
+    told = timeline(brought(), [])
+    assert kinds(told) == ["planned", "began", "took_over", "fetched", "handed_over", "delivered"]
+    change = told.moments[2]
+    assert (change.agent, change.other, change.silent_s, change.task) == ("ATV1", "ATV3", 5.5, "M4-1")
+
+
+def test_events_may_come_in_any_order() -> None:
+    told, shuffled = brought(), brought()
+    random.Random(7).shuffle(shuffled)
+    assert timeline(shuffled, []) == timeline(told, [])
+
+
+def test_a_goal_that_was_lost_goes_on_at_another_machine() -> None:
+    told = timeline(
+        rows(
+            (1.0, "strategist", GoalContracted("G1", "O-1", 0, "shaft", 8, "M4", 90.0)),
+            (9.0, "strategist", GoalLost("G1", "M4", 2, "G2")),
+            (11.0, "strategist", GoalContracted("G2", "O-1", 0, "shaft", 6, "M5", 120.0)),
+        ),
+        [],
+    )
+    lost, after = told.goals
+    assert (lost.ended, lost.ended_at_s, lost.successor) == ("lost", 9.0, "G2")
+    assert (after.machine, after.quantity, after.ended) == ("M5", 6, "")
+    assert [(each.kind, each.agent, each.other) for each in told.moments] == [
+        ("planned", "M4", ""),
+        ("moved", "M5", "M4"),
+    ]
+
+
+def test_a_task_that_is_announced_again_is_one_transport_and_has_nobody_meanwhile() -> None:
+    told = timeline(
+        rows(
+            (1.0, "M4", OPENED),
+            phase("ATV3", 2.0, Phase.APPROACHING),
+            (9.0, "M4", CarrierChanged("M4-1", 2, "ATV3", "", Reason.IN_ERROR)),
+            (9.0, "M4", TaskOpened("M4-1", 2, Role.PRIMARY, 1, WORK, 40.0, 300.0, 12.0)),
+        ),
+        [],
+    )
+    (way,) = told.transports
+    assert (way.opened_at_s, way.closed_at_s) == (1.0, None)
+    assert [(leg.carrier, leg.until_at_s, leg.replaced) for leg in way.legs] == [("ATV3", 9.0, "in_error")]
+    assert kinds(told) == ["announced_anew"]
+
+
+def test_what_a_replaced_vehicle_tells_late_is_no_leg_of_its_own() -> None:
+    late = [*brought(), *rows(phase("ATV3", 60.0, Phase.RETURNING))]
+    assert [leg.carrier for leg in timeline(late, []).transports[0].legs] == ["ATV3", "ATV1"]
+
+
+def test_of_what_was_pruned_the_goals_are_told() -> None:
+    known = Goal(id="G1", order_id="O-1", product="shaft", quantity=8, machine="M4", made=8, delivered=8)
+    told = timeline([], [known])
+    assert [(each.goal, each.machine, each.made, each.delivered) for each in told.goals] == [
+        ("G1", "M4", 8, 8)
+    ]
+    assert told.moments == ()
+
+
+# --- over REST --------------------------------------------------------------------------------------
+
+
+async def test_an_order_tells_its_timeline_and_when_it_is_expected(house: House) -> None:
+    story = await Story.begin(house, quantity=4)
+    await story.planned()
+    now_s = await story.making(2)
+    await story.leaving(now_s + 1.0)
+    told = await house.get(f"/api/orders/{story.order['id']}/timeline")
+    (goal,) = told["goals"]
+    assert (goal["machine"], goal["made"], goal["begun_at_s"]) == (MACHINE, 2, NOW_S + 110.0 + PACE_S)
+    (way,) = told["transports"]
+    assert (way["task"], [leg["carrier"] for leg in way["legs"]]) == (WAY_OUT, [VEHICLE])
+    assert [each["kind"] for each in told["moments"]] == ["planned", "began", "fetched"]
+    assert told["is_whole"]
+    assert NOW_S < told["expected"]["from_at_s"] <= told["expected"]["to_at_s"]
+
+
+async def test_a_moved_goal_is_told_over_rest(house: House) -> None:
+    story = await Story.begin(house, quantity=4)
+    await story.planned()
+    await story.lost(120.0)
+    await story.planned("strategist.1-8", OTHER_MACHINE)
+    told = await house.get(f"/api/orders/{story.order['id']}/timeline")
+    assert [(each["goal"], each["ended"]) for each in told["goals"]] == [
+        (GOAL, "lost"),
+        ("strategist.1-8", ""),
+    ]
+
+
+async def test_of_an_order_that_is_not_there_nothing_is_told(house: House) -> None:
+    for method, path in (("GET", "timeline"), ("POST", "links"), ("DELETE", "links")):
+        answer = await house.client.request(method, f"/api/orders/O-NONE/{path}", json={})
+        assert problem(answer, 404, "unknown-order")["detail"]
+
+
+async def test_links_are_made_followed_and_taken_back(house: House) -> None:
+    story = await Story.begin(house)
+    path = f"/api/orders/{story.order['id']}"
+    made = (await house.client.post(f"{path}/links", json={"days": 30})).json()
+    assert made["expires_at_s"] == NOW_S + 30 * 86_400.0
+    page = "/track/" + made["tracking_url"].rpartition("/")[2]
+    assert (await house.client.get(page)).status_code == 200
+    first, second = (await house.get(f"{path}/timeline"))["links"]
+    assert {first["expires_at_s"], second["expires_at_s"]} == {made["expires_at_s"], None}
+    assert made["tracking_url"] not in str(await house.get(f"{path}/timeline")), "it is told once"
+    assert (await house.client.delete(f"{path}/links")).json() == {"count": 2}
+    assert (await house.client.delete(f"{path}/links")).json() == {"count": 0}
+    for each in (page, story.path):
+        assert (await house.client.get(each)).status_code == 410
+    links = (await house.get(f"{path}/timeline"))["links"]
+    assert all(each["revoked_at_s"] == NOW_S for each in links)
+
+
+@pytest.mark.parametrize("draft", [{"days": 0}, {"days": 3651}, {"days": "soon"}, {"until": 3}])
+async def test_a_link_for_no_days_is_refused_at_its_field(house: House, draft: dict[str, Any]) -> None:
+    story = await Story.begin(house)
+    answer = await house.client.post(f"/api/orders/{story.order['id']}/links", json=draft)
+    (error,) = problem(answer, 422, "unusable-fields")["errors"]
+    assert error["field"] == next(iter(draft))
