@@ -1,7 +1,10 @@
 /** What people do to the draft, by pointer, key or button. */
 import { t } from "../text/editor";
-import { closedOrNot, lanesOf, moved, nodeById, removed, snapped, spotOf, withArea, withLane, withNode, withPlace, type Chosen, type PlaceSection, type Spot } from "./model";
+import { closedOrNot, moved, nearestLane, nodeById, removed, snapped, spotOf, withArea, withLane, withNode, withPlace, type Chosen, type PlaceSection, type Spot } from "./model";
 import * as state from "./state";
+
+/** So near the cursor is a lane that is closed by it. */
+const CLOSE_WITHIN_M = 1.5;
 
 type Act = { readonly kind: "move"; readonly dx_m: number; readonly dy_m: number } | { readonly kind: "remove" } | { readonly kind: "end" };
 
@@ -56,24 +59,13 @@ export function atTool(at: Spot, within_m: number, hit: Chosen | null): void {
       return;
     }
     case "close": {
-      const index = hit?.section === "lanes" ? hit.index : nearestLane(at);
+      const index = hit?.section === "lanes" ? hit.index : nearestLane(data, at, CLOSE_WITHIN_M);
       if (index >= 0) state.draw(closedOrNot(data, index));
       return;
     }
     default:
       state.draw(withPlace(data, tool satisfies PlaceSection, spot, within_m));
   }
-}
-
-function nearestLane(at: Spot): number {
-  let best = -1;
-  let best_m = 1.5;
-  lanesOf(state.data.value).forEach((_, index) => {
-    const spot = spotOf(state.data.value, { section: "lanes", index });
-    const away_m = spot ? Math.hypot(spot.x_m - at.x_m, spot.y_m - at.y_m) : Infinity;
-    if (away_m < best_m) [best, best_m] = [index, away_m];
-  });
-  return best;
 }
 
 /** Keys of the whole page, except where somebody writes. */

@@ -66,6 +66,15 @@ describe("a draft of any shape", () => {
     expect(model.chosenOf("vehicle_types[0].length_m")).toBe(null);
   });
 
+  test("the lane that runs nearest is found anywhere along it, and along its shape", () => {
+    expect(model.nearestLane(DATA, { x_m: 9, y_m: 0.5 }, 1.5)).toBe(0);
+    expect(model.nearestLane(DATA, { x_m: 5, y_m: 2 }, 1.5)).toBe(-1);
+    expect(model.nearestLane(DATA, { x_m: 12, y_m: 0 }, 1.5)).toBe(-1);
+    const bent = { ...DATA, lanes: [{ start: "a", end: "b", shape: [{ x_m: 5, y_m: 8 }] }, { start: "b", end: "c" }] };
+    expect(model.nearestLane(bent, { x_m: 5, y_m: 7.5 }, 1.5)).toBe(0);
+    expect(model.nearestLane(bent, { x_m: 5, y_m: 0 }, 1.5)).toBe(-1);
+  });
+
   test("differences from the running plant are counted once each", () => {
     expect(model.differences(DATA, DATA)).toBe(0);
     expect(model.differences(model.changed(DATA, { section: "nodes", index: 0 }, { x_m: 1 }), DATA)).toBe(1);

@@ -103,6 +103,32 @@ export function nearestNode(data: Data, spot: Spot, within_m: number): Node | nu
   return best;
 }
 
+/** The index of the lane that runs nearest to a spot, along its shape; -1 when none is so near. */
+export function nearestLane(data: Data, spot: Spot, within_m: number): number {
+  const nodes = nodeById(data);
+  let best = -1;
+  let best_m = within_m;
+  lanesOf(data).forEach((lane, index) => {
+    const [a, b] = [nodes.get(lane.start), nodes.get(lane.end)];
+    if (!a || !b) return;
+    const corners = [a, ...(lane.shape ?? []), b];
+    corners.slice(1).forEach((to, at) => {
+      const away_m = awayFrom(spot, corners[at] ?? a, to);
+      if (away_m < best_m) [best, best_m] = [index, away_m];
+    });
+  });
+  return best;
+}
+
+/** How far a spot is from the straight line between two others. */
+function awayFrom(spot: Spot, a: Spot, b: Spot): number {
+  const [dx_m, dy_m] = [b.x_m - a.x_m, b.y_m - a.y_m];
+  const square = dx_m * dx_m + dy_m * dy_m;
+  const along = square === 0 ? 0 : ((spot.x_m - a.x_m) * dx_m + (spot.y_m - a.y_m) * dy_m) / square;
+  const frac = Math.min(Math.max(along, 0), 1);
+  return Math.hypot(a.x_m + frac * dx_m - spot.x_m, a.y_m + frac * dy_m - spot.y_m);
+}
+
 const put = (data: Data, section: string, value: unknown): Data => ({ ...data, [section]: value });
 const added = (data: Data, section: string, entry: unknown): Data => put(data, section, [...entries(data, section), entry]);
 
