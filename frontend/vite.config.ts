@@ -1,4 +1,8 @@
+import { fileURLToPath } from "node:url";
 import { defineConfig } from "vitest/config";
+import { sharedBy } from "./scripts/shared-by";
+
+const NO_TRANSITIONS = fileURLToPath(new URL("src/plant/surface/no-transitions.ts", import.meta.url));
 
 /**
  * The panels are built into the gateway's package, with a manifest from which the server's
@@ -7,6 +11,7 @@ import { defineConfig } from "vitest/config";
 export default defineConfig({
   base: "/static/",
   publicDir: "public",
+  resolve: { alias: { "d3-transition": NO_TRANSITIONS, "d3-interpolate": NO_TRANSITIONS } },
   build: {
     outDir: "../backend/dray/gateway/static",
     emptyOutDir: true,
@@ -25,6 +30,7 @@ export default defineConfig({
         "src/customer/main.ts",
         "src/login/main.ts",
       ],
+      output: { codeSplitting: { includeDependenciesRecursively: false, groups: [{ name: sharedBy, debugName: "shared by pages" }] } },
     },
   },
   test: { include: ["src/**/*.test.ts"], setupFiles: "src/text/in-english.ts" },

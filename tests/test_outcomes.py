@@ -1,4 +1,4 @@
-"""How tests that did not run are told: skipped ones fail under CI, forbidden ones never; all are loud."""
+"""How tests are told that did not run, or ran twice: skipped ones fail under CI, forbidden ones never, many second tries always; all are loud."""
 
 from __future__ import annotations
 
@@ -47,6 +47,31 @@ def test_what_is_forbidden_fails_nowhere_and_what_is_skipped_fails_under_ci(
     assert "2 TESTS ARE FORBIDDEN BY THIS MACHINE" in done.stdout
     assert "test_it.py::test_b: no multicast" in done.stdout
     assert "test_it.py::test_c: no namespaces" in done.stdout
+
+
+SECOND_TRIES = """
+import pytest
+
+tried = set()
+
+
+@pytest.mark.flaky(reruns=1)
+@pytest.mark.parametrize("each", range({0}))
+def test_a(each):
+    if each not in tried:
+        tried.add(each)
+        pytest.fail("too late")
+"""
+
+
+@pytest.mark.parametrize(("count", "code"), [(3, 0), (4, 1)])
+def test_a_second_try_is_loud_and_many_of_them_fail_the_run(tmp_path: Path, count: int, code: int) -> None:
+    (tmp_path / "test_it.py").write_text(SECOND_TRIES.format(count), encoding="utf-8")
+    done = run(tmp_path, "-p", "pytest_rerunfailures", CI="true")
+    assert done.returncode == code, done.stdout
+    assert f"{count} TESTS FAILED AND RAN ONCE MORE" in done.stdout
+    assert "test_it.py::test_a[0]: Failed: too late" in done.stdout
+    assert f"{count} passed, {count} rerun" in done.stdout
 
 
 def run(folder: Path, *options: str, **environment: str) -> subprocess.CompletedProcess[str]:

@@ -13,12 +13,16 @@ from __future__ import annotations
 
 from enum import StrEnum
 
+from dray.document import DocumentRead as DocumentRead  # noqa: PLC0414 - told from here, too
+from dray.document import ReadDocument as ReadDocument  # noqa: PLC0414
 from dray.gate import Admit as Admit  # noqa: PLC0414 - told from here, too
 from dray.gate import GateState as GateState  # noqa: PLC0414
 from dray.gate import GoodsArrived as GoodsArrived  # noqa: PLC0414
+from dray.gate import HoldOrder as HoldOrder  # noqa: PLC0414
 from dray.messages.base import Part
 from dray.messages.floor.obstacle import WayBlocked as WayBlocked  # noqa: PLC0414
 from dray.messages.floor.obstacle import WayFree as WayFree  # noqa: PLC0414
+from dray.messages.gate import OrderHeld
 from dray.messages.heartbeat import Pose
 from dray.messages.link import Link
 from dray.messages.people.call import CallAnswer, HelpCall
@@ -53,7 +57,7 @@ class ReleaseWay(Part, frozen=True):
 
 
 class Pick(Part, frozen=True):
-    """Take a load up at the station where the vehicle stands."""
+    """Take a load up at the station where the vehicle stands; at a node that is no station, from a person's hands."""
 
     order: int
     station: str
@@ -235,15 +239,17 @@ class SetPace(Part, frozen=True):
     """Above 0, and at most 1."""
 
 
-WorkcellInstruction = StartCycle | OpenDock | CloseDock | Book | ResetFault | SetPace
+WorkcellInstruction = StartCycle | OpenDock | CloseDock | Book | ResetFault | SetPace | ReadDocument
 
 
 class CycleDone(Part, frozen=True):
-    """A piece was made and lies in the goods."""
+    """A piece was made and lies in the goods, or was bad and is gone."""
 
     product: str
     seq: int
-    """Of this change of the stock; see `WorkcellState.seq`."""
+    """Of this change of the stock, of nothing for a bad piece; see `WorkcellState.seq`."""
+    bad: bool = False
+    """The piece is no good: it lies nowhere, and what the cycle has taken is used up."""
 
 
 class CycleFailed(Part, frozen=True):
@@ -278,7 +284,7 @@ class Repaired(Part, frozen=True):
     """The machine works again; a paused cycle goes on."""
 
 
-WorkcellReport = CycleDone | CycleFailed | StockChanged | Broken | Repaired
+WorkcellReport = CycleDone | CycleFailed | StockChanged | Broken | Repaired | DocumentRead
 
 
 class WorkcellState(Part, frozen=True):
@@ -389,7 +395,6 @@ class ShowCalls(Part, frozen=True):
 
 OperatorReport = DutyChanged | CallReplied
 
-
-Instruction = VehicleInstruction | WorkcellInstruction | StorageInstruction | Admit | ShowCalls
-Report = VehicleReport | WorkcellReport | GoodsArrived | OperatorReport
+Instruction = VehicleInstruction | WorkcellInstruction | StorageInstruction | Admit | HoldOrder | ShowCalls
+Report = VehicleReport | WorkcellReport | GoodsArrived | OrderHeld | OperatorReport
 BodyState = VehicleState | WorkcellState | StorageState | GateState | DutyState

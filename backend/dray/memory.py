@@ -15,16 +15,21 @@ from dray.messages import (
     CommandRefusal,
     HelpWanted,
     OrderItem,
+    OrderReleased,
     OutOfService,
+    PartDefinition,
     Phase,
     ProductDefinition,
     Production,
     Reason,
+    StrandedGoods,
     TakenOver,
     Transport,
 )
 from dray.messages.base import Part
+from dray.messages.contract import Brought
 from dray.messages.floor.traffic import AllRemoved, Bookings
+from dray.messages.gate import GoalOf
 from dray.messages.transport import TransportState
 
 
@@ -40,6 +45,8 @@ class AtvMemory(Part, tag_field="kind", tag="atv", frozen=True):
     speed_frac: float = 1.0
     out_of_service: OutOfService | None = None
     """By a person's word; None while it is in service."""
+    sent_to_charge: bool = False
+    """By a person's word: it takes no work before it is full."""
     answered: tuple[CommandMemory, ...] = ()
     """People's commands that are not obeyed again, the oldest first: those whose grant was still good when
     the last one came."""
@@ -100,6 +107,10 @@ class MachineMemory(Part, tag_field="kind", tag="machine", frozen=True):
     """Commands that it would obey if they came again."""
     products: tuple[ProductMemory, ...] = ()
     """Of which pieces lie in its goods, though it was not set up for them."""
+    put_away: tuple[PutAwayMemory, ...] = ()
+    """Parts that it has asked storages to fetch."""
+    put_away_count: int = 0
+    """Names of those go on from here."""
 
 
 class ProductMemory(Part, frozen=True):
@@ -107,6 +118,16 @@ class ProductMemory(Part, frozen=True):
 
     product: str
     definition: ProductDefinition
+
+
+class PutAwayMemory(Part, frozen=True):
+    """What a machine has asked a storage to have fetched."""
+
+    transport: str
+    storage: str
+    part: str
+    quantity: int
+    due_s: float
 
 
 class GoalMemory(Part, frozen=True):
@@ -125,6 +146,8 @@ class GoalMemory(Part, frozen=True):
     """Of the award by which it was given."""
     confirmed: bool = True
     """Whether its strategist has heard that it was taken."""
+    held: int = 1
+    """With which epoch the order is held by the strategist that it obeys."""
 
 
 class TaskMemory(Part, frozen=True):
@@ -149,6 +172,8 @@ class TaskMemory(Part, frozen=True):
     """Taken up on its carrier's word alone, after a life that has left no notes."""
     least_epoch: int = 0
     """A carrier was told that no epoch below this one is right any more; 0 where none was."""
+    stranded: StrandedGoods | None = None
+    """Its goods wait for a person's word, or to be fetched by another vehicle."""
 
 
 class StationMemory(Part, tag_field="kind", tag="station", frozen=True):
@@ -186,6 +211,10 @@ class TransportMemory(Part, tag_field="kind", tag="transport_called", frozen=Tru
     """Pieces that were brought."""
     attempt: int = 0
     """How often it was given out under a name of its own."""
+    vehicle_until_s: float | None = None
+    """Until when only `vehicle` is asked; None for always."""
+    ability: str = ""
+    """What its vehicle must be able to carry beside what the load asks for."""
 
 
 class StrategistMemory(Part, tag_field="kind", tag="strategist", frozen=True):
@@ -200,6 +229,10 @@ class EndedOrder(Part, tag_field="kind", tag="ended", frozen=True):
 
     fulfilled: bool = False
     """All of it has arrived; else it was cancelled."""
+    change: int = 0
+    """The last one that was taken."""
+    quantities: tuple[int, ...] = ()
+    """Per item, all that has arrived; empty where it was cancelled."""
 
 
 class ReturnedOrder(Part, tag_field="kind", tag="returned", frozen=True):
@@ -223,6 +256,72 @@ class OrderMemory(Part, tag_field="kind", tag="order", frozen=True):
     """Who has taken it back and waits for its end; empty while it is worked at."""
     withdrawn: tuple[int, ...] = ()
     """Per item, pieces of goals that were withdrawn and had not arrived."""
+    change: int = 0
+    """Of the order as it is now wanted."""
+    wanted: tuple[int, ...] = ()
+    """Per item, as many pieces as a change asks for that is not done yet; empty where none is under way."""
+    parts: tuple[PartDefinition, ...] = ()
+    """As the order has brought them."""
+
+
+class OrderNoted(Part, tag_field="kind", tag="noted", frozen=True):
+    """An order as it was said last, where a plant has several strategists: whoever holds it, each of them may have to go on with it."""
+
+    release: OrderReleased
+    asker: str
+    """Who has said it."""
+    holder: str = ""
+    """As far as that is known."""
+    epoch: int = 0
+    """Of the holder."""
+
+
+class ShutWord(Part, tag_field="kind", tag="shut_word", frozen=True):
+    """What a strategist has to tell the gate and has no answer to: that a goal is shut, or an order has ended. Its orders do not tell that."""
+
+    goal: str = ""
+    order: str = ""
+    epoch: int = 0
+    """With which it holds the order."""
+    over: int = 0
+    """Releases of the order up to this one have ended."""
+
+
+class GateMemory(Part, tag_field="kind", tag="gate", frozen=True):
+    """What the gate of the delivery warehouses is bound by beside goals and orders."""
+
+    since: int
+    """The life in which its notes begin."""
+
+
+class GateGoal(Part, tag_field="kind", tag="gate_goal", frozen=True):
+    """A goal as the gate remembers it."""
+
+    goal: str
+    asker: str
+    """The strategist whose word about it counts, and who is told what has arrived."""
+    admitted: int
+    incarnation: int
+    number: int
+    """Of the last word about it."""
+    arrived: int = 0
+    heard: int = 0
+    """So many of these its strategist has heard of."""
+    of: GoalOf | None = None
+    brought: tuple[Brought, ...] = ()
+
+
+class GateOrder(Part, tag_field="kind", tag="gate_order", frozen=True):
+    """Who holds an order, as the gate remembers it."""
+
+    order: str
+    holder: str
+    epoch: int
+    over: int = 0
+    arrived: tuple[int, ...] = ()
+    """Per item, over all goals that it ever had."""
+    lost_by: str = ""
+    """Who has held it before and has not heard yet that it is lost."""
 
 
 class GoalBooked(Part, frozen=True):
@@ -234,7 +333,7 @@ class GoalBooked(Part, frozen=True):
     machine: str = ""
     epoch: int = 1
     arrived: int = 0
-    """Pieces that were counted at the gate, and told of."""
+    """Pieces that were counted at the gate, and told of; of a part, those that its machine has made."""
 
 
 class BookMemory(Part, tag_field="kind", tag="book", frozen=True):
@@ -257,9 +356,14 @@ Note = (
     | TransportMemory
     | StrategistMemory
     | OrderMemory
+    | OrderNoted
     | ReturnedOrder
     | EndedOrder
     | BookMemory
+    | ShutWord
+    | GateMemory
+    | GateGoal
+    | GateOrder
 )
 
 CLOSURES = "closures"

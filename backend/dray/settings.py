@@ -14,9 +14,11 @@ from typing import Annotated, Literal, Self
 from urllib.parse import quote, unquote
 
 from pydantic import AfterValidator, BeforeValidator, Field, IPvAnyNetwork, SecretStr, ValidationError
-from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
+from pydantic_settings import NoDecode, SettingsConfigDict
 
 from dray.errors import SettingsError
+from dray.keeping import Keeping
+from dray.shift_times import checked_shifts
 
 PREFIX = "DRAY_"
 
@@ -25,6 +27,9 @@ SECRETS = Path("/run/secrets")
 
 ALIKE = 0.9
 """Of two names (`difflib`): a letter too few or wrong is alike, another word is not."""
+
+FORMER = {f"{PREFIX}{kind}_KEPT": f"{PREFIX}{kind}_DAYS" for kind in ("EVENTS", "SAMPLES", "AUDIT")}
+"""Variables that were settings once, and what has taken their place."""
 
 _LINE = re.compile(r"\s*(#.*|(export\s+)?\w+\s*=.*)?")
 """Of a settings file: a variable, a comment, or nothing."""
@@ -131,7 +136,7 @@ Networks = Annotated[tuple[IPvAnyNetwork, ...], NoDecode, BeforeValidator(_sever
 """Likewise, as 10.8.0.0/16."""
 
 
-class Settings(BaseSettings):
+class Settings(Keeping):
     """One process's settings; immutable."""
 
     model_config = SettingsConfigDict(env_prefix=PREFIX, frozen=True, extra="ignore", env_ignore_empty=True)
@@ -149,8 +154,7 @@ class Settings(BaseSettings):
     """TCP port; 0 lets the system choose one."""
 
     stop_port: Annotated[int | None, Field(ge=0, le=65_535)] = None
-    """TCP port for stops alone, which nothing else can fill; by default the one after `port`, or any free one where
-    that is taken."""
+    """TCP port for stops alone, which nothing else can fill; by default the one after `port`, or any where that is taken."""
 
     stop_url: Annotated[str, AfterValidator(_public_url)] = ""
     """Where browsers reach that port, as https://dray.example.com:8444, when a proxy stands before it; by default
@@ -183,8 +187,7 @@ class Settings(BaseSettings):
     """This part of all tasks is traced, and each of them wholly; a plant of hundreds of vehicles wants less."""
 
     metrics_listen: Annotated[str, AfterValidator(_address)] = ""
-    """HOST:PORT where this process tells Prometheus its metrics, with no login; empty: nowhere. Port 0 is any free
-    one, which the log names."""
+    """HOST:PORT where this process tells Prometheus its metrics, with no login; empty: nowhere. Port 0 is any, which the log names."""
 
     admin_token: SecretStr | None = None
     """The administrator's bearer token, which may do everything; `dray up` makes one when it is absent."""
@@ -219,23 +222,20 @@ class Settings(BaseSettings):
 
     historian_linger_s: Annotated[float, Field(ge=0, le=10)] = 0.2
     """Wall seconds in which events are gathered for one write: five syncs to disk per second at most."""
-
-    events_kept: Annotated[int, Field(ge=1000)] = 1_000_000
-    """Rows of agents' history kept, some 500 MB: about two weeks of the default plant in real time."""
-
-    samples_kept: Annotated[int, Field(ge=1000)] = 200_000
-    """Rows of sampled heartbeats kept, some 50 MB: about three days of the default plant in real time."""
-
+    shifts: Annotated[str, AfterValidator(checked_shifts)] = "early 06:00, late 14:00, night 22:00"
+    """Names of shifts and when each begins, by the clock of whoever looks; each ends where the next one begins."""
     operator_names: Literal["code", "name"] = "code"
     """What of a person on duty is told on the bus and to colleagues: a code of the day, or the name."""
-    audit_kept: Annotated[int, Field(ge=1000)] = 1_000_000
-    """Lines of the audit log kept, some 300 MB: years of what people do."""
 
     gateway_name: Annotated[str, AfterValidator(_agent_name)] = "gateway"
     """On the bus; several gateways of one plant need a name each, and a certificate for it."""
 
     plant_file: Path | None = None
     """None for the default plant of 12 machines and 8 vehicles."""
+
+    strategists: Annotated[int, Field(ge=1, le=9)] = 1
+    """How many share the orders, each a process of its own: strategist, strategist2 and so on. Two outlive the failure of one; each
+    notes all orders, so more cost more. The same for all processes of a plant."""
 
     bus_listen: Addresses = ()
     """HOST:PORT, several with commas: where other agents reach this one. Without any it only calls."""
@@ -281,11 +281,11 @@ class Settings(BaseSettings):
     traffic_log: Path | None = None
     """A folder where each agent writes down what it says and hears of right of way, to be judged afterwards."""
 
-    body: Literal["floor", "vda5050"] = "floor"
-    """Of a vehicle's agent: simulated and on a floor, or a real vehicle by VDA 5050 (docs/vehicles.md)."""
+    body: Literal["floor", "vda5050", "controller"] = "floor"
+    """Simulated, on a floor; a real vehicle by VDA 5050 (docs/vehicles.md); a station's or the gate's controller (docs/stations.md)."""
 
     broker: Annotated[str, AfterValidator(_broker)] = ""
-    """Of a real vehicle: mqtt://HOST:1883, or mqtts://HOST:8883 for TLS."""
+    """Of a real body: mqtt://HOST:1883, or mqtts://HOST:8883 for TLS."""
 
     broker_user: str = ""
     """By which the agent logs in there; empty: without."""
@@ -351,7 +351,7 @@ class Settings(BaseSettings):
 
 
 def misspelt(settings_file: Path | None = None) -> dict[str, str]:
-    """Variables that are no setting and look like one, and the one that may be meant.
+    """Variables that are no setting, and look like one or were one, and the one that may be meant.
 
     Others may be somebody else's, or another version's.
 
@@ -363,8 +363,9 @@ def misspelt(settings_file: Path | None = None) -> dict[str, str]:
         names |= set(_NAMED.findall(settings_file.read_text(encoding="utf-8")))
     known = [f"{PREFIX}{field.upper()}" for field in Settings.model_fields]
     strangers = sorted(name for name in names if name.startswith(PREFIX) and name not in known)
-    meant = {name: get_close_matches(name, known, 1, ALIKE) for name in strangers}
-    return {name: matches[0] for name, matches in meant.items() if matches}
+    meant = {name: get_close_matches(name, known, 1, ALIKE) for name in strangers if name not in FORMER}
+    former = {name: FORMER[name] for name in strangers if name in FORMER}
+    return {name: matches[0] for name, matches in meant.items() if matches} | former
 
 
 def _check_file(file: Path) -> None:

@@ -11,7 +11,7 @@ from zenoh_kit import PATIENCE_S
 
 from dray.adapters import crossing
 from dray.adapters.remote_body import RemoteBody, exchange, questions
-from dray.adapters.remote_body.body import LOOK_EVERY_S, SILENT_LOOKS
+from dray.adapters.remote_body.exchanged import LOOK_EVERY_S, SILENT_LOOKS
 from dray.body import (
     Drive,
     Hold,

@@ -49,6 +49,9 @@ TIMEOUT_MS = 45_000
 CAPTURES = 3
 """Tries at a picture."""
 
+BEEN_HERE = "try { localStorage.setItem('dray.tour.1', 'seen') } catch { /* a page without an address */ }"
+"""The tour of the management panel is for who comes for the first time."""
+
 expect.set_options(timeout=TIMEOUT_MS)
 
 
@@ -82,12 +85,22 @@ def open_page(
 ) -> Iterator[Callable[..., Page]]:
     """Open an address in a fresh profile; complaints are looked at when the test is over.
 
-    `who` is logged in at the `dray up` of that address, or at the one that is visited later.
+    `who` is logged in at the `dray up` of that address, or at the one that is visited later. A `first_time` is that
+    of a browser that has seen no panel yet.
     """
     pages: list[Page] = []
 
-    def open_at(url: str, *, who: str | None = "manager", visits: str = "", **options: object) -> Page:
+    def open_at(
+        url: str,
+        *,
+        who: str | None = "manager",
+        visits: str = "",
+        first_time: bool = False,
+        **options: object,
+    ) -> Page:
         context = browser.new_context(**USUAL | options)
+        if not first_time and options.get("java_script_enabled") is not False:
+            context.add_init_script(BEEN_HERE)
         dray = next((each for home, each in running.items() if (visits or url).startswith(home)), None)
         if dray is not None and who is not None:
             cookie = {"name": "dray_session", "value": dray.session(who), "url": dray.url}

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Callable
+from datetime import UTC, datetime
 from pathlib import Path
 
 from open_house import OpenHouse
@@ -15,10 +16,22 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "gateway/kits"))
 from gateway_kit import House
 from wall_clock import Wall
 
+from dray.plant import PlantFile
+
 OpenPage = Callable[..., Page]
 
 BEAT_S = 0.5
 """How often vehicles of a house say how they are."""
+
+ASKED = 200
+"""Times, before it is given up: a busy computer takes a minute."""
+
+BEFORE_S = 5
+"""Kept before a moment of the past that is shown: a test goes back by less."""
+
+
+PAD_PX = {"left": 12, "right": 12, "top": 10, "bottom": 32}
+"""Around the floor, as the map draws it at first (`frontend/src/plant/draw/renderer.ts`)."""
 
 
 class GoingWall(Wall):
@@ -50,3 +63,42 @@ def choose(page: Page, name: str) -> None:
     page.keyboard.type(name)
     expect(page.locator("#finder-list").get_by_role("option").first).to_contain_text(name)
     page.keyboard.press("Enter")
+
+
+def map_scale(page: Page, plant: PlantFile) -> float:
+    """Pixels per metre of the map, as it is drawn at first."""
+    box = page.locator("#plant-map").bounding_box()
+    assert box is not None
+    width_px = box["width"] - PAD_PX["left"] - PAD_PX["right"]
+    height_px = box["height"] - PAD_PX["top"] - PAD_PX["bottom"]
+    return min(width_px / plant.width_m, height_px / plant.height_m)
+
+
+def on_map(page: Page, plant: PlantFile, x_m: float, y_m: float) -> tuple[float, float]:
+    """Where a point of the floor is drawn."""
+    box, scale = page.locator("#plant-map").bounding_box(), map_scale(page, plant)
+    assert box is not None
+    width_px = box["width"] - PAD_PX["left"] - PAD_PX["right"]
+    height_px = box["height"] - PAD_PX["top"] - PAD_PX["bottom"]
+    left_px = PAD_PX["left"] + (width_px - plant.width_m * scale) / 2
+    low_px = PAD_PX["top"] + (height_px + plant.height_m * scale) / 2
+    return box["x"] + left_px + x_m * scale, box["y"] + low_px - y_m * scale
+
+
+def kept_moment(factory: str, page: Page, before_s: float = BEFORE_S) -> float:
+    """Four seconds ago, once enough was kept before it to go back to: so many seconds."""
+    for _ in range(ASKED):
+        now_s = float(page.evaluate("Date.now() / 1000"))
+        span = {"since": iso(now_s - 60), "until": iso(now_s)}
+        # Not the page asks: a browser tells of every 404 by itself.
+        kept = page.request.get(f"{factory}/api/replay/overview", params={**span}).json()
+        from_s = kept["kept_from_at_s"]
+        if from_s is not None and from_s < now_s - before_s - 4:
+            return now_s - 4
+        page.wait_for_timeout(250)
+    raise AssertionError("nothing was kept")
+
+
+def iso(at_s: float) -> str:
+    """A moment as REST reads it."""
+    return datetime.fromtimestamp(at_s, UTC).isoformat()

@@ -27,9 +27,13 @@ Enter = Callable[..., Page]
 LYING, UPRIGHT = {"width": 1024, "height": 768}, {"width": 800, "height": 1280}
 """The tablets that the panel is made for."""
 
+PHONE = {"width": 390, "height": 844}
+"""What somebody may have in a pocket."""
+
 LOOKS = {
     "lying-light-en": {"viewport": LYING, "color_scheme": "light", "locale": "en-GB"},
     "upright-dark-de": {"viewport": UPRIGHT, "color_scheme": "dark", "locale": "de-DE"},
+    "phone-dark-es": {"viewport": PHONE, "color_scheme": "dark", "locale": "es-ES"},
 }
 
 AREA, STATION = "AREA3", "M8"

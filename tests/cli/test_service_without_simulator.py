@@ -67,7 +67,7 @@ def bus(tmp_path: Path) -> Iterator[dict[str, str]]:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("agent", [("agent", "atv", "ATV1"), ("agent", "machine", "M1"), ("strategist",)])
+@pytest.mark.parametrize("agent", [("agent", "atv", "ATV1"), ("agent", "machine", "M1"), ("agent", "gate")])
 def test_an_agent_takes_part_and_leaves_without_the_simulator(
     agent: tuple[str, ...], bus: dict[str, str], tmp_path: Path
 ) -> None:

@@ -16,7 +16,7 @@ ACTIONS = {rule.action for rule in RULES.values()} - {""}
 
 @pytest.mark.parametrize("language", ["en", "de", "es"])
 def test_every_action_has_words(language: str) -> None:
-    texts = (FRONTEND / "text" / "manager" / language / "records.ts").read_text(encoding="utf-8")
+    texts = (FRONTEND / "text" / "views" / "records" / f"{language}.ts").read_text(encoding="utf-8")
     named = set(re.findall(r'"audit\.did\.([\w.]+)": "[^"]+"', texts))
     assert ACTIONS - named == set()
 

@@ -20,17 +20,22 @@ from dray.memory import (
     CommandMemory,
     Contract,
     EndedOrder,
+    GateGoal,
+    GateMemory,
+    GateOrder,
     GoalBooked,
     GoalMemory,
     MachineMemory,
     Note,
     OrderMemory,
     ReturnedOrder,
+    ShutWord,
     StrategistMemory,
     TaskMemory,
 )
-from dray.messages import CommandRefusal, Event, OrderItem, Phase, Transport
+from dray.messages import Brought, CommandRefusal, Event, OrderItem, Phase, Transport
 from dray.messages.fact import OrderFulfilled
+from dray.messages.gate import GoalOf
 from dray.ports import Journal
 from dray_sim.factory.journal import HeldJournal
 
@@ -151,6 +156,10 @@ NOTES: list[Note] = [
     ORDER,
     EndedOrder(fulfilled=True),
     ReturnedOrder(order="O-1", release=2, outstanding=(4, 0)),
+    ShutWord(order="O-1", epoch=2, over=1),
+    GateMemory(since=3),
+    GateGoal("O-1-1.1", "strategist", 4, 2, 7, 3, 2, GoalOf("O-1", 0, "M1", 2), (Brought("ATV1", 3),)),
+    GateOrder("O-1", "strategist", 2, arrived=(3, 0), lost_by="strategist2"),
 ]
 
 

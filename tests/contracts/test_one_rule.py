@@ -148,7 +148,7 @@ def test_the_example_in_typescript_goes_by_the_same_figures(file: str) -> None:
 
 def test_the_documentation_for_other_agents_tells_the_same_figures() -> None:
     text = (ROOT / "docs/agents.md").read_text()
-    assert f"{WORKING_INTERVAL_S:g} s with a task, {IDLE_INTERVAL_S:g} s without" in text
+    assert f"{WORKING_INTERVAL_S:g} s with a task or a problem, {IDLE_INTERVAL_S:g} s without" in text
     assert f"Clocks must agree within {CLOCKS_AGREE_S:g} s" in text
     assert f"silent for {bound_s(WORKING_INTERVAL_S):g} s" in text
     assert f"`Docked` after `DockHeld` | {job_messages.HELD_ASK_AGAIN_S:g} s" in text

@@ -149,6 +149,19 @@ def test_every_process_has_its_own_certificate_and_notes_that_outlive_its_contai
     assert len(seen) == 2 * len([service for service in services.values() if "build" in service])
 
 
+def test_each_of_several_strategists_is_a_container_that_knows_how_many_there_are(small_plant: Plant) -> None:
+    compose = yaml.safe_load(compose_text(small_plant, strategists=2))
+    first, second = (compose["services"][name] for name in ("strategist", "strategist2"))
+    assert (first["command"], second["command"]) == (
+        ["dray", "strategist"],
+        ["dray", "strategist", "strategist2"],
+    )
+    for name in ("strategist2", "gateway", "floor", "historian"):
+        assert compose["services"][name]["environment"]["DRAY_STRATEGISTS"] == 2
+    assert "journal-strategist2" in compose["volumes"]
+    assert '"strategist2:9101"' in targets_text(small_plant, strategists=2)
+
+
 def test_a_name_that_yaml_takes_for_something_else_stays_a_name(small_plant: Plant) -> None:
     (vehicle,) = small_plant.file.fleet
     fleet = (replace(vehicle, id="off"), replace(vehicle, id="Y"))

@@ -7,27 +7,27 @@ that mean something to them are `NAMES`.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TypeVar
 
-from actors import Actor
 from bodies import PlainGate, PlainVehicle, PlainWorkcell
 from defaults import PLANT
+from played import Played
 from seals import granted, trusts_seals
 from spoken import accepted, announcement, award, bid, goal_bid, mhb, production, rhb, transport
 
 from dray.body import Pick
 from dray.messages import (
     Accepted,
+    AdmissionAsked,
     AtvHeartbeat,
     Award,
     CommandKind,
     Confirmed,
     Docked,
     DockOpened,
+    GateTold,
     GoalBrief,
     Handover,
     MachineHeartbeat,
-    Message,
     OrderItem,
     OrderReleased,
     Phase,
@@ -37,9 +37,10 @@ from dray.messages import (
     Transport,
     VehicleCommand,
 )
-from dray.messages.keys import STRATEGIST
+from dray.messages.keys import GATE, STRATEGIST
+from dray.protocol.gate.gate import DeliveryGate
 from dray.protocol.machine.machine import Machine
-from dray.protocol.runtime.events import Effect, Publish, Send
+from dray.protocol.strategist.gated import GatedStrategist
 from dray.protocol.strategist.strategist import Strategist
 from dray.protocol.vehicle.atv import Atv
 
@@ -48,7 +49,7 @@ MATERIALS = tuple(line.material for line in PLANT.products[PRODUCT].bill)
 WAREHOUSE = PLANT.delivery_warehouses[0]
 
 TASKS = ("M8-1", "M7-1", "M7-2", "M7-3", "G1", "O1-1.1", "O1-1.2")
-AGENTS = ("ATV1", "ATV2", "ATV3", "M7", "M8", STRATEGIST, "gateway")
+AGENTS = ("ATV1", "ATV2", "ATV3", "M7", "M8", STRATEGIST, GATE, "gateway")
 STATIONS = ("S3", "M7", "M8", WAREHOUSE)
 
 NAMES = {
@@ -71,41 +72,6 @@ NAMES = {
     "node": tuple(PLANT.nodes)[:3],
 }
 """By the name of the field that they fit into."""
-
-M = TypeVar("M")
-
-
-class Played(Actor):
-    """An actor that remembers what it has said last, of every type."""
-
-    def __init__(self, *args: object) -> None:
-        super().__init__(*args, self._note)  # type: ignore[arg-type]
-        self.effects: list[Effect] = []
-        """All that it wanted done; clear it at will."""
-        self.last: dict[type[Message], Message] = {}
-        self.start(0.0)
-
-    def _note(self, effect: Effect) -> None:
-        self.effects.append(effect)
-        if isinstance(effect, Send | Publish):
-            self.last[type(effect.message)] = effect.message
-
-    def newest(self, kind: type[M]) -> M | None:
-        message = self.last.get(kind)  # type: ignore[call-overload]
-        return message if isinstance(message, kind) else None
-
-    def told(self, sender: str, message: Message) -> Played:
-        self.on_message(sender, message, self.now_s)
-        return self
-
-    def until(self, condition: Callable[[Played], object]) -> Played:
-        """Play on until something is so."""
-        for _ in range(2000):
-            if condition(self):
-                return self
-            self.step(max(self.now_s, self.next_s))
-        raise AssertionError(f"it never came to that: {condition}")
-
 
 # --- a vehicle -----------------------------------------------------------------------------------
 
@@ -319,6 +285,23 @@ def idle_strategist() -> Played:
     return Played(lambda life: Strategist(PLANT, incarnation=life), PlainGate())
 
 
+def idle_gate() -> Played:
+    return Played(lambda life: DeliveryGate(PLANT, incarnation=life), PlainGate())
+
+
+def gate_with_goods() -> Played:
+    actor = idle_gate().told("strategist", AdmissionAsked("O1-1.1", 24, 1, 1))
+    assert isinstance(actor.body, PlainGate)
+    _, reports = actor.body.put("O1-1.1", 5)
+    actor.report(reports, actor.now_s)
+    return actor
+
+
+def gated_strategist() -> Played:
+    actor = Played(lambda life: GatedStrategist(PLANT, incarnation=life), PlainGate())
+    return actor.told(GATE, GateTold("", (), more=False, since=1))
+
+
 def strategist_with_an_order() -> Played:
     order = OrderReleased(order="O1", items=(OrderItem(product=PRODUCT, quantity=48),), due_s=7200.0)
     return idle_strategist().told("gateway", order)
@@ -380,6 +363,9 @@ SITUATIONS: tuple[Callable[[], Played], ...] = (
     supplied_machine,
     machine_with_goods,
     broken_machine,
+    idle_gate,
+    gate_with_goods,
+    gated_strategist,
     machine_in_its_second_life,
     idle_strategist,
     strategist_with_an_order,

@@ -24,6 +24,7 @@ from dray.messages import (
     DockHeld,
     DockOpened,
     GoalClosed,
+    GoalRevised,
     Handover,
     HandoverAccepted,
     Message,
@@ -62,6 +63,7 @@ def words() -> Iterator[Message]:
         yield Superseded(task=task, epoch=epoch)
         yield Withdrawn(task=task, epoch=epoch, reason=Reason.NOT_NEEDED)
         yield GoalClosed(goal=task)
+        yield GoalRevised(task=task, epoch=epoch, quantity=1, deadline_s=100.0)
         yield Handover(task=task, epoch=epoch, quantity=24)
         for primary in ("ATV1", "ATV2"):
             yield TakenOver(task=task, epoch=epoch, primary=primary, finish_s=100.0, source="S3")

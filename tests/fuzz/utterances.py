@@ -19,6 +19,7 @@ import msgspec
 from hypothesis import strategies as st
 
 from dray.messages import AnyMessage, Message
+from dray.messages.product import Address, MediaType, Sha256
 
 MESSAGE_TYPES: tuple[type[Message], ...] = typing.get_args(AnyMessage)
 
@@ -31,6 +32,17 @@ COUNTS = (0, 1, 1, 1, 2, 3, 40, 2**31, 2**53)
 """An epoch, number or quantity is mostly a small one."""
 
 MAGNITUDES = (0.0, 1.0, -1.0, 0.5, 60.0, 3600.0, 1e-9)
+
+
+NO_IDS = {
+    typing.get_args(kind)[1].pattern: value
+    for kind, value in (
+        (Address, "https://plm.example/p1.nc"),
+        (MediaType, "application/pdf"),
+        (Sha256, "ab" * 32),
+    )
+}
+"""By pattern, something of it."""
 
 
 class Utterances:
@@ -93,10 +105,14 @@ class Utterances:
             low_f, high_f = float(meta.ge or 0.0), float(meta.le or 0.0)
             likely = [low_f, high_f, *(each for each in MAGNITUDES if low_f <= each <= high_f)]
             return st.sampled_from(likely) | st.floats(low_f, high_f)
+        if hint is str and meta.pattern in NO_IDS:
+            return st.just(NO_IDS[meta.pattern])
         if hint is str and meta.pattern:
             return self._id(name, optional="{0," in meta.pattern)
         if hint is str:
-            return st.text(st.characters(exclude_categories=["Cs"]), max_size=8)
+            return st.text(
+                st.characters(exclude_categories=["Cs"]), min_size=meta.min_length or 0, max_size=8
+            )
         if hint is bytes:
             return st.binary(min_size=meta.min_length or 0, max_size=meta.max_length)
         items = self._value(typing.get_args(hint)[0], name)

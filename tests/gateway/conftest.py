@@ -18,6 +18,7 @@ from fake_injector import FakeInjector
 from gateway_kit import House, gateway
 from wall_clock import NOW_S
 
+from dray.gateway.factory import carrying, closings, exclusions
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.timescale import TimeScale
 from dray.gateway.orders import outbox
@@ -33,6 +34,8 @@ def nothing_is_repeated(request: pytest.FixtureRequest, monkeypatch: pytest.Monk
     """What agents do not answer is said once, however slow the machine is; a test of repetitions says its pauses."""
     if "url" in request.fixturenames:
         monkeypatch.setattr(outbox, "PAUSE_S", (3600.0, 3600.0))
+        for repeats in (carrying, closings, exclusions):
+            monkeypatch.setattr(repeats, "SAY_EVERY_S", 3600.0)
 
 
 @pytest.fixture

@@ -16,6 +16,42 @@ def test_the_small_plant_has_no_faults(small_text: str) -> None:
 
 
 SINGLE_FAULTS = {
+    "a time zone that is none": (
+        "name: Small plant",
+        "name: Small plant\ntime_zone: Middle/Earth",
+        "time_zone",
+        "Middle/Earth is no time zone that is known: write its IANA name, as Europe/Berlin",
+    ),
+    "an area in which nobody ever is": (
+        "    name: The floor\n",
+        "    name: The floor\n    working_time: {shifts: [{start: '06:00', end: '14:00'}], breaks: [{start: '05:00', end: '15:00'}]}\n",
+        "areas[0].working_time.breaks",
+        "they leave nothing of its shifts: make them shorter",
+    ),
+    "a working time without working time": (
+        "name: Small plant",
+        "name: Small plant\nworking_time: {shifts: [{start: '06:00', end: '14:00'}], breaks: [{start: '05:00', end: '15:00'}]}",
+        "working_time.breaks",
+        "they leave nothing of its shifts: make them shorter",
+    ),
+    "a holiday that is no day": (
+        "name: Small plant",
+        "name: Small plant\nworking_time: {shifts: [{start: '06:00', end: '14:00'}], holidays: ['2026-02-30']}",
+        "working_time.holidays[0]",
+        "2026-02-30 is no day of any year: write one as 2026-12-25",
+    ),
+    "a shift at no time of day": (
+        "name: Small plant",
+        "name: Small plant\nworking_time: {shifts: [{start: '6:00', end: '14:00'}]}",
+        "working_time.shifts[0].start",
+        "",
+    ),
+    "a shift on no day of the week": (
+        "name: Small plant",
+        "name: Small plant\nworking_time: {shifts: [{start: '06:00', end: '14:00', days: [monday]}]}",
+        "working_time.shifts[0].days[0]",
+        "monday",
+    ),
     "a vehicle that must charge while it need not": (
         "{id: light, name: Light carrier}",
         "{id: light, name: Light carrier, charging: {must_below_frac: 0.7}}",
@@ -63,6 +99,12 @@ SINGLE_FAULTS = {
         "id: Strategist\n",
         "machines[0].id",
         "is an agent of every plant",
+    ),
+    "a vehicle that takes the name of a second strategist": (
+        "id: ATV1",
+        "id: strategist2",
+        "fleet[0].id",
+        "is an agent of a plant with several strategists",
     ),
     "a vehicle that takes the name of the floor's certificate": (
         "id: ATV1",

@@ -89,8 +89,8 @@ def test_a_way_tells_where_it_is_slow() -> None:
 def test_an_area_has_the_nodes_within_it_and_the_lanes_that_cross_it() -> None:
     left, right = 3.0, 7.0
     area = Area("a", "A", (Point(left, -1.0), Point(right, -1.0), Point(right, 11.0), Point(left, 11.0)))
-    extent = extent_of(area, {node.id: node for node in NODES}, ROADS)
+    extent = extent_of(area.polygon, {node.id: node for node in NODES}, ROADS)
     assert extent.nodes == frozenset()
     assert extent.across == {("c0_0", "c1_0"), ("c1_0", "c0_0"), ("c0_1", "c1_1"), ("c1_1", "c0_1")}
     wide = Area("b", "B", (Point(-1.0, -1.0), Point(11.0, -1.0), Point(11.0, 1.0), Point(-1.0, 1.0)))
-    assert extent_of(wide, {node.id: node for node in NODES}, ROADS).nodes == {"c0_0", "c1_0"}
+    assert extent_of(wide.polygon, {node.id: node for node in NODES}, ROADS).nodes == {"c0_0", "c1_0"}

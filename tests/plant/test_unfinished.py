@@ -56,6 +56,16 @@ def test_open_fields_are_named_one_by_one_and_wrong_ones_beside_them(small_text:
     assert found["machines[0].box"].startswith("is open: where it stands")
 
 
+def test_a_box_that_is_open_is_said_once_at_the_edge_of_the_floor_too(small_text: str) -> None:
+    data = data_of(small_text)
+    spot = next(node for node in data["nodes"] if node["id"] == data["machines"][0]["node"])
+    spot.update(x_m=0.0, y_m=0.0)
+    data["machines"][0]["box"] = None
+    said = [reason for field, reason in document_faults(data) if field == "machines[0].box"]
+    assert len(said) == 1
+    assert said[0].startswith("is open")
+
+
 def test_lanes_are_checked_although_something_else_is_open(small_text: str) -> None:
     data = {**data_of(small_text), "machines": None}
     data["lanes"].append({"start": "west", "end": "middle"})

@@ -12,6 +12,7 @@ from credulous import Credulous
 from effects import facts
 from hypothesis import given
 from hypothesis import strategies as st
+from msgspec import UNSET
 from spoken import accepted, bid, declined, rhb, transport
 
 from dray.messages import AtvHeartbeat, AtvStatus, Bid, HelpWanted, Reason, Role
@@ -205,7 +206,8 @@ class NaiveFailureDetector:
         if not news:
             return Reason.SILENT if now_s >= self.began_s + ear.bound_s(WORKING_INTERVAL_S) else None
         heard_s, beat = news[-1]
-        interval_s = WORKING_INTERVAL_S if beat.task is not None else IDLE_INTERVAL_S
+        in_need = beat.problem and beat.out_of_service is UNSET
+        interval_s = WORKING_INTERVAL_S if beat.task is not None or in_need else IDLE_INTERVAL_S
         if now_s >= heard_s + ear.bound_s(interval_s):
             return Reason.SILENT
         if beat.help is not None:

@@ -114,7 +114,7 @@ def tell(agent: str, *facts: AnyFact, life: int = 1, first: int = 1, at_s: float
     ]
 
 
-def contracted(goal: str, item: int, quantity: int, order: str = "O-1") -> GoalContracted:
+def contracted(goal: str, item: int, quantity: int, order: str = "O-1", held: int = 0) -> GoalContracted:
     return GoalContracted(
         goal=goal,
         order=order,
@@ -123,6 +123,7 @@ def contracted(goal: str, item: int, quantity: int, order: str = "O-1") -> GoalC
         quantity=quantity,
         machine="M1",
         finish_s=900.0,
+        held=held,
     )
 
 
@@ -136,8 +137,8 @@ def delivered(goal: str, item: int, count: int, order: str = "O-1", quantity: in
     )
 
 
-def accepted(*goals: str, order: str = "O-1") -> OrderAccepted:
-    return OrderAccepted(order=order, goals=goals)
+def accepted(*goals: str, order: str = "O-1", held: int = 0) -> OrderAccepted:
+    return OrderAccepted(order=order, goals=goals, held=held)
 
 
 def a_day() -> list[Event]:

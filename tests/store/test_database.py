@@ -201,7 +201,7 @@ async def test_a_damaged_database_works_or_is_named_with_a_remedy(tmp_path: Path
     await sound.next_incarnation("plant")
     await sound.close()
     whole = path.read_bytes()
-    for _ in range(12):
+    for _ in range(30):
         at = rng.randrange(len(whole) if how != "random bytes in its schema" else 4096)
         path.write_bytes(whole[:at] + (b"" if how == "cut off" else rng.randbytes(4096) + whole[at + 4096 :]))
         if complaint := await _complaint(url):

@@ -76,14 +76,15 @@ async def test_pages_in_both_directions_miss_nothing(kept: Store) -> None:
 
 async def test_a_fact_is_kept_as_it_was_told(kept: Store) -> None:
     (row,) = await found(kept, kinds=("OrderAccepted",))
-    assert msgspec.json.decode(row.fact) == {"kind": "OrderAccepted", "order": "O-1", "goals": ["G1", "G2"]}
+    told = {"kind": "OrderAccepted", "order": "O-1", "goals": ["G1", "G2"], "held": 0}
+    assert msgspec.json.decode(row.fact) == told
     assert (row.agent, row.incarnation, row.number, row.order_id) == ("strategist", 1, 1, "O-1")
 
 
 async def test_positions_of_pruned_events_are_never_given_again(kept: Store) -> None:
     last = (await found(kept))[-1].position
     async with kept.write() as work:
-        await work.events.prune(0)
+        await work.events.forget(1, last)
         await work.events.add(tell("M1", delivered("G1", 0, 4), life=2), same_clock)
     (row,) = await found(kept)
     assert row.position > last
@@ -112,5 +113,5 @@ async def test_of_a_long_history_only_what_an_agent_may_still_have_is_looked_thr
 async def test_pruned_events_are_not_missing(store: Store) -> None:
     async with store.write() as work:
         await work.events.add(tell("M1", *[made("G1", 1)] * 9), same_clock)
-        await work.events.prune(4)
+        await work.events.forget(1, 5)
         assert await work.events.known() == [Known("M1", 1, 9)]

@@ -19,10 +19,19 @@ from dray.store.tables import metadata
 pytestmark = pytest.mark.anyio
 
 
+def comparable(_thing: object, name: str | None, kind: str, *_rest: object) -> bool:
+    """Indexes of expressions are told by each database in words of its own; `test_every_way_of_sorting_is_read_from_an_index` knows them."""
+    return kind != "index" or "_by_" not in str(name)
+
+
+@pytest.mark.filterwarnings("ignore:Skipped unsupported reflection of expression-based index")
+@pytest.mark.filterwarnings("ignore:autogenerate skipping metadata-specified expression-based index")
 async def test_the_migrations_make_the_tables_that_the_code_knows(store: Store) -> None:
     async with store.database.read() as connection:
         differences = await connection.run_sync(
-            lambda sync: compare_metadata(MigrationContext.configure(sync), metadata)
+            lambda sync: compare_metadata(
+                MigrationContext.configure(sync, opts={"include_object": comparable}), metadata
+            )
         )
     assert differences == []
 
@@ -74,4 +83,4 @@ async def test_a_database_of_a_newer_dray_is_left_alone(store: Store, url: str) 
 
 def test_the_migrations_are_found_and_have_one_head() -> None:
     assert (migrations_folder() / "env.py").is_file()
-    assert ScriptDirectory.from_config(configuration()).get_current_head() == "0016"
+    assert ScriptDirectory.from_config(configuration()).get_current_head() == "0034"

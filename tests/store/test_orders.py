@@ -60,7 +60,7 @@ async def test_whatever_changes_an_order_says_when(store: Store) -> None:
             work.orders.advance(msgspec.structs.replace(one, items=(Item("P1", 4, 1),)), begun, 2010.0),
             work.orders.revoke("O-1", 2011.0),
             work.orders.store("O-1", 1, (3,), 2012.0),
-            work.orders.release("O-1", 2013.0),
+            work.orders.release("O-1", 2013.0, 2100.0),
             work.orders.cancel("O-1", 2014.0),
         ):
             await change
@@ -76,7 +76,7 @@ async def test_only_a_stored_order_is_released_and_only_an_unended_one_cancelled
     await keep(store, order(1, status=OrderStatus.STORED), order(2, status=OrderStatus.DELIVERED))
     async with store.write() as work:
         for number in (1, 2):
-            await work.orders.release(f"O-{number}", 10.0)
+            await work.orders.release(f"O-{number}", 10.0, 20.0)
         one, two = [await work.orders.get(f"O-{number}") for number in (1, 2)]
         assert one is not None
         assert (one.status, one.released_at_s) == (OrderStatus.RELEASED, 10.0)
@@ -114,7 +114,7 @@ async def test_an_order_that_is_taken_back_is_stored_when_the_factory_says_so_an
         asked.append(await work.orders.get("O-1"))
         await work.orders.store("O-1", 1, (1, 2), 26.0)
         found = await work.orders.get("O-1")
-        await work.orders.release("O-1", 30.0)
+        await work.orders.release("O-1", 30.0, 40.0)
         again = await work.orders.get("O-1")
     assert [one and (one.status, one.revoked_at_s, one.being_revoked) for one in asked] == [
         ("released", None, False),

@@ -27,7 +27,7 @@ pytestmark = pytest.mark.anyio
 async def placing(store: Store) -> Placing:
     async with store.write() as work:
         await work.products.replace([GEAR, PUMP])
-    return Placing(store.database, keys_kept_s=100.0, lines_kept=10)
+    return Placing(store.database, keys_kept_s=100.0)
 
 
 def wish(number: int, key: str = "", prepare: Callable[[], Order] | None = None) -> Wish:
@@ -169,7 +169,7 @@ async def test_two_gateways_that_are_asked_under_one_key_place_one_order(
     url = store.database.engine.url.render_as_string(hide_password=False)
     other = await Database.open(url)
     try:
-        gateways = (placing, Placing(other, keys_kept_s=100.0, lines_kept=1_000))
+        gateways = (placing, Placing(other, keys_kept_s=100.0))
         for number in range(20, 60, 2):
             tried = [
                 gateway.place(wish(number + place, f"k{number}")) for place, gateway in enumerate(gateways)
@@ -247,12 +247,3 @@ async def test_only_so_many_wait(placing: Placing, monkeypatch: pytest.MonkeyPat
         *(placing.place(wish(number)) for number in (1, 2, 3)), return_exceptions=True
     )
     assert [isinstance(each, UnavailableError) for each in done] == [False, False, True]
-
-
-async def test_old_lines_of_the_audit_log_are_pruned(
-    store: Store, placing: Placing, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("dray.store.orders.placing.PRUNED_EVERY", 15)
-    for number in range(1, 16):
-        await placing.place(wish(number))
-    assert await lines(store) == sorted(f"O-{number}" for number in range(6, 16))

@@ -17,6 +17,7 @@ from dray.store.orders.progress import (
     Progress,
     delivered_after,
     goal_of,
+    life_with,
     merge,
     note,
     progress,
@@ -76,6 +77,31 @@ def test_what_a_lost_life_made_is_gone_and_what_it_delivered_stays() -> None:
     assert reached(first + again, 4, life=2).made == (2,)
     done = again + tell("M1", made("Gr2", 2), delivered("Gr2", 0, 2), life=2)
     assert reached(first + done, 4, life=2).status is OrderStatus.DELIVERED
+
+
+HELD_BY_TWO = [
+    # The first holder has lived often, the second never before.
+    *tell("strategist", contracted("G1", 0, 4, held=1), contracted("G2", 0, 4, held=1), first=90, life=7),
+    *tell("M1", made("G1", 3), made("G2", 3)),
+    *tell(
+        "strategist2", GoalLost("G1", "M1", arrived=1, successor="G3", held=2), contracted("G3", 0, 3, held=2)
+    ),
+]
+
+
+@given(st.permutations(HELD_BY_TWO))
+def test_what_the_next_holder_of_an_order_tells_counts_however_often_others_have_lived(
+    events: list[Event],
+) -> None:
+    """The second one goes on with G2, and has lost G1."""
+    result = reached(events, 8, life=7)
+    assert (result.status, result.made, result.delivered) == (OrderStatus.IN_DELIVERY, (4,), (1,))
+
+
+def test_an_acceptance_by_one_of_several_makes_no_goal_of_another_unknown() -> None:
+    [alone] = tell("strategist", accepted("G1"), life=3)
+    [shared] = tell("strategist2", accepted("G1", held=1), life=3)
+    assert (life_with(alone), life_with(shared)) == (3, 0)
 
 
 TOLD_OF_A_GOAL = [

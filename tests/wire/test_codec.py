@@ -28,6 +28,7 @@ from dray.messages import (
     Pose,
     Role,
 )
+from dray.messages.product import Address, MediaType, Sha256
 
 HEARTBEAT = AtvHeartbeat(
     atv="ATV-07",
@@ -48,7 +49,14 @@ def wire(message: dict[str, Any], v: Any = 2, sender: Any = "ATV-07") -> bytes:
     return json.dumps({"v": v, "from": sender, "m": message}).encode()
 
 
-TAKEN = {"type": "OrderTaken", "order": "o-1", "release": 1, "fulfilled": False}
+TAKEN = {
+    "type": "OrderTaken",
+    "order": "o-1",
+    "release": 1,
+    "fulfilled": False,
+    "change": 0,
+    "quantities": [],
+}
 
 
 patiently = settings(deadline=None, max_examples=40)
@@ -57,6 +65,16 @@ patiently = settings(deadline=None, max_examples=40)
 # --- any message: strategies built from the struct types themselves --------------------------------
 
 MESSAGE_TYPES: tuple[type[Message], ...] = typing.get_args(AnyMessage)
+
+_NO_IDS = {
+    typing.get_args(kind)[1].pattern: value
+    for kind, value in (
+        (Address, "https://plm.example/p1.nc"),
+        (MediaType, "application/pdf"),
+        (Sha256, "ab" * 32),
+    )
+}
+"""By pattern, something of it."""
 
 _ID_CHARACTERS = st.characters(exclude_categories=("Cs", "Cc", "Zs", "Zl", "Zp"), exclude_characters="/*?#$@")
 
@@ -106,10 +124,12 @@ def _bounded(hint: Any, meta: msgspec.Meta) -> st.SearchStrategy[Any]:
         return st.integers(int(meta.ge or 0), int(meta.le or 0))
     if hint is float:
         return st.floats(meta.ge, meta.le)
+    if hint is str and meta.pattern in _NO_IDS:
+        return st.just(_NO_IDS[meta.pattern])
     if hint is str and meta.pattern:
         return st.text(_ID_CHARACTERS, min_size=1 if "{1," in meta.pattern else 0, max_size=12)
     if hint is str:
-        return st.text(st.characters(exclude_categories=["Cs"]), max_size=30)
+        return st.text(st.characters(exclude_categories=["Cs"]), min_size=meta.min_length or 0, max_size=30)
     if hint is bytes:
         return st.binary(min_size=meta.min_length or 0, max_size=meta.max_length)
     return st.lists(of_type(typing.get_args(hint)[0]), min_size=meta.min_length or 0, max_size=3).map(tuple)

@@ -11,10 +11,12 @@ from dray.gateway.live.strategist_probe import StrategistProbe
 from dray.gateway.metrics.meter import Meter
 from dray.gateway.orders.completions import Completions
 from dray.gateway.orders.outbox import Outbox
+from dray.gateway.orders.reconciliation import Reconciliation
 from dray.gateway.orders.transports import PlainTransports
 from dray.messages import (
     CancellationTaken,
     CommandAnswered,
+    Event,
     HelpCall,
     Message,
     OperatorHeartbeat,
@@ -22,7 +24,9 @@ from dray.messages import (
     RevocationTaken,
     TransportAnswered,
 )
-from dray.messages.keys import STRATEGIST
+from dray.messages.fact import Fact, MemoryLost, OrderFulfilled
+from dray.messages.keys import STRATEGISTS
+from dray.store.orders.progress import OPEN
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,9 +35,10 @@ class Inbox:
 
     Attributes:
         meter: counts everything.
-        strategist_probe: learns that the strategist is there.
+        strategist_probe: learns which strategists are there.
         completions: how orders have ended.
-        outbox: the strategist's other answers about orders.
+        outbox: the strategists' other answers about orders.
+        reconciliation: orders that have ended, and look open; those that a strategist may have forgotten.
         transports: places' answers about plain transports.
         commands: vehicles' answers to people.
         projection: heartbeats and events; who is on duty, and who calls.
@@ -44,6 +49,7 @@ class Inbox:
     strategist_probe: StrategistProbe
     completions: Completions
     outbox: Outbox
+    reconciliation: Reconciliation
     transports: PlainTransports
     commands: Commands
     projection: Projection
@@ -52,13 +58,17 @@ class Inbox:
     def receive(self, sender: str, message: Message) -> bool:
         """Hand a message on; returns whether anybody waited for it."""
         self.meter.count(message)
-        if sender == STRATEGIST:
-            self.strategist_probe.heard()
+        is_strategist = sender in STRATEGISTS
+        if is_strategist:
+            self.strategist_probe.heard(sender)
         match message:
             case OrderTaken(fulfilled=True) | RevocationTaken():
-                return sender != STRATEGIST or self.completions.on_answer(message)
+                return not is_strategist or self.completions.on_answer(message)
+            case OrderTaken(change=change) if change:
+                if is_strategist:
+                    self.completions.on_answer(message)
             case OrderTaken() | CancellationTaken():
-                if sender == STRATEGIST:
+                if is_strategist:
                     self.outbox.answered(message)
             case TransportAnswered():
                 return self.transports.on_answered(sender, message)
@@ -68,4 +78,16 @@ class Inbox:
                 return self.commands.answered(sender, message)
             case _:
                 self.projection.fold(message)
+                if is_strategist and isinstance(message, Event):
+                    self._doubt(message.fact)
         return True
+
+    def _doubt(self, fact: Fact) -> None:
+        """Ask for orders that a strategist says otherwise of than they look, or may have forgotten."""
+        match fact:
+            case OrderFulfilled(order=order):
+                known = self.projection.orders.get(order)
+                if known is not None and known.status in OPEN:
+                    self.reconciliation.doubt(order)
+            case MemoryLost():
+                self.reconciliation.doubt_all()

@@ -19,16 +19,19 @@ from dray.gateway.access.access import Access, open_access
 from dray.gateway.access.audit_log import AuditLog
 from dray.gateway.access.login.hasher import Hasher
 from dray.gateway.factory.alerts import AlertMonitor
+from dray.gateway.factory.area_pause import AreaPause
 from dray.gateway.factory.carrying import Carrying
 from dray.gateway.factory.catalogue import Catalogue
 from dray.gateway.factory.closings import Closings
 from dray.gateway.factory.commands import Commands
 from dray.gateway.factory.duty import DutyRota, OperatorHost
+from dray.gateway.factory.dxf_plans import DxfPlans
 from dray.gateway.factory.exclusions import Exclusions
 from dray.gateway.factory.fault_injection import FaultInjection, FaultInjector
 from dray.gateway.factory.figure_sampler import Sampler
 from dray.gateway.factory.promises import Ledger
 from dray.gateway.factory.shift_player import ShiftPlayer
+from dray.gateway.factory.shift_reporter import ShiftReporter
 from dray.gateway.http.assets import Panels
 from dray.gateway.http.side_work import SideWork
 from dray.gateway.inbox import Inbox
@@ -37,6 +40,8 @@ from dray.gateway.live.database_sync import DatabaseSync
 from dray.gateway.live.health import Health
 from dray.gateway.live.peer import Peer
 from dray.gateway.live.projection import Projection
+from dray.gateway.live.replay.reader import ReplayReader
+from dray.gateway.live.replay.recorder import DAY_S, Recorder
 from dray.gateway.live.strategist_probe import StrategistProbe
 from dray.gateway.live.stream import Hub
 from dray.gateway.live.timescale import TimeScale
@@ -44,13 +49,16 @@ from dray.gateway.metrics import Metrics
 from dray.gateway.metrics.history import History
 from dray.gateway.metrics.state import State
 from dray.gateway.orders.actions import OrderActions
+from dray.gateway.orders.changes import OrderChanging
 from dray.gateway.orders.completions import Completions
 from dray.gateway.orders.idempotency import KEYS_KEPT_S
 from dray.gateway.orders.outbox import Outbox
 from dray.gateway.orders.placement import OrderPlacement
 from dray.gateway.orders.reconciliation import Reconciliation
 from dray.gateway.orders.transports import PlainTransports
-from dray.messages.keys import Keys
+from dray.gateway.schedules.runs import Runs
+from dray.gateway.schedules.scheduler import Scheduler
+from dray.messages.keys import Keys, strategists_of
 from dray.plant import plant_yaml
 from dray.plant.model import PlantFile
 from dray.ports import Bus
@@ -78,6 +86,9 @@ class Services:
     strategist_probe: StrategistProbe
     projection: Projection
     hub: Hub
+    recorder: Recorder | None
+    """None where nothing is to be kept."""
+    replay: ReplayReader
     catalogue: Catalogue
     database_sync: DatabaseSync
     health: Health
@@ -86,18 +97,23 @@ class Services:
     outbox: Outbox
     placement: OrderPlacement
     actions: OrderActions
+    changing: OrderChanging
     completions: Completions
     reconciliation: Reconciliation
     transports: PlainTransports
+    scheduler: Scheduler
     commands: Commands
     alerts: AlertMonitor
     exclusions: Exclusions
     closings: Closings
+    area_pause: AreaPause
     carrying: Carrying
     duty: DutyRota
     faults: FaultInjection
     ledger: Ledger
     shift_player: ShiftPlayer
+    shift_reporter: ShiftReporter
+    dxf_plans: DxfPlans
     panels: Panels
     side_work: SideWork
 
@@ -111,25 +127,32 @@ class Services:
             SideWork: self.side_work,
             Projection: self.projection,
             Hub: self.hub,
+            ReplayReader: self.replay,
+            Recorder: self.recorder,
             Catalogue: self.catalogue,
             Peer: self.peer,
             Health: self.health,
             Metrics: self.metrics,
             OrderPlacement: self.placement,
             OrderActions: self.actions,
+            OrderChanging: self.changing,
             PlainTransports: self.transports,
+            Scheduler: self.scheduler,
             Outbox: self.outbox,
             Completions: self.completions,
             Commands: self.commands,
             AlertMonitor: self.alerts,
             Exclusions: self.exclusions,
             Closings: self.closings,
+            AreaPause: self.area_pause,
             Carrying: self.carrying,
             DutyRota: self.duty,
             TimeScale: self.time,
             FaultInjection: self.faults,
             Ledger: self.ledger,
             ShiftPlayer: self.shift_player,
+            ShiftReporter: self.shift_reporter,
+            DxfPlans: self.dxf_plans,
         }
 
 
@@ -153,7 +176,12 @@ def open_services(
     """Make the services; `dray.gateway.app.create_app` says of what."""
     peer = Peer(bus, Keys(plant.plant), settings.gateway_name, incarnation)
     projection = Projection(plant, time, fault_injection=faults is not None, wall_s=wall_s)
-    strategist_probe = StrategistProbe(peer.send)
+    recorder = None
+    if settings.replay_days > 0:
+        name, kept_s = f"{settings.gateway_name}.{incarnation}", settings.replay_days * DAY_S
+        recorder = Recorder(projection, store, wall_s, name=name, kept_s=kept_s)
+    strategists = strategists_of(settings.strategists)
+    strategist_probe = StrategistProbe(peer.send, strategists)
     catalogue = Catalogue(store, projection)
     products = projection.site.products
     outbox = Outbox(
@@ -161,9 +189,12 @@ def open_services(
         time=time,
         wall_s=wall_s,
         products=products,
+        strategists=strategists,
         definition_of=catalogue.definition_of,
+        parts_of=catalogue.parts_of,
     )
-    placing = Placing(store.database, keys_kept_s=KEYS_KEPT_S, lines_kept=settings.audit_kept)
+    placing = Placing(store.database, keys_kept_s=KEYS_KEPT_S)
+    closings = Closings(store, projection, authority, peer.tell_all, time=time, wall_s=wall_s)
     commands = Commands(
         peer.send,
         authority=authority,
@@ -175,6 +206,8 @@ def open_services(
         name=f"{settings.gateway_name}.{incarnation}",
         timeout_s=settings.command_timeout_s,
     )
+    transports = PlainTransports(store, projection, peer.send, time, wall_s)
+    placement = OrderPlacement(store, placing, projection, outbox, wall_s)
     return Services(
         settings=settings,
         plant=plant,
@@ -192,29 +225,37 @@ def open_services(
             queue_frames=settings.stream_queue_frames,
             clients=settings.stream_clients,
             each=settings.stream_clients_each,
+            record=None if recorder is None else recorder.note,
         ),
+        recorder=recorder,
+        replay=ReplayReader(store, recorder, projection),
         catalogue=catalogue,
         database_sync=DatabaseSync(store, projection, outbox.follow, catalogue.look),
         health=Health(store, peer, strategist_probe, historian),
         metrics=Metrics(collectors),
         access=open_access(settings, store, wall_s, hasher),
         outbox=outbox,
-        placement=OrderPlacement(store, placing, projection, outbox, wall_s),
+        placement=placement,
         actions=OrderActions(store, projection, outbox, wall_s),
+        changing=OrderChanging(store, projection, outbox, wall_s),
         completions=Completions(store, outbox, projection, wall_s),
         reconciliation=Reconciliation(store, outbox, wall_s),
-        transports=PlainTransports(store, projection, peer.send, time, wall_s),
+        transports=transports,
+        scheduler=Scheduler(store, Runs(transports, placement), wall_s),
         commands=commands,
         alerts=AlertMonitor(projection, store, wall_s),
         exclusions=Exclusions(
             store, projection, commands, peer.tell_all, wall_s=wall_s, own=settings.gateway_name
         ),
-        closings=Closings(store, projection, authority, peer.tell_all, time=time, wall_s=wall_s),
+        closings=closings,
+        area_pause=AreaPause(commands, closings, projection),
         carrying=Carrying(store, projection, authority, peer.tell_all, time=time, wall_s=wall_s),
         duty=DutyRota(operators, authority, names=settings.operator_names == "name", wall_s=wall_s),
         faults=FaultInjection(faults, projection.faults),
         ledger=Ledger(store),
         shift_player=ShiftPlayer(lambda: plant_yaml(projection.site.plant)),
+        shift_reporter=ShiftReporter(store, projection, recorder, time.speed),
+        dxf_plans=DxfPlans(),
         panels=panels or Panels(),
         side_work=SideWork(),
     )
@@ -265,6 +306,7 @@ async def running(services: Services, beside: Beside | None) -> AsyncIterator[No
         strategist_probe=services.strategist_probe,
         completions=services.completions,
         outbox=services.outbox,
+        reconciliation=services.reconciliation,
         transports=services.transports,
         commands=services.commands,
         projection=projection,
@@ -274,6 +316,8 @@ async def running(services: Services, beside: Beside | None) -> AsyncIterator[No
         if services.historian is not None:
             await stack.enter_async_context(services.historian.running(projection.fold))
         stack.push_async_callback(sampler.sample)
+        if services.recorder is not None:
+            stack.push_async_callback(services.recorder.close)
         stack.callback(services.peer.leave)
         stack.callback(services.side_work.close)
         stack.push_async_callback(services.shift_player.close)
@@ -286,6 +330,7 @@ async def running(services: Services, beside: Beside | None) -> AsyncIterator[No
                 services.outbox,
                 services.completions,
                 services.transports,
+                services.scheduler,
                 services.alerts,
                 services.exclusions,
                 services.closings,
@@ -299,6 +344,7 @@ async def running(services: Services, beside: Beside | None) -> AsyncIterator[No
                 sampler,
                 services.reconciliation,
                 services.database_sync,
+                *(() if services.recorder is None else (services.recorder,)),
             )
         ]
         await services.reconciliation.start()

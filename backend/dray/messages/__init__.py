@@ -1,7 +1,7 @@
 """Everything agents say to one another: frozen structs, one per utterance.
 
 `heartbeat` is what everybody may hear at any time, `contract` the negotiation, `order` what customers want, `product` what is known of a product, `stock` how material in
-storages is reserved, `shutout` the agents whom a manager has excluded, `fact` what each writes into its `history`. `people` holds
+storages is reserved, `gate` what strategists ask of the gate of the delivery warehouses, `shutout` the agents whom a manager has excluded, `fact` what each writes into its `history`. `people` holds
 what people say and hear (who is on duty, who calls for help, commands), `floor` what is said about the floor (who may drive where,
 where one may stand, what is closed or lies there).
 How messages become bytes is `dray.codec`; when they are said is `dray.protocol`.
@@ -16,7 +16,6 @@ from dray.messages.contract import (
     Bid,
     Brought,
     Confirmed,
-    Cost,
     Declined,
     Disbelieved,
     Docked,
@@ -28,7 +27,6 @@ from dray.messages.contract import (
     Handover,
     HandoverAccepted,
     Production,
-    ProductionCost,
     Refusal,
     Release,
     Resigned,
@@ -36,12 +34,12 @@ from dray.messages.contract import (
     TakenOver,
     TaskAnnounced,
     Transport,
-    TransportCost,
     Wait,
     Withdrawn,
     Work,
     WorkSought,
 )
+from dray.messages.cost import Cost, ProductionCost, TransportCost
 from dray.messages.fact import AnyFact, Fact
 from dray.messages.floor.closure import Closure, ClosureKind, Closures, closed_words
 from dray.messages.floor.dwell_point import DwellPointClaimed
@@ -58,6 +56,16 @@ from dray.messages.floor.traffic import (
     PlaceWished,
     YieldAsked,
     YieldRefused,
+)
+from dray.messages.gate import (
+    AdmissionAsked,
+    CountHeard,
+    GateAsked,
+    GateTold,
+    GoodsCounted,
+    HolderHeard,
+    HolderTold,
+    OrderClaimed,
 )
 from dray.messages.heartbeat import (
     AtvHeartbeat,
@@ -82,12 +90,16 @@ from dray.messages.history import Event, EventsAsked, EventsKept
 from dray.messages.link import Link, LostWlan
 from dray.messages.order import (
     CancellationTaken,
+    GoalRevised,
+    GoalRevisionTaken,
+    HolderChanged,
     OrderCancelled,
     OrderItem,
     OrderReleased,
     OrderRevoked,
     OrderTaken,
     RevocationTaken,
+    StrategistHeartbeat,
 )
 from dray.messages.people.call import CallAnswer, CallAnswered, CallState, HelpCall
 from dray.messages.people.command import (
@@ -100,8 +112,23 @@ from dray.messages.people.command import (
     signed_words,
 )
 from dray.messages.people.operator import OPERATOR_PREFIX, DutyStatus, OperatorHeartbeat
-from dray.messages.problem import NOTHING_KNOWN, HelpWanted, Problem, ProblemEnded, ProblemKind
-from dray.messages.product import BillLine, MachineCycle, ProductDefinition
+from dray.messages.problem import (
+    NOTHING_KNOWN,
+    HelpWanted,
+    Problem,
+    ProblemEnded,
+    ProblemKind,
+    StrandedGoods,
+)
+from dray.messages.product import (
+    BillLine,
+    Document,
+    DocumentBrief,
+    DocumentState,
+    MachineCycle,
+    PartDefinition,
+    ProductDefinition,
+)
 from dray.messages.reason import CommandRefusal, Implausible, Reason
 from dray.messages.shutout import ShutOut
 from dray.messages.stock import StockAsked, StockFreed, StockReserved, StockShort
@@ -122,6 +149,7 @@ AnyMessage = (
     AtvHeartbeat
     | MachineHeartbeat
     | StationHeartbeat
+    | StrategistHeartbeat
     | OperatorHeartbeat
     | HelpCall
     | CallAnswered
@@ -143,9 +171,12 @@ AnyMessage = (
     | Superseded
     | Withdrawn
     | GoalClosed
+    | GoalRevised
+    | GoalRevisionTaken
     | Disbelieved
     | OrderReleased
     | OrderTaken
+    | HolderChanged
     | OrderCancelled
     | CancellationTaken
     | OrderRevoked
@@ -181,6 +212,14 @@ AnyMessage = (
     | BookKept
     | BookAsked
     | BookTold
+    | GateAsked
+    | GateTold
+    | AdmissionAsked
+    | GoodsCounted
+    | CountHeard
+    | OrderClaimed
+    | HolderTold
+    | HolderHeard
 )
 
 __all__ = [
@@ -189,6 +228,7 @@ __all__ = [
     "TRANSPORT_ENDED",
     "WIRE_VERSION",
     "Accepted",
+    "AdmissionAsked",
     "AnyFact",
     "AnyMessage",
     "AtvHeartbeat",
@@ -214,6 +254,7 @@ __all__ = [
     "CommandRefusal",
     "Confirmed",
     "Cost",
+    "CountHeard",
     "Declined",
     "Disbelieved",
     "DockExpected",
@@ -221,6 +262,9 @@ __all__ = [
     "DockOpened",
     "DockTime",
     "Docked",
+    "Document",
+    "DocumentBrief",
+    "DocumentState",
     "DutyStatus",
     "DwellPointClaimed",
     "Event",
@@ -228,14 +272,22 @@ __all__ = [
     "EventsKept",
     "Fact",
     "FloorTold",
+    "GateAsked",
+    "GateTold",
     "GoalBrief",
     "GoalClosed",
+    "GoalRevised",
+    "GoalRevisionTaken",
+    "GoodsCounted",
     "Grant",
     "Handover",
     "HandoverAccepted",
     "Heartbeat",
     "HelpCall",
     "HelpWanted",
+    "HolderChanged",
+    "HolderHeard",
+    "HolderTold",
     "HoldsAsked",
     "Implausible",
     "JoiningMachine",
@@ -252,12 +304,14 @@ __all__ = [
     "ObstacleSeen",
     "OperatorHeartbeat",
     "OrderCancelled",
+    "OrderClaimed",
     "OrderItem",
     "OrderReleased",
     "OrderRevoked",
     "OrderTaken",
     "OutOfService",
     "Part",
+    "PartDefinition",
     "Phase",
     "PlaceBooked",
     "PlaceGranted",
@@ -285,6 +339,8 @@ __all__ = [
     "StockLevel",
     "StockReserved",
     "StockShort",
+    "StrandedGoods",
+    "StrategistHeartbeat",
     "Superseded",
     "TakenOver",
     "TaskAnnounced",

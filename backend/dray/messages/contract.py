@@ -1,8 +1,7 @@
 """The Contract Net: what is said from the announcement of a task to its handover (paper, 4.1).
 
-A *task* is work that a *coordinator* gives out: a machine its transports, the strategist the
-production goals. Both speak the same language; only `work` and `cost` differ. `epoch` counts the
-carriers of a task: it rises whenever the carrier changes, and the highest one is right.
+A *task* is work that a *coordinator* gives out: a machine its transports, the strategist the production goals. Both speak the same language; only
+`work` and `cost` differ. `epoch` counts the carriers of a task: it rises whenever the carrier changes, and the highest one is right.
 """
 
 from __future__ import annotations
@@ -13,6 +12,7 @@ from typing import Annotated
 from msgspec import Meta
 
 from dray.messages.base import Count, Id, IdOrNone, Message, Metres, Part, Seconds, Text
+from dray.messages.cost import Cost
 from dray.messages.heartbeat import Role
 from dray.messages.product import ProductDefinition
 from dray.messages.reason import Implausible, Reason
@@ -36,6 +36,15 @@ class Transport(Part, tag_field="kind", tag="transport", frozen=True):
     """Where vehicles dock at the machine that asks, if it is a joining one; empty for one in the plant file."""
     vehicle: IdOrNone = ""
     """The only one that may carry it; empty for any."""
+    handed_at: IdOrNone = ""
+    """The node where a person hands the load over, which is then its only source; empty where it is fetched at a station."""
+    also: IdOrNone = ""
+    """What a vehicle must be able to carry beside `ability`, where somebody wants that; empty for nothing."""
+
+    @property
+    def needed(self) -> tuple[str, ...]:
+        """The abilities that its vehicle must have."""
+        return (self.ability, self.also) if self.also else (self.ability,)
 
 
 class Production(Part, tag_field="kind", tag="production", frozen=True):
@@ -45,49 +54,13 @@ class Production(Part, tag_field="kind", tag="production", frozen=True):
     quantity: Count
     order: Id
     item: Count
-    """The index of the order's item."""
+    """The index of the order's item; the definition is of the moment when its order was released."""
     definition: ProductDefinition
-    """The product as it was when its order was released: whoever makes it needs to know no more."""
+    part_of: IdOrNone = ""
+    """The product for which it is a part: its pieces stay where they are made. Empty for what goes to the delivery warehouse."""
 
 
 Work = Transport | Production
-
-
-class TransportCost(Part, tag_field="kind", tag="transport", frozen=True):
-    """The parts of a vehicle's price, all in seconds so that they add up (paper, 4.1)."""
-
-    empty_way_s: Seconds
-    """Driving to the source."""
-    loaded_way_s: Seconds
-    """Driving from the source to the destination."""
-    energy_s: Seconds
-    """Energy used, and how little is left after it, weighed as seconds."""
-    suitability_s: Seconds
-    """What it costs the plant that this vehicle could do rarer work meanwhile."""
-    waiting_s: Seconds = 0.0
-    """Waiting where it loads and unloads, as was seen there lately."""
-
-    @property
-    def total_s(self) -> float:
-        return self.empty_way_s + self.loaded_way_s + self.energy_s + self.suitability_s + self.waiting_s
-
-
-class ProductionCost(Part, tag_field="kind", tag="production", frozen=True):
-    """The parts of a machine's price for a goal, in seconds."""
-
-    queue_s: Seconds
-    """Goals taken before."""
-    material_s: Seconds
-    """Waiting for material that is not in the buffers yet."""
-    making_s: Seconds
-    """Cycles."""
-
-    @property
-    def total_s(self) -> float:
-        return self.queue_s + self.material_s + self.making_s
-
-
-Cost = TransportCost | ProductionCost
 
 
 DOCK_TIMES_MAX = 8
@@ -120,11 +93,10 @@ class DockExpected(Message, frozen=True):
 
 
 class Wait(Part, frozen=True, omit_defaults=True):
-    """How long vehicles wait at a place."""
+    """How long vehicles wait at a place, beyond the handling itself, lately."""
 
     place: Id
     wait_s: Seconds
-    """Beyond the handling itself, lately."""
     expected: Annotated[tuple[DockTime, ...], Meta(max_length=DOCK_TIMES_MAX)] = ()
     """Who is expected at the dock there, as these vehicles have told."""
 
@@ -196,8 +168,7 @@ class Award(Message, frozen=True):
     primary: IdOrNone = ""
     """Whom to watch, when the role is SECONDARY."""
     number: Count = 1
-    """Counts the awards of one coordinator, over all its lives. An answer and a release carry it back, so that one that
-    comes late is recognised."""
+    """Counts the awards of one coordinator, over all its lives. An answer and a release carry it back: one that comes late is recognised."""
 
 
 class Refusal(StrEnum):

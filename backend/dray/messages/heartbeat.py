@@ -1,9 +1,7 @@
 """Heartbeats: the short public status that every agent repeats (paper, 3.2: MHB and RHB).
 
-A heartbeat is a whole state, never a difference: a lost one costs nothing but time. What has its default is left
-out, and what lies at a machine is not in every one of its heartbeats (`dray.messages.told_stock`). `seq` grows by
-one per heartbeat; `incarnation` grows by one each time the agent's process starts, so that (incarnation, seq)
-orders all heartbeats of one agent.
+A heartbeat is a whole state, never a difference: a lost one costs nothing but time. What has its default is left out, and what lies at a
+machine is not in every one of its heartbeats (`dray.messages.told_stock`). (incarnation, seq) orders all heartbeats of one agent.
 """
 
 from __future__ import annotations
@@ -28,7 +26,8 @@ from dray.messages.base import (
 )
 from dray.messages.floor.traffic import NO_RANK, Places, Rank
 from dray.messages.link import Link, LostWlan
-from dray.messages.problem import HelpWanted, Problem
+from dray.messages.problem import HelpWanted, Problem, StrandedGoods
+from dray.messages.product import DOCUMENTS_TOLD, DocumentBrief
 from dray.messages.reason import Reason
 
 
@@ -53,6 +52,7 @@ class MachineStatus(StrEnum):
     """Has a goal, but material for the next cycle is missing."""
     BLOCKED = "blocked"
     """Has a goal, but its output buffer is full."""
+    RESTING = "resting"  # By its working time, whatever it has to do.
     ERROR = "error"
 
 
@@ -159,7 +159,7 @@ class ProbationBrief(Part, frozen=True, omit_defaults=True):
 class AtvHeartbeat(Message, frozen=True, omit_defaults=True):
     """RHB: what an ATV tells everybody (paper, 3.2).
 
-    Idle 0.2 Hz, working 1 Hz, and at once when the status changes.
+    Idle 0.2 Hz, 1 Hz working or with a problem, and at once when the status changes.
     """
 
     atv: Id
@@ -204,6 +204,8 @@ class AtvHeartbeat(Message, frozen=True, omit_defaults=True):
     """It was asked to leave: it takes nothing new, and goes when nothing holds it any more."""
     out_of_service: OutOfService | UnsetType = UNSET
     """Left out while it is in service."""
+    sent_to_charge: bool = False
+    """A person has sent it to charge: it takes no work before it is full."""
     probation: ProbationBrief | None = None
     """Set while it is on probation: it takes short tasks only."""
     floor: FloorBrief | UnsetType = UNSET
@@ -223,7 +225,7 @@ class BufferLevel(Part, frozen=True, omit_defaults=True):
     on_order: Count = 0
     """Pieces announced and not yet handed over."""
     spare: Count = 0
-    """Finished pieces that belong to no goal, as of a cancelled order: the next goal of the product takes them."""
+    """Finished pieces that belong to no goal: the next one of the product takes them, and whoever needs a part fetches it."""
 
 
 class TaskBrief(Part, frozen=True, omit_defaults=True):
@@ -242,10 +244,9 @@ class TaskBrief(Part, frozen=True, omit_defaults=True):
     round: Count = 1
     """The bidding round it is in or was contracted in: a high one means that the machine waits."""
     trouble: Reason | None = None
-    """Why it does not go on; None when all is well. `PROBLEM` of its carrier; or the carrier has failed with goods on board, and
-    is waited for."""
+    """Why it does not go on; None when all is well. `PROBLEM` of its carrier, which `detail` tells; or it has failed with goods on board."""
     detail: Text = ""
-    """Which problem its carrier reports."""
+    stranded: StrandedGoods | UnsetType = UNSET
 
 
 class GoalBrief(Part, frozen=True, omit_defaults=True):
@@ -259,8 +260,11 @@ class GoalBrief(Part, frozen=True, omit_defaults=True):
     deadline_s: Seconds | UnsetType = UNSET
     """When it should be done (plant clock); left out where a software does not tell."""
     offered: bool | UnsetType = UNSET
-    """Others may make what is missing: its machine does not work at it, and nothing of it is ready or on its way. Left out where that is
-    not so."""
+    """Others may make what is missing: nothing is made, ready or on its way. Left out where that is not so."""
+    to_begin: Count | UnsetType = UNSET
+    """Pieces whose material no cycle has taken; left out where those are the ones not made."""
+    held: Count | UnsetType = UNSET
+    """With which epoch its order is held by the strategist whom the machine obeys; left out where nobody has taken it over."""
 
 
 class Making(Part, frozen=True, omit_defaults=True):
@@ -271,8 +275,7 @@ class Making(Part, frozen=True, omit_defaults=True):
 
 
 JOINING_MACHINES_MAX = 100
-"""Machines that may come to a plant whose file does not know them: more than anybody sets up before writing them
-into it."""
+"""Machines that may come to a plant whose file does not know them: more than anybody sets up before writing them into it."""
 
 
 class JoiningMachine(Part, frozen=True, omit_defaults=True):
@@ -329,13 +332,12 @@ class StockLevel(Part, frozen=True, omit_defaults=True):
     """Pieces of `level` that are set aside for tasks; never more than lie there."""
     wanted: Count = 0
     """Pieces that are asked for and cannot be promised yet."""
+    on_order: Count = 0
+    """Pieces that are on their way here, or are to be."""
 
 
 class StationHeartbeat(Message, frozen=True, omit_defaults=True):
-    """What the agent of a storage tells everybody: what lies there, and what is promised.
-
-    0.2 Hz, and at once when it changes.
-    """
+    """What the agent of a storage or source warehouse tells everybody, at 0.2 Hz and when it changes: what lies there, what is promised."""
 
     station: Id
     incarnation: Count
@@ -354,8 +356,7 @@ class StationHeartbeat(Message, frozen=True, omit_defaults=True):
 class MachineHeartbeat(Message, frozen=True, omit_defaults=True):
     """MHB: what a machine tells everybody (paper, 3.2).
 
-    Idle 0.2 Hz, working 1 Hz, and at once when the status changes. A goal stays in `goals` until
-    the strategist has closed it, so that a strategist who was away misses nothing.
+    Idle 0.2 Hz, 1 Hz working or with a problem, and at once when the status changes. A goal stays in `goals` until the strategist has closed it, who so misses nothing.
     """
 
     machine: Id
@@ -369,10 +370,10 @@ class MachineHeartbeat(Message, frozen=True, omit_defaults=True):
     """In the order in which they are worked at."""
     tasks: tuple[TaskBrief, ...] = ()
     buffers: tuple[BufferLevel, ...] | UnsetType = UNSET
-    """Materials in the order of the plant file. They and the goods are left out while they are as in an earlier heartbeat of the same life,
-    up to 10 s old (`dray.messages.told_stock`)."""
+    """In the order of the plant file. They, goods and documents are left out while as in an earlier heartbeat (`dray.messages.told_stock`)."""
     goods: tuple[BufferLevel, ...] | UnsetType = UNSET
     """Finished products that wait to be carried away."""
+    documents: Annotated[tuple[DocumentBrief, ...], Meta(max_length=DOCUMENTS_TOLD)] | UnsetType = UNSET
     waits: tuple[MaterialWait, ...] = ()
     """What it needs and cannot have fetched, the oldest first."""
     problem: Text = ""

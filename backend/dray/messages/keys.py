@@ -6,7 +6,8 @@ never holds any of these.
 
     {plant}/hb/atv/{id}       heartbeats of a vehicle
     {plant}/hb/machine/{id}   heartbeats of a machine
-    {plant}/hb/station/{id}   heartbeats of a storage's station
+    {plant}/hb/station/{id}   heartbeats of a storage's station, and of the delivery gate
+    {plant}/hb/strategist/{id}  heartbeats of a strategist, where there are several
     {plant}/hb/operator/{id}  heartbeats of an operator on duty
     {plant}/call/{id}         whom an agent calls for help, and who comes
     {plant}/task/{cell}       announcements of transports, to the grid cells within the radius
@@ -29,8 +30,22 @@ never holds any of these.
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 STRATEGIST = "strategist"
 """The strategist's id, where a plant has one."""
+
+
+def strategists_of(count: int) -> tuple[str, ...]:
+    """The ids of so many strategists."""
+    return (STRATEGIST, *(f"{STRATEGIST}{number}" for number in range(2, count + 1)))
+
+
+GATE = "gate"
+"""The id of the gate of the delivery warehouses, one agent in every plant."""
+
+STRATEGISTS = frozenset(strategists_of(9))
+"""Whoever is called so is a strategist: no plant may call a machine, a storage or a vehicle so."""
 
 
 class Keys:
@@ -54,6 +69,8 @@ class Keys:
         "all_obstacles",
         "all_operator_heartbeats",
         "all_problems",
+        "all_station_heartbeats",
+        "all_strategist_heartbeats",
         "closures",
         "plant",
         "removals",
@@ -65,6 +82,8 @@ class Keys:
         self.all_heartbeats = f"{plant}/hb/**"
         self.all_atv_heartbeats = f"{plant}/hb/atv/*"
         self.all_machine_heartbeats = f"{plant}/hb/machine/*"
+        self.all_station_heartbeats = f"{plant}/hb/station/*"
+        self.all_strategist_heartbeats = f"{plant}/hb/strategist/*"
         self.all_operator_heartbeats = f"{plant}/hb/operator/*"
         self.all_calls = f"{plant}/call/*"
         self.all_events = f"{plant}/event/*"
@@ -87,6 +106,9 @@ class Keys:
 
     def station_heartbeat(self, station: str) -> str:
         return f"{self.plant}/hb/station/{station}"
+
+    def strategist_heartbeat(self, strategist: str) -> str:
+        return f"{self.plant}/hb/strategist/{strategist}"
 
     def operator_heartbeat(self, operator: str) -> str:
         return f"{self.plant}/hb/operator/{operator}"
@@ -138,6 +160,7 @@ _OWNED = frozenset(
         "hb/atv",
         "hb/machine",
         "hb/station",
+        "hb/strategist",
         "hb/operator",
         "event",
         "free",
@@ -149,6 +172,7 @@ _OWNED = frozenset(
 )
 
 
+@lru_cache(maxsize=4096)
 def owner_of(key: str) -> str | None:
     """The agent that alone may speak on `key`, in whatever plant; None when others may too."""
     start, _, last = key.partition("/")[2].rpartition("/")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from enum import StrEnum
 
-from dray.messages.base import Id, Message, Part, Seconds, Text
+from dray.messages.base import Id, IdOrNone, Message, Part, Seconds, Text
 
 
 class ProblemKind(StrEnum):
@@ -66,3 +66,16 @@ class HelpWanted(Part, frozen=True):
     """Solved by then (plant clock), it goes on; else somebody else takes its task, or its goals."""
     promised_by: Text = ""
     """Who has said to be on the way; empty while nobody has."""
+
+
+class StrandedGoods(Part, frozen=True, omit_defaults=True):
+    """Goods that wait for a person's word, since the vehicle that has them on board has failed."""
+
+    atv: Id
+    """On board of which vehicle they are, or were before they could be handed over."""
+    node: IdOrNone
+    """Where that was heard last; empty where nobody knows."""
+    until_s: Seconds
+    """They are given up then, and made again (plant clock)."""
+    handed_at: IdOrNone = ""
+    """Where a person hands them over to another vehicle; empty while nobody has said so."""

@@ -49,6 +49,7 @@ from dray.messages.fact import (
     Fact,
     GoalContracted,
     GoalLost,
+    GoalReduced,
     GoalWaits,
     GoalWithdrawn,
     GoodsDelivered,
@@ -61,16 +62,20 @@ from dray.messages.fact import (
     MemoryLost,
     NotBelieved,
     OrderAccepted,
+    OrderChanged,
     OrderDropped,
     OrderFulfilled,
     OrderProgressed,
     OrderReturned,
+    OrderTakenOver,
     PhaseEntered,
     PieceMade,
+    PieceScrapped,
     PlaceKept,
     PlacesFreed,
     PrimarySuspected,
     RoundFailed,
+    SparePieceMade,
     TaskClosed,
     TaskOpened,
     TookOver,
@@ -94,16 +99,30 @@ from dray.messages.floor.traffic import (
     YieldAsked,
     YieldRefused,
 )
+from dray.messages.gate import (
+    AdmissionAsked,
+    CountHeard,
+    GateAsked,
+    GateTold,
+    GoodsCounted,
+    HolderHeard,
+    HolderTold,
+    OrderClaimed,
+)
 from dray.messages.heartbeat import AtvHeartbeat, MachineHeartbeat, StationHeartbeat
 from dray.messages.history import Event, EventsAsked, EventsKept
 from dray.messages.keys import owner_of
 from dray.messages.order import (
     CancellationTaken,
+    GoalRevised,
+    GoalRevisionTaken,
+    HolderChanged,
     OrderCancelled,
     OrderReleased,
     OrderRevoked,
     OrderTaken,
     RevocationTaken,
+    StrategistHeartbeat,
 )
 from dray.messages.people.call import CallAnswered, HelpCall
 from dray.messages.people.command import CommandAnswered, MachineCommand, VehicleCommand
@@ -122,6 +141,8 @@ class Kind(StrEnum):
     STATION = "station"
     """Of a storage."""
     STRATEGIST = "strategist"
+    GATE = "gate"
+    """Of the delivery warehouses."""
     OPERATOR = "operator"
     """Somebody on duty. A gateway speaks for those at its tablets."""
     GATEWAY = "gateway"
@@ -156,17 +177,19 @@ _ATVS = frozenset({Kind.ATV})
 _MACHINES = frozenset({Kind.MACHINE})
 _STATIONS = frozenset({Kind.STATION})
 _STRATEGISTS = frozenset({Kind.STRATEGIST})
+_GATES = frozenset({Kind.GATE})
 _GATEWAYS = frozenset({Kind.GATEWAY})
 _OPERATORS = frozenset({Kind.OPERATOR})
 _BIDDERS = _ATVS | _MACHINES
 _DOCKS = _MACHINES | _STATIONS
 _COORDINATORS = _DOCKS | _STRATEGISTS
-_TELLERS = _BIDDERS | _COORDINATORS | _STATIONS
+_TELLERS = _BIDDERS | _COORDINATORS | _STATIONS | _GATES
 
 SPEAKERS: Mapping[type[Message], frozenset[Kind]] = {
     AtvHeartbeat: _ATVS,
     MachineHeartbeat: _MACHINES,
-    StationHeartbeat: _STATIONS,
+    StationHeartbeat: _STATIONS | _GATES,
+    StrategistHeartbeat: _STRATEGISTS,
     OperatorHeartbeat: _OPERATORS,
     HelpCall: _BIDDERS | _STATIONS,
     CallAnswered: _OPERATORS,
@@ -180,6 +203,8 @@ SPEAKERS: Mapping[type[Message], frozenset[Kind]] = {
     Superseded: _COORDINATORS,
     Withdrawn: _COORDINATORS,
     GoalClosed: _STRATEGISTS,
+    GoalRevised: _STRATEGISTS,
+    GoalRevisionTaken: _MACHINES,
     Disbelieved: _COORDINATORS,
     Resigned: _ATVS,
     TakenOver: _ATVS,
@@ -192,8 +217,8 @@ SPEAKERS: Mapping[type[Message], frozenset[Kind]] = {
     StockReserved: _DOCKS,
     StockShort: _DOCKS,
     StockFreed: _DOCKS,
-    TransportOrdered: _GATEWAYS,
-    TransportCancelled: _GATEWAYS,
+    TransportOrdered: _GATEWAYS | _MACHINES,
+    TransportCancelled: _GATEWAYS | _MACHINES,
     TransportAnswered: _DOCKS,
     DwellPointClaimed: _ATVS,
     WorkSought: _ATVS,
@@ -211,6 +236,15 @@ SPEAKERS: Mapping[type[Message], frozenset[Kind]] = {
     Closures: _GATEWAYS,
     Removals: _GATEWAYS,
     OrderTaken: _STRATEGISTS,
+    HolderChanged: _STRATEGISTS,
+    GateAsked: _STRATEGISTS,
+    GateTold: _GATES,
+    AdmissionAsked: _STRATEGISTS,
+    GoodsCounted: _GATES,
+    CountHeard: _STRATEGISTS,
+    OrderClaimed: _STRATEGISTS,
+    HolderTold: _GATES,
+    HolderHeard: _STRATEGISTS,
     CancellationTaken: _STRATEGISTS,
     RevocationTaken: _STRATEGISTS,
     Event: _TELLERS,
@@ -259,16 +293,21 @@ TELLERS: Mapping[type[Fact], frozenset[Kind]] = {
     ClosuresKnown: _ATVS,
     MachineStatusChanged: _MACHINES,
     PieceMade: _MACHINES,
+    PieceScrapped: _MACHINES,
+    SparePieceMade: _MACHINES,
     GoodsDelivered: _STRATEGISTS,
     OrderAccepted: _STRATEGISTS,
     GoalContracted: _STRATEGISTS,
     GoalLost: _STRATEGISTS,
+    GoalReduced: _STRATEGISTS,
+    OrderChanged: _STRATEGISTS,
     GoalWithdrawn: _STRATEGISTS,
     GoalWaits: _STRATEGISTS,
     OrderProgressed: _STRATEGISTS,
     OrderFulfilled: _STRATEGISTS,
     OrderDropped: _STRATEGISTS,
     OrderReturned: _STRATEGISTS,
+    OrderTakenOver: _STRATEGISTS,
     PlacesFreed: _DOCKS,
     PlaceKept: _DOCKS,
     MemoryLost: _TELLERS,
@@ -279,6 +318,7 @@ SIGNATURES: Mapping[type[Message], str] = {
     AtvHeartbeat: "atv",
     MachineHeartbeat: "machine",
     StationHeartbeat: "station",
+    StrategistHeartbeat: "strategist",
     OperatorHeartbeat: "operator",
     HelpCall: "caller",
     CallAnswered: "operator",

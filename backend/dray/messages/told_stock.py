@@ -21,6 +21,8 @@ def with_stock(heartbeat: MachineHeartbeat, before: MachineHeartbeat | None) -> 
     if before is None or before.incarnation != heartbeat.incarnation:
         return heartbeat
     left_out = {
-        name: getattr(before, name) for name in ("buffers", "goods") if getattr(heartbeat, name) is UNSET
+        name: getattr(before, name)
+        for name in ("buffers", "goods", "documents")
+        if getattr(heartbeat, name) is UNSET
     }
     return replace(heartbeat, **left_out) if left_out else heartbeat

@@ -1,6 +1,7 @@
 """Plain transports: somebody asks a place to have something brought to it.
 
-The place where the load is to go coordinates the transport, since it counts what is put down: a machine, or the station of a storage.
+The place where the load is to go coordinates the transport, since it counts what is put down: a machine, or the station of a storage. A
+machine asks likewise for parts to be fetched that it has and does not need.
 """
 
 from __future__ import annotations
@@ -63,6 +64,10 @@ class TransportOrdered(Message, frozen=True):
     """When it should be there (plant clock)."""
     vehicle: IdOrNone = ""
     """The only one that may carry it; empty for any."""
+    vehicle_until_s: Seconds | None = None
+    """Until when only that one is asked, and then any (plant clock); None for always."""
+    ability: IdOrNone = ""
+    """What its vehicle must be able to carry, beside what the load asks for; empty for nothing."""
 
 
 class TransportCancelled(Message, frozen=True):

@@ -25,6 +25,7 @@ from math import atan2, cos, hypot, pi, sin, sqrt
 
 import msgspec
 
+from dray.plant.floor.road import Road, over_crossing
 from dray.plant.model import Lane, Node, PlantFile, VehicleType
 
 PASSING_M = 0.4
@@ -179,18 +180,6 @@ def short_name(name: str) -> str:
     return f"{name[: LONGEST_ID - DIGEST_CHARS - 1]}.{digest}"
 
 
-class _Road(msgspec.Struct):
-    """One direction of a road between two crossings."""
-
-    start: str
-    end: str
-    speed_limit_mps: float
-    offset_m: float
-    """To the right of the middle; 0 for a one-way road."""
-    stops: tuple[Node, ...] = ()
-    """In the order of driving: one or two."""
-
-
 class _Draft:
     """A floor in the making.
 
@@ -207,7 +196,7 @@ class _Draft:
         self._ends = {end for lane in wide for end in (lane.start, lane.end)}
         """The nodes that become crossings."""
         self._wide = {(lane.start, lane.end) for lane in wide}
-        self._roads: dict[Lane, tuple[_Road, ...]] = {}
+        self._roads: dict[Lane, tuple[Road, ...]] = {}
         """What becomes of a lane between crossings; a lane that is not in here stays as it is."""
         for lane in file.lanes:
             if lane.start in self._ends and lane.end in self._ends:
@@ -242,16 +231,18 @@ class _Draft:
 
     # --- where vehicles stop ----------------------------------------------------------------------
 
-    def _split(self, lane: Lane) -> tuple[_Road, ...]:
+    def _split(self, lane: Lane) -> tuple[Road, ...]:
         """The directions of a lane between two crossings; none for a single track that is driven both ways or has a shape."""
         limit_mps = lane.speed_limit_mps
         if (lane.start, lane.end) in self._wide:
             offset_m = self._size.offset_m
             return (
-                _Road(lane.start, lane.end, limit_mps, offset_m),
-                _Road(lane.end, lane.start, limit_mps, offset_m),
+                Road(lane.start, lane.end, limit_mps, offset_m, types=lane.types),
+                Road(lane.end, lane.start, limit_mps, offset_m, types=lane.types),
             )
-        return () if lane.both_ways or lane.shape else (_Road(lane.start, lane.end, limit_mps, 0.0),)
+        if lane.both_ways or lane.shape:
+            return ()
+        return (Road(lane.start, lane.end, limit_mps, 0.0, types=lane.types),)
 
     def _find_arms(self) -> dict[str, list[tuple[float, float]]]:
         """What leaves each crossing's node: direction (rad) and half of the width that vehicles take there (m)."""
@@ -302,7 +293,7 @@ class _Draft:
             middle_m = (after_m + before_m) / 2.0
             road.stops = (self._stop(road, name_after(road.start, road.end), middle_m),)
 
-    def _stop(self, road: _Road, name: str, along_m: float) -> Node:
+    def _stop(self, road: Road, name: str, along_m: float) -> Node:
         start, heading_rad = self._points[road.start], self._heading_rad(road.start, road.end)
         ahead_x, ahead_y = cos(heading_rad), sin(heading_rad)
         return Node(
@@ -317,8 +308,8 @@ class _Draft:
         """Lanes between stop points, single tracks, and ways over crossings; and which of them crosses what."""
         lanes: list[Lane] = []
         crossed: dict[tuple[str, str], str] = {}
-        into: dict[str, list[tuple[_Road, str]]] = {node: [] for node in crossing_of}
-        out_of: dict[str, list[tuple[_Road, str]]] = {node: [] for node in crossing_of}
+        into: dict[str, list[tuple[Road, str]]] = {node: [] for node in crossing_of}
+        out_of: dict[str, list[tuple[Road, str]]] = {node: [] for node in crossing_of}
         for lane in self._file.lanes:
             roads = self._roads.get(lane)
             if not roads:
@@ -331,17 +322,18 @@ class _Draft:
             for road in roads:
                 out_of[road.start].append((road, road.stops[0].id))
                 into[road.end].append((road, road.stops[-1].id))
-                lanes += [Lane(a.id, b.id, road.speed_limit_mps) for a, b in pairwise(road.stops)]
+                lanes += [road.lane(a.id, b.id) for a, b in pairwise(road.stops)]
         for node, crossing in crossing_of.items():
             # Back where it came from, too: a vehicle may turn round.
             over = [
-                Lane(before, after, min(entered.speed_limit_mps, left.speed_limit_mps))
+                way
                 for entered, before in into[node]
                 for left, after in out_of[node]
+                if (way := over_crossing(entered, before, left, after)) is not None
             ]
             if node in self._middles:
-                over += [Lane(before, node, road.speed_limit_mps) for road, before in into[node]]
-                over += [Lane(node, after, road.speed_limit_mps) for road, after in out_of[node]]
+                over += [road.lane(before, node) for road, before in into[node]]
+                over += [road.lane(node, after) for road, after in out_of[node]]
             lanes += over
             crossed.update(((lane.start, lane.end), crossing) for lane in over)
         return tuple(lanes), crossed
@@ -382,7 +374,7 @@ class _Draft:
 
     # --- small things --------------------------------------------------------------------------------
 
-    def _all_roads(self) -> Iterable[_Road]:
+    def _all_roads(self) -> Iterable[Road]:
         return (road for roads in self._roads.values() for road in roads)
 
     def _root(self, node: str) -> str:

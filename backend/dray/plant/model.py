@@ -12,6 +12,8 @@ from typing import Annotated, Literal
 import msgspec
 from msgspec import Meta
 
+from dray.plant.working_time import WorkingHours
+
 Id = Annotated[str, Meta(pattern=r"^[A-Za-z][A-Za-z0-9_.-]{0,31}$")]
 """Letters, digits, ``_ . -``; begins with a letter, at most 32: it becomes a chunk of a bus key."""
 
@@ -54,6 +56,14 @@ class Node(Item, frozen=True):
     y_m: float
 
 
+class LaneType(Item, frozen=True):
+    """A type of vehicle that may drive on a lane, and how fast."""
+
+    type: Id
+    speed_limit_mps: Positive | None = None
+    """Below that of the lane; left out, that of the lane."""
+
+
 class Lane(Item, frozen=True):
     """A road from one node to another, straight and wide enough for one vehicle unless it says otherwise."""
 
@@ -68,6 +78,31 @@ class Lane(Item, frozen=True):
     shape: Annotated[tuple[Point, ...], Meta(max_length=200)] = ()
     """The corners between its ends, from `start` on, of a lane that is not straight: a curve is written as short pieces.
     Such a lane is single track, and nobody stops on it. See `dray.plant.floor.shapes`."""
+    types: Annotated[tuple[LaneType, ...], Meta(max_length=50)] = ()
+    """The types of vehicles that may drive on it, where these are not all."""
+
+
+class LaneEnds(Item, frozen=True):
+    """One lane of the file, by its nodes, in whichever direction."""
+
+    start: Id
+    end: Id
+
+
+class Door(Item, frozen=True):
+    """A door that opens by itself for vehicles: it stands in the middle of a lane, across it.
+
+    A vehicle waits at the lane's first node until the door stands open. See `dray.plant.floor.doors`.
+    """
+
+    id: Id
+    name: Name
+    lanes: Annotated[tuple[LaneEnds, ...], Meta(min_length=1, max_length=20)]
+    """The lanes that lead through it, each once: one that is driven both ways is shut in both directions."""
+    opening_s: Positive
+    """From shut to open: so long a vehicle waits before it."""
+    closes_after_s: NotNegative = 5.0
+    """So long it stays open behind the last vehicle."""
 
 
 class Box(Item, frozen=True):
@@ -96,11 +131,12 @@ class BillLine(Item, frozen=True):
     """One line of a bill of material."""
 
     material: Id
+    """A material, or a part."""
     quantity: Count
 
 
 class Product(Item, frozen=True):
-    """Something that machines make and customers order."""
+    """Something that machines make: customers order it, or other machines use it, or both."""
 
     id: Id
     name: Name
@@ -108,6 +144,21 @@ class Product(Item, frozen=True):
     """Pieces in one container on the way to the delivery warehouse."""
     bill: Annotated[tuple[BillLine, ...], Meta(min_length=1)]
     ability: Id = "tote"
+    buffer: Annotated[int, Meta(ge=0, le=100_000)] = 0
+    """Pieces that the buffer of a machine holds which uses it: then it is a part, stands in bills as a material does, and storages keep it.
+    0 for what goes to customers only."""
+
+
+class Stock(Item, frozen=True):
+    """A material or a part in a storage."""
+
+    material: Id
+    capacity: Count
+    reorder_point: Annotated[int, Meta(ge=0, le=100_000)] | None = None
+    """Only where vehicles refill: so few pieces, or fewer, have more ordered. Left out, half the capacity, or less where a lot would
+    find no room above that."""
+    lot: Count | None = None
+    """Likewise: pieces that are ordered at once, at most what a container holds. Left out, a whole container."""
 
 
 class Warehouse(Item, frozen=True):
@@ -120,13 +171,16 @@ class Warehouse(Item, frozen=True):
     box: Box
     handling_cv: Fraction | None = None
     """How much loading and unloading vary here; what the type of the vehicle says if it is left out."""
+    stocks: tuple[Stock, ...] = ()
+    """What of a source warehouse vehicles fetch there, and how much finds room: then it has a station, as a storage has, and more comes
+    from outside. Without any, nothing is fetched there."""
+    direct: bool = False
+    """Whether machines have that fetched there themselves, besides from storages; else storages are refilled from it, and people may
+    call for it."""
 
-
-class Stock(Item, frozen=True):
-    """A material in a storage."""
-
-    material: Id
-    capacity: Count
+    def as_storage(self) -> Storage:
+        """As its station sees it: a storage to which more comes from outside."""
+        return Storage(self.id, self.name, self.node, self.box, self.stocks, self.handling_cv)
 
 
 class Storage(Item, frozen=True):
@@ -139,6 +193,13 @@ class Storage(Item, frozen=True):
     stocks: Annotated[tuple[Stock, ...], Meta(min_length=1)]
     handling_cv: Fraction | None = None
     """How much loading and unloading vary here; what the type of the vehicle says if it is left out."""
+    refill: Literal["itself", "vehicles", "none"] = "itself"
+    """How material comes here: by other means than these vehicles, as in the paper; by vehicles, which its station hires to fetch it from
+    source warehouses; or only when people have it brought, as to a manual working place. Parts come from whoever makes them."""
+
+    def refills(self, item: str) -> bool:
+        """Whether vehicles refill it with a material, which is no part."""
+        return self.refill == "vehicles" and any(kept.material == item for kept in self.stocks)
 
 
 class Charger(Item, frozen=True):
@@ -162,6 +223,8 @@ class Making(Item, frozen=True):
     product: Id
     cycle_s: Positive
     """On average."""
+    scrap_frac: Fraction = 0.0
+    """Of its cycles so many end with a bad piece, by chance. Only simulated machines go by it; real ones count what they see."""
     cycle_cv: Fraction = 0.0
     """How much cycles vary: the standard deviation over the average. Simulated times are log-normal; 0 for always the same."""
 
@@ -181,6 +244,8 @@ class MachineSpec(Item, frozen=True):
     """Finished pieces that wait at most; at least the lot of every product it makes."""
     counts: bool = True
     """Whether its dock counts what vehicles bring and take. Where it does not, their word is taken."""
+    working_time: WorkingHours | None = None
+    """When it works; left out, when the plant does."""
     handling_cv: Fraction | None = None
     """How much loading and unloading vary here; what the type of the vehicle says if it is left out."""
 
@@ -198,6 +263,8 @@ class Area(Item, frozen=True):
     id: Id
     name: Name
     polygon: Annotated[tuple[Point, ...], Meta(min_length=3)]
+    working_time: WorkingHours | None = None
+    """When people are there; left out, when the plant works. Whoever is on duty is there at any time."""
 
 
 class Unassigned(Item, frozen=True):
@@ -207,6 +274,8 @@ class Unassigned(Item, frozen=True):
     name: Name
     node: Id
     box: Box | None = None
+    part_of: Id | None = None
+    """The place at the first node of the same station, where that has several nodes."""
 
 
 Dock = Warehouse | Storage | Charger | Parking | MachineSpec
@@ -298,7 +367,8 @@ class PlantFile(Item, frozen=True):
     materials: Annotated[tuple[Material, ...], Meta(min_length=1)]
     products: Annotated[tuple[Product, ...], Meta(min_length=1)]
     warehouses: Annotated[tuple[Warehouse, ...], Meta(min_length=2)]
-    storages: Annotated[tuple[Storage, ...], Meta(min_length=1)]
+    storages: tuple[Storage, ...]
+    """None where machines fetch all from source warehouses."""
     chargers: Annotated[tuple[Charger, ...], Meta(min_length=1)]
     stations: Annotated[tuple[WorkingStation, ...], Meta(min_length=1)]
     machines: Annotated[tuple[MachineSpec, ...], Meta(min_length=1)]
@@ -307,7 +377,12 @@ class PlantFile(Item, frozen=True):
     parkings: tuple[Parking, ...] = ()
     areas: tuple[Area, ...] = ()
     unassigned: tuple[Unassigned, ...] = ()
+    doors: tuple[Door, ...] = ()
     two_lanes: bool = False
     """Whether roads that run both ways have two lanes, where a lane does not say it itself."""
+    working_time: WorkingHours | None = None
+    """When its machines work, and people are in its areas, where these do not say it themselves; left out, always."""
+    time_zone: Annotated[str, Meta(min_length=1, max_length=64)] = "UTC"
+    """Of all working times, by its IANA name."""
     cell_m: Positive = 20.0
     """Edge of the grid cells that announcements are addressed to."""

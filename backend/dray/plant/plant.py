@@ -7,20 +7,24 @@ All orders are those of the file, so that two processes with one file decide ali
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from functools import cached_property
 from math import hypot
 from types import MappingProxyType
 from typing import Protocol, TypeVar
 
 from msgspec.structs import replace
 
+from dray.plant.floor.doors import doors_on
 from dray.plant.floor.geometry import box_of, distance_m, inside
 from dray.plant.floor.grid import Grid
 from dray.plant.floor.shapes import floor_of
+from dray.plant.keeping import Keeping
 from dray.plant.layout import Crossing, Layout
 from dray.plant.model import (
     Area,
     Charger,
-    Dock,
+    Door,
+    LaneEnds,
     MachineSpec,
     Material,
     Node,
@@ -37,6 +41,7 @@ from dray.plant.model import (
 from dray.plant.restrictions import OPEN, Ends, Extent, Restrictions, extent_of, opposite_stops
 from dray.plant.roads import DirectedLane, Roads
 from dray.plant.routes import Routes
+from dray.plant.working_time import WorkingTime
 
 
 class _HasId(Protocol):
@@ -46,6 +51,9 @@ class _HasId(Protocol):
 
 _Spec = TypeVar("_Spec", bound=_HasId)
 
+
+DRAWN_AT_ONCE = 128
+"""Parts of the floor that people have drawn whose nodes are remembered: twice as many as one list of closures has."""
 
 RESTRICTED_KEPT = 16
 """Ways under restrictions that are kept. All agents of a process go by the newest list, or by the one before it."""
@@ -60,6 +68,8 @@ class Plant:
     Every method that takes an id raises `KeyError` for one that the plant does not have.
 
     Attributes:
+        parts: products of which others are made; each is a material, too.
+        materials: what machines use: what comes from outside, and parts.
         restrictions: of its lanes, as far as whoever asks knows of any; of a plant as it stands in its file there are none.
         obstructed: lanes on which something is known to lie, likewise.
     """
@@ -72,7 +82,9 @@ class Plant:
         self.id, self.name = file.plant, file.name
         self.width_m, self.height_m, self.cell_m = file.width_m, file.height_m, file.cell_m
         layout = floor_of(file)
-        self.driven = _as_driven(file, layout)
+        self.door_on: Mapping[Ends, Door] = MappingProxyType(doors_on(file, layout))
+        """Lane as it is driven, in each direction -> its door."""
+        self.driven = _as_driven(file, layout, self.door_on)
         """The file with the nodes and lanes that vehicles drive on; the file itself where no road has two lanes."""
         self.nodes: Mapping[str, Node] = _by_id(layout.nodes)
         """Of the floor as it is driven: with stop points, without the nodes of which they are made."""
@@ -81,10 +93,13 @@ class Plant:
         """The nodes where a vehicle may stand: all that lie in no crossing."""
         self.corners: Mapping[Ends, tuple[str, ...]] = MappingProxyType(dict(layout.corners))
         """Lane with a shape, by its ends -> the nodes at its corners, in the order in which they are driven over."""
-        self.materials: Mapping[str, Material] = _by_id(file.materials)
+        self.parts, self.materials = _used(file)
         self.products: Mapping[str, Product] = _by_id(file.products)
         self.warehouses: Mapping[str, Warehouse] = _by_id(file.warehouses)
         self.storages: Mapping[str, Storage] = _by_id(file.storages)
+        self._keeping = Keeping(file, self.materials)
+        self.stores = self._keeping.stores
+        """Whatever has a station: storages, and the source warehouses where something is fetched, each as a storage."""
         self.chargers: Mapping[str, Charger] = _by_id(file.chargers)
         self.parkings: Mapping[str, Parking] = _by_id(file.parkings)
         self.stations: Mapping[str, WorkingStation] = _by_id(file.stations)
@@ -96,29 +111,16 @@ class Plant:
         self.fleet: Mapping[str, VehicleSpec] = _by_id(file.fleet)
         self.dwell_points: tuple[str, ...] = (*self.chargers, *self.parkings)
         """Where a vehicle may stay: chargers, then parking places."""
-        self.source_warehouses = tuple(w.id for w in file.warehouses if w.kind == "source")
-        self.delivery_warehouses = tuple(w.id for w in file.warehouses if w.kind == "delivery")
-        self.roads = Roads(layout.nodes, layout.lanes)
+        self.roads = Roads(layout.nodes, layout.lanes, self.door_on)
         self._inner, self._crossed = layout.inner, layout.crossed
         self._opposite = opposite_stops(file, self.nodes)
-        docks: tuple[Dock, ...] = (
-            *file.machines,
-            *file.storages,
-            *file.warehouses,
-            *file.chargers,
-            *file.parkings,
-        )
-        self._node_of = {dock.id: dock.node for dock in docks}
-        stations: tuple[MachineSpec | Storage | Warehouse, ...] = (
-            *file.machines,
-            *file.storages,
-            *file.warehouses,
-        )
-        self._handling_cv = {station.id: station.handling_cv for station in stations}
-        self._storages_of = {
-            material: tuple(s.id for s in file.storages if any(k.material == material for k in s.stocks))
-            for material in self.materials
+        self._node_of = {
+            dock.id: dock.node
+            for docks in (file.machines, file.storages, file.warehouses, file.chargers, file.parkings)
+            for dock in docks
         }
+        handled: Iterable[MachineSpec | Storage | Warehouse] = file.machines + file.storages + file.warehouses
+        self._handling_cv = {place.id: place.handling_cv for place in handled}
         self._cycle_s = {m.id: {making.product: making.cycle_s for making in m.makes} for m in file.machines}
         self._machines_for = {
             product: tuple(machine for machine, cycles in self._cycle_s.items() if product in cycles)
@@ -130,7 +132,28 @@ class Plant:
         """What vehicles must be able to carry in this plant."""
         self._grid = Grid(file.width_m, file.height_m, file.cell_m)
         self._extents: dict[str, Extent] = {}
+        self._drawn: dict[tuple[tuple[float, float], ...], Extent] = {}
         self._ways = _Ways(self.roads, self.vehicle_types, self._node_of)
+
+    @cached_property
+    def source_warehouses(self) -> tuple[str, ...]:
+        """Where material comes from."""
+        return tuple(each.id for each in self.file.warehouses if each.kind == "source")
+
+    @cached_property
+    def delivery_warehouses(self) -> tuple[str, ...]:
+        """Where products go to."""
+        return tuple(each.id for each in self.file.warehouses if each.kind == "delivery")
+
+    @property
+    def doors(self) -> Mapping[str, Door]:
+        """The doors that stand on its lanes, by id."""
+        return _by_id(self.file.doors)
+
+    @property
+    def ordered(self) -> tuple[str, ...]:
+        """Products that go to customers: all that are no parts; of parts alone, these."""
+        return tuple(each for each in self.products if each not in self.parts) or tuple(self.parts)
 
     @property
     def lanes(self) -> tuple[DirectedLane, ...]:
@@ -182,14 +205,29 @@ class Plant:
         node = self.nodes[self._node_of[place]]
         return node.x_m, node.y_m
 
+    @cached_property
+    def working_time(self) -> WorkingTime:
+        """When its machines work that do not say it themselves."""
+        return WorkingTime(self.file.working_time, self.file.time_zone)
+
+    def working_time_of(self, machine: str) -> WorkingTime:
+        """When a machine works; for one that the plant does not know, when the plant does."""
+        spec = self.machines.get(machine)
+        hours = None if spec is None else spec.working_time
+        return self.working_time if hours is None else WorkingTime(hours, self.file.time_zone)
+
     def storages_of(self, material: str) -> tuple[str, ...]:
-        """The storages that keep a material."""
-        return self._storages_of[material]
+        """Where machines fetch a material: the storages that keep it, and source warehouses that give it to machines."""
+        return self._keeping.for_machines[material]
+
+    def supplies_of(self, material: str) -> tuple[str, ...]:
+        """The source warehouses from which storages are refilled with a material."""
+        return self._keeping.supplies[material]
 
     def keepers_of(self, material: str) -> tuple[str, ...]:
-        """The places where a material can be fetched and put down: storages, and machines that have a buffer for it."""
+        """The places where a material can be fetched and put down: storages and warehouses, and machines that have a buffer for it."""
         machines = (machine for machine in self.machines if material in self._materials_of[machine])
-        return (*self._storages_of[material], *machines)
+        return (*self._keeping.places[material], *machines)
 
     def machines_for(self, product: str) -> tuple[str, ...]:
         """The machines that were set up for a product; none for one that is not in the plant file."""
@@ -263,7 +301,19 @@ class Plant:
         """The nodes and lanes of an area; worked out when it is asked for first."""
         extent = self._extents.get(area)
         if extent is None:
-            extent = self._extents[area] = extent_of(self.areas[area], self.nodes, self.roads)
+            extent = self._extents[area] = extent_of(self.areas[area].polygon, self.nodes, self.roads)
+        return extent
+
+    def extent_within(self, outline: tuple[tuple[float, float], ...]) -> Extent:
+        """The same of a part of the floor that somebody has drawn, by its corners (x, y); fewer than three are no part."""
+        if len(outline) < 3:
+            return Extent(frozenset(), frozenset())
+        extent = self._drawn.get(outline)
+        if extent is None:
+            while len(self._drawn) >= DRAWN_AT_ONCE:
+                self._drawn.pop(next(iter(self._drawn)))
+            corners = tuple(Point(x_m, y_m) for x_m, y_m in outline)
+            extent = self._drawn[outline] = extent_of(corners, self.nodes, self.roads)
         return extent
 
     def routes(self, vehicle_type: str, restrictions: Restrictions | None = None) -> Routes:
@@ -274,6 +324,10 @@ class Plant:
             restrictions: of its lanes; None for those that whoever asks knows of.
         """
         return self._ways.of(vehicle_type, self.restrictions if restrictions is None else restrictions)
+
+    def roads_of(self, vehicle_type: str) -> Roads:
+        """The lanes on which a type of vehicle may drive, with the limits that hold for it; of an unknown type, all lanes."""
+        return self._ways.roads_of(vehicle_type)
 
     def _needed(self, products: Iterable[str]) -> tuple[str, ...]:
         bills = {line.material for product in products for line in self.products[product].bill}
@@ -297,30 +351,46 @@ class _Ways:
     """Ways that were looked for: by type of vehicle, and for the restrictions that were asked for last."""
 
     def __init__(self, roads: Roads, kinds: Mapping[str, VehicleType], node_of: Mapping[str, str]) -> None:
-        self._roads, self._kinds, self._node_of = roads, kinds, node_of
+        self._kinds, self._node_of = kinds, node_of
+        self._roads, self._roads_of = roads, {kind: roads.for_type(kind) for kind in kinds}
         self._found: dict[str, Routes] = {}
         self._restricted: dict[tuple[str, Restrictions], Routes] = {}
+
+    def roads_of(self, kind: str) -> Roads:
+        return self._roads_of.get(kind, self._roads)
 
     def of(self, kind: str, restrictions: Restrictions) -> Routes:
         if restrictions == OPEN:
             routes = self._found.get(kind)
             if routes is None:
-                routes = self._found[kind] = Routes(self._roads, self._kinds[kind], self._node_of)
+                routes = self._found[kind] = Routes(self._roads_of[kind], self._kinds[kind], self._node_of)
             return routes
         key = kind, restrictions
         routes = self._restricted.pop(key, None)
         if routes is None:
-            routes = Routes(self._roads, self._kinds[kind], self._node_of, restrictions)
+            routes = Routes(self._roads_of[kind], self._kinds[kind], self._node_of, restrictions)
         self._restricted[key] = routes
         if len(self._restricted) > RESTRICTED_KEPT:
             del self._restricted[next(iter(self._restricted))]
         return routes
 
 
-def _as_driven(file: PlantFile, layout: Layout) -> PlantFile:
+def _as_driven(file: PlantFile, layout: Layout, on: Mapping[Ends, Door]) -> PlantFile:
     if layout.lanes is file.lanes:
         return file
-    return replace(file, nodes=layout.nodes, lanes=layout.lanes, two_lanes=False)
+    lanes = [(lane.start, lane.end) for lane in layout.lanes]
+    doors = tuple(
+        replace(door, lanes=tuple(LaneEnds(*ends) for ends in lanes if on.get(ends) is door))
+        for door in file.doors
+    )
+    return replace(file, nodes=layout.nodes, lanes=layout.lanes, two_lanes=False, doors=doors)
+
+
+def _used(file: PlantFile) -> tuple[Mapping[str, Product], Mapping[str, Material]]:
+    """Its parts, and all that machines use."""
+    parts = [product for product in file.products if product.buffer]
+    as_materials = [Material(part.id, part.name, part.lot, part.buffer, part.ability) for part in parts]
+    return _by_id(parts), _by_id((*file.materials, *as_materials))
 
 
 def _by_id(specs: Iterable[_Spec]) -> Mapping[str, _Spec]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from math import ceil
 
@@ -11,7 +11,7 @@ from msgspec.structs import replace
 
 from dray.plant.floor.geometry import box_of, inside
 from dray.plant.layout import name_after, name_before
-from dray.plant.model import Area, Node, PlantFile, Point
+from dray.plant.model import Node, PlantFile, Point
 from dray.plant.roads import DirectedLane, Roads
 
 Ends = tuple[str, str]
@@ -71,10 +71,10 @@ class Extent(msgspec.Struct, frozen=True):
     """Lanes that run through it between two nodes outside of it."""
 
 
-def extent_of(area: Area, nodes: Mapping[str, Node], roads: Roads) -> Extent:
-    """The nodes and lanes of an area."""
-    inside_it = frozenset(node.id for node in nodes.values() if _within(node, area))
-    left_m, low_m, right_m, high_m = box_of(area.polygon)
+def extent_of(polygon: Sequence[Point], nodes: Mapping[str, Node], roads: Roads) -> Extent:
+    """The nodes and lanes of a part of the floor."""
+    inside_it = frozenset(node.id for node in nodes.values() if _within(node, polygon))
+    left_m, low_m, right_m, high_m = box_of(polygon)
     across = []
     for lane in roads.lanes:
         start, end = nodes[lane.start], nodes[lane.end]
@@ -87,7 +87,7 @@ def extent_of(area: Area, nodes: Mapping[str, Node], roads: Roads) -> Extent:
         ):
             continue
         steps = ceil(lane.length_m / SAMPLE_M)
-        if any(_within(_between(start, end, step / steps), area) for step in range(1, steps)):
+        if any(_within(_between(start, end, step / steps), polygon) for step in range(1, steps)):
             across.append((lane.start, lane.end))
     return Extent(inside_it, frozenset(across))
 
@@ -110,8 +110,8 @@ def opposite_stops(file: PlantFile, nodes: Mapping[str, Node]) -> dict[str, str]
     return found
 
 
-def _within(node: Node, area: Area) -> bool:
-    return inside(Point(node.x_m, node.y_m), area.polygon)
+def _within(node: Node, polygon: Sequence[Point]) -> bool:
+    return inside(Point(node.x_m, node.y_m), polygon)
 
 
 def _between(start: Node, end: Node, part: float) -> Node:

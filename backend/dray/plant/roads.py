@@ -7,13 +7,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from math import atan2, cos, hypot, radians
+from types import MappingProxyType
 
 import msgspec
 
-from dray.plant.model import Lane, Node
+from dray.plant.model import Door, Lane, LaneType, Node
 
 BEND_RAD = radians(30.0)
 """Up to this angle a vehicle follows the road at full speed; beyond it, it slows down to turn."""
+
+NO_DOORS: Mapping[tuple[str, str], Door] = MappingProxyType({})
 
 _COS_BEND = cos(BEND_RAD)
 
@@ -30,6 +33,21 @@ class DirectedLane(msgspec.Struct, frozen=True, gc=False):
     length_m: float
     heading_rad: float
     """Counter-clockwise from the x axis, in (-pi, pi]."""
+    types: tuple[LaneType, ...] = ()
+    """As in `dray.plant.model.Lane`."""
+    opening_s: float = 0.0
+    """How long whoever enters it waits at its start until its door is open; 0 where there is none."""
+
+    def for_type(self, kind: str) -> DirectedLane | None:
+        """As a type of vehicle drives on it; None where it may not."""
+        if not self.types:
+            return self
+        for each in self.types:
+            if each.type == kind:
+                own_mps = each.speed_limit_mps
+                slower = own_mps is not None and own_mps < self.speed_limit_mps
+                return msgspec.structs.replace(self, speed_limit_mps=own_mps) if slower else self
+        return None
 
 
 class Roads:
@@ -38,6 +56,7 @@ class Roads:
     Args:
         nodes: the points of the network; their order breaks every tie.
         lanes: lanes as written in the file; every end must be one of `nodes`.
+        door_on: the doors on lanes, by the ends of each lane in each direction.
     """
 
     __slots__ = ("_by_ends", "entering", "lanes", "leaving")
@@ -49,11 +68,27 @@ class Roads:
     entering: Mapping[str, tuple[DirectedLane, ...]]
     """Node -> lanes that end there, in the order of `lanes`."""
 
-    def __init__(self, nodes: Iterable[Node], lanes: Iterable[Lane]) -> None:
+    def __init__(
+        self,
+        nodes: Iterable[Node],
+        lanes: Iterable[Lane],
+        door_on: Mapping[tuple[str, str], Door] = NO_DOORS,
+    ) -> None:
         points = {node.id: node for node in nodes}
-        self.lanes = tuple(road for lane in lanes for road in _directed(lane, points))
-        leaving: dict[str, list[DirectedLane]] = {node: [] for node in points}
-        entering: dict[str, list[DirectedLane]] = {node: [] for node in points}
+        self._index(points, tuple(road for lane in lanes for road in _directed(lane, points, door_on)))
+
+    def for_type(self, kind: str) -> Roads:
+        """The lanes on which a type of vehicle may drive, with the limits that hold for it; itself where all lanes are for all."""
+        if not any(lane.types for lane in self.lanes):
+            return self
+        own = Roads((), ())
+        own._index(self.leaving, tuple(lane for each in self.lanes if (lane := each.for_type(kind))))
+        return own
+
+    def _index(self, nodes: Iterable[str], lanes: tuple[DirectedLane, ...]) -> None:
+        self.lanes = lanes
+        leaving: dict[str, list[DirectedLane]] = {node: [] for node in nodes}
+        entering: dict[str, list[DirectedLane]] = {node: [] for node in leaving}
         for road in self.lanes:
             leaving[road.start].append(road)
             entering[road.end].append(road)
@@ -126,14 +161,25 @@ def bends(before: DirectedLane, after: DirectedLane) -> bool:
     return cos(after.heading_rad - before.heading_rad) < _COS_BEND - _ROUNDING
 
 
-def _directed(lane: Lane, points: Mapping[str, Node]) -> list[DirectedLane]:
+def _directed(
+    lane: Lane, points: Mapping[str, Node], door_on: Mapping[tuple[str, str], Door]
+) -> list[DirectedLane]:
     """One lane of the file as one or two directed lanes."""
     ends = [(lane.start, lane.end), (lane.end, lane.start)][: 2 if lane.both_ways else 1]
     roads = []
     for start, end in ends:
+        door = door_on.get((start, end))
         dx_m, dy_m = points[end].x_m - points[start].x_m, points[end].y_m - points[start].y_m
         roads.append(
-            DirectedLane(start, end, lane.speed_limit_mps, hypot(dx_m, dy_m), heading_rad=atan2(dy_m, dx_m))
+            DirectedLane(
+                start,
+                end,
+                lane.speed_limit_mps,
+                hypot(dx_m, dy_m),
+                atan2(dy_m, dx_m),
+                lane.types,
+                0.0 if door is None else door.opening_s,
+            )
         )
     return roads
 

@@ -1,6 +1,6 @@
 """Shortest ways for one type of vehicle: the hot path of every bid.
 
-A way is the one with the least lane time (length over the lower of lane limit and vehicle speed);
+A way is the one with the least lane time (length over the lower of lane limit and vehicle speed, and the opening time of a door);
 among equals the one that goes straight on, because every bend costs a vehicle its speed, and then
 the first in file order. The duration of a way, once chosen, is that of the real motion.
 
@@ -20,6 +20,7 @@ import msgspec
 
 from dray.errors import NoWay
 from dray.plant.floor.motion import Run, joint_mps, limit_mps, runs_s
+from dray.plant.floor.motion import lane_s as lane_time_s
 from dray.plant.model import VehicleType
 from dray.plant.restrictions import OPEN, Restrictions
 from dray.plant.roads import DirectedLane, Roads, bends
@@ -41,7 +42,7 @@ class Way(msgspec.Struct, frozen=True, gc=False):
     """From the start to the goal, both included; a single one where they are the same."""
     length_m: float
     duration_s: float
-    """From standstill to standstill with nobody in the way."""
+    """From standstill to standstill with nobody in the way and every door shut."""
 
 
 class _Step(msgspec.Struct, frozen=True):
@@ -54,7 +55,9 @@ class _Step(msgspec.Struct, frozen=True):
     length_m: float
     top_mps: float
     lane_s: float
-    """What it costs: its time at the lane's limit or the vehicle's own top speed, whichever is lower."""
+    """What it costs: its time at the lane's limit or the vehicle's own top speed, whichever is lower, and that of its door."""
+    opening_s: float
+    """Of its door."""
     onward: list[tuple[_Step, float]]
     """What may follow, with the highest speed at the node between: straight on first, then in file order."""
 
@@ -131,6 +134,10 @@ class Routes:
 
     def leads_round(self, start_node: str, goal_node: str) -> bool:
         """Whether a way leads from one node to another on which nothing is known to lie."""
+        return self.leads(start_node, goal_node)
+
+    def leads(self, start_node: str, goal_node: str) -> bool:
+        """Whether a way leads from one node to another, be it through what lies there."""
         try:
             self.way(start_node, goal_node)
         except NoWay:
@@ -238,7 +245,7 @@ class Routes:
         here, goal = self._index[start_node], self._index[goal_node]
         nodes = [start_node]
         runs: list[Run] = []
-        length_m = run_m = top_mps = 0.0
+        length_m = run_m = top_mps = doors_s = 0.0
         # From standstill it is all the same in which direction.
         onward: Iterable[tuple[_Step, float]] = ((step, 0.0) for step in self._leaving[here])
         while here != goal:
@@ -251,6 +258,7 @@ class Routes:
                     continue
                 nodes.append(step.node)
                 length_m += step.length_m
+                doors_s += step.opening_s
                 if corner_mps == top_mps == step.top_mps:
                     run_m += step.length_m
                 else:
@@ -263,7 +271,7 @@ class Routes:
                 raise NoWay(start_node, goal_node)
         if run_m:
             runs.append((run_m, top_mps, 0.0))
-        return Way(tuple(nodes), length_m, runs_s(runs, self._rate_mps2))
+        return Way(tuple(nodes), length_m, doors_s + runs_s(runs, self._rate_mps2))
 
 
 def _steps(
@@ -279,8 +287,10 @@ def _steps(
         for lane in lanes:
             top_mps = limit_mps(lane, vehicle)
             start, end = index[node], index[lane.end]
-            lane_s = lane.length_m / top_mps * (INSIDE_FACTOR if lane.end in closed else 1.0)
-            steps[node].append(_Step(lane.end, start, end, lane.length_m, top_mps, lane_s, []))
+            cost_s = lane_time_s(lane, vehicle) * (INSIDE_FACTOR if lane.end in closed else 1.0)
+            steps[node].append(
+                _Step(lane.end, start, end, lane.length_m, top_mps, cost_s, lane.opening_s, [])
+            )
     for node, lanes in leaving.items():
         for lane, step in zip(lanes, steps[node], strict=True):
             straight: list[tuple[_Step, float]] = []

@@ -7,6 +7,7 @@ from typing import Any
 
 from dray.protocol.calls import call_state
 from dray.protocol.contract_net import task_state
+from dray.protocol.machine import documents
 from dray.protocol.vehicle.job import job_state
 from dray.states import Transitions, diagram
 
@@ -17,6 +18,7 @@ TABLES: dict[str, tuple[str, str, Transitions[Any]]] = {
         "as the vehicle that carries it lives it",
         job_state.TRANSITIONS,
     ),
+    "A document of a goal": ("machine/documents.py", "as the machine knows it", documents.TRANSITIONS),
     "A call for help": ("calls/call_state.py", "as its caller knows it", call_state.TRANSITIONS),
 }
 """By title: the file, what it is, and the table."""

@@ -26,7 +26,8 @@ from dray.messages.keys import Keys
 from dray.ports import Bus, Session
 from dray.store.history.clocks import AGENTS_KEPT, Clocks, ToWall
 from dray.store.history.gaps import Gaps
-from dray.store.orders.progress import Goal, accepted_order, goal_of, note, progress
+from dray.store.orders.progress import Goal, accepted_order, goal_of, life_with, note, progress
+from dray.store.retention import Retention
 from dray.store.work import Store, Work
 
 AGENT = "historian"
@@ -43,9 +44,6 @@ BATCH_EVENTS = 2_000
 
 SAMPLE_EVERY_S = 30.0
 """Factory seconds between two kept heartbeats of one agent: batteries and ways change slower."""
-
-PRUNE_EVERY = 10_000
-"""Rows written between two prunings: the tables exceed their bounds by no more than this."""
 
 ASK_EVERY_S = 1.0
 """Wall seconds between two looks at what is missing. A gap waits about as long before it is asked for, so
@@ -68,8 +66,7 @@ class Historian:
         life: its incarnation: the latest historian stays.
         agents: who is asked for history even when nobody has heard of them.
         linger_s: wall seconds in which events are gathered for one write.
-        events_kept: rows of history kept.
-        samples_kept: heartbeat samples kept.
+        retention: forgets what is too old; None where all is kept.
         queue_events: events that may wait.
         retry_s: see `RETRY_S`.
         wall_s: the wall clock.
@@ -88,8 +85,7 @@ class Historian:
         life: int = 0,
         agents: Collection[str] = (),
         linger_s: float = 0.2,
-        events_kept: int = 1_000_000,
-        samples_kept: int = 200_000,
+        retention: Retention | None = None,
         queue_events: int = QUEUE_EVENTS,
         retry_s: tuple[float, float] = RETRY_S,
         wall_s: Callable[[], float] = clock.time,
@@ -101,7 +97,7 @@ class Historian:
         self._agents, self._life = agents, life
         self._wall_s = wall_s
         self._clocks, self._to_plant_s = clocks, to_plant_s
-        self._events_kept, self._samples_kept = events_kept, samples_kept
+        self.retention = retention
         self._queue_events, self._retry_s = queue_events, retry_s
         self._events: deque[tuple[float, Event]] = deque()
         """With the time at which each was heard."""
@@ -113,7 +109,6 @@ class Historian:
         self._recovered: Callable[[Event], object] | None = None
         self._arrived, self._written, self._closing = asyncio.Event(), asyncio.Event(), asyncio.Event()
         self._written.set()
-        self._unpruned = 0
         self.kept = 0
         """Events that were written, or had been before."""
         self.lost = 0
@@ -159,11 +154,14 @@ class Historian:
         session.subscribe(self._keys.all_events)
         session.subscribe(self._keys.all_heartbeats)
         writer = asyncio.create_task(self._write_on(), name=AGENT)
-        asker = asyncio.create_task(self._ask_on(session), name=f"{AGENT} asks")
+        beside = [asyncio.create_task(self._ask_on(session), name=f"{AGENT} asks")]
+        if self.retention is not None:
+            beside.append(asyncio.create_task(self.retention.run(), name=f"{AGENT} forgets"))
         try:
             yield
         finally:
-            asker.cancel()
+            for task in beside:
+                task.cancel()
             session.leave()
             self._closing.set()
             self._arrived.set()
@@ -297,22 +295,20 @@ class Historian:
 
     async def _write(self, events: Sequence[Event], samples: Sequence[Heartbeat]) -> None:
         async with self._store.write() as work:
+            await work.piece_hours.add(events, self._to_wall_s)
             await work.events.add(events, self._to_wall_s)
+            await work.takeovers.add(events, self._to_wall_s)
             await work.samples.add(samples, self._to_wall_s)
             await self._follow(work, events)
             await work.transports.follow(events, self._to_wall_s)
-            self._unpruned += len(events) + len(samples)
-            if self._unpruned >= PRUNE_EVERY:
-                await work.events.prune(self._events_kept)
-                await work.samples.prune(self._samples_kept)
-                self._unpruned = 0
+            await work.tasks.follow(events, self._to_wall_s)
 
     async def _follow(self, work: Work, events: Sequence[Event]) -> None:
         """Bring goals and orders up to date with what these events tell."""
         lives: dict[str, int] = {}
         for event in events:
             if accepted := accepted_order(event):
-                lives[accepted] = max(lives.get(accepted, 0), event.incarnation)
+                lives[accepted] = max(lives.get(accepted, 0), life_with(event))
         await work.orders.accept(lives)
 
         told = [(goal, event) for event in events if (goal := goal_of(event))]

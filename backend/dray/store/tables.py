@@ -7,6 +7,8 @@ The migrations write these very tables; a test compares the two.
 
 from __future__ import annotations
 
+from functools import partial
+
 from sqlalchemy import (
     BigInteger,
     Boolean,
@@ -40,6 +42,8 @@ Position = BigInteger().with_variant(Integer, "sqlite")
 Id = String(128)
 """Ids of agents have 32 characters at most; those of tasks and goals are made of up to three ids."""
 
+_counter = partial(Column, type_=Integer, nullable=False, server_default="0")
+
 products = Table(
     "products",
     metadata,
@@ -63,13 +67,13 @@ orders = Table(
     Column("token", String(64), nullable=False),
     Column("created_at_s", Double, nullable=False),
     Column("due_at_s", Double),
-    Column("released_at_s", Double),
-    Column("cancelled_at_s", Double),
-    Column("delivered_at_s", Double),
-    Column("incarnation", Integer, nullable=False, server_default="0"),
-    Column("releases", Integer, nullable=False, server_default="0"),
+    *(Column(name, Double) for name in ("released_at_s", "cancelled_at_s", "delivered_at_s")),
+    *(_counter(name) for name in ("incarnation", "releases", "change", "change_taken")),
     Column("revoked_at_s", Double),
     Column("updated_at_s", Double, nullable=False, server_default="0"),
+    Column("priority", String(8), nullable=False, server_default="normal"),
+    Column("wanted_at_s", Double),
+    Column("search", Text, nullable=False, server_default=""),
     CheckConstraint(
         "status IN ('stored', 'released', 'in_production', 'in_delivery', 'delivered', 'cancelled')",
         name="status",
@@ -79,6 +83,7 @@ orders = Table(
     Index(None, "status", "created_at_s", "id"),
     Index(None, "updated_at_s"),
     Index(None, "reference"),
+    Index(None, "delivered_at_s"),
     comment="Sales orders. incarnation: the newest life of the strategist that accepted the order.",
 )
 
@@ -89,8 +94,8 @@ order_items = Table(
     Column("item", Integer, primary_key=True, autoincrement=False),
     Column("product", Id, ForeignKey("products.id"), nullable=False),
     Column("quantity", Integer, nullable=False),
-    Column("made", Integer, nullable=False, server_default="0"),
-    Column("delivered", Integer, nullable=False, server_default="0"),
+    Column("wanted", Integer),
+    *(_counter(name) for name in ("made", "delivered")),
     CheckConstraint("quantity >= 1", name="quantity"),
     comment="Lines of an order; item is the place in the order, from 0.",
 )
@@ -118,10 +123,7 @@ goals = Table(
     Column("quantity", Integer, nullable=False, server_default="0"),
     Column("machine", Id, nullable=False, server_default=""),
     Column("promised_at_s", Double),
-    Column("incarnation", Integer, nullable=False, server_default="0"),
-    Column("number", Integer, nullable=False, server_default="0"),
-    Column("made", Integer, nullable=False, server_default="0"),
-    Column("delivered", Integer, nullable=False, server_default="0"),
+    *(_counter(name) for name in ("held", "incarnation", "number", "made", "delivered")),
     Column("delivered_at_s", Double),
     Index(None, "order_id"),
     Index(None, "delivered_at_s"),
@@ -192,21 +194,21 @@ kpi_samples = Table(
     *(Column(f"atv_{doing}_s", Double, nullable=False) for doing in ATV_DOINGS),
     *(Column(f"machine_{doing}_s", Double, nullable=False) for doing in MACHINE_DOINGS),
     Column("atv_out_of_service_s", Double, nullable=False, server_default="0"),
+    Column("energy_wh", Double, nullable=False, server_default="0"),
+    Column("machine_resting_s", Double, nullable=False, server_default="0"),
     Index(None, "at_s"),
     sqlite_autoincrement=True,
     comment="What every wall minute has added to the factory's figures; times are factory seconds.",
 )
 
-lane_traffic = Table(
-    "lane_traffic",
+piece_hours = Table(
+    "piece_hours",
     metadata,
     Column("hour_s", Double, primary_key=True),
-    Column("start_node", Id, primary_key=True),
-    Column("end_node", Id, primary_key=True),
-    Column("passes", Integer, nullable=False),
-    Column("waits", Integer, nullable=False),
-    Column("waited_s", Double, nullable=False),
-    comment="What vehicles did on each lane in a wall hour; waited_s is in factory seconds.",
+    Column("machine", Id, primary_key=True),
+    Column("product", Id, primary_key=True),
+    *(Column(kind, Integer, nullable=False) for kind in ("good", "bad")),
+    comment="Pieces that machines have made in a wall hour, good and bad ones.",
 )
 
 idempotency_keys = Table(
@@ -219,16 +221,6 @@ idempotency_keys = Table(
     Column("at_s", Double, nullable=False),
     Index(None, "at_s"),
     comment="What was answered to a request with an Idempotency-Key.",
-)
-
-acknowledgements = Table(
-    "acknowledgements",
-    metadata,
-    Column("alert", String(192), primary_key=True),
-    Column("since_at_s", Double, nullable=False),
-    Column("by", String(200), nullable=False),
-    Column("at_s", Double, nullable=False),
-    comment="Who has taken on which alert; a row leaves when its alert has ended.",
 )
 
 exclusions = Table(
@@ -253,6 +245,7 @@ closures = Table(
     Column("end_node", Id, nullable=False),
     Column("place", Id, nullable=False),
     Column("area", Id, nullable=False),
+    Column("outline", String(500), nullable=False, server_default=""),
     Column("speed_mps", Double),
     Column("until_s", Double),
     Column("reason", String(200), nullable=False),
@@ -337,9 +330,9 @@ api_keys = Table(
     Column("token_hash", TokenHash, nullable=False),
     Column("scopes", Text, nullable=False),
     Column("created_at_s", Double, nullable=False),
-    Column("expires_at_s", Double),
-    Column("revoked_at_s", Double),
-    Column("used_at_s", Double),
+    *(Column(name, Double) for name in ("expires_at_s", "revoked_at_s", "used_at_s")),
+    # Where alone it calls for transports; empty for everywhere.
+    Column("place", Id, nullable=False, server_default=""),
     UniqueConstraint("token_hash"),
     comment="Keys of other systems. scopes: their names, with spaces between them.",
 )

@@ -18,23 +18,34 @@ from dray.store.access.sessions import Sessions
 from dray.store.access.signing_keys import SigningKeys
 from dray.store.database.database import Database
 from dray.store.database.migrate import upgrade
-from dray.store.factory.acknowledgements import Acknowledgements
+from dray.store.factory.alert_history import AlertHistory
 from dray.store.factory.closures import Closures
 from dray.store.factory.exclusions import Exclusions
 from dray.store.factory.kpis import Kpis
 from dray.store.factory.lane_traffic import LaneHours
+from dray.store.factory.piece_hours import PieceHours
 from dray.store.factory.plant_drafts import PlantDrafts
 from dray.store.factory.removals import Removals
+from dray.store.factory.report_targets import ReportTargets
+from dray.store.factory.takeovers import Takeovers
 from dray.store.history.events import Events
 from dray.store.history.incarnations import Incarnations
 from dray.store.history.samples import Samples
+from dray.store.kept import Kept
 from dray.store.orders.goals import Goals
 from dray.store.orders.idempotency_keys import IdempotencyKeys
 from dray.store.orders.milestones import Milestones
+from dray.store.orders.order_changes import OrderChanges
+from dray.store.orders.order_histories import OrderHistories
 from dray.store.orders.orders import Orders
 from dray.store.orders.products import Products
+from dray.store.orders.schedules import Schedules
+from dray.store.orders.tasks import Tasks
 from dray.store.orders.tracking_links import Links
 from dray.store.orders.transports import Transports
+from dray.store.replay.recordings import Recordings
+from dray.store.replay.spells import Spells
+from dray.store.shifts import Shifts
 
 
 class Work:
@@ -45,18 +56,28 @@ class Work:
         self.products = Products(connection)
         self.orders = Orders(connection)
         self.links = Links(connection)
+        self.order_changes = OrderChanges(connection)
+        self.order_histories = OrderHistories(connection)
         self.goals = Goals(connection)
         self.milestones = Milestones(connection)
         self.transports = Transports(connection)
+        self.schedules = Schedules(connection)
         self.events = Events(connection)
         self.samples = Samples(connection)
-        self.acknowledgements = Acknowledgements(connection)
+        self.tasks = Tasks(connection)
+        self.alerts = AlertHistory(connection)
         self.closures = Closures(connection)
         self.plant_drafts = PlantDrafts(connection)
         self.removals = Removals(connection)
         self.exclusions = Exclusions(connection)
+        self.recordings = Recordings(connection)
+        self.spells = Spells(connection)
         self.kpis = Kpis(connection)
         self.lane_hours = LaneHours(connection)
+        self.piece_hours = PieceHours(connection)
+        self.report_targets = ReportTargets(connection)
+        self.takeovers = Takeovers(connection)
+        self.shifts = Shifts(connection)
         self.keys = IdempotencyKeys(connection)
         self.incarnations = Incarnations(connection)
         self.people = People(connection)
@@ -65,6 +86,7 @@ class Work:
         self.api_keys = ApiKeys(connection)
         self.lockouts = Lockouts(connection)
         self.audit = Audit(connection)
+        self.kept = Kept(connection)
         self.secrets = Secrets(connection)
         self.signing_keys = SigningKeys(connection)
 

@@ -27,6 +27,7 @@ _PARAMETERS = {
     "atv": "A vehicle's id.",
     "machine": "A machine's id.",
     "station": "The id of a storage.",
+    "strategist": "The id of a strategist.",
     "operator": "The name of an operator's duty.",
     "caller": "The id of the agent that calls.",
     "cell": "A cell of the grid.",

@@ -23,6 +23,7 @@ from dray.messages import (
     Removals,
     ShutOut,
     StationHeartbeat,
+    StrategistHeartbeat,
     TaskAnnounced,
     WorkSought,
 )
@@ -66,6 +67,12 @@ _PUBLISHED = (
         _KEYS.station_heartbeat("{station}"),
         "What lies in a storage, and what is promised of it. Its station alone speaks here.",
         (StationHeartbeat,),
+    ),
+    Channel(
+        "strategistHeartbeats",
+        _KEYS.strategist_heartbeat("{strategist}"),
+        "That a strategist is there, and how many orders it works at, to the others of its plant. The strategist alone speaks here.",
+        (StrategistHeartbeat,),
     ),
     Channel(
         "operatorHeartbeats",
@@ -166,6 +173,7 @@ _BROADCAST_ONLY = frozenset(
         AtvHeartbeat,
         MachineHeartbeat,
         StationHeartbeat,
+        StrategistHeartbeat,
         OperatorHeartbeat,
         HelpCall,
         FloorTold,

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import asyncio
 from collections import Counter
-from typing import TYPE_CHECKING, assert_never, cast
+from typing import TYPE_CHECKING, assert_never
 
 from dray import messages
 from dray.errors import ProtocolViolation
@@ -231,12 +231,10 @@ class Worker:
         events: list[messages.Event] = []
         changes: dict[str, Note | None] = {}
         for effect in effects:
-            kind = type(effect)
-            if kind is Record:
-                events.append(self._number(cast(Record, effect).fact))
-            elif kind is Commit:
-                commit = cast(Commit, effect)
-                changes[commit.name] = commit.note
+            if isinstance(effect, Record):
+                events.append(self._number(effect.fact))
+            elif isinstance(effect, Commit):
+                changes[effect.name] = effect.note
         if events or changes:
             self._journal.write(events, changes)
         return iter(events)

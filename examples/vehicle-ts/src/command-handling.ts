@@ -75,6 +75,7 @@ export class CommandHandling {
       return '';
     }
     if (command.kind === 'promise' || command.kind === 'hand_over') return 'not_waiting';
+    if (command.kind === 'charge' || command.kind === 'take_out' || command.kind === 'put_in') return 'not_supported';
     if (!this.stopped) return 'not_stopped';
     if (command.kind === 'acknowledge') {
       if (this.#body.state.problem) return 'faulty';

@@ -60,7 +60,7 @@ export interface Grant {
 export interface VehicleCommand {
   readonly type: 'VehicleCommand';
   readonly command: string;
-  readonly kind: 'stop' | 'acknowledge' | 'resume' | 'set_speed' | 'promise' | 'hand_over' | 'take_out' | 'put_in';
+  readonly kind: 'stop' | 'acknowledge' | 'resume' | 'set_speed' | 'promise' | 'hand_over' | 'charge' | 'take_out' | 'put_in';
   readonly speed_frac?: number | null;
   readonly wait_s?: number | null;
   readonly issued_by?: string;

@@ -19,6 +19,12 @@ export interface VehicleType {
   readonly idle_w: number;
 }
 
+/** A type of vehicle that may drive on a lane; its limit is null where that of the lane holds. */
+interface LaneType {
+  readonly type: string;
+  readonly speed_limit_mps?: number | null;
+}
+
 interface PlantFile {
   readonly plant: string;
   readonly width_m: number;
@@ -30,6 +36,7 @@ interface PlantFile {
     readonly end: string;
     readonly speed_limit_mps: number;
     readonly both_ways: boolean;
+    readonly types: readonly LaneType[];
   }[];
   readonly warehouses: readonly (Place & { readonly kind: 'source' | 'delivery' })[];
   readonly storages: readonly (Place & { readonly stocks: readonly { readonly material: string }[] })[];
@@ -55,6 +62,7 @@ export interface Way {
 
 interface Lane {
   readonly end: string;
+  readonly types: readonly LaneType[];
   readonly length_m: number;
   readonly speed_mps: number;
   readonly heading_rad: number;
@@ -82,8 +90,8 @@ export class Plant {
     for (const { id, node } of [...warehouses, ...storages, ...chargers, ...parkings, ...machines])
       this.#dockOf.set(id, node);
     for (const lane of lanes) {
-      this.#addLane(lane.start, lane.end, lane.speed_limit_mps);
-      if (lane.both_ways) this.#addLane(lane.end, lane.start, lane.speed_limit_mps);
+      this.#addLane(lane.start, lane.end, lane);
+      if (lane.both_ways) this.#addLane(lane.end, lane.start, lane);
     }
   }
 
@@ -141,7 +149,10 @@ export class Plant {
       open.delete(here);
       done.add(here);
       for (const lane of this.#lanes.get(here) ?? []) {
-        const there = best.get(here)! + lane.length_m / Math.min(lane.speed_mps, type.max_speed_mps);
+        const allowed = lane.types.find((each) => each.type === type.id);
+        if (lane.types.length && !allowed) continue;
+        const limit_mps = Math.min(lane.speed_mps, allowed?.speed_limit_mps ?? Infinity, type.max_speed_mps);
+        const there = best.get(here)! + lane.length_m / limit_mps;
         if (done.has(lane.end) || there >= (best.get(lane.end) ?? Infinity)) continue;
         best.set(lane.end, there);
         before.set(lane.end, here);
@@ -164,10 +175,10 @@ export class Plant {
     return { nodes, length_m, duration_s: lanes_s + slow_s };
   }
 
-  #addLane(start: string, end: string, speed_mps: number): void {
+  #addLane(start: string, end: string, of: PlantFile['lanes'][number]): void {
     const [from, to] = [this.point(start), this.point(end)];
     const [dx, dy] = [to.x_m - from.x_m, to.y_m - from.y_m];
-    const lane = { end, length_m: Math.hypot(dx, dy), speed_mps, heading_rad: Math.atan2(dy, dx) };
+    const lane = { end, length_m: Math.hypot(dx, dy), speed_mps: of.speed_limit_mps, types: of.types, heading_rad: Math.atan2(dy, dx) };
     this.#lanes.set(start, [...(this.#lanes.get(start) ?? []), lane]);
   }
 }

@@ -3,12 +3,14 @@ import type { AlertView } from "../api/types";
 import { format, t } from "../text";
 import { causeText } from "../text/failure";
 import { jamText } from "../text/wait";
+import { factoryTime } from "../text/plant-time";
 
 /** @param speed factory seconds per real second */
 export function whatText(alert: AlertView, nowS: number, speed: number): string {
-  const { agents, call, cause } = alert;
+  const { agents, call, cause, goods } = alert;
   let said = kindText(alert, nowS, speed);
   if (cause !== null) said += `: ${cause.wait !== null && agents.length > 0 ? jamText(agents, cause.wait) : causeText(cause)}`;
+  if (goods !== null) said += `; ${t("alerts.what.goods_kept", { at: format.due(alert.until_at_s ?? nowS, nowS) })}`;
   return call === null ? said : `${said}; ${t(`alerts.call.${call}`)}`;
 }
 
@@ -17,7 +19,7 @@ export function asksText(alert: AlertView): string {
 }
 
 function kindText(alert: AlertView, nowS: number, speed: number): string {
-  const { battery_frac, by, clock_ahead_s, kind, seen_at_s, until_at_s } = alert;
+  const { battery_frac, by, clock_ahead_s, goods, kind, seen_at_s, until_at_s } = alert;
   const leftS = ((until_at_s ?? nowS) - nowS) * speed;
   switch (kind) {
     case "plant_behind":
@@ -33,17 +35,21 @@ function kindText(alert: AlertView, nowS: number, speed: number): string {
       return t("alerts.what.atv_awaited", { keepers: format.list(alert.keepers) });
     case "station_lost":
       return t("alerts.what.station_lost", { age: format.age(nowS - (seen_at_s ?? nowS)) });
+    case "gate_lost":
+      return t("alerts.what.gate_lost", { age: format.age(nowS - (seen_at_s ?? nowS)) });
+    case "strategist_lost":
+      return t("alerts.what.strategist_lost", { agents: format.list(alert.agents) });
     case "atv_help":
-      return leftS > 0 ? t("alerts.what.atv_help", { left: format.duration(leftS) }) : t("alerts.what.help_late");
+      return leftS > 0 ? t("alerts.what.atv_help", { left: factoryTime(leftS, speed) }) : t("alerts.what.help_late");
     case "atv_promised":
-      return t("alerts.what.atv_promised", { by, left: format.duration(Math.max(0, leftS)) });
+      return t("alerts.what.atv_promised", { by, left: factoryTime(Math.max(0, leftS), speed) });
     case "machine_shut_out":
     case "station_shut_out":
     case "atv_shut_out":
       return t("alerts.what.shut_out", { by });
     case "clock_wrong": {
       const aheadS = clock_ahead_s ?? 0;
-      return t(aheadS < 0 ? "alerts.what.clock_behind" : "alerts.what.clock_ahead", { by: format.duration(Math.abs(aheadS)) });
+      return t(aheadS < 0 ? "alerts.what.clock_behind" : "alerts.what.clock_ahead", { by: factoryTime(Math.abs(aheadS), speed) });
     }
     case "atv_battery":
       return t("alerts.what.atv_battery", { percent: format.percent(battery_frac ?? 0) });
@@ -55,6 +61,13 @@ function kindText(alert: AlertView, nowS: number, speed: number): string {
       });
     case "atv_mesh":
       return meshText(alert, nowS);
+    case "goods_stranded":
+      return t(goods?.handed_at ? "alerts.what.goods_handed" : "alerts.what.goods_stranded", {
+        quantity: format.count(goods?.quantity ?? 0),
+        item: goods?.name ?? "",
+        order: goods === null || goods.order_name === "" ? "–" : goods.order_name,
+        node: goods?.handed_at ?? "",
+      });
     case "order_late":
       return t("alerts.what.order_late", { due: format.due(until_at_s ?? nowS, nowS) });
     default:

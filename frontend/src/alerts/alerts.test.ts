@@ -7,9 +7,9 @@ const cause = (more: Partial<CauseView>): CauseView => ({ reason: "", detail: ""
 
 const alert = (more: Partial<AlertView>): AlertView => ({
   id: `${more.kind ?? "machine_error"}-${more.agent ?? "M8"}`, kind: "machine_error", level: "alarm", response: "repair",
-  since_at_s: 100, agent: "M8", task: "", order: "", place: "", agents: [], call: null, keepers: [], cause: null, by: "", seen_at_s: null, access_point: "", until_at_s: null,
+  since_at_s: 100, agent: "M8", task: "", order: "", place: "", agents: [], call: null, keepers: [], cause: null, goods: null, by: "", seen_at_s: null, access_point: "", until_at_s: null,
   battery_frac: null, behind_s: null, clock_ahead_s: null, waiting: null, carried_frac: null,
-  acknowledged_by: "", acknowledged_at_s: null, ...more,
+  acknowledged_by: "", acknowledged_at_s: null, acknowledged_until_at_s: null, came_back: null, comment: "", comment_by: "", ...more,
 });
 
 describe("alerts", () => {
@@ -46,6 +46,17 @@ describe("an alert says", () => {
 
   test("what is wrong, in the agent's own words too", () => {
     expect(said({ cause: cause({ detail: "spindle" }) })).toBe("Stopped by a fault: spindle");
+  });
+
+  test("which goods are left on board, for which order, until when, and who comes", () => {
+    const goods = { item: "pump-p3", name: "Pump P3", quantity: 24, machine: "M8", order_name: "PO 4711", node: "c3", handed_at: "" };
+    const left = { kind: "goods_stranded", agent: "ATV2", task: "M8-7", goods, until_at_s: 700 } as const;
+    expect(said(left)).toMatch(/^Has 24 × Pump P3 for PO 4711 on board and does not go on; kept until .*, then made again$/);
+    expect(said({ ...left, cause: cause({ reason: "silent" }) })).toMatch(/does not go on: silent; kept/);
+    expect(said({ ...left, call: "call_nobody" })).toMatch(/; nobody is on duty there$/);
+    expect(said({ ...left, goods: { ...goods, handed_at: "c4" } })).toContain("another vehicle fetches them at c4");
+    expect(said({ ...left, goods: { ...goods, order_name: "" } })).toContain("for –");
+    expect(chosenOf(alert(left), new Map())).toEqual({ kind: "task", id: "M8-7" });
   });
 
   test("why nobody comes, after what is wrong", () => {
@@ -92,7 +103,7 @@ describe("an alert says", () => {
 
   test("how long help is waited for, in factory time", () => {
     expect(said({ kind: "atv_help", until_at_s: 142 })).toBe("Needs help within 42 s");
-    expect(said({ kind: "atv_help", until_at_s: 110 }, 3)).toBe("Needs help within 30 s");
+    expect(said({ kind: "atv_help", until_at_s: 110 }, 3)).toBe("Needs help within 30 s of factory time");
     expect(said({ kind: "atv_help", until_at_s: 90 })).toBe("Needs help, and the time for it is over");
     expect(said({ kind: "atv_promised", until_at_s: 90, by: "Shift 2" })).toBe("Shift 2 is on the way, expected within 0 s");
   });

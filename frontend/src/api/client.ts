@@ -14,12 +14,15 @@ import type {
   KpiHistory,
   LaneTraffic,
   MeAnswer,
+  components,
   OrderAnswer,
   OrderDraft,
   OrderPreview,
   Outlook,
+  PauseAnswer,
   PlantFile,
   PromiseLedger,
+  QualityAnswer,
   WorkDraft,
   paths,
 } from "./types";
@@ -47,9 +50,51 @@ export async function fetchKpiHistory(sinceS: number, step: KpiStep): Promise<Kp
   return await bodyOf(gateway.GET("/api/kpis/history", { params: { query: { since, step } } }));
 }
 
+/** Good and bad pieces by machine and product, in whole hours. */
+/** @param machine whose pieces; without it those of all */
+export async function fetchQuality(sinceS: number, machine?: string): Promise<QualityAnswer> {
+  const since = new Date(sinceS * 1000).toISOString();
+  return await bodyOf(gateway.GET("/api/kpis/quality", { params: { query: { since, ...(machine === undefined ? {} : { machine: [machine] }) } } }));
+}
+
 /** @param key the same for every try at the same order: however often it is sent, it is placed once */
 export async function placeOrder(order: OrderDraft, key: string): Promise<OrderAnswer> {
   return await bodyOf(gateway.POST("/api/orders", { body: order, params: { header: { "Idempotency-Key": key } } }));
+}
+
+export type OrdersQuery = Query<"/api/orders">;
+
+/** Orders of all there ever were. */
+export async function fetchOrders(query: OrdersQuery) {
+  return await bodyOf(gateway.GET("/api/orders", { params: { query } }));
+}
+
+export type TasksQuery = Query<"/api/tasks/history">;
+export type TaskRecord = components["schemas"]["TaskRecord"];
+
+/** Tasks of all that are kept. */
+export async function fetchTasks(query: TasksQuery) {
+  return await bodyOf(gateway.GET("/api/tasks/history", { params: { query } }));
+}
+
+/** An order as it is kept, also one that the stream has forgotten. */
+export async function fetchOrder(order: string): Promise<OrderAnswer> {
+  return await bodyOf(gateway.GET("/api/orders/{order}", { params: { path: { order } } }));
+}
+
+/** What was made of an order and who carried it, what is expected of it, and its customer's links. */
+export async function fetchTimeline(order: string): Promise<components["schemas"]["OrderStory"]> {
+  return await bodyOf(gateway.GET("/api/orders/{order}/timeline", { params: { path: { order } } }));
+}
+
+/** Makes a link to the customer's page; its address is told this once. */
+export async function makeLink(order: string): Promise<components["schemas"]["NewLink"]> {
+  return await bodyOf(gateway.POST("/api/orders/{order}/links", { params: { path: { order } }, body: {} }));
+}
+
+/** Takes all links of an order back. */
+export async function revokeLinks(order: string): Promise<void> {
+  await bodyOf(gateway.DELETE("/api/orders/{order}/links", { params: { path: { order } } }));
 }
 
 export async function releaseOrder(order: string): Promise<void> {
@@ -74,6 +119,13 @@ export async function previewOrder(order: WorkDraft): Promise<OrderPreview> {
 /** Asks the factory to stop working at an order; it is stored again when the factory has confirmed. */
 export async function revokeOrder(order: string): Promise<void> {
   await bodyOf(gateway.POST("/api/orders/{order}/revoke", { params: { path: { order } } }));
+}
+
+export type OrderChange = components["schemas"]["OrderChangeDraft"];
+
+/** @param etag of the order as it was read: a change that somebody else has made since is not overwritten */
+export async function changeOrder(order: string, change: OrderChange, etag: string): Promise<OrderAnswer> {
+  return await bodyOf(gateway.PATCH("/api/orders/{order}", { params: { path: { order }, header: { "If-Match": etag } }, body: change }));
 }
 
 export async function cancelOrder(order: string): Promise<void> {
@@ -110,7 +162,6 @@ export async function fetchMe(): Promise<MeAnswer> {
 }
 
 export type AuditQuery = Query<"/api/audit">;
-export type AuditPage = Awaited<ReturnType<typeof fetchAudit>>;
 
 export async function fetchAudit(query: AuditQuery) {
   return await bodyOf(gateway.GET("/api/audit", { params: { query } }));
@@ -131,9 +182,18 @@ export async function answerCall(call: string, answer: CallAnswerRequest): Promi
   return (await bodyOf(gateway.POST("/api/calls/{call}/answer", { params: { path: { call } }, body: answer }))).expected;
 }
 
-/** Says by one's own name that an alert is in good hands. */
-export async function acknowledgeAlert(alert: string): Promise<void> {
-  await bodyOf(gateway.POST("/api/alerts/{alert}/acknowledge", { params: { path: { alert } } }));
+/** Says by one's own name that an alert is in good hands, until when (null for as long as it lasts), and why. */
+export async function acknowledgeAlert(alert: string, comment = "", untilAtS: number | null = null): Promise<void> {
+  const until_at = untilAtS === null ? null : new Date(untilAtS * 1000).toISOString();
+  await bodyOf(gateway.POST("/api/alerts/{alert}/acknowledge", { params: { path: { alert } }, body: { comment, until_at } }));
+}
+
+export type AlertsQuery = Query<"/api/alerts/history">;
+export type AlertRecord = components["schemas"]["AlertRecord"];
+
+/** Alerts of all that are kept. */
+export async function fetchAlerts(query: AlertsQuery) {
+  return await bodyOf(gateway.GET("/api/alerts/history", { params: { query } }));
 }
 
 /** Lets nobody hear an agent any more, until it is readmitted. */
@@ -149,6 +209,16 @@ export async function closeFloor(closure: ClosureRequest): Promise<void> {
 /** What a closure would cut off, and whom it would shut in. */
 export async function previewClosure(closure: ClosureRequest): Promise<Outlook> {
   return await bodyOf(gateway.POST("/api/closures/preview", { body: closure }));
+}
+
+/** Pauses an area: nobody drives into it, and all vehicles in it stop. */
+export async function pauseArea(area: string, reason: string): Promise<PauseAnswer> {
+  return await bodyOf(gateway.POST("/api/areas/{area}/pause", { params: { path: { area } }, body: { reason } }));
+}
+
+/** Opens it, and lets those go on that its pause has stopped. */
+export async function letAreaGoOn(area: string): Promise<PauseAnswer> {
+  return await bodyOf(gateway.POST("/api/areas/{area}/go-on", { params: { path: { area } } }));
 }
 
 export async function endClosure(closure: string): Promise<void> {

@@ -1,5 +1,7 @@
 /** What is drawn of a plant: the running one in grey, what is new in the draft in blue. */
+import { NUMBER, marksOf } from "./marks";
 import * as model from "./model";
+import { RepairMarks } from "./Repair";
 import * as state from "./state";
 
 interface Measures {
@@ -28,6 +30,7 @@ export function Floor({ width_m, height_m, unit_m }: Measures) {
       <rect class="ed-grid" width={width_m} height={height_m} fill="url(#ed-grid)" />
       {mode !== "alone" && <Plant data={state.running.value} y={y} unit_m={unit_m} class="ed-running" />}
       {mode !== "running" && <Plant data={data} y={y} unit_m={unit_m} class="ed-draft" mine />}
+      {mode !== "running" && <RepairMarks y={y} unit_m={unit_m} />}
       {begun.length > 0 && (
         <polyline class="ed-begun" stroke-width={unit_m * 2} points={[...begun, state.cursor.value].map((spot) => `${spot.x_m},${y(spot.y_m)}`).join(" ")} />
       )}
@@ -40,15 +43,14 @@ function PlanPicture({ y }: { y: (y_m: number) => number }) {
   const draft = state.draft.value;
   const plan = state.data.value.plan as model.Plan | undefined;
   if (!draft?.plan_type || !plan) return null;
-  const high_m = plan.width_m * 2;
+  // Its height follows from the picture, so that its own rule of where it lies in a box, which browsers obey, has nothing to decide.
   return (
     <image
-      href={`/api/plant-drafts/${draft.id}/plan`}
+      class="ed-plan"
+      href={`/api/plant-drafts/${draft.id}/plan#${state.picture.value}`}
       x={plan.x_m}
-      y={y(plan.y_m) - high_m}
+      y={y(plan.y_m)}
       width={plan.width_m}
-      height={high_m}
-      preserveAspectRatio="xMinYMax meet"
       opacity={plan.opacity}
     />
   );
@@ -65,7 +67,8 @@ interface PlantProps {
 function Plant({ data, y, unit_m, class: kind, mine = false }: PlantProps) {
   const nodes = model.nodeById(data);
   const chosen = mine ? state.chosen.value : null;
-  const found = new Map(mine ? marks() : []);
+  const numbers = mine ? marksOf(state.findings.value, data) : [];
+  const found = new Set(numbers.map(({ key }) => key));
   const old = mine && state.shown.value === "over" ? known(state.running.value) : null;
   const is = (section: string, index: number, entry: object): string =>
     [
@@ -85,12 +88,19 @@ function Plant({ data, y, unit_m, class: kind, mine = false }: PlantProps) {
         if (!a || !b) return null;
         const points = [a, ...(lane.shape ?? []), b].map((spot) => `${spot.x_m},${y(spot.y_m)}`).join(" ");
         const closed = mine && model.isClosed(data, lane) ? "closed" : "";
+        const door = model.doorAt(data, lane);
         const turn = (Math.atan2(y(b.y_m) - y(a.y_m), b.x_m - a.x_m) * 180) / Math.PI;
         const middle = `translate(${(a.x_m + b.x_m) / 2} ${(y(a.y_m) + y(b.y_m)) / 2}) rotate(${turn})`;
         return (
           <g key={`l${index}`} class={`ed-lane ${is("lanes", index, lane)} ${closed}`} data-section="lanes" data-index={index}>
             <polyline stroke-width={lane.both_ways ? 1.1 : 0.7} points={points} />
             {!lane.both_ways && !closed && <path transform={middle} d="M-.3 -.3 .3 0 -.3 .3Z" />}
+            {door >= 0 && (
+              <g class={`ed-door ${is("doors", door, model.entries<object>(data, "doors")[door] ?? {})}`} data-section="doors" data-index={door} transform={middle}>
+                <path class="ed-reach" stroke-width={unit_m * 12} d="M0 -.9V.9" />
+                <path stroke-width={unit_m * 3} d="M0 -.9V.9" />
+              </g>
+            )}
             {closed && <path class="ed-cross" stroke-width={unit_m * 2} transform={middle} d="M-.4 -.4 .4 .4M-.4 .4 .4 -.4" />}
           </g>
         );
@@ -112,29 +122,14 @@ function Plant({ data, y, unit_m, class: kind, mine = false }: PlantProps) {
         nodes.get(node.id) === node && (
           <circle key={node.id} class={`ed-node ${is("nodes", index, node)}`} data-section="nodes" data-index={index} cx={node.x_m} cy={y(node.y_m)} r={Math.max(unit_m * 4, 0.18)} stroke-width={unit_m * 1.5} />
         ))}
-      {mine && [...found].map(([field, number]) => {
-        const about = model.chosenOf(field);
-        const spot = about && model.spotOf(data, about);
-        return spot && (
-          <g key={field} class="ed-mark" transform={`translate(${spot.x_m} ${y(spot.y_m)}) scale(${unit_m})`}>
-            <circle r={9} cx={14} cy={-14} />
-            <text x={14} y={-10} font-size={11}>{number}</text>
-          </g>
-        );
-      })}
+      {numbers.map(({ key, number, spot }) => (
+        <g key={key} class="ed-mark" transform={`translate(${spot.x_m} ${y(spot.y_m)}) scale(${unit_m})`}>
+          <circle r={NUMBER.r} cx={NUMBER.x} cy={NUMBER.y} />
+          <text x={NUMBER.x} y={NUMBER.y + 4} font-size={11}>{number}</text>
+        </g>
+      ))}
     </g>
   );
-}
-
-/** The number of the first finding of each thing that is drawn. */
-function marks(): [string, number][] {
-  const first = new Map<string, number>();
-  state.findings.value.forEach(({ field }, index) => {
-    const about = model.chosenOf(field);
-    const key = about && `${about.section}[${about.index}]`;
-    if (key && !first.has(key)) first.set(key, index + 1);
-  });
-  return [...first];
 }
 
 let lastRunning: model.Data | null = null;

@@ -3,7 +3,10 @@ import { useSignal } from "@preact/signals";
 import { format, t, word } from "../text/editor";
 import { act, choose, toolName } from "./acts";
 import * as model from "./model";
+import { Repair } from "./Repair";
 import * as state from "./state";
+import { stocksOf } from "./stocks";
+import { Choice, Stocks } from "./StockFields";
 
 export function Tools() {
   return (
@@ -22,15 +25,31 @@ type Entry = Record<string, unknown>;
 
 const FIELDS: Record<string, readonly string[]> = {
   nodes: ["id", "x_m", "y_m"],
-  lanes: ["start", "end", "speed_limit_mps", "both_ways"],
-  areas: ["id", "name", "polygon"],
-  machines: ["id", "name", "station", "node", "box", "makes"],
-  storages: ["id", "name", "node", "box", "stocks"],
-  warehouses: ["id", "name", "kind", "node", "box"],
+  lanes: ["start", "end", "speed_limit_mps", "both_ways", "types"],
+  doors: ["id", "name", "lanes", "opening_s", "closes_after_s"],
+  areas: ["id", "name", "polygon", "working_time"],
+  machines: ["id", "name", "station", "node", "box", "makes", "working_time"],
+  storages: ["id", "name", "node", "box", "refill", "stocks"],
+  warehouses: ["id", "name", "kind", "node", "box", "stocks", "direct"],
   chargers: ["id", "node", "box"],
   parkings: ["id", "node"],
   unassigned: ["id", "name", "node"],
 };
+
+/** Fields that are lists, also where they are not there yet. */
+const LISTS = new Set(["makes", "stocks", "types", "working_time"]);
+
+/** Words of the plant file of which one is chosen. */
+const CHOICES: Record<string, readonly string[]> = { refill: ["itself", "vehicles", "none"], kind: ["source", "delivery"] };
+
+/** What a delivery warehouse has none of: goods go there, and nothing is fetched. */
+const OF_SOURCES = new Set(["stocks", "direct"]);
+
+/** The fields of a section that an entry can have. */
+function fieldsOf(section: string, entry: Entry): readonly string[] {
+  const all = FIELDS[section] ?? [];
+  return section === "warehouses" && entry.kind !== "source" ? all.filter((name) => !OF_SOURCES.has(name)) : all;
+}
 
 export function Properties() {
   const chosen = state.chosen.value;
@@ -60,12 +79,23 @@ export function Properties() {
     );
   }
   const change = (fields: object): void => { state.draw(model.changed(data, chosen, fields)); };
+  const door = chosen.section === "lanes" ? model.doorAt(data, entry as unknown as model.Lane) : -1;
   const own = state.findings.value.map((finding, index) => ({ finding, number: index + 1 })).filter(({ finding }) => finding.field.startsWith(`${chosen.section}[${chosen.index}]`));
   return (
     <section class="card ed-side" aria-labelledby="ed-chosen">
       <h2 id="ed-chosen">{word("section", chosen.section)} {nameOf(entry)}</h2>
-      {own.map(({ finding, number }) => <p key={number} class={`ed-said ed-${finding.level}`}><b>{number}</b> {finding.text}</p>)}
-      {(FIELDS[chosen.section] ?? []).map((name) => <Field key={`${chosen.section}${chosen.index}${name}`} name={name} value={entry[name]} onChange={(value) => { change({ [name]: value }); }} />)}
+      {own.map(({ finding, number }) => (
+        <div key={number} class={`ed-said ed-${finding.level}`}><b>{number}</b> {finding.text} <Repair of={finding.repair} /></div>
+      ))}
+      {fieldsOf(chosen.section, entry).map((name) => {
+        const key = `${chosen.section}${chosen.index}${name}`;
+        const note = (value: unknown): void => { change({ [name]: value }); };
+        const values = CHOICES[name];
+        const stocks = name === "stocks" ? stocksOf(entry.stocks) : null;
+        if (values) return <Choice key={key} name={name} values={values} value={entry[name]} left={name === "refill" ? "itself" : ""} onChange={note} />;
+        if (stocks) return <Stocks key={key} data={data} stocks={stocks} refilled={entry.refill === "vehicles"} onChange={note} />;
+        return <Field key={key} name={name} value={entry[name]} onChange={note} />;
+      })}
       {chosen.section === "unassigned" && (
         <fieldset>
           <legend>{t("assign")}</legend>
@@ -80,6 +110,16 @@ export function Properties() {
       {chosen.section === "lanes" && (
         <button type="button" class="button" onClick={() => { state.draw(model.closedOrNot(data, chosen.index)); }}>
           {t(model.isClosed(data, entry as unknown as model.Lane) ? "lane.open" : "lane.close")}
+        </button>
+      )}
+      {chosen.section === "lanes" && (
+        <button type="button" class="button" onClick={() => { state.draw(model.doorOrNot(data, chosen.index)); }}>
+          {t(door >= 0 ? "lane.noDoor" : "lane.door")}
+        </button>
+      )}
+      {door >= 0 && (
+        <button type="button" class="button" onClick={() => { state.chosen.value = { section: "doors", index: door }; }}>
+          {t("lane.itsDoor", { name: nameOf(model.entries<Entry>(data, "doors")[door] ?? null) })}
         </button>
       )}
       <div class="ed-row">
@@ -97,17 +137,22 @@ function nameOf(entry: Entry | null): string {
 
 function Field({ name, value, onChange }: { name: string; value: unknown; onChange: (value: unknown) => void }) {
   const wrong = useSignal(false);
+  // What is being typed stays, whatever comes of the draft meanwhile.
+  const typed = useSignal<string | null>(null);
+  const forget = (): void => { typed.value = null; };
+  const note = (event: { currentTarget: { value: string } }): void => { typed.value = event.currentTarget.value; };
   const label = word("field", name);
-  if (typeof value === "boolean" || name === "both_ways") {
+  if (typeof value === "boolean" || name === "both_ways" || name === "direct") {
     return <label class="ed-check"><input type="checkbox" checked={value === true} onChange={(event) => { onChange(event.currentTarget.checked); }} /> {label}</label>;
   }
-  if (typeof value === "object" || name === "makes" || name === "stocks") {
+  if (typeof value === "object" || LISTS.has(name)) {
     return (
       <label>{label}
-        <textarea rows={name === "box" ? 2 : 3} aria-invalid={wrong.value} value={value === undefined ? "" : JSON.stringify(value)} onChange={(event) => {
+        <textarea rows={name === "box" ? 2 : 3} aria-invalid={wrong.value} value={typed.value ?? (value === undefined ? "" : JSON.stringify(value))} onInput={note} onChange={(event) => {
           try {
-            onChange(JSON.parse(event.currentTarget.value || "null"));
+            onChange(JSON.parse(event.currentTarget.value || (name === "types" ? "[]" : "null")));
             wrong.value = false;
+            forget();
           } catch {
             wrong.value = true;
           }
@@ -116,23 +161,25 @@ function Field({ name, value, onChange }: { name: string; value: unknown; onChan
       </label>
     );
   }
-  const number = typeof value === "number" || name.endsWith("_m") || name.endsWith("_mps");
-  const shown = typeof value === "string" || typeof value === "number" ? value : "";
-  const tell = (text: string): void => { onChange(text === "" ? null : number ? Number(text) : text); };
+  const number = typeof value === "number" || name.endsWith("_m") || name.endsWith("_mps") || name.endsWith("_s");
+  const shown = typed.value ?? (typeof value === "string" || typeof value === "number" ? value : "");
+  const tell = (text: string): void => { forget(); onChange(text === "" ? null : number ? Number(text) : text); };
   return (
     <label>{label}
       {number
-        ? <input type="number" step="any" value={shown} onChange={(event) => { tell(event.currentTarget.value); }} />
-        : <input type="text" value={shown} onChange={(event) => { tell(event.currentTarget.value); }} />}
+        ? <input type="number" step="any" value={shown} onInput={note} onBlur={forget} onChange={(event) => { tell(event.currentTarget.value); }} />
+        : <input type="text" value={shown} onInput={note} onBlur={forget} onChange={(event) => { tell(event.currentTarget.value); }} />}
     </label>
   );
 }
 
-/** A picture under the draft: PNG or SVG. */
+/** A picture under the draft: PNG, SVG or DXF. */
 function Plan() {
   const plan = state.data.value.plan as model.Plan | undefined;
   const width_m = Number(state.data.value.width_m) || 60;
   const failed = useSignal("");
+  const laid = useSignal<state.Laid | null>(null);
+  const reading = useSignal(false);
   const change = (fields: Partial<model.Plan>): void => {
     if (plan) state.draw({ ...state.data.value, plan: { ...plan, ...fields } });
   };
@@ -140,19 +187,27 @@ function Plan() {
     <fieldset>
       <legend>{t("plan")}</legend>
       <label>{t("plan.file")}
-        <input type="file" accept="image/png,image/svg+xml" onChange={(event) => {
+        <input type="file" accept="image/png,image/svg+xml,.dxf" disabled={reading.value} onChange={(event) => {
           const file = event.currentTarget.files?.[0];
           if (!file) return;
+          reading.value = true;
+          failed.value = "";
+          laid.value = null;
           state.layPlan(file).then(
-            () => {
-              failed.value = "";
-              if (!plan) state.draw({ ...state.data.value, plan: { x_m: 0, y_m: 0, width_m, opacity: 0.6 } });
+            (found) => {
+              laid.value = found;
+              const wide_m = found?.width_m ?? null;
+              // A plan that says how large it is lies as large as that; another one keeps its place.
+              if (!plan || wide_m !== null) state.draw({ ...state.data.value, plan: { x_m: 0, y_m: 0, opacity: 0.6, ...plan, width_m: wide_m ?? width_m } });
             },
             (error: unknown) => { failed.value = (error as Error).message; },
-          );
+          ).finally(() => { reading.value = false; });
         }} />
       </label>
+      {reading.value && <small role="status">{t("plan.reading")}</small>}
       {failed.value && <small role="alert" class="complaint">{failed.value}</small>}
+      {laid.value?.width_m != null && <small role="status">{t("plan.size", { width: format.number(laid.value.width_m, 1), height: format.number(laid.value.height_m ?? 0, 1) })}</small>}
+      {(laid.value?.notes.length ?? 0) > 0 && <ul class="muted">{laid.value?.notes.map((note) => <li key={note}>{note}</li>)}</ul>}
       {plan && (["x_m", "y_m", "width_m"] as const).map((name) => <Field key={name} name={name} value={plan[name]} onChange={(value) => { change({ [name]: Number(value) || 0 }); }} />)}
       {plan && <label>{t("plan.opacity")}<input type="range" min={0} max={1} step={0.05} value={plan.opacity} onChange={(event) => { change({ opacity: Number(event.currentTarget.value) }); }} /></label>}
     </fieldset>
@@ -197,7 +252,7 @@ export function Checks() {
             <li key={index}>
               <span class={`tag ed-${finding.level}`}>{t(`level.${finding.level as "error"}`)}</span>
               <b>{index + 1}</b>
-              <span><code>{finding.field}</code> {finding.text}</span>
+              <span><code>{finding.field}</code> {finding.text} <Repair of={finding.repair} /></span>
               {model.chosenOf(finding.field) && <button type="button" class="button small" aria-label={t("checks.showOf", { number: String(index + 1) })} onClick={() => { show(finding); }}>{t("checks.show")}</button>}
             </li>
           ))}

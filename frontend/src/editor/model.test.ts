@@ -36,12 +36,48 @@ describe("drawing", () => {
     expect(named.storages).toBe(null);
   });
 
+  test("a repair adds an entry, changes one, or takes one away", () => {
+    const joined = model.repaired(DATA, { section: "lanes", index: null, entry: { start: "b", end: "c" }, also: [] });
+    expect(model.lanesOf(joined)).toHaveLength(2);
+    const back = model.repaired(joined, { section: "lanes", index: 1, entry: { both_ways: true }, also: [] });
+    expect(model.lanesOf(back)[1]).toEqual({ start: "b", end: "c", both_ways: true });
+    expect(model.lanesOf(model.repaired(back, { section: "lanes", index: 0, entry: null, also: [] }))).toEqual([{ start: "b", end: "c", both_ways: true }]);
+  });
+
+  test("a repair moves what goes along with a node", () => {
+    const apart = model.repaired(DATA, { section: "nodes", index: 0, entry: { x_m: 3 }, also: [{ index: 1, entry: { x_m: 13 } }] });
+    expect(model.nodesOf(apart).slice(0, 2).map(({ x_m }) => x_m)).toEqual([3, 13]);
+  });
+
   test("a node goes with its lanes, and with what was closed of them", () => {
     const closed = model.closedOrNot(DATA, 0);
     expect(model.isClosed(closed, { start: "a", end: "b" })).toBe(true);
     expect(model.closedOrNot(closed, 0).closed).toEqual([]);
     const next = model.removed(closed, { section: "nodes", index: 0 });
     expect([model.lanesOf(next), next.closed]).toEqual([[], []]);
+  });
+
+  test("what is no door, or stands on no lane, is left as it is", () => {
+    const odd = { ...DATA, doors: [null, "none", { id: "D1" }, { id: "D2", lanes: [null, { start: "b", end: "a" }] }] };
+    expect(model.doorAt(odd, { start: "a", end: "b" })).toBe(3);
+    expect(model.doorAt(odd, { start: "b", end: "c" })).toBe(-1);
+    expect(model.spotOf(odd, { section: "doors", index: 0 })).toBeNull();
+    expect(model.spotOf(odd, { section: "doors", index: 2 })).toBeNull();
+    expect(model.changed(odd, { section: "nodes", index: 0 }, { id: "east" }).doors).toEqual([null, "none", { id: "D1" }, { id: "D2", lanes: [null, { start: "b", end: "east" }] }]);
+    expect(model.doorOrNot(odd, 0).doors).toEqual([null, "none", { id: "D1" }, { id: "D2", lanes: [null] }]);
+    expect(model.freeId(odd, "D", "doors")).toBe("D3");
+  });
+
+  test("a door is put on a lane and taken away, keeps to nodes that are renamed, and goes with its lane", () => {
+    const shut = model.doorOrNot(DATA, 0);
+    expect(shut.doors).toEqual([{ id: "D1", name: "D1", lanes: [{ start: "a", end: "b" }], opening_s: 8, closes_after_s: 5 }]);
+    expect(model.hasDoor(shut, { start: "b", end: "a" })).toBe(true);
+    expect(model.doorOrNot(shut, 0).doors).toEqual([]);
+    const named = model.changed(shut, { section: "nodes", index: 1 }, { id: "east" });
+    expect(model.entries<model.Door>(named, "doors")[0]?.lanes).toEqual([{ start: "a", end: "east" }]);
+    expect(model.removed(shut, { section: "lanes", index: 0 }).doors).toEqual([]);
+    expect(model.removed(shut, { section: "nodes", index: 0 }).doors).toEqual([]);
+    expect(model.moved(shut, { section: "nodes", index: 1 }, { x_m: 12, y_m: 1 }).doors).toEqual(shut.doors);
   });
 
   test("a station that is said to be a machine is one, with the rest of it open", () => {

@@ -31,6 +31,12 @@ export interface Area {
   readonly name: string;
   readonly polygon: readonly Spot[];
 }
+export interface Door {
+  readonly id: string;
+  readonly name: string;
+  readonly lanes: readonly Pick<Lane, "start" | "end">[];
+  readonly opening_s: number;
+}
 export interface Plan extends Spot {
   readonly width_m: number;
   readonly opacity: number;
@@ -44,11 +50,11 @@ export type PlaceSection = (typeof PLACES)[number];
 
 /** Sections that are lists of things with no place on the floor, and those that are drawn. */
 export const SECTIONS = [
-  "materials", "products", "stations", "vehicle_types", "fleet", ...PLACES, "areas", "nodes", "lanes",
+  "materials", "products", "stations", "vehicle_types", "fleet", ...PLACES, "areas", "nodes", "lanes", "doors",
 ] as const;
 
 export interface Chosen {
-  readonly section: "nodes" | "lanes" | "areas" | PlaceSection;
+  readonly section: "nodes" | "lanes" | "areas" | "doors" | PlaceSection;
   readonly index: number;
 }
 
@@ -82,11 +88,11 @@ export function nodeById(data: Data): Map<string, Node> {
 }
 
 /** The next free id that begins so. */
-export function freeId(data: Data, begins: string, section: "nodes" | "areas" | "places"): string {
+export function freeId(data: Data, begins: string, section: "nodes" | "areas" | "doors" | "places"): string {
   const taken = new Set(
     section === "places"
       ? [...places(data).map(({ place }) => place.id), ...entries<{ id: string }>(data, "fleet").map(({ id }) => id)]
-      : entries<{ id: string }>(data, section).map(({ id }) => id),
+      : entries<{ id: string } | null>(data, section).map((each) => each?.id),
   );
   for (let number = 1; ; number += 1) if (!taken.has(`${begins}${number}`)) return `${begins}${number}`;
 }
@@ -202,6 +208,47 @@ export function closedOrNot(data: Data, index: number): Data {
   return put(data, "closed", isClosed(data, lane) ? closed.filter((each) => !same(each, lane)) : [...closed, { start: lane.start, end: lane.end }]);
 }
 
+type Ends = Door["lanes"][number];
+
+/** What a door says of its lanes; null where that is no list. */
+function lanesOfDoor(door: unknown): Door["lanes"] | null {
+  const lanes = (door as { lanes?: unknown } | null)?.lanes;
+  return Array.isArray(lanes) ? (lanes as Door["lanes"]) : null;
+}
+
+/** The doors, each with other lanes; one that has no list of them stays as it is. */
+function withDoorLanes(data: Data, change: (lanes: Door["lanes"]) => Door["lanes"]): readonly Door[] {
+  return entries<Door>(data, "doors").map((door) => {
+    const lanes = lanesOfDoor(door);
+    return lanes === null ? door : { ...door, lanes: change(lanes) };
+  });
+}
+
+function joins(lane: Lane, ends: Ends | null): boolean {
+  return ends !== null && (same(lane, ends) || same(lane, { start: ends.end, end: ends.start }));
+}
+
+/** The index of the door that stands on a lane; -1 where none does. */
+export const doorAt = (data: Data, lane: Lane): number => entries(data, "doors").findIndex((door) => lanesOfDoor(door)?.some((each) => joins(lane, each)));
+
+/** Whether a door stands on a lane. */
+export const hasDoor = (data: Data, lane: Lane): boolean => doorAt(data, lane) >= 0;
+
+/** Put a door on a lane, or take it away. */
+export function doorOrNot(data: Data, index: number): Data {
+  const lane = lanesOf(data)[index];
+  if (!lane) return data;
+  if (hasDoor(data, lane)) return withoutDoors(data, (each) => joins(lane, each));
+  const id = freeId(data, "D", "doors");
+  return added(data, "doors", { id, name: id, lanes: [{ start: lane.start, end: lane.end }], opening_s: 8, closes_after_s: 5 });
+}
+
+/** Without doors on some lanes; a door that stands on no other goes. */
+function withoutDoors(data: Data, isGone: (lane: Ends) => boolean): Data {
+  const left = withDoorLanes(data, (lanes) => lanes.filter((lane) => !isGone(lane)));
+  return put(data, "doors", left.filter((door) => lanesOfDoor(door)?.length !== 0));
+}
+
 export function changed(data: Data, { section, index }: Chosen, fields: object): Data {
   const list = entries<object>(data, section);
   const before = list[index] as { id?: string } | undefined;
@@ -218,6 +265,10 @@ function renamedNode(data: Data, from: string, to: string): Data {
   let next = data;
   for (const section of ["lanes", "closed"]) {
     next = put(next, section, entries<Lane>(next, section).map((lane) => ({ ...lane, start: name(lane.start), end: name(lane.end) })));
+  }
+  if (Array.isArray(next.doors)) {
+    const called = (node: string): string => (node === from ? to : node);
+    next = put(next, "doors", withDoorLanes(next, (lanes) => lanes.map((each) => ((each as Ends | null) ? { start: called(each.start), end: called(each.end) } : each))));
   }
   for (const section of [...PLACES, "fleet"]) {
     if (Array.isArray(next[section])) next = put(next, section, entries<Place>(next, section).map((place) => ({ ...place, node: name(place.node) })));
@@ -247,14 +298,33 @@ export function removed(data: Data, { section, index }: Chosen): Data {
   let next = put(data, section, entries(data, section).filter((_, at) => at !== index));
   if (section === "nodes") next = put(next, "lanes", lanesOf(next).filter((lane) => lane.start !== gone?.id && lane.end !== gone?.id));
   const lanes = lanesOf(next);
+  if (Array.isArray(next.doors) && section !== "doors") {
+    next = withoutDoors(next, (each) => !lanes.some((lane) => joins(lane, each)));
+  }
   return Array.isArray(next.closed) ? put(next, "closed", entries<Lane>(next, "closed").filter((each) => lanes.some((lane) => same(lane, each)))) : next;
+}
+
+/** A change that solves an error, as the gateway proposes it. */
+export interface Repair {
+  readonly section: string;
+  readonly index: number | null;
+  readonly entry: object | null;
+  /** Entries of the same section that change with it. */
+  readonly also: readonly { readonly index: number; readonly entry: object }[];
+}
+
+/** With a repair: an entry more, one less, or one with other fields. */
+export function repaired(data: Data, { section, index, entry, also }: Repair): Data {
+  if (entry === null) return index === null ? data : removed(data, { section: section as Chosen["section"], index });
+  if (index === null) return added(data, section, entry);
+  return [{ index, entry }, ...also].reduce((next, each) => changed(next, { section: section as Chosen["section"], index: each.index }, each.entry), data);
 }
 
 /** What a finding is about: `machines[3].node` is machine 3. */
 export function chosenOf(field: string): Chosen | null {
   const found = /^(\w+)\[(\d+)\]/.exec(field);
   const section = found?.[1] ?? "";
-  const drawn = ["nodes", "lanes", "areas", ...PLACES] as const;
+  const drawn = ["nodes", "lanes", "areas", "doors", ...PLACES] as const;
   const known = drawn.find((each) => each === section);
   return known && found ? { section: known, index: Number(found[2]) } : null;
 }
@@ -265,8 +335,9 @@ export function spotOf(data: Data, chosen: Chosen): Spot | null {
   if (!entry) return null;
   if (chosen.section === "nodes") return entry as Node;
   if (chosen.section === "areas") return (entry as Area).polygon[0] ?? null;
-  if (chosen.section === "lanes") {
-    const [a, b] = [nodes.get((entry as Lane).start), nodes.get((entry as Lane).end)];
+  if (chosen.section === "lanes" || chosen.section === "doors") {
+    const lane = chosen.section === "lanes" ? (entry as Lane) : lanesOfDoor(entry)?.[0];
+    const [a, b] = [nodes.get(lane?.start ?? ""), nodes.get(lane?.end ?? "")];
     return a && b ? { x_m: (a.x_m + b.x_m) / 2, y_m: (a.y_m + b.y_m) / 2 } : null;
   }
   const place = entry as Place;

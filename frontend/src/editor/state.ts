@@ -38,6 +38,8 @@ export const kept = signal<"kept" | "keeping" | "changed" | "conflict" | "failed
 export const trouble = signal("");
 /** What it would be like while something is being moved. */
 export const ghost = signal<Data | null>(null);
+/** Which picture lies under the draft, counted: its address stays. */
+export const picture = signal(0);
 export const play = signal<Play | null>(null);
 
 export async function loadDrafts(): Promise<void> {
@@ -162,15 +164,26 @@ async function follow(id: string): Promise<void> {
   }
 }
 
-export async function layPlan(file: File): Promise<void> {
+const DXF = "image/vnd.dxf";
+
+export type Laid = components["schemas"]["PlanView"];
+
+/** Lay a picture under the draft, or a floor plan in DXF, which the gateway makes one of. */
+export async function layPlan(file: File): Promise<Laid | null> {
   const id = draft.value?.id;
-  if (id === undefined) return;
-  const bytes = new Uint8Array(await file.arrayBuffer());
+  if (id === undefined) return null;
+  const isDxf = /\.dxf$/i.test(file.name);
+  const bytes = new Uint8Array(await (isDxf ? new Response(file.stream().pipeThrough(new CompressionStream("gzip"))) : file).arrayBuffer());
   let binary = "";
   for (const byte of bytes) binary += String.fromCharCode(byte);
-  await gateway.PUT("/api/plant-drafts/{draft}/plan", {
-    params: { path: { draft: id } },
-    body: { media_type: file.type, base64: btoa(binary) },
-  });
-  draft.value = draft.value && { ...draft.value, plan_type: file.type };
+  const laid = await bodyOf(
+    gateway.PUT("/api/plant-drafts/{draft}/plan", {
+      params: { path: { draft: id } },
+      body: { media_type: isDxf ? DXF : file.type, base64: btoa(binary) },
+    }),
+  );
+  // Another picture at the same address is another one.
+  picture.value += 1;
+  draft.value = draft.value && { ...draft.value, plan_type: laid.media_type };
+  return laid;
 }

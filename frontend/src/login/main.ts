@@ -2,6 +2,7 @@
 import "@fontsource-variable/inter/wght.css";
 import "../styles/tokens.css";
 import "./page.css";
+import "./call.css";
 import { addPinPad } from "./pin-pad";
 
 /** Who is known needs no name; somebody else does. */

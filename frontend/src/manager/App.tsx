@@ -1,28 +1,36 @@
+import type { FunctionComponent } from "preact";
 import { t } from "../text/manager";
-import { AlertsView } from "./alerts/AlertsView";
-import { AuditView } from "./pages/audit/AuditView";
-import { FleetView } from "./pages/FleetView";
-import { KpiView } from "./pages/kpis/KpiView";
-import { OrdersView } from "./orders/OrdersView";
 import { PlantView } from "./pages/PlantView";
-import { PromisesView } from "./pages/promises/PromisesView";
-import { TasksView } from "./pages/tasks/TasksView";
+import { Loaded } from "./parts/Loaded";
 import { NewsBanner } from "./shell/NewsBanner";
 import { TopBar } from "./shell/TopBar";
-import { view } from "./views";
-import { WatchView } from "./pages/watch/WatchView";
+import { step } from "./story/tour";
+import { shownOrder, view } from "./views";
+
+/** A view whose script comes when somebody looks at it; until then its name in the menu stands there. */
+const later =
+  (load: () => Promise<FunctionComponent>, title?: "alerts.title" | "nav.kpis" | "nav.orders" | "nav.people" | "nav.tasks"): FunctionComponent =>
+  () => <Loaded title={t(title ?? (`nav.${view.value}` as "nav.kpis"))} load={load} />;
 
 const SHOWN = {
   plant: PlantView,
-  alerts: AlertsView,
-  orders: OrdersView,
-  fleet: FleetView,
-  tasks: TasksView,
-  watch: WatchView,
-  promises: PromisesView,
-  kpis: KpiView,
-  audit: AuditView,
+  alerts: later(async () => (await import("./alerts/AlertsView")).load(), "alerts.title"),
+  orders: later(async () => (await import("./orders/list/OrdersList")).load()),
+  products: later(async () => (await import("./pages/products/define/Products")).load()),
+  fleet: later(async () => (await import("./pages/FleetView")).FleetView),
+  tasks: later(async () => (await import("./pages/tasks/TasksList")).load()),
+  watch: later(async () => (await import("./pages/watch/WatchView")).load()),
+  promises: later(async () => (await import("./pages/promises/PromisesView")).load()),
+  kpis: later(async () => (await import("./pages/kpis/charts/KpiCharts")).load()),
+  audit: later(async () => (await import("./pages/audit/AuditList")).load()),
+  replay: later(async () => (await import("./replay/page/Replay")).load()),
+  recurring: later(async () => (await import("./pages/recurring/Recurring")).load(), "nav.orders"),
+  transports: later(async () => (await import("./pages/transports/TransportsList")).load(), "nav.tasks"),
+  people: later(async () => (await import("./pages/people/People")).load(), "nav.people"),
+  shift: later(async () => (await import("./pages/shift/report/ShiftReport")).load(), "nav.kpis"),
 };
+
+const OrderPage = later(async () => (await import("./orders/page/OrderStory")).load());
 
 /** The address names the view; what is skipped to must not change it. */
 function skip(event: Event): void {
@@ -31,9 +39,9 @@ function skip(event: Event): void {
 }
 
 export function App() {
-  const View = SHOWN[view.value];
+  const View = view.value === "orders" && shownOrder.value !== "" ? OrderPage : SHOWN[view.value];
   return (
-    <div class="app">
+    <div class="app" data-tour={view.value === "plant" && step.value > 0 ? step.value : undefined}>
       <a class="skip" href="#content" onClick={skip}>
         {t("skip.toContent")}
       </a>

@@ -11,7 +11,8 @@ import { canBeTakenBack, inOrder, isLate, progressOf, stateOf } from "./orders/p
 import { problemText } from "./problem-text";
 import { checkDraft, type Draft, fieldOf, makersOf, needsOf, orderOf } from "./cards/publish/draft";
 import { isAskable } from "./cards/publish/preview";
-import { viewFrom } from "./views";
+import { taskName } from "./state";
+import { addressOf, orderFrom, viewFrom } from "./views";
 
 const plant = {
   materials: [{ id: "shaft", name: "Shaft", lot: 40 }, { id: "bearing", name: "Bearing", lot: 40 }],
@@ -26,12 +27,12 @@ const plant = {
 } as unknown as PlantFile;
 
 const order = (more: Partial<OrderView>): OrderView => ({
-  id: "O-1", customer: "c", reference: null, status: "released", items: [], created_at_s: 0, due_at_s: null,
-  delivered_at_s: null, releases: 1, revoked_at_s: null, waits: null, ...more,
+  id: "O-1", customer: "c", reference: null, status: "released", items: [], created_at_s: 0, due_at_s: null, priority: "normal", wanted_at_s: null,
+  delivered_at_s: null, releases: 1, revoked_at_s: null, waits: null, changing: false, ...more,
 });
 
 describe("a draft", () => {
-  const draft: Draft = { product: "g2", quantity: "40", customer: " Nordwerk ", reference: "", due: "" };
+  const draft: Draft = { product: "g2", quantity: "40", customer: " Nordwerk ", reference: "", due: "", priority: "normal" };
 
   test("needs a whole number of pieces, a customer and a time to come", () => {
     expect(checkDraft(draft, 0)).toEqual({});
@@ -51,7 +52,7 @@ describe("a draft", () => {
 
   test("is sent without what was left empty", () => {
     expect(orderOf(draft, false)).toEqual({
-      customer: "Nordwerk", items: [{ product: "g2", quantity: 40 }], release: false,
+      customer: "Nordwerk", items: [{ product: "g2", quantity: 40 }], priority: "normal", release: false,
     });
     const due = "2030-06-01T14:00";
     expect(orderOf({ ...draft, due, reference: "PO-1" }, true)).toMatchObject({
@@ -72,7 +73,7 @@ describe("a draft", () => {
     ["due_at", "due"],
     ["colour", null],
   ])("the gateway's complaint about %s is shown at %s", (field, at) => {
-    expect(fieldOf({ field, reason: "" })).toBe(at);
+    expect(fieldOf({ field, reason: "", code: "", values: {} })).toBe(at);
   });
 });
 
@@ -99,7 +100,7 @@ test("an order is late while it is due and not delivered", () => {
 describe("orders", () => {
   test("add up over their items", () => {
     const items = [
-      { product: "a", quantity: 10, made: 5, delivered: 2 }, { product: "b", quantity: 20, made: 20, delivered: 10 },
+      { product: "a", quantity: 10, made: 5, delivered: 2, wanted: null }, { product: "b", quantity: 20, made: 20, delivered: 10, wanted: null },
     ];
     expect(progressOf(order({ items }))).toEqual({ quantity: 30, made: 25, delivered: 12 });
   });
@@ -165,6 +166,15 @@ test("an address that is no view leads to the plant", () => {
   expect(viewFrom("#nonsense")).toBe("plant");
 });
 
+test("an order has an address of its own", () => {
+  expect(viewFrom("#orders/O-1")).toBe("orders");
+  expect(orderFrom("#orders/O-1")).toBe("O-1");
+  expect(orderFrom("#orders")).toBe("");
+  expect(orderFrom("#tasks/O-1")).toBe("");
+  expect(orderFrom(addressOf("a/b c%"))).toBe("a/b c%");
+  expect(orderFrom("#orders/%E0%A4%A")).toBe("%E0%A4%A");
+});
+
 describe("an order that is taken back", () => {
   test("is so only when the factory has confirmed it", () => {
     expect(stateOf(order({ status: "in_production" }))).toBe("in_production");
@@ -179,5 +189,16 @@ describe("an order that is taken back", () => {
     for (const more of [{ status: "stored" }, { status: "delivered" }, { revoked_at_s: 5 }] as const) {
       expect(canBeTakenBack(order(more))).toBe(false);
     }
+  });
+});
+
+describe("a task", () => {
+  test.each([
+    ["O-1M8-4.2", "O-1M8", "D5", "D5-4.2"],
+    ["O-1M8-4.2", "O-1M8", "O-1M8", "O-1M8-4.2"],
+    ["M8.1-2", "O-1M8", "D5", "M8.1-2"],
+    ["M8.1-2", "", "", "M8.1-2"],
+  ])("%s of the order %s, which is called %s, is %s", (id, ofOrder, called, name) => {
+    expect(taskName(id, ofOrder, called)).toBe(name);
   });
 });

@@ -5,6 +5,8 @@ export interface Refreshed<T> {
   readonly answer: Signal<T | null>;
   /** Why the last question had no answer; the answer before it stays. */
   readonly failed: Signal<string | null>;
+  /** Asks at once: something was changed. */
+  readonly again: () => void;
 }
 
 /**
@@ -14,13 +16,15 @@ export interface Refreshed<T> {
 export function useRefreshed<T>(ask: () => Promise<T>, everyMs: number): Refreshed<T> {
   const answer = useSignal<T | null>(null);
   const failed = useSignal<string | null>(null);
+  const turn = useSignal(0);
   useSignalEffect(() => {
     let timer: ReturnType<typeof setTimeout> | undefined;
+    const mine = turn.value;
     let shown = true;
     const refresh = async (): Promise<void> => {
       try {
         const found = await ask();
-        if (shown) answer.value = found;
+        if (shown && mine === turn.peek()) answer.value = found;
         failed.value = null;
       } catch (error) {
         failed.value = problemText(error);
@@ -33,5 +37,5 @@ export function useRefreshed<T>(ask: () => Promise<T>, everyMs: number): Refresh
       clearTimeout(timer);
     };
   });
-  return { answer, failed };
+  return { answer, failed, again: () => turn.value++ };
 }

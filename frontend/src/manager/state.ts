@@ -12,3 +12,11 @@ export const plantFailed = signal<string | null>(null);
 export const alerts = computed(() => inOrder(world.value?.alerts.values() ?? []));
 /** Names of materials and products by id. */
 export const names = computed(() => namesOf(plant.value));
+
+/** What people call an order: by its reference, as long as the stream has it. */
+export const orderName = (order: string): string => world.value?.orders.get(order)?.reference ?? order;
+
+/** What people call a task: a goal has the name of its order, of which its id begins with the id. */
+export function taskName(id: string, order: string, called = orderName(order)): string {
+  return order !== "" && id.startsWith(order) ? called + id.slice(order.length) : id;
+}

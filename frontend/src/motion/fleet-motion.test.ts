@@ -3,7 +3,7 @@ import type { AtvView } from "../api/types";
 import { FleetMotion } from "./fleet-motion";
 import { roadsOf } from "./roads";
 
-const lane = { speed_limit_mps: 1.5, both_ways: true, two_lanes: null, shape: [] };
+const lane = { speed_limit_mps: 1.5, both_ways: true, two_lanes: null, shape: [], types: [] };
 const roads = roadsOf({
   nodes: [{ id: "a", x_m: 0, y_m: 0 }, { id: "b", x_m: 50, y_m: 0 }],
   lanes: [{ start: "a", end: "b", ...lane }],

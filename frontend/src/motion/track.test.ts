@@ -11,9 +11,9 @@ const roads = roadsOf({
     { id: "d", x_m: 10, y_m: 20 },
   ],
   lanes: [
-    { start: "a", end: "b", speed_limit_mps: 1, both_ways: true, two_lanes: null, shape: [] },
-    { start: "b", end: "c", speed_limit_mps: 1, both_ways: true, two_lanes: null, shape: [] },
-    { start: "c", end: "d", speed_limit_mps: 1, both_ways: true, two_lanes: null, shape: [] },
+    { start: "a", end: "b", speed_limit_mps: 1, both_ways: true, two_lanes: null, shape: [], types: [] },
+    { start: "b", end: "c", speed_limit_mps: 1, both_ways: true, two_lanes: null, shape: [], types: [] },
+    { start: "c", end: "d", speed_limit_mps: 1, both_ways: true, two_lanes: null, shape: [], types: [] },
   ],
 });
 

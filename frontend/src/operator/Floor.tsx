@@ -4,11 +4,14 @@ import { selection } from "../selection/selection";
 import { world } from "../stream/stream";
 import { format, t } from "../text/operator";
 import { AreaMap } from "./area/AreaMap";
+import { CallCard } from "./call/CallCard";
 import { Cards } from "./cards/Cards";
 import { CallCards } from "./duty/CallCards";
 import { DutyCard } from "./duty/DutyCard";
 import { groupsOf, type Groups, shownGroups } from "./cards/need";
 import { watchTouch } from "./cards/touch";
+import { GoodsCards } from "./goods/GoodsCards";
+import { strandedOf } from "./goods/stranded";
 import { MachineCards } from "./machines/MachineCards";
 import { needsSomebody } from "./machines/need";
 import { moment, placeName, plant, plantFailed } from "./state";
@@ -39,7 +42,8 @@ export function Floor() {
 
   const { needing, well } = groups.value;
   const name = placeName.value;
-  const count = needing.length + needsSomebody(world.value?.machines.values() ?? [], moment.value);
+  const goods = strandedOf(world.value?.tasks.values() ?? []).length;
+  const count = needing.length + goods + needsSomebody(world.value?.machines.values() ?? [], moment.value);
   return (
     <>
       <main ref={page} id="vehicles" tabIndex={-1}>
@@ -50,8 +54,10 @@ export function Floor() {
           </p>
         )}
         <Cards class="needing" ids={needing} label={t("cards.needing")} />
+        <GoodsCards />
         <MachineCards />
         <Place />
+        <CallCard />
         <DutyCard />
         <Cards class="well" ids={well} label={t("cards.well", { name })} />
         {needing.length + well.length === 0 && <p class="empty">{t(world.value ? "cards.none" : "loading")}</p>}

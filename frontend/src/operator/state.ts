@@ -7,7 +7,7 @@ import { isPast } from "../stream/freshness";
 import { freshness, nowS, world } from "../stream/stream";
 import { format, t } from "../text/operator";
 import type { Moment } from "./cards/need";
-import type { Circumstances } from "./commands/hindrance";
+import type { Circumstances } from "../commands/hindrance";
 import { ended, me } from "./session/session";
 
 /** The part of the plant that the server shows this person. */

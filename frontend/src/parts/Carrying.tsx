@@ -5,6 +5,7 @@ import type { AtvView, PlantFile } from "../api/types";
 import { byId } from "../plant/places";
 import { isLost } from "../plant/silence";
 import { format, t } from "../text";
+import { factoryTime } from "../text/plant-time";
 
 interface Props {
   atv: AtvView;
@@ -93,7 +94,7 @@ function Back({ act, atv, atvs, busy, nowS, plant, speed }: Acting) {
         {t("carry.said", { by: away.by })}{" "}
         {away.freed.length > 0
           ? t("carry.freed", { places: format.list(away.freed) })
-          : leftS > 0 && t("carry.soon", { time: format.duration(leftS * speed) })}
+          : leftS > 0 && t("carry.soon", { time: factoryTime(leftS * speed, speed) })}
       </p>
       {away.node !== "" && <p role="status">{t(away.kept ? "carry.kept" : "carry.waits", { node: away.node })}</p>}
       <label for={id}>{t("carry.where")}</label>

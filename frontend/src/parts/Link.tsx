@@ -4,9 +4,11 @@ import { choose, type Chosen } from "../selection/selection";
 interface Props {
   kind: Chosen["kind"];
   id: string;
+  /** What people call it. */
+  name?: string;
 }
 
-export function Link({ kind, id }: Props) {
+export function Link({ kind, id, name = id }: Props) {
   return (
     <button
       type="button"
@@ -15,7 +17,7 @@ export function Link({ kind, id }: Props) {
         choose({ kind, id });
       }}
     >
-      {id}
+      {name}
     </button>
   );
 }

@@ -1,7 +1,7 @@
 import { describe, expect, test } from "vitest";
 import type { AtvView, TaskView } from "../api/types";
 import { detailOf } from "./draw/detail";
-import { labelRect, lookOf } from "./draw/vehicles";
+import { labelRect, lookOf, shortName } from "./draw/vehicles";
 import { layersFrom } from "./controls/layers";
 import { meshLinks, watchLinks } from "./surface/links";
 import { find, type Findable } from "./places";
@@ -106,6 +106,12 @@ describe("a vehicle's name", () => {
     expect(labelRect(middle, size, 10, [above], false)?.left).toBeGreaterThan(100);
     expect(labelRect(middle, size, 10, [all], false)).toBeNull();
     expect(labelRect(middle, size, 10, [all], true)).not.toBeNull();
+  });
+
+  test("a long name keeps its beginning and its end", () => {
+    expect(shortName("ATV1")).toBe("ATV1");
+    expect(shortName("FOURTEEN-CHARS")).toBe("FOURTEEN-CHARS");
+    expect(shortName("AUTONOMOUS-TRANSPORT-VEHICLE-0017")).toBe("AUTONOMO…-0017");
   });
 });
 

@@ -4,6 +4,9 @@
 const FORGET_S_PER_S = 0.001;
 
 export class ServerClock {
+  /** @param ownS our own wall clock when our `localS` was 0: it counts as long as nothing was heard */
+  constructor(readonly ownS = 0) {}
+
   #offsetS: number | null = null;
   #heardS = 0;
 
@@ -20,7 +23,7 @@ export class ServerClock {
 
   /** The server's clock at our `localS`; our own clock as long as nothing was heard. */
   at(localS: number): number {
-    return localS + (this.#offsetS ?? 0);
+    return localS + (this.#offsetS ?? this.ownS);
   }
 
   /** After a reconnect the server may be another one. */

@@ -38,7 +38,7 @@ export const freshness = computed(() => freshnessOf(ageS.value, connected.value)
 
 type FrameListener = (frame: Frame, world: World) => void;
 
-const clock = new ServerClock();
+const clock = new ServerClock(performance.timeOrigin / 1000);
 const listeners = new Set<FrameListener>();
 let newest: World | null = null;
 let showing: number | null = null;

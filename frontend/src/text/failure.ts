@@ -1,6 +1,7 @@
 /** Reasons in the reader's language. What this version does not know stays as it is. */
 import type { CauseView, LackView } from "../api/types";
 import { format, t, word } from "./index";
+import { factoryTime } from "./plant-time";
 import { waitText } from "./wait";
 
 /** What somebody reports in words of their own; some of them are known here. */
@@ -31,7 +32,7 @@ function whatText({ clock_ahead_s: aheadS, detail, handover, lacks, machines, no
   if (lacks.length > 0) return lacksText(lacks);
   if (wait !== null) return waitText(wait);
   if (handover !== null) return t("cause.handover", { ...handover });
-  if (aheadS !== 0) return t(aheadS < 0 ? "alerts.what.clock_behind" : "alerts.what.clock_ahead", { by: format.duration(Math.abs(aheadS)) });
+  if (aheadS !== 0) return t(aheadS < 0 ? "alerts.what.clock_behind" : "alerts.what.clock_ahead", { by: factoryTime(Math.abs(aheadS)) });
   // What a vehicle reports says more than that it reports something.
   return reason === "problem" && detail !== "" ? "" : reasonText(reason);
 }

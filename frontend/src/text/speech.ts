@@ -4,6 +4,7 @@
  * A panel brings the tables of its languages as functions, so that only one of them is loaded.
  */
 import { computed, signal } from "@preact/signals";
+import { bring } from "../api/bring";
 import { fill, type Table, type Texts } from "./catalogue";
 import { type Formats, formatsFor } from "./format";
 import { type Language, languageOf, localeFor, rememberLanguage } from "./language";
@@ -19,19 +20,33 @@ interface Speech {
 
 const speech = signal(speechOf("en", {}, "en-GB"));
 let tables: Tables | null = null;
+/** What views say that are loaded when somebody looks at them. */
+const more = new Set<Tables>();
+/** The language that was asked for last; `language` is it as soon as its words are there. */
+let wanted: Language = "en";
+let turns = 0;
+let latest: Promise<void> = Promise.resolve();
 
 export const language = computed(() => speech.value.language);
 
 /** Loads the language that was chosen here before, or else the browser's. To be awaited before anything is shown. */
 export async function beginToSpeak(known: Tables): Promise<void> {
   tables = known;
-  await load(languageOf(document.cookie, navigator.languages));
+  wanted = languageOf(document.cookie, navigator.languages);
+  await untilLoaded();
+}
+
+/** Loads what a view says beside its panel; from then on it follows the language. */
+export async function speakAlso(known: Tables): Promise<void> {
+  more.add(known);
+  await load();
 }
 
 /** Goes on in another language, here and on the server's pages, from now on. */
 export async function changeLanguage(to: Language): Promise<void> {
   rememberLanguage(to);
-  await load(to);
+  wanted = to;
+  await untilLoaded();
 }
 
 /** Speaks from this table at once. */
@@ -69,10 +84,24 @@ export const format: Formats = {
   list: (items) => speech.value.formats.list(items),
 };
 
-async function load(to: Language): Promise<void> {
+/** Words are waited for, however long the network is away: without them nothing can be shown. */
+function untilLoaded(): Promise<void> {
+  return new Promise((resolve) => { bring(load, resolve); });
+}
+
+/** Of several that load at the same time the last one speaks: it knows all that the others load, and each waits for it. */
+function load(): Promise<void> {
+  return latest = speakFully();
+}
+
+async function speakFully(): Promise<void> {
+  const turn = ++turns;
+  const to = wanted;
   const table = await tables?.[to]();
   if (!table) return;
-  speak(to, table, localeFor(to, navigator.languages));
+  const others = await Promise.all([...more].map((each) => each[to]()));
+  if (turn !== turns) return latest;
+  speak(to, Object.assign({}, table, ...others) as Table, localeFor(to, navigator.languages));
   document.documentElement.lang = to;
 }
 

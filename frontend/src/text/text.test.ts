@@ -12,6 +12,48 @@ import { de as operatorDe } from "./operator/de";
 import { en as operatorEn } from "./operator/en";
 import { es as operatorEs } from "./operator/es";
 import { speak } from "./speech";
+import { alerts as alertsDe } from "./views/alerts/de";
+import { alerts as alertsEn } from "./views/alerts/en";
+import { alerts as alertsEs } from "./views/alerts/es";
+import { floor as floorDe } from "./views/floor/de";
+import { floor as floorEn } from "./views/floor/en";
+import { floor as floorEs } from "./views/floor/es";
+import { guide as guideDe } from "./views/guide/de";
+import { guide as guideEn } from "./views/guide/en";
+import { guide as guideEs } from "./views/guide/es";
+import { kept as keptDe } from "./views/kept/de";
+import { kept as keptEn } from "./views/kept/en";
+import { kept as keptEs } from "./views/kept/es";
+import { order as orderDe } from "./views/order/de";
+import { order as orderEn } from "./views/order/en";
+import { order as orderEs } from "./views/order/es";
+import { paper as paperDe } from "./views/paper/de";
+import { paper as paperEn } from "./views/paper/en";
+import { paper as paperEs } from "./views/paper/es";
+import { people as peopleDe } from "./views/people/de";
+import { people as peopleEn } from "./views/people/en";
+import { people as peopleEs } from "./views/people/es";
+import { products as productsDe } from "./views/products/de";
+import { products as productsEn } from "./views/products/en";
+import { products as productsEs } from "./views/products/es";
+import { records as recordsDe } from "./views/records/de";
+import { records as recordsEn } from "./views/records/en";
+import { records as recordsEs } from "./views/records/es";
+import { recurring as recurringDe } from "./views/recurring/de";
+import { recurring as recurringEn } from "./views/recurring/en";
+import { recurring as recurringEs } from "./views/recurring/es";
+import { replay as replayDe } from "./views/replay/de";
+import { replay as replayEn } from "./views/replay/en";
+import { replay as replayEs } from "./views/replay/es";
+import { rows as rowsDe } from "./views/rows/de";
+import { rows as rowsEn } from "./views/rows/en";
+import { rows as rowsEs } from "./views/rows/es";
+import { transports as transportsDe } from "./views/transports/de";
+import { transports as transportsEn } from "./views/transports/en";
+import { transports as transportsEs } from "./views/transports/es";
+import { scenario as scenarioDe } from "./views/scenario/de";
+import { scenario as scenarioEn } from "./views/scenario/en";
+import { scenario as scenarioEs } from "./views/scenario/es";
 
 const format = formatsFor("en-GB", "UTC");
 const de = formatsFor("de-DE", "UTC");
@@ -124,9 +166,23 @@ describe("a page's language", () => {
 });
 
 describe.each<[string, Table, Record<string, Table>]>([
-  ["management", managerEn, { de: managerDe, es: managerEs }],
-  ["operator", operatorEn, { de: operatorDe, es: operatorEs }],
-])("the texts of the %s panel", (_, en, others) => {
+  ["the management panel", managerEn, { de: managerDe, es: managerEs }],
+  ["the operator panel", operatorEn, { de: operatorDe, es: operatorEs }],
+  ["alerts", alertsEn, { de: alertsDe, es: alertsEs }],
+  ["floor", floorEn, { de: floorDe, es: floorEs }],
+  ["guide", guideEn, { de: guideDe, es: guideEs }],
+  ["what is kept", keptEn, { de: keptDe, es: keptEs }],
+  ["order", orderEn, { de: orderDe, es: orderEs }],
+  ["paper", paperEn, { de: paperDe, es: paperEs }],
+  ["products", productsEn, { de: productsDe, es: productsEs }],
+  ["records", recordsEn, { de: recordsDe, es: recordsEs }],
+  ["recurring", recurringEn, { de: recurringDe, es: recurringEs }],
+  ["replay", replayEn, { de: replayDe, es: replayEs }],
+  ["people and keys", peopleEn, { de: peopleDe, es: peopleEs }],
+  ["rows of spreadsheets", rowsEn, { de: rowsDe, es: rowsEs }],
+  ["scenario", scenarioEn, { de: scenarioDe, es: scenarioEs }],
+  ["plain transports", transportsEn, { de: transportsDe, es: transportsEs }],
+])("the texts of %s", (_, en, others) => {
   test("have both forms wherever they count", () => {
     for (const key of Object.keys(en)) if (key.endsWith(".other")) expect(en).toHaveProperty([key.replace(/other$/, "one")]);
   });

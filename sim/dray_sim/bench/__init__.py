@@ -13,9 +13,9 @@ from collections.abc import Callable
 from dataclasses import asdict
 from typing import Any
 
-from dray_sim.bench import fleet, losses, orders, sim, stop, wired
+from dray_sim.bench import fleet, history, losses, orders, rest_work, sim, stop, wired
 from dray_sim.bench.network import bus, links, zenoh
-from dray_sim.bench.panels import paint, plant_map, projection, stream
+from dray_sim.bench.panels import paint, plant_map, projection, replay, stream
 from dray_sim.bench.row import Row, rates
 from dray_sim.bench.traffic import measure as traffic
 from dray_sim.bench.vda5050 import measure as vda5050
@@ -37,11 +37,14 @@ BENCHES: dict[str, Bench] = {
     "fleet": fleet.measure,
     "links": links.measure,
     "orders": orders.measure,
+    "history": history.measure,
+    "replay": replay.measure,
     "losses": losses.measure,
     "stop": stop.measure,
     "traffic": traffic.measure,
     "vda5050": vda5050.measure,
     "wired": wired.measure,
+    "work": rest_work.measure,
 }
 """Name -> benchmark, in the order in which they run."""
 
@@ -49,11 +52,12 @@ DRIVEN: dict[str, Callable[..., list[Row]]] = {
     "sim": sim.measure,
     "fleet": fleet.measure,
     "losses": losses.measure,
+    "work": rest_work.measure,
 }
 """Those with a whole factory, whose vehicles can drive with right of way or without (`traffic`). `wired` has it
 always, `traffic` compares."""
 
-LONG = frozenset({"losses", "stop", "traffic", "wired"})
+LONG = frozenset({"history", "losses", "replay", "stop", "traffic", "wired", "work"})
 """Those that take some minutes or more, or all of the computer: they run only when they are asked for by name."""
 
 

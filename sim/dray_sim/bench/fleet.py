@@ -223,7 +223,16 @@ def _rows(large: Observed, usual: Observed, size: Size, usual_size: Size) -> Ite
         sum(usual.said.values()),
         "; ".join(f"{kind} {rate:.1f}" for kind, rate in said),
     )
-    for kind in (Kind.ATV, Kind.MACHINE, Kind.STATION, Kind.STRATEGIST, Kind.GATEWAY, Kind.HISTORIAN, FLOOR):
+    for kind in (
+        Kind.ATV,
+        Kind.MACHINE,
+        Kind.STATION,
+        Kind.GATE,
+        Kind.STRATEGIST,
+        Kind.GATEWAY,
+        Kind.HISTORIAN,
+        FLOOR,
+    ):
         mine, theirs = large.kinds[kind], usual.kinds[kind]
         note = f"{mine.memory_mb:.0f} MB, at {usual_size.vehicles} vehicles {theirs.memory_mb:.0f} MB"
         yield row(f"processor, {kind}", 1e3 * mine.processor_s, "ms/s", 1e3 * theirs.processor_s, note)

@@ -1,6 +1,6 @@
 """A PostgreSQL server of one's own, on a free port of 127.0.0.1, from the binaries that are installed.
 
-For whoever has to end a database: the benchmark that kills it, and the tests.
+For whoever has to end a database, the benchmark that kills it and the tests, and for whoever compares it with SQLite.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ import signal
 import subprocess
 import tempfile
 from collections.abc import Iterator, Mapping
+from contextlib import closing, contextmanager
 from pathlib import Path
 
 from dray.cli.fleet.addresses import free_addresses
@@ -161,6 +162,19 @@ class PostgresServer:
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
         )
+
+
+@contextmanager
+def databases() -> Iterator[Mapping[str, str]]:
+    """New databases by the name of their kind, as URLs: SQLite's, and PostgreSQL's where it is installed."""
+    with tempfile.TemporaryDirectory() as folder:
+        found = {"SQLite": f"sqlite+aiosqlite:///{Path(folder) / 'bench.db'}"}
+        programs = installed()
+        if programs is None:
+            yield found
+            return
+        with closing(PostgresServer(programs)) as server:
+            yield found | {"PostgreSQL": server.url()}
 
 
 def _children(parent: int) -> Iterator[int]:

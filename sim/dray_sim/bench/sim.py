@@ -126,6 +126,9 @@ async def _play(plant: Plant, span_s: float, traffic: bool) -> Measured:
     start_s = time.perf_counter()
     await asyncio.wait({life}, timeout=span_s)
     real_s = time.perf_counter() - start_s
+    if life.done():
+        life.result()
+        raise RuntimeError("the factory has come to an end while it was measured")
     events, messages = _events(factory) - events, factory.bus.delivered - messages
     life.cancel()
     await asyncio.gather(life, return_exceptions=True)

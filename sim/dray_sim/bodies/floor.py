@@ -7,20 +7,25 @@ do: a load that a vehicle puts down is there. Who tells them what to do is none 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from functools import partial
 from random import Random
 
 import msgspec
 
 from dray.errors import PlantError
-from dray.messages.keys import STRATEGIST
+from dray.messages.keys import GATE
 from dray.plant import Plant, with_machine
+from dray.plant.floor.rectangles import Rectangle
 from dray.plant.model import MachineSpec, VehicleSpec
 from dray.ports import Body, Clock
 from dray_sim.bodies.chargers import Chargers
+from dray_sim.bodies.doors import Doors
 from dray_sim.bodies.gate import Gate
-from dray_sim.bodies.obstacles import Ends, Obstacles
+from dray_sim.bodies.held_out import HeldOut
+from dray_sim.bodies.obstacles import Ends, Obstacles, behind
 from dray_sim.bodies.stores import DeliveryWarehouse, Place, SourceWarehouse, Storage
+from dray_sim.bodies.vehicle.condition import LOAD_DROPPED, SHIFTED
 from dray_sim.bodies.vehicle.vehicle import SimVehicle
 from dray_sim.bodies.workcell import SimWorkcell
 
@@ -30,6 +35,10 @@ FIRST_STOCK_FRAC = (0.4, 1.0)
 NEARLY_EMPTY_FRAC = (0.02, 0.15)
 """Buffers of a plant to look at, so that vehicles are hired with the first orders: with full ones the first
 minutes in real time would show none that moves."""
+
+
+TAKEN_UP_WITHIN_S = 1.0
+"""So soon after a person has taken up a lost load it does not lie there any more."""
 
 
 class Pieces(msgspec.Struct, frozen=True):
@@ -57,16 +66,23 @@ class Floor:
 
     Attributes:
         vehicles, workcells, storages, delivery: the bodies and places by id.
+        doors: those of the plant file.
         obstacles: what lies or stands on the lanes.
         source: where material comes from.
-        gate: of all delivery warehouses; the strategist's body.
+        gate: of all delivery warehouses.
         in_hands: pieces that people carry, by item.
+        held_out: those of them that vehicles may take, by node.
         lifted: vehicles that people have taken off the floor.
         carried: the same, and those that were put down and not switched on since: what their last life held is not theirs.
     """
 
     def __init__(
-        self, plant: Plant, clock: Clock, *, seed: int, stock_frac: tuple[float, float] = FIRST_STOCK_FRAC
+        self,
+        plant: Plant,
+        clock: Clock,
+        *,
+        seed: int,
+        stock_frac: tuple[float, float] = FIRST_STOCK_FRAC,
     ) -> None:
         self._plant, self._clock, self._seed = plant, clock, seed
         self.source = SourceWarehouse(plant.source_warehouses[0], plant.materials)
@@ -76,7 +92,10 @@ class Floor:
             for warehouse in plant.delivery_warehouses
         }
         self.storages: dict[str, Storage] = {
-            spec.id: Storage(spec, clock, self.source) for spec in plant.storages.values()
+            spec.id: Storage(
+                spec, clock, self.source, parts=plant.parts, takes_all=spec.id in plant.warehouses
+            )
+            for spec in plant.stores.values()
         }
         stock = Random(f"{seed} stock")
         self.workcells: dict[str, SimWorkcell] = {
@@ -86,8 +105,10 @@ class Floor:
             for spec in plant.machines.values()
         }
         self.in_hands: Counter[str] = Counter()
-        self.obstacles = Obstacles(plant)
+        self.held_out = {node: HeldOut(self.in_hands) for node in plant.stops if not plant.has_place(node)}
         self.vehicles: dict[str, SimVehicle] = {}
+        self.doors = Doors(plant, clock, self.vehicles)
+        self.obstacles = Obstacles(plant, self.doors if plant.doors else None)
         self.lifted: set[str] = set()
         self.carried: set[str] = set()
         self._places: dict[str, Place] = {
@@ -97,6 +118,8 @@ class Floor:
             **self.delivery,
         }
         self._docks = {place: plant.node_of(place) for place in self._places}
+        self._places |= self.held_out
+        self._docks |= {node: node for node in self.held_out}
         self._chargers = Chargers()
         for spec in plant.fleet.values():
             self.add_vehicle(spec)
@@ -135,13 +158,49 @@ class Floor:
         Raises:
             KeyError: there is no such lane.
         """
-        standing = [self.vehicles[atv] for atv in self.standing]
+        return self._put(lane, self.obstacles.shape(lane, thing), self.standing)
+
+    def drop_load(self, atv: str) -> bool:
+        """Let a vehicle that carries something on a lane lose it: it lies behind it there, and the vehicle stands.
+
+        Either ends when a person has mended that, or taken the load away.
+
+        Returns:
+            False when it carries nothing, is on no lane, or another one would be hit or cannot stop; nothing has changed then.
+
+        Raises:
+            KeyError: there is no such vehicle.
+        """
+        vehicle = self.vehicles[atv]
+        state = vehicle.sense()
+        lane = (state.node, state.next_node)
+        if not state.load or not state.speed_mps or lane[0] == lane[1] or vehicle.problem:
+            return False
+        longest_m = max(kind.length_m for kind in self._plant.vehicle_types.values())
+        others = tuple(other for other in self.standing if other != atv)
+        if not self._put(lane, behind(state.pose, longest_m), others):
+            return False
+        vehicle.break_down(LOAD_DROPPED, SHIFTED)
+        self._clock.call_at(self._clock.now_s() + TAKEN_UP_WITHIN_S, partial(self._take_up, atv, lane))
+        return True
+
+    def _take_up(self, atv: str, lane: Ends) -> None:
+        """What a vehicle has lost is gone when a person has put the vehicle right, or has the load."""
+        vehicle = self.vehicles[atv]
+        if vehicle.problem and vehicle.sense().load:
+            self._clock.call_at(self._clock.now_s() + TAKEN_UP_WITHIN_S, partial(self._take_up, atv, lane))
+        else:
+            self.clear(lane)
+
+    def _put(self, lane: Ends, shape: Rectangle, near: Iterable[str]) -> bool:
+        """Put something on a lane; False when it would lie under one of these vehicles, or so near before one that this cannot stop."""
+        standing = [self.vehicles[atv] for atv in near]
         poses = [each.sense().pose for each in standing]
         if lane in self.obstacles.shapes or any(
-            self.obstacles.touches(lane, thing, pose.x_m, pose.y_m) for pose in poses
+            self.obstacles.touches(shape, pose.x_m, pose.y_m) for pose in poses
         ):
             return False
-        self.obstacles.put(lane, thing)
+        self.obstacles.lay(lane, shape)
         if not all(each.can_stop for each in standing):
             self.obstacles.take_away(lane)
             return False
@@ -209,7 +268,22 @@ class Floor:
     @property
     def bodies(self) -> dict[str, Body]:
         """By the agent that acts with it."""
-        return {**self.workcells, **self.storages, **self.vehicles, STRATEGIST: self.gate}
+        return {**self.workcells, **self.storages, **self.vehicles, GATE: self.gate}
+
+    def lying(self) -> Counter[str]:
+        """Everything that can be seen, by item, apart from what was delivered: on board of dead vehicles and in people's hands, too."""
+        lies: Counter[str] = Counter(self.in_hands)
+        for storage in self.storages.values():
+            lies.update(storage.stock)
+        for workcell in self.workcells.values():
+            lies.update(workcell.sense().stock)
+        for warehouse in self.delivery.values():
+            lies.update(warehouse.aside)
+        for vehicle in self.vehicles.values():
+            state = vehicle.sense()
+            if state.load:
+                lies[state.load] += state.load_quantity
+        return lies
 
     def count(self) -> Pieces:
         """Count all pieces.
@@ -217,22 +291,14 @@ class Floor:
         On board means of dead vehicles, too; goods that were set aside and what people carry are in sight.
         """
         balance: Counter[str] = Counter(dict.fromkeys((*self._plant.materials, *self._plant.products), 0))
+        balance.update(self.lying())
         delivered: Counter[str] = Counter()
-        for storage in self.storages.values():
-            balance.update(storage.stock)
         for workcell in self.workcells.values():
-            balance.update(workcell.sense().stock)
             balance.update(workcell.consumed)
             balance.subtract(workcell.made)
         for warehouse in self.delivery.values():
             delivered.update(warehouse.arrived)
-            balance.update(warehouse.aside)
         balance.update(delivered)
-        balance.update(self.in_hands)
-        for vehicle in self.vehicles.values():
-            state = vehicle.sense()
-            if state.load:
-                balance[state.load] += state.load_quantity
         for material in self._plant.materials:
             balance[material] -= self.source.supplied(material)
         return Pieces(dict(balance), dict(delivered), self.gate.sense().arrived)
@@ -242,4 +308,5 @@ def _first_stock(plant: Plant, machine: str, frac: tuple[float, float], random: 
     return {
         material: round(plant.materials[material].buffer * random.uniform(*frac))
         for material in plant.materials_of(machine)
+        if material not in plant.parts
     }

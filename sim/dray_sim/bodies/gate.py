@@ -1,9 +1,9 @@
 """The gate of the delivery warehouses: it counts goods in by goal, and lets in no more than it was told.
 
-It is the strategist's body (`dray.ports.Body`). A goal is fenced here and nowhere else: a machine that
+It is the body (`dray.ports.Body`) of the gate's agent (`dray.protocol.gate`). A goal is fenced here and nowhere else: a machine that
 was given up may live on behind a broken network and send what it makes, and whatever comes then is one
 piece too many for a gate that was shut for its goal. So every ordered piece gets in exactly once
-(invariant 4), without a lease, and goods go on arriving while the strategist is away.
+(invariant 4), without a lease, and goods go on arriving while strategists and the gate's own agent are away.
 
 It decides nothing: what is refused stays with whoever brought it. It is hardware and outlives every
 restart of its agent, who senses then what arrived meanwhile.
@@ -34,7 +34,7 @@ class _Permit:
 
 
 class Gate:
-    """Implements `dray.ports.Body` for the strategist; the delivery warehouses of a plant share one.
+    """Implements `dray.ports.Body`; the delivery warehouses of a plant share one.
 
     Invariants: pieces of a goal get in only while no more than admitted are in; what has arrived never
     falls. A full memory forgets the goal that was quiet the longest, a finished one first. The goods of
@@ -47,6 +47,7 @@ class Gate:
     """
 
     def __init__(self, clock: Clock, kept: int = KEPT_GOALS) -> None:
+        self._clock = clock
         self._reporter = Reporter(clock)
         self._kept = kept
         self._permits: dict[str, _Permit] = {}
@@ -57,7 +58,7 @@ class Gate:
     def instruct(self, instruction: Instruction) -> None:
         """See `dray.ports.Body`. What a gate cannot do is ignored: no report would fit it."""
         if isinstance(instruction, Admit):
-            self._admit(instruction.goal, instruction.quantity)
+            self._reporter.say(self.admit(instruction))
             self._reporter.flush_soon()
 
     def sense(self) -> GateState:
@@ -82,23 +83,24 @@ class Gate:
             return NOT_ADMITTED
         permit.arrived += quantity
         self._renew(goal, permit)
-        self._reporter.say(
-            GoodsArrived(goal=goal, arrived=permit.arrived, admitted=permit.admitted, vehicle=vehicle)
-        )
+        told = GoodsArrived(goal=goal, arrived=permit.arrived, admitted=permit.admitted, vehicle=vehicle)
+        self._reporter.say(told)
         self._reporter.flush_soon()
         return ""
 
     # --- how it is done --------------------------------------------------------------------------
 
-    def _admit(self, goal: str, quantity: int) -> None:
+    def admit(self, admit: Admit) -> GoodsArrived:
+        """Let in as many pieces of a goal as this says; returns the answer."""
+        goal = admit.goal
         permit = self._permits.get(goal)
         if permit is None:
             if len(self._permits) >= self._kept:
                 self._forget_one()
-            permit = _Permit(quantity)
-        permit.admitted = quantity
+            permit = _Permit(admit.quantity)
+        permit.admitted = admit.quantity
         self._renew(goal, permit)
-        self._reporter.say(GoodsArrived(goal=goal, arrived=permit.arrived, admitted=permit.admitted))
+        return GoodsArrived(goal=goal, arrived=permit.arrived, admitted=permit.admitted)
 
     def _renew(self, goal: str, permit: _Permit) -> None:
         """Put a goal at the end of those that may be forgotten."""

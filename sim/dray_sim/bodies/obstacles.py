@@ -1,17 +1,19 @@
 """What lies or stands on the lanes and is no vehicle: pallets, people, doors. How far a vehicle can drive before it.
 
-An obstacle is a rectangle in the middle of a lane. It is in the way on every lane on which a vehicle would come too near to it,
+A door of the plant file (`dray_sim.bodies.doors`) shuts its lanes as a whole: whoever wants through waits before them. An obstacle is a rectangle in the middle of a lane. It is in the way on every lane on which a vehicle would come too near to it,
 by geometry alone: so it blocks both directions of a single track, and of a road with two lanes the one on which it lies.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from math import hypot
+from math import cos, hypot, sin
 
+from dray.messages import Pose
 from dray.plant import Plant
 from dray.plant.floor.rectangles import Rectangle, gap_m
 from dray.plant.model import VehicleType
+from dray_sim.bodies.doors import Doors
 
 Ends = tuple[str, str]
 """A lane in one direction, by its nodes."""
@@ -23,6 +25,9 @@ SIZES_M: Mapping[str, tuple[float, float]] = {"pallet": (1.2, 0.8), "person": (0
 CLEAR_M = 0.3
 """A vehicle stops so far before an obstacle."""
 
+FALLS_M = 0.1
+"""So far behind its vehicle a lost pallet lies."""
+
 STEP_M = 0.05
 """How densely a lane is looked at."""
 
@@ -30,17 +35,28 @@ REACH_M = 12.0
 """Lanes that are farther away from an obstacle than they are long, and this, do not touch it."""
 
 
+def behind(pose: Pose, vehicle_m: float) -> Rectangle:
+    """What a pallet covers that has slid off the back of a vehicle of this length."""
+    length_m, width_m = SIZES_M["pallet"]
+    back_m = vehicle_m / 2.0 + FALLS_M + length_m / 2.0
+    x_m = pose.x_m - back_m * cos(pose.heading_rad)
+    return Rectangle(x_m, pose.y_m - back_m * sin(pose.heading_rad), pose.heading_rad, length_m, width_m)
+
+
 class Obstacles:
     """All obstacles of one floor.
 
     Args:
         plant: the lanes.
+        doors: those of the plant file; None where none of them works.
 
     Attributes:
+        doors: as given.
         shapes: what each covers, by the lane on which it was put.
     """
 
-    def __init__(self, plant: Plant) -> None:
+    def __init__(self, plant: Plant, doors: Doors | None = None) -> None:
+        self.doors = doors
         self.shapes: dict[Ends, Rectangle] = {}
         self._plant = plant
         self._found: dict[tuple[Ends, float, float], dict[Ends, float]] = {}
@@ -61,26 +77,37 @@ class Obstacles:
 
     def put(self, lane: Ends, thing: str) -> None:
         """Put something in the middle of a lane, in the place of what is there."""
+        self.lay(lane, self.shape(lane, thing))
+
+    def lay(self, lane: Ends, shape: Rectangle) -> None:
+        """Let something lie anywhere on a lane, in the place of what is there."""
         self.take_away(lane)
-        self.shapes[lane] = self.shape(lane, thing)
+        self.shapes[lane] = shape
 
     def take_away(self, lane: Ends) -> None:
         """Clear what is on a lane; harmless where nothing is."""
         self.shapes.pop(lane, None)
         self._found = {key: found for key, found in self._found.items() if key[0] != lane}
 
-    def room_m(self, start: str, end: str, kind: VehicleType) -> float | None:
-        """How far a vehicle may drive on a lane (its middle, from the lane's beginning); None where nothing is in the way."""
+    def room_m(self, start: str, end: str, kind: VehicleType, driven_m: float = 0.0) -> float | None:
+        """How far a vehicle may drive on a lane (its middle, from the lane's beginning); None where nothing is in the way.
+
+        Args:
+            start: the lane's first node.
+            end: its last.
+            kind: of the vehicle.
+            driven_m: where the vehicle is already: whatever it is past it leaves behind.
+        """
         rooms = [
             room_m
             for lane, shape in self.shapes.items()
             if (room_m := self._of(lane, shape, kind).get((start, end))) is not None
+            and driven_m <= room_m + STEP_M
         ]
         return min(rooms, default=None)
 
-    def touches(self, lane: Ends, thing: str, x_m: float, y_m: float) -> bool:
+    def touches(self, shape: Rectangle, x_m: float, y_m: float) -> bool:
         """Whether a thing would come too near to a vehicle of whatever type that is there, and may turn where it stands."""
-        shape = self.shape(lane, thing)
         types = self._plant.vehicle_types.values()
         body_m = max((hypot(kind.length_m, kind.width_m) for kind in types), default=0.0) / 2.0
         return hypot(shape.x_m - x_m, shape.y_m - y_m) - body_m - shape.radius_m < CLEAR_M

@@ -12,7 +12,7 @@ Products that nobody admits at the delivery warehouse are set aside there, and c
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Container, Iterable, Mapping
 from typing import Protocol
 
 from dray.body import CloseDock, Instruction, OpenDock, Refill, Report, StockChanged, StorageState
@@ -133,7 +133,7 @@ class DeliveryWarehouse:
 
 
 class Storage:
-    """An interim storage that keeps itself filled from the source warehouse: the body of its station.
+    """A storage: the body of its station. One that fills itself has more come from the source warehouse, a source warehouse from outside.
 
     Implements `dray.ports.Body` and `Place`. A vehicle fetches only what the dock is open for; people help themselves. What
     is brought back is taken without a question.
@@ -146,7 +146,9 @@ class Storage:
         clock: the plant's clock.
         source: where refills come from.
         refill_s: from the order of a refill to its arrival.
-        stock: pieces at the beginning; full where a material is not named.
+        stock: pieces at the beginning; full where a material is not named, and of parts none.
+        parts: what machines of this factory make: no refill of it comes.
+        takes_all: what is brought back finds room, however much lies there: a source warehouse, where material goes that has no other place.
 
     Attributes:
         stock: pieces of every material.
@@ -159,19 +161,24 @@ class Storage:
         source: SourceWarehouse,
         refill_s: float = REFILL_S,
         stock: Mapping[str, int] | None = None,
+        parts: Container[str] = (),
+        takes_all: bool = False,
     ) -> None:
         self.id = spec.id
         self._clock = clock
+        self._parts = parts
         self._source = source
         self._refill_s = refill_s
         self._capacity = {kept.material: kept.capacity for kept in spec.stocks}
-        begin = stock or {}
+        begin = {item: 0 for item in self._capacity if item in parts} | dict(stock or {})
         self.stock = {item: min(begin.get(item, room), room) for item, room in self._capacity.items()}
         self._seq = 0
         """Of the last change of the stock that a report tells of."""
+        self._takes_all = takes_all
         self._docks = OpenDocks()
         self._reporter = Reporter(clock)
         self._ordered: set[str] = set()
+        self._fills_itself = spec.refill == "itself"
         for item in self.stock:
             self._order_if_low(item)
 
@@ -215,7 +222,7 @@ class Storage:
         at_hand = self.stock.get(item)
         if at_hand is None:
             return NOT_KEPT
-        if at_hand + quantity > self._capacity[item]:
+        if at_hand + quantity > self._capacity[item] and not self._takes_all:
             return NO_ROOM
         self._change(item, quantity, vehicle)
         return ""
@@ -227,14 +234,14 @@ class Storage:
             self._order(item)
 
     def _order(self, item: str) -> None:
-        if item not in self._ordered:
+        if self._fills_itself and item not in self._ordered and item not in self._parts:
             self._ordered.add(item)
             self._clock.call_at(self._clock.now_s() + self._refill_s, lambda: self._refill(item))
 
     def _refill(self, item: str) -> None:
         """Fill up to the capacity as it is missing now: vehicles may have brought some back meanwhile."""
         self._ordered.discard(item)
-        missing = self._capacity[item] - self.stock[item]
+        missing = max(0, self._capacity[item] - self.stock[item])
         self._source.ship(item, missing)
         self._change(item, missing)
 

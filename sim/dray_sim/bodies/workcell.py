@@ -14,6 +14,7 @@ from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
+from random import Random
 
 from dray.body import (
     Book,
@@ -23,6 +24,7 @@ from dray.body import (
     CycleFailed,
     Instruction,
     OpenDock,
+    ReadDocument,
     Repaired,
     Report,
     ResetFault,
@@ -31,11 +33,13 @@ from dray.body import (
     StockChanged,
     WorkcellState,
 )
+from dray.document import Documents
 from dray.messages import NOTHING_KNOWN, Problem
 from dray.plant import Plant
 from dray.plant.model import MachineSpec
 from dray.ports import Clock
 from dray_sim.bodies.docks import OpenDocks
+from dray_sim.bodies.documents import SimDocuments
 from dray_sim.bodies.durations import Durations
 from dray_sim.bodies.reporter import Reporter
 from dray_sim.bodies.stores import NO_ROOM, NOT_KEPT, TOO_LITTLE
@@ -77,7 +81,9 @@ class SimWorkcell:
     Attributes:
         id: the machine's id.
         consumed: pieces of every material that cycles have taken.
-        made: pieces of every product that cycles have put out.
+        made: good pieces of every product that cycles have put out.
+        scrapped: bad ones.
+        documents: where it has documents from.
     """
 
     def __init__(
@@ -92,10 +98,14 @@ class SimWorkcell:
         self._plant = plant
         self.consumed: Counter[str] = Counter()
         self.made: Counter[str] = Counter()
+        self.scrapped: Counter[str] = Counter()
         self._clock = clock
         self._reporter = Reporter(clock)
+        self.documents: Documents = SimDocuments(clock)
         self._cycle_s = {making.product: making.cycle_s for making in spec.makes}
         self._cycle_cv = {making.product: making.cycle_cv for making in spec.makes}
+        self._scrap_frac = {making.product: making.scrap_frac for making in spec.makes if making.scrap_frac}
+        self._chance = Random(f"{seed} scrap {spec.id}")
         self._durations = Durations(f"{seed} cycles {spec.id}")
         self._bills = {
             product: {line.material: line.quantity for line in plant.products[product].bill}
@@ -145,6 +155,8 @@ class SimWorkcell:
                 self.repair()
         elif isinstance(instruction, SetPace):
             self._speed_frac = instruction.speed_frac
+        elif isinstance(instruction, ReadDocument):
+            self.documents.read(instruction.document, self._tell)
         elif isinstance(instruction, Book) and instruction.item in self._stock and not self._counts:
             self._unbooked[instruction.item] -= instruction.change
             self._tell_change(instruction.item, instruction.change, instruction.vehicle)
@@ -153,8 +165,11 @@ class SimWorkcell:
     def sense(self) -> WorkcellState:
         """See `dray.ports.Body`."""
         cycling = self._cycle.product if self._cycle is not None else ""
+        stock = dict(self._stock)
+        for item, pieces in self._unbooked.items():
+            stock[item] -= pieces
         return WorkcellState(
-            stock={item: pieces - self._unbooked[item] for item, pieces in self._stock.items()},
+            stock=stock,
             seq=self._seq,
             cycling=cycling,
             broken=self._broken,
@@ -203,7 +218,7 @@ class SimWorkcell:
 
     def _provide(self, item: str) -> None:
         """Have a buffer for a material that is brought for the first time: each has room for any of the plant's."""
-        if item in self._plant.materials and item not in self._buffers:
+        if item in self._plant.materials and item not in self._stock:
             self._buffers[item] = self._plant.materials[item].buffer
             self._stock[item] = 0
 
@@ -339,10 +354,11 @@ class SimWorkcell:
             return
         self._settle()
         product, self._cycle = self._cycle.product, None
-        self._stock[product] += 1
+        bad = product in self._scrap_frac and self._chance.random() < self._scrap_frac[product]
         self._seq += 1
-        self.made[product] += 1
-        self._reporter.say(CycleDone(product=product, seq=self._seq))
+        self._stock[product] += not bad
+        (self.scrapped if bad else self.made)[product] += 1
+        self._reporter.say(CycleDone(product=product, seq=self._seq, bad=bad))
         self._reporter.flush()
 
     def _refusal(self, vehicle: str, item: str, quantity: int) -> str:
@@ -366,6 +382,10 @@ class SimWorkcell:
     def _tell_change(self, item: str, change: int, vehicle: str) -> None:
         self._seq += 1
         self._reporter.say(StockChanged(item=item, change=change, seq=self._seq, vehicle=vehicle))
+        self._reporter.flush_soon()
+
+    def _tell(self, report: Report) -> None:
+        self._reporter.say(report)
         self._reporter.flush_soon()
 
     def _settle(self) -> None:

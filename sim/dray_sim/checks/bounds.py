@@ -1,10 +1,10 @@
 """How long anything may take once all faults are over: pure arithmetic over a plant.
 
-    settle_s      = NOTICE_S + PATIENCE_MAX_S + calling + vehicles * one duty of an operator, where there are any
+    settle_s      = NOTICE_S + PATIENCE_MAX_S + calling + vehicles * one duty of an operator, where there are any, with their rests
                     + 2 * vehicles / chargers * one full charge, where that takes minutes
     transport_s   = bidding + 2 * longest way + loading + unloading + ASKING_S
     task bound_s  = settle_s + transport_s * (1 + tasks that were done meanwhile / vehicles that are able)
-    stall bound_s = settle_s + GOAL_BIDDING_S + transport_s + longest cycle
+    stall bound_s = settle_s + GOAL_BIDDING_S + transport_s + longest cycle + longest rest
 
 A task waits in the worst case while the whole fleet carries others, so its bound grows with what was
 done meanwhile, and with nothing else: a task that nobody serves while nothing is done is a deadlock, and
@@ -18,6 +18,8 @@ from __future__ import annotations
 from math import ceil
 
 from dray.plant import Plant
+from dray.plant.people import people_of
+from dray.plant.working_time import DAY_S, WorkingTime
 from dray.protocol.calls.call_rules import ANSWER_S as CALL_ANSWER_S
 from dray.protocol.calls.call_rules import ASKED_IN_ROUND, LATE_S, REST_MAX_S
 from dray.protocol.contract_net.auction_rules import AuctionRules
@@ -60,6 +62,7 @@ class Bounds:
         self._plant = plant
         # In the worst case every vehicle needs somebody, and all stand in one area.
         duties_s = 0.0 if habits is None else _calling_s(habits) + len(kinds) * _duty_s(habits)
+        duties_s = _with_rests_s(plant, duties_s)
         self.settle_s = NOTICE_S + PATIENCE_MAX_S + duties_s + _charging_s(plant)
         """Until everybody has noticed that the faults are over, and people have put everything right (s)."""
         handling_s = max(kind.load_s + kind.unload_s for kind in kinds)
@@ -69,7 +72,7 @@ class Bounds:
         self.transport_s = bidding_s + 2.0 * _longest_way_s(plant) + handling_s + ASKING_S
         """From the announcement to the handover, with a vehicle that is free (s)."""
         cycle_s = max(making.cycle_s for spec in plant.machines.values() for making in spec.makes)
-        self.stall_s = self.settle_s + GOAL_BIDDING_S + self.transport_s + cycle_s
+        self.stall_s = self.settle_s + GOAL_BIDDING_S + self.transport_s + cycle_s + _longest_rest_s(plant)
         """As long as anything is open, something must come forward within this (s)."""
 
     def task_s(self, item: str, done_meanwhile: int) -> float:
@@ -101,6 +104,35 @@ def _longest_way_s(plant: Plant) -> float:
     nodes = sorted({plant.node_of(place) for place in places})
     routes = [plant.routes(kind) for kind in sorted({spec.type for spec in plant.fleet.values()})]
     return max(each.duration_s(start, end) for each in routes for start in nodes for end in nodes)
+
+
+def _longest_rest_s(plant: Plant) -> float:
+    """Of all machines, by their working time on the first day: runs do not last longer."""
+    return max(_rest_s(plant.working_time_of(machine)) for machine in plant.machines)
+
+
+def _rest_s(working_time: WorkingTime) -> float:
+    longest_s = at_s = 0.0
+    while at_s < DAY_S:
+        on_s = working_time.next_on_s(at_s)
+        longest_s = max(longest_s, on_s - at_s)
+        at_s = working_time.next_change_s(on_s)
+    return longest_s
+
+
+def _with_rests_s(plant: Plant, duties_s: float) -> float:
+    """The same with the rests of those who do them, by the working time of their area on the first day."""
+    times = [people_of(plant, area) for area in plant.areas] or [plant.working_time]
+    return max(_longest_s(working_time, duties_s) for working_time in times)
+
+
+def _longest_s(working_time: WorkingTime, work_s: float) -> float:
+    """In how much time so much is worked at least, from whenever on the first day: from the beginning of a rest it takes longest."""
+    longest_s = at_s = 0.0
+    while at_s < DAY_S and work_s > 0.0:
+        longest_s = max(longest_s, working_time.after_s(at_s, work_s) - at_s)
+        at_s = working_time.next_change_s(working_time.next_on_s(at_s))
+    return longest_s
 
 
 def _calling_s(habits: Habits) -> float:

@@ -1,10 +1,12 @@
 """Invariant 23: what somebody has asked to be brought is brought once, all of it, or called off and not brought.
 
-A check like those of `dray_sim.checks.invariants`: it hears what the places say to which something is brought, and takes no part.
+No other vehicle has it than the only one that may carry it, and none that lacks the ability that somebody wanted of its vehicle. A check like those of `dray_sim.checks.invariants`: it hears what the places say to which something is brought, and takes no part.
 What they have counted is compared with what was asked for; that no piece appears or vanishes is invariant 2.
 """
 
 from __future__ import annotations
+
+from collections.abc import Collection, Mapping
 
 from dray.messages import Event, Message, TransportOrdered, TransportState
 from dray.messages.contract import Transport
@@ -16,11 +18,19 @@ class BroughtOnce:
     """Every plain transport ends once, with as much as was asked for.
 
     A place that has lost its notes may know less than it has told: of its transports nothing is asked any more.
+
+    Args:
+        abilities: of each vehicle of the plant, by its id; who has joined since, and may lie, only says what it can carry.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, abilities: Mapping[str, Collection[str]]) -> None:
+        self._abilities = abilities
+        self._wanted: dict[str, str] = {}
+        """By transport, the ability that is wanted of its vehicle."""
         self._asked: dict[str, int] = {}
         """By transport, pieces."""
+        self._only: dict[str, str] = {}
+        """By transport, the vehicle that alone may carry it, for always."""
         self._ended: dict[str, TransportState] = {}
         self._places: dict[str, str] = {}
         """By transport, where it goes, as that place has told."""
@@ -33,10 +43,14 @@ class BroughtOnce:
         """Note one utterance.
 
         Raises:
-            InvariantBroken: a transport has ended twice, or with another quantity, or went on after its end.
+            InvariantBroken: a transport has ended twice, or with another quantity, went on after its end, or has a carrier that it may not have.
         """
         if type(message) is TransportOrdered:
             self._asked.setdefault(message.transport, message.quantity)
+            if message.vehicle and message.vehicle_until_s is None:
+                self._only[message.transport] = message.vehicle
+            if message.ability:
+                self._wanted[message.transport] = message.ability
         elif type(message) is Event:
             fact = message.fact
             if type(fact) is TransportProgressed:
@@ -58,6 +72,16 @@ class BroughtOnce:
         self._places[name] = sender
         if fact.task:
             self._tasks[fact.task] = name
+        if fact.carrier and self._only.get(name, fact.carrier) != fact.carrier:
+            raise InvariantBroken(
+                23, at_s, f"{name} is for {self._only[name]} alone, and {fact.carrier} has it"
+            )
+        wanted = self._wanted.get(name)
+        known = self._abilities.get(fact.carrier)
+        if wanted is not None and known is not None and wanted not in known:
+            raise InvariantBroken(
+                23, at_s, f"{name} wants {wanted} of its vehicle, and {fact.carrier} has it"
+            )
         if name in self._ended:
             raise InvariantBroken(23, at_s, f"{name} was {self._ended[name]}, and is {fact.state} now")
         if fact.state is TransportState.DELIVERED:

@@ -8,8 +8,18 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from msgspec.structs import replace
+
 from dray.messages import Event, Message, OrderReleased, OrderTaken, Production
-from dray.messages.fact import GoodsDelivered, OrderDropped, OrderFulfilled, TaskClosed, TaskOpened
+from dray.messages.fact import (
+    GoalReduced,
+    GoodsDelivered,
+    OrderChanged,
+    OrderDropped,
+    OrderFulfilled,
+    TaskClosed,
+    TaskOpened,
+)
 from dray.protocol.strategist.order_book import ENDED_KEPT
 from dray_sim.checks.broken import InvariantBroken
 
@@ -17,10 +27,11 @@ from dray_sim.checks.broken import InvariantBroken
 class Ordered:
     """One order: its quantities, and its goals by item."""
 
-    __slots__ = ("goals", "quantities")
+    __slots__ = ("change", "goals", "quantities")
 
     def __init__(self, quantities: list[int]) -> None:
         self.quantities = quantities
+        self.change = 0
         self.goals: list[dict[str, None]] = [{} for _ in quantities]
 
 
@@ -48,19 +59,36 @@ class DeliveredExactly:
             elif type(fact) is TaskClosed and fact.task in self._work and fact.outcome == "delivered":
                 self._check_goal(fact.task, at_s)
             elif type(fact) is TaskOpened:
-                if type(fact.work) is Production:
+                if type(fact.work) is Production and not fact.work.part_of:
                     self._note_goal(fact.task, fact.work)
             elif type(fact) is OrderFulfilled:
                 self._check_order(fact.order, at_s)
                 self._forget(fact.order)
                 self._note_fulfilled(fact.order)
+            elif type(fact) is GoalReduced or type(fact) is OrderChanged:
+                self._note_change(fact)
             elif type(fact) is OrderDropped:
                 self._forget(fact.order)
         elif type(message) is OrderReleased:
-            # It is repeated until it is answered, and later holds less than was ordered.
-            self._orders.setdefault(message.order, Ordered([item.quantity for item in message.items]))
+            self._note_order(message)
         elif type(message) is OrderTaken and message.fulfilled and message.order not in self._fulfilled:
             raise InvariantBroken(4, at_s, f"{message.order} was said to be fulfilled, and was not")
+
+    def _note_order(self, message: OrderReleased) -> None:
+        # It is repeated until it is answered, and later holds less than was ordered.
+        asked = [item.quantity + item.arrived for item in message.items]
+        order = self._orders.setdefault(message.order, Ordered(asked))
+        if message.change > order.change:
+            # Until the machines have said what they keep it may be either.
+            order.change = message.change
+            order.quantities = [max(pair) for pair in zip(order.quantities, asked, strict=True)]
+
+    def _note_change(self, fact: GoalReduced | OrderChanged) -> None:
+        if isinstance(fact, GoalReduced):
+            if fact.goal in self._work:
+                self._work[fact.goal] = replace(self._work[fact.goal], quantity=fact.quantity)
+        elif (order := self._orders.get(fact.order)) is not None and fact.change == order.change:
+            order.quantities = list(fact.quantities)
 
     def _note_goal(self, goal: str, work: Production) -> None:
         order = self._orders.get(work.order)

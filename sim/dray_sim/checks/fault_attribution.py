@@ -14,15 +14,17 @@ from typing import NamedTuple
 
 from dray.messages import AtvHeartbeat, AtvStatus, CommandKind, Event, Message, Reason
 from dray.messages.fact import AtvStatusChanged, CarrierChanged, CommandObeyed, GoalLost
-from dray.messages.keys import STRATEGIST
+from dray.messages.keys import GATE, STRATEGIST
 from dray_sim.checks.broken import InvariantBroken
 from dray_sim.faults import (
     ClockSet,
     Crashed,
+    DoorFailed,
     Fault,
     JournalLost,
     LaneBlocked,
     LinkTrouble,
+    LoadDropped,
     LoadShifted,
     MachineBroken,
     PoweredOff,
@@ -78,10 +80,13 @@ class FaultAttribution:
 
     Args:
         fleet: who is a vehicle.
+        strategists: who gives goals out.
     """
 
-    def __init__(self, fleet: Container[str] = ()) -> None:
+    def __init__(self, fleet: Container[str] = (), strategists: tuple[str, ...] = (STRATEGIST,)) -> None:
         self._fleet = fleet
+        # What is counted at the gate decides when a goal is lost, as their words do.
+        self.strategists = (*strategists, GATE)
         self._absences: dict[str, _Absence] = {}
         """The last one of each agent."""
         self._spells: dict[str, _Spell] = {}
@@ -185,7 +190,8 @@ class FaultAttribution:
                 raise InvariantBroken(6, at_s, seen)
         elif type(fact) is GoalLost:
             machine = fact.machine
-            concerned = (machine, _away(machine), _taken_out(machine), STRATEGIST, _away(STRATEGIST))
+            givers = (*self.strategists, *map(_away, self.strategists))
+            concerned = (machine, _away(machine), _taken_out(machine), *givers)
             if not self.in_trouble(at_s, *concerned):
                 seen = f"{fact.machine} lost {fact.goal}, and nothing was wrong with it"
                 raise InvariantBroken(6, at_s, seen)
@@ -251,8 +257,11 @@ def _taken_out(agent: str) -> str:
 
 
 def _touched(fault: Fault) -> str:
-    if isinstance(fault, LaneBlocked):
+    if isinstance(fault, LaneBlocked | DoorFailed):
         return FLOOR
+    if isinstance(fault, LoadDropped):
+        # The vehicle stands, and what it has lost lies in the way of the others.
+        return EVERYBODY
     return _away(fault.agent) if isinstance(fault, SentAway) else _agent(fault)
 
 
@@ -269,6 +278,6 @@ def _can_lose(fault: Fault, sender: str, receiver: str) -> bool:
     if isinstance(fault, LinkTrouble):
         ends = fnmatchcase(sender, fault.sender) and fnmatchcase(receiver, fault.receiver)
         return fault.loss_frac > 0.0 and ends
-    if isinstance(fault, RadioCut | ClockSet | LaneBlocked):
+    if isinstance(fault, RadioCut | ClockSet | LaneBlocked | DoorFailed | LoadDropped):
         return False
     return _agent(fault) in (EVERYBODY, sender, receiver)

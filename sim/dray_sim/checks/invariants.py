@@ -39,8 +39,14 @@ from dray_sim.checks.brought_once import BroughtOnce
 from dray_sim.checks.delivered import DeliveredExactly
 from dray_sim.checks.floor.overlaps import Overlaps
 from dray_sim.checks.isolation import ReplacedInTime, SpeaksOn
+from dray_sim.checks.one_carrier import OneCarrierAtATime
+from dray_sim.checks.one_holder import OneHolderEach
+from dray_sim.checks.parts import PartsCountedOnce
+from dray_sim.checks.people.goods_kept import GoodsCalledFor, GoodsKept
 from dray_sim.checks.people.granted import GrantedOnly
 from dray_sim.checks.people.in_service import InServiceOnly
+from dray_sim.checks.stock_told import StockTold
+from dray_sim.checks.working_time import RestsKept
 from dray_sim.factory.sim_factory import SimFactory
 from dray_sim.network.listeners import Listener
 
@@ -52,9 +58,13 @@ STILL_M = 1e-6
 
 
 class TasksEnd:
-    """Invariant 1: an announced task is delivered, withdrawn, or still announced. Never lost."""
+    """Invariant 1: an announced task is delivered, withdrawn, or still announced. Never lost.
 
-    def __init__(self) -> None:
+    What one of these strategists has announced any of them may end: it has taken the order over.
+    """
+
+    def __init__(self, strategists: tuple[str, ...] = (STRATEGIST,)) -> None:
+        self._strategists = strategists
         self._open_s: dict[str, dict[str, float]] = {}
         """By coordinator: its open tasks, and when each was announced first."""
         self._forgotten: dict[str, None] = {}
@@ -63,6 +73,8 @@ class TasksEnd:
         """By coordinator, the newest of its tasks that have ended, which is forgotten with its notes, too."""
 
     def on_message(self, at_s: float, sender: str, _address: str, message: Message) -> None:
+        if sender in self._strategists:
+            sender = self._strategists[0]
         if type(message) is Event:
             fact = message.fact
             if type(fact) is TaskOpened:
@@ -159,16 +171,21 @@ class EpochsRise:
 
 
 class OnePrimaryEach:
-    """Invariant 3: an ATV is primary of at most one task."""
+    """Invariant 3: an ATV is primary of at most one task. Machines hold several goals, of whichever of these strategists."""
 
-    def __init__(self) -> None:
+    def __init__(self, strategists: tuple[str, ...] = (STRATEGIST,)) -> None:
+        self._strategists = strategists
         self._primary_of: dict[str, str] = {}
 
     def on_message(self, at_s: float, sender: str, _address: str, message: Message) -> None:
         if type(message) is not Event:
             return
         fact = message.fact
-        if type(fact) is ContractTaken and fact.role is Role.PRIMARY and not _is_goal(fact):
+        if (
+            type(fact) is ContractTaken
+            and fact.role is Role.PRIMARY
+            and fact.coordinator not in self._strategists
+        ):
             before = self._primary_of.setdefault(sender, fact.task)
             if before != fact.task:
                 raise InvariantBroken(3, at_s, f"{sender} took {fact.task} while it carried {before}")
@@ -288,19 +305,28 @@ class Invariants:
         self.broken: InvariantBroken | None = None
         self._broke = asyncio.Event()
         self._conservation = MaterialConserved(lambda: factory.floor.count().balance)
+        plant = factory.plant
+        abilities = {atv: plant.vehicle_types[vehicle.type].abilities for atv, vehicle in plant.fleet.items()}
         self._checks: tuple[Listener, ...] = (
-            TasksEnd(),
+            TasksEnd(factory.strategists),
             HandedOverOnce(),
             EpochsRise(),
-            OnePrimaryEach(),
+            OnePrimaryEach(factory.strategists),
             DeliveredExactly(factory.gate.arrived),
-            BroughtOnce(),
+            OneHolderEach(),
+            PartsCountedOnce(factory),
+            BroughtOnce(abilities),
+            OneCarrierAtATime(factory),
             StoppedStands(factory),
             SpeaksOn(factory),
             ReplacedInTime(factory),
             GrantedOnly(factory),
             PromisedLiesThere(),
+            StockTold(factory),
             InServiceOnly(),
+            RestsKept(plant),
+            GoodsKept(factory),
+            GoodsCalledFor(),
             self._conservation,
             *more,
         )
@@ -333,11 +359,6 @@ class Invariants:
     async def wait_broken(self) -> None:
         """Return when one is broken; that may be never."""
         await self._broke.wait()
-
-
-def _is_goal(fact: ContractTaken) -> bool:
-    """Machines hold several goals; only transports bind a vehicle to one."""
-    return fact.coordinator == STRATEGIST
 
 
 def _forget_oldest(tasks: dict[str, Any]) -> None:

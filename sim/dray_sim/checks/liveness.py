@@ -19,6 +19,7 @@ from dray.messages import (
     Transport,
     TransportAnswered,
     TransportOrdered,
+    TransportState,
 )
 from dray.messages.fact import (
     GoodsDelivered,
@@ -60,8 +61,8 @@ class LivenessCheck:
         """By transport: when it was announced first, how many were done before, and what is carried."""
         self._coordinator: dict[str, str] = {}
         """Of every transport that was announced."""
-        self._orders: dict[str, None] = {}
-        """Those that are not delivered yet, and transports that somebody has asked for."""
+        self._orders: dict[str, str] = {}
+        """Those that are not delivered yet, and transports that somebody has asked for; with who has."""
         self._ended_orders: dict[str, None] = {}
         self._returned: dict[str, int] = {}
         """By order that was taken back: its newest release of which that is known."""
@@ -81,7 +82,7 @@ class LivenessCheck:
         self._since_s = self._moved_s = self._look_s = at_s
         self._done_before = self._done
 
-    def on_message(self, at_s: float, _sender: str, _address: str, message: Message) -> None:
+    def on_message(self, at_s: float, sender: str, _address: str, message: Message) -> None:
         """Note what begins and ends.
 
         Raises:
@@ -93,10 +94,10 @@ class LivenessCheck:
             # It is repeated until it is answered, and that may be after its end.
             again = message.release > self._returned.get(message.order, 0)
             if message.order not in self._ended_orders and again:
-                self._orders[message.order] = None
+                self._orders[message.order] = sender
         elif type(message) is TransportOrdered:
             if message.transport not in self._ended_orders:
-                self._orders[message.transport] = None
+                self._orders[message.transport] = sender
         elif type(message) is TransportAnswered:
             if message.state in TRANSPORT_ENDED:
                 self._end_order(message.transport)
@@ -120,10 +121,15 @@ class LivenessCheck:
             # It does not know of its transports; what still is to be done it announces under other names.
             for task in [task for task in self._open if self._coordinator[task] == event.agent]:
                 del self._open[task]
+            # Nor of what it has asked others to fetch: when they lose their memory too, nobody does.
+            for order in [order for order, asker in self._orders.items() if asker == event.agent]:
+                del self._orders[order]
         elif type(fact) is TransportProgressed:
             if fact.state in TRANSPORT_ENDED:
-                self._moved_s = at_s
                 self._end_order(fact.transport)
+            if fact.state is TransportState.DELIVERED:
+                # Machines ask for the same again and again: what is called off brings nothing forward.
+                self._moved_s = at_s
         elif isinstance(fact, PROGRESS):
             self._moved_s = at_s
             if type(fact) is TaskClosed and self._open.pop(fact.task, None) is not None:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from math import cos, pi, sin
 from random import Random
 
 from dray.messages import Closure, ClosureKind
+from dray.messages.floor.closure import MAX_CORNERS
 from dray.plant import Plant
 from dray_sim.people.floor_manager import NAME, Closing
 
@@ -20,6 +22,12 @@ KINDS = {ClosureKind.CLOSED: 6, ClosureKind.SLOW: 2, ClosureKind.ONE_WAY: 2}
 
 EXTENTS = {"lane": 5, "node": 3, "area": 1}
 
+DRAWN_FRAC = 0.5
+"""The part of the runs with closures in which somebody draws an outline on the floor, too."""
+
+DRAWN_M = (1.0, 6.0)
+"""How far its corners are from a node."""
+
 
 def draw_closings(plant: Plant, random: Random, until_s: float) -> tuple[Closing, ...]:
     """The closures of one run, any lane, node or area at any time; all have ended by `until_s`."""
@@ -30,6 +38,25 @@ def draw_closings(plant: Plant, random: Random, until_s: float) -> tuple[Closing
         closure = _draw(plant, random, f"closure-{number + 1}")
         closings.append(Closing(closure, at_s, ends_s, tells_end=random.random() < 0.5))
     return tuple(closings)
+
+
+def draw_outline(plant: Plant, random: Random, until_s: float) -> tuple[Closing, ...]:
+    """Perhaps one more: closed or slow, a polygon around a node."""
+    if random.random() >= DRAWN_FRAC:
+        return ()
+    middle = plant.nodes[random.choice(tuple(plant.nodes))]
+    turns = sorted(random.uniform(0.0, 2.0 * pi) for _ in range(random.randint(3, MAX_CORNERS)))
+    outline = tuple(
+        (round(middle.x_m + far_m * cos(turn), 2), round(middle.y_m + far_m * sin(turn), 2))
+        for turn in turns
+        for far_m in (random.uniform(*DRAWN_M),)
+    )
+    kind = random.choice((ClosureKind.CLOSED, ClosureKind.SLOW))
+    speed_mps = random.uniform(*SLOW_MPS) if kind is ClosureKind.SLOW else None
+    at_s = random.uniform(0.0, until_s)
+    ends_s = min(until_s, at_s + random.uniform(*LASTS_S))
+    closure = Closure("closure-drawn", kind, NAME, outline=outline, speed_mps=speed_mps)
+    return (Closing(closure, at_s, ends_s, tells_end=random.random() < 0.5),)
 
 
 def _draw(plant: Plant, random: Random, name: str) -> Closure:

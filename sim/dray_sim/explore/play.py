@@ -21,6 +21,7 @@ from dray_sim.checks.floor.obstacles import MindsObstacles
 from dray_sim.checks.floor.overlaps import Overlaps
 from dray_sim.checks.invariants import Invariants
 from dray_sim.checks.liveness import LivenessCheck
+from dray_sim.checks.parts import ToldOnce
 from dray_sim.checks.people.called import NoCallIsLost, OneTakerEach
 from dray_sim.checks.people.handed_over import HandedOver
 from dray_sim.checks.stale_contracts import StaleContracts
@@ -32,15 +33,16 @@ from dray_sim.explore.outcome import Outcome
 from dray_sim.explore.run import Run, draw
 from dray_sim.explore.story import Story
 from dray_sim.factory.sim_factory import SimFactory
-from dray_sim.faults import Fault, Faults, LaneBlocked, describe, kind_of
+from dray_sim.faults import Fault, Faults, LaneBlocked, LoadDropped, describe, kind_of
 from dray_sim.faults import play as let_happen
 from dray_sim.insiders import BEHAVIOURS
 from dray_sim.insiders.joining import INSIDER, bring_in
 from dray_sim.network.listeners import Listeners
 from dray_sim.people.carriers import Carriers
+from dray_sim.people.crew import hire
 from dray_sim.people.floor_manager import FloorManager
 from dray_sim.people.floor_office import FloorOffice
-from dray_sim.people.operators import Operator, hire
+from dray_sim.people.operators import Operator
 from dray_sim.people.order_client import OrderClient
 from dray_sim.people.random.canceller import Canceller
 from dray_sim.people.random.machine_meddler import MachineMeddler
@@ -167,10 +169,11 @@ class _Game:
             codec=run.codec,
             listener=listeners,
             traffic=run.traffic,
+            strategists=run.strategists,
         )
         liar = INSIDER if run.insider else ""
         attribution, liveness = (
-            FaultAttribution(run.plant.fleet),
+            FaultAttribution(run.plant.fleet, factory.strategists),
             LivenessCheck(Bounds(run.plant, run.habits), liar),
         )
         checks = Invariants(
@@ -178,10 +181,11 @@ class _Game:
             attribution,
             StaleContracts(factory, attribution),
             Standing(attribution),
-            NobodyWaitsInVain(attribution, tuple(run.plant.storages)),
+            NobodyWaitsInVain(attribution, tuple(run.plant.stores)),
             liveness,
             HandedOver(attribution),
         )
+        checks.add(ToldOnce(factory, liar))
         if liar:
             attribution.distrust(liar)
         people: tuple[Operator, ...] = ()
@@ -198,7 +202,8 @@ class _Game:
         if run.closings:
             attribution.restrict(max(each.until_s for each in run.closings))
             checks.add(ClosedLanes(factory))
-        if any(isinstance(timed.fault, LaneBlocked) for timed in run.schedule):
+        in_the_way = any(isinstance(timed.fault, LaneBlocked | LoadDropped) for timed in run.schedule)
+        if in_the_way or factory.plant.doors:
             checks.add(MindsObstacles(factory))
         faults = _Diary(factory, attribution, self._story)
         self._faults = faults.begun
@@ -276,12 +281,12 @@ class _Game:
 
     def _ask_for_work(self, factory: SimFactory, group: asyncio.TaskGroup) -> None:
         """Customers order, and think again; people have something brought."""
-        run, bus, now = self._run, factory.bus, factory.clock
-        group.create_task(OrderClient(bus, now).place(run.orders))
+        run, bus, now, whom = self._run, factory.bus, factory.clock, factory.strategists
+        group.create_task(OrderClient(bus, now, whom).place(run.orders))
         if run.cancelled:
-            group.create_task(Canceller(bus, now).cancel(run.cancelled))
+            group.create_task(Canceller(bus, now, whom).cancel(run.cancelled))
         if run.revocations:
-            group.create_task(Revoker(bus, now).revoke(run.revocations))
+            group.create_task(Revoker(bus, now, whom).revoke(run.revocations))
         if run.calls:
             group.create_task(TransportCaller(bus, now).call(run.calls))
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from dray_sim.faults import (
     WEIGHTS,
@@ -42,6 +42,7 @@ class Profile:
         clocks: how often in a minute.
         obstacles_frac: the part of the runs in which something is put on lanes.
         obstacles: how often in a minute.
+        doors_frac: the part of the runs in plants with doors, which fail as often as something is put on lanes.
         operators_frac: the part of the runs with operators.
         random_operator_frac: the part in which somebody presses buttons at random.
         cancelled_frac: the part of the orders that customers cancel.
@@ -51,6 +52,12 @@ class Profile:
         carried_frac: the part of the runs with right of way in which people carry vehicles away and put them back.
         closures_frac: the part of the runs in which a manager closes lanes, nodes and areas.
         calls_frac: the part of the runs in which people have something brought or taken away.
+        levels_frac: the part of the runs in plants of two machines and more in which some make parts for others.
+        scrap_frac: the part of the runs in which machines make bad pieces.
+        priorities_frac: the part of the runs in which orders have priorities.
+        stations_frac: the part of the runs in plants with storages that vehicles refill, or where machines fetch in the warehouse.
+        rests_frac: the part of the runs in which machines rest now and then by their working time.
+        strategists: how many there are; of several one after the other is killed.
         scarce_power: whether batteries are so small that they are emptied and charged in minutes, and chargers and
             parking places few; the chargers suffice.
     """
@@ -72,6 +79,7 @@ class Profile:
     clocks: tuple[float, float] = (0.2, 4.0)
     obstacles_frac: float = 0.0
     obstacles: tuple[float, float] = (0.3, 3.0)
+    doors_frac: float = 0.0
     operators_frac: float = 0.7
     random_operator_frac: float = 0.4
     cancelled_frac: float = 0.1
@@ -81,22 +89,69 @@ class Profile:
     closures_frac: float = 0.0
     carried_frac: float = 0.0
     calls_frac: float = 0.0
+    levels_frac: float = 0.0
+    scrap_frac: float = 0.0
+    priorities_frac: float = 0.0
+    stations_frac: float = 0.0
+    rests_frac: float = 0.0
+    strategists: int = 1
     scarce_power: bool = False
 
 
+ONE_LEVEL = Profile(
+    weights={**WEIGHTS, JournalLost: 1.0},
+    leaving_frac=0.3,
+    waves_frac=0.3,
+    clocks_frac=0.3,
+    obstacles_frac=0.2,
+    insiders_frac=0.2,
+    closures_frac=0.2,
+    carried_frac=0.3,
+    calls_frac=0.4,
+)
+"""Everything but parts, bad pieces, priorities, and storages that vehicles refill."""
+
 PROFILES: Mapping[str, Profile] = {
-    "all": Profile(
-        weights={**WEIGHTS, JournalLost: 1.0},
-        leaving_frac=0.3,
+    "all": replace(ONE_LEVEL, levels_frac=0.4, scrap_frac=0.4, priorities_frac=0.4, stations_frac=0.3),
+    "one-level": ONE_LEVEL,
+    "people": replace(ONE_LEVEL, operators_frac=1.0, random_operator_frac=0.7),
+    "levels": Profile(
+        machines=(2, 6),
+        vehicles=(2, 6),
+        weights={**WEIGHTS, Crashed: 4.0, JournalLost: 0.3},
         waves_frac=0.3,
-        clocks_frac=0.3,
-        obstacles_frac=0.2,
-        insiders_frac=0.2,
-        closures_frac=0.2,
-        carried_frac=0.3,
-        calls_frac=0.4,
+        leaving_frac=0.3,
+        calls_frac=0.5,
+        levels_frac=1.0,
+        scrap_frac=0.7,
+        priorities_frac=0.5,
     ),
+    "levels-alone": Profile(
+        machines=(2, 6),
+        vehicles=(2, 6),
+        intensity=(0.0, 0.0),
+        operators_frac=0.0,
+        random_operator_frac=0.0,
+        levels_frac=1.0,
+        scrap_frac=0.7,
+        priorities_frac=0.5,
+    ),
+    "stations": Profile(
+        vehicles=(2, 6),
+        weights={**WEIGHTS, Crashed: 4.0, JournalLost: 0.5},
+        waves_frac=0.4,
+        leaving_frac=0.3,
+        closures_frac=0.2,
+        calls_frac=0.4,
+        levels_frac=0.3,
+        stations_frac=1.0,
+    ),
+    "stations-alone": Profile(
+        intensity=(0.0, 0.0), operators_frac=0.0, random_operator_frac=0.0, stations_frac=1.0
+    ),
+    "rests": Profile(rests_frac=1.0, leaving_frac=0.3, waves_frac=0.3, levels_frac=0.3),
     "mishaps": Profile(leaving_frac=0.3),
+    "strategists": Profile(leaving_frac=0.3, levels_frac=0.3, strategists=2),
     "deaths": Profile(weights={PoweredOff: 2.0, Crashed: 1.0}, random_operator_frac=0.0),
     "links": Profile(weights={WlanCut: 2.0, LinkTrouble: 4.0, Partition: 2.0, CoverageHole: 1.0}),
     "answers": Profile(
@@ -125,6 +180,10 @@ PROFILES: Mapping[str, Profile] = {
     "obstacles": Profile(intensity=(0.0, 0.5), obstacles_frac=1.0),
     "obstacles-alone": Profile(
         intensity=(0.0, 0.0), operators_frac=0.0, random_operator_frac=0.0, obstacles_frac=1.0
+    ),
+    "doors": Profile(vehicles=(2, 6), intensity=(0.0, 1.0), obstacles_frac=0.3, doors_frac=1.0),
+    "doors-alone": Profile(
+        vehicles=(2, 6), intensity=(0.0, 0.0), operators_frac=0.0, random_operator_frac=0.0, doors_frac=1.0
     ),
     "carried": Profile(vehicles=(2, 6), intensity=(0.0, 1.0), carried_frac=1.0),
     "calls": Profile(

@@ -11,11 +11,26 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from random import Random
 
+from dray.messages.keys import strategists_of
 from dray.plant import Plant
-from dray_sim.explore.closings import draw_closings
+from dray.plant.file.check_levels import levels_of
+from dray.priorities import Priority
+from dray_sim.explore.closings import draw_closings, draw_outline
+from dray_sim.explore.levels import with_priorities
 from dray_sim.explore.profile import PROFILES, Profile
 from dray_sim.explore.small_plant import bearable_load, small_plant
-from dray_sim.faults import CLOCKS, LEAVING, OBSTACLES, Timed, describe, random_schedule, random_waves
+from dray_sim.faults import (
+    CLOCKS,
+    DOORS,
+    DROPPED,
+    LEAVING,
+    OBSTACLES,
+    Timed,
+    describe,
+    random_kills,
+    random_schedule,
+    random_waves,
+)
 from dray_sim.insiders import BEHAVIOURS
 from dray_sim.people import demand
 from dray_sim.people.carriers import Carrying, draw_carryings
@@ -56,6 +71,7 @@ class Run:
         codec: whether all messages go through the wire format.
         habits: of the operators; None where there are none.
         random_operator: whether somebody presses buttons at random.
+        strategists: how many there are.
         random_answers: whether somebody answers calls for help at random.
         cancelled: orders that are cancelled, and when (plant clock), in the order of their times.
         revocations: orders that are taken back and published again.
@@ -86,19 +102,30 @@ class Run:
     insider: str = ""
     traffic: bool = False
     random_answers: bool = False
+    strategists: int = 1
 
     @property
     def has_faults(self) -> bool:
         """Whether anything goes wrong in it."""
         return bool(self.schedule or self.random_operator or self.insider or self.closings or self.carryings)
 
+    @property
+    def has_scrap(self) -> bool:
+        """Whether machines make bad pieces."""
+        return any(making.scrap_frac for spec in self.plant.machines.values() for making in spec.makes)
+
     def __str__(self) -> str:
         """In one line, for a reader."""
         parts = (
             f"{len(self.plant.machines)} machines",
+            *((f"{levels_of(self.plant.file)} levels",) if self.plant.parts else ()),
             f"{len(self.plant.fleet)} vehicles",
+            *((f"{self.strategists} strategists",) if self.strategists > 1 else ()),
             f"{len(self.orders)} orders ({len(self.cancelled)} cancelled, {len(self.revocations)} taken back)",
             f"load {self.load:.0%}",
+            *(("priorities",) if any(o.priority is not Priority.NORMAL for o in self.orders) else ()),
+            *(("bad pieces",) if self.has_scrap else ()),
+            *((f"{len(self.calls)} transports called",) if self.calls else ()),
             f"{len(self.schedule)} faults",
             *((f"{len(self.closings)} closures",) if self.closings else ()),
             *((f"{len(self.carryings)} carried away",) if self.carryings else ()),
@@ -132,6 +159,8 @@ def draw(seed: int, profile: str = "all", *, traffic: bool = False) -> Run:
     load = random.uniform(*ranges.load) * min(1.0, bearable_load(plant))
     emptiest = random.uniform(*ranges.stock_frac)
     orders = tuple(demand.orders(plant, Random(f"{seed} demand"), load=load, until_s=FAULTS_UNTIL_S))
+    if Random(f"{seed} has priorities").random() < ranges.priorities_frac:
+        orders = with_priorities(orders, Random(f"{seed} priorities"))
     return Run(
         seed=seed,
         profile=profile,
@@ -149,24 +178,32 @@ def draw(seed: int, profile: str = "all", *, traffic: bool = False) -> Run:
         random_answers=Random(f"{seed} answers").random() < ranges.random_operator_frac,
         orders=orders,
         schedule=_schedule(seed, plant, ranges, random.uniform(*ranges.intensity)),
+        strategists=ranges.strategists,
         cancelled=_cancelled(orders, ranges.cancelled_frac, Random(f"{seed} regret")),
         revocations=_revocations(orders, ranges, Random(f"{seed} revised")),
-        closings=_closings(plant, ranges, Random(f"{seed} closures")),
+        closings=_closings(plant, ranges, seed),
         carryings=_carryings(plant, ranges, Random(f"{seed} carried")) if traffic else (),
-        calls=_calls(plant, ranges, Random(f"{seed} calls")),
+        calls=_calls(plant, ranges, seed),
         insider=_insider(ranges, Random(f"{seed} insider")),
         traffic=traffic,
     )
 
 
-def _closings(plant: Plant, ranges: Profile, random: Random) -> tuple[Closing, ...]:
+def _closings(plant: Plant, ranges: Profile, seed: int) -> tuple[Closing, ...]:
+    random = Random(f"{seed} closures")
     if random.random() >= ranges.closures_frac:
         return ()
-    return draw_closings(plant, random, FAULTS_UNTIL_S)
+    drawn = draw_outline(plant, Random(f"{seed} outlines"), FAULTS_UNTIL_S)
+    return (*draw_closings(plant, random, FAULTS_UNTIL_S), *drawn)
 
 
-def _calls(plant: Plant, ranges: Profile, random: Random) -> tuple[Call, ...]:
-    return draw_calls(plant, random, FAULTS_UNTIL_S) if random.random() < ranges.calls_frac else ()
+def _calls(plant: Plant, ranges: Profile, seed: int) -> tuple[Call, ...]:
+    random = Random(f"{seed} calls")
+    if random.random() >= ranges.calls_frac:
+        return ()
+    return draw_calls(
+        plant, random, Random(f"{seed} wishes"), Random(f"{seed} wanted abilities"), FAULTS_UNTIL_S
+    )
 
 
 def _carryings(plant: Plant, ranges: Profile, random: Random) -> tuple[Carrying, ...]:
@@ -191,6 +228,10 @@ def _schedule(seed: int, plant: Plant, ranges: Profile, intensity: float) -> tup
     if random.random() < ranges.leaving_frac:
         a_minute = random.uniform(*ranges.leaving)
         schedule += random_schedule(plant, random, FAULTS_UNTIL_S, a_minute, weights=LEAVING)
+    if ranges.strategists > 1:
+        schedule += random_kills(
+            strategists_of(ranges.strategists), Random(f"{seed} strategists"), FAULTS_UNTIL_S
+        )
     random = Random(f"{seed} waves")
     if random.random() < ranges.waves_frac:
         schedule += random_waves(plant, random, FAULTS_UNTIL_S, random.uniform(*ranges.waves))
@@ -202,6 +243,13 @@ def _schedule(seed: int, plant: Plant, ranges: Profile, intensity: float) -> tup
     if random.random() < ranges.obstacles_frac:
         a_minute = random.uniform(*ranges.obstacles)
         schedule += random_schedule(plant, random, FAULTS_UNTIL_S, a_minute, weights=OBSTACLES)
+        dropped = Random(f"{seed} dropped loads")
+        a_minute = dropped.uniform(*ranges.obstacles)
+        schedule += random_schedule(plant, dropped, FAULTS_UNTIL_S, a_minute, weights=DROPPED)
+    if plant.doors:
+        random = Random(f"{seed} failing doors")
+        a_minute = random.uniform(*ranges.obstacles)
+        schedule += random_schedule(plant, random, FAULTS_UNTIL_S, a_minute, weights=DOORS)
     return tuple(sorted(schedule, key=lambda timed: timed.at_s))
 
 
@@ -253,8 +301,12 @@ def _careless(habits: Habits, random: Random) -> Habits:
     forgets_frac = random.uniform(0.0, 0.6) if random.random() < 0.5 else 0.0
     on_duty_s = (20.0, random.uniform(60.0, 400.0)) if random.random() < 0.5 else None
     off_duty_s = (5.0, random.uniform(10.0, 200.0))
+    hands_over_frac = random.random()
+    hold_s = (1.0, random.uniform(10.0, 200.0))
     return replace(
         habits,
+        hands_over_frac=hands_over_frac,
+        hold_s=hold_s,
         forgets_frac=forgets_frac,
         on_duty_s=on_duty_s,
         off_duty_s=off_duty_s,

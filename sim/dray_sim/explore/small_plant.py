@@ -17,7 +17,11 @@ from dray.plant import (
     VehicleSpec,
     VehicleType,
 )
+from dray.plant.working_time import WeeklySpan, WorkingHours
+from dray_sim.explore.doors import with_doors
+from dray_sim.explore.levels import with_levels, with_scrap
 from dray_sim.explore.profile import Profile
+from dray_sim.explore.stations import with_stations
 from dray_sim.people import demand
 from dray_sim.plants.generator import generate_plant
 
@@ -30,6 +34,15 @@ TWO_LANES_FRAC = 0.5
 BATTERY_SHARE = (0.04, 0.15)
 """Of the usual battery: it lasts for a quarter of an hour to an hour of driving, and is charged in six to 25 minutes."""
 
+WORKS_MIN, RESTS_MIN = (2, 8), (1, 5)
+"""Minutes from one break to the next, and of a break."""
+
+RESTS_UNTIL_MIN = 120
+"""No break begins after this: no run takes so long unless something is wrong."""
+
+OWN_RESTS_FRAC = 0.4
+"""Of the machines, and of the operators' areas, those that do not go by the working time of the plant."""
+
 LEAST_LOT = 2
 """Pieces in the smallest container of a run."""
 
@@ -37,12 +50,27 @@ LEAST_LOT = 2
 def bearable_load(plant: Plant) -> float:
     """Part of the machines' time at which the whole fleet is busy all the time."""
     busy_frac = 0.0
-    for product in plant.products.values():
-        loads = 1.0 / product.lot + sum(
-            line.quantity / plant.materials[line.material].lot for line in product.bill
-        )
-        busy_frac += loads * TRANSPORT_S / demand.mean_cycle_s(plant, product.id) / len(plant.products)
+    for product in map(plant.products.__getitem__, plant.ordered):
+        loads = loads_per_piece(plant, product.id)
+        busy_frac += loads * TRANSPORT_S / demand.mean_cycle_s(plant, product.id) / len(plant.ordered)
     return len(plant.fleet) / (len(plant.machines) * busy_frac)
+
+
+def loads_per_piece(plant: Plant, product: str) -> float:
+    """Containers that are carried for one piece, those of its parts and of their materials too."""
+    made = plant.products[product]
+    return 1.0 / made.lot + sum(
+        line.quantity * loads_per_piece(plant, line.material)
+        if line.material in plant.parts
+        else line.quantity * _ways(plant, line.material) / plant.materials[line.material].lot
+        for line in made.bill
+    )
+
+
+def _ways(plant: Plant, material: str) -> int:
+    """How often a material is carried until it is where it is used."""
+    refilled = (plant.stores[place].refill == "vehicles" for place in plant.storages_of(material))
+    return 2 if any(refilled) else 1
 
 
 def small_plant(seed: int, ranges: Profile, random: Random) -> Plant:
@@ -54,15 +82,54 @@ def small_plant(seed: int, ranges: Profile, random: Random) -> Plant:
     fleet = tuple(_charged(spec, random.uniform(*ranges.battery_frac)) for spec in file.fleet)
     if ranges.scarce_power:
         file = with_scarce_power(file, Random(f"{seed} power"))
-    return Plant(
-        msgspec.structs.replace(
-            file,
-            materials=tuple(_small_material(each, lot_frac) for each in file.materials),
-            products=tuple(_small_product(each, lot_frac) for each in file.products),
-            machines=tuple(_quick(each, lot_frac, cycle_frac) for each in file.machines),
-            fleet=fleet,
-        )
+    file = msgspec.structs.replace(
+        file,
+        materials=tuple(_small_material(each, lot_frac) for each in file.materials),
+        products=tuple(_small_product(each, lot_frac) for each in file.products),
+        machines=tuple(_quick(each, lot_frac, cycle_frac) for each in file.machines),
+        fleet=fleet,
     )
+    if machines > 1 and Random(f"{seed} has levels").random() < ranges.levels_frac:
+        file = with_levels(file, Random(f"{seed} levels"))
+    if Random(f"{seed} has stations").random() < ranges.stations_frac:
+        file = with_stations(file, Random(f"{seed} stations"))
+    if Random(f"{seed} has scrap").random() < ranges.scrap_frac:
+        file = with_scrap(file, Random(f"{seed} bad pieces"))
+    if Random(f"{seed} has doors").random() < ranges.doors_frac:
+        file = with_doors(file, Random(f"{seed} doors"))
+    if Random(f"{seed} rests").random() < ranges.rests_frac:
+        file = with_rests(file, Random(f"{seed} working time"), Random(f"{seed} people's working time"))
+    return Plant(file)
+
+
+def with_rests(file: PlantFile, random: Random, of_people: Random) -> PlantFile:
+    """The same plant with breaks every few minutes, of the whole plant, and of some machines and the people of some areas their own."""
+
+    def drawn(random: Random) -> WorkingHours:
+        minutes, breaks = 0, []
+        while (minutes := minutes + random.randint(*WORKS_MIN)) < RESTS_UNTIL_MIN:
+            ends = minutes + random.randint(*RESTS_MIN)
+            breaks.append(WeeklySpan(_time_of_day(minutes), _time_of_day(ends)))
+            minutes = ends
+        return WorkingHours(shifts=(WeeklySpan("00:00", "00:00"),), breaks=tuple(breaks))
+
+    machines = tuple(
+        msgspec.structs.replace(spec, working_time=drawn(random))
+        if random.random() < OWN_RESTS_FRAC
+        else spec
+        for spec in file.machines
+    )
+    areas = tuple(
+        msgspec.structs.replace(area, working_time=drawn(of_people))
+        if of_people.random() < OWN_RESTS_FRAC
+        else area
+        for area in file.areas
+    )
+    return msgspec.structs.replace(file, working_time=drawn(random), machines=machines, areas=areas)
+
+
+def _time_of_day(minutes: int) -> str:
+    return f"{minutes // 60:02d}:{minutes % 60:02d}"
 
 
 def with_scarce_power(file: PlantFile, random: Random) -> PlantFile:

@@ -21,8 +21,8 @@ Embody = Callable[[VehicleSpec, SimVehicle, int], Body]
 """Makes the body of one life of a vehicle's agent, from the vehicle and the number of that life."""
 
 
-MakeBody = Callable[[int], Body]
-"""Makes the body of one life of an agent, from its number."""
+MakeBody = Callable[[int], Body | None]
+"""Makes the body of one life of an agent, from its number; None for one that only talks."""
 
 
 @dataclass(slots=True)
@@ -51,6 +51,6 @@ def directly(_spec: VehicleSpec, vehicle: SimVehicle, _life: int) -> Body:
     return vehicle
 
 
-def always(body: Body) -> MakeBody:
+def always(body: Body | None) -> MakeBody:
     """The same for all lives."""
     return lambda _life: body

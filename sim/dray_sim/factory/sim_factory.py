@@ -17,17 +17,15 @@ from msgspec.structs import replace
 
 from dray import __version__
 from dray.adapters.security.signing import SigningKey, TrustedKeys
-from dray.messages.keys import STRATEGIST, Keys
+from dray.messages.keys import GATE, Keys, strategists_of
 from dray.messages.speakers import Kind
 from dray.plant import Plant, with_machine
 from dray.plant.model import MachineSpec, VehicleSpec
 from dray.ports import Bus, Clock
 from dray.protocol.machine.machine import Machine
-from dray.protocol.runtime.events import Agent
 from dray.protocol.runtime.running import Running
 from dray.protocol.runtime.trust import Trusts
 from dray.protocol.station.station import Station
-from dray.protocol.strategist.strategist import Strategist
 from dray.protocol.traffic.traffic_map import TrafficMap
 from dray.protocol.vehicle.atv import Atv
 from dray.worker.worker import Worker
@@ -38,6 +36,7 @@ from dray_sim.clock.computer import ComputerClock
 from dray_sim.clock.loop import VirtualClock
 from dray_sim.factory.installation import Embody, Installation, MakeAgent, MakeBody, always, directly
 from dray_sim.factory.journal import HeldJournal
+from dray_sim.factory.strategists import with_gate
 from dray_sim.network.coverage import Coverage
 from dray_sim.network.latency import WLAN, Latency
 from dray_sim.network.listeners import Listener
@@ -60,6 +59,7 @@ class SimFactory:
         authority: grants the commands of simulated people, and is the one that vehicles believe; follows from the seed by default.
         traffic: whether vehicles drive with right of way; else as if each were alone.
         embody: what stands between a vehicle and each life of its agent; nothing by default.
+        strategists: how many there are.
 
     Attributes:
         authority: grants the commands of simulated people.
@@ -69,7 +69,7 @@ class SimFactory:
         vehicles, workcells, storages, delivery, source: those of the floor.
         workers: by agent id; of a crashed agent, that of its last life.
         journals: by agent id.
-        gate: of all delivery warehouses; the strategist's body.
+        gate, strategists: the gate of all delivery warehouses, and the ids of those who share it.
         in_hands: pieces that people carry, by item.
     """
 
@@ -88,6 +88,7 @@ class SimFactory:
         authority: SigningKey | None = None,
         traffic: bool = False,
         embody: Embody = directly,
+        strategists: int = 1,
     ) -> None:
         self._embody = embody
         self.plant = plant
@@ -123,7 +124,9 @@ class SimFactory:
             self._employ(storage, Kind.STATION, self._station(storage), always(place))
         for spec in plant.fleet.values():
             self._man(spec)
-        self._employ(STRATEGIST, Kind.STRATEGIST, self._strategist, always(self.gate))
+        self.strategists = strategists_of(strategists)
+        for agent, kind, make, body in with_gate(plant, self.gate, self.strategists):
+            self._employ(agent, kind, make, body)
 
     @property
     def journals(self) -> Mapping[str, HeldJournal]:
@@ -183,7 +186,7 @@ class SimFactory:
         """Begin an agent's next life; one that still lives ends first, one without power waits for it.
 
         Args:
-            agent: a machine, a vehicle, a storage or the strategist.
+            agent: a machine, a vehicle, a storage, the gate or the strategist.
             software: the version that it runs from now on; empty for the one that it has.
             probation: transports that this life has to do well before it takes long tasks.
 
@@ -193,7 +196,7 @@ class SimFactory:
         installed = self._installations[agent]
         installed.software = software or installed.software
         self.workers[agent].kill()
-        if agent == STRATEGIST or agent in self.storages or not self._powered(agent).off:
+        if agent in (*self.strategists, GATE) or agent in self.storages or not self._powered(agent).off:
             installed.journal.begin_life()
             installed.clock.begin_life()
             self.floor.carried.discard(agent)
@@ -366,9 +369,6 @@ class SimFactory:
             traffic=self.traffic,
         )
 
-    def _strategist(self, life: int, _software: str, _probation: int) -> Agent:
-        return Strategist(self.plant, incarnation=life)
-
     def _employ(self, agent: str, kind: Kind, make: MakeAgent, body: MakeBody) -> None:
         self.bus.kinds[agent] = kind
         journal = HeldJournal(incarnation=self._incarnation)
@@ -390,11 +390,11 @@ class SimFactory:
     def _start(self, agent: str) -> None:
         """Let an agent's worker run, in a factory that does."""
         if self._group is not None:
-            self._lives[agent] = self._group.create_task(self._live(agent), name=agent)
+            # The worker is bound here: another one may have taken its place before the task begins.
+            self._lives[agent] = self._group.create_task(self._live(agent, self.workers[agent]), name=agent)
 
-    async def _live(self, agent: str) -> None:
+    async def _live(self, agent: str, worker: Worker) -> None:
         """One life of an agent; the next one begins when it has left for that."""
-        worker = self.workers[agent]
         await worker.run()
         if worker.left is not None and worker.left.again and self.workers[agent] is worker:
             self.restart(agent, self._installations[agent].newest if worker.left.update else "")

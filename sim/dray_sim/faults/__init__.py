@@ -7,13 +7,25 @@ reads them from JSON, `chance` draws whole schedules, `active` begins and ends t
 from __future__ import annotations
 
 from dray_sim.faults.active import Faults, World, play
-from dray_sim.faults.chance import CLOCKS, LEAVING, OBSTACLES, WEIGHTS, random_schedule, random_waves
+from dray_sim.faults.chance import (
+    CLOCKS,
+    DOORS,
+    DROPPED,
+    LEAVING,
+    OBSTACLES,
+    WEIGHTS,
+    random_kills,
+    random_schedule,
+    random_waves,
+)
 from dray_sim.faults.kinds import (
     ClockSet,
     Crashed,
+    DoorFailed,
     Fault,
     JournalLost,
     LaneBlocked,
+    LoadDropped,
     LoadShifted,
     MachineBroken,
     PoweredOff,
@@ -37,6 +49,8 @@ from dray_sim.network.faults import (
 
 __all__ = [
     "CLOCKS",
+    "DOORS",
+    "DROPPED",
     "LEAVING",
     "OBSTACLES",
     "WEIGHTS",
@@ -45,12 +59,14 @@ __all__ = [
     "ClockSet",
     "CoverageHole",
     "Crashed",
+    "DoorFailed",
     "Fault",
     "FaultError",
     "Faults",
     "JournalLost",
     "LaneBlocked",
     "LinkTrouble",
+    "LoadDropped",
     "LoadShifted",
     "MachineBroken",
     "NetworkFault",
@@ -66,6 +82,7 @@ __all__ = [
     "describe",
     "kind_of",
     "play",
+    "random_kills",
     "random_schedule",
     "random_waves",
     "read_fault",

@@ -16,13 +16,16 @@ from dray.messages import Problem
 from dray_sim.faults.kinds import (
     ClockSet,
     Crashed,
+    DoorFailed,
     Fault,
     JournalLost,
     LaneBlocked,
+    LoadDropped,
     LoadShifted,
     MachineBroken,
     PoweredOff,
     SentAway,
+    Thing,
     VehicleBroken,
 )
 from dray_sim.faults.names import Cast, FaultError
@@ -31,6 +34,9 @@ from dray_sim.network.faults import NetworkFault
 
 _ENDED = (Crashed, JournalLost, SentAway)
 """Faults during which an agent's process is not there."""
+
+PERSON_STAYS_S = 60.0
+"""Somebody who stands on a lane goes on by then."""
 
 MAX_ACTIVE = 1000
 """Faults at one time: more than a plant has agents helps nobody to find anything."""
@@ -71,6 +77,26 @@ class Loadable(Breakable, Protocol):
     def shift_load(self) -> bool: ...
 
 
+class Openable(Protocol):
+    """The doors of a floor."""
+
+    @property
+    def states(self) -> Mapping[str, object]: ...
+
+    def fail(self, door: str, /) -> None: ...
+
+    def repair(self, door: str, /) -> None: ...
+
+
+class Drops(Protocol):
+    """A floor on which vehicles lose loads, and doors fail."""
+
+    @property
+    def doors(self) -> Openable: ...
+
+    def drop_load(self, atv: str, /) -> bool: ...
+
+
 class World(Protocol):
     """A factory in which things go wrong: `dray_sim.factory.sim_factory.SimFactory` is one."""
 
@@ -84,6 +110,9 @@ class World(Protocol):
     def workcells(self) -> Mapping[str, Breakable]: ...
     @property
     def workers(self) -> Mapping[str, object]: ...
+
+    @property
+    def floor(self) -> Drops: ...
 
     @property
     def lanes(self) -> frozenset[tuple[str, str]]: ...
@@ -128,7 +157,8 @@ class Faults:
         vehicles, machines = tuple(self.world.vehicles), tuple(self.world.workcells)
         bodies = {*vehicles, *machines}
         others = tuple(agent for agent in self.world.workers if agent not in bodies)
-        return Cast(vehicles, machines, others, self.world.bus.access_points, self.world.lanes)
+        doors = tuple(self.world.floor.doors.states)
+        return Cast(vehicles, machines, others, self.world.bus.access_points, self.world.lanes, doors)
 
     def begin(self, fault: Fault) -> str:
         """Let something go wrong, now.
@@ -146,6 +176,9 @@ class Faults:
         self._begun += 1
         name = f"F{self._begun}"
         self._active[name] = fault
+        if isinstance(fault, LaneBlocked) and fault.thing is Thing.PERSON:
+            clock = self.world.clock
+            clock.call_at(clock.now_s() + PERSON_STAYS_S, partial(_end, name, self))
         return name
 
     def end(self, name: str) -> None:
@@ -184,6 +217,19 @@ class Faults:
                 world.workcells[machine].break_down(reason, problem)
             case VehicleBroken(atv, reason, problem):
                 world.vehicles[atv].break_down(reason, problem)
+            case LaneBlocked() | DoorFailed() | LoadDropped() | LoadShifted():
+                self._try(fault)
+            case _:
+                world.bus.begin(fault)
+
+    def _try(self, fault: LaneBlocked | DoorFailed | LoadDropped | LoadShifted) -> None:
+        """Do what happens on the floor; most of it is possible at some moments only.
+
+        Raises:
+            FaultError: this is none of them.
+        """
+        world = self.world
+        match fault:
             case LaneBlocked(start, end, thing):
                 if not world.obstruct((start, end), thing):
                     reason = (
@@ -191,12 +237,19 @@ class Faults:
                         "already; try again in a moment, or choose another lane"
                     )
                     raise FaultError("fault", reason)
+            case DoorFailed(door):
+                world.floor.doors.fail(door)
+            case LoadDropped(atv):
+                if not world.floor.drop_load(atv):
+                    reason = (
+                        f"{atv} has no load on board, is on no lane, or another vehicle is too near behind it; "
+                        "begin it while it carries something"
+                    )
+                    raise FaultError("fault.atv", reason)
             case LoadShifted(atv):
                 if not world.vehicles[atv].shift_load():
                     reason = f"{atv} has no load that could shift; begin it while a load is on board"
                     raise FaultError("fault.atv", reason)
-            case _:
-                world.bus.begin(fault)
 
     def _undo(self, fault: Fault) -> None:
         world = self.world
@@ -215,13 +268,22 @@ class Faults:
             case MachineBroken(machine):
                 if not self._holds(machine, MachineBroken):
                     world.workcells[machine].repair()
-            case LaneBlocked(start, end):
-                world.clear((start, end))
-            case VehicleBroken(atv) | LoadShifted(atv):
-                if not self._holds(atv, VehicleBroken, LoadShifted):
+            case LaneBlocked() | DoorFailed():
+                self._open(fault)
+            case VehicleBroken(atv) | LoadShifted(atv) | LoadDropped(atv):
+                if not self._holds(atv, VehicleBroken, LoadShifted, LoadDropped):
                     world.vehicles[atv].repair()
             case _:
                 world.bus.end(fault)
+
+    def _open(self, fault: LaneBlocked | DoorFailed) -> None:
+        """Let vehicles drive there again."""
+        match fault:
+            case LaneBlocked(start, end):
+                self.world.clear((start, end))
+            case DoorFailed(door):
+                if not self._holds(door, DoorFailed):
+                    self.world.floor.doors.repair(door)
 
     def _put_on(self, agent: str) -> None:
         if self._holds(agent, PoweredOff):
@@ -240,7 +302,9 @@ def _subject(fault: Fault) -> str:
     match fault:
         case PoweredOff(name) | Crashed(name) | JournalLost(name) | SentAway(name):
             return name
-        case MachineBroken(name) | VehicleBroken(name) | LoadShifted(name):
+        case MachineBroken(name) | VehicleBroken(name) | LoadShifted(name) | LoadDropped(name):
+            return name
+        case DoorFailed(name):
             return name
         case _:
             return ""

@@ -16,9 +16,11 @@ from dray.plant import Plant
 from dray_sim.faults.kinds import (
     ClockSet,
     Crashed,
+    DoorFailed,
     Fault,
     JournalLost,
     LaneBlocked,
+    LoadDropped,
     LoadShifted,
     MachineBroken,
     PoweredOff,
@@ -30,6 +32,9 @@ from dray_sim.faults.names import Cast
 from dray_sim.faults.schedule import Timed
 from dray_sim.network.coverage import access_points_of
 from dray_sim.network.faults import AccessPointDown, CoverageHole, LinkTrouble, Partition, RadioCut, WlanCut
+
+KILLED_S = 90.0
+"""Six times as long as strategists wait for one another, at most."""
 
 MEAN_GAP_S = 60.0
 """Between the beginnings of two faults at intensity 1: rare enough that something goes on between them."""
@@ -57,6 +62,12 @@ LEAVING: Mapping[type[Fault], float] = {SentAway: 1.0}
 
 OBSTACLES: Mapping[type[Fault], float] = {LaneBlocked: 1.0}
 """What is in the way on lanes is drawn apart."""
+
+DROPPED: Mapping[type[Fault], float] = {LoadDropped: 1.0}
+"""What vehicles lose on lanes, likewise."""
+
+DOORS: Mapping[type[Fault], float] = {DoorFailed: 1.0}
+"""Doors that fail, likewise; only where there are any."""
 
 CLOCKS: Mapping[type[Fault], float] = {ClockSet: 1.0}
 """Clocks that are set wrong are drawn apart, too: an agent whose clock is wrong is not in trouble by that alone."""
@@ -151,6 +162,24 @@ def random_waves(plant: Plant, random: Random, duration_s: float, intensity: flo
     return tuple(sorted(waves, key=lambda timed: timed.at_s))
 
 
+def random_kills(agents: tuple[str, ...], random: Random, duration_s: float) -> tuple[Timed, ...]:
+    """Kill one of these agents after another, for as long as nobody misses it and for much longer.
+
+    Args:
+        agents: who is killed.
+        random: the only source of chance.
+        duration_s: by then all are back (plant clock).
+    """
+    kills: list[Timed] = []
+    at_s = random.expovariate(1.0 / MEAN_GAP_S)
+    while at_s < duration_s:
+        end_s = at_s + random.uniform(0.01, KILLED_S)
+        if end_s < duration_s:
+            kills.append(Timed(_neat(at_s), Crashed(random.choice(agents)), _neat(end_s)))
+        at_s += random.expovariate(1.0 / MEAN_GAP_S)
+    return tuple(kills)
+
+
 def _some_agents(cast: Cast, random: Random) -> list[str]:
     """All machines before all vehicles, or the other way round, or a mixture; some kinds not at all."""
     groups = [list(group) for group in (cast.machines, cast.vehicles, cast.others) if random.random() < 0.7]
@@ -194,7 +223,7 @@ def _agent(plant: Plant, random: Random) -> str:
 
 def _forgetful(plant: Plant, random: Random) -> str:
     """Anybody but the strategist: what that has promised is in its notes alone, beside the gateway's database."""
-    kinds = (tuple(plant.machines), tuple(plant.storages), tuple(plant.fleet), tuple(plant.fleet))
+    kinds = (tuple(plant.machines), tuple(plant.stores), tuple(plant.fleet), tuple(plant.fleet))
     return random.choice(random.choice(kinds))
 
 
@@ -255,6 +284,7 @@ _DRAW: Mapping[type[Fault], Callable[[Plant, Random], Fault]] = {
     Partition: _draw_partition,
     CoverageHole: _draw_hole,
     LaneBlocked: _draw_obstacle,
+    DoorFailed: lambda plant, random: DoorFailed(random.choice(tuple(plant.doors))),
     AccessPointDown: lambda plant, random: AccessPointDown(random.choice(access_points_of(plant)).id),
     PoweredOff: lambda plant, random: PoweredOff(_body(plant, random)),
     Crashed: lambda plant, random: Crashed(_agent(plant, random)),
@@ -263,5 +293,6 @@ _DRAW: Mapping[type[Fault], Callable[[Plant, Random], Fault]] = {
     SentAway: lambda plant, random: SentAway(_agent(plant, random), random.randint(0, LONGEST_PROBATION)),
     MachineBroken: lambda plant, random: MachineBroken(_machine(plant, random)),
     VehicleBroken: lambda plant, random: VehicleBroken(_vehicle(plant, random)),
+    LoadDropped: lambda plant, random: LoadDropped(_vehicle(plant, random)),
     LoadShifted: lambda plant, random: LoadShifted(_vehicle(plant, random)),
 }

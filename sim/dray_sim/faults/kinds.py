@@ -83,11 +83,29 @@ class Thing(StrEnum):
 
 
 class LaneBlocked(FaultKind, frozen=True):
-    """Something is in the middle of a lane, and in the way of whoever would drive there."""
+    """Something is in the middle of a lane, and in the way of whoever would drive there.
+
+    A pallet and a door that is stuck stay until the fault is ended; a person goes on after a while (`dray_sim.faults.active`).
+    """
 
     start: Id
     end: Id
     thing: Thing = Thing.PALLET
+
+
+class DoorFailed(FaultKind, frozen=True):
+    """A door of the plant file does not open any more, once it is shut."""
+
+    door: Id
+
+
+class LoadDropped(FaultKind, frozen=True):
+    """A vehicle on a lane has lost its load: it lies behind it, and is in the way, until a person has put it on board or taken it away.
+
+    The vehicle stands until then; needs a load.
+    """
+
+    atv: Id
 
 
 class LoadShifted(FaultKind, frozen=True):
@@ -106,6 +124,8 @@ Fault = (
     | MachineBroken
     | VehicleBroken
     | LaneBlocked
+    | DoorFailed
+    | LoadDropped
     | LoadShifted
 )
 

@@ -6,14 +6,16 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from dray.errors import InputError
-from dray.messages.keys import STRATEGIST
+from dray.messages.keys import GATE, STRATEGIST
 from dray.plant import Plant
 from dray_sim.faults.kinds import (
     ClockSet,
     Crashed,
+    DoorFailed,
     Fault,
     JournalLost,
     LaneBlocked,
+    LoadDropped,
     LoadShifted,
     MachineBroken,
     PoweredOff,
@@ -49,9 +51,10 @@ class Cast:
 
     Attributes:
         vehicles, machines: agents with a body.
-        others: agents of the factory whose body, if any, cannot fail: the strategist, and the stations of storages.
+        others: agents of the factory whose body, if any, cannot fail: the strategist, the stations of storages, and the gate's agent.
         access_points: of the WLAN.
         lanes: by their ends, in either direction.
+        doors: of the plant file.
     """
 
     vehicles: tuple[str, ...]
@@ -59,14 +62,20 @@ class Cast:
     others: tuple[str, ...] = (STRATEGIST,)
     access_points: tuple[str, ...] = ()
     lanes: frozenset[tuple[str, str]] = frozenset()
+    doors: tuple[str, ...] = ()
 
     @classmethod
     def of_plant(cls, plant: Plant) -> Cast:
         """Whoever stands in a plant file."""
         points = tuple(point.id for point in access_points_of(plant))
-        others = (STRATEGIST, *plant.storages)
+        others = (STRATEGIST, *plant.stores, GATE)
         return cls(
-            tuple(plant.fleet), tuple(plant.machines), others, access_points=points, lanes=lanes_of(plant)
+            tuple(plant.fleet),
+            tuple(plant.machines),
+            others,
+            access_points=points,
+            lanes=lanes_of(plant),
+            doors=tuple(plant.doors),
         )
 
     @property
@@ -95,12 +104,14 @@ class Cast:
                 _find(agent, self.agents, f"{where}.agent", "agent of the factory")
             case MachineBroken(machine=machine):
                 _find(machine, self.machines, f"{where}.machine", "machine")
-            case VehicleBroken(atv=atv) | LoadShifted(atv=atv):
+            case VehicleBroken(atv=atv) | LoadShifted(atv=atv) | LoadDropped(atv=atv):
                 _find(atv, self.vehicles, f"{where}.atv", "vehicle")
             case LaneBlocked(start, end):
                 if (start, end) not in self.lanes:
                     reason = f"no lane leads from {start!r} to {end!r}; give two nodes that are joined by one"
                     raise FaultError(f"{where}.end", reason)
+            case DoorFailed(door):
+                _find(door, self.doors, f"{where}.door", "door")
             case AccessPointDown(access_point):
                 _find(access_point, self.access_points, f"{where}.access_point", "access point")
             case LinkTrouble() | Partition() | CoverageHole():

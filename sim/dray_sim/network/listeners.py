@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
-if TYPE_CHECKING:
-    from dray.messages import Message
+from dray.messages import Event, Message
 
 
 class Listener(Protocol):
@@ -24,7 +23,11 @@ class Listener(Protocol):
 
 
 class Listeners:
-    """Several listeners in one, asked in the order in which they were added."""
+    """Several listeners in one, asked in the order in which they were added.
+
+    What an agent tells again out of its history, to one that has missed it, is said to that one alone and is no news: who counts what
+    happens would count it twice.
+    """
 
     def __init__(self) -> None:
         self._listeners: tuple[Listener, ...] = ()
@@ -39,5 +42,7 @@ class Listeners:
 
     def on_message(self, at_s: float, sender: str, address: str, message: Message) -> None:
         """See `Listener`."""
+        if type(message) is Event and address.startswith(">"):
+            return
         for listener in self._listeners:
             listener.on_message(at_s, sender, address, message)

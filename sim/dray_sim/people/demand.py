@@ -12,6 +12,7 @@ from random import Random
 
 from dray.messages import OrderItem
 from dray.plant import Plant
+from dray.priorities import Priority, order_wanted_s
 
 FIRST_ORDER_S = 10.0
 """Agents have joined and heard of one another by then."""
@@ -38,6 +39,12 @@ class Order:
     at_s: float
     due_s: float
     items: tuple[OrderItem, ...]
+    priority: Priority = Priority.NORMAL
+
+    @property
+    def wanted_s(self) -> float:
+        """By when agents are to want it (plant clock)."""
+        return order_wanted_s(self.priority, self.at_s, self.due_s)
 
 
 def orders(plant: Plant, random: Random, *, load: float, until_s: float) -> Iterator[Order]:
@@ -49,7 +56,7 @@ def orders(plant: Plant, random: Random, *, load: float, until_s: float) -> Iter
         load: part of all machines' time that the orders take, above 0.
         until_s: no order is placed later (plant clock).
     """
-    products = tuple(plant.products)
+    products = plant.ordered
     now_s, number = FIRST_ORDER_S, 0
     while now_s < until_s:
         number += 1
@@ -62,9 +69,11 @@ def orders(plant: Plant, random: Random, *, load: float, until_s: float) -> Iter
 
 
 def mean_cycle_s(plant: Plant, product: str) -> float:
-    """Seconds of machine time for one piece, over the machines that can make it."""
+    """Seconds of machine time for one piece with all its parts, over the machines that can make them."""
     cycles_s = [plant.cycle_s(machine, product) for machine in plant.machines_for(product)]
-    return sum(cycles_s) / len(cycles_s)
+    parts = [line for line in plant.products[product].bill if line.material in plant.parts]
+    parts_s = sum((line.quantity * mean_cycle_s(plant, line.material) for line in parts), start=0.0)
+    return sum(cycles_s) / len(cycles_s) + parts_s
 
 
 def _item(plant: Plant, random: Random, product: str) -> OrderItem:

@@ -6,11 +6,13 @@ import asyncio
 from collections.abc import Callable
 from contextlib import suppress
 from enum import IntEnum
+from math import inf
 
 from dray.body import CallPart, CallReplied, DutyChanged, DutyState, Instruction, Report, ShowCalls, ShownCall
 from dray.messages import OPERATOR_PREFIX, CallAnswer, HelpCall
 from dray.messages.keys import Keys
 from dray.messages.people.call import CALL_WAIT_MAX_S
+from dray.plant.working_time import WorkingTime
 from dray.ports import Bus, Clock
 from dray.protocol.operator.operator import Operator as OperatorAgent
 from dray.worker.worker import Worker
@@ -24,11 +26,13 @@ class Duty(IntEnum):
     """A vehicle has a problem."""
     RELEASE = 1
     """A vehicle still stands by an own stop."""
-    RECOVER = 2
+    FETCH = 2
+    """A machine calls for its goods, which a vehicle has on board that has failed."""
+    RECOVER = 3
     """A vehicle is silent."""
-    SPEED_UP = 3
+    SPEED_UP = 4
     """A vehicle has driven slowly for long enough."""
-    RECONNECT = 4
+    RECONNECT = 5
     """A vehicle has delivered, and is left with its radio (paper, 4.3)."""
 
 
@@ -43,6 +47,8 @@ CALLED = frozenset({Duty.HELP, Duty.RECONNECT})
 CONFIRMED_S = 20.0
 """Longer than the agent tries to have a call confirmed: then it has said how it went."""
 
+TOO_SOON_S = 0.001
+
 
 class PersonOnDuty:
     """One person's duty. It implements `dray.ports.Body`.
@@ -53,7 +59,8 @@ class PersonOnDuty:
         keys: the plant's.
         bus: joined while on duty.
         clock: the plant's clock.
-        looks_after: called with a caller's name; of whoever it says no to, the person says at once that somebody else has to come.
+        looks_after: called with a call; where it says no, the person says at once that somebody else has to come.
+        hours: when the person works; what has begun before a rest is finished in it.
 
     Attributes:
         agent_id: the agent's name on the bus.
@@ -68,24 +75,51 @@ class PersonOnDuty:
         keys: Keys,
         bus: Bus,
         clock: Clock,
-        looks_after: Callable[[str], bool],
+        looks_after: Callable[[HelpCall], bool],
+        hours: WorkingTime,
     ) -> None:
         self.agent_id = OPERATOR_PREFIX + name
         self.answered: dict[str, CallAnswer] = {}
-        self._callers: set[str] = set()
+        self._subjects: set[tuple[str, str]] = set()
         self._state = DutyState(areas=areas or (), everywhere=areas is None)
         self._keys, self._bus, self._clock = keys, bus, clock
-        self._looks_after = looks_after
+        self._looks_after, self._hours = looks_after, hours
         self._journal = HeldJournal(incarnation=0)
         self._report: Callable[[Report], None] | None = None
         self._worker: Worker | None = None
-        self._shown: dict[str, ShownCall] = {}
+        self._shown: dict[tuple[str, str], ShownCall] = {}
         self._changed = asyncio.Event()
         self._wanted = asyncio.Event()
         self._wanted.set()
 
     async def run(self) -> None:
-        """Be on duty whenever the person wants to, until cancelled."""
+        """Be on duty at the hours of the area, whenever the person wants to, until cancelled."""
+        if self._hours.is_always:
+            await self._be_on_duty()
+            return
+        async with asyncio.TaskGroup() as group:
+            group.create_task(self._keep_hours())
+            group.create_task(self._be_on_duty())
+
+    @property
+    def is_at_work(self) -> bool:
+        """Whether these are the hours of the area."""
+        return self._hours.is_on(self._clock.now_s())
+
+    async def _keep_hours(self) -> None:
+        while True:
+            now_s = self._clock.now_s()
+            if self._hours.is_on(now_s):
+                self.come()
+            else:
+                self.go()
+            change_s = self._hours.next_change_s(now_s)
+            if change_s == inf:
+                return
+            # A sleep may end by its last bits too soon.
+            await asyncio.sleep(max(change_s - now_s, TOO_SOON_S))
+
+    async def _be_on_duty(self) -> None:
         while True:
             await self._wanted.wait()
             self._journal.begin_life()
@@ -126,26 +160,26 @@ class PersonOnDuty:
         self._change(there=True)
         self._wanted.set()
 
-    def shown(self, caller: str) -> ShownCall | None:
-        """The call of this agent that concerns the person; None for none."""
-        return self._shown.get(caller)
+    def shown(self, caller: str, goods: str = "") -> ShownCall | None:
+        """The call of this agent, or for goods of its own, that concerns the person; None for none."""
+        return self._shown.get((caller, goods))
 
     @property
     def calls(self) -> tuple[ShownCall, ...]:
         """All that concern the person."""
         return tuple(self._shown.values())
 
-    def has_taken_of(self, caller: str) -> bool:
-        """Whether the person has ever taken a call of this caller."""
-        return caller in self._callers
+    def has_taken(self, subject: tuple[str, str]) -> bool:
+        """Whether the person has ever taken a call about this (`HelpCall.subject`)."""
+        return subject in self._subjects
 
     async def take(self, call: HelpCall, wait_s: float) -> bool:
         """Take a call; True when its caller has confirmed it."""
-        self._callers.add(call.caller)
+        self._subjects.add(call.subject)
         self.reply(call.call, CallAnswer.TAKE, max(1.0, min(wait_s, CALL_WAIT_MAX_S)))
         end_s = self._clock.now_s() + CONFIRMED_S
         while True:
-            shown = self._shown.get(call.caller)
+            shown = self._shown.get(call.subject)
             if shown is None or shown.call.call != call.call or shown.part is CallPart.ASKED:
                 return False
             if shown.part is CallPart.TAKEN:
@@ -156,18 +190,19 @@ class PersonOnDuty:
             if self._clock.now_s() >= end_s:
                 return False
 
-    async def walk_to(self, caller: str, walk_s: float, look_s: float) -> None:
+    async def walk_to(self, caller: str, walk_s: float, look_s: float, goods: str = "") -> None:
         """Be on the way to somebody, and say so when asked meanwhile.
 
         Args:
             caller: to whom.
             walk_s: how long it takes.
             look_s: how often the person looks at the tablet.
+            goods: for which goods of that one.
         """
         there_s = self._clock.now_s() + walk_s
         while (left_s := there_s - self._clock.now_s()) > 0.0:
             await asyncio.sleep(min(look_s, left_s))
-            shown = self._shown.get(caller)
+            shown = self.shown(caller, goods)
             if shown is not None and shown.part is CallPart.ASKED:
                 await self.take(shown.call, max(left_s, look_s))
 
@@ -182,7 +217,7 @@ class PersonOnDuty:
     def instruct(self, instruction: Instruction) -> None:
         """See `dray.ports.Body`."""
         if isinstance(instruction, ShowCalls):
-            self._show({shown.call.caller: shown for shown in instruction.calls})
+            self._show({shown.call.subject: shown for shown in instruction.calls})
 
     def sense(self) -> DutyState:
         """See `dray.ports.Body`."""
@@ -192,11 +227,11 @@ class PersonOnDuty:
         """See `dray.ports.Body`."""
         self._report = report
 
-    def _show(self, shown: dict[str, ShownCall]) -> None:
+    def _show(self, shown: dict[tuple[str, str], ShownCall]) -> None:
         self._shown = shown
         self._changed.set()
-        for caller, each in shown.items():
-            if each.part is CallPart.ASKED and not self._looks_after(caller):
+        for each in shown.values():
+            if each.part is CallPart.ASKED and not self._looks_after(each.call):
                 asyncio.get_running_loop().call_soon(self.reply, each.call.call, CallAnswer.CANNOT)
 
     def _change(self, *, there: bool) -> None:

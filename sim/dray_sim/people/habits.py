@@ -27,6 +27,8 @@ class Habits:
             takes, so that people come after the agents have helped themselves.
         slow_frac: a shifted load is driven on with this part of the top speed; 1 for as before.
         slow_s: how long.
+        hands_over_frac: the chance that goods of a dead vehicle are handed to another one, and not carried back by hand.
+        hold_s: how long somebody stands there for that; who is not seen then carries them back.
         forgets_frac: the chance that somebody who has taken a call does not come.
         on_duty_s, off_duty_s: how long somebody is on duty, and then is not; None for always.
         careless_until_s: who forgets, or goes off duty, does so until then (plant clock).
@@ -44,6 +46,8 @@ class Habits:
     silent_s: float = 30.0
     slow_frac: float = 0.5
     slow_s: float = 60.0
+    hands_over_frac: float = 0.0
+    hold_s: Range = (60.0, 300.0)
     forgets_frac: float = 0.0
     on_duty_s: Range | None = None
     off_duty_s: Range = (30.0, 300.0)

@@ -6,6 +6,7 @@ person carries are counted, so that material can be balanced meanwhile (invarian
 
 from __future__ import annotations
 
+from math import hypot
 from typing import TYPE_CHECKING
 
 from dray_sim.bodies.vehicle.condition import BATTERY_EMPTY
@@ -61,6 +62,18 @@ class Hands:
             self._factory.in_hands[item] += quantity
         return item, quantity
 
+    def hold_out(self, item: str, quantity: int, node: str) -> None:
+        """Hold what is in one's hands out at a node, for a vehicle to take."""
+        self._factory.floor.held_out[node].offer(item, quantity)
+
+    def holds(self, item: str, quantity: int, node: str) -> bool:
+        """Whether it is held out still, and no vehicle has taken it."""
+        return self._factory.floor.held_out[node].has(item, quantity)
+
+    def take_back(self, item: str, quantity: int, node: str) -> None:
+        """Hold it out no more."""
+        self._factory.floor.held_out[node].take_back(item, quantity)
+
     def put_down(self, item: str, quantity: int, near: str, machine: str = "") -> str:
         """Bring what is in one's hands to where it belongs.
 
@@ -106,6 +119,18 @@ class Hands:
         nodes = {point: plant.node_of(point) for point in plant.dwell_points}
         free = [point for point, node in nodes.items() if node not in taken]
         return tuple(nodes[point] for point in plant.closest(vehicles[atv].sense().node, free, len(free)))
+
+    def node_beside(self, atv: str) -> str:
+        """The nearest node where another vehicle can come to what this one has on board; empty for none."""
+        plant, vehicles = self._factory.plant, self._factory.vehicles
+        taken = {vehicles[other].sense().node for other in self._factory.floor.standing}
+        here = plant.nodes[vehicles[atv].sense().node]
+
+        def away_m(node: str) -> float:
+            return hypot(plant.nodes[node].x_m - here.x_m, plant.nodes[node].y_m - here.y_m)
+
+        there = (node for node in sorted(self._factory.floor.held_out) if node not in taken)
+        return min(there, key=away_m, default="")
 
     def lift(self, atv: str) -> None:
         """Switch a vehicle off, and take it off the floor."""

@@ -10,6 +10,7 @@ are is chance, from a generator of each operator's own.
     shifted    react -> promise -> walk -> STOP -> mend -> slow down -> ACKNOWLEDGE -> RESUME
     no WLAN    once it has delivered, or calls: react -> take -> walk -> plug in
     silence    react -> walk -> carry the load away -> push it to a charger -> switch it on
+    goods      their machine calls: react -> take -> as for silence
 
 Who was interrupted, by a vehicle that went silent in the middle say, remembers which stops are own ones
 and ends them when the vehicle is heard again. A vehicle obeys an operator in the operator's own area only:
@@ -21,13 +22,13 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Mapping
 from random import Random
-from typing import TYPE_CHECKING
 
 from dray.adapters.security.signing import SigningKey
+from dray.body import ShownCall
 from dray.messages import AtvStatus, CallAnswer, CommandKind, Link
 from dray.messages.keys import Keys
-from dray.messages.speakers import Kind
 from dray.plant import Plant
+from dray.plant.people import people_of
 from dray.ports import Bus, Clock
 from dray_sim.bodies.vehicle.condition import LOAD_SHIFTED
 from dray_sim.people.areas import EVERYWHERE, area_at
@@ -35,10 +36,8 @@ from dray_sim.people.duty import CALLED, OWN, Duty, PersonOnDuty
 from dray_sim.people.floor_office import FloorOffice
 from dray_sim.people.habits import Habits, Range
 from dray_sim.people.hands import Hands
+from dray_sim.people.loads import Loads
 from dray_sim.people.tablet import LastHeard, Tablet
-
-if TYPE_CHECKING:
-    from dray_sim.factory.sim_factory import SimFactory
 
 LATEST_S = 10.0
 """No heartbeat is under way for longer than this."""
@@ -70,6 +69,7 @@ class Operator:
         name: on the bus.
         duty: what others know of this person, and who calls.
         done: how often which duty was done.
+        loads: what becomes of what dead vehicles have on board.
         colleagues: all operators of the plant, by area, this one too.
     """
 
@@ -101,9 +101,16 @@ class Operator:
         keys, machines = Keys(plant.id), plant.machines
         self._tablet = Tablet(self.name, own, keys=keys, bus=bus, clock=clock, authority=authority)
         self.duty = PersonOnDuty(
-            area, own, keys=keys, bus=bus, clock=clock, looks_after=lambda caller: caller not in machines
+            area,
+            own,
+            keys=keys,
+            bus=bus,
+            clock=clock,
+            looks_after=lambda call: bool(call.goods) or call.caller not in machines,
+            hours=people_of(plant, area),
         )
         self._careless = careless or Random(self.name)
+        self.loads = Loads(hands, self._tablet, plant, clock, habits, random, self._careless)
         self._heard = self._tablet.heard
         """All that is known of vehicles from afar."""
         self._stops: dict[str, float] = {}
@@ -140,6 +147,8 @@ class Operator:
             (self.duty.go if tells else self.duty.lose_tablet)()
             await asyncio.sleep(draw.uniform(*habits.off_duty_s))
             (self.duty.come if tells else self.duty.have_tablet)()
+            if not self.duty.is_at_work:
+                self.duty.go()
 
     async def _look(self) -> None:
         """See what is to be done, and do it, one thing at a time."""
@@ -170,13 +179,19 @@ class Operator:
 
     def _concerns(self, duty: Duty, atv: str, heard: LastHeard) -> bool:
         """Whether this person is to see to it: what was called for, by whoever is asked; all else by whose area it is in."""
+        if duty is Duty.RECOVER and self._tablet.goods_left_on(atv) is not None:
+            return False  # Who comes for the goods sees to the vehicle, too.
+        if not self.duty.is_at_work and duty not in OWN:
+            return False
         if duty in CALLED and self._tablet.calls(atv):
             return self.duty.shown(atv) is not None
-        return duty in OWN or self._is_here(heard)
+        return duty in OWN or duty is Duty.FETCH or self._is_here(heard)
 
     def _alarm(self, atv: str, heard: LastHeard, now_s: float) -> tuple[Duty, float] | None:
         """What a vehicle needs, and by when."""
         heartbeat = heard.heartbeat
+        if self._call_for_goods(atv) is not None:
+            return Duty.FETCH, heard.at_s
         if now_s - heard.at_s > self._habits.silent_s:
             return Duty.RECOVER, heard.at_s
         since_s = self._stops.get(atv)
@@ -214,6 +229,8 @@ class Operator:
         elif duty is Duty.RELEASE:
             self._hands.mend(atv)
             await self._release(atv)
+        elif duty is Duty.FETCH:
+            comes = await self._fetch(atv)
         elif duty is Duty.RECOVER:
             await self._recover(atv)
         elif duty is Duty.RECONNECT:
@@ -247,8 +264,10 @@ class Operator:
     async def _is_taken(self, atv: str, estimate_s: float) -> bool:
         """Answer the call of a vehicle, if it calls; False when somebody else comes, or this person does not."""
         shown = self.duty.shown(atv)
-        if shown is None:
-            return not self._tablet.calls(atv)
+        return await self._takes(shown, estimate_s) if shown is not None else not self._tablet.calls(atv)
+
+    async def _takes(self, shown: ShownCall, estimate_s: float) -> bool:
+        """Take a call; False when somebody else comes, or this person does not."""
         if not await self.duty.take(shown.call, estimate_s):
             return False
         habits = self._habits
@@ -285,6 +304,23 @@ class Operator:
         del self._stops[atv]
         self._colleague(atv).look_after_stop(atv, self._clock.now_s())
 
+    async def _fetch(self, atv: str) -> bool:
+        """Come for the goods that a vehicle has on board which has failed, and see to the vehicle; False when somebody else comes."""
+        shown, habits = self._call_for_goods(atv), self._habits
+        latest_s = habits.react_s[1] + habits.walk_s[1] + habits.carry_s[1]
+        if shown is None or not await self._takes(shown, latest_s):
+            return False
+        await self._recover(atv)
+        if self.duty.shown(*shown.call.subject) is not None:
+            # It lives and does not move, or they are not for this person to write off.
+            self.duty.reply(shown.call.call, CallAnswer.CANNOT)
+        return True
+
+    def _call_for_goods(self, atv: str) -> ShownCall | None:
+        """The call for goods on board of this vehicle that concerns this person; None for none."""
+        call = self._tablet.goods_left_on(atv)
+        return None if call is None else self.duty.shown(*call.subject)
+
     async def _recover(self, atv: str) -> None:
         """Look for a silent vehicle, clear up after it and bring it back to life."""
         heard = self._heard[atv]
@@ -292,10 +328,7 @@ class Operator:
         if self._hands.is_off(atv):
             item, quantity = self._hands.unload(atv)
             if item:
-                await self._spend(self._habits.carry_s)
-                task = heard.heartbeat.task
-                machine = task.coordinator if task is not None else ""
-                self._hands.put_down(item, quantity, heard.heartbeat.node, machine)
+                await self.loads.see_to(atv, heard.heartbeat, item, quantity)
             await self._spend(self._habits.push_s)
             if self._hands.is_off(atv):
                 await self._bring_home(atv)
@@ -351,47 +384,6 @@ class Operator:
 
     async def _spend(self, seconds: Range) -> None:
         await asyncio.sleep(self._draw(seconds))
-
-
-def hire(
-    factory: SimFactory,
-    *,
-    seed: int,
-    habits: Habits | None = None,
-    areas: Mapping[str, Habits] | None = None,
-    office: FloorOffice | None = None,
-) -> tuple[Operator, ...]:
-    """One operator for every area of a factory; whoever calls this lets them `run`.
-
-    Args:
-        factory: where they work.
-        seed: each operator draws from a generator of its own that follows from it.
-        habits: of everybody.
-        areas: habits of single operators, by area, in place of those.
-        office: see `Operator`.
-    """
-    of_all = habits or Habits()
-    special = areas or {}
-    hands = Hands(factory)
-    crew = {
-        area: Operator(
-            area,
-            plant=factory.plant,
-            bus=factory.bus,
-            clock=factory.clock,
-            authority=factory.authority,
-            hands=hands,
-            random=Random(f"{seed} operator {area}"),
-            habits=special.get(area, of_all),
-            office=office,
-            careless=Random(f"{seed} operator {area} careless"),
-        )
-        for area in factory.plant.areas or (EVERYWHERE,)
-    }
-    for operator in crew.values():
-        operator.colleagues = crew
-        factory.bus.kinds[operator.duty.agent_id] = Kind.OPERATOR
-    return tuple(crew.values())
 
 
 def _is_later(heard: LastHeard, since_s: float) -> bool:

@@ -23,11 +23,12 @@ class OrderClient:
     Args:
         bus: joined as `ORDER_CLIENT`.
         clock: the plant's clock.
+        strategists: who hears of orders.
     """
 
-    def __init__(self, bus: Bus, clock: Clock) -> None:
+    def __init__(self, bus: Bus, clock: Clock, strategists: tuple[str, ...] = (STRATEGIST,)) -> None:
         self._session = bus.join(ORDER_CLIENT, self._on_message)
-        self._clock = clock
+        self._clock, self._strategists = clock, strategists
         self._waiting: dict[str, asyncio.Event] = {}
 
     async def place(self, demand: Iterable[Order]) -> None:
@@ -40,9 +41,10 @@ class OrderClient:
     async def order(self, order: Order) -> None:
         """Place one order now; returns when it was taken."""
         taken = self._waiting[order.id] = asyncio.Event()
-        release = OrderReleased(order=order.id, items=order.items, due_s=order.due_s)
+        release = OrderReleased(order=order.id, items=order.items, due_s=order.wanted_s)
         while not taken.is_set():
-            self._session.send(STRATEGIST, release)
+            for strategist in self._strategists:
+                self._session.send(strategist, release)
             try:
                 await asyncio.wait_for(taken.wait(), REPEAT_S)
             except TimeoutError:

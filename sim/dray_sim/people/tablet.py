@@ -8,6 +8,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TypedDict
 
+from msgspec import UNSET
+
 from dray.adapters.security.signing import SigningKey
 from dray.messages import (
     AtvHeartbeat,
@@ -83,8 +85,8 @@ class Tablet:
         authority: SigningKey,
     ) -> None:
         self.heard: dict[str, LastHeard] = {}
-        self._calls: dict[str, tuple[HelpCall, float]] = {}
-        """By caller, the newest call, and when it was heard."""
+        self._calls: dict[tuple[str, str], tuple[HelpCall, float]] = {}
+        """By what is called for, the newest call, and when it was heard."""
         self.machines: dict[str, MachineHeartbeat] = {}
         self._person = person
         self._areas = areas
@@ -137,6 +139,8 @@ class Tablet:
         wait_s: float | None = None,
         reason: str = "",
         after_work: bool = False,
+        task: str = "",
+        node: str = "",
     ) -> CommandAnswered | None:
         """The same to a machine."""
         self._commands += 1
@@ -147,6 +151,8 @@ class Tablet:
             wait_s=wait_s,
             reason=reason,
             after_work=after_work,
+            task=task,
+            node=node,
             issued_by=self._person,
         )
         granted = self._authority.grant(machine, command, **self._limits())
@@ -167,18 +173,31 @@ class Tablet:
 
     def calls(self, caller: str) -> bool:
         """Whether an agent calls somebody, as far as the tablet shows."""
-        known = self._calls.get(caller)
-        if known is None or self._clock.now_s() - known[1] > CALL_OLD_S:
-            return False
-        return known[0].state is not CallState.ENDED
+        return any(call.subject == (caller, "") for call in self._open_calls())
+
+    def goods_left_on(self, atv: str) -> HelpCall | None:
+        """The call for goods that this vehicle has on board and that wait for a person; None for none."""
+        for call in self._open_calls():
+            beat = self.machines.get(call.caller)
+            briefs = () if beat is None else beat.tasks
+            for brief in briefs:
+                if brief.task == call.goods and brief.stranded is not UNSET and brief.stranded.atv == atv:
+                    return call
+        return None
+
+    def _open_calls(self) -> Iterator[HelpCall]:
+        """What the tablet shows."""
+        for call, heard_s in self._calls.values():
+            if call.state is not CallState.ENDED and self._clock.now_s() - heard_s <= CALL_OLD_S:
+                yield call
 
     def _on_message(self, _sender: str, message: Message) -> None:
         if isinstance(message, AtvHeartbeat):
             self.heard[message.atv] = LastHeard(message, self._clock.now_s())
         elif isinstance(message, HelpCall):
-            before = self._calls.get(message.caller)
+            before = self._calls.get(message.subject)
             if before is None or _order(before[0]) < _order(message):
-                self._calls[message.caller] = message, self._clock.now_s()
+                self._calls[message.subject] = message, self._clock.now_s()
         elif isinstance(message, MachineHeartbeat):
             self.machines[message.machine] = message
         elif isinstance(message, CommandAnswered):

@@ -21,6 +21,7 @@ from msgspec import UNSET
 from dray.messages import CommandRefusal, MachineCommandKind, MachineHeartbeat, ProblemKind
 from dray.messages.people.command import PROMISE_MAX_S
 from dray.messages.speakers import Kind
+from dray.plant.people import people_of
 from dray_sim.people.areas import EVERYWHERE, area_at
 from dray_sim.people.duty import PersonOnDuty
 from dray_sim.people.habits import Range
@@ -90,7 +91,8 @@ class Technician:
             keys=factory.keys,
             bus=factory.bus,
             clock=factory.clock,
-            looks_after=lambda caller: caller in self._plant.machines,
+            looks_after=lambda call: not call.goods and self._is_here(call.caller),
+            hours=people_of(self._plant, area),
         )
         self._tablet = Tablet(
             self.name,
@@ -122,13 +124,19 @@ class Technician:
 
     def _concerns(self, machine: str, beat: MachineHeartbeat) -> bool:
         """Whether it is broken, and asks this person; or calls nobody, stands here, and nobody else is on the way."""
-        if not beat.problem or machine not in self._plant.machines:
+        if not beat.problem or machine not in self._plant.machines or not self.duty.is_at_work:
             return False
         if self._tablet.calls(machine):
             return self.duty.shown(machine) is not None
-        if area_at(self._plant, *self._plant.position_of(machine)) != self._area:
+        if not self._is_here(machine):
             return False
         return beat.help is UNSET or beat.help.promised_by in ("", self.name)
+
+    def _is_here(self, machine: str) -> bool:
+        """Whether this is a machine of the area: to another one this person may say nothing."""
+        return machine in self._plant.machines and self._area == area_at(
+            self._plant, *self._plant.position_of(machine)
+        )
 
     async def _attend(self, machine: str) -> None:
         await asyncio.sleep(self._draw(self._skill.react_s))

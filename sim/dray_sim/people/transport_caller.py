@@ -7,6 +7,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from random import Random
 
+import msgspec
+
 from dray.messages import (
     TRANSPORT_ENDED,
     Message,
@@ -34,6 +36,13 @@ CALLED_OFF_FRAC = 0.3
 
 FOR_ONE_VEHICLE_FRAC = 0.2
 
+WISHED_FRAC = 0.5
+"""Of those for one vehicle: it is a wish, which ends."""
+
+
+ABLE_FRAC = 0.5
+"""For so many something is wanted of the vehicle beside what the load asks for."""
+
 
 @dataclass(frozen=True, slots=True)
 class Call:
@@ -52,8 +61,14 @@ class Call:
     off_s: float
 
 
-def draw_calls(plant: Plant, random: Random, until_s: float) -> tuple[Call, ...]:
-    """The transports of one run, between any two places that keep a material; none is waited for after `until_s`."""
+def draw_calls(
+    plant: Plant, random: Random, wishes: Random, abilities: Random, until_s: float
+) -> tuple[Call, ...]:
+    """The transports of one run, between any two places that keep a material; none is waited for after `until_s`.
+
+    Which vehicles are only wished for is drawn from `wishes`, and what is wanted of vehicles from `abilities`, so that older seeds
+    stand for the same calls.
+    """
     calls = []
     for number in range(random.randint(*CALLS)):
         item = random.choice(sorted(plant.materials))
@@ -68,8 +83,21 @@ def draw_calls(plant: Plant, random: Random, until_s: float) -> tuple[Call, ...]
         order = TransportOrdered(
             f"T-{number + 1}", source, item, quantity, at_s + random.uniform(30.0, 600.0), vehicle
         )
+        if vehicle and wishes.random() < WISHED_FRAC:
+            order = msgspec.structs.replace(order, vehicle_until_s=at_s + wishes.uniform(1.0, 300.0))
+        if (ability := _wanted(plant, order, abilities)) and abilities.random() < ABLE_FRAC:
+            order = msgspec.structs.replace(order, ability=ability)
         calls.append(Call(at_s, to, order, off_s))
     return tuple(calls)
+
+
+def _wanted(plant: Plant, order: TransportOrdered, random: Random) -> str:
+    """An ability that some vehicle that may carry the load has beside what it asks for; empty where there is none."""
+    needs = plant.materials[order.item].ability
+    fleet = [order.vehicle] if order.vehicle else plant.able(needs)
+    types = [plant.vehicle_types[plant.fleet[vehicle].type] for vehicle in fleet]
+    more = {ability for kind in types for ability in kind.abilities} - {needs}
+    return random.choice(sorted(more)) if more else ""
 
 
 class TransportCaller:

@@ -83,6 +83,8 @@ class Observer:
         """Messages that are neither heartbeats, hints of who is around, nor history: what the contracts and right of way cost."""
         self.machines: dict[str, MachineTimes] = {}
         self._transport_tasks: dict[str, None] = {}
+        self._arrived: dict[str, dict[str, int]] = {}
+        """By order that has not ended, and by its goals: pieces that were told."""
 
     def on_message(self, at_s: float, sender: str, _address: str, message: Message) -> None:
         """Note one utterance."""
@@ -111,9 +113,13 @@ class Observer:
         elif isinstance(fact, MachineStatusChanged):
             self.machines.setdefault(agent, MachineTimes()).enter(fact.status, now_s)
         elif isinstance(fact, GoodsDelivered):
-            self.delivered[fact.order] = self.delivered.get(fact.order, 0) + fact.quantity
+            arrived = self._arrived.setdefault(fact.order, {})
+            arrived[fact.goal] = max(arrived.get(fact.goal, 0), fact.delivered)
+            self.delivered[fact.order] = sum(arrived.values())
         elif isinstance(fact, OrderFulfilled):
-            self.fulfilled_s[fact.order] = now_s
+            # A strategist that was away when it ended tells it again.
+            self.fulfilled_s.setdefault(fact.order, now_s)
+            self._arrived.pop(fact.order, None)
         else:
             self._note_trouble(fact)
 

@@ -164,7 +164,7 @@ def describe(report: Report) -> str:
 def _starvation(observer: Observer) -> float:
     spent = [times.spent_s for times in observer.machines.values()]
     starved_s = sum(each.get(MachineStatus.STARVED, 0.0) for each in spent)
-    idle = (MachineStatus.IDLE, MachineStatus.ERROR)
+    idle = (MachineStatus.IDLE, MachineStatus.ERROR, MachineStatus.RESTING)
     busy_s = sum(s for each in spent for status, s in each.items() if status not in idle)
     return _part(starved_s, busy_s)
 

@@ -12,7 +12,7 @@ from dray_sim.run.evidence import FIGURES, HELD, Check, Evidence, Table
 from dray_sim.run.part import Part
 from dray_sim.run.report import Report
 from dray_sim.run.site import Site
-from dray_sim.run.stage import Played, with_right_of_way
+from dray_sim.run.stage import Played, with_right_of_way, with_strategists
 
 HERE = Site()
 """As the scenario stands."""
@@ -117,7 +117,7 @@ class Scenario:
         Raises:
             SettingsError: it can be played as it stands only, and `site` is another.
         """
-        with with_right_of_way(site.traffic):
+        with with_right_of_way(site.traffic), with_strategists(site.strategists):
             found = self._play(seed, site)
         broken = [played.invariants for played in found.runs if played.invariants != HELD]
         runs = len(found.runs)

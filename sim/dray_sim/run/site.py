@@ -20,17 +20,19 @@ class Site:
         load: part of the machines' time that the demand takes, above 0.
         hours: of demand, above 0.
         traffic: vehicles take up room, and drive with right of way; every scenario can be played without, too.
+        strategists: how many share the orders, also in every scenario; None: one, but where a scenario says otherwise.
     """
 
     plant: Plant | None = None
     load: float | None = None
     hours: float | None = None
     traffic: bool = True
+    strategists: int | None = None
 
     @property
     def is_other(self) -> bool:
         """Whether plant, load or time are other than in the scenario."""
-        return replace(self, traffic=True) != Site()
+        return replace(self, traffic=True, strategists=None) != Site()
 
     @property
     def ground(self) -> Plant:
@@ -54,6 +56,8 @@ class Site:
             parts.append(f"a load of {self.load:.0%}")
         if self.hours is not None:
             parts.append(f"{self.hours:g} hours")
+        if self.strategists is not None:
+            parts.append(f"{self.strategists} strategists" if self.strategists > 1 else "one strategist")
         if not self.traffic:
             parts.append("vehicles that pass through one another")
         return ", ".join(parts)

@@ -20,6 +20,7 @@ from dray.plant import Plant
 from dray.scenario_steps import ScenarioStep
 from dray_sim.bodies.floor import FIRST_STOCK_FRAC
 from dray_sim.checks.floor.held_places import HeldPlaces
+from dray_sim.checks.floor.obstacles import MindsObstacles
 from dray_sim.checks.floor.overlaps import Overlaps
 from dray_sim.checks.invariants import Invariants
 from dray_sim.checks.people.called import NoCallIsLost, OneTakerEach
@@ -30,9 +31,10 @@ from dray_sim.faults import Faults
 from dray_sim.network.latency import WLAN, Latency
 from dray_sim.network.listeners import Listeners
 from dray_sim.people import demand
+from dray_sim.people.crew import hire
 from dray_sim.people.floor_office import FloorOffice
 from dray_sim.people.habits import Habits
-from dray_sim.people.operators import Operator, hire
+from dray_sim.people.operators import Operator
 from dray_sim.people.order_client import OrderClient
 from dray_sim.run.evidence import HELD
 from dray_sim.run.observer import Observer
@@ -63,6 +65,20 @@ def with_right_of_way(on: bool) -> Iterator[None]:
         RIGHT_OF_WAY.reset(before)
 
 
+STRATEGIST_COUNT: ContextVar[int] = ContextVar("strategists", default=1)
+"""How many share the orders of all shifts that name no number of their own; said around them likewise (`with_strategists`)."""
+
+
+@contextmanager
+def with_strategists(count: int | None) -> Iterator[None]:
+    """Let all stages in here have so many strategists, but for those whose shift says how many; None for as many as before."""
+    before = STRATEGIST_COUNT.set(STRATEGIST_COUNT.get() if count is None else count)
+    try:
+        yield
+    finally:
+        STRATEGIST_COUNT.reset(before)
+
+
 @dataclass(frozen=True, slots=True)
 class Shift:
     """What is to be run.
@@ -79,6 +95,7 @@ class Shift:
         overlaps: whether two vehicles in one spot are counted (False), break the run (True), or are not looked for (None); with
             right of way they always break it.
         embody: what stands between vehicles and their agents; nothing by default.
+        strategists: how many there are; None for as many as the run has (`with_strategists`), one if nobody says.
     """
 
     name: str
@@ -91,6 +108,7 @@ class Shift:
     keep: tuple[type[Any], ...] = ()
     overlaps: bool | None = None
     embody: Embody = directly
+    strategists: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -165,6 +183,7 @@ class Stage:
             listener=listeners,
             traffic=RIGHT_OF_WAY.get(),
             embody=shift.embody,
+            strategists=shift.strategists or STRATEGIST_COUNT.get(),
         )
         self.faults = Faults(self.factory)
         self.office: FloorOffice | None = None
@@ -177,6 +196,8 @@ class Stage:
         self.checks = Invariants(self.factory)
         self.checks.add(OneTakerEach(person.duty for person in self.people))
         self.checks.add(NoCallIsLost())
+        if plant.doors:
+            self.checks.add(MindsObstacles(self.factory))
         self.overlaps: Overlaps | None = None
         if self.factory.traffic is not None:
             self.checks.add(HeldPlaces(self.factory))
@@ -187,7 +208,7 @@ class Stage:
         self.shortfall = Shortfall(plant, self.factory.storages)
         self.steps = Steps(steps, self.now_s)
         listeners.add(self.trace, self.observer, self.checks, self.witness, self.shortfall, self.steps)
-        self._customers = OrderClient(self.factory.bus, self.factory.clock)
+        self._customers = OrderClient(self.factory.bus, self.factory.clock, self.factory.strategists)
         self._demand = tuple(self.orders)
         self._placing: list[asyncio.Task[None]] = []
 

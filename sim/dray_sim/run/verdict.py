@@ -148,7 +148,7 @@ def _resources(plant: Plant, seen: Shortfall) -> list[Resource]:
         seconds
         for spent in seen.machine_s.values()
         for status, seconds in spent.items()
-        if status not in (MachineStatus.IDLE, MachineStatus.ERROR)
+        if status not in (MachineStatus.IDLE, MachineStatus.ERROR, MachineStatus.RESTING)
     )
 
     def resource(cause: Cause, busy_frac: float) -> Resource:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dray_sim.run.report import Report
 from dray_sim.run.scenario import HERE
 from dray_sim.run.site import Site
-from dray_sim.run.stage import Shift, play, with_right_of_way
+from dray_sim.run.stage import Shift, play, with_right_of_way, with_strategists
 
 SHIFT = Shift(name="day", duration_s=8 * 3600.0, load=0.85)
 """Of the machines' time: a good day, with a little room for whatever comes between."""
@@ -22,7 +22,7 @@ class Day:
 
     def run(self, seed: int, site: Site = HERE) -> Report:
         """Play the day of this seed."""
-        with with_right_of_way(site.traffic):
+        with with_right_of_way(site.traffic), with_strategists(site.strategists):
             return play(site.shift(SHIFT), site.ground, seed).report
 
 

@@ -13,6 +13,10 @@ from dray_sim.scenarios.tally import HEAD, Tally, all_delivered, listed, row, ru
 
 LOSSES_FRAC = (0.0, 0.05, 0.10, 0.20, 0.30, 0.40)
 
+ENDURED_FRAC = 0.30
+"""What is asked is asked up to here: whoever hears two of five messages less is suspected before others have learned how much is
+lost."""
+
 SHIFT = Shift(name="loss-sweep", duration_s=2 * 3600.0, load=0.6)
 
 STARVED_FRAC = 0.02
@@ -29,20 +33,26 @@ async def lose(stage: Stage, loss_frac: float) -> Tally:
 
 
 def sweep(
-    seed: int, losses_frac: tuple[float, ...] = LOSSES_FRAC, shift: Shift = SHIFT, plant: Plant | None = None
+    seed: int,
+    losses_frac: tuple[float, ...] = LOSSES_FRAC,
+    shift: Shift = SHIFT,
+    plant: Plant | None = None,
 ) -> Findings:
-    """Play the same demand once for every loss."""
+    """Play the same demand once for every loss, and judge those up to `ENDURED_FRAC`."""
     runs = tuple(
         play(shift, plant or default_plant(), seed, partial(lose, loss_frac=loss_frac))
         for loss_frac in losses_frac
     )
-    starved = [played.report.starvation_frac for played in runs]
-    changed = [played.told.carriers_changed if played.told else -1 for played in runs]
-    allowed = [TAKEOVERS_PER_TRANSPORT * played.report.transports for played in runs]
+    endured = tuple(
+        played for loss_frac, played in zip(losses_frac, runs, strict=True) if loss_frac <= ENDURED_FRAC
+    )
+    starved = [played.report.starvation_frac for played in endured]
+    changed = [played.told.carriers_changed if played.told else -1 for played in endured]
+    allowed = [TAKEOVERS_PER_TRANSPORT * played.report.transports for played in endured]
     return Findings(
         runs=runs,
         checks=(
-            all_delivered(runs),
+            all_delivered(endured),
             Check(
                 "What is lost is said again, and hardly anybody who lives is taken for dead",
                 all(0 <= count <= most for count, most in zip(changed, allowed, strict=True)),
@@ -77,7 +87,8 @@ LOSS_SWEEP = Scenario(
     ),
     story=(
         f"{SHIFT.duration_s / 3600:g} hours of demand at {SHIFT.load:.0%} load in the default plant, once for each part of "
-        "all deliveries that is lost by chance, and then as long as the last order takes."
+        "all deliveries that is lost by chance, and then as long as the last order takes. It is judged up to "
+        f"{ENDURED_FRAC:.0%}; beyond that the table shows what it costs."
     ),
     play=sweep,
     elsewhere=lambda seed, site: sweep(seed, shift=site.shift(SHIFT), plant=site.ground),

@@ -1,4 +1,8 @@
-"""What judging problems brings: the time that is lost for each kind, when bodies have words alone and when they tell the kind."""
+"""What judging problems brings: the time that is lost for each kind, when bodies have words alone and when they tell the kind.
+
+With right of way a vehicle that cannot drive is in the way of others, so people carry it away who cannot mend it where it stands. Else all
+figures would tell of the jam behind a dead drive before the only gate.
+"""
 
 from __future__ import annotations
 
@@ -13,16 +17,22 @@ from dray.messages import NOTHING_KNOWN, AtvStatus, Phase, Problem, ProblemKind
 from dray.messages.fact import TaskClosed, TookOver
 from dray.plant import Plant, default_plant
 from dray_sim.faults import VehicleBroken
+from dray_sim.people.carriers import Carriers, Carrying
+from dray_sim.people.floor_office import FloorOffice
 from dray_sim.run.evidence import Check, Table
 from dray_sim.run.scenario import Findings, Scenario
 from dray_sim.run.stage import Played, Shift, Stage, play
 
-SEEDS = 8
+SEEDS = 6
 
 SHIFT = Shift(name="problems", duration_s=2 * 3600.0, load=0.6, keep=(TaskClosed, TookOver))
 
 EVERY_S = 90.0
-"""Between two problems, in the mean: some fifty in a run, and hardly two at a time."""
+"""Between two problems, in the mean, where somebody is on the way: hardly two vehicles stand at a time. Who stands before a dock holds up all
+that come there, and what one problem costs is only seen where no other one does."""
+
+CARRIED_AFTER_S = 180.0
+"""Whoever has come and has not mended a vehicle where it stands by then carries it away, and mends it elsewhere."""
 
 SETTLE_S = 1800.0
 """After it what was not delivered counts as lost until then."""
@@ -85,29 +95,51 @@ async def strike(stage: Stage, told: bool) -> tuple[Lost, ...]:
     """
     sorts, gaps, victims = stage.random("sorts"), stage.random("gaps"), stage.random("victims")
     struck: dict[str, tuple[ProblemKind, float]] = {}
-    while stage.now_s() < stage.shift.duration_s:
-        sort = sorts.choice(SORTS)
-        lasts_s = sorts.lognormvariate(log(sort.usually_s), SPREAD)
-        await asyncio.sleep(gaps.expovariate(1.0 / EVERY_S))
-        busy = _busy(stage, struck)
-        if not busy:
-            continue
-        atv = victims.choice(sorted(busy))
-        task, due_s = busy[atv]
-        struck[task] = sort.about.kind, due_s
-        problem = sort.about if told else NOTHING_KNOWN
-        fault = stage.faults.begin(VehicleBroken(atv, sort.about.kind.value, problem))
-        stage.factory.clock.call_at(stage.now_s() + lasts_s, partial(stage.faults.end, fault))
-    await stage.settle(SETTLE_S)
+    deck: list[Sort] = []
+    carried: list[asyncio.Task[None]] = []
+    async with asyncio.TaskGroup() as people:
+        while stage.now_s() < stage.shift.duration_s:
+            await asyncio.sleep(gaps.expovariate(1.0 / EVERY_S))
+            busy = _busy(stage, struck)
+            if not busy:
+                continue
+            # All sorts as often, and in the same order both times.
+            deck = deck or sorts.sample(SORTS, len(SORTS))
+            sort = deck.pop()
+            lasts_s = sorts.lognormvariate(log(sort.usually_s), SPREAD)
+            atv = victims.choice(sorted(busy))
+            task, due_s = busy[atv]
+            struck[task] = sort.about.kind, due_s
+            problem = sort.about if told else NOTHING_KNOWN
+            fault = stage.faults.begin(VehicleBroken(atv, sort.about.kind.value, problem))
+            stage.factory.clock.call_at(stage.now_s() + lasts_s, partial(stage.faults.end, fault))
+            if sort.about.needs_person and lasts_s > CARRIED_AFTER_S and stage.office is not None:
+                carried.append(people.create_task(_carry_away(stage, stage.office, atv, lasts_s)))
+        await stage.settle(SETTLE_S)
+        for person in carried:
+            person.cancel()
     return _lost(stage, struck)
 
 
+async def _carry_away(stage: Stage, office: FloorOffice, atv: str, lasts_s: float) -> None:
+    """Let people carry a vehicle away that is in the way of others, and bring it back mended."""
+    at_s, away_s = stage.now_s() + CARRIED_AFTER_S, lasts_s - CARRIED_AFTER_S
+    near = stage.witness.atvs[atv].node
+    await Carriers(stage.factory, stage.faults, office).carry([Carrying(atv, at_s, away_s, near)])
+
+
 def _busy(stage: Stage, struck: Mapping[str, object]) -> dict[str, tuple[str, float]]:
-    """Vehicles on their way with a transport that nothing has happened to yet, and when they expect to be done."""
+    """Vehicles on their way with a transport that nothing has happened to yet, and when they expect to be done.
+
+    Left out is one that is late already: what has kept it, a vehicle that stands in its way say, is not what its own problem costs. And one
+    with finished goods on board: they exist once, and wait for their carrier whatever is known of its problem.
+    """
     busy: dict[str, tuple[str, float]] = {}
     for atv, heartbeat in stage.witness.atvs.items():
         task = heartbeat.task
         if task is None or task.due_s is None or heartbeat.status is not AtvStatus.WORKING:
+            continue
+        if task.due_s < stage.now_s() or (heartbeat.load and heartbeat.load not in stage.plant.materials):
             continue
         if task.phase in STRUCK and task.task not in struck and not stage.factory.vehicles[atv].problem:
             busy[atv] = task.task, task.due_s
@@ -191,8 +223,9 @@ PROBLEMS = Scenario(
     claim="A problem is judged before it is waited for, and that saves time.",
     story=(
         f"{SEEDS} times {SHIFT.duration_s / 3600:g} hours of the default plant at {SHIFT.load:.0%} load. About every {EVERY_S:.0f} s a vehicle "
-        "that is on its way with a transport has a problem of some kind, which lasts as such problems do. Twice: the body has words for it "
-        "alone, and the body tells the kind and what it knows."
+        "that is on its way with a transport, and has no goods on board that exist once, has a problem of some kind, which lasts as such problems "
+        f"do. Where vehicles take up room, people carry away what they have not mended where it stands after {CARRIED_AFTER_S:.0f} s. "
+        "Twice: the body has words for it alone, and the body tells the kind and what it knows."
     ),
     play=problems,
     elsewhere=lambda seed, site: problems(seed, 1, site.shift(SHIFT), site.ground),

@@ -11,6 +11,7 @@ from typing import Any
 
 from dray.body import Charge, Drop, Pick
 from dray.messages import Pose
+from dray_sim.bodies.held_out import NOBODY_THERE
 
 
 @dataclass
@@ -112,7 +113,7 @@ def instruction_of(action: NodeAction, number: int, charger: str) -> Pick | Drop
     said = action.parameters
     station = str(said.get("stationName", ""))
     match action.type:
-        case "pick":
+        case "pick" | "waitForTrigger":
             item, quantity = str(said.get("loadType", "")), int(said.get("quantity", 1))
             return Pick(order=number, station=station, item=item, quantity=quantity)
         case "drop":
@@ -120,6 +121,11 @@ def instruction_of(action: NodeAction, number: int, charger: str) -> Pick | Drop
         case "startCharging":
             return Charge(order=number, charger=station or charger)
     return None
+
+
+def waits_for_person(action: NodeAction | None, reason: str) -> bool:
+    """Whether an action that could not be done is one that goes on when a person loads the vehicle."""
+    return action is not None and action.type == "waitForTrigger" and reason == NOBODY_THERE
 
 
 def over_corners(

@@ -35,11 +35,9 @@ from dray_sim.vda5050.words import Condition, Words
 Publish = Callable[[str, bytes, bool], None]
 """Of a topic (the last chunk), a message, and whether the broker keeps it."""
 
-STATE_EVERY_S, DRIVING_EVERY_S = 30.0, 1.0
+STATE_EVERY_S, DRIVING_EVERY_S, INSTANT_KEPT = 30.0, 1.0, 20
 REACHABLE_M = 2.0
 """An order may begin so far from where it stands."""
-
-INSTANT_KEPT = 20
 
 
 class Vda5050Vehicle:
@@ -92,9 +90,8 @@ class Vda5050Vehicle:
         }
         self._refused_ids: set[str] = set()
         self._accepted_ids = 0
-        self._doomed = False
+        self._doomed = self._was_moving = False
         self._life = 0
-        self._was_moving = False
         body.attach(self._on_report)
         self.introduce()
         self._tick(0)
@@ -343,6 +340,10 @@ class Vda5050Vehicle:
             self._clock.call_at(self._clock.now_s() + 0.5, partial(self._plugged, action))
         self.say_state()
 
+    def _look_again(self, action: NodeAction | None) -> None:
+        if action is not None and self._action is action:
+            self._begin(action)
+
     def _plugged(self, action: NodeAction) -> None:
         if self._action is action and self._body.sense().charging:
             self._end_action("FINISHED", "")
@@ -387,7 +388,10 @@ class Vda5050Vehicle:
             case ActionFailed(number, reason) if number == self._drive and self._action is None:
                 self._lose_way(reason)
             case ActionFailed(number, reason) if number == self._drive:
-                self._end_action("FAILED", reason)
+                if reading.waits_for_person(self._action, reason):
+                    self._clock.call_at(self._clock.now_s() + 1.0, partial(self._look_again, self._action))
+                else:
+                    self._end_action("FAILED", reason)
             case ProblemRaised(reason):
                 self.condition.errors.append(("hardware", "FATAL", reason, {}))
                 self.say_state()

@@ -135,7 +135,7 @@ class Words:
         new = self.version == "3.0"
         robot = "mobileRobot" if new else "agv"
         actions = []
-        for name in ("pick", "drop", "startCharging"):
+        for name in ("pick", "waitForTrigger", "drop", "startCharging"):
             action: dict[str, Any] = {"actionType": name, "actionScopes": ["NODE"]}
             actions.append(action | ({"pauseAllowed": True, "cancelAllowed": True} if new else {}))
         limits = {

@@ -8,15 +8,16 @@ from typing import Any
 
 import msgspec
 import pytest
+from msgspec.structs import replace
 from official_schemas import MISSING, folder, objections
 from vda_rig import FLOWING, PROFILE, Rig
 from yard import LIGHT, PLANT, Yard
 
 from dray.adapters.vda5050.commissioning import Commissioning, Wanted
 from dray.adapters.vda5050.profile import Profile
-from dray.body import Drive, Hold, Unhold, WayDone
+from dray.body import ActionFailed, Drive, Hold, Unhold, WayDone
 from dray.plant import Lane, Plant
-from dray.plant.model import Point
+from dray.plant.model import LaneType, Point
 from dray_sim.clock.loop import JUMP, clock, run
 from dray_sim.vda5050.misbehaviour import Misbehaviour
 
@@ -141,3 +142,16 @@ def test_commissioning_drives_a_curve_as_a_whole() -> None:
     done = run(play(), JUMP)
     assert [step.line for step in done.steps if step.passed is False] == []
     assert {step.name for step in done.steps if step.passed} >= {"drive", "pause", "back", "cancel"}
+
+
+def test_an_order_has_the_limit_of_the_vehicles_type_and_no_lane_that_is_not_for_it() -> None:
+    own = {("west", "middle"): (LaneType("light", 0.3),), ("middle", "pit"): (LaneType("other"),)}
+    lanes = tuple(replace(lane, types=own.get((lane.start, lane.end), ())) for lane in PLANT.file.lanes)
+    rig = Rig(yard=Yard(Plant(replace(PLANT.file, lanes=lanes))))
+    rig.do(way(("west", "middle", "pit"), 1), for_s=5.0)
+    assert [report.reason for report in rig.heard if isinstance(report, ActionFailed)] == [
+        "no lane from middle to pit"
+    ]
+    rig.do(way(("west", "middle"), 2), for_s=30.0)
+    edges = [edge for order in rig.orders() for edge in order["edges"]]
+    assert {edge["maxSpeed"] for edge in edges} == {0.3}

@@ -55,6 +55,7 @@ def desk_on(bus: ZenohBus, begun: Future[asyncio.AbstractEventLoop], go: threadi
                 time=TimeScale(0.0, 0.0),
                 wall_s=loop.time,
                 timeout_s=PATIENCE_S,
+                ahead_s=lambda _: 0.0,
                 sent=lambda _: None,
                 ended=lambda _stop, _answer: None,
             )

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
+from complaints import Complaints
+from manager_kit import on_map
 from playwright.sync_api import Locator, Page, expect
+from playwright.sync_api import TimeoutError as PlaywrightTimeout
 
 from dray.plant import default_plant
 
@@ -18,33 +22,24 @@ PLANT = default_plant()
 LANE = ("b3.to-m4-lane", "m4-lane.from-b3")
 WHY = "pallet dropped"
 
-PAD_PX = {"left": 12, "right": 12, "top": 10, "bottom": 32}
-"""Around the floor, as the map draws it at first (`frontend/src/plant/draw/renderer.ts`)."""
-
-CLICKS = 20
+CLICKS = 100
 """A vehicle that stands over the lane is chosen instead of it, and drives on."""
 
+SHOWN_MS = 1_000
+"""So long a card is waited for before the lane is clicked on once more."""
 
-@pytest.fixture(scope="module")
-def factory(start_dray) -> Iterator[str]:
-    dray = start_dray("--speed", "10", "--seed", "3")
-    yield dray.url
-    assert dray.stop() == 0, dray.output()
+
+OPTIONS = ("--speed", "10", "--seed", "3")
 
 
 def choose_lane(page: Page, start: str, end: str) -> None:
     """Click on the middle of a lane."""
-    box = page.locator("#plant-map").bounding_box()
-    assert box is not None
-    width_px = box["width"] - PAD_PX["left"] - PAD_PX["right"]
-    height_px = box["height"] - PAD_PX["top"] - PAD_PX["bottom"]
-    scale = min(width_px / PLANT.width_m, height_px / PLANT.height_m)
-    left_px = PAD_PX["left"] + (width_px - PLANT.width_m * scale) / 2
-    low_px = PAD_PX["top"] + (height_px + PLANT.height_m * scale) / 2
     a, b = PLANT.nodes[start], PLANT.nodes[end]
-    x_px = box["x"] + left_px + (a.x_m + b.x_m) / 2 * scale
-    y_px = box["y"] + low_px - (a.y_m + b.y_m) / 2 * scale
-    page.mouse.click(x_px, y_px)
+    page.mouse.click(*at_px(page, (a.x_m + b.x_m) / 2, (a.y_m + b.y_m) / 2))
+
+
+def at_px(page: Page, x_m: float, y_m: float) -> tuple[float, float]:
+    return on_map(page, PLANT.file, x_m, y_m)
 
 
 def opened(page: Page) -> Locator:
@@ -113,6 +108,39 @@ def test_what_an_area_would_cut_off_is_said_before_it_is_closed(
 
 
 @pytest.mark.slow
+def test_a_part_of_the_floor_is_drawn_on_the_map_and_closed(
+    factory: str, open_page: OpenPage, screenshot: Screenshot
+) -> None:
+    page = open_page(factory)
+    expect(page.locator("#plant-map canvas").first).to_be_visible()
+    opened(page).get_by_role("button", name="Draw on the map…").click()
+    strip = page.locator(".draw-strip")
+    expect(strip).to_contain_text("Click the corners on the map")
+    dock = PLANT.nodes[PLANT.node_of("M5")]
+    around = [(-2.0, -2.0), (2.0, -2.0), (2.5, 1.0), (0.0, 2.5)]
+    for x_m, y_m in around:
+        page.mouse.click(*at_px(page, dock.x_m + x_m, dock.y_m + y_m))
+    expect(strip).to_contain_text("4 corners of 12 at most")
+    page.locator("#plant-map").focus()
+    page.keyboard.press("Enter")
+    expect(strip).to_contain_text("5 corners of 12 at most")
+    strip.get_by_role("button", name="Take back a corner").click()
+    expect(strip).to_contain_text("4 corners of 12 at most")
+    sheet = opened(page)
+    expect(sheet.get_by_label("What").locator("option").first).to_have_text("Drawn area, 4 corners")
+    sheet.get_by_label("Reason").fill("a shelf has fallen over")
+    sheet.get_by_role("button", name="Close", exact=True).click()
+    expect(sheet.get_by_role("alert").first).to_contain_text("No vehicle gets to M5")
+    sheet.get_by_role("button", name="Close all the same").click()
+    line = page.locator(".card.closures").get_by_role("listitem").filter(has_text="a shelf has fallen over")
+    expect(line).to_contain_text("Drawn area, 4 corners")
+    expect(strip).to_have_count(0)
+    screenshot(page, "closures-drawn")
+    line.get_by_role("button", name=re.compile("^Open Drawn area")).click()
+    expect(line).to_have_count(0)
+
+
+@pytest.mark.slow
 def test_it_is_told_in_german_too(factory: str, open_page: OpenPage, screenshot: Screenshot) -> None:
     page = open_page(factory, locale="de-DE")
     page.evaluate(
@@ -132,3 +160,36 @@ def test_it_is_told_in_german_too(factory: str, open_page: OpenPage, screenshot:
     expect(card).to_contain_text("Einbahn")
     expect(card).to_contain_text("Palette liegt dort")
     screenshot(page, "closures-german")
+
+
+@pytest.mark.slow
+def test_a_pallet_is_put_on_the_chosen_lane_and_brought_away_again(
+    factory: str, open_page: OpenPage, complaints: Complaints
+) -> None:
+    page = open_page(factory)
+    button = page.get_by_role("button", name="Something in the way…")
+    expect(page.locator("#plant-map canvas").first).to_be_visible()
+    expect(button).to_have_count(0)
+    for _ in range(CLICKS):
+        choose_lane(page, *LANE)
+        with suppress(PlaywrightTimeout):
+            button.wait_for(timeout=SHOWN_MS)
+            break
+    sheet = page.locator(".pop-sheet:popover-open")
+    back = sheet.get_by_role("button", name="Bring back")
+    for _ in range(CLICKS):
+        # Not under a vehicle that is just there.
+        if not sheet.count():
+            button.click()
+        sheet.get_by_role("button", name="Put a pallet on this lane").click()
+        expect(back.or_(sheet.get_by_role("alert"))).to_be_visible()
+        if back.count():
+            break
+        page.wait_for_timeout(SHOWN_MS)
+    expect(sheet.get_by_role("button", name="Put a pallet on this lane")).to_be_disabled()
+    back.click()
+    button.click()
+    expect(sheet.get_by_role("button", name="Put a pallet on this lane")).to_be_enabled()
+    # Under a vehicle it is refused, of which the browser tells by itself.
+    assert all("status of 422" in each for each in complaints)
+    complaints.clear()

@@ -14,8 +14,9 @@ from playwright.sync_api import Page, expect
 OpenPage = Callable[..., Page]
 Screenshot = Callable[[Page, str], Path]
 
-SPEED = 4
-"""Slow enough that a transport lasts as long as a person needs to act, some ten seconds."""
+SPEED = 1
+"""A person has to act while a vehicle is on its way to fetch, some ten seconds: it must not stand before the storage yet,
+where nobody could pass it."""
 
 WATCHED_MS = 180_000
 """The first transports with a watch are contracted within a minute of the factory's time."""
@@ -32,19 +33,27 @@ def factory(start_dray: Callable[..., Any]) -> Iterator[Any]:
     assert dray.stop() == 0, dray.output()
 
 
+HEARD = 3
+"""Heartbeats of a carrier after which whoever watches it has heard of it, too: until then the machine acts alone."""
+
+
 class Watched:
-    """Waits for a transport of material that has just been contracted, with a watch."""
+    """Waits for a transport of material that has just been contracted, with a watch that has begun."""
 
     def __init__(self) -> None:
         self.task: dict[str, Any] = {}
+        self._heard_at_s: set[float] = set()
 
     def __call__(self, frame: dict[str, Any]) -> bool:
         """Take one frame of the stream."""
         for task in frame.get("tasks", ()):
             carried = task["kind"] == "transport" and not task["goal"] and task["phase"] == "approaching"
-            if carried and task["secondary"] and task["epoch"] == 1:
+            if not self.task and carried and task["secondary"] and task["epoch"] == 1:
                 self.task = task
-        return bool(self.task)
+        for atv in frame.get("atvs", ()):
+            if self.task and atv["id"] == self.task["primary"]:
+                self._heard_at_s.add(atv["seen_at_s"])
+        return len(self._heard_at_s) >= HEARD
 
 
 @pytest.mark.slow
@@ -83,8 +92,10 @@ def test_a_vehicle_that_is_switched_off_is_taken_over_from_and_its_load_delivere
 
     choose(page, primary)
     page.get_by_role("button", name="Bring back: switched off").click()
+    expect(page.get_by_role("button", name="Bring back: switched off")).to_have_count(0)
     expect(card).not_to_contain_text("silent")
-    assert factory.ask("/api/faults")["items"] == []
+    # Of this vehicle: a first try may have left another one as it was.
+    assert [each for each in factory.ask("/api/faults")["items"] if primary in each["agents"]] == []
 
 
 @pytest.mark.slow

@@ -154,7 +154,11 @@ def test_an_operator_reads_for_whom_the_vehicles_of_the_area_wait(
     page = enter(**LOOKS[look])
     after(house, jam, LONG_WAIT_S)
     waits = card(page, "ATV5").locator(".waits")
-    words = {"en": "waits for ATV3, which waits for ATV7", "de": "wartet auf ATV3; dieses wartet auf ATV7"}
+    words = {
+        "en": "waits for ATV3, which waits for ATV7",
+        "de": "wartet auf ATV3; dieses wartet auf ATV7",
+        "es": "espera a ATV3, que espera a ATV7",
+    }
     expect(waits).to_contain_text(words[look[-2:]])
     expect(waits).to_contain_text(LONG)
     expect(card(page, "ATV2")).to_have_count(0)

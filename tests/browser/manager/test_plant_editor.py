@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+import ezdxf
 import pytest
 from playwright.sync_api import Page, expect
 
@@ -53,6 +55,16 @@ def click(page: Page, x_m: float, y_m: float) -> None:
     page.mouse.click(*at(page, x_m, y_m))
 
 
+def lies_on(page: Page, *, width_m: float, height_m: float) -> None:
+    """That the picture under the draft covers a piece of the floor from its lower left corner, and nothing else."""
+    left, top = at(page, 0.0, height_m)
+    right, bottom = at(page, width_m, 0.0)
+    box = page.locator(".ed-floor image").bounding_box()
+    assert box is not None
+    assert (box["x"], box["y"]) == pytest.approx((left, top), abs=1.0)
+    assert (box["width"], box["height"]) == pytest.approx((right - left, bottom - top), abs=2.0)
+
+
 @pytest.mark.slow
 def test_from_a_lif_file_to_a_played_shift(
     workshop: str, open_page: OpenPage, screenshot: Screenshot, lif_file: Path
@@ -80,6 +92,15 @@ def test_from_a_lif_file_to_a_played_shift(
     click(page, 3.0, 3.0)
     expect(page.locator(".ed-checks li").filter(has_text="cannot be reached")).to_be_visible()
     screenshot(page, "editor-2-not-reached")
+    # Its repair is offered with the measure at the place, and can be undone.
+    repair = page.locator(".ed-checks").get_by_role("button", name="Draw a two-way road to")
+    expect(page.locator(".ed-measures text")).to_have_count(1)
+    repair.click()
+    expect(page.locator(".ed-checks li").filter(has_text="cannot be reached")).to_have_count(0)
+    expect(page.locator(".ed-kept")).to_contain_text("kept as version")
+    screenshot(page, "editor-2-repaired")
+    page.get_by_role("button", name="Undo").click()
+    expect(page.locator(".ed-checks li").filter(has_text="cannot be reached")).to_be_visible()
     page.get_by_role("button", name="Show finding 1").click()
     expect(page.locator(".ed-side .ed-error, .ed-side .ed-said").first).to_be_visible()
     # A road from there to the nearest node that there was.
@@ -157,3 +178,85 @@ def test_two_who_draw_at_once_do_not_write_over_one_another(workshop: str, open_
         headers={"If-Match": '"1"', "Origin": workshop},
     )
     assert answer.status == 412
+
+
+@pytest.mark.slow
+def test_a_floor_plan_in_dxf_lies_under_the_draft_and_a_place_that_is_too_narrow_is_repaired(
+    workshop: str, open_page: OpenPage, screenshot: Screenshot, tmp_path: Path
+) -> None:
+    plan = tmp_path / "hall.dxf"
+    document = ezdxf.new()
+    document.header["$INSUNITS"] = 4
+    document.modelspace().add_lwpolyline([(0, 0), (24_000, 0), (24_000, 14_000), (0, 14_000)], close=True)
+    document.modelspace().add_line((2000, 800), (22_000, 9_500))
+    document.modelspace().add_text("Hall 3")
+    document.saveas(plan)
+    page = open_page(f"{workshop}/editor", **SIZE)
+    page.get_by_label("Name of the draft").fill("On a plan")
+    page.get_by_role("button", name="Begin with the running plant").click()
+    page.get_by_label("floor plan (DXF)").set_input_files(plan)
+    expect(page.get_by_text("14.0 m, as the plan says")).to_be_visible(timeout=60_000)
+    expect(page.get_by_text("left out: TEXT, 1 times")).to_be_visible()
+    expect(page.get_by_label("Width, m")).to_have_value("24")
+    picture = page.locator(".ed-floor image")
+    expect(picture).to_have_attribute("width", "24")
+    load = "async (it) => { const seen = new Image(); seen.src = it.getAttribute('href'); await seen.decode(); return seen.naturalWidth; }"
+    assert picture.evaluate(load) == 24_000
+    lies_on(page, width_m=24.0, height_m=14.0)
+    # Two places nearer to one another than a vehicle is long, on a road of their own.
+    page.keyboard.press("r")
+    click(page, 3.0, 3.0)
+    click(page, 6.0, 3.0)
+    page.keyboard.press("Escape")
+    click(page, 6.0, 3.0)
+    # The plan has an x of its own, which is there until the node is.
+    node = page.get_by_role("region", name=re.compile("^Node "))
+    node.get_by_label("x, m").fill("3.4")
+    node.get_by_label("x, m").press("Tab")
+    found = page.locator(".ed-checks li").filter(has_text="nearer to one another")
+    expect(found).to_be_visible()
+    page.get_by_role("button", name="Done", exact=True).click()
+    screenshot(page, "editor-5-dxf-and-narrow")
+    found.get_by_role("button", name="so that vehicles have room").click()
+    expect(found).to_have_count(0)
+    screenshot(page, "editor-6-mended")
+    # A drawing of somebody's own, which lies in the middle of whatever it is shown in, as SVG does unless it says otherwise.
+    own = tmp_path / "own.svg"
+    own.write_text('<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 40 10"><path d="M0 0L40 10"/></svg>')
+    page.get_by_label("floor plan (DXF)").set_input_files(own)
+    expect(page.get_by_label("Width, m")).to_have_value("24")
+    shown = "async (it) => { for (let at = 0; at < 600 && it.getBBox().height > 10; at += 1) await new Promise(requestAnimationFrame); }"
+    picture.evaluate(shown)
+    lies_on(page, width_m=24.0, height_m=6.0)
+
+
+@pytest.mark.slow
+def test_a_storage_is_refilled_by_vehicles_from_a_warehouse_that_gets_stocks(
+    workshop: str, open_page: OpenPage
+) -> None:
+    page = open_page(f"{workshop}/editor", **SIZE)
+    page.get_by_label("Name of the draft").fill("Refills")
+    page.get_by_role("button", name="Begin with the running plant").click()
+    choose(page, "Storage", "RACK")
+    page.get_by_label("Material comes").select_option("by vehicles, from warehouses")
+    missing = page.locator(".ed-checks li").filter(has_text="no source warehouse has")
+    expect(missing).to_have_count(2)
+    expect(page.get_by_text("no warehouse has it")).to_have_count(2)
+    page.get_by_role("group", name="screws").get_by_label("Orders at").fill("40")
+    page.get_by_role("button", name="Done").click()
+    choose(page, "Warehouse", "IN")
+    for _ in range(2):
+        page.get_by_role("button", name="One more stock").click()
+    page.get_by_label("machines fetch here, too").check()
+    expect(missing).to_have_count(0)
+    page.get_by_role("button", name="Done").click()
+    choose(page, "Storage", "RACK")
+    expect(page.get_by_text("brought from IN")).to_have_count(2)
+    expect(page.get_by_role("group", name="screws").get_by_label("Orders at")).to_have_value("40")
+
+
+def choose(page: Page, kind: str, name: str) -> None:
+    """Choose something by the lists beside the floor."""
+    lists = page.locator(".ed-side select")
+    lists.nth(0).select_option(kind)
+    lists.nth(1).select_option(name)

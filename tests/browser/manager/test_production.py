@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from math import sin
 from pathlib import Path
 from typing import Any
@@ -15,12 +15,7 @@ OpenPage = Callable[..., Page]
 Screenshot = Callable[[Page, str], Path]
 
 
-@pytest.fixture(scope="module")
-def factory(start_dray) -> Iterator[str]:
-    """A factory in which nobody orders but the test."""
-    dray = start_dray("--speed", "20", "--no-demand")
-    yield dray.url
-    assert dray.stop() == 0, dray.output()
+OPTIONS = ("--speed", "20", "--no-demand")
 
 
 def test_production_is_defined_published_taken_back_and_published_again(
@@ -46,9 +41,9 @@ def test_production_is_defined_published_taken_back_and_published_again(
     expect(row).to_contain_text("in production")
     row.get_by_role("button", name="Cancel").dblclick()
     expect(row).to_contain_text("Cancel this order?")
-    safe = row.get_by_role("button", name="Keep the order")
+    safe = row.get_by_role("button", name="Keep order")
     expect(safe).to_be_focused()
-    expect(row.get_by_role("button", name="Cancel the order")).to_be_visible()
+    expect(row.get_by_role("button", name="Cancel order")).to_be_visible()
     safe.click()
     expect(row).to_contain_text("in production")
     row.get_by_role("button", name="Take back").click()
@@ -80,6 +75,24 @@ def some_history(step_s: int, steps: int) -> dict[str, Any]:
     return {"since_at_s": since_s, "until_at_s": since_s + steps * step_s, "step_s": step_s, "items": items}
 
 
+def some_pieces() -> dict[str, Any]:
+    """What two machines have made, one of them with some bad pieces."""
+    counts = {("M1", "gear-unit-g1"): (388, 12), ("M2", "pump-p3"): (100, 0)}
+    lines = [
+        {
+            "machine": machine,
+            "product": product,
+            "good_quantity": good,
+            "scrap_quantity": bad,
+            "produced_quantity": good + bad,
+            "quality_ratio": good / (good + bad),
+        }
+        for (machine, product), (good, bad) in counts.items()
+    ]
+    sums = {"good_quantity": 488, "scrap_quantity": 12, "produced_quantity": 500, "quality_ratio": 0.976}
+    return {"since_at_s": 0.0, "until_at_s": 3600.0, **sums, "items": lines}
+
+
 @pytest.mark.slow
 def test_the_figures_are_charts_that_keys_can_read_with_tables_behind_them(
     factory: str, open_page: OpenPage, screenshot: Screenshot
@@ -91,6 +104,7 @@ def test_the_figures_are_charts_that_keys_can_read_with_tables_behind_them(
         route.fulfill(json=some_history(step_s, 60 if step_s == 60 else 160))
 
     page.route("**/api/kpis/history?*", answer)
+    page.route("**/api/kpis/quality?*", lambda route: route.fulfill(json=some_pieces()))
     scripts: list[str] = []
     page.on("request", lambda request: scripts.append(request.url))
     page.goto(factory)
@@ -100,6 +114,14 @@ def test_the_figures_are_charts_that_keys_can_read_with_tables_behind_them(
     expect(page.locator(".kpi-plot canvas")).to_have_count(7)
     assert any("KpiCharts" in url for url in scripts)
     screenshot(page, "figures")
+
+    quality = page.locator(".kpi-quality")
+    expect(quality).to_contain_text("ISO 22400-2")
+    expect(quality.get_by_role("row").nth(1)).to_contain_text("Gear")
+    expect(quality.get_by_role("row").nth(1)).to_contain_text("97.0")
+    expect(quality.get_by_role("row").last).to_contain_text("All machines")
+    quality.scroll_into_view_if_needed()
+    screenshot(page, "figures-quality")
 
     card = page.locator(".kpi-interventions")
     expect(card.locator(".kpi-legend")).to_contain_text("commands 2")

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from typing import Any
+from collections.abc import Callable
 
 import pytest
 from playwright.sync_api import Page, Route, WebSocketRoute, expect
@@ -11,12 +10,7 @@ from playwright.sync_api import Page, Route, WebSocketRoute, expect
 OpenPage = Callable[..., Page]
 
 
-@pytest.fixture(scope="module")
-def factory(start_dray: Callable[..., Any]) -> Iterator[str]:
-    """A factory in which nobody orders."""
-    dray = start_dray("--no-demand")
-    yield dray.url
-    assert dray.stop() == 0, dray.output()
+OPTIONS = ("--no-demand",)
 
 
 class Stream:

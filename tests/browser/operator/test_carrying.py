@@ -33,6 +33,7 @@ OTHERS = {"ATV2": "a1", "ATV5": "c3", "ATV7": "m8", "ATV8": "e1"}
 WORDS = {
     "en": ("Carry ATV3 away", "It is off the floor", "Keep this place", "is kept for it"),
     "de": ("ATV3 wegtragen", "Es ist weggetragen", "Diesen Platz freihalten", "ist freigehalten"),
+    "es": ("Retirar ATV3", "Ya no está en el suelo", "Reservar este lugar", "está reservado"),
 }
 
 
@@ -157,7 +158,7 @@ def test_of_a_vehicle_that_was_never_heard_it_is_said_at_its_alert(
     house.do(await_it)
     page = as_manager(house, open_page)
     page.locator(".alerts-button").click()
-    row = page.get_by_role("row", name="ATV7")
+    row = page.get_by_role("row", name="ATV7").first
     expect(row).to_contain_text("M3, M4 grant no place")
     row.get_by_role("button", name="ATV7 is off the floor").click()
     expect(row.get_by_role("button", name="Not yet")).to_be_focused()

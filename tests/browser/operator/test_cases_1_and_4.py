@@ -16,7 +16,7 @@ import pytest
 from floater import OPERATOR, dray_with_floater
 from frames import Frames
 from playwright.sync_api import Page, expect
-from tablet_kit import LYING, UPRIGHT
+from tablet_kit import LYING, PHONE, UPRIGHT
 
 OpenPage = Callable[..., Page]
 Screenshot = Callable[..., Path]
@@ -37,8 +37,6 @@ HANDED_OVER_MS = 90_000
 """The card lets go after three seconds; an auction of a goal lasts less than a minute."""
 
 STATION = "M8"
-
-PHONE = {"width": 390, "height": 844}
 
 LOOKS: dict[str, dict[str, Any]] = {
     "en": {"viewport": LYING, "color_scheme": "light", "locale": "en-GB"},

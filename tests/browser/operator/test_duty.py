@@ -2,39 +2,35 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
-from fake_bus import KEYS, FakeSession
+from calling_kit import BLOCKED, SOON_S, Calling, asks, do, on_duty, vehicle_calls
 from gateway_kit import House
-from msgspec.structs import replace
+from goods_aboard import REFERENCE, STATION, TASK, MachineWithGoods
+from manager_kit import as_manager
 from open_house import OpenHouse, open_house
 from playwright.sync_api import Page, Route, expect
-from puppets import Puppet
+from puppets import LATER_S, Puppet
+from tablet_kit import LOOKS as SHAPES
 from tablet_kit import LYING, TOUCH_PX, UPRIGHT, Enter, beat, card
 from variants import variants
 
 from dray.messages import (
     AtvStatus,
     CallAnswer,
-    CallAnswered,
     CallState,
     CommandKind,
-    HelpCall,
+    DutyStatus,
     HelpWanted,
-    Message,
-    Problem,
     ProblemKind,
 )
 
 Screenshot = Callable[..., Path]
-
-BLOCKED = Problem(kind=ProblemKind.WAY_BLOCKED, passes=False, needs_person=True)
-
-SOON_S = 3600.0
-"""Browsers' clocks go on while that of the kit stands: nothing runs out in a test."""
+OpenPage = Callable[..., Page]
 
 LOOKS: dict[str, tuple[dict[str, Any], dict[str, str]]] = {
     "en": (
@@ -77,60 +73,13 @@ def house(sqlite_url: str) -> Iterator[OpenHouse]:
         yield house
 
 
-class Calling:
-    """A vehicle that calls for help: it says so, and takes whoever says to come."""
-
-    def __init__(self, house: House, puppet: Puppet) -> None:
-        self.answers: list[CallAnswer] = []
-        self._house, self._puppet = house, puppet
-        self._call = HelpCall(
-            call=f"{puppet.atv}-1-1",
-            caller=puppet.atv,
-            incarnation=1,
-            number=0,
-            at_s=0.0,
-            state=CallState.RESTING,
-            since_s=0.0,
-            problem=BLOCKED,
-            reason="a pallet on the lane",
-            x_m=puppet.x_m,
-            y_m=puppet.y_m,
-        )
-        house.bus.join(puppet.atv, self._on_message)
-
-    def say(self, **said: Any) -> None:
-        self._call = replace(self._call, number=self._call.number + 1, **said)
-        FakeSession(self._house.bus, self._puppet.atv, self._on_message).publish(
-            KEYS.call(self._puppet.atv), self._call
-        )
-
-    def _on_message(self, sender: str, message: Message) -> None:
-        if isinstance(message, CallAnswered):
-            self.answers.append(message.answer)
-            if message.answer is CallAnswer.TAKE:
-                self.say(state=CallState.TAKEN, taken_by=sender, turn=1, asked=(), until_s=SOON_S)
-        else:
-            self._puppet.on_message(sender, message)
-
-
-def do(house: OpenHouse, what: Callable[[House], Any]) -> Any:
-    async def work(inside: House) -> Any:
-        return what(inside)
-
-    return house.do(work)
-
-
-def on_duty(inside: House) -> list[str]:
-    return [each.operator for each in inside.projection.people.on_duty(0.0)]
-
-
 @pytest.mark.parametrize("language", variants(["de", "en", "es"]))
 def test_an_operator_on_duty_is_asked_takes_a_blocked_way_and_is_free_again(
     house: OpenHouse, vehicles: dict[str, Puppet], enter: Enter, screenshot: Screenshot, language: str
 ) -> None:
     look, says = LOOKS[language]
     vehicle = vehicles["ATV2"]
-    calling: Calling = do(house, lambda inside: Calling(inside, vehicle))
+    calling = vehicle_calls(house, vehicle)
     page: Page = enter(**look)
     page.get_by_role("button", name=says["on"], exact=True).tap()
     expect(page.get_by_role("button", name=says["on"], exact=True)).to_have_attribute("aria-pressed", "true")
@@ -186,9 +135,8 @@ def test_nobody_chooses_before_the_page_knows_who_it_is(
     held.pop().continue_()
     on.tap()
     expect(on).to_have_attribute("aria-pressed", "true")
-    calling: Calling = do(house, lambda inside: Calling(inside, vehicles["ATV2"]))
-    [operator] = house.until(on_duty)
-    do(house, lambda _inside: calling.say(state=CallState.ASKING, asked=(operator,), until_s=SOON_S))
+    calling = vehicle_calls(house, vehicles["ATV2"])
+    asks(house, calling)
     expect(page.locator(".call")).to_contain_text("asks you")
 
 
@@ -196,12 +144,197 @@ def test_nobody_chooses_before_the_page_knows_who_it_is(
 def test_who_passes_is_not_shown_the_call_any_more(
     house: OpenHouse, vehicles: dict[str, Puppet], enter: Enter
 ) -> None:
-    calling: Calling = do(house, lambda inside: Calling(inside, vehicles["ATV2"]))
+    calling = vehicle_calls(house, vehicles["ATV2"])
     page = enter()
     page.get_by_role("button", name="On duty", exact=True).tap()
     expect(page.get_by_role("button", name="On duty", exact=True)).to_have_attribute("aria-pressed", "true")
-    [operator] = house.until(on_duty)
-    do(house, lambda _inside: calling.say(state=CallState.ASKING, asked=(operator,), until_s=SOON_S))
+    asks(house, calling)
     page.locator(".call").get_by_role("button", name="Pass").tap()
     expect(page.locator(".call")).to_have_count(0)
     assert calling.answers == [CallAnswer.DECLINE]
+
+
+def go_on_duty(page: Page) -> None:
+    on = page.locator(".duty-choices button").first
+    on.tap()
+    expect(on).to_have_attribute("aria-pressed", "true")
+
+
+@pytest.mark.parametrize("theme", variants(["dark", "light"]))
+@pytest.mark.parametrize("shape", variants(SHAPES, "upright-dark-de"))
+def test_who_is_on_duty_is_called_to_goods_on_board_of_a_dead_vehicle(
+    house: OpenHouse,
+    vehicles: dict[str, Puppet],
+    enter: Enter,
+    screenshot: Screenshot,
+    shape: str,
+    theme: str,
+) -> None:
+    def join(inside: House) -> Calling:
+        machine = MachineWithGoods(inside, LATER_S)
+        return Calling(inside, STATION, machine.on_message, goods=TASK, x_m=25.0, y_m=14.5)
+
+    calling: Calling = do(house, join)
+    page = enter(**SHAPES[shape] | {"color_scheme": theme})
+    go_on_duty(page)
+    asks(house, calling)
+    call = page.locator(".call")
+    for said in (STATION, "ATV2", REFERENCE, "South middle"):
+        expect(call).to_contain_text(said)
+    for button in call.get_by_role("button").all():
+        box = button.bounding_box()
+        assert box is not None
+        assert min(box["width"], box["height"]) >= TOUCH_PX
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    screenshot(page, f"goods-call-{shape}-{theme}")
+    call.get_by_role("button").first.tap()
+    house.until(lambda _inside: calling.answers)
+    assert calling.answers == [CallAnswer.TAKE]
+    screenshot(page, f"goods-call-taken-{shape}-{theme}")
+
+
+@pytest.mark.slow
+def test_two_tabs_of_one_person_are_on_duty_together_and_go_off_together(
+    house: OpenHouse, vehicles: dict[str, Puppet], enter: Enter
+) -> None:
+    first = enter()
+    go_on_duty(first)
+    second = enter(beside=first)
+    for page in (first, second):
+        expect(page.get_by_role("button", name="On duty", exact=True)).to_have_attribute(
+            "aria-pressed", "true"
+        )
+    asks(house, vehicle_calls(house, vehicles["ATV2"]))
+    for page in (first, second):
+        expect(page.locator(".call")).to_contain_text("asks you")
+    second.get_by_role("button", name="Off duty", exact=True).tap()
+    # The first one has chosen to be on duty, and does not put the person back.
+    off = first.get_by_role("button", name="Off duty", exact=True)
+    expect(off).to_have_attribute("aria-pressed", "true")
+    expect(first.locator(".call")).to_have_count(0)
+    for _ in range(2):
+        with first.expect_response("**/api/duty"):
+            pass
+    expect(off).to_have_attribute("aria-pressed", "true")
+    assert house.until(lambda inside: not on_duty(inside))
+
+
+@pytest.mark.slow
+def test_of_two_people_who_take_a_call_the_slower_one_is_told(
+    house: OpenHouse, vehicles: dict[str, Puppet], enter: Enter, screenshot: Screenshot
+) -> None:
+    calling = vehicle_calls(house, vehicles["ATV2"])
+    page = enter()
+    go_on_duty(page)
+    operator = asks(house, calling)
+    calling.quicker = "operator.quicker"
+    call = page.locator(".call")
+    call.get_by_role("button", name="I take it within 5 min").tap()
+    expect(page.locator(".call-failed")).to_contain_text("somebody else was quicker")
+    expect(call).to_have_count(0)
+    assert operator != calling.quicker
+    assert vehicles["ATV2"].heard == []
+    screenshot(page, "duty-quicker")
+
+
+@pytest.mark.slow
+def test_who_takes_a_second_call_reads_that_somebody_expects_them_already(
+    house: OpenHouse, vehicles: dict[str, Puppet], enter: Enter, screenshot: Screenshot, complaints: list[str]
+) -> None:
+    calling = [vehicle_calls(house, vehicles[atv]) for atv in ("ATV2", "ATV6")]
+    page = enter()
+    go_on_duty(page)
+    for each in calling:
+        asks(house, each)
+    first, second = (page.locator(".call").filter(has_text=atv) for atv in ("ATV2", "ATV6"))
+    first.get_by_role("button", name="I take it within 5 min").tap()
+    expect(first).to_contain_text("expects you")
+    second.get_by_role("button", name="I take it within 5 min").tap()
+    # Where the words of the language are not there within a second, it is said as the gateway says it.
+    expect(page.locator(".call-failed")).to_have_text(
+        re.compile("You are expected elsewhere already. Give that back first.|ATV2 expects you")
+    )
+    expect(page.locator(".call-failed")).to_be_in_viewport(ratio=0.9)
+    assert [each.answers for each in calling] == [[CallAnswer.TAKE], []]
+    screenshot(page, "duty-two-calls")
+    assert "409 (Conflict)" in " ".join(complaints)
+    complaints.clear()
+    first.get_by_role("button", name="Give it back").tap()
+    expect(page.locator(".call-failed")).to_have_count(0)
+    second.get_by_role("button", name="I take it within 5 min").tap()
+    expect(second).to_contain_text("expects you")
+    assert [each.answers for each in calling] == [[CallAnswer.TAKE, CallAnswer.DECLINE], [CallAnswer.TAKE]]
+
+
+@pytest.mark.slow
+def test_who_is_asked_elsewhere_reads_where_that_is(
+    house: OpenHouse, vehicles: dict[str, Puppet], enter: Enter, screenshot: Screenshot
+) -> None:
+    page = enter()
+    go_on_duty(page)
+    asks(house, vehicle_calls(house, vehicles["ATV2"], x_m=30.0, y_m=30.0))
+    call = page.locator(".call")
+    expect(call).to_contain_text("m from you")
+    expect(call).to_contain_text("That is not your area")
+    screenshot(page, "duty-elsewhere")
+
+
+@pytest.mark.slow
+def test_who_promises_at_the_card_of_a_vehicle_has_taken_its_call(
+    house: OpenHouse, vehicles: dict[str, Puppet], enter: Enter
+) -> None:
+    vehicle = vehicles["ATV2"]
+    calling = vehicle_calls(house, vehicle)
+    page = enter()
+    go_on_duty(page)
+    waits = HelpWanted(until_s=SOON_S)
+    house.do(beat(vehicle, status=AtvStatus.ERROR, problem="a pallet", about_problem=BLOCKED, help=waits))
+    house.until(on_duty)
+    do(
+        house,
+        lambda _inside: calling.say(state=CallState.ASKING, asked=("operator.another",), until_s=SOON_S),
+    )
+    expect(page.locator(".duty-open")).to_contain_text("ATV2")
+    card(page, "ATV2").locator(".promises button").nth(1).tap()
+    expect(page.locator(".call")).to_contain_text("expects you")
+    house.until(lambda _inside: vehicle.heard)
+    assert [command.kind for command in vehicle.heard] == [CommandKind.PROMISE]
+
+
+@pytest.mark.slow
+def test_a_person_says_what_for_and_until_when_busy(
+    house: OpenHouse, vehicles: dict[str, Puppet], enter: Enter, screenshot: Screenshot
+) -> None:
+    page = enter()
+    go_on_duty(page)
+    page.locator(".duty-for summary").tap()
+    for kind in ("Drives", "Loads"):
+        page.get_by_role("button", name=kind, exact=True).tap()
+        expect(page.get_by_role("button", name=kind, exact=True)).to_have_attribute("aria-pressed", "true")
+    page.locator(".duty-busy button").first.tap()
+    expect(page.locator(".duty-busy")).to_contain_text("Busy until")
+    screenshot(page, "duty-what-for", of=".duty")
+    page.reload()
+    expect(page.locator(".duty-for summary")).to_contain_text("Drives")
+
+    def said(inside: House) -> list[tuple[DutyStatus, tuple[ProblemKind, ...]]]:
+        return [(each.status, each.helps_with) for each in inside.projection.people.on_duty(0.0)]
+
+    wanted = [(DutyStatus.BUSY, (ProblemKind.DRIVE, ProblemKind.LOAD))]
+    assert house.until(lambda inside: said(inside) == wanted)
+
+
+@pytest.mark.slow
+def test_a_manager_sees_who_is_on_duty_and_where_nobody_is(
+    house: OpenHouse, vehicles: dict[str, Puppet], enter: Enter, open_page: OpenPage, screenshot: Screenshot
+) -> None:
+    manager = as_manager(house, open_page)
+    row = manager.locator(".duty-row")
+    expect(row).to_contain_text("nobody")
+    go_on_duty(enter())
+    expect(row).to_contain_text("1 on duty")
+    expect(row).to_contain_text("Nobody is on duty: ")
+    expect(row.locator("p")).not_to_contain_text("South middle")
+    row.locator("summary").click()
+    expect(row.get_by_role("listitem")).to_contain_text("M8 · South middle · free")
+    screenshot(manager, "manager-duty")

@@ -14,8 +14,11 @@ from open_house import OpenHouse
 from playwright.sync_api import expect
 from puppets import LATER_S, Puppet
 from tablet_kit import LOOKS, STATION, TOUCH_PX, Enter, press_and_hold
+from variants import variants
+from wall_clock import NOW_S
 
 from dray.messages import (
+    BufferLevel,
     CommandAnswered,
     CommandRefusal,
     GoalBrief,
@@ -29,6 +32,8 @@ from dray.messages import (
     ProblemKind,
     TaskBrief,
 )
+from dray.store.orders.orders import Item, Order
+from dray.store.orders.progress import Goal, OrderStatus
 
 Screenshot = Callable[..., Path]
 
@@ -140,11 +145,13 @@ def test_a_broken_machine_is_seen_to_by_a_person_and_taken_out_of_service(
     choice.locator("button:not([aria-pressed])").nth(1).tap()
     house.do(mended)
     card.locator(".fault-gone").tap()
+    expect(card.locator(".fault-gone")).to_have_count(0)
     back = card.locator(".service-back")
     expect(back.locator("> button")).to_be_disabled()
     screenshot(page, f"machine-out-{look}")
     for check in back.locator(".checks button").all():
         check.tap()
+        expect(check).to_have_attribute("aria-pressed", "true")
     press_and_hold(page, back.locator("> button"))
     expect(card).to_have_count(0)
     said = [command.kind for command in machine.heard]
@@ -157,3 +164,42 @@ def test_a_broken_machine_is_seen_to_by_a_person_and_taken_out_of_service(
 
 async def _break(machine: Machine) -> None:
     machine.break_down()
+
+
+@pytest.mark.parametrize("look", variants(LOOKS, "upright-dark-de"))
+def test_the_page_of_the_station_tells_what_figure_5_shows(
+    house: OpenHouse, vehicles: dict[str, Puppet], enter: Enter, screenshot: Screenshot, look: str
+) -> None:
+    async def join(inside: House) -> None:
+        order = Order(
+            id="O-1",
+            status=OrderStatus.RELEASED,
+            customer="Hall 3",
+            token="token",
+            items=(Item("pump-p3", 24),),
+            created_at_s=NOW_S,
+            due_at_s=NOW_S + LATER_S + 7200.0,
+        )
+        goal = Goal(id="G1", order_id="O-1", item=0, product="pump-p3", quantity=24)
+        inside.projection.orders.put(order, (goal,))
+        stock = BufferLevel(item="housing", level=11, capacity=72, reorder_point=20, on_order=24)
+        Machine(inside).beat(buffers=(stock,))
+
+    house.do(join)
+    page = enter(**LOOKS[look])
+    station = page.locator(".station")
+    first = station.locator(".goals li").first
+    locale = str(LOOKS[look]["locale"])
+
+    def at(wall_s: float) -> str:
+        clock = "([at, locale]) => new Intl.DateTimeFormat(locale, {hour: '2-digit', minute: '2-digit'}).format(at * 1000)"
+        return str(page.evaluate(clock, [wall_s, locale]))
+
+    for said in ("Pump P3", "8", "24", at(NOW_S + LATER_S + 900.0), at(NOW_S + LATER_S + 7200.0)):
+        expect(first).to_contain_text(said)
+    expect(station.locator("header .tag")).not_to_be_empty()
+    row = station.locator(".stock li").first
+    for said in ("Housing", "11", "72", "24", "ATV2", "ATV6"):
+        expect(row).to_contain_text(said)
+    station.scroll_into_view_if_needed()
+    screenshot(page, f"station-{look}")

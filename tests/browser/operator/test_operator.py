@@ -22,7 +22,6 @@ from tablet_kit import (
     TOUCH_PX,
     UPRIGHT,
     WHO,
-    Cable,
     Enter,
     ask_for_help,
     beat,
@@ -250,36 +249,6 @@ def test_of_a_silent_vehicle_only_stop_is_left(
 
 
 @pytest.mark.slow
-def test_a_cut_network_is_said_and_no_command_waits_for_its_end(
-    house: OpenHouse,
-    vehicles: dict[str, Puppet],
-    enter: Enter,
-    screenshot: Screenshot,
-    complaints: Complaints,
-) -> None:
-    cable = Cable()
-    page = enter(before=cable.lay)
-    expect(page.locator(".vehicle")).to_have_count(2)
-    cable.pull()
-    banner = page.locator(".banner")
-    expect(banner).to_contain_text("No connection to the plant")
-    expect(banner).to_contain_text("In danger use the button on the vehicle")
-    moved = card(page, "ATV2")
-    expect(moved.get_by_role("button", name="At most 50")).to_be_disabled()
-    screenshot(page, "operator-offline")
-    stop_of(page, "ATV2").tap()
-    expect(moved.locator(".stage")).to_have_text(["could not be sent"])
-    expect(stop_of(page, "ATV2")).to_contain_text("could not be sent")
-    house.do(beat(vehicles["ATV6"], status=AtvStatus.CHARGING))
-    cable.plug_in()
-    expect(banner).to_be_hidden()
-    expect(card(page, "ATV6")).to_contain_text("charging")
-    expect(moved.get_by_role("button", name="At most 50")).to_be_enabled()
-    assert kinds(vehicles["ATV2"]) == [], "a stop is given when it is pressed, or not at all"
-    forgive(complaints, "ERR_INTERNET_DISCONNECTED")
-
-
-@pytest.mark.slow
 def test_a_session_that_has_run_out_leaves_stop_and_a_way_in_again(
     house: OpenHouse,
     vehicles: dict[str, Puppet],
@@ -311,13 +280,14 @@ def test_a_session_that_has_run_out_leaves_stop_and_a_way_in_again(
 
 @pytest.mark.slow
 def test_a_session_that_was_ended_leaves_for_the_login(
-    house: OpenHouse, vehicles: dict[str, Puppet], enter: Enter
+    house: OpenHouse, vehicles: dict[str, Puppet], enter: Enter, complaints: Complaints
 ) -> None:
     page = enter()
     expect(card(page, "ATV2")).to_be_visible()
     page.get_by_role("button", name="Settings").tap()
     page.get_by_role("button", name="Log out").tap()
     expect(page).to_have_url(f"{house.url}/login?as=operator")
+    complaints[:] = [each for each in complaints if "status of 401" not in each]  # to what was being asked
 
 
 @pytest.mark.slow
@@ -379,9 +349,8 @@ def test_stop_acknowledge_and_resume_are_reached_by_keyboard_alone(
     tab_to(page, "Resume press and hold")
     page.keyboard.press("Enter")
     page.wait_for_timeout(HOLD_MS)
-    assert kinds(vehicles["ATV2"]) == [CommandKind.STOP, CommandKind.ACKNOWLEDGE], (
-        "a short press is not enough"
-    )
+    so_far = [CommandKind.STOP, CommandKind.ACKNOWLEDGE]
+    assert kinds(vehicles["ATV2"]) == so_far, "a short press is not enough"
     page.keyboard.down("Enter")
     page.wait_for_timeout(HOLD_MS)
     page.keyboard.up("Enter")

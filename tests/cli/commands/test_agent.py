@@ -115,6 +115,31 @@ def test_without_certificates_plain_links_must_be_asked_for(dray: Dray, command:
     assert "DRAY_BUS_PLAIN=true" in told
 
 
+@pytest.mark.parametrize(
+    ("many", "name", "wrong"),
+    [
+        (
+            "1",
+            "strategist2",
+            "NAME: there is no 'strategist2'; with DRAY_STRATEGISTS=1 choose one of strategist",
+        ),
+        (
+            "2",
+            "Strategist",
+            "there is no 'Strategist'; with DRAY_STRATEGISTS=2 choose one of strategist, strategist2",
+        ),
+        ("10", "strategist", "DRAY_STRATEGISTS: input should be less than or equal to 9"),
+        ("two", "strategist", "DRAY_STRATEGISTS: input should be a valid integer"),
+    ],
+)
+def test_a_strategist_that_the_plant_does_not_have_is_refused(
+    dray: Dray, many: str, name: str, wrong: str
+) -> None:
+    code, told = dray("strategist", name, DRAY_STRATEGISTS=many, DRAY_BUS_PLAIN="true")
+    assert code == 2
+    assert wrong in told
+
+
 def test_a_folder_without_the_agents_certificate_is_named(dray: Dray, tmp_path: Path) -> None:
     code, told = dray("agent", "machine", "M1", DRAY_BUS_CERTIFICATES=str(tmp_path))
     assert code == 2
@@ -137,6 +162,13 @@ def test_an_agent_without_a_floor_says_what_to_start(dray: Dray, monkeypatch: py
     )
 
 
+@pytest.mark.parametrize("command", [("agent", "station", "S3"), ("agent", "gate")])
+def test_a_dock_with_a_controller_needs_a_broker(dray: Dray, command: tuple[str, ...]) -> None:
+    code, told = dray(*command, "--body", "controller", DRAY_BUS_PLAIN="true")
+    assert code == 2
+    assert "DRAY_BROKER: a real body is behind a broker: say where that is" in told
+
+
 @pytest.fixture
 def floor(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[subprocess.Popen[str]]:
     """The simulated floor as a process of its own, on a bus that this process's agents are on too."""
@@ -157,11 +189,11 @@ def floor(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[subproces
 def test_an_agent_whose_floor_ends_does_not_go_on_with_an_old_picture(
     dray: Dray, floor: subprocess.Popen[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("dray.adapters.remote_body.body.LOOK_EVERY_S", 0.2)
+    monkeypatch.setattr("dray.adapters.remote_body.exchanged.LOOK_EVERY_S", 0.2)
     monkeypatch.setattr("dray.cli.runtime.agent_process.say_ready", lambda _name: floor.kill())
     code, told = dray("agent", "machine", "M1")
     assert code == 1
-    assert "the body of M1: has fallen silent; see whether `dray floor` runs" in told
+    assert "the body of M1: has fallen silent; see whether `dray floor`, or its controller, runs" in told
 
 
 def test_an_agent_does_not_begin_on_a_floor_that_knows_nothing_of_what_binds_it(

@@ -33,6 +33,7 @@ def test_every_agent_of_the_plant_gets_its_certificate(dray: Dray, tmp_path: Pat
         **dict.fromkeys(plant.machines, Kind.MACHINE),
         **dict.fromkeys(plant.storages, Kind.STATION),
         **dict.fromkeys(plant.fleet, Kind.ATV),
+        "gate": Kind.GATE,
         "strategist": Kind.STRATEGIST,
         "gateway": Kind.GATEWAY,
         "historian": Kind.HISTORIAN,
@@ -40,6 +41,15 @@ def test_every_agent_of_the_plant_gets_its_certificate(dray: Dray, tmp_path: Pat
     assert f"{len(expected)} certificates for {plant.id}" in out
     for agent, kind in expected.items():
         assert Seals(Identity.in_folder(folder, agent), plant.id).agents == names_of(agent, kind)
+
+
+def test_each_of_several_strategists_gets_a_certificate(
+    dray: Dray, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("DRAY_STRATEGISTS", "2")
+    assert dray("make", tmp_path)[0] == 0
+    for name in ("strategist", "strategist2"):
+        assert Seals(Identity.in_folder(tmp_path, name), default_plant().id).agents == {name: Kind.STRATEGIST}
 
 
 def test_nobody_else_may_read_a_key(dray: Dray, tmp_path: Path) -> None:

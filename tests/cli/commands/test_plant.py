@@ -8,11 +8,12 @@ from pathlib import Path
 from xml.etree import ElementTree as ET
 
 import pytest
+from msgspec.structs import replace
 from typer.testing import CliRunner
 
 from dray.cli import app
 from dray.errors import PlantError, PlantErrors, SettingsError
-from dray.plant import load_plant
+from dray.plant import Door, LaneEnds, Plant, load_plant, plant_yaml
 
 TINY_SHIFT = ("--hours", "0.3", "--load", "0.5")
 SHORTEST_SHIFT = ("--hours", "0.1", "--load", "0.5")
@@ -190,6 +191,15 @@ def test_drawn_plants_are_played_judged_and_kept(tmp_path: Path) -> None:
 
 
 # --- layouts of other systems -------------------------------------------------------------------------
+
+
+def test_an_export_says_which_doors_are_left_out(tmp_path: Path) -> None:
+    file = tmp_path / "doors.yaml"
+    door = Door("GATE", "Gate", (LaneEnds("c2", "c3"),), 8.0)
+    file.write_text(plant_yaml(Plant(replace(load_plant("default").file, doors=(door,)))), encoding="utf-8")
+    code, told = dray("plant", "export", str(file), "--lif", "-o", str(tmp_path / "doors.json"))
+    assert code == 0
+    assert "left out: GATE: LIF knows no doors" in told
 
 
 def test_a_layout_is_exported_imported_checked_and_drawn(tmp_path: Path) -> None:

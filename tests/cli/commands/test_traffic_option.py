@@ -83,3 +83,13 @@ def test_a_scenario_is_played_as_the_option_says_and_the_replay_says_it_too(
     assert code == 1
     assert refuted.site.traffic is (option == "--traffic")
     assert f"replay: dray sim run refuted --seed 7 {option}\n" in err
+
+
+def test_a_scenario_is_played_with_as_many_strategists_as_the_option_says(
+    call: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    refuted = Refuted()
+    monkeypatch.setattr("dray_sim.scenarios.SCENARIOS", {**SCENARIOS, "refuted": refuted})
+    _, _, err = call("sim", "run", "refuted", "--strategists", "2")
+    assert refuted.site.strategists == 2
+    assert "refuted --seed 1 --strategists 2" in err

@@ -14,18 +14,19 @@ from dray.messages import WIRE_VERSION
 PROGRAM = """\
 #!{python} -S
 import os, signal, socket, sys
-def end(number, frame):
-    print("{version} ends by", signal.Signals(number).name, flush=True)
-    sys.exit(0)
-def tell(number, frame):
-    told = "\\0" + os.environ["NOTIFY_SOCKET"][1:]
-    socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM).sendto(b"READY=1", told)
-signal.signal(signal.SIGUSR1, tell)
-for number in (signal.SIGINT, signal.SIGTERM):
-    signal.signal(number, signal.SIG_IGN if signal.Signals(number).name in {deaf!r} else end)
+ENDS = {{signal.SIGINT, signal.SIGTERM}}
+HEEDED = ENDS | {{signal.SIGUSR1}}
+# Held back from here on, and taken one by one: none can come between a look and the wait for the next.
+signal.pthread_sigmask(signal.SIG_BLOCK, HEEDED)
 print("{version}", *sys.argv[4:], os.environ["TOLD"], flush=True)
 while True:
-    signal.pause()
+    came = signal.Signals(signal.sigwait(HEEDED))
+    if came == signal.SIGUSR1:
+        told = "\\0" + os.environ["NOTIFY_SOCKET"][1:]
+        socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM).sendto(b"READY=1", told)
+    elif came.name not in {deaf!r}:
+        print("{version} ends by", came.name, flush=True)
+        sys.exit(0)
 """
 
 

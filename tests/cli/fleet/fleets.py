@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import asyncio
 import json
+import os
 import re
 import signal
 import subprocess
 import sys
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from pathlib import Path
+from typing import Any
 from urllib.request import urlopen
 
+import httpx
 import msgspec
 import pytest
 from msgspec.structs import replace
@@ -21,8 +24,9 @@ from dray.adapters.zenoh.bus import ZenohBus
 from dray.adapters.zenoh.links import Links
 from dray.cli.fleet.process_registry import ProcessRegistry, read_registry
 from dray.cli.fleet.rollout.report import Report
-from dray.messages import Message
-from dray.messages.keys import STRATEGIST, Keys
+from dray.messages import Event, Message
+from dray.messages.fact import Fact
+from dray.messages.keys import GATE, STRATEGIST, Keys
 from dray.plant import Plant, plant_yaml
 from dray_sim.plants.generator import generate_plant
 
@@ -33,22 +37,35 @@ NEW_MACHINE = WHOLE.file.machines[-1]
 PLANT = Plant(replace(WHOLE.file, machines=WHOLE.file.machines[:-1]))
 """As it was before the last machine was bought."""
 
-AGENTS = {*PLANT.machines, *PLANT.storages, *PLANT.fleet, STRATEGIST, "historian", "gateway"}
+AGENTS = {*PLANT.machines, *PLANT.storages, *PLANT.fleet, GATE, STRATEGIST, "historian", "gateway"}
 
 SPEED = 10.0
 """An agent is suspected after 3 s of the plant; faster, and a busy computer makes all of them look silent."""
 
-START_S = 120.0
-"""Eight processes with their imports, on a computer that is busy elsewhere."""
+TOKEN = "admin-token-of-these-fleets"
+
+START_S = 240.0
+"""Ten processes with their imports, on a computer that is busy elsewhere."""
+
+PIECES = 12
+"""Seven minutes of the plant: an order of so many is still in work when an agent was killed and has been silent for 15 s."""
+
+DELIVERED_S = 300.0
+"""Real seconds for such an order; some forty are enough on a computer with nothing else to do."""
 
 UPDATE_S = 300.0
 """Eight processes, one after the other, on the same."""
 
 
 class Fleet:
-    """`dray fleet up` as a process."""
+    """`dray fleet up` as a process.
 
-    def __init__(self, folder: Path) -> None:
+    Args:
+        folder: of the fleet.
+        more: options beside those of all fleets here.
+    """
+
+    def __init__(self, folder: Path, *more: str) -> None:
         self.folder = folder
         plant = folder / "plant.yaml"
         plant.write_text(plant_yaml(PLANT), encoding="utf-8")
@@ -62,6 +79,7 @@ class Fleet:
             str(SPEED),
             "--plant",
             str(plant),
+            *more,
         )
         self.process = subprocess.Popen(
             [sys.executable, "-m", "dray", "fleet", "up", "--folder", str(folder), *options],
@@ -69,6 +87,7 @@ class Fleet:
             stderr=subprocess.STDOUT,
             text=True,
             cwd=folder,
+            env={**os.environ, "DRAY_ADMIN_TOKEN": TOKEN},
         )
         self.told = ""
         hurry = threading.Timer(START_S, self.process.kill)
@@ -84,6 +103,26 @@ class Fleet:
     @property
     def registry(self) -> ProcessRegistry:
         return read_registry(self.folder)
+
+    def gateway(self) -> httpx.Client:
+        """A client of its gateway, with the administrator's token."""
+        [url] = re.findall(r"Management panel +(http\S+)/$", self.told, re.MULTILINE)
+        return httpx.Client(base_url=url, headers={"authorization": f"Bearer {TOKEN}"}, timeout=START_S)
+
+    def place(self, product: str, quantity: int) -> str:
+        """Order at the gateway; returns the order's id."""
+        with self.gateway() as client:
+            draft = {"customer": "Muster GmbH", "items": [{"product": product, "quantity": quantity}]}
+            answer = client.post("/api/orders", json=draft)
+        assert answer.status_code == 201, answer.text
+        return str(answer.json()["id"])
+
+    def order(self, order: str) -> Any:
+        """An order, as the gateway shows it."""
+        with self.gateway() as client:
+            answer = client.get(f"/api/orders/{order}")
+        assert answer.status_code == 200, answer.text
+        return answer.json()
 
     def metrics(self) -> dict[str, str]:
         """What every process tells Prometheus, by its name."""
@@ -131,19 +170,33 @@ class Witness:
     def __init__(self, registry: ProcessRegistry) -> None:
         peers = tuple(member.address for member in registry.members)
         self.bus = ZenohBus(Links(peers=peers, plain=True), registry.plant)
-        self._heard: list[Message] = []
+        self.heard: list[Message] = []
         self._came = asyncio.Event()
         session = self.bus.join("witness", self._on_message)
         for key in (Keys(registry.plant).all_events, Keys(registry.plant).all_heartbeats):
             session.subscribe(key)
 
     def _on_message(self, sender: str, message: Message) -> None:
-        self._heard.append(message)
+        self.heard.append(message)
         self._came.set()
+
+    async def all_there(self, agents: Collection[str]) -> None:
+        """Wait until all of these are on the bus."""
+        while set(agents) - await self.bus.roll_call():
+            pass
+
+    async def told(self, kind: type[Fact]) -> Event:
+        """The first event of a kind."""
+        await self.until(lambda heard: isinstance(heard, Event) and isinstance(heard.fact, kind))
+        return next(each for each in self.heard if isinstance(each, Event) and isinstance(each.fact, kind))
 
     async def until(self, wanted: Callable[[Message], bool]) -> None:
         looked = 0
-        while not any(wanted(message) for message in self._heard[looked:]):
-            looked = len(self._heard)
-            self._came.clear()
-            await self._came.wait()
+        while not any(wanted(message) for message in self.heard[looked:]):
+            looked = len(self.heard)
+            await self.until_more()
+
+    async def until_more(self) -> None:
+        """Wait until anything is heard."""
+        self._came.clear()
+        await self._came.wait()

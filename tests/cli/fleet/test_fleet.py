@@ -69,8 +69,7 @@ def test_an_order_is_delivered_whoever_is_killed_and_a_joining_agent_joins_and_l
         witness = Witness(fleet.registry)
         try:
             async with asyncio.timeout(START_S):
-                while AGENTS - await witness.bus.roll_call():
-                    pass
+                await witness.all_there(AGENTS)
             assert_each_tells_its_own(await asyncio.to_thread(fleet.metrics))
             async with asyncio.timeout(DELIVERED_S):
                 await OrderClient(witness.bus, VirtualClock()).order(order)

@@ -120,7 +120,11 @@ def test_a_real_vehicle_is_driven_over_a_broker_by_one_life_of_its_agent_after_t
                 await hall.until(lambda: WayDone(order=1007, node="middle") in hall.heard)
         assert not any(isinstance(report, ActionFailed) for report in hall.heard)
 
-    asyncio.run(play())
+    async def bounded() -> None:
+        async with asyncio.timeout(5 * PATIENCE_S):
+            await play()
+
+    asyncio.run(bounded())
 
 
 @pytest.mark.parametrize("missing", ["broker", "manufacturer", "serial"])

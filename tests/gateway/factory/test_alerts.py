@@ -33,7 +33,7 @@ from dray.messages import (
     Transport,
 )
 from dray.messages.fact import GoalWaits, MachineFailure, PhaseEntered, TaskOpened
-from dray.store.factory.acknowledgements import Acknowledgement
+from dray.store.factory.alert_history import Acknowledgement
 from dray.store.factory.exclusions import Exclusion
 from dray.store.orders.orders import Item, Order
 from dray.store.orders.progress import OrderStatus
@@ -174,6 +174,20 @@ def test_a_storage_whose_station_is_silent_is_an_alarm_until_it_speaks_again(pro
         wall_s(1.0),
     )
     projection.fold(station_heartbeat("S3", 2, at_s=22.0))
+    assert alerts(projection, 23.0) == []
+
+
+def test_a_delivery_gate_that_is_silent_is_an_alarm_until_it_speaks_again(projection: Projection) -> None:
+    projection.fold(station_heartbeat("gate", 1, at_s=1.0))
+    assert alerts(projection, 20.9) == []
+    lost = the_alert(projection, 21.1)
+    assert (lost.kind, lost.level, lost.response, lost.agent) == (
+        "gate_lost",
+        "alarm",
+        "look_at_gate",
+        "gate",
+    )
+    projection.fold(station_heartbeat("gate", 2, at_s=22.0))
     assert alerts(projection, 23.0) == []
 
 

@@ -14,7 +14,7 @@ from dray.errors import UnavailableError
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.projection.alerting.alerts import REMEMBERED_S
 from dray.messages import MachineStatus
-from dray.store.factory.acknowledgements import Acknowledgement
+from dray.store.factory.alert_history import Acknowledgement
 
 pytestmark = pytest.mark.anyio
 
@@ -69,7 +69,7 @@ async def break_down(house: House, seq: int = 1) -> str:
 
 async def kept(house: House) -> list[str]:
     async with house.store.read() as work:
-        return [each.alert for each in await work.acknowledgements.all()]
+        return [each.alert for each in await work.alerts.lasting() if each.is_held]
 
 
 async def test_an_alert_is_acknowledged_by_name_and_that_is_on_disk(house: House) -> None:
@@ -111,7 +111,7 @@ async def test_what_cannot_be_forgotten_at_once_is_forgotten_later(
         raise UnavailableError("the database", "is locked", "wait")
 
     with monkeypatch.context() as patched:
-        patched.setattr("dray.store.factory.acknowledgements.Acknowledgements.drop", locked)
+        patched.setattr("dray.store.factory.alert_history.AlertHistory.end", locked)
         await house.alerts.look()
         assert await kept(house) == [alert]
     await house.alerts.look()

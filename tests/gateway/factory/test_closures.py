@@ -30,12 +30,6 @@ from dray.protocol.closures.closure_rules import restrictions_of
 pytestmark = pytest.mark.anyio
 
 
-@pytest.fixture(autouse=True)
-def said_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    """By the clock a list is said once only, at the beginning, which may be late on a slow machine."""
-    monkeypatch.setattr("dray.gateway.factory.closings.SAY_EVERY_S", 3600.0)
-
-
 PLANT = load_plant("single-track")
 
 LANE = {"lane": {"start": "c3", "end": "m5-lane"}}

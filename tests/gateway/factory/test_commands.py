@@ -43,6 +43,7 @@ async def ask(house: House, body: Any, atv: str = "ATV1") -> httpx.Response:
         {"kind": "set_speed", "speed_frac": 0.5},
         {"kind": "promise", "wait_s": 120.0},
         {"kind": "hand_over"},
+        {"kind": "charge"},
         {"kind": "take_out", "reason": "brakes", "wait_s": 3600.0, "after_work": True},
         {"kind": "put_in"},
     ],
@@ -83,6 +84,18 @@ async def test_a_grant_ends_soon_after_its_answer_was_waited_for_and_that_of_a_s
             assert command.grant is not None
             until_s.append(command.grant.valid_until_s)
         assert until_s == [5.0 * 20 + (2.0 + CLOCKS_AGREE_S) * 20, 5.0 * 20 + STOP_VALID_S * 20]
+
+
+@pytest.mark.parametrize("ahead_s", [3600.0, -3600.0])
+async def test_whose_clock_is_an_hour_off_is_told_until_when_by_that_clock(
+    house: House, ahead_s: float
+) -> None:
+    """Else nothing would stop the one, and the other would obey an old word an hour later."""
+    house.wall.now_s += 7200.0
+    house.bus.say(atv_heartbeat("ATV1", at_s=7200.0 + ahead_s))
+    (command,) = await heard_of(house, STOP)
+    assert command.grant is not None
+    assert command.grant.valid_until_s == 7200.0 + ahead_s + STOP_VALID_S
 
 
 async def heard_of(house: House, body: dict[str, Any]) -> list[VehicleCommand]:

@@ -9,9 +9,10 @@ from typing import Any
 import httpx
 import pytest
 from fake_bus import KEYS, FakeBus
-from gateway_kit import House, gateway
+from gateway_kit import PLANT, House, gateway
 from heartbeats import atv_heartbeat
 from msgspec.structs import replace
+from sqlalchemy import select
 from wall_clock import NOW_S
 
 from dray.gateway.access.principal import Principal, Role
@@ -31,6 +32,8 @@ from dray.messages import (
     OperatorHeartbeat,
     VehicleCommand,
 )
+from dray.plant.working_time import WeeklySpan, WorkingHours
+from dray.store.tables import metadata
 
 pytestmark = pytest.mark.anyio
 
@@ -38,16 +41,17 @@ pytestmark = pytest.mark.anyio
 class Caller:
     """A vehicle that calls, and takes whoever says to come."""
 
-    def __init__(self, bus: FakeBus) -> None:
-        self.session = bus.join("ATV1", self._on_message)
+    def __init__(self, bus: FakeBus, atv: str = "ATV1") -> None:
+        self.atv = atv
+        self.session = bus.join(atv, self._on_message)
         self.session.subscribe(KEYS.all_operator_heartbeats)
         self.there: dict[str, OperatorHeartbeat] = {}
         self.answers: list[CallAnswered] = []
         self.promises: list[float | None] = []
         self.takes = True
         self.call = HelpCall(
-            call="ATV1-1-1",
-            caller="ATV1",
+            call=f"{atv}-1-1",
+            caller=atv,
             incarnation=1,
             number=0,
             at_s=0.0,
@@ -60,7 +64,7 @@ class Caller:
 
     def say(self, **said: Any) -> None:
         self.call = replace(self.call, number=self.call.number + 1, **said)
-        self.session.publish(KEYS.call("ATV1"), self.call)
+        self.session.publish(KEYS.call(self.atv), self.call)
 
     def ask(self, *operators: str) -> None:
         self.say(state=CallState.ASKING, asked=operators, until_s=20.0)
@@ -227,3 +231,148 @@ async def test_a_tablet_that_asks_no_more_is_away_and_one_that_does_is_back(open
     assert not tablet.state.there
     await browser.get("/api/duty")
     assert tablet.state.there
+
+
+async def test_who_has_gone_off_duty_by_a_word_is_told_apart_from_who_was_forgotten(
+    open_house: House,
+) -> None:
+    """Another tab puts back on duty whom a gateway that was started again has forgotten, and nobody else."""
+    browser = await on_duty(open_house)
+    assert not (await browser.get("/api/duty")).json()["said_off"]
+    off = (await browser.put("/api/duty", json={"state": "off"})).json()
+    assert (off["state"], off["said_off"]) == ("off", True)
+    on = (await browser.put("/api/duty", json={"state": "on", "helps_with": ["drive"]})).json()
+    assert (on["said_off"], on["helps_with"]) == (False, ["drive"])
+    never = await open_house.log_in("ben", Role.OPERATOR, "AREA1")
+    assert not (await never.get("/api/duty")).json()["said_off"]
+
+
+async def test_others_see_what_somebody_is_there_for_and_until_when_busy(open_house: House) -> None:
+    browser = await on_duty(open_house)
+    body = {"state": "on", "helps_with": ["drive", "load"], "busy_for_s": 600.0}
+    own = (await browser.put("/api/duty", json=body)).json()
+    assert own["busy_until_at_s"] == pytest.approx(NOW_S + 600.0, abs=1.0)
+    manager = await open_house.log_in("max", Role.MANAGER)
+    await until(
+        lambda: any(each.helps_with for each in open_house.projection.people.on_duty(0.0)),
+    )
+    [seen] = (await manager.get("/api/duty")).json()["colleagues"]
+    assert (seen["status"], seen["helps_with"]) == ("busy", ["drive", "load"])
+    assert seen["until_at_s"] == pytest.approx(NOW_S + 600.0, abs=1.0)
+
+
+async def test_who_was_not_asked_takes_a_call_of_the_own_area_and_no_other(open_house: House) -> None:
+    caller = Caller(open_house.bus)
+    near, far = await on_duty(open_house, "anna", "AREA1"), await on_duty(open_house, "eva", "AREA3")
+    await until(lambda: len(caller.there) == 2)
+    caller.ask("operator.another")
+    body = {"answer": "take", "wait_s": 120}
+    assert (await far.post("/api/calls/ATV1-1-1/answer", json=body)).status_code == 409
+    assert (await near.post("/api/calls/ATV1-1-1/answer", json={"answer": "cannot"})).status_code == 409
+    assert (await near.post("/api/calls/ATV1-1-1/answer", json=body)).json() == {"expected": True}
+    assert (await near.post("/api/calls/ATV1-1-1/answer", json=body)).json() == {"expected": True}
+    other = await on_duty(open_house, "ben", "AREA1")
+    assert (await other.post("/api/calls/ATV1-1-1/answer", json=body)).status_code == 409
+
+
+async def test_who_is_asked_elsewhere_is_told_where_that_is(open_house: House) -> None:
+    caller = Caller(open_house.bus)
+    far = await on_duty(open_house, "eva", "AREA3")
+    await until(lambda: bool(caller.there))
+    assert (await far.get("/api/duty")).json()["calls"] == []
+    caller.ask(*caller.there)
+    calls: list[Any] = []
+    for _ in range(50):
+        calls = (await far.get("/api/duty")).json()["calls"]
+        if calls:
+            break
+    area = open_house.projection.site.plant.areas["AREA1"].name
+    assert [(each["area"], each["elsewhere"], each["part"]) for each in calls] == [(area, True, "asked")]
+
+
+async def test_who_takes_two_calls_is_told_that_one_expects_them_already(open_house: House) -> None:
+    first, second = Caller(open_house.bus), Caller(open_house.bus, "ATV2")
+    browser = await on_duty(open_house)
+    await until(lambda: bool(first.there) and bool(second.there))
+    for caller in (first, second):
+        caller.ask(*caller.there)
+    body = {"answer": "take", "wait_s": 120}
+    answers = await asyncio.gather(
+        *(browser.post(f"/api/calls/{caller.call.call}/answer", json=body) for caller in (first, second))
+    )
+    assert sorted(answer.status_code for answer in answers) == [200, 409]
+    taken, missed = (first, second) if answers[0].status_code == 200 else (second, first)
+    again = await browser.post(f"/api/calls/{missed.call.call}/answer", json=body)
+    assert (again.status_code, again.json()["type"].rpartition(":")[2]) == (409, "expected-elsewhere")
+    assert f"{taken.atv} expects you" in again.json()["detail"]
+    # Whoever gives the one back may take the other.
+    await browser.post(f"/api/calls/{taken.call.call}/answer", json={"answer": "decline"})
+    taken.say(state=CallState.RESTING, taken_by="", until_s=None)
+    now = await browser.post(f"/api/calls/{missed.call.call}/answer", json=body)
+    assert now.json() == {"expected": True}
+
+
+async def test_who_has_gone_off_duty_is_no_colleague_of_their_own(open_house: House) -> None:
+    browser = await on_duty(open_house)
+    await until(lambda: bool(list(open_house.projection.people.on_duty(0.0))))
+    [heard] = open_house.projection.people.on_duty(0.0)
+    off = (await browser.put("/api/duty", json={"state": "off"})).json()
+    # The last that was heard of them still says that they are there.
+    open_house.projection.people.fold(replace(heard, seq=heard.seq + 100), 0.0)
+    again = (await browser.get("/api/duty")).json()
+    for view in (off, again):
+        assert (view["state"], view["colleagues"], view["areas_without"]) == ("off", [], ["AREA1"])
+
+
+@pytest.mark.parametrize("state", ["off", "break"])
+async def test_only_who_is_on_duty_is_busy(open_house: House, state: str) -> None:
+    browser = await on_duty(open_house)
+    answer = await browser.put("/api/duty", json={"state": state, "busy_for_s": 60})
+    assert answer.status_code == 422
+    assert "busy_for_s is given with state on" in answer.text
+
+
+async def test_what_somebody_is_there_for_is_told_once(open_house: House) -> None:
+    browser = await on_duty(open_house)
+    body = {"state": "on", "helps_with": ["load", "drive", "load"]}
+    assert (await browser.put("/api/duty", json=body)).json()["helps_with"] == ["load", "drive"]
+
+
+async def test_of_a_duty_nothing_is_written_but_what_the_audit_log_has(open_house: House) -> None:
+    """The code of the day stands nowhere, and the person only where people are kept, and in what they have decided."""
+    caller = Caller(open_house.bus)
+    browser = await on_duty(open_house)
+    await until(lambda: bool(caller.there))
+    code = (await browser.get("/api/duty")).json()["code"]
+    caller.ask(*caller.there)
+    body = {"answer": "take", "wait_s": 120}
+    assert (await browser.post("/api/calls/ATV1-1-1/answer", json=body)).json() == {"expected": True}
+    await browser.put("/api/duty", json={"state": "off"})
+    await open_house.historian.written()
+    found: dict[str, set[str]] = {code: set(), "anna": set()}
+    async with open_house.store.read() as work:
+        for table in metadata.sorted_tables:
+            rows = str((await work._connection.execute(select(table))).all()).lower()
+            for word, where in found.items():
+                where.update({table.name} if word in rows else ())
+    accounts = {"people", "people_areas", "secrets", "sessions", "login_links"}
+    assert found[code] == set()
+    assert found["anna"] - accounts == {"audit"}
+
+
+async def test_where_nobody_is_by_the_working_time_of_the_area_it_is_told_when_somebody_comes(
+    url: str,
+) -> None:
+    # The plant's clock is at midnight of UTC.
+    early = WorkingHours(shifts=(WeeklySpan("06:00", "14:00"),))
+    never = WorkingHours(shifts=(WeeklySpan("06:00", "14:00"),), holidays=("1970-01-01",))
+    hours = {"AREA1": early, "AREA2": early, "AREA3": never}
+    areas = tuple(replace(each, working_time=hours.get(each.id)) for each in PLANT.areas)
+    async with gateway(url, plant=replace(PLANT, areas=areas), duty=True) as house:
+        await on_duty(house, "anna", "AREA1")
+        await until(lambda: len(list(house.projection.people.on_duty(0.0))) == 1)
+        manager = await house.log_in("max", Role.MANAGER)
+        told = (await manager.get("/api/duty")).json()
+        assert told["areas_without"] == sorted({each.id for each in areas} - {"AREA1"})
+        # On the holiday nobody comes before the next day; where people should be now nothing is told.
+        assert told["comes_at_s"] == {"AREA2": NOW_S + 6 * 3600.0, "AREA3": NOW_S + 30 * 3600.0}

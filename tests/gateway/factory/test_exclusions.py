@@ -26,12 +26,6 @@ from dray.store.factory.exclusions import Exclusion
 pytestmark = pytest.mark.anyio
 
 
-@pytest.fixture(autouse=True)
-def said_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    """By the clock a list is said once only, at the beginning, which may be late on a slow machine."""
-    monkeypatch.setattr("dray.gateway.factory.exclusions.SAY_EVERY_S", 3600.0)
-
-
 WHY = {"reason": "accepts transports and does not move"}
 
 DECIDED = int(NOW_S * 1000)

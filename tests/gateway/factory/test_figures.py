@@ -13,7 +13,7 @@ from gateway_kit import PRODUCT, House, gateway
 from heartbeats import atv_heartbeat, events, machine_heartbeat
 from wall_clock import NOW_S, Wall
 
-from dray.gateway.factory.figure_sampler import KEPT_S, SAMPLE_S, Sampler
+from dray.gateway.factory.figure_sampler import SAMPLE_S, Sampler
 from dray.gateway.factory.figures import KpiPoint, points
 from dray.messages import AtvStatus, GoalBrief, MachineStatus, Pose
 from dray.messages.fact import CommandObeyed, GoodsDelivered
@@ -91,6 +91,7 @@ def test_a_machine_in_error_is_not_available_and_starves_only_with_a_goal() -> N
                 machine_idle_s=20.0,
                 machine_down_s=15.0,
                 machine_silent_s=5.0,
+                machine_resting_s=1000.0,
             )
         ]
     )
@@ -163,14 +164,12 @@ async def test_what_cannot_be_written_is_in_the_next_sample(
     assert [one.span_s for one in await kept(house)] == [120.0]
 
 
-async def test_samples_are_forgotten_after_a_month_or_so(house: House) -> None:
+async def test_the_oldest_samples_are_forgotten(house: House) -> None:
     async with house.store.write() as work:
-        await work.kpis.add(sample(at_s=NOW_S - KEPT_S - 1.0))
-        await work.kpis.add(sample(at_s=NOW_S - KEPT_S + 120.0))
-    sampler = Sampler(house.projection, house.store, house.wall)
-    house.wall.now_s += 60.0
-    await sampler.sample()
-    assert [one.at_s for one in await kept(house)] == [NOW_S - KEPT_S + 120.0, NOW_S + 60.0]
+        for age_s in (3.0, 2.0, 1.0):
+            await work.kpis.add(sample(at_s=NOW_S - age_s))
+        assert [await work.kpis.prune(NOW_S - 1.0, 1) for _ in range(3)] == [1, 1, 0]
+    assert [one.at_s for one in await kept(house)] == [NOW_S - 1.0]
 
 
 async def test_a_gateway_that_ends_keeps_the_minute_that_has_begun(url: str) -> None:

@@ -61,6 +61,8 @@ async def ask(house: House, body: Any, machine: str = "M1") -> httpx.Response:
         {"kind": "update"},
         {"kind": "take_out", "reason": "bearings", "wait_s": 3600.0, "after_work": True},
         {"kind": "put_in"},
+        {"kind": "fetch_goods", "task": "M1-1", "node": "c2"},
+        {"kind": "write_off", "task": "M1-1"},
     ],
     ids=lambda body: body["kind"],
 )
@@ -73,6 +75,7 @@ async def test_a_command_is_granted_and_answered_with_the_machines_word(
     (command,) = heard
     assert command.kind is MachineCommandKind(body["kind"])
     assert (command.speed_frac, command.wait_s) == (body.get("speed_frac"), body.get("wait_s"))
+    assert (command.task, command.node) == (body.get("task", ""), body.get("node", ""))
     assert (command.reason, command.after_work) == (body.get("reason", ""), body.get("after_work", False))
     grant = command.grant
     assert grant is not None
@@ -96,6 +99,10 @@ async def test_a_refusal_is_told_with_its_reason(house: House) -> None:
         {"kind": "hand_over", "wait_s": 60.0},
         {"kind": "clear_fault", "reason": "done"},
         {"kind": "put_in", "after_work": True},
+        {"kind": "fetch_goods", "node": "c2"},
+        {"kind": "write_off"},
+        {"kind": "write_off", "task": "M1-1", "node": "c2"},
+        {"kind": "put_in", "task": "M1-1"},
     ],
 )
 async def test_what_no_machine_can_do_is_not_sent(house: House, body: dict[str, Any]) -> None:

@@ -4,19 +4,24 @@ from __future__ import annotations
 
 import asyncio
 import base64
+import gzip
+import io
 import sys
 from pathlib import Path
 from typing import Any
 
+import ezdxf
 import msgspec
 import pytest
 from gateway_kit import House
 
 from dray.gateway.access.principal import Role
+from dray.gateway.factory.dxf_plans import DxfPlans, NoPlan
 from dray.gateway.factory.plant_drafts import as_file, findings
 from dray.gateway.factory.shift_player import PlayView, ShiftPlayer
 from dray.gateway.http.problems import Problem
 from dray.plant import default_plant, load_plant, plant_yaml
+from dray.plant.exchange.dxf import MAX_BYTES
 from dray.plant.exchange.lif_export import export_lif
 
 pytestmark = pytest.mark.anyio
@@ -40,8 +45,9 @@ async def test_a_draft_begins_with_the_running_plant_and_is_kept_with_its_versio
     assert {each["level"] for each in draft["findings"]} <= {"warning"}
     path = f"/api/plant-drafts/{draft['id']}"
     seen = await house.client.get(path)
-    assert seen.headers["ETag"].removeprefix("W/") == '"1"'
-    assert (await house.client.get(path, headers={"If-None-Match": '"1"'})).status_code == 304
+    assert seen.headers["ETag"].removeprefix("W/").startswith('"1/')
+    again = {"If-None-Match": seen.headers["ETag"]}
+    assert (await house.client.get(path, headers=again)).status_code == 304
     lanes = draft["data"]["lanes"]
     answer = await change(house, draft, data={**draft["data"], "lanes": [*lanes, lanes[0]]})
     assert answer.json()["version"] == 2
@@ -100,12 +106,62 @@ async def test_a_floor_plan_is_kept_and_does_nothing_by_itself(house: House) -> 
     svg = b'<svg xmlns="http://www.w3.org/2000/svg"><script>alert(1)</script></svg>'
     body = {"media_type": "image/svg+xml", "base64": base64.b64encode(svg).decode()}
     assert (await house.client.get(path)).status_code == 404
-    assert (await house.client.put(path, json=body)).status_code == 204
+    laid = await house.client.put(path, json=body)
+    assert (laid.status_code, laid.json()["width_m"]) == (200, None)
     seen = await house.client.get(path)
     assert seen.content == svg
     assert "default-src 'none'" in seen.headers["Content-Security-Policy"]
     for wrong in ({"media_type": "text/html"}, {"media_type": "image/png"}, {"base64": "%"}):
         assert (await house.client.put(path, json={**body, **wrong})).status_code == 422
+
+
+def dxf_plan(length_mm: int) -> bytes:
+    document = ezdxf.new()
+    document.header["$INSUNITS"] = 4
+    document.modelspace().add_lwpolyline([(0, 0), (length_mm, 0), (length_mm, 9000)])
+    stream = io.StringIO()
+    document.write(stream)
+    return stream.getvalue().encode()
+
+
+@pytest.mark.parametrize("packed", [False, True])
+async def test_a_floor_plan_in_dxf_becomes_a_picture_as_large_as_it_says(house: House, packed: bool) -> None:
+    draft = await begin(house)
+    path = f"/api/plant-drafts/{draft['id']}/plan"
+    content = gzip.compress(dxf_plan(30_000)) if packed else dxf_plan(30_000)
+    body = {"media_type": "image/vnd.dxf", "base64": base64.b64encode(content).decode()}
+    answer = await house.client.put(path, json=body)
+    assert answer.status_code == 200, answer.text
+    laid = answer.json()
+    assert (laid["media_type"], laid["width_m"], laid["height_m"]) == ("image/svg+xml", 30.0, 9.0)
+    seen = await house.client.get(path)
+    assert seen.headers["Content-Type"].startswith("image/svg+xml")
+    assert b"M0 9000l30000 0 0 -9000" in seen.content
+    wrong = await house.client.put(path, json={**body, "base64": base64.b64encode(b"AC1032 dwg").decode()})
+    assert wrong.status_code == 422
+    assert "plan.dxf: it is DWG: save it as DXF" in wrong.text
+    assert (await house.client.get(path)).content == seen.content
+
+
+async def test_reading_a_floor_plan_has_bounds() -> None:
+    bomb = gzip.compress(bytes(MAX_BYTES + 1))
+    for content, why in (
+        (bomb, "unpacked it has more than"),
+        (gzip.compress(b"x" * 999)[:-9], "its end is missing"),
+        (b"\x1f\x8b nonsense", "packed badly"),
+    ):
+        with pytest.raises(NoPlan, match=why):
+            await DxfPlans().picture(content)
+    waits = (sys.executable, "-c", "import threading; threading.Event().wait()")
+    with pytest.raises(NoPlan, match=r"longer than 0\.2 s"):
+        await DxfPlans(waits, most_s=0.2).picture(b"x")
+    plans = DxfPlans(waits)
+    first = asyncio.create_task(plans.picture(b"x"))
+    await asyncio.sleep(0)
+    with pytest.raises(Problem, match="Another floor plan"):
+        await plans.picture(b"x")
+    first.cancel()
+    await asyncio.gather(first, return_exceptions=True)
 
 
 async def test_people_of_the_floor_may_not_draw(house: House) -> None:
@@ -132,7 +188,7 @@ def test_closed_lanes_are_not_part_of_the_file_and_findings_are_those_of_the_dra
         "plan": {"x_m": 0},
     }
     file, kept = as_file(data)
-    assert kept == [1, 2]
+    assert kept["lanes"] == [1, 2]
     assert "closed" not in file
     assert "plan" not in file
     full: dict[str, Any] = {**_builtins(plant), "closed": [], "nodes": _builtins(plant)["nodes"]}
@@ -206,3 +262,40 @@ async def test_the_real_simulator_plays_a_short_shift() -> None:
     view = player.result("d")
     assert view.state == "done", view.reason
     assert view.draft == view.running
+
+
+def test_a_door_stands_on_the_lanes_that_are_driven_in_the_draft() -> None:
+    data: dict[str, Any] = msgspec.json.decode(msgspec.json.encode(default_plant().file))
+    on = {"start": "c2", "end": "c3"}
+    door = {"id": "D1", "name": "Gate", "lanes": [on], "opening_s": 8.0, "closes_after_s": 5.0}
+    data["doors"] = [door, {**door, "id": "D2", "lanes": [{"start": "d2", "end": "d3"}]}, "no door"]
+    assert as_file(data)[0]["doors"] == data["doors"]
+    file = as_file({**data, "closed": [on]})[0]
+    assert file["doors"] == data["doors"][1:]
+    data["doors"].pop()
+    assert not [each for each in findings({**data, "closed": []}) if each.level == "error"]
+
+
+def test_findings_of_doors_are_those_of_the_draft_whatever_is_closed_before_them() -> None:
+    data: dict[str, Any] = msgspec.json.decode(msgspec.json.encode(default_plant().file))
+    away = {"start": "c2", "end": "c3"}
+    both = [{"start": "c3", "end": "c2"}, {"start": "d2", "end": "nowhere"}]
+    door = {"id": "D1", "name": "Gate", "lanes": [away], "opening_s": 8.0, "closes_after_s": 5.0}
+    data["doors"] = [door, {**door, "id": "D2", "lanes": both}, {**door, "id": "D3", "opening_s": 8000.0}]
+    data["doors"][2]["lanes"] = [{"start": "d2", "end": "d3"}]
+    data["doors"].append({**data["doors"][2], "lanes": [{"start": "b2", "end": "b3"}], "opening_s": 8.0})
+    expected = (
+        ("doors[1].lanes[1]", "no lane joins d2 and nowhere"),
+        ("doors[2].opening_s", "8000 is not within"),
+        ("doors[3].id", "D3 is the id of doors[2] already"),
+    )
+    for closed in ([], [away]):
+        told = [(each.field, each.text) for each in findings({**data, "closed": closed})]
+        for field, text in expected:
+            assert [said for where, said in told if where == field and text in said], (closed, told)
+
+
+def test_of_two_one_way_lanes_the_one_that_is_driven_keeps_its_door() -> None:
+    there, back = {"start": "a", "end": "b"}, {"start": "b", "end": "a"}
+    data = {"lanes": [there, back], "doors": [{"id": "D1", "lanes": [there, back]}], "closed": [there]}
+    assert as_file(data)[0]["doors"] == [{"id": "D1", "lanes": [back]}]

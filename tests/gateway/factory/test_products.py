@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import asyncio
 from typing import Any
 
 import httpx
+import msgspec
 import pytest
 from answers import problem
 from gateway_kit import House, gateway
@@ -12,7 +14,8 @@ from gateway_kit import House, gateway
 from dray.gateway.access.principal import Role, Scope
 from dray.gateway.factory.catalogue import Catalogue
 from dray.gateway.http.provided import provided
-from dray.messages import BillLine, MachineCycle, ProductDefinition
+from dray.messages import BillLine, Document, MachineCycle, ProductDefinition
+from dray.plant import load_plant
 
 pytestmark = pytest.mark.anyio
 
@@ -63,7 +66,16 @@ async def test_it_is_listed_and_read_with_its_revision(house: House) -> None:
     answer = await define(house, NEW)
     path = "/api/products/bracket"
     seen = await house.client.get(path)
-    assert seen.json() == answer.json() == {**body(house), "id": "bracket", "revision": 1}
+    assert (
+        seen.json()
+        == answer.json()
+        == {
+            **body(house),
+            "id": "bracket",
+            "documents": [],
+            "revision": 1,
+        }
+    )
     assert (await house.client.get(path, headers={"If-None-Match": seen.headers["ETag"]})).status_code == 304
     listed = (await house.get("/api/products"))["items"]
     assert "bracket" in {each["id"] for each in listed}
@@ -156,3 +168,166 @@ async def test_only_who_may_change_the_plant_defines_products_and_it_is_written_
     lines = (await house.get("/api/audit"))["items"]
     [line] = [each for each in lines if each["action"] == "product.define" and each["result"] == "done"]
     assert (line["who"], line["target"], line["detail"]["revision"]) == ("maria", "bracket", 1)
+
+
+PDF = {
+    "name": "Instruction",
+    "address": "https://plm.example/bracket.pdf",
+    "media_type": "application/pdf",
+    "sha256": "ab" * 32,
+}
+
+
+async def test_an_order_brings_the_documents_of_its_product(house: House) -> None:
+    given = house.bus.strategist()
+    answer = await define(house, NEW, documents=[PDF])
+    assert (answer.status_code, answer.json()["documents"]) == (201, [PDF])
+    await house.place(items=[{"product": "bracket", "quantity": 3}])
+    assert given[0].items[0].definition.documents == (Document(**PDF),)
+
+
+@pytest.mark.parametrize(
+    ("documents", "field"),
+    [
+        ([PDF | {"address": "file:///etc/passwd"}], "documents[0].address"),
+        ([PDF | {"address": "javascript:alert(1)"}], "documents[0].address"),
+        ([PDF | {"sha256": "AB" * 32}], "documents[0].sha256"),
+        ([PDF | {"media_type": "pdf"}], "documents[0].media_type"),
+        ([PDF, PDF], "documents"),
+        ([PDF | {"name": f"{number}"} for number in range(9)], "documents"),
+    ],
+)
+async def test_a_document_that_nobody_could_use_is_refused_by_field(
+    house: House, documents: list[dict[str, str]], field: str
+) -> None:
+    refused = problem(await define(house, NEW, documents=documents), 422, "unusable-fields")
+    assert [error["field"] for error in refused["errors"]] == [field]
+
+
+async def import_csv(house: House, text: str, *, dry_run: bool = False) -> httpx.Response:
+    return await house.client.post("/api/products/import", json={"csv": text, "dry_run": dry_run})
+
+
+def table(house: House, *rows: str) -> str:
+    """Rows in which MAT and MACH stand for something of the plant."""
+    plant = house.projection.site.plant
+    head = "product,name,lot,ability,material,pieces,machine,cycle_s,document,address,media_type,sha256"
+    text = "\n".join((head, *rows))
+    (first, second, *_), machine = plant.materials, next(iter(plant.machines))
+    return (
+        text.replace("MAT1", first)
+        .replace("MAT2", second)
+        .replace("MACH", machine)
+        .replace("ABLE", plant.abilities[0])
+    )
+
+
+GOOD = (
+    f"B1,Bracket,2,ABLE,MAT1,2,MACH,12.5,Instruction,{PDF['address']},{PDF['media_type']},{PDF['sha256']}",
+    "B1,,,,MAT2,1,,,,,,",
+    "B2,Plate,4,ABLE,MAT2,3,MACH,8,,,,",
+)
+
+
+async def test_a_file_of_products_is_defined_whole_and_again_changes_nothing(house: House) -> None:
+    dry = (await import_csv(house, table(house, *GOOD), dry_run=True)).json()
+    assert [(each["id"], each["becomes"]) for each in dry["products"]] == [("B1", "new"), ("B2", "new")]
+    assert (await house.client.get("/api/products/B1")).status_code == 404
+    taken = (await import_csv(house, table(house, *GOOD))).json()
+    assert (taken["faults"], [each["revision"] for each in taken["products"]]) == ([], [1, 1])
+    first = (await house.client.get("/api/products/B1")).json()
+    assert (len(first["bill"]), first["documents"]) == (2, [PDF])
+    again = (await import_csv(house, table(house, *GOOD))).json()
+    assert {each["becomes"] for each in again["products"]} == {"unchanged"}
+    changed = (await import_csv(house, table(house, GOOD[0], "B2,Plate,5,ABLE,MAT2,3,MACH,8,,,,"))).json()
+    told = [(each["becomes"], each["revision"]) for each in changed["products"]]
+    assert told == [("changed", 2), ("changed", 2)]
+    line, *_ = await house.audit(action="product.import")
+    assert msgspec.json.decode(line.detail) == {"products": 2, "changed": 2, "dry_run": False}
+
+
+@pytest.mark.parametrize(
+    ("row", "place"),
+    [
+        ("B2,Plate,4,ABLE,gold,3,MACH,8,,,,", "row 4, material"),
+        ("B2,Plate,4,ABLE,MAT2,3,M99,8,,,,", "row 4, machine"),
+        ("B2,Plate,4,ABLE,MAT2,3,MACH,soon,,,,", "row 4, machine"),
+        ("B2,Plate,none,ABLE,MAT2,3,MACH,8,,,,", "row 4, lot"),
+        ("B2,Plate,4,ABLE,MAT2,3,MACH,8,CAD,https://plm.example/x,text/plain,12", "row 4, sha256"),
+        ("9,Plate,4,ABLE,MAT2,3,MACH,8,,,,", "row 4, product"),
+        ("B2,Plate,4,ABLE,MAT2,3,,,,,,", "row 4, machine"),
+    ],
+)
+async def test_one_fault_refuses_the_whole_file_and_names_its_row(house: House, row: str, place: str) -> None:
+    refused = problem(await import_csv(house, table(house, *GOOD[:2], row)), 422, "unusable-fields")
+    assert place in [error["field"] for error in refused["errors"]]
+    assert (await house.client.get("/api/products/B1")).status_code == 404
+
+
+async def test_a_product_that_stands_in_two_places_of_a_file_is_refused(house: House) -> None:
+    text = table(house, *GOOD, "B1,Bracket,2,ABLE,MAT1,2,MACH,12.5,,,,")
+    refused = problem(await import_csv(house, text), 422, "unusable-fields")
+    assert [error["field"] for error in refused["errors"]] == ["row 5, product"]
+
+
+WITHOUT_SHAFT = {"gear": 2, "bearing": 2}
+
+
+async def put_part(house: House, part: str, revision: int, **bill: int) -> httpx.Response:
+    """Another revision of a part of the plant `levels`."""
+    fields = await house.get(f"/api/products/{part}")
+    kept = {name: fields[name] for name in ("name", "lot", "ability")}
+    headers = {"If-Match": f'"{revision}"'}
+    return await house.client.put(f"/api/products/{part}", json=kept | {"bill": bill}, headers=headers)
+
+
+async def test_of_two_definitions_at_once_that_make_a_circle_one_is_refused_with_the_chain(url: str) -> None:
+    """Each is good as long as the other one is not there; also at two gateways."""
+    levels = load_plant("levels").file
+    async with (
+        gateway(url, plant=levels) as house,
+        gateway(url, plant=levels, bus=house.bus, wall=house.wall, gateway_name="g2") as other,
+    ):
+        assert (await put_part(house, "gear-set", 1, **WITHOUT_SHAFT)).status_code == 200
+        answers = await asyncio.gather(
+            put_part(house, "gear-set", 2, shaft=1, **WITHOUT_SHAFT),
+            put_part(other, "shaft", 1, **{"gear-set": 1}),
+        )
+        assert sorted(answer.status_code for answer in answers) == [200, 422]
+        [refused] = [answer for answer in answers if answer.status_code == 422]
+        assert any("is made of itself" in each["reason"] for each in refused.json()["errors"])
+        one, two = [(await house.get(f"/api/products/{part}"))["revision"] for part in ("gear-set", "shaft")]
+        assert one + two == 4
+
+
+async def test_a_circle_within_one_file_is_refused_with_its_row(url: str) -> None:
+    async with gateway(url, plant=load_plant("levels").file) as house:
+        text = "\n".join(
+            (
+                "product,name,lot,ability,material,pieces",
+                "gear-set,Gear set,6,tote,gear,2",
+                "shaft,Shaft,12,tote,gear-set,1",
+                "gear,Gear,16,tote,shaft,1",
+            )
+        )
+        refused = problem(await import_csv(house, text), 422, "unusable-fields")
+        [circle] = [each for each in refused["errors"] if "is made of itself" in each["reason"]]
+        assert circle["field"] == "row 4, material"
+        assert (await house.get("/api/products/shaft"))["revision"] == 1
+
+
+@pytest.mark.parametrize(
+    ("row", "code"),
+    [
+        ("B3,Bracket,2,ABLE,gold,2,MACH,12.5,,,,", "plant_unknown"),
+        ("B3,Bracket,2,ABLE,MAT1,100000,MACH,12.5,,,,", "plant_bill"),
+        ("B3,Bracket,2,anything,MAT1,2,MACH,12.5,,,,", "plant_ability"),
+        ("B3,Bracket,9999,ABLE,MAT1,2,MACH,12.5,,,,", "plant_goods"),
+    ],
+)
+async def test_what_does_not_fit_into_the_plant_has_a_code_too(house: House, row: str, code: str) -> None:
+    dry = (await import_csv(house, table(house, row), dry_run=True)).json()
+    assert code in [fault["code"] for fault in dry["faults"]]
+    # All that stands in the English is handed on, for who tells it in another language.
+    fault = next(fault for fault in dry["faults"] if fault["code"] == code)
+    assert all(value in fault["reason"] for value in fault["values"].values())

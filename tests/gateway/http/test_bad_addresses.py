@@ -54,7 +54,7 @@ async def test_an_address_where_nothing_is_is_not_found(house: House, path: str)
     ("method", "path", "allowed"),
     [
         ("PUT", "/api/orders", "GET, POST"),
-        ("DELETE", "/api/orders/O-1", "GET"),
+        ("DELETE", "/api/orders/O-1", "GET, PATCH"),
         ("GET", "/api/orders/O-1/cancel", "POST"),
         ("PATCH", "/api/atvs/ATV1/commands", "POST"),
         ("POST", "/api/machines", "GET"),

@@ -167,7 +167,7 @@ async def test_a_due_time_is_a_moment_to_come_with_its_zone(house: House, due_at
 @pytest.mark.parametrize(
     ("content", "field"),
     [
-        (body(priority=1), "priority"),
+        (body(colour="red"), "colour"),
         (body(items=[line(colour="red")]), "items[0].colour"),
         (body(id="O-1"), "id"),
     ],
@@ -216,7 +216,7 @@ async def test_a_body_that_is_not_json_is_refused(house: House, content: bytes, 
 
 async def test_an_empty_body_is_refused(house: House) -> None:
     told = problem(await house.client.post("/api/orders", content=b"", headers=JSON), 422, "unusable-fields")
-    assert told["errors"] == [{"field": "body", "reason": "it is missing"}]
+    assert told["errors"] == [{"field": "body", "reason": "it is missing", "code": "missing"}]
     assert await nothing_stored(house)
 
 

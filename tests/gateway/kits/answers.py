@@ -24,7 +24,7 @@ def problem(response: httpx.Response, status: int, kind: str) -> dict[str, Any]:
     assert body["detail"]
     assert body["instance"] == response.request.url.path
     for error in body.get("errors", ()):
-        assert set(error) == {"field", "reason"}
+        assert {"field", "reason"} <= set(error) <= {"field", "reason", "code", "values"}
         assert error["field"]
         assert error["reason"]
     return body

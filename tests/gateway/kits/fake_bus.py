@@ -16,7 +16,7 @@ from dray.messages import (
     OrderTaken,
     StationHeartbeat,
 )
-from dray.messages.keys import Keys
+from dray.messages.keys import STRATEGISTS, Keys
 from dray.plant import load_plant
 from dray.ports import Receive
 
@@ -51,7 +51,7 @@ class FakeSession:
 
     def send(self, to: str, message: Message) -> None:
         # The gateway's questions whether the strategist is there come at any time.
-        if not isinstance(message, EventsAsked) or to != "strategist":
+        if not isinstance(message, EventsAsked) or to not in STRATEGISTS:
             self.bus.note(self.agent, to, message)
         if to in self.bus.sessions:
             self.bus.sessions[to].receive(self.agent, message)

@@ -34,6 +34,7 @@ from dray.gateway.http.assets import Panels
 from dray.gateway.http.provided import provided
 from dray.gateway.live.peer import Peer
 from dray.gateway.live.projection import Projection
+from dray.gateway.live.replay.recorder import Recorder
 from dray.gateway.live.stream import Hub
 from dray.gateway.live.timescale import TimeScale
 from dray.gateway.orders.completions import Completions
@@ -120,6 +121,10 @@ class House:
     @property
     def hub(self) -> Hub:
         return provided(self.app, Hub)
+
+    @property
+    def recorder(self) -> Recorder:
+        return provided(self.app, Recorder)
 
     @property
     def peer(self) -> Peer:

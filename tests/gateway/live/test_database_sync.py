@@ -33,7 +33,6 @@ from dray.messages import (
 )
 from dray.messages.fact import CommandObeyed, GoalContracted, GoodsDelivered
 from dray.messages.keys import STRATEGIST
-from dray.store.factory.acknowledgements import Acknowledgement
 from dray.store.orders.orders import Mark, Order, Orders
 from dray.store.orders.progress import Goal
 
@@ -241,10 +240,11 @@ async def test_an_alert_that_came_again_keeps_the_name_that_another_gateway_was_
         await first.alerts.acknowledge("machine_error-M8", "Night shift")
         # The second one has still to forget what has ended.
         async with second.store.write() as work:
-            await work.acknowledgements.drop({"machine_error-M8": ended_s})
+            await work.alerts.end("machine_error-M8", ended_s, ended_s)
         async with second.store.read() as work:
-            [kept] = await work.acknowledgements.all()
-        assert kept == Acknowledgement("machine_error-M8", first.wall.now_s, "Night shift", first.wall.now_s)
+            [kept] = await work.alerts.lasting()
+        assert (kept.alert, kept.since_at_s) == ("machine_error-M8", first.wall.now_s)
+        assert (kept.by, kept.at_s) == ("Night shift", first.wall.now_s)
 
 
 async def test_of_a_minute_that_two_gateways_have_seen_one_sample_is_kept(url: str) -> None:
@@ -300,11 +300,13 @@ async def test_a_look_reads_what_has_changed_lately_and_not_all_that_is_open(
             first.wall.now_s += 60
         look = DatabaseSync(second.store, second.projection, second.outbox.follow)
         await look.restore()
-        marks, read = Orders.marks, []
+        marks, read, here = Orders.marks, [], asyncio.current_task()
 
         async def noted(orders: Orders, since_s: float | None = None) -> dict[str, Mark]:
             found = await marks(orders, since_s)
-            read.append(len(found))
+            # The two gateways look by themselves, too.
+            if asyncio.current_task() is here:
+                read.append(len(found))
             return found
 
         monkeypatch.setattr(Orders, "marks", noted)

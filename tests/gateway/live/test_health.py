@@ -14,7 +14,7 @@ from heartbeats import events
 
 from dray.errors import UnavailableError
 from dray.gateway.live import health, strategist_probe
-from dray.messages import EventsAsked, EventsKept, Message
+from dray.messages import EventsAsked, EventsKept, Message, StrategistHeartbeat
 from dray.messages.fact import LinkChanged
 from dray.messages.link import Link
 from dray.store.history.events import Events
@@ -126,6 +126,28 @@ async def test_a_strategist_that_falls_silent_is_told(house: House, monkeypatch:
     told = (await parts(house))["strategist"]
     assert not told["ok"]
     assert told["silent_s"] >= 0.0
+
+
+async def test_of_several_strategists_one_that_is_away_is_told_and_orders_wait_when_all_are(
+    url: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    now_s = 0.0
+    monkeypatch.setattr(strategist_probe, "_now_s", lambda: now_s)
+    async with gateway(url, strategists=2) as house:
+        for each in ("strategist", "strategist2", "strategist3"):
+            house.bus.tell(each, "gateway", StrategistHeartbeat(each, 1, 1, 0.0, 0))
+        assert (await parts(house))["strategist"] == {"ok": True, "silent_s": 0.0}
+        now_s = strategist_probe.SILENCE_S
+        house.bus.tell("strategist2", "gateway", StrategistHeartbeat("strategist2", 1, 2, 9.0, 0))
+        now_s += 1.0
+        told = (await parts(house))["strategist"]
+        assert told == {
+            "ok": True,
+            "reason": "nothing is heard of strategist; the others go on with its orders",
+            "silent_s": 1.0,
+        }
+        now_s += strategist_probe.SILENCE_S
+        assert not (await parts(house))["strategist"]["ok"]
 
 
 async def test_a_historian_that_does_not_keep_up_says_by_how_much(

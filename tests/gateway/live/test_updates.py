@@ -16,7 +16,7 @@ from wall_clock import NOW_S, Wall
 from dray.gateway.access.principal import ADMIN, SCOPES, Principal, Role
 from dray.gateway.live.frames import COLLECTIONS
 from dray.gateway.live.projection import Projection
-from dray.gateway.live.stream import CALM_S, QUIET_S, Client, Hub, Pace, extent_of
+from dray.gateway.live.stream import CALM_S, QUIET_S, Client, Hub, Pace, scope_of
 from dray.gateway.live.timescale import TimeScale
 from dray.messages import Message
 from dray.messages.keys import Keys
@@ -76,7 +76,7 @@ class Panel:
 
 def everything(hub: Hub, who: Principal) -> dict[str, dict[str, Any]]:
     """What a snapshot would say that is made at this moment, for nobody else."""
-    frame = json.loads(msgspec.json.encode(hub._scope(extent_of(who)).snapshot(0, 0.0)))
+    frame = json.loads(msgspec.json.encode(scope_of(hub._projection, who).snapshot(0, 0.0)))
     return {kind: {each["id"]: each for each in frame[name]} for kind, name in COLLECTIONS.items()}
 
 

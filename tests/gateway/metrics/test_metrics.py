@@ -19,6 +19,8 @@ from dray.messages.fact import (
     BidRefused,
     CarrierChanged,
     GoodsDelivered,
+    OrderAccepted,
+    OrderFulfilled,
     PrimarySuspected,
     RoundFailed,
     TaskClosed,
@@ -124,6 +126,25 @@ async def test_refusals_deliveries_and_heartbeats_are_counted(house: House) -> N
     assert told["dray_atvs{status=working}"] == 1
     assert told["dray_atvs{status=error}"] == 0
     assert told["dray_machines{status=idle}"] == 1
+
+
+async def test_orders_and_pieces_are_counted_and_not_how_often_they_are_told(house: House) -> None:
+    """A strategist takes the order over, and the first one comes back and tells its end again."""
+    taken = OrderAccepted("O-1", ("G1",), held=1)
+    some, all_of_it = (
+        GoodsDelivered("G1", "O-1", 0, PRODUCT, quantity, delivered)
+        for quantity, delivered in ((3, 3), (5, 5))
+    )
+    house.bus.say(
+        *events("strategist", taken, some), *events("strategist2", all_of_it, OrderFulfilled("O-1"))
+    )
+    house.bus.say(*events("strategist", taken, OrderFulfilled("O-1"), life=2))
+    told = await scrape(house)
+    assert told["dray_orders_accepted_total"] == 1
+    assert told["dray_orders_fulfilled_total"] == 1
+    assert told["dray_pieces_delivered_total"] == 5
+    house.bus.say(*events("strategist", OrderFulfilled("O-2"), life=2, first=3))
+    assert (await scrape(house))["dray_orders_fulfilled_total"] == 2
 
 
 async def test_orders_and_the_database_are_told(house: House) -> None:

@@ -16,9 +16,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dray.gateway.access.principal import Scope
+from dray.gateway.http import csv_rows
+from dray.gateway.http.csv_rows import MAX_ROWS
 from dray.gateway.http.side_work import WAITING
-from dray.gateway.orders import csv_import as csv_import_module
-from dray.gateway.orders.csv_import import COLUMNS, MAX_ROWS, read_orders
+from dray.gateway.orders.csv_import import COLUMNS, read_orders
 from dray.gateway.routes.orders import imports as imports_module
 
 HEAD = "customer,reference,product,quantity,due_at,release\n"
@@ -45,6 +46,42 @@ def test_rows_with_one_reference_are_one_order_and_rows_without_are_each_their_o
         (5, None, 1),
     ]
     assert [each.draft.release for each in orders] == [True, False, False]
+
+
+def test_a_priority_is_read_in_any_letters_and_an_unknown_one_is_named_with_its_row() -> None:
+    text = f"customer,product,quantity,priority\nHall,{PRODUCT},5,Urgent\nHall,{PRODUCT},5,\n"
+    orders, wrong = read_orders(text)
+    assert [each.draft.priority.value for each in orders] == ["urgent", "normal"]
+    assert wrong == []
+    assert faults(text.replace("Urgent", "at once")) == [(2, "priority")]
+
+
+@pytest.mark.parametrize(
+    ("text", "code", "values"),
+    [
+        ("", "csv_empty", {"columns": ", ".join(COLUMNS)}),
+        ("customer,product\nc,p\n", "column_missing", {}),
+        ("customer,product,quantity,wishes\nc,p,1,x\n", "column_unknown", {"columns": ", ".join(COLUMNS)}),
+        (f"customer,product,quantity\nc,{PRODUCT},many\n", "whole_number", {}),
+        (f"customer,product,quantity\nc,{PRODUCT},0\n", "at_least", {"least": "1"}),
+        (f"customer,product,quantity\n,{PRODUCT},1\n", "missing", {}),
+        ("customer,product,quantity\nc,9x,1\n", "pattern", {}),
+        (
+            f"customer,product,quantity,priority\nc,{PRODUCT},1,now\n",
+            "one_of",
+            {"choices": "low, normal, high, urgent"},
+        ),
+        (f"customer,product,quantity,due_at\nc,{PRODUCT},1,soon\n", "moment_unreadable", {}),
+        (f"customer,product,quantity,due_at\nc,{PRODUCT},1,2030-05-01T12:00:00\n", "moment_no_zone", {}),
+        (f"customer,product,quantity,release\nc,{PRODUCT},1,perhaps\n", "yes_or_no", {}),
+    ],
+)
+def test_a_fault_has_a_code_for_who_tells_it_in_other_words(
+    text: str, code: str, values: dict[str, str]
+) -> None:
+    [fault] = read_orders(text)[1]
+    assert (fault.code, fault.values) == (code, values)
+    assert fault.reason
 
 
 @pytest.mark.parametrize("change", [lambda t: t.replace(",", ";"), lambda t: "\ufeff" + t.upper()])
@@ -75,7 +112,7 @@ def test_a_fault_is_told_with_its_row_and_column(text: str, where: list[tuple[in
 
 
 def test_a_file_is_no_longer_than_a_person_can_look_through(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(csv_import_module, "MAX_ROWS", 2)
+    monkeypatch.setattr(csv_rows, "MAX_ROWS", 2)
     assert faults(HEAD + "c,,p,1,,\n" * 3) == [(4, "")]
 
 
@@ -96,7 +133,7 @@ def comparisons(cells: int) -> int:
     """What it costs to look at a first row with so many cells, all of them called alike."""
     header: list[str] = [Counted("product") for _ in range(cells)]
     Counted.compared = 0
-    assert len(list(csv_import_module._wrong_header(header))) >= cells
+    assert len(list(csv_rows._wrong_header(header, COLUMNS, ("customer",)))) >= cells
     return Counted.compared
 
 
@@ -118,7 +155,7 @@ def test_no_more_of_a_file_is_read_than_could_be_taken() -> None:
             return super().__next__()
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(csv_import_module.io, "StringIO", Rows)
+        patch.setattr(csv_rows.io, "StringIO", Rows)
         assert faults(HEAD + "c,,p,1,,\n" * 100_000) == [(MAX_ROWS + 2, "")]
     assert Rows.read == MAX_ROWS + 2
 

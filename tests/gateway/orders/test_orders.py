@@ -32,7 +32,7 @@ async def test_an_order_is_answered_with_its_place_and_its_customers_page(house:
     assert order["status"] == "released"
     assert order["customer"] == "Muster GmbH"
     assert order["reference"] == "4711"
-    assert order["items"] == [item | {"made": 0, "delivered": 0} for item in items]
+    assert order["items"] == [item | {"made": 0, "delivered": 0, "wanted": None} for item in items]
     assert order["created_at"] == "2030-03-17T17:46:40.000Z"
     assert order["created_at_s"] == NOW_S
     assert order["due_at"] == "2030-03-17T19:46:40.000Z"
@@ -43,6 +43,21 @@ async def test_an_order_is_answered_with_its_place_and_its_customers_page(house:
     assert [(item["product"], item["quantity"]) for item in page.json()["items"]] == [
         (item["product"], item["quantity"]) for item in items
     ]
+
+
+async def test_an_urgent_order_is_wanted_soon_after_its_release_and_due_when_it_was_said(
+    house: House,
+) -> None:
+    order = await house.place(priority="urgent", due_at="2030-03-18T17:46:40Z")
+    assert order["priority"] == "urgent"
+    assert order["wanted_at_s"] == NOW_S + 900.0 / house.projection.speed
+    assert order["due_at_s"] == NOW_S + 86_400.0
+    stored = await house.place(priority="low", release=False)
+    assert stored["wanted_at_s"] is None
+    released = (await house.client.post(f"/api/orders/{stored['id']}/release")).json()
+    assert released["wanted_at_s"] == NOW_S + 16 * 3600.0 / house.projection.speed
+    wrong = await house.client.post("/api/orders", json=draft(priority="at once"))
+    assert problem(wrong, 422, "unusable-fields")["errors"][0]["field"] == "priority"
 
 
 async def test_an_answered_order_is_on_disk_when_the_store_is_opened_again(url: str) -> None:

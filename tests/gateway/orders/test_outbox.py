@@ -154,14 +154,16 @@ def test_an_answer_about_another_order_and_the_same_answer_again_change_nothing(
     assert play(strange_answers).times_s == pytest.approx([0.0, 0.5])
 
 
-def test_times_are_told_on_the_plants_clock() -> None:
+def test_times_are_told_on_the_plants_clock_and_an_order_is_due_when_it_is_wanted() -> None:
     async def release(stage: Stage) -> None:
         await asyncio.sleep(30.0)
         stage.outbox.release(order(due_at_s=NOW_S + 60.0))
         stage.outbox.release(order("O-2", due_at_s=None))
+        (urgent := order("O-3")).wanted_at_s = NOW_S + 20.0
+        stage.outbox.release(urgent)
 
     due_s = [message.due_s for _, message in play(release).said if isinstance(message, OrderReleased)]
-    assert due_s == pytest.approx([60.0 * SPEED, 30.0 * SPEED + NO_DUE_S])
+    assert due_s == pytest.approx([60.0 * SPEED, 30.0 * SPEED + NO_DUE_S, 20.0 * SPEED])
 
 
 def test_only_what_is_outstanding_is_ordered_and_every_item_keeps_its_place() -> None:

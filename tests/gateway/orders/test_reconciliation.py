@@ -15,7 +15,7 @@ from wall_clock import Wall
 from dray.gateway.orders import reconciliation
 from dray.gateway.orders.reconciliation import CANCELLED_AGAIN_S, RECONCILE_EVERY_S, Reconciliation
 from dray.messages import Message, OrderCancelled, OrderReleased, OrderRevoked, OrderTaken
-from dray.messages.fact import GoodsDelivered
+from dray.messages.fact import GoodsDelivered, MemoryLost
 from dray.messages.keys import STRATEGIST
 from dray.store.orders.orders import Orders
 from dray_sim.clock.loop import run
@@ -93,6 +93,18 @@ async def test_a_running_gateway_reconciles_and_ends_what_is_fulfilled(
         house.bus.tell(STRATEGIST, "gateway", OrderTaken(order, fulfilled=True))
         await house.completions.written()
         assert (await house.get(f"/api/orders/{order}"))["status"] == "delivered"
+
+
+async def test_all_open_orders_are_asked_for_at_once_when_a_strategist_has_lost_its_memory_and_for_no_other_agent(
+    house: House,
+) -> None:
+    order = await taken(house)
+    before = len(house.bus.sent_to(STRATEGIST, OrderReleased))
+    for agent in ("M1", STRATEGIST):
+        house.bus.say(*events(agent, MemoryLost(reason="a damaged journal")))
+    asked = await house.bus.next_to(STRATEGIST, OrderReleased, after=before)
+    assert asked.order == order
+    assert len(house.bus.sent_to(STRATEGIST, OrderReleased)) == before + 1
 
 
 async def test_two_gateways_may_ask_for_the_same_order(url: str) -> None:

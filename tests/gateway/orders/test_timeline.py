@@ -27,8 +27,14 @@ from dray.messages.fact import (
 )
 from dray.store.history.events import EventRow
 from dray.store.orders.progress import Goal
+from dray.store.retention import KeptFor, Retention
 
 pytestmark = pytest.mark.anyio
+
+NOTHING = KeptFor(
+    events_s=-1e9, samples_s=-1e9, figures_s=-1e9, tasks_s=-1e9, alerts_s=-1e9, audit_s=-1e9, events_most=1000
+)
+"""Is kept, of whatever age."""
 
 WORK = Transport("shaft", 8, ("M4",), "DELIVERY", "tote", goal="G1")
 
@@ -100,11 +106,29 @@ def test_a_transport_tells_who_carried_it_and_why_another_went_on() -> None:
     assert second.replaced == ""
 
 
+def test_an_order_is_delivered_once_however_many_strategists_tell_it() -> None:
+    told = timeline(
+        rows((9.0, "strategist2", OrderFulfilled("O-1")), (5.0, "strategist", OrderFulfilled("O-1"))), []
+    )
+    assert [(each.kind, each.at_s) for each in told.moments] == [("delivered", 5.0)]
+
+
 def test_what_happened_is_told_in_its_order() -> None:
     told = timeline(brought(), [])
     assert kinds(told) == ["planned", "began", "took_over", "fetched", "handed_over", "delivered"]
     change = told.moments[2]
     assert (change.agent, change.other, change.silent_s, change.task) == ("ATV1", "ATV3", 5.5, "M4-1")
+
+
+def test_a_simulated_factory_that_was_started_again_goes_on_in_the_story() -> None:
+    """Its plant's clock began anew: 1,000 s of the wall lie between the two."""
+    later = [
+        msgspec.structs.replace(each, plant_s=each.plant_s - 30.0, at_s=each.at_s + 1000.0)
+        for each in brought()[5:]
+    ]
+    told = timeline(later + brought()[:5], [])
+    assert kinds(told) == ["planned", "began", "took_over", "fetched", "handed_over", "delivered"]
+    assert [each.at_s for each in told.moments] == sorted(each.at_s for each in told.moments)
 
 
 def test_events_may_come_in_any_order() -> None:
@@ -177,6 +201,24 @@ async def test_an_order_tells_its_timeline_and_when_it_is_expected(house: House)
     assert [each["kind"] for each in told["moments"]] == ["planned", "began", "fetched"]
     assert told["is_whole"]
     assert NOW_S < told["expected"]["from_at_s"] <= told["expected"]["to_at_s"]
+
+
+async def test_an_order_and_its_customers_page_are_the_same_when_the_log_has_forgotten_everything(
+    house: House,
+) -> None:
+    story = await Story.begin(house, quantity=4)
+    await story.planned()
+    now_s = await story.making(4)
+    await story.leaving(now_s + 1.0)
+    await story.arrived(4, now_s + 30.0)
+    path = f"/api/orders/{story.order['id']}/timeline"
+    before, state, page = await house.get(path), await story.state(), await story.page()
+    assert [each["kind"] for each in before["moments"]] == ["planned", "began", "fetched", "arrived"]
+    await Retention(house.store, NOTHING, house.wall).forget()
+    assert (await house.get("/api/events"))["items"] == []
+    assert await house.get(path) == before
+    assert await story.state() == state
+    assert await story.page() == page
 
 
 async def test_a_moved_goal_is_told_over_rest(house: House) -> None:

@@ -3,21 +3,30 @@
 from __future__ import annotations
 
 import asyncio
+import re
+from datetime import datetime
 from typing import Any
 
 import pytest
+from fake_bus import PLANT
 from gateway_kit import House, gateway
-from heartbeats import events
+from heartbeats import atv_heartbeat, events
 
 from dray.gateway.access.principal import Role, Scope
+from dray.gateway.access.rules import RULES
+from dray.gateway.orders.transport_draft import WISH_S
 from dray.messages import (
+    AtvStatus,
+    Refusal,
+    Transport,
     TransportAnswered,
     TransportCancelled,
     TransportOrdered,
     TransportRefusal,
     TransportState,
 )
-from dray.messages.fact import TransportProgressed
+from dray.messages import Role as Part
+from dray.messages.fact import BidRefused, TaskOpened, TransportProgressed
 
 pytestmark = pytest.mark.anyio
 
@@ -142,6 +151,7 @@ async def test_a_gateway_that_starts_again_asks_for_what_is_open(url: str) -> No
         ({"quantity": 41}, "quantity"),
         ({"quantity": 0}, "quantity"),
         ({"vehicle": "ATV99"}, "vehicle"),
+        ({"ability": "crane"}, "ability"),
         ({"due_at": "2001-01-01T00:00:00Z"}, "due_at"),
         ({"colour": "red"}, "colour"),
     ],
@@ -152,6 +162,44 @@ async def test_what_cannot_be_is_refused_with_the_field(
     answer = await house.client.post(PATH, json=DRAFT | fields)
     assert answer.status_code == 422
     assert [error["field"] for error in answer.json()["errors"]] == [field]
+
+
+async def test_words_are_looked_for_in_places_materials_vehicles_and_callers(house: House) -> None:
+    await house.say([atv_heartbeat("ATV3", 1)])
+    one = await called(house, vehicle="ATV3")
+    other = await called(house, **{"from": "S1", "to": "M7", "item": "housing", "quantity": 4})
+
+    async def found(words: str) -> list[str]:
+        return [each["id"] for each in (await house.get(PATH, q=words))["items"]]
+
+    shaft = next(each.name for each in PLANT.materials if each.id == "shaft")
+    for words in (one["id"].lower(), "atv3", "m8", f"{shaft[:4].upper()} m8"):
+        assert await found(words) == [one["id"]], words
+    assert set(await found("s3")) >= {one["id"]}
+    assert await found("housing") == [other["id"]]
+    assert await found("housing m8") == []
+    assert await found("100%") == []
+    assert await found("_") == []
+
+
+async def test_an_ability_is_wanted_beside_what_the_load_asks_for(house: House) -> None:
+    answer = await called(house, ability="pallet")
+    [asked] = house.bus.sent_to("M8", TransportOrdered)
+    assert (answer["ability"], asked.ability) == ("pallet", "pallet")
+    assert (await house.get(f"{PATH}/{answer['id']}"))["ability"] == "pallet"
+    refused = await house.client.post(PATH, json=DRAFT | {"ability": "crane"})
+    assert "they have pallet, tote" in refused.json()["detail"]
+    light = next(each.id for each in PLANT.fleet if each.type == "light")
+    await house.say([atv_heartbeat(light, 1)])
+    unfit = await house.client.post(PATH, json=DRAFT | {"ability": "pallet", "vehicle": light})
+    assert unfit.json()["errors"] == [
+        {
+            "field": "vehicle",
+            "reason": f"{light} cannot carry this: it lacks pallet",
+            "code": "vehicle_lacks",
+            "values": {"vehicle": light, "abilities": "pallet"},
+        }
+    ]
 
 
 async def test_a_key_may_call_and_nothing_else_and_sees_its_own(house: House) -> None:
@@ -166,6 +214,21 @@ async def test_a_key_may_call_and_nothing_else_and_sees_its_own(house: House) ->
     assert (await visitor.post(f"{PATH}/{own}/cancel")).status_code == 200
 
 
+@pytest.mark.parametrize("place", ["", "M8"])
+async def test_a_call_button_is_refused_everywhere_else(house: House, place: str) -> None:
+    _, button = await house.key(Scope.TRANSPORTS_CALL, **({"place": place} if place else {}))
+    visitor = house.visitor(**button)
+    refused = {}
+    for (method, route), rule in RULES.items():
+        if rule.scope in (None, Scope.TRANSPORTS_CALL):
+            continue
+        answer = await visitor.request(method, re.sub(r"{\w+}", "x-1", route), json={})
+        if answer.status_code != 403:
+            refused[method, route] = answer.status_code
+    assert not refused
+    assert sum(rule.scope is Scope.TRANSPORTS_CALL for rule in RULES.values()) == 4
+
+
 async def test_an_operator_calls_for_the_own_area(house: House) -> None:
     plant = house.projection.site.plant
     area = next(area for area in plant.areas if area in plant.areas_near(*plant.position_of("M8"), 0.0))
@@ -178,3 +241,59 @@ async def test_an_operator_calls_for_the_own_area(house: House) -> None:
     answer = await far.post(PATH, json=DRAFT | {"from": "S1"}, headers={"Origin": "http://dray.test"})
     keeps = plant.areas_near(*plant.position_of("S1"), 0.0)
     assert answer.status_code == (201 if elsewhere in keeps else 422)
+
+
+@pytest.mark.parametrize(
+    ("told", "why"),
+    [
+        ({}, None),
+        ({"status": AtvStatus.ERROR}, "error"),
+        ({"status": AtvStatus.STOPPED}, "stopped"),
+        ({"battery_frac": 0.02}, "battery"),
+    ],
+)
+async def test_what_the_wanted_vehicle_says_of_itself_is_why_it_waits(
+    house: House, told: dict[str, Any], why: str | None
+) -> None:
+    await house.say([atv_heartbeat("ATV3", 1)])
+    name = (await called(house, vehicle="ATV3"))["id"]
+    await house.say([atv_heartbeat("ATV3", 2, **told)])
+    assert (await house.get(f"{PATH}/{name}"))["vehicle_waits"] == why
+    assert [each["vehicle_waits"] for each in (await house.get(PATH))["items"]] == [why]
+    house.wall.now_s += 3600.0
+    assert (await house.get(f"{PATH}/{name}"))["vehicle_waits"] == "silent"
+
+
+async def test_why_the_wanted_vehicle_has_not_bid_is_told_until_somebody_carries(house: House) -> None:
+    await house.say([atv_heartbeat("ATV3", 1)])
+    name = (await called(house, vehicle="ATV3"))["id"]
+    task, work = f"{name}-1", Transport("shaft", 40, ("S3",), "M8", "tote", vehicle="ATV3")
+    refused = BidRefused(task=task, epoch=1, role=Part.PRIMARY, reason=Refusal.NO_WAY)
+    waiting = progress(name, TransportState.WAITING, wait="no_bid", task=task)
+    await house.say(events("M8", TaskOpened(task, 1, Part.PRIMARY, 1, work, 20.0, 900.0, 105.0), waiting))
+    await house.say(events("ATV3", refused))
+    assert (await house.get(f"{PATH}/{name}"))["vehicle_waits"] == "no_way"
+    carried = progress(name, TransportState.ASSIGNED, carrier="ATV3", task=task)
+    await house.say(events("M8", carried, first=10))
+    assert (await house.get(f"{PATH}/{name}"))["vehicle_waits"] is None
+
+
+@pytest.mark.parametrize(("only", "until_s"), [(True, None), (False, WISH_S)])
+async def test_a_wish_for_a_vehicle_ends_and_an_order_for_it_does_not(
+    url: str, only: bool, until_s: float | None
+) -> None:
+    async with gateway(url, speed=10.0) as house:
+        await house.say([atv_heartbeat("ATV3", 1)])
+        answer = await called(house, vehicle="ATV3", vehicle_only=only)
+        [asked] = house.bus.sent_to("M8", TransportOrdered)
+        assert (asked.vehicle, asked.vehicle_until_s) == ("ATV3", until_s and pytest.approx(until_s))
+        until = answer["vehicle_until"]
+        assert (until is None) == only
+        if until is not None:
+            assert datetime.fromisoformat(until).timestamp() == pytest.approx(
+                house.wall.now_s + WISH_S / 10.0
+            )
+        house.wall.now_s += WISH_S
+        # Nobody waits for that vehicle any more, so nobody asks why it does not come.
+        waits = (await house.get(f"{PATH}/{answer['id']}"))["vehicle_waits"]
+        assert waits == ("silent" if only else None)

@@ -88,6 +88,7 @@ async def test_storages_tell_what_lies_there_and_what_is_promised(house: House) 
         "capacity": kept.capacity,
         "level": 9,
         "promised": 5,
+        "on_order": 0,
         "wanted": 10,
     }
     assert told["seen_at_s"] is not None

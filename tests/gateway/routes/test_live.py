@@ -152,7 +152,9 @@ async def test_a_machine_is_as_its_last_heartbeat_told(house: House) -> None:
     assert machine["status"] == "starved"
     assert machine["name"] == PLANT.machines[0].name
     goal = {"goal": "G1", "product": PRODUCT, "quantity": 5, "made": 2, "delivered": 1}
-    assert machine["goals"] == [{**goal, "deadline_at_s": None, "order_due_at_s": None, "offered": False}]
+    assert machine["goals"] == [
+        {**goal, "deadline_at_s": None, "order_due_at_s": None, "order_name": "", "offered": False}
+    ]
     assert machine["buffers"][0]["level"] == 0
     assert machine["buffers"][0]["on_order"] == 4
     assert machine["tasks"][0]["primary"] == "ATV2"

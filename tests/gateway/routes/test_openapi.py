@@ -163,10 +163,18 @@ async def _fill(house: House) -> dict[str, str]:
     draft = (await house.client.post("/api/plant-drafts", json={"name": "Hall 2"})).json()["id"]
     called = {"from": "S3", "to": "M8", "item": "shaft", "quantity": 4}
     transport = (await house.client.post("/api/transports", json=called)).json()["id"]
+    recurring = {"name": "Daily", "calendar": "0 6 * * *", "time_zone": "UTC", "transport": called}
+    schedule = (await house.client.post("/api/schedules", json=recurring)).json()["id"]
+    ana = {"id": "ana", "name": "Ana, North", "role": "operator", "areas": ["AREA1"]}
+    person = (await house.client.post("/api/people", json=ana)).json()["id"]
+    made = await house.client.post("/api/keys", json={"name": "ERP", "scopes": ["orders:read"]})
     return {
         "alert": "machine_error-M1",
+        "person": person,
+        "key": made.json()["key"]["id"],
         "order": order["id"],
         "token": token,
+        "area": "AREA1",
         "atv": "ATV1",
         "agent": "ATV2",
         "machine": "M1",
@@ -176,6 +184,7 @@ async def _fill(house: House) -> dict[str, str]:
         "call": "ATV1-1-1",
         "draft": draft,
         "transport": transport,
+        "schedule": schedule,
         "product": PRODUCT,
     }
 

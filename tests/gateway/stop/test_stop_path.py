@@ -80,6 +80,7 @@ async def way(house: House, timeout_s: float = 3.0) -> AsyncIterator[Way]:
         time=TimeScale(0.0, NOW_S),
         wall_s=house.wall,
         timeout_s=timeout_s,
+        ahead_s=house.commands.ahead_s,
         sent=recorder.sent,
         ended=recorder.ended,
     )
@@ -126,6 +127,13 @@ async def test_a_stop_is_answered_with_the_vehicles_word_and_carries_its_grant(s
     assert grant is not None
     assert (grant.person, grant.everywhere, grant.valid_until_s) == ("admin:admin", True, STOP_VALID_S)
     assert TrustedKeys(AUTHORITY.public)(signed_words("ATV1", command, grant), grant.signature)
+
+
+async def test_a_vehicle_whose_clock_is_an_hour_ahead_is_told_until_when_by_that_clock(stops: Way) -> None:
+    stops.house.bus.say(atv_heartbeat("ATV1", at_s=3600.0))
+    heard = stops.vehicle()
+    assert (await stops.ask()).status_code == 200
+    assert [command.grant.valid_until_s for command in heard if command.grant] == [3600.0 + STOP_VALID_S]
 
 
 async def test_a_stop_passes_wherever_the_gateway_thinks_the_vehicle_is_and_the_vehicle_decides(

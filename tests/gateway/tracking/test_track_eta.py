@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import random
 
+import msgspec
 import pytest
 
+from dray.gateway.live.timescale import TimeScale, WallWorkingTime
 from dray.gateway.tracking.eta import PROMISES_NEEDED, History, Range, Running, eta, quantile, rounded
+from dray.plant.working_time import WeeklySpan, WorkingHours, WorkingTime
 
 NOW_S = 1000.0
 WAY_S = (60.0, 180.0)
@@ -117,3 +120,40 @@ def test_the_clock_is_read_as_exactly_as_the_range_allows_and_outwards(
 def test_a_quantile_is_a_value_that_really_was() -> None:
     values = [1.0, 2.0, 3.0, 4.0, 100.0]
     assert [quantile(values, part) for part in (0.0, 0.1, 0.5, 0.9, 1.0)] == [1.0, 1.0, 3.0, 100.0, 100.0]
+
+
+HOUR_S = 3600.0
+MORNINGS = WorkingTime(WorkingHours(shifts=(WeeklySpan("06:00", "12:00"),)))
+
+
+def test_a_pace_goes_on_in_working_time_alone() -> None:
+    """Ten pieces by noon, one in ten minutes; the next ten are made in the morning after."""
+    made = paced(10, 20, gap_s=600.0, until_s=12 * HOUR_S)
+    goal = msgspec.structs.replace(made, working=MORNINGS)
+    for now_s in (12 * HOUR_S, 20 * HOUR_S, 30 * HOUR_S):
+        assert eta([goal], History(way_s=WAY_S), now_s) == Range(
+            30 * HOUR_S + 6000.0 + 60.0, 30 * HOUR_S + 6000.0 + 180.0
+        )
+
+
+def test_a_night_between_two_pieces_is_no_slow_piece() -> None:
+    times = (*(11 * HOUR_S + 600.0 * number for number in range(6)), 30 * HOUR_S, 30 * HOUR_S + 600.0)
+    goal = Running(10, 8, piece_times_s=times, working=MORNINGS)
+    found = eta([goal], History(way_s=(0.0, 0.0)), times[-1])
+    assert found is not None
+    assert found.to_s < times[-1] + HOUR_S
+
+
+def test_who_never_works_again_cannot_say() -> None:
+    never = WorkingTime(
+        WorkingHours(shifts=(WeeklySpan("06:00", "07:00"),), breaks=(WeeklySpan("00:00", "00:00"),))
+    )
+    goal = msgspec.structs.replace(paced(10, 20), working=never)
+    assert eta([goal], History(way_s=WAY_S), NOW_S) is None
+
+
+def test_a_working_time_on_the_wall_is_that_of_the_plant_at_its_speed() -> None:
+    wall = WallWorkingTime(MORNINGS, TimeScale(plant_epoch_s=0.0, wall_epoch_s=1e6, speed=10.0))
+    assert wall.after_s(1e6, 60.0) == 1e6 + (6 * HOUR_S + 600.0) / 10.0
+    assert wall.between_s(1e6, 1e6 + 9 * HOUR_S / 10.0) == 3 * HOUR_S / 10.0
+    assert wall.between_s(1e6 + 9 * HOUR_S / 10.0, 1e6) == -3 * HOUR_S / 10.0

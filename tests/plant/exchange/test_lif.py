@@ -100,14 +100,75 @@ def test_a_trajectory_of_another_place_is_not_taken() -> None:
     assert "shape" not in found.data["lanes"][0]
 
 
-def test_limits_of_types_are_kept_and_the_lowest_holds() -> None:
-    both = edge("a", "b")
-    both["vehicleTypeEdgeProperties"].append({"vehicleTypeId": "slow", "maxSpeed": 0.4})
-    found = read(layout(LINE, [both]))
-    assert found.data["lanes"][0]["speed_limit_mps"] == 0.4
+def of_types(*ends: str, **limits_mps: float | None) -> dict[str, Any]:
+    """An edge with a limit for each type that may drive there."""
+    properties = [
+        {"vehicleTypeId": kind, **({} if limit is None else {"maxSpeed": limit})}
+        for kind, limit in limits_mps.items()
+    ]
+    return {**edge(*ends), "vehicleTypeEdgeProperties": properties}
+
+
+def for_types(each: dict[str, Any], *types: str) -> dict[str, Any]:
+    return {**each, "vehicleTypeNodeProperties": [{"vehicleTypeId": kind} for kind in types]}
+
+
+FOR_BOTH = [for_types(each, "kind", "slow") for each in LINE]
+
+
+def test_each_type_keeps_its_own_limit_on_a_lane() -> None:
+    found = read(
+        layout(FOR_BOTH, [of_types("a", "b", kind=1.0, slow=0.4), of_types("b", "a", kind=1.0, slow=0.4)])
+    )
+    types = [{"type": "kind"}, {"type": "slow", "speed_limit_mps": 0.4}]
+    assert found.data["lanes"] == [
+        {"start": "a", "end": "b", "speed_limit_mps": 1.0, "types": types, "both_ways": True}
+    ]
     assert found.mapping["lanes"][0]["original"][0]["limits_mps"] == {"kind": 1.0, "slow": 0.4}
-    assert "the lowest is taken" in said(found)
     assert [kind["max_speed_mps"] for kind in found.data["vehicle_types"]] == [1.0, 0.4]
+
+
+def test_a_type_that_an_edge_does_not_name_may_not_drive_there() -> None:
+    nodes = [*FOR_BOTH, for_types(node("c", 10, 10), "kind")]
+    edges = [
+        of_types("a", "b", kind=1.0),
+        of_types("b", "a", kind=1.0, slow=1.0),
+        of_types("b", "c", kind=1.0, slow=1.0),
+    ]
+    found = read(layout(nodes, edges))
+    assert [lane.get("types") for lane in found.data["lanes"]] == [
+        [{"type": "kind"}],
+        None,
+        [{"type": "kind"}],
+    ]
+    assert "edge b-c: slow may not be at one of its nodes" in said(found)
+    assert drawn(found).roads_of("slow").lane("a", "b") is None
+
+
+def test_an_edge_whose_nodes_are_for_nobody_is_said_and_kept_for_its_types() -> None:
+    nodes = [for_types(LINE[0], "kind"), for_types(LINE[1], "slow")]
+    found = read(layout(nodes, [of_types("a", "b", kind=1.0)]))
+    assert found.data["lanes"][0]["types"] == [{"type": "kind"}]
+    assert "none of its types (kind) may be at both of its nodes" in said(found)
+
+
+def test_a_second_edge_for_another_type_admits_it_to_the_lane() -> None:
+    second = {**of_types("a", "b", slow=0.5), "edgeId": "other"}
+    found = read(layout(FOR_BOTH, [of_types("a", "b", kind=1.0), second]))
+    types = [{"type": "kind"}, {"type": "slow", "speed_limit_mps": 0.5}]
+    assert found.data["lanes"] == [{"start": "a", "end": "b", "speed_limit_mps": 1.0, "types": types}]
+    assert "edge other is a second one from a to b: the first one is taken, also for slow" in said(found)
+
+
+def test_what_a_plant_has_no_field_for_is_said_of_each_type() -> None:
+    odd = edge("a", "b", rotationAllowed=True, maxRotationSpeed=0.3, loadRestriction={"loaded": False})
+    found = read(layout(LINE, [odd]))
+    for name in ("rotationAllowed", "maxRotationSpeed", "loadRestriction"):
+        assert f"`{name}` of an edge property" in said(found)
+    assert (
+        found.mapping["lanes"][0]["original"][0]["kept"]["vehicleTypeEdgeProperties"]
+        == (odd["vehicleTypeEdgeProperties"])
+    )
 
 
 def test_parallel_edges_are_said_and_kept_in_the_mapping() -> None:
@@ -118,12 +179,31 @@ def test_parallel_edges_are_said_and_kept_in_the_mapping() -> None:
     assert [one["original"] for one in found.mapping["lanes"][0]["original"]] == ["a-b", "other"]
 
 
-def test_a_station_of_several_nodes_stands_at_its_first() -> None:
+def test_a_station_of_several_nodes_is_a_place_at_each() -> None:
     found = read(layout(LINE, [edge("a", "b")], [station("S 1", "b", "a", stationHeight="0.4")]))
-    assert found.data["unassigned"] == [{"id": "S-1", "node": "b", "name": "S 1"}]
-    assert found.mapping["places"][0]["nodes"] == ["b", "a"]
-    assert "/layouts/0/stations/0: station S 1 is served from 2 nodes: b is taken, not a" in said(found)
+    assert found.data["unassigned"] == [
+        {"id": "S-1", "node": "b", "name": "S 1"},
+        {"id": "S-1.2", "node": "a", "name": "S 1 (2 of 2)", "part_of": "S-1"},
+    ]
+    assert [(each["original"], each["node"]) for each in found.mapping["places"]] == [
+        ("S 1", "b"),
+        ("S 1", "a"),
+    ]
+    assert "/layouts/0/stations/0: station S 1 is served from 2 nodes (b, a): a place at each" in said(found)
     assert "`stationHeight` is a number written as text" in said(found)
+
+
+def test_chargers_and_parking_places_of_several_nodes_are_one_at_each() -> None:
+    nodes = [
+        node("a", 0, 0, actions=("startCharging",)),
+        node("b", 10, 0, actions=("startCharging",)),
+        node("c", 20, 0, actions=("park",)),
+        node("d", 30, 0, actions=("park",)),
+    ]
+    found = read(layout(nodes, [edge("a", "b")], [station("C", "a", "b"), station("P", "c", "d")]))
+    assert [(each["id"], each["node"]) for each in found.data["chargers"]] == [("C", "a"), ("C.2", "b")]
+    assert [(each["id"], each["node"]) for each in found.data["parkings"]] == [("P", "c"), ("P.2", "d")]
+    assert found.data["unassigned"] == []
 
 
 def test_chargers_and_parking_places_are_told_by_their_actions() -> None:
@@ -178,23 +258,6 @@ def test_what_is_not_understood_is_said_and_kept() -> None:
         assert text in said(found)
     assert "`x` is a number written as text" in said(found)
     assert found.mapping["nodes"][0]["kept"]["colour"] == "red"
-
-
-def test_the_draft_of_version_2_is_read() -> None:
-    types = {"mobileRobotTypes": [{"manufacturer": "Maker", "seriesName": "S"}]}
-    nodes = [{**each, "mobileRobotTypeNodeProperties": [types]} for each in LINE]
-    edges = [
-        {
-            "edgeId": "e",
-            "startNodeId": "a",
-            "endNodeId": "b",
-            "mobileRobotTypeEdgeProperties": [{**types, "maximumSpeed": 0.7}],
-        }
-    ]
-    text = lif(origins=[{"originId": "O", "layouts": [layout(nodes, edges)]}])
-    found = read_layout(text.replace(b'"layouts":[],', b""), "hall.json")
-    assert found.data["lanes"] == [{"start": "a", "end": "b", "speed_limit_mps": 0.7}]
-    assert found.data["vehicle_types"][0]["id"] == "Maker.S"
 
 
 def test_negative_coordinates_are_moved_onto_the_floor() -> None:

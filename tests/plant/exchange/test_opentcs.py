@@ -44,7 +44,10 @@ def test_locations_chargers_and_parking_places() -> None:
     found = read(model())
     assert found.data["chargers"] == [{"id": "Outlet", "node": "Point-1", "box": None}]
     assert found.data["parkings"] == [{"id": "P-Point-3", "node": "Point-3"}]
-    assert found.data["unassigned"] == [{"id": "Rack-A", "node": "Point-2", "name": "Rack --- A"}]
+    assert found.data["unassigned"] == [
+        {"id": "Rack-A", "node": "Point-2", "name": "Rack --- A"},
+        {"id": "Rack-A.2", "node": "Point-3", "name": "Rack --- A (2 of 2)", "part_of": "Rack-A"},
+    ]
     assert "location Alone is left out: no link leads to it" in said(found)
     assert "line 30, <block Block>: a block has no place in a plant" in said(found)
 

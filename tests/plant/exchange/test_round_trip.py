@@ -13,6 +13,7 @@ from dray.plant.exchange.lif_export import export_lif
 from dray.plant.exchange.onto import put_onto
 from dray.plant.exchange.read import read_layout
 from dray.plant.file.unfinished import drawable
+from dray.plant.model import LaneType
 from dray_sim.plants.draw import draw_plant
 
 AT = "2026-11-23T08:00:00Z"
@@ -47,6 +48,34 @@ def assert_same(plant: Plant) -> None:
 @pytest.mark.parametrize("name", SHIPPED)
 def test_a_shipped_plant_comes_back_as_the_same_graph(name: str) -> None:
     assert_same(load_plant(name))
+
+
+@pytest.mark.parametrize("two_lanes", [False, True])
+def test_lanes_for_some_types_and_with_limits_of_their_own_come_back(two_lanes: bool) -> None:
+    file = default_plant().file
+    light, heavy = (kind.id for kind in file.vehicle_types)
+    lanes = list(file.lanes)
+    lanes[3] = replace(lanes[3], types=(LaneType(light), LaneType(heavy, 0.4)))
+    lanes[5] = replace(lanes[5], types=(LaneType(light, 0.7),))
+    plant = Plant(replace(file, lanes=tuple(lanes), two_lanes=two_lanes))
+    read = again(plant)
+    for kind in (light, heavy):
+        driven = [
+            {(lane.start, lane.end): lane.speed_limit_mps for lane in each.roads_of(kind).lanes}
+            for each in (plant, read)
+        ]
+        assert driven[0] == driven[1]
+
+
+def test_a_station_of_several_nodes_that_the_plant_has_is_not_asked_about_again() -> None:
+    plant = default_plant()
+    imported = read_layout(export_lif(plant, AT).encode(), "again.json").data
+    imported["nodes"][0]["x_m"] += 0.1
+    first = imported["unassigned"][0]
+    more = {"id": f"{first['id']}.2", "node": imported["nodes"][1]["id"], "name": "x", "part_of": first["id"]}
+    other = {**more, "id": "NEW", "part_of": None}
+    imported["unassigned"] += [more, other]
+    assert put_onto(imported, plant)["unassigned"] == [other]
 
 
 @pytest.mark.parametrize("two_lanes", [False, True])

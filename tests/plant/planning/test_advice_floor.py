@@ -32,7 +32,7 @@ def floor(
             parkings=(*file.parkings, *(Parking(f"X{number}", dock) for number, dock in enumerate(docks))),
         )
     )
-    return {kind: text for kind, _, text in floor_advice(plant)}
+    return {kind: text for kind, _, text, _ in floor_advice(plant)}
 
 
 ROW = (Node("x1", 3, 38), Node("x2", 4.3, 38))

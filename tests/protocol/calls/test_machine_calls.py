@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import pytest
 from defaults import PLANT
 from effects import published
 from m7 import m7
+from msgspec.structs import replace
 from rigs import MachineRig
 from seals import granted
 
@@ -15,8 +17,10 @@ from dray.messages import (
     CallState,
     DutyStatus,
     HelpCall,
+    HelpWanted,
     MachineCommand,
     MachineCommandKind,
+    MachineHeartbeat,
     OperatorHeartbeat,
     Problem,
     ProblemKind,
@@ -38,7 +42,7 @@ def calls(rig: MachineRig) -> list[HelpCall]:
     return published(rig.all, HelpCall)
 
 
-def on_duty(rig: MachineRig, operator: str, area: str) -> None:
+def on_duty(rig: MachineRig, operator: str, area: str, *, draining: bool = False) -> None:
     beat = OperatorHeartbeat(
         operator=operator,
         incarnation=1,
@@ -46,6 +50,7 @@ def on_duty(rig: MachineRig, operator: str, area: str) -> None:
         at_s=rig.now_s,
         status=DutyStatus.FREE,
         areas=(area,),
+        draining=draining,
     )
     rig.on_message(operator, beat)
 
@@ -100,3 +105,29 @@ def test_what_passes_by_itself_is_waited_for_before_anybody_is_asked() -> None:
     assert not calls(rig)
     rig.run(rig.now_s + PASSES_AT_FIRST_S + 0.1)
     assert calls(rig)
+
+
+@pytest.mark.parametrize("gone", [False, True], ids=["gives-back", "goes-off-duty"])
+def test_goals_wait_no_longer_for_somebody_who_does_not_come(*, gone: bool) -> None:
+    rig = m7(goal=24)
+    on_duty(rig, "operator.near", HERE)
+    broken(rig, JAM)
+    judged_s = wanted(rig).until_s
+    call = calls(rig)[-1]
+    take = CallAnswered(call=call.call, operator="operator.near", answer=CallAnswer.TAKE, wait_s=600.0)
+    rig.on_message("operator.near", take)
+    promise = MachineCommand(command="C1", kind=MachineCommandKind.PROMISE, wait_s=600.0)
+    rig.on_message("gateway", granted("M7", promise))
+    assert wanted(rig).until_s > judged_s
+    if gone:
+        on_duty(rig, "operator.near", HERE, draining=True)
+    else:
+        rig.on_message("operator.near", replace(take, answer=CallAnswer.DECLINE, wait_s=None))
+    assert wanted(rig) == HelpWanted(until_s=judged_s)
+
+
+def wanted(rig: MachineRig) -> HelpWanted:
+    rig.run(rig.now_s + 1.0)
+    told = rig.heartbeats(MachineHeartbeat)[-1].help
+    assert isinstance(told, HelpWanted)
+    return told

@@ -13,7 +13,7 @@ from seals import trusts_seals
 from dray.codec import MAX_BYTES, encode
 from dray.errors import NoWay
 from dray.messages import Closure, ClosureKind, Closures
-from dray.messages.floor.closure import MAX_CLOSURES
+from dray.messages.floor.closure import MAX_CLOSURES, MAX_CORNERS
 from dray.plant import load_plant
 from dray.plant.restrictions import OPEN
 from dray.protocol.closures.closure_rules import cut_off, lanes_of, restrictions_of
@@ -70,6 +70,7 @@ def test_a_list_that_was_changed_on_its_way_is_not_signed() -> None:
         replace(said, closures=()),
         replace(said, closures=(closure(node="c4"),)),
         replace(said, closures=(closure(node="c3", until_s=9.0),)),
+        replace(said, closures=(closure(node="c3", outline=((0.0, 0.0), (9.0, 0.0), (9.0, 9.0))),)),
         replace(said, closures=(closure(node="c3", kind=ClosureKind.SLOW, speed_mps=0.5),)),
     ):
         assert floor.objection(forged, trusts_seals) == NOT_SIGNED
@@ -101,6 +102,8 @@ def test_what_the_plant_does_not_have_is_left_out() -> None:
         closure("K4", start="a1", end="f5"),
         closure("K5", kind=ClosureKind.ONE_WAY, start="a1", end="f5"),
         closure("K6", kind=ClosureKind.SLOW, start="a1", end="f5", speed_mps=0.5),
+        closure("K8", outline=((-9.0, -9.0), (-8.0, -9.0), (-8.0, -8.0))),
+        closure("K9", outline=((0.0, 0.0), (60.0, 40.0))),
         closure("K7", kind=ClosureKind.SLOW, area="nowhere", speed_mps=0.5),
     ]
     assert restrictions_of(PLANT, unknown) == OPEN
@@ -173,6 +176,30 @@ def test_the_lanes_of_a_closure_are_told_for_drawing() -> None:
 
 def test_the_longest_list_is_one_that_a_bus_carries() -> None:
     longest = "x" * 128
-    each = Closure(longest, ClosureKind.ONE_WAY, longest, start=longest, end=longest, until_s=1e10 + 0.123456)
-    said = Closures(number=2**53, signature=bytes(64), closures=(each,) * MAX_CLOSURES)
-    assert len(encode(longest, said)) < MAX_BYTES
+    lane = Closure(longest, ClosureKind.ONE_WAY, longest, start=longest, end=longest, until_s=1e10 + 0.123456)
+    outline = ((-123456.789, -123456.789),) * MAX_CORNERS
+    drawn = Closure(
+        longest, ClosureKind.SLOW, longest, outline=outline, speed_mps=0.123, until_s=1e10 + 0.123456
+    )
+    for each in (lane, drawn):
+        said = Closures(number=2**53, signature=bytes(64), closures=(each,) * MAX_CLOSURES)
+        assert len(encode(longest, said)) < MAX_BYTES
+
+
+def test_an_outline_closes_what_an_area_of_that_shape_closes() -> None:
+    area = next(iter(PLANT.areas.values()))
+    outline = tuple((point.x_m, point.y_m) for point in area.polygon)
+    for kind, speed_mps in ((ClosureKind.CLOSED, None), (ClosureKind.SLOW, 0.4)):
+        drawn = closure(kind=kind, outline=outline, speed_mps=speed_mps)
+        named = closure(kind=kind, area=area.id, speed_mps=speed_mps)
+        assert restrictions_of(PLANT, [drawn]) == restrictions_of(PLANT, [named])
+        assert lanes_of(PLANT, drawn) == lanes_of(PLANT, named)
+
+
+def test_an_outline_between_nodes_closes_the_lanes_that_cross_it() -> None:
+    a, b = PLANT.nodes["b3"], PLANT.nodes["m4-lane"]
+    x_m, y_m = (a.x_m + b.x_m) / 2.0, (a.y_m + b.y_m) / 2.0
+    triangle = ((x_m - 0.4, y_m - 0.4), (x_m + 0.4, y_m - 0.4), (x_m, y_m + 0.4))
+    found = restrictions_of(PLANT, [closure(outline=triangle)])
+    assert found.nodes == frozenset()
+    assert found.lanes == {("b3", "m4-lane"), ("m4-lane", "b3")}

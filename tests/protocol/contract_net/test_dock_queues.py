@@ -89,3 +89,10 @@ def test_one_that_should_have_left_long_ago_is_forgotten() -> None:
     docks = heard(A=expected(100.0))
     assert list(leaves(docks, 115.0 + GONE_AFTER_S)) == ["A"]
     assert leaves(docks, 116.0 + GONE_AFTER_S) == {}
+
+
+def test_who_comes_stands_behind_all_others_and_not_behind_itself() -> None:
+    docks = heard(A=expected(100.0), B=expected(100.0 + SOON_S))
+    assert docks.wait_s(PLACE, 100.0, "A", 0.0) == SOON_S + 15.0 + TURN_S
+    assert docks.wait_s(PLACE, 100.0 + SOON_S, "B", 0.0) == 15.0 + TURN_S - SOON_S
+    assert docks.wait_s("M8", 100.0, "A", 0.0) == 0.0, "nobody has told of it"

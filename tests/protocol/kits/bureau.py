@@ -96,9 +96,9 @@ def brief(goal: str, made: int = 5, delivered: int = 0, quantity: int = 24) -> G
     return GoalBrief(goal=goal, product="pump-p3", quantity=quantity, made=made, delivered=delivered)
 
 
-def reborn(rig: StrategistRig, incarnation: int = 2) -> StrategistRig:
+def reborn(rig: StrategistRig, incarnation: int = 2, **options: object) -> StrategistRig:
     """The strategist is started again, with its gate as it is and what it had written down."""
-    again = StrategistRig(memory=remember(rig.memory, rig.all), incarnation=incarnation)
+    again = StrategistRig(memory=remember(rig.memory, rig.all), incarnation=incarnation, **options)
     again.arrived, again.now_s = rig.arrived, rig.now_s
     again.start()
     return again

@@ -50,6 +50,7 @@ from dray.messages import (
     Role,
 )
 from dray.messages.told_stock import with_stock
+from dray.plant import Plant
 from dray.protocol.machine.machine import Machine
 from dray.protocol.runtime.events import (
     Agent,
@@ -149,9 +150,10 @@ class VehicleRig(Rig):
         kind: str = "light",
         node: str = "p3",
         battery_frac: float = 0.9,
+        plant: Plant = PLANT,
         **options: Any,
     ) -> None:
-        super().__init__(Atv(atv, PLANT, vehicle_type=kind, trusts=trusts_seals, **options))
+        super().__init__(Atv(atv, plant, vehicle_type=kind, trusts=trusts_seals, **options))
         self.node = node
         self.battery_frac = battery_frac
         self.load = ("", 0)
@@ -223,12 +225,13 @@ class MachineRig(Rig):
         *,
         doubts: bool = False,
         stations_answer: bool = True,
+        plant: Plant = PLANT,
         **options: Any,
     ) -> None:
-        agent = Machine(machine, PLANT, **{"trusts": trusts_seals, **options})
+        agent = Machine(machine, plant, **{"trusts": trusts_seals, **options})
         super().__init__(agent if doubts else believing(agent))
         self.stations_answer = stations_answer
-        self.stock = dict.fromkeys(PLANT.materials_of(machine), 0) | dict(stock or {})
+        self.stock = dict.fromkeys(plant.materials_of(machine), 0) | dict(stock or {})
         self.broken = ""
         self.paces = True
         self.seq = 0
@@ -311,8 +314,8 @@ class MachineRig(Rig):
 class StrategistRig(Rig):
     """A strategist with its gate, which answers when the test says so."""
 
-    def __init__(self, *, memory: Memory | None = None, **options: Any) -> None:
-        super().__init__(Strategist(PLANT, **options))
+    def __init__(self, *, memory: Memory | None = None, plant: Plant = PLANT, **options: Any) -> None:
+        super().__init__(Strategist(plant, **options))
         self.memory = memory or {}
         self.arrived: dict[str, int] = {}
 

@@ -60,6 +60,14 @@ def test_who_drives_and_keeps_its_promise_is_left_alone() -> None:
     assert carrier.progress.late_s < 0.0
 
 
+def test_who_stands_behind_others_may_be_so_much_later_and_nobody_has_to_be_sooner() -> None:
+    carrier = Carrier()
+    carrier.progress.allow(PROMISED_S + 30.0)
+    carrier.progress.allow(PROMISED_S - 30.0)
+    assert carrier.beats(120, speed_mps=1.0) == ""
+    assert carrier.progress.late_s == -10.0
+
+
 def test_who_only_tells_of_ways_is_long_past_its_promise_in_the_end() -> None:
     carrier = Carrier()
     assert carrier.beats(1000, speed_mps=1.0) == Reason.OVERDUE

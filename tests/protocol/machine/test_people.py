@@ -186,7 +186,7 @@ def test_nothing_more_is_brought_for_what_is_given_back() -> None:
 
 def test_a_fault_is_cleared_when_the_sensors_find_nothing_any_more_and_not_before() -> None:
     rig = m7(goal=24)
-    assert told(rig, KIND.CLEAR_FAULT).reason is CommandRefusal.NOT_WAITING
+    assert told(rig, KIND.CLEAR_FAULT).reason is CommandRefusal.NOT_FAULTY
     broken(rig, JAM)
     answer = told(rig, KIND.CLEAR_FAULT)
     assert (answer.reason, answer.detail) == (CommandRefusal.FAULTY, "it stands")

@@ -6,7 +6,7 @@ import pytest
 from defaults import PLANT
 from spoken import production
 
-from dray.protocol.machine.production import Goal, GoalBook
+from dray.protocol.machine.production import PASSED_FRAC, Goal, GoalBook
 
 PLENTY = {"housing": 72, "impeller": 90, "seal-kit": 120, "shaft": 120, "bearing": 120}
 
@@ -81,6 +81,15 @@ def test_a_quote_is_the_queue_and_the_cycles() -> None:
     assert cost.making_s == 24 * 50.0
     assert cost.material_s == 0.0
     assert cost.total_s == cost.queue_s + cost.material_s + cost.making_s
+
+
+def test_what_is_wanted_later_is_no_queue_and_a_price_for_making_it_wait() -> None:
+    later = book(goal("A", quantity=10, deadline_s=900.0))
+    cost = later.quote(production(quantity=24), PLENTY, lead_time_s=90.0, deadline_s=100.0)
+    assert (cost.queue_s, cost.passed_s) == (0.0, PASSED_FRAC * 10 * 50.0)
+    assert cost.takes_s == 24 * 50.0
+    assert cost.total_s == cost.takes_s + cost.passed_s
+    assert later.quote(production(quantity=24), PLENTY, 90.0, deadline_s=900.0).queue_s == 10 * 50.0
 
 
 def test_missing_material_is_waited_for_only_as_far_as_the_queue_does_not_cover_it() -> None:
@@ -194,7 +203,7 @@ def test_pieces_that_were_made_anew_and_are_not_needed_are_left_over() -> None:
     some = sent_away(44, delivered=4, lost_in_transit=20)
     assert some.ready == 20
     assert some.note_arrived(24) == 20
-    assert (some.to_make, some.ready, some.brief(0.0).made) == (0, 0, 24)
+    assert (some.to_make, some.ready, some.brief(0.0, cycling=False).made) == (0, 0, 24)
 
 
 def test_a_goal_comes_back_from_memory_as_it_was() -> None:

@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 
+from dray.plant.working_time import WeeklySpan, WorkingHours, WorkingTime
 from dray.protocol.machine.replenishment import LeadTime, order_quantity, reorder_point, runs_out_at_s
 
 
@@ -56,8 +57,15 @@ def test_no_more_is_ordered_than_the_buffer_holds() -> None:
 
 
 def test_material_runs_out_when_all_that_is_expected_is_used_up() -> None:
-    assert runs_out_at_s(1000.0, expected=50, use_per_s=0.5) == 1100.0
-    assert runs_out_at_s(1000.0, expected=0, use_per_s=0.5) == 1000.0
+    always = WorkingTime(None)
+    assert runs_out_at_s(1000.0, 50, 0.5, always) == 1100.0
+    assert runs_out_at_s(1000.0, 0, 0.5, always) == 1000.0
+
+
+def test_material_runs_out_in_working_time() -> None:
+    mornings = WorkingTime(WorkingHours(shifts=(WeeklySpan("06:00", "12:00"),)))
+    assert runs_out_at_s(0.0, 50, 0.5, mornings) == 6 * 3600.0 + 100.0
+    assert runs_out_at_s(0.0, 0, 0.5, mornings) == 6 * 3600.0
 
 
 def test_the_lead_time_follows_what_is_measured() -> None:

@@ -15,7 +15,7 @@ from dray.protocol.contract_net.dock_queues import TURN_S
 from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S, LATENESS_MAX_S, WORKING_INTERVAL_S, bound_s
 from dray.protocol.runtime.events import NEVER_S
 from dray.protocol.takeover.secondaries import WATCH_RULES
-from dray.protocol.transports.carrier_waits import ONE_AFTER_ANOTHER_S
+from dray.protocol.transports.carrier_waits import ONE_AFTER_ANOTHER_S, SETTLES_S
 
 # --- the secondary -------------------------------------------------------------------------------
 
@@ -222,13 +222,13 @@ def test_who_stands_at_its_dock_now_counts_too() -> None:
     assert waits["M8"] == pytest.approx(33.0)
 
 
-def expected(comes_s: float) -> DockExpected:
-    return DockExpected(place="M8", comes_s=comes_s, stays_s=15.0)
+def expected(comes_s: float, place: str = "M8") -> DockExpected:
+    return DockExpected(place=place, comes_s=comes_s, stays_s=15.0)
 
 
 def test_who_is_expected_at_its_dock_is_told_to_those_who_bid() -> None:
     rig = TransportsRig()
-    rig.transports.docks.on_expected("ATV9", expected(60.0), rig.now_s)
+    rig.transports.waits.on_expected("ATV9", expected(60.0), rig.now_s)
     rig.open()
     [announced] = published(rig.out, TaskAnnounced)
     [told] = announced.waits
@@ -236,22 +236,43 @@ def test_who_is_expected_at_its_dock_is_told_to_those_who_bid() -> None:
     assert told.expected == (DockTime(atv="ATV9", comes_s=60.0, leaves_s=75.0 + TURN_S),)
 
 
-def test_a_promise_counts_those_before_it_at_the_dock_of_whom_its_carrier_had_not_heard() -> None:
-    rig, alone = TransportsRig(), contracted()
-    rig.open()
-    rig.bids(ATV2=54.8)
-    rig.run(1.0)
-    done_s = alone.task.contract.promised_s
-    comes_s = done_s - Credulous().handling_max_s
-    rig.transports.docks.on_expected("ATV9", expected(comes_s - 10.0), rig.now_s)
-    rig.transports.docks.on_expected("ATV2", expected(comes_s), rig.now_s)
-    rig.accepts("ATV2")
-    assert rig.task.contract.promised_s == pytest.approx(done_s + 5.0 + TURN_S)
+def hired() -> tuple[TransportsRig, float]:
+    """A task that ATV2 has just promised to be done with, as if alone, and when that is."""
+    rig = contracted()
+    done_s = rig.task.contract.promised_s
+    rig.transports.waits.on_expected("ATV2", expected(done_s - 55.0, "S3"), rig.now_s)
+    rig.transports.waits.on_expected("ATV2", expected(done_s - 15.0), rig.now_s)
+    assert rig.task.contract.promised_s == done_s
+    return rig, done_s
+
+
+@pytest.mark.parametrize("place", ["S3", "M8"])
+def test_a_promise_counts_those_before_it_at_a_dock_who_were_hired_at_the_same_moment(place: str) -> None:
+    rig, done_s = hired()
+    comes_s = done_s - (15.0 if place == "M8" else 55.0)
+    rig.transports.waits.on_expected("ATV9", expected(comes_s - 10.0, place), rig.now_s)
+    assert rig.task.contract.promised_s == done_s + 5.0 + TURN_S
+    rig.transports.waits.on_expected("ATV9", expected(comes_s + 60.0, place), rig.now_s)
+    assert rig.task.contract.promised_s == done_s, "it comes later now"
+
+
+def test_a_promise_counts_nobody_twice_of_whom_its_carrier_had_heard() -> None:
+    rig, done_s = hired()
+    rig.transports.waits.on_expected("ATV2", expected(done_s - 15.0 - 5.0 - TURN_S), rig.now_s)
+    rig.transports.waits.on_expected("ATV9", expected(done_s - 30.0 - TURN_S), rig.now_s)
+    assert rig.task.contract.promised_s == done_s
+
+
+def test_a_promise_is_settled_soon_after_it_was_given() -> None:
+    rig, done_s = hired()
+    rig.run(rig.now_s + SETTLES_S + 0.5, "ATV2")
+    rig.transports.waits.on_expected("ATV9", expected(done_s - 25.0), rig.now_s)
+    assert rig.task.contract.promised_s == done_s
 
 
 def test_where_carriers_queue_at_docks_one_is_hired_after_the_other() -> None:
     rig = TransportsRig()
-    rig.transports.docks.on_expected("ATV9", expected(60.0), rig.now_s)
+    rig.transports.waits.on_expected("ATV9", expected(60.0), rig.now_s)
     rig.open("T1")
     rig.open("T2")
     assert [said.task for said in published(rig.out, TaskAnnounced)] == ["T1"]

@@ -94,6 +94,44 @@ def test_a_tablet_that_comes_back_in_time_changes_nothing() -> None:
     assert not rig.has_left
 
 
+def pocketed(until_s: float) -> OperatorRig:
+    """Somebody who has promised to come, and whose tablet is gone."""
+    rig = on_duty()
+    rig.on_message("ATV1", call())
+    rig.replies(call(), TAKE, until_s - rig.now_s)
+    rig.on_message("ATV1", taken(2, until_s=until_s))
+    rig.state = replace(rig.state, there=False)
+    rig.report(DutyChanged(rig.state))
+    return rig
+
+
+def keep_calling(rig: OperatorRig, until_s: float, promised_s: float) -> None:
+    number = 2
+    while rig.now_s < until_s:
+        rig.run(min(until_s, rig.now_s + 5.0))
+        number += 1
+        rig.on_message("ATV1", taken(number, until_s=promised_s, at_s=rig.now_s))
+
+
+def test_who_has_promised_is_expected_until_then_though_the_tablet_is_gone() -> None:
+    rig = pocketed(300.0)
+    keep_calling(rig, 295.0, 300.0)
+    assert not rig.has_left
+    assert (newest(rig).status, newest(rig).caller) == (DutyStatus.BUSY, "ATV1")
+    rig.run(301.0)
+    assert rig.has_left
+    assert sent(rig.all, CallAnswered)[-1].answer is DECLINE
+
+
+def test_who_has_no_tablet_and_is_not_needed_any_more_goes() -> None:
+    rig = pocketed(300.0)
+    keep_calling(rig, 100.0, 300.0)
+    rig.on_message("ATV1", call(99, state=CallState.ENDED, asked=()))
+    rig.run(102.0)
+    assert rig.has_left
+    assert rig.heartbeats(OperatorHeartbeat)[-1].draining
+
+
 def test_who_goes_off_duty_gives_back_what_was_taken() -> None:
     rig = on_duty()
     rig.on_message("ATV1", call())

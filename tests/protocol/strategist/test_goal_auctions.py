@@ -54,6 +54,14 @@ def test_a_second_order_waits_for_the_first_ones_goals_of_that_product() -> None
     assert second.startswith("O2")
 
 
+def test_what_is_wanted_first_is_put_up_first_whenever_it_came() -> None:
+    rig = released(order("O1", pump=240, due_s=7200.0))
+    assert announced(rig.on_message("gateway", order("O2", pump=24, due_s=900.0))) == []
+    [(goal, _, _)] = announced(rig.all)
+    [(second, _, _)] = announced(contract(rig, goal, "M7"))
+    assert second.startswith("O2")
+
+
 def test_goals_are_announced_to_the_machines_of_their_product_and_due_before_the_order() -> None:
     rig = released(order(pump=24, due_s=7200.0))
     [key] = [effect.key for effect in rig.all if published([effect], TaskAnnounced)]  # type: ignore[union-attr]

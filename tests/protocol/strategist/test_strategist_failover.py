@@ -203,6 +203,18 @@ def _offer(rig: StrategistRig, goal: str, status: MachineStatus) -> None:
     rig.on_message("M7", beat)
 
 
+@pytest.mark.parametrize("others_live", [True, False])
+def test_what_a_machine_that_works_offers_goes_to_others_and_not_back_to_it(others_live: bool) -> None:
+    rig, goal = making()
+    offered = msgspec.structs.replace(brief(goal), offered=True)
+    live = ("M7", "M8") if others_live else ("M7",)
+    beats(rig, rig.now_s + 2.0 * GOAL_SILENCE_S, *live, goals=(brief(goal),))
+    effects = beats(rig, rig.now_s + 2.0 * GOAL_SILENCE_S, *live, goals=(offered,))
+    assert (rig.admitted(goal) == 0) is others_live
+    reasons = {each.machine: each.reason for fact in facts(effects, GoalWaits) for each in fact.machines}
+    assert reasons.get("M7") == (None if others_live else Reason.CLOSED)
+
+
 def test_a_machine_that_is_back_when_the_gate_is_shut_comes_too_late() -> None:
     rig, goal = making()
     beats(rig, rig.now_s + GOAL_SILENCE_S + 1.0, "M8")

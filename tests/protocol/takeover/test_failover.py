@@ -20,7 +20,8 @@ from dray.messages import (
 from dray.messages.fact import CarrierChanged, TaskClosed
 from dray.protocol.contract_net.task_state import TaskState
 from dray.protocol.liveness.failure_detector import UNNAMED_S
-from dray.protocol.takeover.failover import LOST_IN_TRANSIT_S, TAKEOVER_TIMEOUT_S
+from dray.protocol.takeover.failover import TAKEOVER_TIMEOUT_S
+from dray.protocol.takeover.left_aboard import WRITTEN_OFF_AFTER_S
 from dray.protocol.transports.transports import RECOVERY_WAIT_S
 
 
@@ -177,7 +178,7 @@ def test_goods_on_board_of_a_silent_vehicle_are_waited_for_and_then_given_up() -
     takes_over(rig)
     assert rig.task.primary == "ATV2"
     task = rig.task
-    rig.run(rig.now_s + LOST_IN_TRANSIT_S)
+    rig.run(rig.now_s + WRITTEN_OFF_AFTER_S)
     assert rig.transports.get("T1") is None
     assert [fact.outcome for fact in facts(rig.out, TaskClosed)] == ["withdrawn"]
     assert sent(rig.out, Withdrawn, to="ATV2")

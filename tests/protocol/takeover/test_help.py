@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from effects import facts, sent
+from effects import facts, published, sent
 from rigs import VehicleRig
 from seals import granted
 from spoken import award
@@ -12,9 +12,14 @@ from watches import BOUND_S, beat, carrying, claims, guard, newest
 from dray.body import ProblemCleared, ProblemRaised
 from dray.messages import (
     AtvStatus,
+    CallAnswer,
+    CallAnswered,
     CommandAnswered,
     CommandKind,
+    DutyStatus,
+    HelpCall,
     HelpWanted,
+    OperatorHeartbeat,
     Reason,
     VehicleCommand,
 )
@@ -114,3 +119,46 @@ def test_a_stop_lets_the_task_wait_too_and_a_resume_ends_that() -> None:
     ):
         rig.on_message("operator", granted("ATV1", VehicleCommand(command=kind.value, kind=kind)))
         assert (newest(rig).help is not None) is wanted
+
+
+def takes(rig: VehicleRig, answer: CallAnswer, wait_s: float | None = None) -> None:
+    """The only one on duty answers the newest call."""
+    name = published(rig.all, HelpCall)[-1].call
+    said = CallAnswered(call=name, operator="operator.A", answer=answer, wait_s=wait_s)
+    rig.on_message("operator.A", said)
+
+
+def promised(rig: VehicleRig, name: str, wait_s: float) -> None:
+    promise = VehicleCommand(command=name, kind=CommandKind.PROMISE, wait_s=wait_s)
+    rig.on_message("gateway", granted("ATV1", promise))
+
+
+def called() -> VehicleRig:
+    """ATV1 cannot go on, and one operator is on duty."""
+    rig = carrying()
+    there = OperatorHeartbeat(
+        operator="operator.A", incarnation=1, seq=1, at_s=0.0, status=DutyStatus.FREE, everywhere=True
+    )
+    rig.on_message("operator.A", there)
+    rig.report(ProblemRaised(reason="way blocked"))
+    return rig
+
+
+@pytest.mark.parametrize("answer", [CallAnswer.DECLINE, CallAnswer.CANNOT])
+def test_a_task_waits_no_longer_for_somebody_who_gives_the_call_back(answer: CallAnswer) -> None:
+    rig = called()
+    judged = newest(rig).help
+    takes(rig, CallAnswer.TAKE, 600.0)
+    promised(rig, "C1", 600.0)
+    assert newest(rig).help == HelpWanted(until_s=rig.now_s + 600.0, promised_by="shift-lead")
+    takes(rig, answer)
+    assert newest(rig).help == judged
+
+
+def test_what_somebody_else_has_promised_before_holds() -> None:
+    rig = called()
+    promised(rig, "C1", 600.0)
+    rig.run(1.0)
+    takes(rig, CallAnswer.TAKE, 60.0)
+    takes(rig, CallAnswer.DECLINE)
+    assert newest(rig).help == HelpWanted(until_s=600.0, promised_by="shift-lead")

@@ -10,6 +10,7 @@ from effects import deeds, facts, sent
 from rigs import VehicleRig
 from spoken import accepted, announcement, award, bid, mhb, production, rhb
 
+from dray.body import ProblemCleared, ProblemRaised
 from dray.errors import ProtocolViolation
 from dray.messages import (
     AtvHeartbeat,
@@ -39,6 +40,18 @@ def test_an_idle_vehicle_beats_every_five_seconds_and_a_working_one_every_second
     gaps_s = [round(after - before, 6) for before, after in zip(times_s, times_s[1:], strict=False)]  # noqa: RUF007
     assert set(gaps_s) == {interval_s}
     assert len(gaps_s) >= 60 / interval_s - 2
+
+
+def test_a_vehicle_without_a_task_beats_every_second_for_as_long_as_it_has_a_problem() -> None:
+    rig = parked()
+    rig.run(60.0)
+    rig.report(ProblemRaised(reason="a wheel is stuck"))
+    rig.run(80.0)
+    rig.report(ProblemCleared())
+    rig.run(120.0)
+    times_s = [beat.at_s for beat in rig.heartbeats(AtvHeartbeat)]
+    assert sum(60.0 <= at_s < 80.0 for at_s in times_s) >= 20
+    assert sum(100.0 <= at_s < 120.0 for at_s in times_s) == 4
 
 
 def test_vehicles_that_start_together_do_not_beat_together() -> None:

@@ -10,6 +10,7 @@ from defaults import PLANT
 
 from dray.plant import Charging as Rules
 from dray.plant import Hours, Plant
+from dray.plant.working_time import WeeklySpan, WorkingHours
 from dray.protocol.vehicle.charging import GIVES_WAY_AGAIN_S, WORTH_FRAC, Charging
 from dray.protocol.vehicle.reserve import NEVER_FRAC, RESERVE_FRAC, Reserve
 
@@ -155,3 +156,12 @@ def test_one_that_says_again_and_again_to_be_empty_is_let_in_once_in_a_while() -
     assert let_in == [0.0, GIVES_WAY_AGAIN_S, 2 * GIVES_WAY_AGAIN_S, *let_in[3:]]
     assert len(let_in) == 6
     assert leaves(charging, 0.0, 0.7, rival="ATV8", now_s=1.0), "others are not to suffer for it"
+
+
+def test_while_the_plant_rests_a_vehicle_charges_for_when_it_works() -> None:
+    nights = WorkingHours(shifts=(WeeklySpan("06:00", "22:00"),))
+    charging = Charging(Plant(msgspec.structs.replace(PLANT.file, working_time=nights)), "light")
+    charging.note(0.7, HERE)
+    assert charging.wants(0.7, 5 * HOUR_S)
+    assert not charging.wants(0.7, 7 * HOUR_S)
+    assert not charging.wants(0.85, 5 * HOUR_S)

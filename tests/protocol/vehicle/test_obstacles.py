@@ -4,15 +4,26 @@ from __future__ import annotations
 
 from itertools import pairwise
 
+import pytest
 from atv1 import contracted, parked
-from defaults import KEYS
+from defaults import KEYS, PLANT
 from effects import facts, instructed, listening, published
 from rigs import VehicleRig
 
 from dray.body import Drive, LinkNoticed, NodePassed, ProblemCleared, ProblemRaised, WayBlocked, WayFree
-from dray.messages import AtvHeartbeat, AtvStatus, Link, ObstacleCleared, ObstacleSeen, Problem, ProblemKind
+from dray.messages import (
+    AtvHeartbeat,
+    AtvStatus,
+    Link,
+    ObstacleCleared,
+    ObstacleSeen,
+    Problem,
+    ProblemKind,
+    Superseded,
+)
 from dray.messages.fact import HelpAsked
 from dray.messages.floor.obstacle import FORGOTTEN_AT_MOST_S, FORGOTTEN_S
+from dray.plant import Door, LaneEnds
 from dray.protocol.closures.obstacles import MOST_OF_ONE
 from dray.protocol.runtime.events import Effect
 from dray.protocol.vehicle.atv import Atv
@@ -95,6 +106,60 @@ def test_on_a_lane_it_cannot_turn_round_and_waits() -> None:
     effects = blocked(rig, way, 1, entered=True)
     assert not instructed(effects, Drive)
     assert facts(effects, HelpAsked)
+
+
+@pytest.mark.parametrize(
+    ("entered", "reason"), [(False, "the door Hall gate does not open"), (True, "something")]
+)
+def test_who_stands_before_a_door_names_it_and_who_is_in_it_does_not(entered: bool, reason: str) -> None:
+    rig = contracted()
+    last = len(rig.last(Drive).nodes) - 2
+    way = comes_to(rig, last)
+    start, end = way.nodes[last], way.nodes[last + 1]
+    assert isinstance(rig.agent, Atv)
+    rig.agent.floor.door_on = {(start, end): Door("D1", "Hall gate", (LaneEnds(start, end),), 5.0)}
+    [asked] = facts(blocked(rig, way, last, entered=entered), HelpAsked)
+    assert asked.reason.startswith(reason)
+    rig.report(WayFree(order=way.order, start=start, end=end))
+    rig.run(rig.now_s)
+    assert rig.heartbeats(AtvHeartbeat)[-1].status is AtvStatus.WORKING
+
+
+def test_whose_task_has_passed_to_another_leaves_the_lane_where_nothing_leads_round() -> None:
+    rig = contracted()
+    last = len(rig.last(Drive).nodes) - 2
+    way = comes_to(rig, last)
+    blocked(rig, way, last)
+    rig.run(rig.now_s)
+    assert rig.heartbeats(AtvHeartbeat)[-1].status is AtvStatus.ERROR
+    effects = rig.on_message("M8", Superseded("M8-1", 2))
+    [back] = instructed(effects, Drive)
+    assert back.nodes[0] == way.nodes[last]
+    assert back.nodes[-1] in {PLANT.node_of(each) for each in PLANT.dwell_points}
+    assert (way.nodes[last], way.nodes[last + 1]) not in pairwise(back.nodes)
+    rig.run(rig.now_s)
+    beat = rig.heartbeats(AtvHeartbeat)[-1]
+    assert (beat.status, beat.problem) == (AtvStatus.IDLE, "")
+
+
+def test_whoever_cannot_turn_before_a_door_says_so_and_stays() -> None:
+    rig = contracted()
+    way = rig.last(Drive)
+    plant = rig.agent.floor  # type: ignore[attr-defined]
+    index = next(
+        index
+        for index, (start, end) in enumerate(pairwise(way.nodes))
+        if all(lane.end == end for lane in plant.roads.leaving[start])
+    )
+    comes_to(rig, index)
+    start, end = way.nodes[index], way.nodes[index + 1]
+    plant.door_on = {(start, end): Door("D1", "Hall gate", (LaneEnds(start, end),), 5.0)}
+    [asked] = facts(blocked(rig, way, index), HelpAsked)
+    assert asked.reason == f"the door Hall gate does not open, and no lane leads back from {start}"
+    rig.on_message("M8", Superseded("M8-1", 2))
+    rig.run(rig.now_s)
+    beat = rig.heartbeats(AtvHeartbeat)[-1]
+    assert (beat.status, beat.problem) == (AtvStatus.ERROR, asked.reason)
 
 
 def test_it_is_forgotten_after_a_time_and_later_each_time_that_it_is_still_there() -> None:

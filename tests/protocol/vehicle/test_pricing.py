@@ -147,6 +147,14 @@ def test_a_vehicle_without_the_ability_refuses() -> None:
     assert isinstance(answer("heavy", work=pallet), Quote)
 
 
+def test_a_vehicle_without_what_somebody_wants_beside_it_refuses() -> None:
+    wanted = transport(also="pallet")
+    found = refusal(work=wanted)
+    assert found.reason is Refusal.ABILITY
+    assert "pallet" in found.detail
+    assert isinstance(answer("heavy", work=wanted), Quote)
+
+
 def test_a_vehicle_that_would_be_late_refuses_and_says_by_how_much() -> None:
     finish_s = quote().finish_s
     assert isinstance(answer(deadline_s=finish_s), Quote)

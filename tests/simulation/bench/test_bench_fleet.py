@@ -50,7 +50,12 @@ def test_every_message_is_counted_once_by_its_kind() -> None:
 
 
 def observed(times: float) -> Observed:
-    kinds = (Kind.ATV, Kind.MACHINE, Kind.STATION, Kind.STRATEGIST, Kind.GATEWAY, Kind.HISTORIAN, FLOOR)
+    kinds = (
+        *(Kind.ATV, Kind.MACHINE, Kind.STATION, Kind.GATE, Kind.STRATEGIST),
+        Kind.GATEWAY,
+        Kind.HISTORIAN,
+        FLOOR,
+    )
     return Observed(
         joined_s=times,
         said={"facts": times, "heartbeats": 2 * times},

@@ -158,3 +158,12 @@ def test_whatever_vehicles_do_nothing_is_lost_in_a_storage(deeds: list[tuple[boo
         yard.run(yard.clock.now_s() + seconds)
         assert 0 <= yard.storage.stock["shaft"] <= 60
         assert yard.storage.stock["shaft"] == 60 - taken + yard.source.supplied("shaft")
+
+
+def test_a_source_warehouse_takes_back_what_finds_no_room_elsewhere(yard: Yard) -> None:
+    spec = PLANT.storages["S1"]
+    item, capacity = spec.stocks[0].material, spec.stocks[0].capacity
+    assert Storage(spec, yard.clock, yard.source).put("ATV1", item, 1) == NO_ROOM
+    warehouse = Storage(spec, yard.clock, yard.source, takes_all=True)
+    assert warehouse.put("ATV1", item, 1) == ""
+    assert warehouse.sense().stock[item] == capacity + 1

@@ -5,7 +5,8 @@ from __future__ import annotations
 from math import pi
 
 import pytest
-from yard import HOLD, TO_CORNER, UNHOLD, Yard, drive, passed, place
+from msgspec.structs import replace
+from yard import HOLD, PLANT, TO_CORNER, UNHOLD, Yard, drive, passed, place
 
 from dray.body import (
     ActionFailed,
@@ -16,6 +17,8 @@ from dray.body import (
     WayDone,
 )
 from dray.messages import Pose
+from dray.plant import Plant
+from dray.plant.model import LaneType
 from dray_sim.bodies.vehicle.vehicle import SimVehicle
 
 
@@ -283,3 +286,15 @@ def test_a_lower_speed_limit_is_braked_down_to_and_lifted_again(yard: Yard, vehi
 def test_a_speed_limit_is_clamped(yard: Yard, vehicle: SimVehicle, asked: float, speed_mps: float) -> None:
     yard.do(vehicle, LimitSpeed(speed_frac=asked), drive("west", "middle"), for_s=5.0)
     assert vehicle.sense().speed_mps == pytest.approx(speed_mps)
+
+
+def test_a_vehicle_keeps_to_the_limit_of_its_type_and_refuses_a_lane_that_is_not_for_it() -> None:
+    own = {("west", "middle"): (LaneType("light", 0.3),), ("middle", "pit"): (LaneType("other"),)}
+    lanes = tuple(replace(lane, types=own.get((lane.start, lane.end), ())) for lane in PLANT.file.lanes)
+    yard = Yard(Plant(replace(PLANT.file, lanes=lanes)))
+    vehicle = yard.vehicle()
+    yard.do(vehicle, drive("west", "middle", "pit"))
+    assert isinstance(yard.said[-1][2], ActionFailed)
+    assert yard.said[-1][2].reason == "no lane from middle to pit"
+    yard.do(vehicle, drive("west", "middle", order=2), for_s=10.0)
+    assert vehicle.sense().speed_mps == pytest.approx(0.3)

@@ -7,8 +7,15 @@ import pytest
 from check_kit import PLANT, TASK, closed, event, heartbeat, opened
 from makings import making
 
-from dray.messages import CancellationTaken, Message, OrderReleased, RevocationTaken
-from dray.messages.fact import Fact, OrderFulfilled, PieceMade
+from dray.messages import (
+    CancellationTaken,
+    Message,
+    OrderReleased,
+    RevocationTaken,
+    TransportOrdered,
+    TransportState,
+)
+from dray.messages.fact import Fact, MemoryLost, OrderFulfilled, PieceMade, TransportProgressed
 from dray.protocol.people.patience import PATIENCE_MAX_S
 from dray_sim.checks.bounds import NOTICE_S, Bounds
 from dray_sim.checks.broken import InvariantBroken
@@ -77,6 +84,27 @@ def test_an_order_for_which_nothing_happens_is_noticed() -> None:
     watched.wait(watched.bounds.stall_s - 10.0)
     with pytest.raises(InvariantBroken, match=r"nothing came forward .* D1"):
         watched.wait(20.0)
+
+
+def test_transports_that_are_asked_for_and_called_off_bring_nothing_forward() -> None:
+    watched = Watched()
+    watched.say("desk", OrderReleased(order="D1", items=(), due_s=0.0))
+    watched.liveness.start(0.0)
+    watched.wait(watched.bounds.stall_s - 10.0)
+    called_off = TransportProgressed("M5-away-1", TransportState.CANCELLED, "pump-p3", 6, "M5", "S1")
+    watched.say("S1", called_off)
+    with pytest.raises(InvariantBroken, match=r"nothing came forward .* D1"):
+        watched.wait(20.0)
+
+
+def test_what_a_machine_has_forgotten_to_have_asked_for_needs_nothing() -> None:
+    watched = Watched()
+    watched.say("M5", TransportOrdered("M5-away-1", "M5", "pump-p3", 6, 300.0))
+    watched.say("M1", TransportOrdered("M1-away-1", "M1", "pump-p3", 6, 300.0))
+    watched.liveness.start(0.0)
+    watched.say("M5", MemoryLost("the disk has failed"))
+    with pytest.raises(InvariantBroken, match=r"nothing came forward .* open: M1-away-1$"):
+        watched.wait(watched.bounds.stall_s + 10.0)
 
 
 def test_the_check_is_over_when_everything_has_ended() -> None:

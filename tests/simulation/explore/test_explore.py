@@ -8,18 +8,21 @@ import signal
 import subprocess
 import sys
 from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
 
 import msgspec
 import pytest
 
 from dray.errors import UnavailableError
 from dray.plant.file.check import faults as plant_faults
+from dray.plant.file.check_levels import levels_of
+from dray.priorities import Priority
 from dray.protocol.strategist.strategist import Strategist
 from dray_sim.checks.bounds import Bounds
 from dray_sim.explore.outcome import Outcome
 from dray_sim.explore.play import play, try_seed
 from dray_sim.explore.profile import PROFILES
-from dray_sim.explore.run import FAULTS_UNTIL_S, draw
+from dray_sim.explore.run import FAULTS_UNTIL_S, Run, draw
 from dray_sim.explore.search import search
 
 PRINT_TRACES = """
@@ -68,6 +71,39 @@ def test_runs_are_of_all_sorts() -> None:
     flat = [[moment for pair in each for moment in pair] for each in times]
     assert all(each == sorted(each) and each[-1] <= FAULTS_UNTIL_S for each in flat)
     assert len({type(timed.fault) for run in runs for timed in run.schedule}) >= 10
+
+
+def test_runs_have_parts_bad_pieces_and_priorities() -> None:
+    runs = [draw(seed) for seed in range(60)]
+    assert {levels_of(run.plant.file) for run in runs} == {1, 2, 3}
+    assert {run.has_scrap for run in runs} == {True, False}
+    assert {order.priority for run in runs for order in run.orders} == set(Priority)
+    assert {len(run.calls) > 0 for run in runs} == {True, False}
+    for run in (draw(seed, "levels") for seed in range(60)):
+        assert list(plant_faults(run.plant.file)) == []
+        assert run.plant.parts
+        used = {line.material for product in run.plant.products.values() for line in product.bill}
+        assert set(run.plant.parts) <= used
+        assert {part for part in run.plant.products if part not in run.plant.parts} == set(run.plant.ordered)
+
+
+def has_stations(run: Run) -> bool:
+    """Whether vehicles refill its storages, or machines fetch in the warehouse."""
+    return any(warehouse.stocks for warehouse in run.plant.file.warehouses)
+
+
+def test_whoever_draws_no_parts_draws_what_was_drawn_before_there_were_any() -> None:
+    drawn = [draw(seed) for seed in range(60)]
+    plain = [
+        run
+        for run in drawn
+        if not run.plant.parts
+        and not run.has_scrap
+        and not has_stations(run)
+        and all(order.priority is Priority.NORMAL for order in run.orders)
+    ]
+    assert len(plain) > 5
+    assert all(replace(run, profile="one-level") == draw(run.seed, "one-level") for run in plain)
 
 
 # --- playing ----------------------------------------------------------------------------------------

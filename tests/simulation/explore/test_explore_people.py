@@ -64,7 +64,8 @@ def test_a_passerby_presses_all_buttons_and_puts_everything_right() -> None:
         )
         with suppress(TimeoutError):
             await asyncio.wait_for(random_operator.meddle(), 3600.0)
-        assert {command.kind for command in said} == set(CommandKind)
+        # A vehicle is sent to charge by managers, who are not on the floor.
+        assert {command.kind for command in said} == set(CommandKind) - {CommandKind.CHARGE}
         assert len({command.command for command in said}) == len(said)
         assert {grant_of(command) for command in said} == {"none", "forged", "everywhere", "an area"}
         said.clear()

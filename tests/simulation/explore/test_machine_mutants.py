@@ -5,7 +5,8 @@ from __future__ import annotations
 import pytest
 from mutants import Mutant, find
 
-from dray.messages import Release, Withdrawn
+from dray.messages import Award, Release, TaskAnnounced, Withdrawn
+from dray.protocol.machine.cycle import Cycle
 from dray.protocol.machine.goal_bidding import GoalBidder
 from dray.protocol.machine.machine import Machine
 from dray.protocol.machine.production import Goal, GoalBook
@@ -16,8 +17,8 @@ def with_machines_that_bid_out_of_service(patch: pytest.MonkeyPatch) -> None:
     """A machine says that it is out of service, and takes goals as ever."""
     unfit = Machine._unfit
 
-    def fit(self: Machine) -> str:
-        why = unfit(self)
+    def fit(self: Machine, asked: TaskAnnounced | Award) -> str:
+        why = unfit(self, asked)
         return "" if why == "out of service" else why
 
     patch.setattr(Machine, "_unfit", fit)
@@ -40,6 +41,16 @@ def with_goals_that_are_handed_over_and_kept(patch: pytest.MonkeyPatch) -> None:
         return on_over(self, message)
 
     patch.setattr(GoalBidder, "on_over", keep)
+
+
+def with_machines_that_never_rest(patch: pytest.MonkeyPatch) -> None:
+    """A machine goes on, whatever its working time is."""
+    patch.setattr(Cycle, "look", lambda _self, _now_s: None)
+
+
+@pytest.mark.slow
+def test_the_search_finds_a_machine_that_never_rests(monkeypatch: pytest.MonkeyPatch) -> None:
+    find(with_machines_that_never_rest, lambda seed: draw(seed, "rests"), 1, "invariant 25", monkeypatch)
 
 
 @pytest.mark.slow

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from dray.messages import Heartbeat, Message, StationHeartbeat
-from dray.messages.keys import STRATEGIST
+from dray.messages.keys import GATE, STRATEGIST
 from dray.plant import default_plant
 from dray.plant.model import VehicleSpec
 from dray_sim.clock.loop import clock, run
@@ -187,7 +187,7 @@ def test_a_factory_of_which_all_agents_have_crashed_can_be_restarted() -> None:
             factory.restart(agent)
         await asyncio.sleep(BEATS_S)
         beating = {name for name in factory.workers if heard.of(name, at_s)}
-        assert beating == {*factory.vehicles, *factory.workcells, *factory.storages}
+        assert beating == {*factory.vehicles, *factory.workcells, *factory.storages, GATE}
 
     in_a_factory(story)
 

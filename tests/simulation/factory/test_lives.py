@@ -11,7 +11,7 @@ from typing import cast
 import pytest
 from variants import variants
 
-from dray.messages import AtvHeartbeat, Event, Heartbeat, Message
+from dray.messages import AtvHeartbeat, DwellPointClaimed, Event, Heartbeat, Message
 from dray.messages.history import HISTORY_KEPT
 from dray.messages.keys import STRATEGIST
 from dray.plant import default_plant
@@ -65,7 +65,7 @@ class Shelf:
     def events(self) -> Shelf:
         return self
 
-    samples = orders = goals = transports = events
+    samples = orders = goals = transports = tasks = piece_hours = takeovers = events
 
     async def add(self, told: Iterable[Event | Heartbeat], _to_wall_s: object) -> None:
         for one in told:
@@ -236,3 +236,35 @@ def written(journal: HeldJournal) -> list[Event]:
     ]
     assert len(events) < 1_000, "the journal has forgotten some: make the run shorter"
     return events
+
+
+async def _begun_twice_at_once() -> int:
+    """How often a vehicle says that it stands where it stands, after two restarts in one instant."""
+    claims: list[DwellPointClaimed] = []
+    listeners = Listeners()
+    listeners.add(Claims("ATV1", claims))
+    factory = SimFactory(default_plant(), clock(), seed=1, listener=listeners)
+    living = asyncio.create_task(factory.run())
+    await asyncio.sleep(BEAT_S)
+    claims.clear()
+    factory.restart("ATV1")
+    factory.restart("ATV1")
+    await asyncio.sleep(BEAT_S)
+    living.cancel()
+    await asyncio.gather(living, return_exceptions=True)
+    return len(claims)
+
+
+class Claims:
+    """Keeps the claims of one vehicle."""
+
+    def __init__(self, atv: str, claims: list[DwellPointClaimed]) -> None:
+        self._atv, self._claims = atv, claims
+
+    def on_message(self, _at_s: float, sender: str, _address: str, message: Message) -> None:
+        if sender == self._atv and type(message) is DwellPointClaimed:
+            self._claims.append(message)
+
+
+def test_a_life_that_ends_before_it_has_begun_is_not_lived_and_the_next_one_is_lived_once() -> None:
+    assert run(_begun_twice_at_once()) == 1

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import pytest
+from msgspec.structs import replace
 
-from dray.messages import BillLine, MachineCycle, OrderItem, ProductDefinition
+from dray.messages import BillLine, Document, MachineCycle, OrderItem, ProductDefinition
 from dray.messages.fact import GoalContracted, GoalLost, GoodsDelivered, OrderFulfilled
 from dray.plant import default_plant
+from dray_sim.bodies.documents import SimDocuments
 from dray_sim.people.demand import Order
 from dray_sim.run.evidence import HELD
 from dray_sim.run.stage import Shift, Stage, play
@@ -44,3 +46,32 @@ def test_a_new_product_is_made_from_the_goal_alone(killed: str) -> None:
     played = play(Shift("new-products", 1e5, codec=True, keep=KEPT), PLANT, 1, script)
     assert played.invariants == HELD
     assert played.told == set(MADE_AT)
+
+
+CAM = Document("CAM program", "https://plm.example/one.nc", "text/plain", "ab" * 32)
+
+
+def test_a_spoiled_document_holds_up_its_product_alone_until_it_is_put_right() -> None:
+    held = PLANT.file.products[0].id
+    with_cam = replace(PRODUCT, documents=(CAM,))
+
+    async def script(stage: Stage) -> tuple[set[str], set[str]]:
+        shelves = [cell.documents for cell in stage.factory.workcells.values()]
+        for shelf in shelves:
+            assert isinstance(shelf, SimDocuments)
+            shelf.lies[CAM.address] = "cd" * 32
+        await stage.until_s(30.0)
+        due_s = stage.now_s() + HOUR_S
+        stage.place(Order("BAD", stage.now_s(), due_s, (OrderItem("one-of-each", 6, with_cam),)))
+        stage.place(Order("GOOD", stage.now_s(), due_s, (OrderItem(held, 6),)))
+        await stage.until_s(HOUR_S)
+        before = {seen.said.order for seen in stage.witness.all(OrderFulfilled)}
+        for shelf in shelves:
+            assert isinstance(shelf, SimDocuments)
+            shelf.lies.clear()
+        await stage.settle(2 * HOUR_S)
+        return before, {seen.said.order for seen in stage.witness.all(OrderFulfilled)}
+
+    played = play(Shift("spoiled-document", 1e5, codec=True, keep=KEPT), PLANT, 1, script)
+    assert played.invariants == HELD
+    assert played.told == ({"GOOD"}, {"GOOD", "BAD"})

@@ -19,6 +19,7 @@ from dray.messages import (
     Message,
     OperatorHeartbeat,
     StationHeartbeat,
+    StrategistHeartbeat,
 )
 from dray.messages.speakers import SIGNATURES, SPEAKERS, TELLERS
 from dray.plant import default_plant
@@ -70,6 +71,7 @@ def test_every_field_that_says_who_speaks_is_compared_with_the_speaker() -> None
     # A word about a dock names whose it is, also where a vehicle says it.
     found = {
         StationHeartbeat: "station",
+        StrategistHeartbeat: "strategist",
         OperatorHeartbeat: "operator",
         HelpCall: "caller",
         CallAnswered: "operator",

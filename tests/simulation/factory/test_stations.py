@@ -136,7 +136,7 @@ def test_a_station_that_is_away_for_a_while_costs_no_order(loses_journal: bool) 
         return await stage.settle(HOUR_S)
 
     played = play(
-        Shift(name="away", duration_s=2 * HOUR_S, stock_frac=(0.0, 0.1)), default_plant(), 3, script
+        Shift(name="away", duration_s=2 * HOUR_S, stock_frac=(0.0, 0.1)), default_plant(), 4, script
     )
     assert played.invariants == HELD
     assert played.told is not None

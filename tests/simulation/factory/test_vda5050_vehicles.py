@@ -31,7 +31,8 @@ PROFILES = (None, SHIPPED, STEPS, replace(SHIPPED, version="2.1", horizon=0))
 
 
 def mixed(atv: str) -> Profile | None:
-    return PROFILES[int(atv.removeprefix("ATV")) % len(PROFILES)]
+    """By turns, among the light vehicles (ATV1, ATV3, ...) as among the heavy ones, for which there is little work."""
+    return PROFILES[int(atv.removeprefix("ATV")) // 2 % len(PROFILES)]
 
 
 class Closed:
@@ -91,11 +92,14 @@ def done_twice(fleet: MemoryFleet) -> list[str]:
 
 @pytest.mark.slow
 def test_orders_are_delivered_by_vehicles_of_all_versions_and_simulated_ones() -> None:
-    closed, fleet, invariants, _ = run(played(1800.0, traffic=False), JUMP)
-    assert {vehicle.words.version for vehicle in fleet.vehicles.values()} == {"2.0", "2.1", "3.0"}
+    closed, fleet, invariants, _ = run(played(3600.0, traffic=False), JUMP)
+    assert {vehicle.words.version for vehicle in fleet.vehicles.values() if vehicle.done} == {
+        "2.0",
+        "2.1",
+        "3.0",
+    }
     assert invariants.broken is None
     assert closed.outcomes["delivered"] >= 10
-    assert sum(bool(vehicle.done) for vehicle in fleet.vehicles.values()) >= 4
     assert done_twice(fleet) == []
     assert fleet.notes == []
 

@@ -16,18 +16,21 @@ from dray_sim.faults import (
     ClockSet,
     CoverageHole,
     Crashed,
+    DoorFailed,
     Fault,
     FaultError,
     Faults,
     JournalLost,
     LaneBlocked,
     LinkTrouble,
+    LoadDropped,
     LoadShifted,
     MachineBroken,
     Partition,
     PoweredOff,
     RadioCut,
     SentAway,
+    Thing,
     Timed,
     VehicleBroken,
     WlanCut,
@@ -35,6 +38,7 @@ from dray_sim.faults import (
     play,
 )
 from dray_sim.faults import active as active_module
+from dray_sim.faults.active import PERSON_STAYS_S
 from dray_sim.faults.kinds import KINDS
 
 # --- begun and ended --------------------------------------------------------------------------------
@@ -58,6 +62,8 @@ from dray_sim.faults.kinds import KINDS
         (MachineBroken("M2", "no oil"), "break M2: no oil", "repair M2"),
         (VehicleBroken("ATV2", "blocked"), "break ATV2: blocked", "repair ATV2"),
         (LaneBlocked(*LANE), f"pallet from {LANE[0]} to {LANE[1]}", f"clear from {LANE[0]} to {LANE[1]}"),
+        (DoorFailed("GATE"), "fail GATE", "repair GATE"),
+        (LoadDropped("ATV1"), "drop the load of ATV1", "repair ATV1"),
         (LoadShifted("ATV1"), "shift ATV1", "repair ATV1"),
     ],
     ids=lambda value: kind_of(value) if isinstance(value, KINDS) else None,
@@ -71,6 +77,25 @@ def test_each_kind_does_what_it_says_and_puts_it_right(
     faults.end(name)
     assert not faults.active
     assert world.done == [begun, ended]
+
+
+def test_a_person_on_a_lane_goes_on_and_a_pallet_stays(world: FakeWorld, faults: Faults) -> None:
+    faults.begin(LaneBlocked(*LANE, Thing.PERSON))
+    world.pass_time(PERSON_STAYS_S - 1.0)
+    assert faults.active
+    world.pass_time(PERSON_STAYS_S)
+    assert not faults.active
+    assert world.done[-1] == f"clear from {LANE[0]} to {LANE[1]}"
+    faults.begin(LaneBlocked(*LANE, Thing.PALLET))
+    world.pass_time(PERSON_STAYS_S * 10.0)
+    assert faults.active
+
+
+def test_a_person_who_was_sent_away_ends_no_fault_that_came_later(world: FakeWorld, faults: Faults) -> None:
+    faults.end(faults.begin(LaneBlocked(*LANE, Thing.PERSON)))
+    later = faults.begin(LaneBlocked(*LANE, Thing.DOOR))
+    world.pass_time(PERSON_STAYS_S * 2.0)
+    assert later in faults.active
 
 
 def test_every_fault_has_an_id_of_its_own(faults: Faults) -> None:
@@ -235,15 +260,15 @@ def test_each_kind_can_begin_and_end_in_a_real_factory() -> None:
         play(schedule, faults)
         for number in range(1, len(schedule) + 1):
             factory.clock.call_at(10.0 * number + 5.0, lambda: seen.update(map(type, faults.active.values())))
-        factory.clock.call_at(175.0, lambda: left.update(faults.active))
-        factory.clock.call_at(175.0, lambda: away.update(filterfalse(factory.running, factory.workers)))
+        factory.clock.call_at(185.0, lambda: left.update(faults.active))
+        factory.clock.call_at(185.0, lambda: away.update(filterfalse(factory.running, factory.workers)))
 
     seen: set[type[Fault]] = set()
     left: dict[str, Fault] = {}
     away: set[str] = set()
-    factory = in_factory(story, 3.0)
+    factory = in_factory(story, 3.2)
     # Nothing is carried in an idle factory, so no load can shift.
-    assert seen == {*KINDS} - {LoadShifted}
+    assert seen == {*KINDS} - {LoadShifted, LoadDropped}
     assert not left
     assert not away
     assert factory.bus.relayed > 0

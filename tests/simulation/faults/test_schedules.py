@@ -13,6 +13,8 @@ from fault_world import ONE_OF_EACH, PLANT, FakeWorld
 
 from dray_sim.faults import (
     CLOCKS,
+    DOORS,
+    DROPPED,
     LEAVING,
     OBSTACLES,
     WEIGHTS,
@@ -201,7 +203,11 @@ def test_waves_are_crashes_of_sets_in_any_order_that_end_before_anybody_is_misse
 def test_random_schedules_have_all_kinds_as_often_as_they_weigh_and_overlap() -> None:
     schedule = [timed for seed in range(40) for timed in random_schedule(PLANT, Random(seed), 3600.0, 2.0)]
     counts = Counter(type(timed.fault) for timed in schedule)
-    assert set(counts) == {*KINDS} - {*LEAVING, *CLOCKS, *OBSTACLES, JournalLost} == set(WEIGHTS)
+    assert (
+        set(counts)
+        == {*KINDS} - {*LEAVING, *CLOCKS, *OBSTACLES, *DROPPED, *DOORS, JournalLost}
+        == set(WEIGHTS)
+    )
     total = sum(WEIGHTS.values())
     for kind, weight in WEIGHTS.items():
         assert counts[kind] / len(schedule) == pytest.approx(weight / total, abs=0.015)

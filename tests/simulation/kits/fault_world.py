@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+from msgspec.structs import replace
+
 from dray.messages import NOTHING_KNOWN, Problem
-from dray.plant import default_plant
+from dray.plant import Door, LaneEnds, Plant, default_plant
 from dray_sim.clock.loop import VirtualClock
 from dray_sim.faults import (
     AccessPointDown,
     ClockSet,
     CoverageHole,
     Crashed,
+    DoorFailed,
     Fault,
     JournalLost,
     LaneBlocked,
     LinkTrouble,
+    LoadDropped,
     LoadShifted,
     MachineBroken,
     NetworkFault,
@@ -27,7 +31,9 @@ from dray_sim.faults import (
     kind_of,
 )
 
-PLANT = default_plant()
+GATE = Door("GATE", "Gate", (LaneEnds("c2", "c3"),), 5.0)
+
+PLANT = Plant(replace(default_plant().file, doors=(GATE,)))
 
 LANE = max((lane.length_m, lane.start, lane.end) for lane in PLANT.roads.lanes)[1:]
 """The longest one: there is room for something between whoever stands at its ends."""
@@ -47,6 +53,8 @@ ONE_OF_EACH: tuple[Fault, ...] = (
     MachineBroken("M4", "no oil"),
     VehicleBroken("ATV4"),
     LaneBlocked(*LANE, Thing.PERSON),
+    DoorFailed("GATE"),
+    LoadDropped("ATV5"),
     LoadShifted("ATV5"),
 )
 
@@ -73,11 +81,13 @@ class FakeWorld:
 
     access_points = ("AP1",)
     lanes = frozenset({LANE})
+    states = dict.fromkeys(("GATE",), "shut")
 
     def __init__(self) -> None:
         self.done: list[str] = []
         self.clock = VirtualClock()
         self.bus = self
+        self.floor = self.doors = self
         self.vehicles = {name: Body(self, name) for name in ("ATV1", "ATV2")}
         self.workcells = {name: Body(self, name) for name in ("M1", "M2")}
         self.workers = dict.fromkeys((*self.workcells, *self.vehicles, "strategist"))
@@ -93,6 +103,17 @@ class FakeWorld:
     def obstruct(self, lane: tuple[str, str], thing: str) -> bool:
         self.done.append(f"{thing} from {lane[0]} to {lane[1]}")
         return self.done.count(self.done[-1]) == 1
+
+    def drop_load(self, atv: str) -> bool:
+        if self.vehicles[atv].loaded:
+            self.done.append(f"drop the load of {atv}")
+        return self.vehicles[atv].loaded
+
+    def fail(self, door: str) -> None:
+        self.done.append(f"fail {door}")
+
+    def repair(self, door: str) -> None:
+        self.done.append(f"repair {door}")
 
     def clear(self, lane: tuple[str, str]) -> None:
         self.done.append(f"clear from {lane[0]} to {lane[1]}")

@@ -41,7 +41,7 @@ from dray.messages import (
     VehicleCommand,
     Withdrawn,
 )
-from dray.messages.contract import TransportCost
+from dray.messages.cost import TransportCost
 from dray.messages.floor.traffic import (
     HoldsAsked,
     PlaceBooking,

@@ -18,9 +18,9 @@ from dray_sim.faults import Faults, LinkTrouble
 from dray_sim.network.listeners import Listeners
 from dray_sim.people import demand
 from dray_sim.people.areas import area_at
+from dray_sim.people.crew import hire
 from dray_sim.people.duty import Duty
 from dray_sim.people.habits import Habits
-from dray_sim.people.operators import hire
 from dray_sim.people.order_client import OrderClient
 
 # --- silence ----------------------------------------------------------------------------------------

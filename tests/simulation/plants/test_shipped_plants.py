@@ -45,3 +45,11 @@ def test_a_sketched_plant_delivers() -> None:
     report = play(Shift(name="sketch", duration_s=3600.0, load=0.9), plant, 1, work).report
     assert report.invariants == HELD
     assert report.orders_delivered == report.orders_placed >= 2
+
+
+def test_in_the_laboratory_the_vehicle_that_carries_leaves_its_charging_station() -> None:
+    plant = load_plant("laboratory")
+    nodes = {vehicle.id: vehicle.node for vehicle in plant.file.fleet}
+    assert nodes["ATV3"] in {charger.node for charger in plant.file.chargers}
+    assert [machine.id for machine in plant.file.machines] == ["M8"]
+    assert len({vehicle.type for vehicle in plant.file.fleet}) == 1

@@ -12,14 +12,16 @@ from typing import Any
 import pytest
 from variants import variants
 
-from dray.messages.fact import TookOver
+from dray.messages import ProblemKind
+from dray.messages.fact import PlaceKept, TookOver
+from dray.plant import default_plant
 from dray.scenario_steps import ScenarioStep
 from dray_sim.faults import PoweredOff, RadioCut
 from dray_sim.run.evidence import HELD, Check, Evidence, Table
 from dray_sim.run.part import Part
 from dray_sim.run.scenario import HERE, Findings, Scenario
 from dray_sim.run.site import Site
-from dray_sim.run.stage import Played, Shift, Stage, play
+from dray_sim.run.stage import Played, Shift, Stage, play, with_right_of_way
 from dray_sim.run.steps import Happened
 from dray_sim.scenarios import (
     LIVE,
@@ -29,6 +31,7 @@ from dray_sim.scenarios import (
     latency_sweep,
     loss_sweep,
     peak_season,
+    priorities,
     problems,
     scale,
     soak,
@@ -85,7 +88,7 @@ def short(shift: Shift, duration_s: float) -> Shift:
 
 @pytest.mark.slow
 def test_delays_of_two_seconds_are_endured() -> None:
-    found = latency_sweep.sweep(1, (2.0,), short(latency_sweep.SHIFT, 900.0))
+    found = latency_sweep.sweep(1, (2.0,), short(latency_sweep.SHIFT, 900.0), endured_s=2.0)
     assert failed(found) == []
 
 
@@ -131,9 +134,44 @@ def test_faults_cost_no_order() -> None:
     assert failed(found) == []
 
 
+SOMEBODY_IN_THE_WAY_SEED = 2
+"""In two of five seeds a dead vehicle stands where it is in the way for so long that people carry it away."""
+
+DEAD_DRIVES_IN_SEEDS = 4
+"""One seed has three dead drives or fewer, and one load that nobody can bring instead outweighs them; four seeds have nine or more."""
+
+
 @pytest.mark.slow
 def test_judging_problems_saves_time() -> None:
-    found = problems.problems(1, seeds=1)
+    found = problems.problems(1, DEAD_DRIVES_IN_SEEDS)
+    assert failed(found) == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("traffic", [True, False])
+def test_people_carry_away_what_cannot_drive_where_it_is_in_the_way(
+    monkeypatch: pytest.MonkeyPatch, traffic: bool
+) -> None:
+    async def carried(stage: Stage) -> tuple[int, set[str]]:
+        await problems.strike(stage, told=True)
+        await stage.until_s(stage.now_s() + 600.0)
+        return len(stage.witness.all(PlaceKept)), stage.factory.floor.lifted
+
+    drive = next(sort for sort in problems.SORTS if sort.about.kind is ProblemKind.DRIVE)
+    monkeypatch.setattr(problems, "SORTS", (dataclasses.replace(drive, usually_s=300.0),))
+    shift = dataclasses.replace(short(problems.SHIFT, 1200.0), keep=(*problems.SHIFT.keep, PlaceKept))
+    with with_right_of_way(traffic):
+        played = play(shift, default_plant(), SOMEBODY_IN_THE_WAY_SEED, carried)
+    assert played.invariants == HELD
+    assert played.told is not None
+    put_back, still_away = played.told
+    assert (put_back > 0) is traffic
+    assert not still_away
+
+
+@pytest.mark.slow
+def test_urgent_orders_come_sooner_and_nothing_starves() -> None:
+    found = priorities.compared(1)
     assert failed(found) == []
 
 
@@ -200,6 +238,19 @@ def test_without_a_radio_the_experiment_does_not_hold() -> None:
     assert held[0]
     assert not held[1]
     assert not held[2]
+
+
+@pytest.mark.slow
+def test_of_bodies_that_have_words_alone_both_times_nothing_is_said_to_save_time(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    async def waited_for_alike(stage: Stage, told: bool) -> tuple[problems.Lost, ...]:
+        return await strike(stage, told=False)
+
+    strike = problems.strike
+    monkeypatch.setattr(problems, "strike", waited_for_alike)
+    found = problems.problems(1, seeds=1, shift=short(problems.SHIFT, 2700.0))
+    assert [check.held for check in found.checks] == [False, False]
 
 
 def test_without_a_secondary_the_experiment_does_not_hold() -> None:
@@ -302,13 +353,13 @@ def test_the_document_has_every_scenario_and_all_held() -> None:
 @pytest.mark.slow
 def test_a_section_has_what_ghosts_would_promise_and_one_of_ghosts_has_nothing_to_compare() -> None:
     ghosts = Site(traffic=False)
-    true, alone = (document.section("experiment-power-off", 1, site).text for site in (HERE, ghosts))
+    true, alone = (document.section("experiment-wlan", 1, site).text for site in (HERE, ghosts))
     assert f"{TITLE}:" in true
     assert TITLE not in alone
-    (row,) = [line for line in true.split(f"{TITLE}:")[1].splitlines() if line.startswith("| ATV1 delivers")]
+    (row,) = [line for line in true.split(f"{TITLE}:")[1].splitlines() if line.startswith("| ATV3 delivers")]
     _, _, seen, as_ghosts, _ = (cell.strip() for cell in row.split("|"))
     assert seen != as_ghosts
-    assert f"| ATV1 delivers | yes | {as_ghosts} |" in alone
+    assert f"| ATV3 delivers | yes | {as_ghosts} |" in alone
 
 
 @pytest.mark.slow

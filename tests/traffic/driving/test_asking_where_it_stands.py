@@ -143,3 +143,29 @@ def test_an_answer_to_what_was_said_before_it_was_moved_makes_nothing_its_own() 
     assert vehicle.row.holds == ()
     vehicle.grant(HERE)
     assert vehicle.row.holds == (HERE,)
+
+
+def test_what_it_held_elsewhere_in_an_earlier_life_is_given_back_while_it_still_asks_for_where_it_stands() -> (
+    None
+):
+    """A book that is told of it later is told never: what it holds there has not changed."""
+    vehicle = Vehicle()
+    other = next(district for district in TRAFFIC.places.keepers_of if district != DISTRICT)
+    place = next(place for place in TRAFFIC.places.all if TRAFFIC.places.district_of[place] == other)
+    keeper = TRAFFIC.places.keepers_of[other][0]
+    vehicle.row.on_granted(
+        keeper,
+        PlaceGranted(
+            district=other,
+            epoch=0,
+            life=1,
+            upto=0,
+            grants=(PlaceBooking(place=place, number=27),),
+            blocked=Blocked.NO,
+        ),
+        1.0,
+    )
+    [*_, said] = [e.message for e in vehicle.out if isinstance(e, Send) and e.to == keeper]
+    assert isinstance(said, PlaceWished)
+    assert (said.district, said.holds, said.seen) == (other, (), 27)
+    assert vehicle.said.seen == 0, "what it asks for there is its own perhaps"

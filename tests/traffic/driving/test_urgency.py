@@ -9,7 +9,14 @@ from dray.messages.keys import Keys
 from dray.plant import load_plant
 from dray.protocol.runtime.events import Effect, Send
 from dray.protocol.runtime.timers import Timers
-from dray.protocol.traffic.driving.place_requests import AGES_BY_S, AGES_EVERY_S, HELD_UP, WITH_TASK, Errand
+from dray.protocol.traffic.driving.place_requests import (
+    AGES_BY_S,
+    AGES_EVERY_S,
+    HELD_UP,
+    SHUT_OUT_S,
+    WITH_TASK,
+    Errand,
+)
 from dray.protocol.traffic.driving.right_of_way import RightOfWay
 from dray.protocol.traffic.surroundings import Surroundings
 from dray.protocol.traffic.traffic_map import TrafficMap
@@ -101,3 +108,24 @@ def test_who_made_room_in_vain_for_one_that_has_nowhere_to_go_goes_elsewhere_nex
         assert vehicle.row.errand is Errand.REFUGE
         ends.append(vehicle.row.way.goal)
     assert len({*ends, HERE}) == 4
+
+
+def test_who_waits_long_for_a_silent_vehicle_is_shut_out_by_it_wherever_lanes_lead_to_its_place() -> None:
+    vehicle = Waiting(Blocked.SILENT)
+    at = vehicle.wish().groups[0][0]
+    vehicle.wait(BEGUN_S + SHUT_OUT_S)
+    assert vehicle.row.shut_out(BEGUN_S + SHUT_OUT_S - 1.0) is None
+    shut = vehicle.row.shut_out(BEGUN_S + SHUT_OUT_S)
+    assert shut is not None
+    assert (shut.by, shut.waited_s) == ("B", SHUT_OUT_S)
+    assert shut.lanes[0][0] == HERE
+    assert set(shut.lanes) == set(TRAFFIC.places.entries(at))
+
+
+def test_time_spent_waiting_for_one_that_lives_does_not_count_as_waiting_for_a_silent_one() -> None:
+    vehicle = Waiting(Blocked.WAIT)
+    vehicle.wait(BEGUN_S + SHUT_OUT_S)
+    assert vehicle.row.shut_out(BEGUN_S + SHUT_OUT_S) is None
+    vehicle.answer(Blocked.SILENT, BEGUN_S + SHUT_OUT_S)
+    assert vehicle.row.shut_out(BEGUN_S + 2.0 * SHUT_OUT_S - 1.0) is None
+    assert vehicle.row.shut_out(BEGUN_S + 2.0 * SHUT_OUT_S) is not None

@@ -3,26 +3,21 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable
 
 import msgspec
 import zenoh
 from zenoh.handlers import Callback
 
 from dray.adapters.crossing import Crossing
-from dray.adapters.remote_body.exchange import Exchange
+from dray.adapters.remote_body.exchange import Part
+from dray.adapters.remote_body.exchanged import ExchangedBody
 from dray.adapters.remote_body.questions import ask, ask_until_answered
 from dray.adapters.remote_body.wire import NO_LIFE, Do, Taken, Told, body_key, encode, from_part, to_part
-from dray.body import BodyState, Instruction, Report
+from dray.body import Instruction
 from dray.errors import UnavailableError
 
-LOOK_EVERY_S = 1.0
-SILENT_LOOKS = 10
-"""A body is asked whether it is there when so many looks one after the other find that it has told nothing, which
-it does ten times between two of them. A cut link is gone round sooner."""
 
-
-class RemoteBody:
+class RemoteBody(ExchangedBody):
     """Implements `dray.ports.Body` for a body that is on a floor elsewhere.
 
     Args:
@@ -36,14 +31,9 @@ class RemoteBody:
     """
 
     def __init__(self, session: zenoh.Session, plant: str, agent: str, life: int) -> None:
+        super().__init__()
         self._session, self._key, self._life = session, body_key(plant, agent), life
         self._crossing = Crossing(asyncio.get_running_loop())
-        self._exchange = Exchange()
-        self._report: Callable[[Report], None] = _nobody_hears
-        self._state: BodyState
-        self._silent = False
-        self._given_up = False
-        """The floor lacks as many instructions as are kept; it is told no more."""
         self.is_new = False
         session.declare_subscriber(f"{self._key}/told", Callback(self._on_sample, indirect=False))
 
@@ -77,28 +67,8 @@ class RemoteBody:
             return True  # It has no time for questions, and is there to say so.
         return answer is not None and msgspec.msgpack.decode(answer, type=Taken).life == self._life
 
-    async def _silence(self) -> None:
-        """Wait until it has told nothing for a while, in looks and not in seconds: we may be held up ourselves."""
-        looks = 0
-        while looks < SILENT_LOOKS and not self._given_up:
-            self._silent = True
-            await asyncio.sleep(LOOK_EVERY_S)
-            looks = looks + 1 if self._silent else 0
-
-    def instruct(self, instruction: Instruction) -> None:
-        """See `dray.ports.Body`. After an instruction that could not be kept, all are in vain: the body is lost."""
-        self._given_up |= self._exchange.full
-        if not self._given_up:
-            self._exchange.say(to_part(instruction))
-            self._write()
-
-    def sense(self) -> BodyState:
-        """See `dray.ports.Body`: how it was when its side told it last."""
-        return self._state
-
-    def attach(self, report: Callable[[Report], None]) -> None:
-        """See `dray.ports.Body`."""
-        self._report = report
+    def _part(self, instruction: Instruction) -> Part:
+        return to_part(instruction)
 
     def _write(self) -> None:
         self._session.put(f"{self._key}/do", encode(Do(self._life, self._exchange.write())))
@@ -108,15 +78,5 @@ class RemoteBody:
 
     def _take(self, data: bytes) -> None:
         told = msgspec.msgpack.decode(data, type=Told)
-        if told.life != self._life:
-            return
-        self._silent = False
-        self._state = from_part(told.state)
-        for report in self._exchange.read(told.letter):
-            self._report(from_part(report))
-        if self._exchange.due:
-            self._write()
-
-
-def _nobody_hears(report: Report) -> None:
-    """What a body reports before its agent listens; its state tells it all the same."""
+        if told.life == self._life:
+            self._told(from_part(told.state), map(from_part, self._exchange.read(told.letter)))

@@ -144,7 +144,11 @@ class MqttLink:
             self.dropped += 1
 
     async def run(self, listener: Listener) -> None:
-        """Be linked until cancelled."""
+        """Be linked until cancelled.
+
+        Between two steps it looks by itself whether it was cancelled: what it waits for (`asyncio.wait_for` in the client, and
+        the client's own end, whose error takes the place of the cancellation) can swallow that.
+        """
         attempt = 0
         while True:
             try:
@@ -153,12 +157,14 @@ class MqttLink:
                         await client.subscribe(
                             f"{self._prefix}/{topic}", qos=1 if topic == "connection" else 0
                         )
+                    _end_if_cancelled()
                     attempt, self._unsaid = 0, asyncio.Queue(UNSAID_MAX)
                     listener.on_link()
                     await self._serve(client, self._unsaid, listener)
             except (aiomqtt.MqttError, OSError, ValueError) as error:
                 # A ValueError is the client's own word for an address or a message that cannot be.
                 self._unsaid = None
+                _end_if_cancelled()
                 listener.on_link_lost(f"{self._broker}: {_words(error)}")
             finally:
                 self._unsaid = None
@@ -203,6 +209,18 @@ class MqttLink:
             await client.publish(
                 f"{self._prefix}/{topic}", data, qos=1 if topic == "connection" else 0, retain=retain
             )
+            _end_if_cancelled()
+
+
+def _end_if_cancelled() -> None:
+    """End a task that was cancelled and did not notice.
+
+    Raises:
+        asyncio.CancelledError: it was.
+    """
+    task = asyncio.current_task()
+    if task is not None and task.cancelling():
+        raise asyncio.CancelledError
 
 
 def _words(error: Exception) -> str:

@@ -84,6 +84,10 @@ class Profile(Item, frozen=True):
     """The name of the list in `instantActions`: many vehicles want that of 1.1."""
 
     pick: ActionUse = ActionUse("pick")
+    pick_by_hand: ActionUse = ActionUse("waitForTrigger", parameters={"triggerType": "manualLoading"})
+    """A person loads it, at a node where no station is, and confirms that on the vehicle."""
+    by_hand_s: Positive = 120.0
+    """So long it waits for that person; then the order is cancelled, and its agent asks again whether anybody hands the load over."""
     drop: ActionUse = ActionUse("drop")
     charge: ActionUse = ActionUse("startCharging")
     stop_charging: str = "stopCharging"
@@ -194,7 +198,7 @@ def parse_profile(data: bytes, name: str) -> Profile:
         raise SettingsError(
             "--profile", f"{name}: horizon: a vehicle without updates never drives it; set updates"
         )
-    for use in (profile.pick, profile.drop, profile.charge):
+    for use in (profile.pick, profile.pick_by_hand, profile.drop, profile.charge):
         try:
             use.values(station="", node="", item="", quantity=0, goal="")
         except (KeyError, ValueError, IndexError) as error:

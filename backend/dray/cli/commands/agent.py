@@ -22,6 +22,22 @@ app = typer.Typer(no_args_is_help=True, help="One agent of a plant as a process 
 
 Body = Literal["floor", "vda5050"]
 
+DockBody = Annotated[
+    Literal["floor", "controller"] | None,
+    typer.Option(
+        "--body",
+        help="floor: simulated, on `dray floor`; controller: that of its docks, behind a broker; else DRAY_BODY.",
+    ),
+]
+
+Broker = Annotated[
+    str | None,
+    typer.Option(
+        "--broker",
+        help="Of a controller: mqtt://HOST:1883, or mqtts:// for TLS; else DRAY_BROKER.",
+    ),
+]
+
 Probation = Annotated[
     int,
     typer.Option(
@@ -53,7 +69,7 @@ def machine(
 
     from dray import __version__
     from dray.cli.runtime.agent_process import run_agent
-    from dray.cli.runtime.bodies import on_floor
+    from dray.cli.runtime.bodies import on_floor, reading
     from dray.cli.runtime.output import one_of
     from dray.protocol.machine.machine import Machine
     from dray.protocol.runtime.running import Running
@@ -76,7 +92,9 @@ def machine(
             running=Running(starts_again=where.settings.starts_again),
         )
 
-    asyncio.run(run_agent(where, name, make, on_floor(where, name, None if joining is None else spec)))
+    folder = where.settings.journal_folder / "documents"
+    embody = reading(on_floor(where, name, None if joining is None else spec), folder)
+    asyncio.run(run_agent(where, name, make, embody))
 
 
 @app.command()
@@ -153,21 +171,26 @@ def atv(
 
 @app.command()
 def station(
-    name: Annotated[str, typer.Argument(help="The id of its storage in the plant, as S3.")],
+    name: Annotated[
+        str, typer.Argument(help="The id of its storage or source warehouse in the plant, as S3.")
+    ],
     traffic: Traffic = None,
+    body: DockBody = None,
+    broker: Broker = None,
     settings: SettingsFile = None,
 ) -> None:
     """Run the station of a storage, without which nobody fetches anything there. SIGTERM lets it shut down gracefully."""
     import asyncio
 
     from dray import __version__
+    from dray.body import StorageState
     from dray.cli.runtime.agent_process import run_agent
-    from dray.cli.runtime.bodies import on_floor
+    from dray.cli.runtime.bodies import by_controller, on_floor
     from dray.cli.runtime.output import one_of
     from dray.protocol.station.station import Station
 
-    where = _surroundings(settings, traffic=traffic)
-    one_of(where.plant.storages, name, "NAME")
+    where = _surroundings(settings, traffic=traffic, body=body, broker=broker)
+    one_of(where.plant.stores, name, "NAME")
     trusts, places = _trusted(where), where.traffic
 
     def make(life: int) -> Station:
@@ -175,21 +198,72 @@ def station(
             name, where.plant, incarnation=life, software=__version__, traffic=places, trusts=trusts
         )
 
-    asyncio.run(run_agent(where, name, make, on_floor(where, name)))
+    real = where.settings.body == "controller"
+    embody = by_controller(where, name, StorageState) if real else on_floor(where, name)
+    asyncio.run(run_agent(where, name, make, embody))
 
 
-def strategist(settings: SettingsFile = None) -> None:
-    """Run the strategist, which turns orders into production goals."""
+@app.command()
+def gate(
+    name: Annotated[str, typer.Argument(help="Its id; every plant has one gate, of this name.")] = "gate",
+    body: DockBody = None,
+    broker: Broker = None,
+    settings: SettingsFile = None,
+) -> None:
+    """Run the gate of the delivery warehouses, which says what has arrived. SIGTERM lets it shut down gracefully.
+
+    Without it no order is known to be delivered; what is admitted is let in all the same, and counted when it is back.
+    """
+    import asyncio
+
+    from dray import __version__
+    from dray.body import GateState
+    from dray.cli.runtime.agent_process import run_agent
+    from dray.cli.runtime.bodies import by_controller, on_floor
+    from dray.cli.runtime.output import one_of
+    from dray.messages.keys import GATE
+    from dray.protocol.gate.gate import DeliveryGate
+
+    where = _surroundings(settings, body=body, broker=broker)
+    one_of({GATE: None}, name, "NAME")
+
+    def make(life: int) -> DeliveryGate:
+        return DeliveryGate(where.plant, incarnation=life, software=__version__)
+
+    real = where.settings.body == "controller"
+    embody = by_controller(where, name, GateState) if real else on_floor(where, name)
+    asyncio.run(run_agent(where, name, make, embody))
+
+
+def strategist(
+    name: Annotated[
+        str, typer.Argument(help="Which one, where DRAY_STRATEGISTS says that there are several.")
+    ] = "strategist",
+    settings: SettingsFile = None,
+) -> None:
+    """Run a strategist, which turns orders into production goals. SIGTERM lets it shut down gracefully.
+
+    Where there are several, as DRAY_STRATEGISTS says, each is a process: strategist, strategist2 and so on. When one falls silent
+    the others go on with its orders.
+    """
     import asyncio
 
     from dray.cli.runtime.agent_process import run_agent
-    from dray.cli.runtime.bodies import on_floor
-    from dray.messages.keys import STRATEGIST
-    from dray.protocol.strategist.strategist import Strategist
+    from dray.cli.runtime.bodies import bodiless
+    from dray.errors import SettingsError
+    from dray.protocol.strategist.gated import GatedStrategist
 
     where = _surroundings(settings)
-    embody = on_floor(where, STRATEGIST)
-    asyncio.run(run_agent(where, STRATEGIST, lambda life: Strategist(where.plant, incarnation=life), embody))
+    there = where.strategists
+    if name not in there:
+        reason = f"there is no {name!r}; with DRAY_STRATEGISTS={len(there)} choose one of {', '.join(there)}"
+        raise SettingsError("NAME", reason)
+    others = tuple(other for other in there if other != name)
+
+    def make(life: int) -> GatedStrategist:
+        return GatedStrategist(where.plant, agent=name, incarnation=life, others=others)
+
+    asyncio.run(run_agent(where, name, make, bodiless))
 
 
 def _surroundings(file: Path | None, *, traffic: bool | None = None, **options: str | None) -> Surroundings:
@@ -237,7 +311,7 @@ def _joining(plant: Plant, name: str, type_: str | None, node: str | None) -> Ve
         raise SettingsError(
             "NAME", f"{name} is in the plant file already: start it without --type and --node"
         )
-    if name in plant.machines or name in plant.storages or name.lower() in RESERVED:
+    if name in plant.machines or name in plant.stores or name.lower() in RESERVED:
         raise SettingsError("NAME", f"{name} is somebody else in this plant: choose another id")
     if not is_id(name):
         raise SettingsError("NAME", f"{name!r} is no id; {ID_RULE}")

@@ -7,6 +7,8 @@ from typing import Annotated
 
 import typer
 
+from dray.cli.runtime.options import Strategists
+
 DEPLOY = Path("deploy/prometheus")
 
 
@@ -15,6 +17,7 @@ def compose(
         Path | None,
         typer.Option("--plant", help="A plant file; else DRAY_PLANT_FILE, else the default plant."),
     ] = None,
+    strategists: Strategists = None,
     folder: Annotated[Path, typer.Option(help="Dray's sources, of which the image is built.")] = Path(),
 ) -> None:
     """Write docker-compose.yml, Prometheus' targets and certificates for every process of a plant.
@@ -30,7 +33,8 @@ def compose(
     from dray.errors import SettingsError, UnavailableError
     from dray.plant import is_shipped
 
-    file = load_settings(plant_file=plant).plant_file
+    settings = load_settings(plant_file=plant, strategists=strategists)
+    file, many = settings.plant_file, settings.strategists
     chosen = chosen_plant(file)
     if not (folder / DEPLOY / "prometheus.yml").is_file():
         raise SettingsError(
@@ -43,8 +47,8 @@ def compose(
     else:
         seen = _seen_from(folder, file)
     texts = {
-        folder / "docker-compose.yml": compose_text(chosen, seen),
-        folder / DEPLOY / "targets.json": targets_text(chosen),
+        folder / "docker-compose.yml": compose_text(chosen, seen, many),
+        folder / DEPLOY / "targets.json": targets_text(chosen, many),
     }
     for path, text in texts.items():
         try:
@@ -53,7 +57,7 @@ def compose(
             raise UnavailableError(
                 str(path), error.strerror or str(error), "choose another --folder"
             ) from None
-    made = certify(chosen, folder / CERTIFICATES)
+    made = certify(chosen, folder / CERTIFICATES, many)
     typer.echo(
         f"{folder / 'docker-compose.yml'} and {folder / DEPLOY / 'targets.json'} are those of {chosen.id}; "
         f"{made} certificates made in {folder / CERTIFICATES}"

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from dray.cli.runtime.options import Traffic
+from dray.cli.runtime.options import Strategists, Traffic
 
 app = typer.Typer(no_args_is_help=True, help="A whole factory as processes on this computer.")
 
@@ -45,6 +45,7 @@ def up(
         bool,
         typer.Option("--metrics", help="Each process tells Prometheus its own; metrics.json says where."),
     ] = False,
+    strategists: Strategists = None,
     traffic: Traffic = None,
 ) -> None:
     """Start every agent of a plant as a process; whatever ends is started again. Ctrl-C stops all."""
@@ -58,7 +59,7 @@ def up(
     from dray.cli.fleet.supervisor import FleetOptions, run_fleet
     from dray.cli.runtime.options import load_settings
 
-    load = partial(load_settings, port=port, plant_file=plant, traffic=traffic)
+    load = partial(load_settings, port=port, plant_file=plant, strategists=strategists, traffic=traffic)
     settings = load(database_url=db)
     if "database_url" not in settings.model_fields_set:
         settings = load(database_url=f"sqlite:///{folder.resolve() / 'dray.db'}")

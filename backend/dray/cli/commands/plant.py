@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, TypeVar
 
 import typer
 
-from dray.cli.commands.plant_exchange import export_layout, import_layout
+from dray.cli.commands.plant_exchange import export_layout, floor_plan, import_layout
 
 if TYPE_CHECKING:
     from dray.plant import Plant
@@ -25,6 +25,7 @@ app = typer.Typer(no_args_is_help=True, help="Plant files.")
 
 app.command("import")(import_layout)
 app.command("export")(export_layout)
+app.command("picture")(floor_plan)
 
 
 @app.callback()

@@ -1,4 +1,4 @@
-"""`dray plant import` and `dray plant export`: layouts of other systems."""
+"""`dray plant import`, `dray plant export` and `dray plant picture`: layouts and floor plans of other systems."""
 
 from __future__ import annotations
 
@@ -99,8 +99,39 @@ def export_layout(
 
     if not lif:
         raise SettingsError("--lif", "say in which format: --lif is the one that there is")
-    text = export_lif(load_plant(file), datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ"))
+    plant = load_plant(file)
+    text = export_lif(plant, datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ"))
+    if plant.doors:
+        typer.echo(f"left out: {', '.join(plant.doors)}: LIF knows no doors", err=True)
     if out is None:
         typer.echo(text, nl=False)
     else:
         write_text(out, text, "--out")
+
+
+def floor_plan(
+    file: Annotated[Path, typer.Argument(help="A floor plan in DXF, text or binary.")],
+    out: Annotated[
+        Path | None, typer.Option("-o", "--out", help="The picture to write (SVG); else FILE with .svg.")
+    ] = None,
+    json: Annotated[Path | None, typer.Option(help="Write its size and what was left out here.")] = None,
+) -> None:
+    """Make a picture of a floor plan, for the plant editor to lie under a draft. Needs the extra `dxf`."""
+    import msgspec
+
+    from dray.cli.runtime.output import write_json, write_text
+    from dray.errors import SettingsError
+    from dray.plant.exchange.dxf import read_dxf
+
+    try:
+        plan = read_dxf(file)
+    except OSError as error:
+        raise SettingsError("FILE", f"{file} cannot be read: {error.strerror}") from None
+    write_text(out or file.with_suffix(".svg"), plan.svg, "--out")
+    told = msgspec.to_builtins(plan)
+    del told["svg"]
+    if json is not None:
+        write_json(json, told)
+    for note in plan.notes:
+        typer.echo(f"{file}: {note}")
+    typer.echo(f"{out or file.with_suffix('.svg')}: {plan.width_m:g} m x {plan.height_m:g} m")

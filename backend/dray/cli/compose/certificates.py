@@ -9,17 +9,18 @@ from pathlib import Path
 from dray.adapters.security.certificates import AUTHORITY, REVOKED, Authority
 from dray.cli.compose.document import services_of
 from dray.errors import SettingsError, UnavailableError
+from dray.messages.keys import STRATEGISTS
 from dray.messages.speakers import Kind, names_of
 from dray.plant import Plant
 
 USER = 10001
 """As whom the image runs its processes (`Dockerfile`)."""
 
-_KINDS = {"gateway": Kind.GATEWAY, "strategist": Kind.STRATEGIST}
+_KINDS = {"gateway": Kind.GATEWAY, **dict.fromkeys(STRATEGISTS, Kind.STRATEGIST)}
 """Of the single processes; the others are heard by nobody as agents."""
 
 
-def certify(plant: Plant, folder: Path) -> int:
+def certify(plant: Plant, folder: Path, strategists: int = 1) -> int:
     """Write what is missing: the authority into `folder`, and below it a folder for each process.
 
     Everybody else's list of certificates that were called back is brought up to date, too.
@@ -32,14 +33,14 @@ def certify(plant: Plant, folder: Path) -> int:
         UnavailableError: it cannot be written.
     """
     try:
-        return _certify(plant, folder)
+        return _certify(plant, folder, strategists)
     except OSError as error:
         raise UnavailableError(
             str(folder), error.strerror or str(error), "choose another --folder, or ask as its owner"
         ) from None
 
 
-def _certify(plant: Plant, folder: Path) -> int:
+def _certify(plant: Plant, folder: Path, strategists: int) -> int:
     if (folder / f"{AUTHORITY}.pem").exists():
         authority = Authority.load(folder)
         if authority.plant != plant.id:
@@ -50,7 +51,7 @@ def _certify(plant: Plant, folder: Path) -> int:
         authority = Authority.make(plant.id)
         authority.write(folder)
     made = 0
-    for service in services_of(plant):
+    for service in services_of(plant, strategists):
         agent, own = service.agent, folder / service.agent
         own.mkdir(mode=0o700, exist_ok=True)
         if not (own / f"{agent}.pem").exists():

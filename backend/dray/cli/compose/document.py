@@ -12,6 +12,7 @@ from jinja2 import Environment, StrictUndefined
 
 from dray.cli.runtime.roster import agents_of
 from dray.errors import SettingsError
+from dray.messages.keys import strategists_of
 from dray.messages.speakers import Kind
 from dray.plant import Plant
 
@@ -56,14 +57,21 @@ class Service:
         return ", ".join(msgspec.json.encode(each.replace("$", "$$")).decode() for each in own)
 
 
-def services_of(plant: Plant) -> tuple[Service, ...]:
+def services_of(plant: Plant, strategists: int = 1) -> tuple[Service, ...]:
     """All processes of a plant.
+
+    Args:
+        plant: its agents.
+        strategists: how many share its orders.
 
     Raises:
         SettingsError: two would have one name on the network, which knows no capitals.
     """
-    single = [Service(name, name) for name in SINGLE]
-    agents = [Service(f"{kind}-{agent}".lower(), agent, kind) for agent, kind in agents_of(plant).items()]
+    single = [Service(name, name) for name in (*SINGLE, *strategists_of(strategists)[1:])]
+    agents = [
+        Service(agent if agent == kind else f"{kind}-{agent}".lower(), agent, kind)
+        for agent, kind in agents_of(plant).items()
+    ]
     called: dict[str, str] = {}
     for each in agents:
         other = called.setdefault(each.name, each.agent)
@@ -74,19 +82,24 @@ def services_of(plant: Plant) -> tuple[Service, ...]:
     return (*single, *agents)
 
 
-def compose_text(plant: Plant, plant_file: str = "") -> str:
+def compose_text(plant: Plant, plant_file: str = "", strategists: int = 1) -> str:
     """`docker-compose.yml` of a plant.
 
     Args:
         plant: whose agents get a service each.
         plant_file: where it is, seen from the compose file, as `./plant.yaml`; or the name of a shipped plant, which the
             image has; empty for the default plant.
+        strategists: how many share its orders.
 
     Raises:
         SettingsError: see `services_of`.
     """
-    services = services_of(plant)
+    services = services_of(plant, strategists)
     template = files("dray.cli.compose").joinpath("template.yml").read_text(encoding="utf-8")
+    command = ["dray compose"]
+    command += [f"--plant {plant_file}"] * bool(plant_file) + [f"--strategists {strategists}"] * (
+        strategists > 1
+    )
     # Nothing of this is HTML; what is quoted is quoted as JSON, which YAML reads.
     jinja = Environment(
         undefined=StrictUndefined,
@@ -96,7 +109,8 @@ def compose_text(plant: Plant, plant_file: str = "") -> str:
         autoescape=False,  # noqa: S701
     )
     return jinja.from_string(template).render(
-        command=f"dray compose --plant {plant_file}" if plant_file else "dray compose",
+        command=" ".join(command),
+        strategists=strategists_of(strategists),
         compose_min=COMPOSE_MIN,
         project=re.sub(r"[^a-z0-9_-]", "-", plant.id.lower()),
         plant_file="/etc/dray/plant.yaml" if _is_mounted(plant_file) else plant_file,
@@ -120,7 +134,7 @@ def _is_mounted(plant_file: str) -> bool:
     return plant_file.startswith(".")
 
 
-def targets_text(plant: Plant) -> str:
+def targets_text(plant: Plant, strategists: int = 1) -> str:
     """Where Prometheus asks every process of a plant, in its own words (`file_sd_configs`).
 
     Raises:
@@ -128,7 +142,7 @@ def targets_text(plant: Plant) -> str:
     """
 
     def lines() -> Iterator[str]:
-        for each in services_of(plant):
+        for each in services_of(plant, strategists):
             yield f'    "{each.name}:{METRICS_PORT}"'
 
     return '[{"targets": [\n' + ",\n".join(lines()) + "\n]}]\n"

@@ -15,7 +15,6 @@ from dray.cli.fleet.processes import PROC
 from dray.cli.runtime.options import load_settings
 from dray.cli.runtime.roster import FLOOR, agents_of
 from dray.errors import UnavailableError
-from dray.messages.keys import STRATEGIST
 from dray.messages.speakers import Kind, names_of
 from dray.plant import Plant
 from dray.settings import PREFIX, Settings
@@ -44,12 +43,13 @@ def make(folder: Path) -> None:
         (folder / LOGS).mkdir(parents=True, exist_ok=True)
 
 
-def prepare(folder: Path, plant: Plant, *, plain: bool) -> None:
+def prepare(folder: Path, plant: Plant, strategists: Sequence[str], *, plain: bool) -> None:
     """Make the folder ready for a fleet that begins anew.
 
     Args:
         folder: the fleet's.
         plant: whose agents get certificates.
+        strategists: those that share its orders; they get some, too.
         plain: links have none.
 
     Raises:
@@ -58,7 +58,7 @@ def prepare(folder: Path, plant: Plant, *, plain: bool) -> None:
     with _kept_in(folder):
         _forget_bodies(folder)
         if not plain:
-            _certify(plant, folder / CERTIFICATES)
+            _certify(plant, strategists, folder / CERTIFICATES)
 
 
 @contextlib.contextmanager
@@ -132,7 +132,7 @@ def write_targets(folder: Path, targets: Mapping[str, str]) -> None:
         (folder / METRICS).write_bytes(msgspec.json.format(msgspec.json.encode(found)) + b"\n")
 
 
-def _certify(plant: Plant, folder: Path) -> None:
+def _certify(plant: Plant, strategists: Sequence[str], folder: Path) -> None:
     """A certificate for every process, by an authority of this fleet, which may certify joining agents."""
     authority = Authority.make(plant.id)
     authority.write(folder)
@@ -140,7 +140,7 @@ def _certify(plant: Plant, folder: Path) -> None:
         FLOOR: Kind.HISTORIAN,
         HISTORIAN: Kind.HISTORIAN,
         OBSERVER: Kind.HISTORIAN,
-        STRATEGIST: Kind.STRATEGIST,
+        **dict.fromkeys(strategists, Kind.STRATEGIST),
         GATEWAY: Kind.GATEWAY,
         **agents_of(plant),
     }

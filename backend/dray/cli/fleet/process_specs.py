@@ -7,7 +7,7 @@ any two others, and the number of links grows with the factory and not with its 
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -29,7 +29,7 @@ class ProcessSpec:
 
     Attributes:
         name: of its agent.
-        kind: what it is: atv, machine, station, strategist, historian, gateway or floor.
+        kind: what it is: atv, machine, station, gate, strategist, historian, gateway or floor.
         command: what follows `dray`.
         address: where others call it.
         environment: all of it.
@@ -66,6 +66,7 @@ ON_PROBATION = frozenset[str]({Kind.ATV, Kind.MACHINE})
 
 def specs_of(
     plant: Plant,
+    strategists: Sequence[str],
     folder: Path,
     common: Mapping[str, str],
     secret: Mapping[str, str],
@@ -77,6 +78,7 @@ def specs_of(
 
     Args:
         plant: the factory.
+        strategists: those that share its orders.
         folder: the fleet's.
         common: the settings of all.
         secret: further ones, for the gateway alone.
@@ -86,7 +88,8 @@ def specs_of(
     commands: dict[str, tuple[str, ...]] = {
         FLOOR: (FLOOR,),
         HISTORIAN: (HISTORIAN,),
-        STRATEGIST: (STRATEGIST,),
+        # One alone is not named: a version of Dray that knows no others can be gone back to.
+        **{name: (STRATEGIST,) if name == STRATEGIST else (STRATEGIST, name) for name in strategists},
         GATEWAY: (GATEWAY, "--demand" if demand else "--no-demand"),
         **{agent: ("agent", kind, agent) for agent, kind in agents_of(plant).items()},
     }
@@ -107,7 +110,7 @@ def specs_of(
         specs.append(
             ProcessSpec(
                 name=name,
-                kind=command[1] if command[0] == "agent" else name,
+                kind=command[1] if command[0] == "agent" else command[0],
                 command=command,
                 address=addresses[name],
                 environment={**os.environ, **common, **links, **(secret if name == GATEWAY else {})},

@@ -36,6 +36,7 @@ from dray.cli.runtime.gateway.serving import listen, stopped_by_signals
 from dray.cli.runtime.roster import FLOOR
 from dray.errors import UnavailableError
 from dray.gateway.access.tokens import new_token
+from dray.messages.keys import strategists_of
 from dray.plant import Plant, is_shipped
 from dray.settings import PREFIX, Settings
 from dray.store import open_store
@@ -81,12 +82,14 @@ async def run_fleet(options: FleetOptions) -> None:
     with alone(folder, FLEET_LOCK, "`dray fleet up`", remedy):
         _refuse_leftovers(folder)
         token = options.settings.admin_token or SecretStr(new_token())
+        strategists = strategists_of(options.settings.strategists)
         # Held until all others have addresses: then the gateway finds it free.
         with contextlib.closing(listen(options.settings.host, options.settings.port)) as held:
-            prepare(folder, options.plant, plain=options.plain)
+            prepare(folder, options.plant, strategists, plain=options.plain)
             common = await _common_environment(options, folder, port=held.getsockname()[1])
             specs = specs_of(
                 options.plant,
+                strategists,
                 folder,
                 common,
                 # The same for all of its lives: programs that have it go on after an update.
@@ -170,6 +173,7 @@ async def _common_environment(options: FleetOptions, folder: Path, port: int) ->
         f"{PREFIX}BUS_CERTIFICATES": "" if options.plain else str(folder / CERTIFICATES),
         f"{PREFIX}GATEWAY_NAME": GATEWAY,
         f"{PREFIX}TRAFFIC": str(settings.traffic),
+        f"{PREFIX}STRATEGISTS": str(settings.strategists),
         f"{PREFIX}STARTS_AGAIN": "true",
     }
     if settings.traffic_log is not None:

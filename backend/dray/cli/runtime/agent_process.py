@@ -54,7 +54,7 @@ async def run_agent(surroundings: Surroundings, name: str, make: MakeAgent, embo
         with closing(journal), traced(settings) as tracing:
             async with embody(bus, journal) as embodied:
                 body = embodied.body
-                drives = isinstance(body.sense(), VehicleState)
+                drives = body is not None and isinstance(body.sense(), VehicleState)
                 clock = surroundings.clock()
                 worker = Worker(
                     make(journal.incarnation),
@@ -63,7 +63,7 @@ async def run_agent(surroundings: Surroundings, name: str, make: MakeAgent, embo
                     keys=Keys(plant.id),
                     # A machine has wires, whatever a computer's settings name for its vehicles.
                     body=Modem(body, bus.inner, settings.bus_radio)
-                    if drives and settings.bus_radio
+                    if body is not None and drives and settings.bus_radio
                     else body,
                     journal=journal,
                 )
@@ -93,5 +93,7 @@ async def _in_touch(embodied: Embodied, worker: Worker) -> AsyncIterator[None]:
     if silent:
         lost.result()
         raise UnavailableError(
-            f"the body of {worker.agent.id}", "has fallen silent", "see whether `dray floor` runs"
+            f"the body of {worker.agent.id}",
+            "has fallen silent",
+            "see whether `dray floor`, or its controller, runs",
         )

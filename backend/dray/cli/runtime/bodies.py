@@ -5,9 +5,13 @@ from __future__ import annotations
 import asyncio
 import logging
 from collections.abc import AsyncIterator, Awaitable, Callable
-from contextlib import AbstractAsyncContextManager, asynccontextmanager
+from contextlib import AbstractAsyncContextManager, asynccontextmanager, closing
 from dataclasses import dataclass
+from pathlib import Path
 
+from dray.adapters.controller.body import ControllerBody
+from dray.adapters.controller.letters import TOLD, prefix
+from dray.adapters.documents import DocumentReader, FetchedDocuments
 from dray.adapters.journal.sqlite_journal import SqliteJournal
 from dray.adapters.remote_body import BodySpec, RemoteBody, put_down
 from dray.adapters.vda5050.body import HEARD, Address, VehicleBody
@@ -18,8 +22,10 @@ from dray.adapters.vda5050.link import BrokerAddress, MqttLink, read_address
 from dray.adapters.vda5050.memory_file import MemoryFile
 from dray.adapters.vda5050.profile import Profile, load_profile
 from dray.adapters.zenoh.bus import ZenohBus
+from dray.body import StorageState
 from dray.cli.runtime.surroundings import Surroundings
 from dray.errors import SettingsError, UnavailableError
+from dray.gate import GateState
 from dray.plant.model import VehicleType
 from dray.ports import Body
 from dray.settings import Settings
@@ -38,16 +44,22 @@ class Embodied:
     """A body, and who tells when it is lost.
 
     Attributes:
-        body: the agent's.
+        body: the agent's; None for one that only talks.
         lost: returns when it is there no more; never, for one whose absence is a problem and no end.
     """
 
-    body: Body
-    lost: Callable[[], Awaitable[None]]
+    body: Body | None
+    lost: Callable[[], Awaitable[object]]
 
 
 Embody = Callable[[ZenohBus, SqliteJournal], AbstractAsyncContextManager[Embodied]]
 """Makes the body of one life of an agent."""
+
+
+@asynccontextmanager
+async def bodiless(_bus: ZenohBus, _journal: SqliteJournal) -> AsyncIterator[Embodied]:
+    """The body of an agent that has none."""
+    yield Embodied(None, asyncio.Event().wait)
 
 
 def on_floor(surroundings: Surroundings, name: str, added: BodySpec | None = None) -> Embody:
@@ -73,6 +85,71 @@ def on_floor(surroundings: Surroundings, name: str, added: BodySpec | None = Non
                 f"the body that {file} is about", "is gone, for the floor has begun anew", remedy
             )
         yield Embodied(body, body.lost)
+
+    return embody
+
+
+def reading(embody: Embody, folder: Path) -> Embody:
+    """A body that fetches documents and lays them ready in a folder."""
+
+    @asynccontextmanager
+    async def with_documents(bus: ZenohBus, journal: SqliteJournal) -> AsyncIterator[Embodied]:
+        with closing(FetchedDocuments(folder)) as documents:
+            async with embody(bus, journal) as inner:
+                assert inner.body is not None  # noqa: S101 - a machine has one
+                yield Embodied(DocumentReader(inner.body, documents), inner.lost)
+
+    return with_documents
+
+
+def broker_of(settings: Settings) -> BrokerAddress:
+    """The broker that the settings name.
+
+    Raises:
+        SettingsError: they name none.
+    """
+    if not settings.broker:
+        raise SettingsError("DRAY_BROKER", "a real body is behind a broker: say where that is")
+    host, port, tls = read_address(settings.broker)
+    password = settings.broker_password
+    return BrokerAddress(
+        host,
+        port,
+        tls,
+        user=settings.broker_user,
+        password="" if password is None else password.get_secret_value(),
+        authority=settings.broker_authority,
+        certificate=settings.broker_certificate,
+        key=settings.broker_key,
+    )
+
+
+def by_controller(surroundings: Surroundings, name: str, senses: type[StorageState | GateState]) -> Embody:
+    """The controller of a dock.
+
+    Args:
+        surroundings: of the process.
+        name: the agent's id.
+        senses: what the controller tells of itself.
+    """
+
+    @asynccontextmanager
+    async def embody(_bus: ZenohBus, journal: SqliteJournal) -> AsyncIterator[Embodied]:
+        broker = broker_of(surroundings.settings)
+        link = MqttLink(broker, prefix(surroundings.plant.id, name), f"dray-{name}", (TOLD,))
+        body = ControllerBody(journal.incarnation, senses, link.publish)
+        running = asyncio.create_task(link.run(body))
+        try:
+            while True:
+                try:
+                    await asyncio.wait_for(body.known(), REMIND_EVERY_S)
+                    break
+                except TimeoutError:
+                    _log.warning("%s waits for its controller at %s", name, broker)
+            yield Embodied(body, body.lost)
+        finally:
+            running.cancel()
+            await asyncio.gather(running, return_exceptions=True)
 
     return embody
 
@@ -105,19 +182,11 @@ class RealVehicle:
         ):
             if not value:
                 raise SettingsError(f"--{name}", f"a body by VDA 5050 needs it; or DRAY_{name.upper()}")
-        host, port, tls = read_address(settings.broker)
-        password = settings.broker_password
-        broker = BrokerAddress(
-            host,
-            port,
-            tls,
-            user=settings.broker_user,
-            password="" if password is None else password.get_secret_value(),
-            authority=settings.broker_authority,
-            certificate=settings.broker_certificate,
-            key=settings.broker_key,
+        return cls(
+            broker_of(settings),
+            Address(settings.manufacturer, settings.serial),
+            load_profile(settings.profile),
         )
-        return cls(broker, Address(settings.manufacturer, settings.serial), load_profile(settings.profile))
 
     def link(self, client: str) -> MqttLink:
         """To its broker.

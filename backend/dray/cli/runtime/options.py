@@ -28,6 +28,13 @@ Traffic = Annotated[
 ]
 """None: the setting counts (`right_of_way`)."""
 
+Strategists = Annotated[
+    int | None,
+    typer.Option(
+        "--strategists", min=1, max=9, help="How many share the orders; else DRAY_STRATEGISTS, else 1."
+    ),
+]
+
 OPTIONS = {"--database-url": "--db", "--gateway-name": "--name", "--plant-file": "--plant"}
 """Options whose name is not that of the setting."""
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dray.messages.keys import GATE
 from dray.messages.speakers import Kind
 from dray.plant import Plant
 
@@ -10,9 +11,10 @@ FLOOR = "floor"
 
 
 def agents_of(plant: Plant) -> dict[str, Kind]:
-    """All agents that the plant file names, and what they are, in the order in which they are started."""
+    """All agents that the plant file names, its gate, and what they are, in the order in which they are started."""
     return {
-        **dict.fromkeys(plant.storages, Kind.STATION),
+        **dict.fromkeys(plant.stores, Kind.STATION),
         **dict.fromkeys(plant.machines, Kind.MACHINE),
         **dict.fromkeys(plant.fleet, Kind.ATV),
+        GATE: Kind.GATE,
     }

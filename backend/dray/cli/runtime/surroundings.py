@@ -19,7 +19,7 @@ from dray.adapters.zenoh.exclusions import Exclusions
 from dray.adapters.zenoh.links import Links
 from dray.cli.runtime.telemetry.logs import prepare_logs
 from dray.gateway.live.timescale import TimeScale
-from dray.messages.keys import STRATEGIST
+from dray.messages.keys import GATE, strategists_of
 from dray.plant import Plant, default_plant, load_plant
 from dray.protocol.traffic.traffic_map import TrafficMap
 from dray.settings import Settings
@@ -56,6 +56,11 @@ class Surroundings:
         Of the plant as all know it: places and districts must be the same for a machine that joins.
         """
         return TrafficMap(self.plant) if self.settings.traffic else None
+
+    @property
+    def strategists(self) -> tuple[str, ...]:
+        """The ids of all strategists of the plant."""
+        return strategists_of(self.settings.strategists)
 
     def clock(self) -> SystemClock:
         """The plant's clock, on the running loop."""
@@ -121,7 +126,8 @@ def links_of(settings: Settings, plant: Plant, name: str) -> Links:
         SettingsError: its files are not there.
     """
     folder = settings.bus_certificates
-    wired = (*plant.machines, *plant.storages, STRATEGIST, HISTORIAN, settings.gateway_name)
+    strategists = strategists_of(settings.strategists)
+    wired = (*plant.machines, *plant.stores, GATE, *strategists, HISTORIAN, settings.gateway_name)
     # A vehicle may be linked over another one, and everybody's words come to it that way.
     apart = settings.bus_apart and name in wired
     return Links(

@@ -17,6 +17,7 @@ from functools import partial
 from fastapi import FastAPI
 from opentelemetry.sdk.trace import TracerProvider
 
+from dray.adapters.documents import FetchedDocuments
 from dray.adapters.security.signing import SigningKey
 from dray.adapters.vda5050.link import BrokerAddress
 from dray.cli.runtime.gateway.authority import authority_of
@@ -153,6 +154,7 @@ def _life(
                 now,
                 seed=seed,
                 stock_frac=NEARLY_EMPTY_FRAC,
+                strategists=service.settings.strategists,
                 traffic=service.settings.traffic,
                 embody=directly if fleet is None else fleet.embody,
             )
@@ -162,12 +164,16 @@ def _life(
                 play = LivePlay(live_part.part, service.plant, seed, make)
             factory, faults = play.stage.factory, play.stage.faults
         scale = TimeScale(now.now_s(), time.time(), service.speed)
+        documents = FetchedDocuments()
+        for workcell in factory.workcells.values():
+            workcell.documents = documents
         if fleet is not None:
             await fleet.ready()
         ready(Inside(factory, faults, scale, play))
         try:
             await (factory.run() if play is None else play.run())
         finally:
+            documents.close()
             if fleet is not None:
                 await fleet.end()
 

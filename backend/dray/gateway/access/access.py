@@ -40,6 +40,7 @@ class Access:
     sessions: Sessions
     keys: Keys
     login: Login
+    hasher: Hasher
     watch: Watch
     audit_log: AuditLog
     strangers: Limit
@@ -114,12 +115,14 @@ def open_access(
         hasher: of secrets, when not the usual one.
     """
     token = settings.admin_token
+    hasher = hasher or Hasher()
     return Access(
         sessions=Sessions(store, wall_s),
         keys=Keys(store, wall_s, rate_hz=settings.key_rate_hz, tries=settings.key_burst),
-        login=Login(store, hasher or Hasher(), wall_s),
+        login=Login(store, hasher, wall_s),
+        hasher=hasher,
         watch=Watch(store, wall_s),
-        audit_log=AuditLog(store, wall_s, settings.audit_kept),
+        audit_log=AuditLog(store, wall_s),
         strangers=Limit(wall_s, tries=STRANGERS_TRIES, rate_hz=STRANGERS_HZ),
         admin_token="" if token is None else token.get_secret_value(),
         wall_s=wall_s,

@@ -20,9 +20,6 @@ from dray.store.access.audit import AuditRow
 NOTE = "dray.note"
 """Under this name the gate leaves the note of a request."""
 
-PRUNED_EVERY = 1000
-"""Lines between two looks at how many there are."""
-
 TARGET_CHARS = 128
 """As long as the longest id."""
 
@@ -97,11 +94,10 @@ class AuditLog:
     Args:
         store: where it is kept.
         wall_s: the wall clock.
-        keep: how many lines are kept.
     """
 
-    def __init__(self, store: Store, wall_s: Callable[[], float], keep: int) -> None:
-        self._store, self._wall_s, self._keep = store, wall_s, keep
+    def __init__(self, store: Store, wall_s: Callable[[], float]) -> None:
+        self._store, self._wall_s = store, wall_s
         self._later: deque[AuditRow] = deque()
         self._more = asyncio.Event()
         self._writing = asyncio.Lock()
@@ -166,9 +162,7 @@ class AuditLog:
     async def _write(self, rows: list[AuditRow]) -> None:
         async with self._store.write() as work:
             for row in rows:
-                position = await work.audit.add(row)
-                if position % PRUNED_EVERY == 0:
-                    await work.audit.prune(self._keep)
+                await work.audit.add(row)
 
 
 def result_of(status: int) -> Result:

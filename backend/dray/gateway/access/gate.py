@@ -195,6 +195,9 @@ async def refuse(problem: Problem, scope: Scope, receive: Receive, send: Send) -
         await send({"type": "websocket.close", "code": code, "reason": problem.title})
     elif problem.status in LOGIN_TELLS and wants_page(scope):
         await RedirectResponse(_login_for(scope), HTTPStatus.SEE_OTHER)(scope, receive, send)
+    elif problem.status == HTTPStatus.FORBIDDEN and scope["method"] == "GET" and wants_page(scope):
+        # A link that somebody with more rights has sent: the panel that its reader may use says more than an error.
+        await RedirectResponse("/", HTTPStatus.SEE_OTHER)(scope, receive, send)
     else:
         await problem.response(scope["path"])(scope, receive, send)
 

@@ -114,5 +114,6 @@ def principal_of(key: ApiKey) -> Principal:
         id=key.id,
         name=key.name,
         scopes=frozenset(known[name] for name in key.scopes.split() if name in known),
+        station=key.place,
         expires_at_s=key.expires_at_s,
     )

@@ -69,19 +69,20 @@ class Principal:
     """Somebody who has been recognised.
 
     Attributes:
-        kind: how it was recognised: by a session, a key or the administrator's token.
+        kind: how it was recognised: by a session, a key or the administrator's token; or that it is a schedule, which nobody recognises.
         id: of the person or key, unique in its kind; what the audit log names.
         name: what people call it.
         role: of a person; None for others.
         scopes: what it may do.
         areas: where it may do so; None for the whole plant.
-        station: the machine at which an operator works; empty where that matters nothing.
+        station: the machine at which an operator works; of a key, the place for which alone it calls for transports. Empty where that
+            matters nothing.
         session: the session's id, which is no secret; empty where there is none.
         expires_at_s: when it will have to be recognised anew, in wall clock seconds; None for never.
         over: why its session is over, where it is; what it may still do is left in `scopes`.
     """
 
-    kind: Literal["person", "key", "admin"]
+    kind: Literal["person", "key", "admin", "schedule"]
     id: str
     name: str
     role: Role | None = None

@@ -47,6 +47,9 @@ RULES: Mapping[tuple[str, str], Rule] = {
     ("GET", "/metrics"): Rule(Scope.FACTORY_READ),
     ("GET", "/api/track/{token}"): PUBLIC,
     ("GET", "/track/{token}"): PUBLIC,
+    ("GET", "/call/{token}"): PUBLIC,
+    ("POST", "/call/{token}"): Rule(public=True, action="transport.call"),
+    ("POST", "/call/{token}/{transport}/cancel"): Rule(public=True, action="transport.cancel"),
     ("GET", "/login"): PUBLIC,
     ("POST", "/login"): Rule(public=True, action="login"),
     ("GET", "/login/station"): KNOWN,
@@ -59,12 +62,23 @@ RULES: Mapping[tuple[str, str], Rule] = {
     ("GET", "/operator/shell"): PUBLIC,
     ("GET", "/operator/worker.js"): PUBLIC,
     ("GET", "/api/me"): KNOWN,
+    ("GET", "/api/people"): Rule(Scope.PEOPLE_WRITE),
+    ("POST", "/api/people"): Rule(Scope.PEOPLE_WRITE, action="user.add"),
+    ("POST", "/api/people/{person}/link"): Rule(Scope.PEOPLE_WRITE, action="user.link"),
+    ("PUT", "/api/people/{person}/secret"): Rule(Scope.PEOPLE_WRITE, action="user.secret"),
+    ("PUT", "/api/people/{person}/areas"): Rule(Scope.PEOPLE_WRITE, action="user.move"),
+    ("POST", "/api/people/{person}/disable"): Rule(Scope.PEOPLE_WRITE, action="user.disable"),
+    ("POST", "/api/people/{person}/enable"): Rule(Scope.PEOPLE_WRITE, action="user.enable"),
+    ("GET", "/api/keys"): Rule(Scope.PEOPLE_WRITE),
+    ("POST", "/api/keys"): Rule(Scope.PEOPLE_WRITE, action="key.create"),
+    ("POST", "/api/keys/{key}/revoke"): Rule(Scope.PEOPLE_WRITE, action="key.revoke"),
     ("GET", "/api/audit"): Rule(Scope.AUDIT_READ),
     ("GET", "/api/stream"): Rule(Scope.FACTORY_READ, by_area=True),
     ("GET", "/api/plant"): Rule(Scope.FACTORY_READ, by_area=True),
     ("GET", "/api/products"): Rule(Scope.ORDERS_READ),
     ("GET", "/api/products/{product}"): Rule(Scope.ORDERS_READ),
     ("PUT", "/api/products/{product}"): Rule(Scope.FLOOR_WRITE, action="product.define"),
+    ("POST", "/api/products/import"): Rule(Scope.FLOOR_WRITE, action="product.import", bulk=True),
     ("GET", "/api/inventory"): Rule(Scope.FACTORY_READ, by_area=True),
     ("GET", "/api/storages"): Rule(Scope.FACTORY_READ, by_area=True),
     ("GET", "/api/materials"): Rule(Scope.FACTORY_READ, by_area=True),
@@ -83,14 +97,17 @@ RULES: Mapping[tuple[str, str], Rule] = {
         Scope.VEHICLES_COMMAND, by_area=True, action="vehicle.put_back"
     ),
     ("GET", "/api/tasks"): Rule(Scope.FACTORY_READ, by_area=True),
+    ("GET", "/api/tasks/history"): Rule(Scope.FACTORY_READ),
     ("GET", "/api/tasks/{task}"): Rule(Scope.FACTORY_READ, by_area=True),
     ("GET", "/api/alerts"): Rule(Scope.FACTORY_READ, by_area=True),
+    ("GET", "/api/alerts/history"): Rule(Scope.FACTORY_READ),
     ("POST", "/api/alerts/{alert}/acknowledge"): Rule(
         Scope.ALERTS_ACKNOWLEDGE, by_area=True, action="alert.acknowledge"
     ),
     ("GET", "/api/duty"): Rule(Scope.VEHICLES_COMMAND, by_area=True),
     ("PUT", "/api/duty"): Rule(Scope.VEHICLES_COMMAND, by_area=True, action="duty.set"),
     ("POST", "/api/calls/{call}/answer"): Rule(Scope.VEHICLES_COMMAND, by_area=True, action="call.answer"),
+    ("GET", "/api/agents/{agent}/knowledge"): Rule(Scope.FACTORY_READ),
     ("GET", "/api/agents/shut-out"): Rule(Scope.FACTORY_READ),
     ("POST", "/api/agents/{agent}/shut-out"): Rule(Scope.AGENTS_WRITE, action="agent.shut_out"),
     ("POST", "/api/agents/{agent}/readmit"): Rule(Scope.AGENTS_WRITE, action="agent.readmit"),
@@ -98,6 +115,8 @@ RULES: Mapping[tuple[str, str], Rule] = {
     ("POST", "/api/closures"): Rule(Scope.FLOOR_WRITE, action="floor.close"),
     ("POST", "/api/closures/preview"): Rule(Scope.FACTORY_READ),
     ("DELETE", "/api/closures/{closure}"): Rule(Scope.FLOOR_WRITE, action="floor.open"),
+    ("POST", "/api/areas/{area}/pause"): Rule(Scope.FLOOR_WRITE, action="area.pause"),
+    ("POST", "/api/areas/{area}/go-on"): Rule(Scope.FLOOR_WRITE, action="area.go_on"),
     ("GET", "/editor"): Rule(Scope.FACTORY_READ),
     ("GET", "/api/plant-drafts"): Rule(Scope.FACTORY_READ),
     ("POST", "/api/plant-drafts"): Rule(Scope.FLOOR_WRITE, action="draft.begin", bulk=True),
@@ -116,8 +135,17 @@ RULES: Mapping[tuple[str, str], Rule] = {
     ("GET", "/api/traffic"): Rule(Scope.FACTORY_READ),
     ("GET", "/api/promises"): Rule(Scope.FACTORY_READ),
     ("GET", "/api/events"): Rule(Scope.FACTORY_READ),
+    ("GET", "/api/kept"): Rule(Scope.FACTORY_READ),
+    ("GET", "/api/replay"): Rule(Scope.FACTORY_READ, by_area=True),
+    ("GET", "/api/replay/film"): Rule(Scope.FACTORY_READ, by_area=True),
+    ("GET", "/api/replay/overview"): Rule(Scope.FACTORY_READ),
+    ("GET", "/api/spells"): Rule(Scope.FACTORY_READ),
     ("GET", "/api/kpis"): Rule(Scope.FACTORY_READ),
     ("GET", "/api/kpis/history"): Rule(Scope.FACTORY_READ),
+    ("GET", "/api/kpis/quality"): Rule(Scope.FACTORY_READ, by_area=True),
+    ("GET", "/api/reports/shift"): Rule(Scope.FACTORY_READ),
+    ("GET", "/api/reports/targets"): Rule(Scope.FACTORY_READ),
+    ("PUT", "/api/reports/targets"): Rule(Scope.FLOOR_WRITE, action="report.targets"),
     ("GET", "/api/orders"): Rule(Scope.ORDERS_READ),
     ("POST", "/api/orders"): Rule(Scope.ORDERS_WRITE, action="order.place"),
     ("POST", "/api/orders/import"): Rule(Scope.ORDERS_WRITE, action="order.import", bulk=True),
@@ -126,6 +154,7 @@ RULES: Mapping[tuple[str, str], Rule] = {
     ("GET", "/api/orders/{order}/timeline"): Rule(Scope.ORDERS_READ),
     ("POST", "/api/orders/{order}/links"): Rule(Scope.ORDERS_WRITE, action="link.create"),
     ("DELETE", "/api/orders/{order}/links"): Rule(Scope.ORDERS_WRITE, action="link.revoke"),
+    ("PATCH", "/api/orders/{order}"): Rule(Scope.ORDERS_WRITE, action="order.change"),
     ("POST", "/api/orders/{order}/release"): Rule(Scope.ORDERS_WRITE, action="order.release"),
     ("POST", "/api/orders/{order}/revoke"): Rule(Scope.ORDERS_WRITE, action="order.revoke"),
     ("POST", "/api/orders/{order}/cancel"): Rule(Scope.ORDERS_WRITE, action="order.cancel"),
@@ -135,13 +164,21 @@ RULES: Mapping[tuple[str, str], Rule] = {
     ("POST", "/api/transports/{transport}/cancel"): Rule(
         Scope.TRANSPORTS_CALL, by_area=True, action="transport.cancel"
     ),
+    ("GET", "/api/schedules"): Rule(Scope.FACTORY_READ),
+    ("POST", "/api/schedules"): Rule(Scope.FLOOR_WRITE, action="schedule.add"),
+    ("POST", "/api/schedules/preview"): Rule(Scope.FACTORY_READ),
+    ("GET", "/api/schedules/{schedule}"): Rule(Scope.FACTORY_READ),
+    ("PATCH", "/api/schedules/{schedule}"): Rule(Scope.FLOOR_WRITE, action="schedule.change"),
+    ("DELETE", "/api/schedules/{schedule}"): Rule(Scope.FLOOR_WRITE, action="schedule.remove"),
     ("GET", "/api/faults"): Rule(Scope.FACTORY_READ),
     ("POST", "/api/faults"): Rule(Scope.FAULTS_WRITE, action="fault.begin"),
     ("DELETE", "/api/faults/{fault}"): Rule(Scope.FAULTS_WRITE, action="fault.end"),
 }
 """By method and path template, as the routers name them. A websocket begins as a GET."""
 
-QUESTIONS = frozenset({("POST", "/api/orders/preview"), ("POST", "/api/closures/preview")})
+QUESTIONS = frozenset(
+    {("POST", "/api/orders/preview"), ("POST", "/api/closures/preview"), ("POST", "/api/schedules/preview")}
+)
 """Rows that change nothing for all their method: the question is too long for an address."""
 
 

@@ -8,14 +8,18 @@ from __future__ import annotations
 
 import logging
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import msgspec
+from msgspec.structs import replace
 
+from dray.gateway.http.fault_codes import coded
+from dray.gateway.http.problems import FieldError, unusable
 from dray.gateway.live.projection import Projection
-from dray.messages import BillLine, MachineCycle, ProductDefinition
+from dray.gateway.products.drafts import Wanted
+from dray.messages import BillLine, Document, MachineCycle, PartDefinition, ProductDefinition
 from dray.plant import BillLine as PlantLine
-from dray.plant import Plant, Product
+from dray.plant import Plant, Product, product_faults, with_product
 from dray.store import Store
 from dray.store.orders.products import DefinedProduct
 from dray.store.work import Work
@@ -23,6 +27,9 @@ from dray.store.work import Work
 MACHINE = re.compile(r"^machines\[(\d+)\](.*)$")
 
 _log = logging.getLogger(__name__)
+
+DEFINITION_BYTES = 24_000
+"""Of a definition as JSON: an order of two such products is still a message (`dray.codec.MAX_BYTES`)."""
 
 PLANT_FILE = 1
 """The revision of what stands in the plant file."""
@@ -52,65 +59,109 @@ class Catalogue:
         """What an order for a product brings along; None for one that is made as the plant file says."""
         return self._defined.get(product)
 
+    def parts_of(self, product: str) -> tuple[PartDefinition, ...]:
+        """The parts on all levels below a product, as far as people have defined them."""
+        plant, found, ahead = self._projection.site.plant, dict[str, None](), [product]
+        while ahead:
+            known = plant.products.get(ahead.pop())
+            for line in () if known is None else known.bill:
+                if line.material in plant.parts and line.material not in found:
+                    found[line.material] = None
+                    ahead.append(line.material)
+        return tuple(PartDefinition(part, self._defined[part]) for part in found if part in self._defined)
+
     def cycles_s(self, product: str) -> Mapping[str, float]:
         """By machine that can make it: seconds for one piece."""
         plant = self._projection.site.plant
         return {machine: plant.cycle_s(machine, product) for machine in plant.machines_for(product)}
 
+    def documents(self, product: str) -> tuple[Document, ...]:
+        """Those of a product; one of the plant file has none."""
+        known = self._defined.get(product)
+        return () if known is None else known.documents
+
     def own_s(self, machine: str, product: str) -> float | None:
         """What a machine says itself of its time for a product; None where it says nothing."""
         return self._file.cycle_s(machine, product) if machine in self._file.machines_for(product) else None
 
-    def faults(self, product: Product, cycles_s: Mapping[str, float]) -> list[tuple[str, str]]:
-        """Why a product cannot be made or carried here, by field of the body; nothing for a good one."""
-        plant = self._projection.site.plant
+    def _too_large(self, wanted: Wanted) -> list[FieldError]:
+        """Whether a definition is more than orders and goals can carry, by field; nothing for a good one."""
+        size = len(msgspec.json.encode(_definition(wanted)))
+        if size <= DEFINITION_BYTES:
+            return []
+        field = "documents" if wanted.documents else "machines"
+        return [FieldError.of(field, "definition_too_large", size=size, most=DEFINITION_BYTES)]
+
+    def faults(self, wishes: Sequence[Wanted]) -> list[list[FieldError]]:
+        """Why products cannot be made or carried here when they are defined one after the other.
+
+        Returns:
+            Of each, what is wrong by field of the body; nothing for a good one.
+        """
+        plant, found = self._projection.site.plant, []
+        for wish in wishes:
+            faults = self._faults(plant, wish.product, wish.machines) or self._too_large(wish)
+            if not faults:
+                plant = with_product(plant, wish.product, wish.machines)
+            found.append(faults)
+        return found
+
+    def _faults(self, plant: Plant, product: Product, cycles_s: Mapping[str, float]) -> list[FieldError]:
         found = [
-            (f"machines.{machine}", f"there is no machine {machine}; there are {', '.join(plant.machines)}")
+            FieldError.of(
+                f"machines.{machine}", "machine_unknown", machine=machine, machines=", ".join(plant.machines)
+            )
             for machine in cycles_s
             if machine not in plant.machines
         ]
         for machine, cycle_s in cycles_s.items():
             own_s = self.own_s(machine, product.id)
             if own_s is not None and own_s != cycle_s:
-                reason = f"{machine} says itself that a piece takes {own_s:g} s: leave it out, or write that"
-                found.append((f"machines.{machine}", reason))
+                own = FieldError.of(
+                    f"machines.{machine}", "machine_own_time", machine=machine, seconds=f"{own_s:g}"
+                )
+                found.append(own)
         if not cycles_s and not self._file.machines_for(product.id):
-            found.append(("machines", "no machine makes it: name one at least, with its seconds for a piece"))
+            found.append(FieldError.of("machines", "no_machine"))
         return found or [
-            (_of_body(field, plant), reason)
-            for field, reason in self._projection.site.faults(product, cycles_s)
+            FieldError(_of_body(field, plant), *coded(reason))
+            for field, reason in product_faults(plant, product, cycles_s)
         ]
 
-    async def define(
-        self, product: Product, cycles_s: Mapping[str, float], before: int | None, by: str, now_s: float
-    ) -> bool:
-        """Keep a product that has no `faults`; whether the revision before it was still the newest.
+    async def define(self, products: Sequence[Wanted], by: str, now_s: float) -> str:
+        """Keep products that have no `faults`, all of them or none.
 
         Args:
-            product: as it is from now on.
-            cycles_s: by machine, seconds for one piece.
-            before: the revision that is changed; None for a new product.
+            products: as they are from now on.
             by: who does it.
             now_s: wall clock.
 
+        Returns:
+            The first of which the revision before is not the newest any more, and nothing was kept; empty when all were.
+
         Raises:
+            Problem: 422, one does not fit any more with what others have defined meanwhile.
             UnavailableError: the database cannot be written.
         """
-        definition = ProductDefinition(
-            lot=product.lot,
-            ability=product.ability,
-            bill=tuple(BillLine(line.material, line.quantity) for line in product.bill),
-            name=product.name,
-            revision=1 if before is None else before + 1,
-            machines=tuple(MachineCycle(*each) for each in cycles_s.items()),
-        )
-        written = msgspec.json.encode(definition).decode()
-        row = DefinedProduct(product.id, product.name, definition.revision, written, by, now_s)
-        async with self._store.write() as work:
-            if not await work.products.define(row):
-                return False
-        self._take(row)
-        return True
+        rows = [self._row(each, by, now_s) for each in products]
+        try:
+            async with self._store.write() as work:
+                # From here on nobody else defines anything: what was found good may not be so any more.
+                await self.look(work)
+                if faults := [fault for found in self.faults(products) for fault in found]:
+                    raise unusable(*faults)
+                for row in rows:
+                    await _define(work, row)
+        except _ChangedError as changed:
+            return changed.product
+        for row in rows:
+            self._take(row)
+        return ""
+
+    def is_news(self, wanted: Wanted) -> bool:
+        """Whether a product is to be otherwise than it is, where people have defined it; that is so of all others."""
+        known = self._defined.get(wanted.product.id)
+        return known is None or replace(_definition(wanted), revision=known.revision) != known
 
     async def look(self, work: Work) -> None:
         """Learn what was defined since the last look; at the first one, all of it."""
@@ -121,6 +172,11 @@ class Catalogue:
             if row.id not in self._defined or row.revision > self._defined[row.id].revision:
                 self._take(row)
         self._mark = mark
+
+    def _row(self, wanted: Wanted, by: str, now_s: float) -> DefinedProduct:
+        product, definition = wanted.product, _definition(wanted)
+        written = msgspec.json.encode(definition).decode()
+        return DefinedProduct(product.id, product.name, definition.revision, written, by, now_s)
 
     def _take(self, row: DefinedProduct) -> None:
         """Go by a definition; one that fits this plant no longer is left out, and said so."""
@@ -140,6 +196,32 @@ class Catalogue:
             return
         self._defined[row.id] = definition
         self._projection.materials.note(row.id, [line.material for line in product.bill])
+
+
+class _ChangedError(Exception):
+    """Undoes a transaction: somebody has changed a product meanwhile."""
+
+    def __init__(self, product: str) -> None:
+        self.product = product
+        super().__init__(product)
+
+
+async def _define(work: Work, row: DefinedProduct) -> None:
+    if not await work.products.define(row):
+        raise _ChangedError(row.id)
+
+
+def _definition(wanted: Wanted) -> ProductDefinition:
+    product = wanted.product
+    return ProductDefinition(
+        lot=product.lot,
+        ability=product.ability,
+        bill=tuple(BillLine(line.material, line.quantity) for line in product.bill),
+        name=product.name,
+        revision=1 if wanted.before is None else wanted.before + 1,
+        machines=tuple(MachineCycle(*each) for each in wanted.machines.items()),
+        documents=wanted.documents,
+    )
 
 
 def _of_body(field: str, plant: Plant) -> str:

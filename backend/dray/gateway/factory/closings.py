@@ -21,9 +21,9 @@ from dray.errors import UnavailableError
 from dray.gateway.http.problems import Problem, not_found
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.timescale import TimeScale
-from dray.gateway.live.views import ClosureView, LaneView
+from dray.gateway.live.views import ClosureView, CornerView, LaneView
 from dray.messages import Closure, ClosureKind, Closures
-from dray.messages.floor.closure import MAX_CLOSURES
+from dray.messages.floor.closure import MAX_CLOSURES, Corner
 from dray.plant import Plant
 from dray.protocol.closures.closure_rules import cut_off, lanes_of, restrictions_of, shut_in
 from dray.store import Store
@@ -110,7 +110,7 @@ class Closings:
                         HTTPStatus.CONFLICT,
                         "too-much-closed",
                         "Too much is closed",
-                        f"{MAX_CLOSURES} closures hold, and a list holds no more; end some with DELETE /api/closures/ID, or close an area",
+                        f"{MAX_CLOSURES} closures hold, and a list holds no more; end some with DELETE /api/closures/ID, or close an area or an outline",
                     )
                 row = replace(wanted, id=f"c{token_hex(4)}")
                 await work.closures.put(row)
@@ -200,6 +200,7 @@ class Closings:
             end=row.end_node,
             node=_node_of(self._projection.site.plant, row.place),
             area=row.area,
+            outline=corners_of(row.outline),
             speed_mps=row.speed_mps,
             until_s=None if row.until_s is None else self._time.to_plant_s(row.until_s),
         )
@@ -219,6 +220,7 @@ class Closings:
                 lane=LaneView(start=row.start_node, end=row.end_node) if row.start_node else None,
                 place=row.place,
                 area=row.area,
+                outline=tuple(CornerView(x_m=x_m, y_m=y_m) for x_m, y_m in closure.outline),
                 speed_mps=row.speed_mps,
                 until_at_s=row.until_s,
                 reason=row.reason,
@@ -229,6 +231,16 @@ class Closings:
             )
             for row, closure in told
         ]
+
+
+def outline_of(corners: Iterable[Corner]) -> str:
+    """Corners as they stand in SQL."""
+    return msgspec.json.encode(tuple(corners)).decode()
+
+
+def corners_of(outline: str) -> tuple[Corner, ...]:
+    """The corners of what stands in SQL."""
+    return msgspec.json.decode(outline, type=tuple[Corner, ...]) if outline else ()
 
 
 def _node_of(plant: Plant, place: str) -> str:

@@ -186,6 +186,19 @@ class Commands:
         self._projection.commands.end(answer.command, "confirmed" if answer.done else "refused", answer)
         return True
 
+    def ahead_s(self, agent: str) -> float:
+        """How far the clock of an agent is ahead of ours, by which it judges until when a grant is good. May be asked on any thread."""
+        return self._projection.clocks.ahead_s(agent)
+
+    def last_stop(self, atv: str) -> str | None:
+        """The name of the last stop that was sent to a vehicle, by whatever way; None for none that is remembered."""
+        stops = (
+            name
+            for name, sent in reversed(self._sent.items())
+            if sent.agent == atv and sent.said.kind is CommandKind.STOP
+        )
+        return next(stops, None)
+
     def part_with(self, atv: str, by: str) -> None:
         """A vehicle is shut out: ask it to stop, and wait no longer for its word, which nobody believes.
 
@@ -260,7 +273,7 @@ class Commands:
         # All but a stop is good for as long as its answer is waited for, and so much longer as clocks differ: who was told
         # that it is not confirmed must not see it obeyed later.
         valid_s = STOP_VALID_S if sent.said.kind is CommandKind.STOP else self._timeout_s + CLOCKS_AGREE_S
-        until_s = self._plant_s() + valid_s * self._speed
+        until_s = self._plant_s() + valid_s * self._speed + self.ahead_s(sent.agent)
         if isinstance(sent.said, MachineCommand):
             return granted(self._authority, sent.agent, sent.said, by, until_s)
         return granted(self._authority, sent.agent, sent.said, by, until_s)

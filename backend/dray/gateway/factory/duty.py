@@ -109,6 +109,12 @@ class DutyRota:
         self._host, self._authority, self._names, self.wall_s = host, authority, names, wall_s
         self._tablets: dict[str, tuple[str, Tablet]] = {}
         """By person: the code, and the tablet."""
+        self._said_off: set[str] = set()
+        """Who has gone off duty here: another tab of theirs puts them on duty no more by itself."""
+
+    def has_said_off(self, by: Principal) -> bool:
+        """Whether this person has gone off duty here, and not come back."""
+        return by.id in self._said_off
 
     def code_of(self, person: str) -> str:
         """A person's name on the bus today."""
@@ -169,6 +175,7 @@ class DutyRota:
             helps_with=helps_with,
             label=by.name if self._names else "",
         )
+        self._said_off.discard(by.id)
         known = self.tablet(by)
         if known is not None:
             known[1].seen_s = self.wall_s()
@@ -181,17 +188,28 @@ class DutyRota:
     def go_off(self, by: Principal) -> None:
         """Somebody is not on duty any more. Harmless when that was so before."""
         known = self._tablets.pop(by.id, None)
+        if by.kind == "person":
+            self._said_off.add(by.id)
         if known is not None and known[1].employed is not None:
             known[1].employed.leave()
 
-    async def answer(self, by: Principal, call: str, answer: CallAnswer, wait_s: float | None) -> bool:
+    async def answer(
+        self, by: Principal, call: str, answer: CallAnswer, wait_s: float | None, *, is_open: bool
+    ) -> bool:
         """Somebody answers a call.
+
+        Args:
+            by: who.
+            call: its id.
+            answer: what.
+            wait_s: with TAKE, within which time it will be done (plant seconds).
+            is_open: this person sees that call and nobody has taken it: who is not asked may take it, too.
 
         Returns:
             Whether this person is expected there now, as the caller has said.
 
         Raises:
-            Problem: 409, the person is not on duty, or the call is over or another one's.
+            Problem: 409, the person is not on duty or expected elsewhere, or the call is over or another one's.
         """
         known = self.look(by)
         if known is None:
@@ -199,21 +217,29 @@ class DutyRota:
                 HTTPStatus.CONFLICT, "not-on-duty", "Not on duty", "PUT /api/duty with state on first"
             )
         tablet = known[1]
-        if not any(shown.call.call == call for shown in tablet.calls):
+        is_shown = any(shown.call.call == call for shown in tablet.calls)
+        if not is_shown and not (is_open and answer is CallAnswer.TAKE):
             raise Problem(
                 HTTPStatus.CONFLICT,
                 "call-over",
                 "Nobody is asked any more",
                 f"{call} is over, or somebody else has taken it",
             )
+        if answer is CallAnswer.TAKE:
+            _only_one(tablet, call)
         tablet.reply(call, answer, wait_s)
         if answer is not CallAnswer.TAKE:
             return False
         for _ in range(round(CONFIRMED_S / LOOK_S)):
             await asyncio.sleep(LOOK_S)
             part = next((shown.part for shown in tablet.calls if shown.call.call == call), None)
-            if part is not CallPart.TAKING and part is not CallPart.ASKED:
-                return part is CallPart.TAKEN
+            if part is CallPart.TAKEN:
+                return True
+            if part is None and is_shown:
+                return False
+            # Who takes two at once has taken the first.
+            _only_one(tablet, call)
+            is_shown = part is not None
         return False
 
     async def run(self) -> None:
@@ -228,6 +254,22 @@ class DutyRota:
         for _, tablet in self._tablets.values():
             if now_s - tablet.seen_s > AWAY_S:
                 tablet.change(replace(tablet.state, there=False))
+
+
+def _only_one(tablet: Tablet, call: str) -> None:
+    """A person comes to one at a time.
+
+    Raises:
+        Problem: 409, another caller expects this person.
+    """
+    for shown in tablet.calls:
+        if shown.call.call != call and shown.part in {CallPart.TAKING, CallPart.TAKEN}:
+            raise Problem(
+                HTTPStatus.CONFLICT,
+                "expected-elsewhere",
+                "Expected elsewhere",
+                f"{shown.call.caller} expects you: answer {shown.call.call} with decline or cannot first, then take {call}",
+            )
 
 
 def _where(by: Principal) -> dict[str, Any]:

@@ -23,7 +23,7 @@ SAMPLE_S = 60.0
 """Wall seconds between two samples: people look at hours, and a quarter of an hour should show its course."""
 
 KEPT_S = 35 * 86_400.0
-"""How long samples are kept: a month beside the one before it, some 50,000 rows and 10 MB."""
+"""How long the traffic of lanes is kept, and how much of anything here is told at once: a month with its ends, some 50,000 rows."""
 
 AS_THEY_ARE = ("at_s", "transport_p50_s", "transport_p95_s")
 """Fields that do not add up."""
@@ -66,7 +66,6 @@ class Sampler:
                 newest_at_s = await work.kpis.newest_at_s()
                 if newest_at_s is None or newest_at_s <= self._before.at_s:
                     await work.kpis.add(sample)
-                    await work.kpis.forget_before(totals.at_s - KEPT_S)
                     await work.lane_hours.add(totals.at_s, lanes_added(self._lanes_before, lanes))
                     await work.lane_hours.forget_before(totals.at_s - KEPT_S)
         except UnavailableError as error:

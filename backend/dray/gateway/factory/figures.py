@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import groupby
 
 import msgspec
@@ -48,6 +48,8 @@ class KpiPoint(msgspec.Struct, frozen=True, kw_only=True):
     """People's commands that vehicles have obeyed."""
     helps: int
     """How often vehicles have asked for help."""
+    energy_wh: float
+    """Taken from vehicles' batteries, by what these show."""
 
 
 class KpiHistory(msgspec.Struct, frozen=True, kw_only=True):
@@ -70,7 +72,7 @@ def points(samples: Iterable[KpiSample], step_s: float) -> Iterator[KpiPoint]:
         step_s: the length of a step in wall seconds; steps begin at whole multiples of it.
     """
     for number, of_step in groupby(samples, lambda sample: _middle_s(sample) // step_s):
-        yield _point(number * step_s, list(of_step))
+        yield point(number * step_s, list(of_step))
 
 
 def _middle_s(sample: KpiSample) -> float:
@@ -78,7 +80,14 @@ def _middle_s(sample: KpiSample) -> float:
     return sample.at_s - SAMPLE_S / 2
 
 
-def _point(at_s: float, samples: list[KpiSample]) -> KpiPoint:
+def point(at_s: float, samples: Sequence[KpiSample]) -> KpiPoint:
+    """All of these in one step.
+
+    Args:
+        at_s: its beginning, wall clock.
+        samples: one or more, oldest first.
+    """
+
     def total(*names: str) -> float:
         return float(sum(getattr(sample, name) for sample in samples for name in names))
 
@@ -110,6 +119,7 @@ def _point(at_s: float, samples: list[KpiSample]) -> KpiPoint:
         machine_available_frac=part(up_s, machines_s),
         commands=int(total("commands")),
         helps=int(total("helps")),
+        energy_wh=total("energy_wh"),
     )
 
 

@@ -7,12 +7,14 @@ floor plan lies under it. Neither is part of the plant file.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import msgspec
 
 from dray.errors import PlantError
+from dray.gateway.factory.floor_repairs import FloorRepairs
+from dray.gateway.factory.repairs import Repairs, RepairView
 from dray.plant import Plant, PlantFile, parse_plant
 from dray.plant.exchange.onto import put_onto
 from dray.plant.exchange.read import read_layout
@@ -29,9 +31,18 @@ MAX_FINDINGS = 200
 MAX_DEPTH = 12
 """Of lists and mappings in a draft; a plant needs six."""
 
-LANE = re.compile(r"^lanes\[(\d+)\]")
+INDEX = re.compile(r"\[(\d+)\]")
+
+PATH = re.compile(r"\w+\[\d+\](?:\.lanes\[\d+\])?")
+"""How a reason names another entry."""
 
 Data = dict[str, Any]
+
+Ends = tuple[str | None, str | None]
+"""From where to where a lane leads; None where it does not say."""
+
+Kept = dict[str, list[int]]
+"""Of each list of which entries are left out, as the plant file calls it, the indices of the others in the draft."""
 
 
 class FindingView(msgspec.Struct, frozen=True, kw_only=True):
@@ -43,39 +54,82 @@ class FindingView(msgspec.Struct, frozen=True, kw_only=True):
     """Where in the draft, as `machines[3].node`; of a warning the section."""
     text: str
     """What is wrong, with figures, and what to do."""
+    repair: RepairView | None = None
+    """A change that solves it, tried before it is offered; null where none is known."""
 
 
 def findings(data: Data) -> list[FindingView]:
     """The faults of a draft; of one without faults what will starve in it. The rules are those of `dray plant check`."""
     found = []
     file, kept = as_file(data)
+    repairs: Repairs | None = None
     for field, reason in document_faults(file):
         level = "open" if field.startswith("unassigned[") or reason.startswith("is open: ") else "error"
-        found.append(FindingView(level=level, field=_in_draft(field, kept), text=reason))
+        repair = None
+        if level == "error":
+            repairs = repairs or Repairs(file)
+            repair = _repair_in_draft(repairs.of(field, reason), kept)
+        text = PATH.sub(lambda found: _in_draft(found[0], kept), reason)
+        found.append(FindingView(level=level, field=_in_draft(field, kept), text=text, repair=repair))
         if len(found) == MAX_FINDINGS:
             return found
     if not found:
         plant = Plant(msgspec.convert(file, PlantFile))
+        floor = FloorRepairs(plant)
         found = [
-            FindingView(level="warning", field=each.field, text=each.text)
+            FindingView(level="warning", field=each.field, text=each.text, repair=floor.of(each))
             for each in advice(plant)[:MAX_FINDINGS]
         ]
     return found
 
 
-def as_file(data: Data) -> tuple[Data, list[int]]:
-    """The plant file that a draft would be, and which of its lanes are in it, by index."""
+def as_file(data: Data) -> tuple[Data, Kept]:
+    """The plant file that a draft would be, and which entries of the draft are in it."""
     file = {name: value for name, value in data.items() if name not in OWN}
     lanes, closed = file.get("lanes"), set(_closed(data))
+    kept: Kept = {}
     if not isinstance(lanes, list) or not closed:
-        return file, list(range(len(lanes))) if isinstance(lanes, list) else []
-    kept = [
-        index
-        for index, lane in enumerate(lanes)
-        if not (isinstance(lane, dict) and (lane.get("start"), lane.get("end")) in closed)
-    ]
-    file["lanes"] = [lanes[index] for index in kept]
+        return file, kept
+    kept["lanes"] = [index for index, lane in enumerate(lanes) if _ends_of(lane) not in closed]
+    file["lanes"] = [lanes[index] for index in kept["lanes"]]
+    if isinstance(file.get("doors"), list):
+        driven = {ends: ends not in closed for ends in map(_ends_of, lanes)}
+        file["doors"] = _doors(file["doors"], driven, kept)
     return file, kept
+
+
+def _doors(doors: list[Any], driven: Mapping[Ends, bool], kept: Kept) -> list[object]:
+    """Doors without the lanes that are not driven; one that stands on no other is not there.
+
+    Args:
+        doors: of the draft.
+        driven: its lanes, and whether each is driven. A door may name one that is driven both ways by either end.
+        kept: where it is noted which are left.
+    """
+    left: list[object] = []
+    kept["doors"] = []
+    for index, door in enumerate(doors):
+        lanes = door.get("lanes") if isinstance(door, dict) else None
+        if isinstance(lanes, list):
+            on = [
+                at
+                for at, (start, end) in enumerate(map(_ends_of, lanes))
+                if driven.get((start, end), driven.get((end, start), True))
+            ]
+            if lanes and not on:
+                continue
+            kept[f"doors[{len(left)}].lanes"] = on
+            left.append({**door, "lanes": [lanes[at] for at in on]})
+        else:
+            left.append(door)
+        kept["doors"].append(index)
+    return left
+
+
+def _ends_of(lane: object) -> Ends:
+    """What a lane says of its ends; they may be anything."""
+    start, end = (lane.get("start"), lane.get("end")) if isinstance(lane, dict) else (None, None)
+    return (start if isinstance(start, str) else None, end if isinstance(end, str) else None)
 
 
 def as_yaml(data: Data) -> str:
@@ -134,9 +188,19 @@ def _closed(data: Data) -> Iterator[tuple[str, str]]:
             yield str(one.get("start")), str(one.get("end"))
 
 
-def _in_draft(field: str, kept: list[int]) -> str:
+def _repair_in_draft(repair: RepairView | None, kept: Kept) -> RepairView | None:
+    """A repair of the plant file as it is one of the draft."""
+    if repair is None or repair.index is None or repair.section not in kept:
+        return repair
+    return msgspec.structs.replace(repair, index=kept[repair.section][repair.index])
+
+
+def _in_draft(field: str, kept: Kept) -> str:
     """A field of the plant file as it is called in the draft."""
-    found = LANE.match(field)
-    if found is None:
-        return field
-    return f"lanes[{kept[int(found[1])]}]{field[found.end() :]}"
+
+    def index(found: re.Match[str]) -> str:
+        entries, at = kept.get(field[: found.start()]), int(found[1])
+        # What people call things may look like a field.
+        return found[0] if entries is None or at >= len(entries) else f"[{entries[at]}]"
+
+    return INDEX.sub(index, field)

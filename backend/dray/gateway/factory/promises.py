@@ -14,7 +14,7 @@ import msgspec
 
 from dray.gateway.http.csv_tables import Row, row_of
 from dray.messages.fact import CarrierChanged, TaskClosed
-from dray.messages.keys import STRATEGIST
+from dray.messages.keys import STRATEGISTS
 from dray.store import Store
 from dray.store.history.events import EventFilter, EventRow
 
@@ -127,8 +127,8 @@ class Ledger:
                 return
 
     def _enter(self, row: EventRow) -> None:
-        # The strategist's carriers are machines, which promise production and no transport.
-        if row.agent == STRATEGIST:
+        # A strategist's carriers are machines, which promise production and no transport.
+        if row.agent in STRATEGISTS:
             return
         try:
             fact = msgspec.json.decode(row.fact, type=TaskClosed | CarrierChanged)

@@ -7,9 +7,6 @@ not installed, or the process takes too long or too much, that is the answer.
 from __future__ import annotations
 
 import asyncio
-import os
-import resource
-import signal
 import sys
 from collections.abc import Callable, Mapping
 from contextlib import suppress
@@ -21,6 +18,7 @@ from typing import Any
 import msgspec
 
 from dray.errors import DrayError
+from dray.gateway.factory.bounded_process import run_bounded
 from dray.gateway.http.problems import Problem
 
 MOST_S = 300.0
@@ -162,29 +160,10 @@ class ShiftPlayer:
                 raise PlayFailed(said[-TAIL_CHARS:].strip() or "the simulator gave no report") from None
 
     async def _run(self, command: tuple[str, ...]) -> str:
-        process = await asyncio.create_subprocess_exec(
-            *command,
-            stdin=asyncio.subprocess.DEVNULL,
-            stdout=asyncio.subprocess.PIPE,
-            stderr=asyncio.subprocess.STDOUT,
-            # Ends with all that it has started, and does not hear what is said to the gateway's terminal.
-            start_new_session=True,
-        )
         try:
-            # People on the panels come first.
-            with suppress(OSError, AttributeError):
-                os.setpriority(os.PRIO_PROCESS, process.pid, 10)
-                resource.prlimit(process.pid, resource.RLIMIT_AS, (MOST_BYTES, MOST_BYTES))
-            async with asyncio.timeout(self._most_s):
-                said, _ = await process.communicate()
+            return (await run_bounded(command, self._most_s, MOST_BYTES))[1]
         except TimeoutError:
             raise PlayFailed(f"it took longer than {self._most_s:g} s: play fewer hours") from None
-        finally:
-            if process.returncode is None:
-                with suppress(ProcessLookupError):
-                    os.killpg(process.pid, signal.SIGKILL)
-                await process.wait()
-        return said.decode(errors="replace")
 
 
 def figures_of(report: Mapping[str, Any]) -> ShiftFigures:

@@ -1,7 +1,8 @@
 """Conditional answers: who asks again for what has not changed is told so in a line (RFC 9110, 13).
 
 Every answer 200 of a GET under `/api` that is made in one piece names its state in `ETag`. It is a digest of the body, so it
-holds for any call and for any gateway, and costs what hashing costs; the answer itself is made all the same.
+holds for any call and for any gateway, and costs what hashing costs; the answer itself is made all the same. Before the digest
+stands the version of what can be changed (`http.versions`).
 """
 
 from __future__ import annotations
@@ -11,6 +12,8 @@ from http import HTTPStatus
 
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from dray.gateway.http.versions import tag_with_digest, tags_of
 
 TAG_BYTES = 16
 """Of a digest that nobody has a reason to forge: whoever asks is shown the whole body."""
@@ -29,7 +32,7 @@ class Conditional:
         if scope["type"] != "http" or scope["method"] != "GET" or not scope["path"].startswith("/api/"):
             await self._app(scope, receive, send)
             return
-        known = _tags(Headers(scope=scope).getlist("if-none-match"))
+        known = tags_of(",".join(Headers(scope=scope).getlist("if-none-match")))
         start: Message | None = None
 
         async def conditional(message: Message) -> None:
@@ -51,20 +54,11 @@ class Conditional:
 def _tagged(start: Message, body: Message, known: frozenset[str]) -> Message:
     """Name the state in the beginning of an answer; returns what is sent after it."""
     headers = MutableHeaders(scope=start)
-    # A route that can be changed names its own state, for `If-Match`.
-    tag = (
-        headers.get("ETag")
-        or f'"{hashlib.blake2b(body.get("body", b""), digest_size=TAG_BYTES).hexdigest()}"'
-    )
-    headers["ETag"] = tag
+    digest = hashlib.blake2b(body.get("body", b""), digest_size=TAG_BYTES).hexdigest()
+    headers["ETag"] = tag = tag_with_digest(headers.get("ETag", ""), digest)
     if tag not in known and "*" not in known:
         return body
     start["status"] = HTTPStatus.NOT_MODIFIED
     for name in _OF_BODY:
         del headers[name]
     return {**body, "body": b""}
-
-
-def _tags(given: list[str]) -> frozenset[str]:
-    """The tags of If-None-Match, compared weakly (13.1.2): `W/` makes no difference."""
-    return frozenset(tag.strip().removeprefix("W/") for line in given for tag in line.split(","))

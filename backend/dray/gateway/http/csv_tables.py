@@ -95,7 +95,7 @@ def _readable(name: str, value: object) -> object:
         return value
     if name.endswith("at_s"):
         return iso(value)
-    return f"{value:.4f}" if name.endswith("_frac") else f"{value:.1f}"
+    return f"{value:.4f}" if name.endswith(("_frac", "_ratio")) else f"{value:.1f}"
 
 
 def _harmless(cell: object) -> object:

@@ -19,6 +19,7 @@ from starlette.routing import BaseRoute, Match, Mount
 from starlette.types import Scope
 
 from dray.errors import DrayError, UnavailableError
+from dray.gateway.http.fault_codes import code_of, text_of
 
 MEDIA_TYPE = "application/problem+json"
 
@@ -37,13 +38,23 @@ CHALLENGE = {"WWW-Authenticate": 'Bearer realm="Dray"'}
 _log = logging.getLogger(__name__)
 
 
-class FieldError(msgspec.Struct, frozen=True):
+class FieldError(msgspec.Struct, frozen=True, omit_defaults=True):
     """One field that cannot be used."""
 
     field: str
     """As `items[0].quantity`."""
     reason: str
     """What is wrong with it, and what would be right."""
+    code: str = ""
+    """The same for programs (`http.fault_codes`); empty where it has none."""
+    values: dict[str, str] = {}
+    """What is filled in."""
+
+    @classmethod
+    def of(cls, field: str, code: str, /, **values: object) -> FieldError:
+        """A fault that has a code."""
+        given = {name: str(value) for name, value in values.items()}
+        return cls(field, text_of(code, given), code, given)
 
 
 class ProblemDetails(msgspec.Struct, frozen=True, omit_defaults=True):
@@ -152,7 +163,8 @@ async def _on_validation(request: Request, error: Exception) -> Response:
     for fault in faults:
         if fault["type"] == "json_invalid":
             return _not_json(fault).response(request.url.path)
-    errors = [FieldError(_field(fault["loc"][1:]), _reason(fault)) for fault in faults[:MAX_FIELD_ERRORS]]
+    # The first part of the place is where the field is: body, query or path.
+    errors = [field_error({**fault, "loc": fault["loc"][1:]}) for fault in faults[:MAX_FIELD_ERRORS]]
     return unusable(*errors).response(request.url.path)
 
 
@@ -204,7 +216,7 @@ async def on_bug(request: Request, error: Exception) -> Response:
 
 def field_error(fault: Mapping[str, Any]) -> FieldError:
     """One of pydantic's errors, as it is told."""
-    return FieldError(_field(fault["loc"]), _reason(fault))
+    return FieldError(_field(fault["loc"]), _reason(fault), *code_of(fault))
 
 
 def _allowed(request: Request) -> list[str]:

@@ -7,15 +7,28 @@ from http import HTTPStatus
 from typing import Annotated
 
 from fastapi import Request
-from pydantic import Field
+from pydantic import BaseModel, ConfigDict, Field
 
 from dray.gateway.http.problems import Problem
 
 LINE = r"^[^\x00-\x1f\x7f]*[^\x00-\x20\x7f][^\x00-\x1f\x7f]*$"
 """One line of text that is more than spaces: control characters would spoil logs and tables."""
 
+FORM = "application/x-www-form-urlencoded"
+
 Line = Annotated[str, Field(min_length=1, max_length=200, pattern=LINE)]
 """A name or reference that people write: long enough for a company and its department."""
+
+
+class RowsFile(BaseModel):
+    """A spreadsheet: taken whole, or only looked through."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    csv: str
+    """The text of the file."""
+    dry_run: Annotated[bool, Field(strict=True)] = False
+    """Only look what is in it."""
 
 
 async def json_only(request: Request) -> None:
@@ -39,3 +52,25 @@ async def json_only(request: Request) -> None:
         "The body is not called JSON",
         f"Content-Type is {request.headers.get('content-type', '')[:64]!r}; send application/json",
     )
+
+
+async def read_form(request: Request, fields: int) -> dict[str, str]:
+    """The text fields of a form.
+
+    Args:
+        request: what holds it.
+        fields: how many it may have.
+
+    Raises:
+        Problem: 415, it is no form of ours.
+    """
+    kind = request.headers.get("content-type", "").partition(";")[0].strip().lower()
+    if kind != FORM:
+        raise Problem(
+            HTTPStatus.UNSUPPORTED_MEDIA_TYPE,
+            "not-called-form",
+            "The body is not called a form",
+            f"Content-Type is {kind[:64]!r}; send {FORM}",
+        )
+    form = await request.form(max_files=0, max_fields=fields)
+    return {name: value for name, value in form.items() if isinstance(value, str)}

@@ -85,9 +85,9 @@ class DatabaseSync:
                 await self._learn_more(work)
             newest_s = await work.orders.newest_change_s()
             marks = await work.orders.marks(None if whole else min(newest_s, self._newest_s) - OVERLAP_S)
-            acknowledged = await work.acknowledgements.all()
+            lasting = await work.alerts.lasting()
         self._newest_s = newest_s
-        self._projection.alerts.on_acknowledged(acknowledged)
+        self._projection.alerts.on_acknowledged(lasting)
         changed = {order for order, mark in marks.items() if self._is_news(order, mark)}
         await self._learn(changed | self._marks.keys() - marks.keys() if whole else changed)
 

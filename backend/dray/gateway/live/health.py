@@ -39,7 +39,7 @@ class Part(msgspec.Struct, frozen=True, omit_defaults=True):
     waiting: int | None = None
     """How many of these there are."""
     silent_s: float | None = None
-    """Of the strategist: since it was heard."""
+    """Of the strategist, of several whichever spoke last: since it was heard."""
 
 
 class Health:
@@ -95,9 +95,13 @@ class Health:
         if silent_s is None:
             return Part(ok=False, reason="nothing was heard of it yet")
         silent_s = round(silent_s, 1)
-        if self._strategist_probe.there:
-            return Part(ok=True, silent_s=silent_s)
-        return Part(ok=False, reason="nothing is heard of it; orders wait for it", silent_s=silent_s)
+        away = self._strategist_probe.away
+        if not self._strategist_probe.there:
+            return Part(ok=False, reason="nothing is heard of it; orders wait for it", silent_s=silent_s)
+        if away:
+            reason = f"nothing is heard of {', '.join(away)}; the others go on with its orders"
+            return Part(ok=True, reason=reason, silent_s=silent_s)
+        return Part(ok=True, silent_s=silent_s)
 
 
 def _history(historian: Historian) -> Part:

@@ -19,6 +19,7 @@ import msgspec
 
 from dray.gateway.access.principal import Principal, Scope
 from dray.gateway.live.frames import Delta
+from dray.gateway.live.plant_picture import PlantPicture
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.stream_scopes import AreaScope, FactoryScope, StreamScope, WholeScope
 from dray.gateway.live.updates import Updates
@@ -186,6 +187,7 @@ class Hub:
         queue_frames: frames that wait for one client at most.
         clients: how many there may be.
         each: of one caller.
+        record: is told what the whole plant's panels are told, also when there are none.
     """
 
     def __init__(
@@ -197,7 +199,9 @@ class Hub:
         queue_frames: int,
         clients: int,
         each: int,
+        record: Callable[[Delta], None] | None = None,
     ) -> None:
+        self._record, self._recorded_s = record, -1.0
         self._projection, self._wall_s = projection, wall_s
         self._pause_s, self._queue_frames = 1.0 / rate_hz, queue_frames
         self._most, self._each = clients, each
@@ -250,7 +254,7 @@ class Hub:
 
     def tick(self) -> None:
         """Make a frame, if there is something to tell or it has been quiet for too long."""
-        if not self._rooms:
+        if not self._rooms and self._record is None:
             self._projection.discard_changes()
             return
         now_s = self._wall_s()
@@ -258,10 +262,16 @@ class Hub:
         factory = self._new_figures(now_s)
         rooms = self._rooms.values()
         if not (
-            self._projection.changed or factory is not None or any(room.is_quiet(now_s) for room in rooms)
+            self._projection.changed
+            or factory is not None
+            or any(room.is_quiet(now_s) for room in rooms)
+            or (self._record is not None and not 0 <= now_s - self._recorded_s < QUIET_S)
         ):
             return
         told = self._projection.delta(0, now_s, factory)
+        if self._record is not None:
+            self._recorded_s = now_s
+            self._record(told)
         slow = [(client, *key) for key, room in self._rooms.items() for client in room.tell(told)]
         for client, extent, pace in slow:
             if pace is Pace.LIVE:
@@ -277,7 +287,9 @@ class Hub:
     def _room(self, extent: Extent, pace: Pace) -> Room:
         room = self._rooms.get((extent, pace))
         if room is None:
-            room = self._rooms[extent, pace] = Room(self._scope(extent), self._wall_s, self._made, pace)
+            room = self._rooms[extent, pace] = Room(
+                _scope(self._projection, extent), self._wall_s, self._made, pace
+            )
         return room
 
     def _close_empty_rooms(self) -> None:
@@ -297,17 +309,10 @@ class Hub:
                 del self._slow[client]
                 self._move(client, extent, Pace.LIVE)
 
-    def _scope(self, extent: Extent) -> StreamScope:
-        if isinstance(extent, frozenset):
-            return AreaScope(self._projection, AreaVisibility(self._projection, extent))
-        if extent is Whole.PLANT:
-            return WholeScope(self._projection)
-        return FactoryScope(self._projection, FactoryVisibility(self._projection.site))
-
     def _new_figures(self, now_s: float) -> FactoryView | None:
         """The factory's figures, when it is time for them, somebody sees them and they have changed."""
         whole = [room for (extent, _), room in self._rooms.items() if isinstance(extent, Whole)]
-        if not whole or 0 <= now_s - self._figured_s < FACTORY_S:
+        if not (whole or self._record) or 0 <= now_s - self._figured_s < FACTORY_S:
             return None
         self._figured_s = now_s
         factory = self._projection.factory(now_s)
@@ -317,6 +322,19 @@ class Hub:
         for room in whole:
             room.owes_figures = False
         return factory
+
+
+def scope_of(seen: PlantPicture, who: Principal) -> StreamScope:
+    """What somebody is told of a picture."""
+    return _scope(seen, extent_of(who))
+
+
+def _scope(seen: PlantPicture, extent: Extent) -> StreamScope:
+    if isinstance(extent, frozenset):
+        return AreaScope(seen, AreaVisibility(seen, extent))
+    if extent is Whole.PLANT:
+        return WholeScope(seen)
+    return FactoryScope(seen, FactoryVisibility(seen.site))
 
 
 def extent_of(who: Principal) -> Extent:

@@ -13,7 +13,7 @@ from typing import Any, Protocol
 from msgspec.structs import replace
 
 from dray.gateway.live.frames import Delta, Snapshot
-from dray.gateway.live.projection.projection import Projection
+from dray.gateway.live.plant_picture import PlantPicture
 from dray.gateway.live.views import FactoryView
 from dray.gateway.live.visibility import AreaVisibility, FactoryVisibility
 
@@ -40,7 +40,7 @@ class WholeScope:
         projection: of the plant.
     """
 
-    def __init__(self, projection: Projection) -> None:
+    def __init__(self, projection: PlantPicture) -> None:
         self._projection = projection
 
     def snapshot(self, number: int, wall_s: float) -> Snapshot:
@@ -64,7 +64,7 @@ class FactoryScope:
         visibility: what is seen of it.
     """
 
-    def __init__(self, projection: Projection, visibility: FactoryVisibility) -> None:
+    def __init__(self, projection: PlantPicture, visibility: FactoryVisibility) -> None:
         self._projection, self._visibility = projection, visibility
 
     def snapshot(self, number: int, wall_s: float) -> Snapshot:
@@ -98,7 +98,7 @@ class AreaScope:
         visibility: what is seen of it.
     """
 
-    def __init__(self, projection: Projection, visibility: AreaVisibility) -> None:
+    def __init__(self, projection: PlantPicture, visibility: AreaVisibility) -> None:
         self._projection, self._visibility = projection, visibility
         self._others: Mapping[str, tuple[Show, Callable[[], Iterable[Any]]]] = {
             "machine": (visibility.machine, projection.machines.views),

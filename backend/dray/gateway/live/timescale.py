@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from dray.plant.working_time import WorkingTime
+
 
 @dataclass(frozen=True, slots=True)
 class TimeScale:
@@ -34,3 +36,25 @@ class TimeScale:
     def to_plant_s(self, wall_s: float) -> float:
         """Wall clock to plant clock."""
         return self.plant_epoch_s + (wall_s - self.wall_epoch_s) * self.speed
+
+
+class WallWorkingTime:
+    """When a machine works, on the wall clock.
+
+    Args:
+        working_time: by the plant's clock.
+        time: of the plant.
+    """
+
+    def __init__(self, working_time: WorkingTime, time: TimeScale) -> None:
+        self._working_time, self._time = working_time, time
+
+    def between_s(self, start_s: float, end_s: float) -> float:
+        """Working time from one moment to another one (wall seconds)."""
+        time = self._time
+        return self._working_time.between_s(time.to_plant_s(start_s), time.to_plant_s(end_s)) / time.speed
+
+    def after_s(self, start_s: float, work_s: float) -> float:
+        """When so much working time has passed (wall clock); infinite for never."""
+        time = self._time
+        return time.to_wall_s(self._working_time.after_s(time.to_plant_s(start_s), work_s * time.speed))

@@ -10,7 +10,7 @@ from typing import Any
 
 import msgspec
 
-from dray.gateway.live.frames import COLLECTIONS, Delta
+from dray.gateway.live.frames import COLLECTIONS, Delta, Snapshot
 from dray.gateway.live.views import FactoryView
 
 
@@ -49,6 +49,12 @@ class Updates:
             if self._gone:
                 for view in views:
                     self._gone.pop(f"{kind}:{view.id}", None)
+
+    def begin(self, snapshot: Snapshot) -> None:
+        """All clients know this snapshot, and nothing else."""
+        for collection in COLLECTIONS.values():
+            views = getattr(snapshot, collection)
+            self._told[collection] = {view.id: msgspec.to_builtins(view) for view in views}
 
     def tell_whole(self) -> None:
         """Somebody was given a snapshot, which may be newer than what the others know."""

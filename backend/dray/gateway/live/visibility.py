@@ -9,11 +9,11 @@ named: where there is one it says `ELSEWHERE`. Only commands that were given to 
 from __future__ import annotations
 
 import re
-from itertools import groupby
+from itertools import groupby, takewhile
 
 from msgspec.structs import replace
 
-from dray.gateway.live.projection.projection import Projection
+from dray.gateway.live.plant_picture import PlantPicture
 from dray.gateway.live.projection.site import Site
 from dray.gateway.live.reasons import wait_text
 from dray.gateway.live.views import (
@@ -37,6 +37,7 @@ from dray.gateway.live.views import (
 )
 from dray.gateway.live.views.alert import OF_MANY
 from dray.plant import Plant
+from dray.plant.floor.doors import doors_along
 from dray.plant.model import PlantFile
 
 ELSEWHERE = "*"
@@ -109,15 +110,16 @@ class FactoryVisibility(WholeVisibility):
 
     def task(self, view: TaskView) -> TaskView | None:
         """A task, without the order that it is for."""
-        return replace(view, order="") if view.order else view
+        stranded = view.stranded and replace(view.stranded, order="")
+        return replace(view, order="", stranded=stranded) if view.order or stranded else view
 
     def news(self, view: NewsView) -> NewsView | None:
         """News, unless it is of an order."""
         return None if view.order else view
 
     def alert(self, view: AlertView) -> AlertView | None:
-        """What is wrong, unless it is with an order."""
-        return None if view.order else view
+        """What is wrong, unless it is with an order; of goods, without the order that they are for."""
+        return replace(view, order="") if view.goods is not None else None if view.order else view
 
 
 class AreaVisibility:
@@ -128,7 +130,7 @@ class AreaVisibility:
         areas: ids of areas; those that the plant does not have hold nothing.
     """
 
-    def __init__(self, projection: Projection, areas: frozenset[str]) -> None:
+    def __init__(self, projection: PlantPicture, areas: frozenset[str]) -> None:
         self._projection = projection
         self._plant = plant = projection.site.plant
         self._areas = tuple(area for area in plant.areas if area in areas)
@@ -145,7 +147,7 @@ class AreaVisibility:
     def has(self, agent: str) -> bool:
         """Whether a machine, the station of a storage or a vehicle is there at this moment."""
         plant = self._projection.site.plant
-        if agent in plant.machines or agent in plant.storages:
+        if agent in plant.machines or agent in plant.stores:
             return agent in self._places
         place_m = self._projection.atvs.place_m(agent)
         return place_m is not None and self.reaches(*place_m)
@@ -166,6 +168,7 @@ class AreaVisibility:
             machines=machines,
             stations=tuple(each for each in file.stations if each.id in stations),
             areas=tuple(each for each in file.areas if each.id in self._areas),
+            doors=doors_along(file.doors, self._lanes),
             fleet=(),
         )
 
@@ -216,6 +219,7 @@ class AreaVisibility:
             order="",
             goal="",
             trouble=self._cause(view.trouble),
+            stranded=view.stranded and replace(view.stranded, atv=self._who(view.stranded.atv), order=""),
             carriers=(),
             bids=(),
             refusals=(),
@@ -224,13 +228,10 @@ class AreaVisibility:
 
     def news(self, view: NewsView) -> NewsView | None:
         """News of what is seen."""
-        if not self.has(view.agent):
-            return None
-        if view.kind in OF_TAKEOVERS:
+        is_seen = self.has(view.agent)
+        if is_seen and view.kind in OF_TAKEOVERS:
             return self._takeover(view)
-        if view.kind in OF_VEHICLES:
-            return replace(view, cause=self._cause(view.cause))
-        return None
+        return replace(view, cause=self._cause(view.cause)) if is_seen and view.kind in OF_VEHICLES else None
 
     def alert(self, view: AlertView) -> AlertView | None:
         """What is wrong with a machine, a station, a vehicle or a transport that is seen, and that nothing new is heard at all."""
@@ -242,7 +243,7 @@ class AreaVisibility:
             task = self._projection.tasks.view(view.task)
             if task is None or not self._concerns(task):
                 return None
-            return replace(view, agent=self._who(view.agent), cause=self._cause(view.cause))
+            return replace(view, agent=self._who(view.agent), order="", cause=self._cause(view.cause))
         if not view.agent or not self.has(view.agent):
             return None
         over = tuple(self._who(atv) for atv in view.agents)
@@ -250,16 +251,13 @@ class AreaVisibility:
 
     def command(self, view: CommandView) -> CommandView | None:
         """A command to a vehicle that was there when it was given."""
-        there = self._projection.commands.areas_of(view.id)
-        if there.isdisjoint(self._areas):
-            return None
-        return replace(view, detail=self.words(view.detail), text=self.words(view.text))
+        was_here = not self._projection.commands.areas_of(view.id).isdisjoint(self._areas)
+        return replace(view, detail=self.words(view.detail), text=self.words(view.text)) if was_here else None
 
     def obstacle(self, view: ObstacleView) -> ObstacleView | None:
         """What lies on a lane of which both ends are seen."""
-        if view.start not in self._nodes or view.end not in self._nodes:
-            return None
-        return replace(view, by=self._who(view.by))
+        is_here = view.start in self._nodes and view.end in self._nodes
+        return replace(view, by=self._who(view.by)) if is_here else None
 
     def closure(self, view: ClosureView) -> ClosureView | None:
         """A closure of which some lane is seen, with the lanes that are."""
@@ -276,8 +274,7 @@ class AreaVisibility:
         """A vehicle that waits, where it is seen."""
         if not self.has(view.id):
             return None
-        place = view.place if self._is_seen(view.place) else ""
-        cause = self._wait_cause(view.cause)
+        place, cause = view.place if self._is_seen(view.place) else "", self._wait_cause(view.cause)
         return replace(view, place=place, cause=cause, text=wait_text(cause))
 
     def words(self, text: str) -> str:
@@ -358,10 +355,8 @@ class AreaVisibility:
         """Of what is free again only what lies in the areas."""
         if removal is None:
             return None
-        node = removal.node if removal.node in self._nodes else ""
-        return replace(
-            removal, freed=tuple(place for place in removal.freed if self._is_seen(place)), node=node
-        )
+        freed = tuple(place for place in removal.freed if self._is_seen(place))
+        return replace(removal, freed=freed, node=removal.node if removal.node in self._nodes else "")
 
     def _shut_out(self, view: ShutOutView | None) -> ShutOutView | None:
         return None if view is None else replace(view, reason=self.words(view.reason))
@@ -371,10 +366,7 @@ class AreaVisibility:
 
     def _way(self, way: tuple[str, ...]) -> tuple[str, ...]:
         """As far as it is seen."""
-        for count, node in enumerate(way):
-            if node not in self._nodes:
-                return way[:count]
-        return way
+        return tuple(takewhile(self._nodes.__contains__, way))
 
     def _word(self, found: re.Match[str]) -> str:
         word = found[0]
@@ -385,7 +377,9 @@ class AreaVisibility:
 Visibility = WholeVisibility | FactoryVisibility | AreaVisibility
 
 
-def visibility_of(projection: Projection, areas: frozenset[str] | None, *, orders: bool = True) -> Visibility:
+def visibility_of(
+    projection: PlantPicture, areas: frozenset[str] | None, *, orders: bool = True
+) -> Visibility:
     """What somebody sees.
 
     Args:

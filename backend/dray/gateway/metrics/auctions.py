@@ -8,7 +8,7 @@ from prometheus_client import CollectorRegistry, Counter, Histogram
 
 from dray.messages import Event, Production, Role
 from dray.messages.fact import AwardAnswered, BidReceived, RoundFailed, TaskClosed, TaskOpened
-from dray.messages.keys import STRATEGIST
+from dray.messages.keys import STRATEGISTS
 
 K = TypeVar("K")
 V = TypeVar("V")
@@ -112,7 +112,7 @@ class Auctions:
             self._auctions.pop((fact.task, role), None)
         opened_s = self._opened_s.pop(fact.task, None)
         outcome = fact.outcome if fact.outcome in {DELIVERED, WITHDRAWN} else OTHER
-        work = PRODUCTION if coordinator == STRATEGIST else TRANSPORT
+        work = PRODUCTION if coordinator in STRATEGISTS else TRANSPORT
         self._tasks_closed.labels(work, outcome).inc()
         if opened_s is not None and outcome == DELIVERED:
             self._transport_s.observe(at_s - opened_s)

@@ -37,3 +37,8 @@ class History(Collector):
             "historian_numbers_missing", "Events that are known to lack and are asked for.", historian.missing
         )
         yield counter("historian_numbers_gone", "Events that nobody has any more.", historian.gone)
+        yield counter(
+            "historian_events_forgotten_early",
+            "Events that were forgotten before their time, because there were too many.",
+            0 if historian.retention is None else historian.retention.too_many,
+        )

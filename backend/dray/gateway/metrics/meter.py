@@ -6,6 +6,8 @@ fetched again after it was lost is for the history, not for rates of now.
 
 from __future__ import annotations
 
+from typing import TypeVar
+
 from prometheus_client import CollectorRegistry, Counter
 
 from dray.gateway.metrics.auctions import Auctions
@@ -29,6 +31,24 @@ AGENTS = 10_000
 here."""
 
 
+ORDERS = 50_000
+"""Orders of which is known that they were counted, some 10 MB: many times those that end while a strategist is away."""
+
+GOALS = 50_000
+"""Goals of which is known how much was counted, likewise."""
+
+K = TypeVar("K")
+V = TypeVar("V")
+
+
+def _keep(known: dict[K, V], key: K, value: V, most: int) -> None:
+    """Note it as the newest, and forget the oldest that is too many."""
+    known.pop(key, None)
+    known[key] = value
+    if len(known) > most:
+        del known[next(iter(known))]
+
+
 class Meter:
     """Counts.
 
@@ -39,6 +59,10 @@ class Meter:
     def __init__(self, registry: CollectorRegistry) -> None:
         self._last: dict[str, tuple[int, int]] = {}
         """By agent, the life and the number of its newest fact that was counted."""
+        self._orders: dict[tuple[type[AnyFact], str], None] = {}
+        """What was counted of which orders: of several strategists more than one may tell it."""
+        self._arrived: dict[str, int] = {}
+        """By goal, pieces that were counted: whoever takes an order over tells all that had arrived."""
         self._auctions = Auctions(registry)
 
         def counter(name: str, what: str, *labels: str) -> Counter:
@@ -90,8 +114,13 @@ class Meter:
                 self._refused.labels(reason.value).inc()
             case CarrierChanged(carrier=carrier):
                 self._changed.labels("secondary" if carrier else "auction").inc()
-            case GoodsDelivered(quantity=quantity):
-                self._goods.inc(quantity)
+            case GoodsDelivered(goal=goal, delivered=delivered):
+                self._goods.inc(max(0, delivered - self._arrived.get(goal, 0)))
+                _keep(self._arrived, goal, max(delivered, self._arrived.get(goal, 0)), GOALS)
+            case OrderFulfilled(order=order) | OrderAccepted(order=order):
+                if (type(fact), order) not in self._orders:
+                    _keep(self._orders, (type(fact), order), None, ORDERS)
+                    self._plain[type(fact)].inc()
             case _ if (plain := self._plain.get(type(fact))) is not None:
                 plain.inc()
             case _:

@@ -99,11 +99,11 @@ class State(Collector):
             {"shown": self._projection.heard, "ignored": self._projection.ignored + self._peer.ignored},
         )
         silent_s = self._strategist_probe.silent_s
-        yield gauge(
-            "strategist_present", "Whether the strategist was heard lately.", self._strategist_probe.there
-        )
+        presence = self._strategist_probe.presence()
+        yield gauge("strategist_present", "Whether any strategist was heard lately.", any(presence.values()))
+        yield gauges("strategists_present", "Whether each of them was.", "strategist", presence)
         if silent_s is not None:
-            yield gauge("strategist_silent_seconds", "Since the strategist was heard.", silent_s)
+            yield gauge("strategist_silent_seconds", "Since any strategist was heard.", silent_s)
         hub = self._hub
         yield gauge("stream_clients", "Panels that are open.", hub.joined)
         yield counter("stream_frames", "Frames made for panels.", hub.frames)

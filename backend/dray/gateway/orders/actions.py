@@ -11,6 +11,7 @@ from http import HTTPStatus
 from dray.gateway.http.problems import Problem
 from dray.gateway.live.projection import Projection
 from dray.gateway.orders.outbox import Outbox
+from dray.priorities import order_wanted_s
 from dray.store import Store
 from dray.store.orders.orders import Order
 from dray.store.orders.progress import ENDED, OrderStatus
@@ -55,7 +56,9 @@ class OrderActions:
                     "look at revoked_at_s and status, and try again when it is stored",
                     headers={"Retry-After": "1"},
                 )
-            await work.orders.release(order_id, self._wall_s())
+            now_s = self._wall_s()
+            wanted_at_s = order_wanted_s(before.priority, now_s, before.due_at_s, self._projection.speed)
+            await work.orders.release(order_id, now_s, wanted_at_s)
             after = await work.orders.get(order_id)
         if after is not None and before.status is OrderStatus.STORED:
             self._projection.orders.put(after)
@@ -77,6 +80,14 @@ class OrderActions:
                 return None
             if before.status in ENDED:
                 raise _ended(before, "there is nothing left to take back")
+            if before.being_changed:
+                raise Problem(
+                    HTTPStatus.CONFLICT,
+                    "being-changed",
+                    "The order is being changed",
+                    f"the factory has not confirmed the last change of order {order_id}; try again when changing is false",
+                    headers={"Retry-After": "1"},
+                )
             await work.orders.revoke(order_id, self._wall_s())
             after = await work.orders.get(order_id)
         if after is not None and after.being_revoked and not before.being_revoked:

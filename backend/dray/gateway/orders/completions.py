@@ -16,9 +16,11 @@ from dray.gateway.live.projection import Projection
 from dray.gateway.orders.outbox import Outbox
 from dray.messages import OrderTaken, RevocationTaken
 from dray.store import Store
+from dray.store.orders.progress import Goal, progress
+from dray.store.work import Work
 
 Ending = OrderTaken | RevocationTaken
-"""What the strategist answers about an order at which it does not work any more."""
+"""What the strategist answers about an order at which it does not work any more, or that was changed."""
 
 _log = logging.getLogger(__name__)
 
@@ -72,11 +74,27 @@ class Completions:
     async def _write(self, answer: Ending) -> None:
         now_s = self._wall_s()
         async with self._store.write() as work:
+            goals: list[Goal] = []
             if isinstance(answer, RevocationTaken):
                 await work.orders.store(answer.order, answer.release, answer.outstanding, now_s)
             else:
-                await work.orders.fulfil(answer.order, answer.release, now_s)
+                goals = await self._settle(work, answer, now_s)
+                if answer.fulfilled:
+                    await work.orders.fulfil(answer.order, answer.release, now_s)
             order = await work.orders.get(answer.order)
         if order is not None:
-            self._projection.orders.put(order)
+            self._projection.orders.put(order, goals)
         self._outbox.answered(answer)
+
+    async def _settle(self, work: Work, answer: OrderTaken, now_s: float) -> list[Goal]:
+        """Write down what has become of a change, and how far the order is with that; returns its goals if it was one."""
+        about = (answer.order, answer.release, answer.change, answer.quantities)
+        if not await work.order_changes.settle(*about, now_s):
+            return []
+        order = await work.orders.get(answer.order)
+        if order is None:
+            return []
+        goals = (await work.goals.of_orders([order.id]))[order.id]
+        reached = progress(order.quantities, goals, order.incarnation, order.delivered)
+        await work.orders.advance(order, reached, now_s)
+        return goals

@@ -6,10 +6,12 @@ from datetime import UTC, datetime
 from typing import Annotated, Any
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema
+from pydantic_core import PydanticCustomError
 
 from dray.gateway.http.problems import FieldError
 from dray.gateway.http.request_bodies import Line
 from dray.plant.model import PlantFile
+from dray.priorities import Priority
 
 MAX_ITEMS = 50
 """Lines of one order: more than a person reads; larger orders come as several."""
@@ -20,13 +22,15 @@ MAX_QUANTITY = 10_000
 
 def _written_moment(value: Any) -> datetime:
     if not isinstance(value, str):
-        raise ValueError("write it as text, as 2030-05-17T14:30:00Z")  # noqa: TRY004 - pydantic wants it
+        raise PydanticCustomError("moment_text", "write it as text, as 2030-05-17T14:30:00Z")
     try:
         moment = datetime.fromisoformat(value)
     except ValueError:
-        raise ValueError("it is no ISO 8601 time; write it as 2030-05-17T14:30:00Z") from None
+        reason = "it is no ISO 8601 time; write it as 2030-05-17T14:30:00Z"
+        raise PydanticCustomError("moment_unreadable", reason) from None
     if moment.tzinfo is None:
-        raise ValueError("it lacks its time zone; add Z or an offset, as 2030-05-17T14:30:00+02:00")
+        reason = "it lacks its time zone; add Z or an offset, as 2030-05-17T14:30:00+02:00"
+        raise PydanticCustomError("moment_no_zone", reason)
     return moment
 
 
@@ -34,7 +38,7 @@ def _in_utc(moment: datetime) -> datetime:
     try:
         return moment.astimezone(UTC)
     except (OverflowError, ValueError):
-        raise ValueError("it is out of the calendar") from None
+        raise PydanticCustomError("moment_off_calendar", "it is out of the calendar") from None
 
 
 Moment = Annotated[
@@ -73,6 +77,8 @@ class OrderDraft(WorkDraft):
     customer: Line
     reference: Line | None = None
     """The customer's own number."""
+    priority: Priority = Priority.NORMAL
+    """What is urgent is wanted within a quarter of an hour of the plant's clock, high within three quarters; low stands back for a shift."""
     release: Annotated[bool, Field(strict=True)] = True
     """False: only store it; `POST /api/orders/{id}/release` starts it."""
 
@@ -81,14 +87,13 @@ def nonsense(draft: WorkDraft, plant: PlantFile, now_s: float) -> list[FieldErro
     """What has the right shape and still means nothing in this plant, or at this time."""
     known = {product.id for product in plant.products}
     errors = [
-        FieldError(
-            f"items[{index}].product",
-            f"this plant does not make {item.product!r}; it makes {', '.join(sorted(known))}",
+        FieldError.of(
+            f"items[{index}].product", "not_made", product=item.product, products=", ".join(sorted(known))
         )
         for index, item in enumerate(draft.items)
         if item.product not in known
     ]
     if draft.due_at is not None and draft.due_at.timestamp() <= now_s:
         now = datetime.fromtimestamp(now_s, UTC).isoformat(timespec="seconds")
-        errors.append(FieldError("due_at", f"it is past: here it is {now}; give a later time"))
+        errors.append(FieldError.of("due_at", "past", now=now))
     return errors

@@ -236,7 +236,7 @@ def _unclaimed(situation: Situation) -> list[Wanted]:
 
 def _materials(plant: PlantFile, wanted: Sequence[Wanted], situation: Situation) -> tuple[MaterialNeed, ...]:
     products = {product.id: product for product in plant.products}
-    makes = {work.product for work in wanted}
+    makes = _levels(products, wanted)
     able = {spec.id for spec in plant.machines if makes & {making.product for making in spec.makes}}
     needed = _taken(products, wanted)
     others = _taken(products, (Wanted(*each) for each in _to_make(situation.orders).items()))
@@ -281,10 +281,25 @@ def _need(
 
 
 def _taken(products: Mapping[str, Product], works: Iterable[Wanted]) -> Counter[str]:
-    """By material: pieces that this work takes."""
+    """By material and part: pieces that this work takes, on all levels."""
     pieces: Counter[str] = Counter()
-    for work in works:
+    ahead = list(works)
+    while ahead:
+        work = ahead.pop()
         product = products.get(work.product)
         for line in product.bill if product is not None else ():
             pieces[line.material] += line.quantity * work.quantity
+            ahead.append(Wanted(line.material, line.quantity * work.quantity))
     return pieces
+
+
+def _levels(products: Mapping[str, Product], wanted: Iterable[Wanted]) -> set[str]:
+    """Products, and the parts on all levels below them."""
+    found: set[str] = set()
+    ahead = [work.product for work in wanted]
+    while ahead:
+        product = products.get(ahead.pop())
+        if product is not None and product.id not in found:
+            found.add(product.id)
+            ahead += [line.material for line in product.bill]
+    return found

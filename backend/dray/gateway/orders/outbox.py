@@ -4,6 +4,9 @@ The bus promises nothing, so all are repeated with growing pauses until they are
 remembered here that SQL does not know: what was answered is forgotten, and at every reconciliation
 (`dray.gateway.orders.reconciliation`) open orders are sent again, with what is still to be delivered, or taken back
 again; to a strategist who knows already that is no news.
+
+Where a plant has several strategists all of them are told. They note it, and whoever holds the order answers; when that one is silent,
+whoever holds it next does (`dray.protocol.strategist.order_holding`).
 """
 
 from __future__ import annotations
@@ -24,6 +27,7 @@ from dray.messages import (
     OrderReleased,
     OrderRevoked,
     OrderTaken,
+    PartDefinition,
     ProductDefinition,
     RevocationTaken,
 )
@@ -113,6 +117,7 @@ class Reminders:
             reminder is not None
             and isinstance(reminder.message, ANSWERS[type(answer)])
             and _release(reminder.message) == _release(answer)
+            and (_is_over(answer) or _change(answer) >= _change(reminder.message))
         )
 
     def answered(self, answer: Answer) -> bool:
@@ -159,7 +164,9 @@ class Outbox:
         time: the two clocks.
         wall_s: the wall clock.
         products: what this plant can make.
+        strategists: all of the plant. Each hears everything, and whoever holds an order answers.
         definition_of: a product as people have defined it; None for one that is made as the plant file says.
+        parts_of: the parts below it, as far as people have defined them.
     """
 
     def __init__(
@@ -169,10 +176,13 @@ class Outbox:
         time: TimeScale,
         wall_s: Callable[[], float],
         products: Collection[str],
+        strategists: Collection[str] = (STRATEGIST,),
         definition_of: Callable[[str], ProductDefinition | None] = lambda _product: None,
+        parts_of: Callable[[str], tuple[PartDefinition, ...]] = lambda _product: (),
     ) -> None:
         self._send, self._time, self._wall_s, self._products = send, time, wall_s, products
-        self._definition_of = definition_of
+        self._strategists = strategists
+        self._definition_of, self._parts_of = definition_of, parts_of
         self._reminders = Reminders()
         self._strange: set[str] = set()
         """Orders of which it was said that this plant cannot make them: such as an earlier plant file could."""
@@ -193,7 +203,8 @@ class Outbox:
     def follow(self, order: Order) -> None:
         """Somebody else has changed an order: what is repeated about it must not be what held before."""
         said, kind = self._reminders.get(order.id), _kind(order)
-        if said is None or (type(said) is kind and _release(said) in {None, order.releases}):
+        is_same = said is None or (type(said) is kind and _release(said) in {None, order.releases})
+        if said is None or (is_same and (kind is not OrderReleased or _change(said) >= order.change)):
             return
         self._reminders.forget(order.id)
         if kind is OrderCancelled:
@@ -209,18 +220,25 @@ class Outbox:
                 self._strange.add(order.id)
                 _log.error("order %s waits: this plant does not make %s", order.id, ", ".join(strange))
             return
-        items = zip(order.items, order.outstanding, strict=True)
-        wanted_s = order.due_at_s
+        items = zip(order.items, order.wanted_outstanding, strict=True)
+        wanted_s = order.due_at_s if order.wanted_at_s is None else order.wanted_at_s
         due_s = self._time.to_plant_s(self._wall_s() if wanted_s is None else wanted_s)
         message = OrderReleased(
             order=order.id,
             # An item that is delivered keeps its place: goals name items by their index.
             items=tuple(
-                OrderItem(item.product, outstanding, self._definition_of(item.product))
+                OrderItem(
+                    item.product,
+                    outstanding,
+                    self._definition_of(item.product),
+                    item.delivered,
+                    self._parts_of(item.product),
+                )
                 for item, outstanding in items
             ),
             due_s=due_s + (NO_DUE_S if wanted_s is None else 0.0),
             release=order.releases,
+            change=order.change,
         )
         self._say(order.id, message)
 
@@ -261,7 +279,8 @@ class Outbox:
 
     def _say_due(self, now_s: float) -> None:
         for message in self._reminders.due(now_s):
-            self._send(STRATEGIST, message)
+            for strategist in self._strategists:
+                self._send(strategist, message)
 
 
 def _kind(order: Order) -> type[OrderReleased | OrderRevoked | OrderCancelled] | None:
@@ -276,3 +295,14 @@ def _kind(order: Order) -> type[OrderReleased | OrderRevoked | OrderCancelled] |
 def _release(message: Message) -> int | None:
     """Which release of an order something is about; None for all of them."""
     return getattr(message, "release", None)
+
+
+def _change(message: Message) -> int:
+    """Which change of an order something is about; 0 for none."""
+    change: int = getattr(message, "change", 0)
+    return change
+
+
+def _is_over(answer: Answer) -> bool:
+    """Whether nothing is made of the order any more: then a later change has come too late."""
+    return isinstance(answer, OrderTaken) and answer.fulfilled

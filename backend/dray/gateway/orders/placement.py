@@ -23,11 +23,14 @@ from dray.gateway.orders.outbox import Outbox
 from dray.gateway.tracking.eta import History
 from dray.gateway.tracking.facts import SILENCE_S
 from dray.plant.model import PlantFile
+from dray.priorities import order_wanted_s
 from dray.store import Store
 from dray.store.orders.idempotency_keys import KeptAnswer
 from dray.store.orders.orders import Item, Order
 from dray.store.orders.placing import Placement, Placing, Wish
 from dray.store.orders.progress import OrderStatus
+from dray.store.orders.tracking_links import Link
+from dray.store.work import Work
 
 MAX_OPEN_ORDERS = 10_000
 """Orders that have not ended: months of work. They are kept in memory and sent to every new panel."""
@@ -111,6 +114,26 @@ class OrderPlacement:
         wish = Wish(prepare=lambda: self._prepared([draft], lambda _orders: b""))
         orders, _ = await self._placed(wish, 1)
         return orders[0]
+
+    def order(self, draft: OrderDraft) -> Order:
+        """What a draft comes to now, for who keeps it in a transaction of its own; not kept yet.
+
+        Raises:
+            Problem: as `place`.
+        """
+        return self._prepared([draft], lambda _orders: b"").orders[0]
+
+    async def keep(self, work: Work, order: Order, key: str) -> None:
+        """Take an order in a transaction, under a key that nobody else has; `publish` is for after it."""
+        await work.orders.add(order)
+        await work.links.add(order.token, Link(order.id, order.created_at_s))
+        await work.keys.add(KeptAnswer(key, "", order.id, "", order.created_at_s))
+
+    def publish(self, order: Order) -> None:
+        """Let panels and the strategist know of an order that is on disk."""
+        self._projection.orders.put(order)
+        if order.status is OrderStatus.RELEASED:
+            self._outbox.release(order)
 
     async def place_once(
         self,
@@ -200,7 +223,9 @@ class OrderPlacement:
                 headers={"Retry-After": "600"},
             )
         # A millisecond apart: their ids differ by that, and they are listed in this order.
-        orders = [_order(draft, now_s + index / 1000) for index, draft in enumerate(drafts)]
+        orders = [
+            _order(draft, now_s + index / 1000, self._projection.speed) for index, draft in enumerate(drafts)
+        ]
         return Placement(orders, render(orders).decode())
 
     def _refuse_nonsense(self, draft: WorkDraft, now_s: float) -> None:
@@ -214,7 +239,8 @@ class OrderPlacement:
             raise unusable(*errors)
 
 
-def _order(draft: OrderDraft, now_s: float) -> Order:
+def _order(draft: OrderDraft, now_s: float, speed: float) -> Order:
+    due_at_s = None if draft.due_at is None else draft.due_at.timestamp()
     return Order(
         id=new_order_id(now_s),
         status=OrderStatus.RELEASED if draft.release else OrderStatus.STORED,
@@ -223,8 +249,10 @@ def _order(draft: OrderDraft, now_s: float) -> Order:
         items=tuple(Item(item.product, item.quantity) for item in draft.items),
         created_at_s=now_s,
         reference=draft.reference,
-        due_at_s=None if draft.due_at is None else draft.due_at.timestamp(),
+        due_at_s=due_at_s,
         released_at_s=now_s if draft.release else None,
         releases=int(draft.release),
         updated_at_s=now_s,
+        priority=draft.priority,
+        wanted_at_s=order_wanted_s(draft.priority, now_s, due_at_s, speed) if draft.release else None,
     )

@@ -2,7 +2,9 @@
 
 At the start, since nobody wrote down what an earlier life was answered. And again from time to time, since the
 facts that should end an order may be lost with whoever kept them: the strategist's answer ends it then
-(`dray.gateway.orders.completions`). Several gateways may ask for the same orders; each gets the same answers.
+(`dray.gateway.orders.completions`). At once, when a strategist tells that an order has ended whose pieces nobody has told of: they
+arrived while all strategists were away, or before this one took the order over. And for all orders when a strategist tells that its memory is
+lost: should the others have lost theirs at the same time, nobody else knows them. Several gateways may ask for the same orders; each gets the same answers.
 """
 
 from __future__ import annotations
@@ -10,10 +12,12 @@ from __future__ import annotations
 import asyncio
 import logging
 from collections.abc import Callable
+from contextlib import suppress
 
 from dray.errors import UnavailableError
 from dray.gateway.orders.outbox import Outbox
 from dray.store import Store
+from dray.store.orders.progress import OPEN
 
 RECONCILE_EVERY_S = 600.0
 """Wall seconds between two times: an order that has ended unheard looks open for no longer. Each costs two
@@ -37,6 +41,10 @@ class Reconciliation:
 
     def __init__(self, store: Store, outbox: Outbox, wall_s: Callable[[], float]) -> None:
         self._store, self._outbox, self._wall_s = store, outbox, wall_s
+        self._doubted: set[str] = set()
+        """Open orders that are said to have ended: bounded by the open orders."""
+        self._doubts_all = False
+        self._news = asyncio.Event()
 
     async def start(self) -> None:
         """Ask for all open orders, and drop those that were cancelled lately.
@@ -61,8 +69,40 @@ class Reconciliation:
         else:
             self._outbox.ask(still_open)
 
+    def doubt(self, order: str) -> None:
+        """An order is said to have ended, and looks open: ask for it now."""
+        self._doubted.add(order)
+        self._news.set()
+
+    def doubt_all(self) -> None:
+        """Open orders may be forgotten: ask for all of them now."""
+        self._doubts_all = True
+        self._news.set()
+
+    async def ask_doubted(self) -> None:
+        """Ask for those that are open in SQL, too; without a database only at the next time for all."""
+        if self._doubts_all:
+            self._doubts_all = False
+            await self.reconcile()
+        doubted, self._doubted = self._doubted, set()
+        self._news.clear()
+        try:
+            async with self._store.read() as work:
+                orders = await work.orders.many(doubted)
+        except UnavailableError as error:
+            _log.info("orders that are said to have ended are asked for later: %s", error)
+        else:
+            self._outbox.ask(order for order in orders if order.status in OPEN)
+
     async def run(self) -> None:
         """Reconcile from time to time, until cancelled."""
+        clock = asyncio.get_running_loop()
+        next_s = clock.time() + RECONCILE_EVERY_S
         while True:
-            await asyncio.sleep(RECONCILE_EVERY_S)
-            await self.reconcile()
+            with suppress(TimeoutError):
+                async with asyncio.timeout_at(next_s):
+                    await self._news.wait()
+                    await self.ask_doubted()
+            if clock.time() >= next_s:
+                next_s = clock.time() + RECONCILE_EVERY_S
+                await self.reconcile()

@@ -1,6 +1,6 @@
 """The timeline of an order: its goals, the transports of what was made, who carried them, and what went otherwise. Pure.
 
-Folded from what agents have told (`store.history.events`), so it is the same long after the factory has forgotten the order. Material is
+Folded from what agents have told, as the log and the order keep it, so it is the same long after the factory has forgotten the order. Material is
 carried to machines and not to orders: no transport of it is here.
 """
 
@@ -31,12 +31,6 @@ from dray.messages.fact import (
 )
 from dray.store.history.events import EventRow
 from dray.store.orders.progress import Goal
-
-TOLD_BY = (
-    *(CarrierChanged, GoalContracted, GoalLost, GoalWaits, GoalWithdrawn, GoodsDelivered, OrderDropped),
-    *(OrderFulfilled, OrderReturned, PhaseEntered, PieceMade, TaskClosed, TaskOpened),
-)
-"""Facts of which a timeline is made."""
 
 MomentKind = Literal[
     "planned",
@@ -145,7 +139,10 @@ def timeline(rows: Iterable[EventRow], goals: Iterable[Goal], *, is_whole: bool 
         is_whole: whether there are no more of them.
     """
     told = _Timeline(goals)
-    in_order = sorted(rows, key=lambda each: (each.plant_s, each.agent, each.incarnation, each.number))
+    # The plant's clock of a simulated factory begins anew with each start, while its history is kept.
+    in_order = sorted(
+        rows, key=lambda each: (each.at_s, each.plant_s, each.agent, each.incarnation, each.number)
+    )
     # A vehicle's clock may be a little ahead of its coordinator's: what it carries is known before its own words.
     opened = TaskOpened.__name__
     for row in sorted(in_order, key=lambda each: each.kind != opened):
@@ -162,6 +159,8 @@ class _Timeline:
         self._ways: dict[str, WayOutView] = {}
         self._legs: dict[str, list[LegView]] = {}
         self._moments: list[MomentView] = []
+        self._arrived: dict[str, int] = {}
+        """By goal, pieces that were told."""
 
     def view(self, is_whole: bool) -> TimelineView:
         for task, way in self._ways.items():
@@ -188,7 +187,9 @@ class _Timeline:
             case TaskOpened() | PhaseEntered() | CarrierChanged() | TaskClosed():
                 self._on_task(fact, at_s, agent)
             case OrderFulfilled():
-                self._say("delivered", at_s)
+                # A strategist that was away when the order ended tells it again.
+                if all(moment.kind != "delivered" for moment in self._moments):
+                    self._say("delivered", at_s)
             case OrderDropped():
                 self._say("dropped", at_s)
             case OrderReturned():
@@ -205,9 +206,13 @@ class _Timeline:
             case PieceMade():
                 self._on_piece(fact, at_s, agent)
             case GoodsDelivered():
+                # Whoever takes an order over tells all that had arrived.
+                news = fact.delivered - self._arrived.get(fact.goal, 0)
+                if news > 0:
+                    self._arrived[fact.goal] = fact.delivered
+                    self._say("arrived", at_s, goal=fact.goal, item=fact.product, quantity=news)
                 if (goal := self._goals.get(fact.goal)) is not None:
                     goal.delivered = max(goal.delivered, fact.delivered)
-                self._say("arrived", at_s, goal=fact.goal, item=fact.product, quantity=fact.quantity)
             case GoalLost():
                 self._on_end(fact.goal, "lost", at_s, fact.successor)
             case GoalWithdrawn():

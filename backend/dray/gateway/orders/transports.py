@@ -12,22 +12,20 @@ import logging
 from collections.abc import Callable
 from contextlib import nullcontext, suppress
 from datetime import UTC, datetime
-from enum import StrEnum
 from http import HTTPStatus
-from typing import Annotated
 
 import msgspec
-from pydantic import BaseModel, ConfigDict, Field
 
 from dray.errors import UnavailableError
 from dray.gateway.access.principal import Principal, Scope
 from dray.gateway.http.problems import FieldError, Problem, unusable
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.timescale import TimeScale
-from dray.gateway.orders.drafts import Moment
 from dray.gateway.orders.idempotency import alone, key_at_work, refuse_other_body
 from dray.gateway.orders.order_ids import new_transport_id
 from dray.gateway.orders.outbox import Reminders
+from dray.gateway.orders.transport_draft import WISH_S, TransportDraft
+from dray.gateway.orders.transport_places import misplaced, places_for
 from dray.messages import (
     TRANSPORT_ENDED,
     Message,
@@ -37,9 +35,11 @@ from dray.messages import (
     TransportState,
 )
 from dray.plant import Plant
+from dray.priorities import TRANSPORT_WITHIN_S, Priority
 from dray.store import Store
 from dray.store.orders.idempotency_keys import KeptAnswer
 from dray.store.orders.transports import TransportRow
+from dray.store.work import Work
 
 OPEN_MAX = 5_000
 """Transports that have not ended: days of a large fleet's work."""
@@ -48,47 +48,6 @@ RECONCILE_EVERY_S = 60.0
 """Wall seconds between two times that all open ones are asked for: people wait for them, and there are few."""
 
 _log = logging.getLogger(__name__)
-
-
-class Priority(StrEnum):
-    """How soon something is wanted."""
-
-    LOW = "low"
-    NORMAL = "normal"
-    HIGH = "high"
-    URGENT = "urgent"
-
-
-WANTED_WITHIN_S = {
-    Priority.URGENT: 60.0,
-    Priority.HIGH: 180.0,
-    Priority.NORMAL: 900.0,
-    Priority.LOW: 3600.0,
-}
-"""Plant seconds within which it is wanted where no time is given; of high and urgent ones at the latest. Of what waits the vehicles take
-first what was wanted first, and whatever has waited five minutes (`auction.PATIENCE_S`): so nothing is starved."""
-
-_PlantId = Annotated[str, Field(min_length=1, max_length=32, pattern=r"^[A-Za-z][A-Za-z0-9_.-]*$")]
-
-
-class TransportDraft(BaseModel):
-    """Something to be brought from one place to another."""
-
-    model_config = ConfigDict(extra="forbid", populate_by_name=True)
-
-    source: Annotated[_PlantId, Field(alias="from")]
-    """A storage, or a machine that has it in a buffer."""
-    to: _PlantId
-    """Likewise."""
-    item: _PlantId
-    """A material; `GET /api/materials` lists them, and where they are kept."""
-    quantity: Annotated[int, Field(strict=True, ge=1, le=10_000)]
-    """Pieces: one load, so at most the lot of the material."""
-    due_at: Moment | None = None
-    """When it should be there, with a time zone; not in the past."""
-    priority: Priority = Priority.NORMAL
-    vehicle: _PlantId | None = None
-    """The only vehicle that may carry it; it waits for that one."""
 
 
 class PlainTransports:
@@ -137,20 +96,28 @@ class PlainTransports:
         Raises:
             Problem: what it names does not exist or is not kept there, too many are open, or the key was used for another body.
         """
-        body = f"transport {draft.model_dump_json()}"
+        body = f"transport {draft.text()}"
         fingerprint = hashlib.sha256(body.encode()).hexdigest()
         async with alone(self._keys_at_work, key) if key else nullcontext(), self._store.write() as work:
             if key and (known := await work.transports.of_key(key)) is not None:
                 refuse_other_body(_kept(known), fingerprint)
                 return _kept(known), True
-            row = self._row(draft, caller)
-            if len(await work.transports.open()) >= OPEN_MAX:
-                raise _too_many()
+            row = self.row(draft, caller)
             row = msgspec.structs.replace(row, key=key, fingerprint=fingerprint, answer=render(row).decode())
-            if not await work.transports.add(row):
-                raise key_at_work()
-        self._ask(row)
+            await self.keep(work, row)
+        self.ask(row)
         return _kept(row), False
+
+    async def keep(self, work: Work, row: TransportRow) -> None:
+        """Take a transport in a transaction; `ask` is for after it.
+
+        Raises:
+            Problem: 503 too many are open, 409 its key has just been used: the transaction is to be undone.
+        """
+        if len(await work.transports.open()) >= OPEN_MAX:
+            raise _too_many()
+        if not await work.transports.add(row):
+            raise key_at_work()
 
     async def cancel(self, transport: str, caller: Principal) -> TransportRow | None:
         """Call a transport off; one that is called off already stays so.
@@ -172,7 +139,7 @@ class PlainTransports:
                 row = msgspec.structs.replace(row, cancel_at_s=now_s, updated_at_s=now_s)
                 await work.transports.put(row)
         if not row.has_ended:
-            self._ask(row)
+            self.ask(row)
         return row
 
     def may_see(self, row: TransportRow, caller: Principal) -> bool:
@@ -184,12 +151,14 @@ class PlainTransports:
 
     def places_of(self, caller: Principal) -> frozenset[str] | None:
         """The places for which a caller may ask; None for all."""
+        if caller.kind == "key" and caller.station:
+            return frozenset({caller.station})
         if caller.areas is None:
             return None
         plant, areas = self._plant, caller.areas
         return frozenset(
             place
-            for place in (*plant.machines, *plant.storages)
+            for place in (*plant.machines, *plant.stores)
             if not areas.isdisjoint(plant.areas_near(*plant.position_of(place), 0.0))
         )
 
@@ -216,7 +185,7 @@ class PlainTransports:
             rows = await work.transports.open()
         for row in rows:
             if row.id not in self._reminders:
-                self._ask(row)
+                self.ask(row)
 
     async def run(self) -> None:
         """Repeat what is not answered, and write down how they have ended, until cancelled."""
@@ -268,16 +237,29 @@ class PlainTransports:
                 _log.warning("how transport %s has ended cannot be written: %s", name, error)
                 return
 
-    def _ask(self, row: TransportRow) -> None:
+    def ask(self, row: TransportRow) -> None:
+        """Ask a place for a transport that is on disk, or call it off there, until it answers."""
         message: Message = TransportCancelled(row.id)
         if row.cancel_at_s is None:
             due_s = self._time.to_plant_s(row.due_at_s)
-            message = TransportOrdered(row.id, row.source, row.item, row.quantity, due_s, row.vehicle)
+            message = TransportOrdered(
+                row.id,
+                row.source,
+                row.item,
+                row.quantity,
+                due_s,
+                row.vehicle,
+                self._until_s(row),
+                row.ability,
+            )
         now_s = asyncio.get_running_loop().time()
         self._places[row.id] = row.destination
         self._reminders.add(row.id, message, now_s)
         self._say_due(now_s)
         self._news.set()
+
+    def _until_s(self, row: TransportRow) -> float | None:
+        return None if row.vehicle_until_s is None else self._time.to_plant_s(row.vehicle_until_s)
 
     def _say_due(self, now_s: float) -> None:
         for message in self._reminders.due(now_s):
@@ -288,22 +270,39 @@ class PlainTransports:
         self._reminders.forget(transport)
         self._places.pop(transport, None)
 
-    def _row(self, draft: TransportDraft, caller: Principal) -> TransportRow:
+    def row(self, draft: TransportDraft, caller: Principal) -> TransportRow:
+        """What a draft comes to now; not kept yet.
+
+        Raises:
+            Problem: 422, it names what does not exist or is not kept there.
+        """
         now_s = self._wall_s()
-        if errors := self._nonsense(draft, caller, now_s):
+        source, destination = places_for(
+            self._plant,
+            self._projection.stations,
+            draft.item,
+            draft.quantity,
+            draft.source or "",
+            draft.to or "",
+        )
+        if errors := self._nonsense(draft, source, destination, caller, now_s):
             raise unusable(*errors)
-        within_s = now_s + WANTED_WITHIN_S[draft.priority] / self._projection.speed
+        within_s = now_s + TRANSPORT_WITHIN_S[draft.priority] / self._projection.speed
         due_s = within_s if draft.due_at is None else draft.due_at.timestamp()
         if draft.priority in (Priority.HIGH, Priority.URGENT):
             due_s = min(due_s, within_s)
         return TransportRow(
             id=new_transport_id(now_s),
-            source=draft.source,
-            destination=draft.to,
+            source=source,
+            destination=destination,
             item=draft.item,
             quantity=draft.quantity,
             priority=draft.priority.value,
             vehicle=draft.vehicle or "",
+            vehicle_until_s=now_s + WISH_S / self._projection.speed
+            if draft.vehicle and not draft.vehicle_only
+            else None,
+            ability=draft.ability or "",
             called_by=caller.name,
             caller=caller_key(caller),
             created_at_s=now_s,
@@ -311,47 +310,60 @@ class PlainTransports:
             updated_at_s=now_s,
         )
 
-    def _nonsense(self, draft: TransportDraft, caller: Principal, now_s: float) -> list[FieldError]:
+    def _nonsense(
+        self, draft: TransportDraft, source: str, to: str, caller: Principal, now_s: float
+    ) -> list[FieldError]:
         """What has the right shape and still means nothing here."""
         plant, item = self._plant, draft.item
-        if item in plant.products:
-            return [
-                FieldError("item", f"{item} is a product: finished goods leave their machine by themselves")
-            ]
+        if item in plant.products and item not in plant.parts:
+            return [FieldError.of("item", "item_is_product", item=item)]
         if item not in plant.materials:
-            return [FieldError("item", f"there is no material {item!r}; GET /api/materials lists them")]
-        errors = []
-        keepers, spec = plant.keepers_of(item), plant.materials[item]
-        for field, place in (("from", draft.source), ("to", draft.to)):
-            if place not in keepers:
-                errors.append(
-                    FieldError(field, f"{place} does not keep {item}; it is kept at {', '.join(keepers)}")
-                )
-        if draft.source == draft.to:
-            errors.append(FieldError("to", f"it is {draft.to} already; name another place"))
+            return [FieldError.of("item", "material_unknown", item=item)]
+        errors, spec = misplaced(plant, item, source, to), plant.materials[item]
         if draft.quantity > spec.lot:
-            errors.append(
-                FieldError(
-                    "quantity", f"one load of {item} is {spec.lot} at most; ask for several transports"
-                )
-            )
+            errors.append(FieldError.of("quantity", "load_too_large", item=item, most=spec.lot))
         places = self.places_of(caller)
-        if places is not None and places.isdisjoint((draft.source, draft.to)):
-            errors.append(FieldError("to", "neither place is in your areas; one of them must be"))
+        if places is not None and places.isdisjoint((source, to)):
+            errors.append(
+                FieldError.of("to", "only_for", place=caller.station)
+                if caller.areas is None
+                else FieldError.of("to", "not_your_area")
+            )
+        wanted = {spec.ability, draft.ability or spec.ability}
         if draft.vehicle is not None:
-            errors += self._unfit(draft.vehicle, spec.ability)
+            errors += self._unfit(draft.vehicle, wanted)
+        if draft.ability is not None:
+            errors += self._unknown_ability(draft.ability, spec.ability)
         if draft.due_at is not None and draft.due_at.timestamp() <= now_s:
             now = datetime.fromtimestamp(now_s, UTC).isoformat(timespec="seconds")
-            errors.append(FieldError("due_at", f"it is past: here it is {now}; give a later time"))
+            errors.append(FieldError.of("due_at", "past", now=now))
         return errors
 
-    def _unfit(self, vehicle: str, ability: str) -> list[FieldError]:
+    def _unknown_ability(self, wanted: str, carried: str) -> list[FieldError]:
+        """What is wrong with an ability that nobody in the plant has, or nobody who carries the material."""
+        kinds = self._plant.vehicle_types
+        types = {each.type for each in self._plant.fleet.values()}
+        types |= {each.type for each in self._projection.atvs.views()}
+        has = [kinds[each].abilities for each in types & kinds.keys()]
+        if any(wanted in abilities and carried in abilities for abilities in has):
+            return []
+        named = sorted({ability for abilities in has for ability in abilities if carried in abilities})
+        if not named:
+            return [FieldError.of("ability", "ability_nobody", carried=carried)]
+        return [
+            FieldError.of(
+                "ability", "ability_unknown", carried=carried, wanted=wanted, abilities=", ".join(named)
+            )
+        ]
+
+    def _unfit(self, vehicle: str, wanted: set[str]) -> list[FieldError]:
         view = self._projection.atvs.view(vehicle)
         if view is None:
-            return [FieldError("vehicle", f"there is no vehicle {vehicle!r}; GET /api/atvs lists them")]
+            return [FieldError.of("vehicle", "vehicle_unknown", vehicle=vehicle)]
         kind = self._plant.vehicle_types.get(view.type)
-        if kind is not None and ability not in kind.abilities:
-            return [FieldError("vehicle", f"{vehicle} cannot carry this: it lacks {ability}")]
+        if kind is not None and (lacking := wanted.difference(kind.abilities)):
+            abilities = ", ".join(sorted(lacking))
+            return [FieldError.of("vehicle", "vehicle_lacks", vehicle=vehicle, abilities=abilities)]
         return []
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from fastapi import APIRouter, Depends, FastAPI
 
 from dray.gateway.access.caller import admitted
-from dray.gateway.routes import health, me, plant, products, stream
+from dray.gateway.routes import health, keys, me, people, plant, stream
 from dray.gateway.routes.factory import (
     agents,
     alerts,
@@ -18,39 +18,56 @@ from dray.gateway.routes.factory import (
     plant_drafts,
     tasks,
 )
-from dray.gateway.routes.factory.floor import carrying, closures, obstacles, traffic, waits
-from dray.gateway.routes.history import audit, events, kpis, promises
-from dray.gateway.routes.orders import imports, orders, timeline, track, transports
-from dray.gateway.routes.pages import customer, docs, login, panels
+from dray.gateway.routes.factory.floor import areas, carrying, closures, obstacles, traffic, waits
+from dray.gateway.routes.history import alerts as alert_history
+from dray.gateway.routes.history import audit, events, kept, kpis, promises, quality, replay, reports
+from dray.gateway.routes.history import tasks as task_history
+from dray.gateway.routes.orders import changes, imports, orders, schedules, timeline, track, transports
+from dray.gateway.routes.pages import call, customer, docs, login, panels
+from dray.gateway.routes.products import imports as product_imports
+from dray.gateway.routes.products import products
 
 API = (
     # Its path looks like that of an order, so it comes first.
     imports,
     orders,
+    changes,
     timeline,
     track,
     transports,
+    schedules,
+    product_imports,
     products,
     inventory,
     machine_commands,
     machines,
     atvs,
     carrying,
+    # Its path looks like that of a task, so it comes first.
+    task_history,
     tasks,
     alerts,
+    alert_history,
     agents,
     closures,
+    areas,
     duty,
     plant_drafts,
     obstacles,
     promises,
     events,
+    kept,
     kpis,
+    quality,
+    replay,
+    reports,
     plant,
     traffic,
     waits,
     faults,
     me,
+    people,
+    keys,
     audit,
 )
 """Those that OpenAPI tells of."""
@@ -58,7 +75,7 @@ API = (
 BESIDE = (docs, stream)
 """Under `/api` too, and not in OpenAPI."""
 
-REST = (health, login, panels, customer)
+REST = (health, login, panels, customer, call)
 
 
 GUARDS = (Depends(admitted),)

@@ -1,7 +1,7 @@
 """The sender: grants stops, sends them to vehicles, and waits for their answers. Runs on the stop path's own loop.
 
 It reads neither the projection nor the database: the vehicle knows its position, and the grant names the areas in
-which its holder may stop vehicles.
+which its holder may stop vehicles. A vehicle whose clock is wrong is told until when by its own clock, so that it can be stopped.
 """
 
 from __future__ import annotations
@@ -74,6 +74,7 @@ class StopSender:
         time: the two clocks.
         wall_s: the wall clock.
         timeout_s: wall seconds to wait for the vehicle's word.
+        ahead_s: how far a vehicle's clock is ahead of ours (plant seconds); must not block.
         sent: told of every stop that goes out; must not block.
         ended: told what became of it; None when the vehicle has not answered in time. Must not block.
     """
@@ -88,12 +89,13 @@ class StopSender:
         time: TimeScale,
         wall_s: Callable[[], float],
         timeout_s: float,
+        ahead_s: Callable[[str], float],
         sent: Callable[[Stop], None],
         ended: Told,
     ) -> None:
         self._authority, self._time, self._wall_s = authority, time, wall_s
         self._life, self._timeout_s = f"{name}.{incarnation}", timeout_s
-        self._tell_sent, self._tell_ended = sent, ended
+        self._tell_sent, self._tell_ended, self._ahead_s = sent, ended, ahead_s
         self._sent: OrderedDict[str, _Sent] = OrderedDict()
         """By their names, the oldest first."""
         self._waiting: Counter[str] = Counter()
@@ -136,7 +138,7 @@ class StopSender:
             if waiting >= most:
                 raise too_many_wait(most)
         valid_s = STOP_VALID_S * self._time.speed
-        until_s = self._time.to_plant_s(stop.at_s) + valid_s
+        until_s = self._time.to_plant_s(stop.at_s) + valid_s + self._ahead_s(stop.atv)
         sent = self._sent[stop.name] = _Sent(stop, asyncio.get_running_loop().create_future())
         if len(self._sent) > NAMES_KEPT:
             self._sent.popitem(last=False)

@@ -6,7 +6,8 @@ Method. Each running goal gets a range of its own, from the best evidence there 
    nine of ten of the factory's last transports took, and one of ten (p10 and p90).
 2. *Some pieces made* (`PIECES_NEEDED` or more). With `m` and `s` the mean and the standard deviation of
    the last `n` gaps between pieces, `k` more pieces take `k m ± Z s sqrt(k + k²/n)`: the first term
-   is chance in each gap, the second how little `n` gaps tell of the mean. The way is added as above.
+   is chance in each gap, the second how little `n` gaps tell of the mean. All of that is working time
+   of the machine, and ends when so much of it has passed. The way is added as above.
 3. *Too few pieces.* What the machine promised when it took the goal, its queue included, moved by what
    the last finished goals missed their promises by (p10 to p90). With fewer than
    `PROMISES_NEEDED` of those, the range reaches from the promise to half the time till then later.
@@ -21,10 +22,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import pairwise
-from math import ceil, sqrt
+from math import ceil, isfinite, sqrt
 from statistics import fmean, stdev
+from typing import Protocol
 
 import msgspec
+
+from dray.plant.working_time import WorkingTime
 
 PIECES_NEEDED = 5
 """Pieces after which a machine's pace says more than its promise: four gaps."""
@@ -53,6 +57,21 @@ class Range(msgspec.Struct, frozen=True):
     to_s: float
 
 
+class Working(Protocol):
+    """When a machine works, in seconds of the wall clock."""
+
+    def between_s(self, start_s: float, end_s: float) -> float:
+        """Working time from one moment to another one."""
+        ...
+
+    def after_s(self, start_s: float, work_s: float) -> float:
+        """When so much working time has passed; infinite for never."""
+        ...
+
+
+ALWAYS = WorkingTime(None)
+
+
 class Running(msgspec.Struct, frozen=True):
     """A goal that somebody works at. Times are wall clock seconds."""
 
@@ -61,6 +80,8 @@ class Running(msgspec.Struct, frozen=True):
     promised_at_s: float | None = None
     piece_times_s: tuple[float, ...] = ()
     """When its last pieces were made, oldest first."""
+    working: Working = ALWAYS
+    """Of whoever works at it."""
 
 
 class History(msgspec.Struct, frozen=True):
@@ -105,7 +126,9 @@ def _of_goal(goal: Running, history: History, now_s: float) -> Range | None:
     if goal.made >= goal.quantity and goal.piece_times_s and history.way_s is not None:
         return _then_way(Range(goal.piece_times_s[-1], goal.piece_times_s[-1]), history.way_s)
     if goal.made < goal.quantity and len(goal.piece_times_s) >= PIECES_NEEDED:
-        made = _by_pace(goal.piece_times_s, goal.quantity - goal.made, now_s)
+        made = _by_pace(goal.piece_times_s, goal.quantity - goal.made, now_s, goal.working)
+        if made is None:
+            return None
         # Without any transport so far, the way is taken to be no more than a part of the rest.
         way_s = history.way_s or (0.0, UNPROVEN_FRAC * (made.to_s - now_s))
         return _then_way(made, way_s)
@@ -114,16 +137,20 @@ def _of_goal(goal: Running, history: History, now_s: float) -> Range | None:
     return _by_promise(goal.promised_at_s, history.missed_by_s, now_s)
 
 
-def _by_pace(piece_times_s: Sequence[float], left: int, now_s: float) -> Range:
+def _by_pace(piece_times_s: Sequence[float], left: int, now_s: float, working: Working) -> Range | None:
+    """None for who does not work again, or works by another working time than the one that is known."""
     times = piece_times_s[-GAPS_USED - 1 :]
-    gaps_s = [later - earlier for earlier, later in pairwise(times)]
+    gaps_s = [working.between_s(earlier, later) for earlier, later in pairwise(times)]
     mean_s = fmean(gaps_s)
+    if mean_s <= 0.0:
+        return None
     # A gap that is already longer than usual is not over yet: the rest begins now at the earliest.
-    begun_s = max(times[-1], now_s - mean_s)
+    halted_s = max(0.0, working.between_s(times[-1], now_s) - mean_s)
     spread_s = Z * stdev(gaps_s) * sqrt(left + left * left / len(gaps_s))
-    halted_s = begun_s - times[-1]
-    middle_s = begun_s + left * mean_s
-    return Range(max(begun_s, middle_s - spread_s), middle_s + spread_s + halted_s)
+    soonest_s = halted_s + max(0.0, left * mean_s - spread_s)
+    latest_s = halted_s + left * mean_s + spread_s + halted_s
+    found = Range(working.after_s(times[-1], soonest_s), working.after_s(times[-1], latest_s))
+    return found if isfinite(found.to_s) else None
 
 
 def _by_promise(promised_at_s: float, missed_by_s: Sequence[float], now_s: float) -> Range:

@@ -102,6 +102,9 @@ async def facts_of_order(projection: Projection, work: Work, order: Order, now_s
         piece_times_s=await work.milestones.piece_times_s(ids),
         doings={goal.id: _doing(goal, machines.get(goal.machine), heard_s) for goal in goals},
         lacking={goal.id: projection.orders.lacking(goal.id, goal.machine) for goal in goals if goal.machine},
+        working={
+            goal.id: working for goal in goals if (working := projection.working_of(goal.machine)) is not None
+        },
         history=History(
             await work.milestones.promises_missed_by_s(),
             None if way_s[0] is None or way_s[1] is None else (way_s[0] / speed, way_s[1] / speed),

@@ -6,7 +6,7 @@ from enum import StrEnum
 
 import msgspec
 
-from dray.gateway.tracking.eta import History, Range, Running, eta, rounded
+from dray.gateway.tracking.eta import ALWAYS, History, Range, Running, Working, eta, rounded
 from dray.gateway.tracking.reasons import Doing, Reason, reasons
 from dray.store.orders.milestones import OrderTimes
 from dray.store.orders.orders import Order
@@ -51,6 +51,8 @@ class Facts(msgspec.Struct, frozen=True, kw_only=True):
     """Per goal, what its machine does."""
     lacking: dict[str, tuple[str, ...]] = {}
     """Per goal, the names of the materials for which it waits, as its machine has told."""
+    working: dict[str, Working] = {}
+    """Per goal, when its machine works; left out for one that never rests."""
     history: History = History()
     waits: bool = False
     """Whether the strategist has said that nobody can make a part of it."""
@@ -130,12 +132,12 @@ def track(facts: Facts) -> Track:
 
 
 def _running(facts: Facts) -> list[Goal]:
-    """The goals that somebody works at, and of which something has still to arrive."""
+    """The goals that somebody works at, and of which something has still to arrive; parts arrive nowhere."""
     life = max(1, facts.order.incarnation)
     return [
         goal
         for goal in facts.goals
-        if goal.incarnation >= life and not goal.lost and goal.delivered < goal.quantity
+        if goal.item is not None and goal.is_known(life) and not goal.lost and goal.delivered < goal.quantity
     ]
 
 
@@ -150,7 +152,13 @@ def _eta(facts: Facts) -> Range | None:
         return None
     found = eta(
         [
-            Running(goal.quantity, goal.made, goal.promised_at_s, facts.piece_times_s.get(goal.id, ()))
+            Running(
+                goal.quantity,
+                goal.made,
+                goal.promised_at_s,
+                facts.piece_times_s.get(goal.id, ()),
+                facts.working.get(goal.id, ALWAYS),
+            )
             for goal in running
         ],
         facts.history,

@@ -38,6 +38,8 @@ from dray.messages.fact.coordinator import (
 from dray.messages.fact.machine import (
     MachineStatusChanged,
     PieceMade,
+    PieceScrapped,
+    SparePieceMade,
 )
 from dray.messages.fact.removal import (
     PlaceKept,
@@ -46,15 +48,18 @@ from dray.messages.fact.removal import (
 from dray.messages.fact.strategist import (
     GoalContracted,
     GoalLost,
+    GoalReduced,
     GoalWaits,
     GoalWithdrawn,
     GoodsDelivered,
     MachineFailure,
     OrderAccepted,
+    OrderChanged,
     OrderDropped,
     OrderFulfilled,
     OrderProgressed,
     OrderReturned,
+    OrderTakenOver,
 )
 from dray.messages.fact.vehicle import (
     AtvStatusChanged,
@@ -97,18 +102,23 @@ AnyFact = (
     | ClosuresKnown
     | MachineStatusChanged
     | PieceMade
+    | PieceScrapped
+    | SparePieceMade
     | PlacesFreed
     | PlaceKept
     | GoodsDelivered
     | OrderAccepted
+    | OrderChanged
     | GoalContracted
     | GoalLost
+    | GoalReduced
     | GoalWithdrawn
     | GoalWaits
     | OrderProgressed
     | OrderFulfilled
     | OrderDropped
     | OrderReturned
+    | OrderTakenOver
     | MemoryLost
 )
 
@@ -130,6 +140,7 @@ __all__ = [
     "Fact",
     "GoalContracted",
     "GoalLost",
+    "GoalReduced",
     "GoalWaits",
     "GoalWithdrawn",
     "GoodsDelivered",
@@ -143,17 +154,21 @@ __all__ = [
     "MemoryLost",
     "NotBelieved",
     "OrderAccepted",
+    "OrderChanged",
     "OrderDropped",
     "OrderFulfilled",
     "OrderProgressed",
     "OrderReturned",
+    "OrderTakenOver",
     "Outcome",
     "PhaseEntered",
     "PieceMade",
+    "PieceScrapped",
     "PlaceKept",
     "PlacesFreed",
     "PrimarySuspected",
     "RoundFailed",
+    "SparePieceMade",
     "TaskClosed",
     "TaskOpened",
     "TookOver",

@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import Literal
 
 from dray.messages.base import Count, Id, IdOrNone, Metres, Seconds
-from dray.messages.contract import Cost, Refusal, Work
+from dray.messages.contract import Refusal, Work
+from dray.messages.cost import Cost
 from dray.messages.fact.base import Fact
 from dray.messages.heartbeat import Role
 from dray.messages.reason import Implausible, Reason

@@ -15,6 +15,14 @@ class MachineStatusChanged(Fact, frozen=True):
     reason: Text = ""
 
 
+class PieceScrapped(Fact, frozen=True):
+    """One cycle ended with a bad piece: what it has used is used, and the piece is made again."""
+
+    product: Id
+    goal: IdOrNone = ""
+    """Empty where the goal has ended meanwhile."""
+
+
 class PieceMade(Fact, frozen=True):
     """One cycle ended well."""
 
@@ -22,3 +30,11 @@ class PieceMade(Fact, frozen=True):
     product: Id
     made: Count
     """Of this goal, with this one."""
+    from_stock: bool = False
+    """No cycle has ended: pieces that lay there serve this goal."""
+
+
+class SparePieceMade(Fact, frozen=True):
+    """One cycle ended well, and its goal had ended before: the piece serves the next one."""
+
+    product: Id

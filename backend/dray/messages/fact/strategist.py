@@ -12,6 +12,18 @@ class OrderAccepted(Fact, frozen=True):
 
     order: Id
     goals: tuple[Id, ...]
+    held: Count = 0
+    """The epoch with which it holds the order; 0 where a plant has one strategist."""
+
+
+class OrderTakenOver(Fact, frozen=True):
+    """The strategist goes on with an order whose holder was silent."""
+
+    order: Id
+    epoch: Count
+    """With which it holds the order."""
+    goals: tuple[Id, ...]
+    """Those that machines go on with, and new ones for what nobody makes."""
 
 
 class GoalContracted(Fact, frozen=True):
@@ -24,6 +36,10 @@ class GoalContracted(Fact, frozen=True):
     quantity: Count
     machine: Id
     finish_s: Seconds
+    part_of: IdOrNone = ""
+    """The product for which it is a part; empty for what goes to the delivery warehouse."""
+    held: Count = 0
+    """The epoch with which its order is held; see `OrderAccepted`. Whoever holds it next tells with a higher one."""
 
 
 class GoodsDelivered(Fact, frozen=True):
@@ -34,7 +50,7 @@ class GoodsDelivered(Fact, frozen=True):
     item: Count
     product: Id
     quantity: Count
-    """In this transport."""
+    """In this transport; after a takeover of the order all that had arrived before, which may have been told in part."""
     delivered: Count
     """Of this goal, with these."""
 
@@ -48,15 +64,45 @@ class GoalLost(Fact, frozen=True):
     """Pieces that count, once."""
     successor: IdOrNone
     """The new goal for the rest; empty when nothing was left to make."""
+    held: Count = 0
+    """See `GoalContracted`."""
 
 
 class GoalWithdrawn(Fact, frozen=True):
-    """A machine need not make a goal any more, because its order was taken back."""
+    """A machine need not make a goal any more: its order was taken back.
+
+    A goal of parts also because its order has ended, or its machine has failed: what is lacking then is another goal.
+    """
 
     goal: Id
     machine: Id
     arrived: Count
-    """Pieces that count, once."""
+    """Pieces that count, once; 0 of parts, which arrive nowhere."""
+    held: Count = 0
+    """See `GoalContracted`."""
+
+
+class GoalReduced(Fact, frozen=True):
+    """Less of a goal is wanted, and its machine has agreed to make no more than this."""
+
+    goal: Id
+    order: Id
+    item: Count
+    product: Id
+    machine: Id
+    quantity: Count
+    held: Count = 0
+    """See `GoalContracted`."""
+
+
+class OrderChanged(Fact, frozen=True):
+    """A change of an order is done, as far as it was still possible."""
+
+    order: Id
+    release: Count
+    change: Count
+    quantities: tuple[Count, ...]
+    """Per item, all that will have been delivered."""
 
 
 class MachineFailure(Part, frozen=True):

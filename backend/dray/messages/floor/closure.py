@@ -14,11 +14,17 @@ from typing import Annotated
 import msgspec
 from msgspec import Meta
 
-from dray.messages.base import Count, Id, IdOrNone, Message, Part, Seconds
+from dray.messages.base import Count, Id, IdOrNone, Message, Metres, Part, Seconds
 
 MAX_CLOSURES = 64
 """At once. Whoever has closed more of a floor than that has shut the plant; with ids of the greatest length the message is
 still below what a bus carries (`dray.codec.MAX_BYTES`)."""
+
+MAX_CORNERS = 12
+"""Of an outline; bounded for the same reason."""
+
+Corner = tuple[Metres, Metres]
+"""x and y (m)."""
 
 SLOWEST_MPS = 0.1
 """No slow lane is slower: a vehicle that creeps is not told from one that stands."""
@@ -36,7 +42,7 @@ class ClosureKind(StrEnum):
 
 
 class Closure(Part, frozen=True):
-    """One decision of a person about one lane, one node or one area: exactly one of them is named."""
+    """One decision of a person about one lane, one node, one area or one outline: exactly one of them is named."""
 
     closure: Id
     kind: ClosureKind
@@ -50,6 +56,8 @@ class Closure(Part, frozen=True):
     """A node: all lanes that lead into it. A crossing of two-lane roads: all lanes over it."""
     area: IdOrNone = ""
     """An area of the plant: its nodes, and the lanes that cross it."""
+    outline: Annotated[tuple[Corner, ...], Meta(max_length=MAX_CORNERS)] = ()
+    """The corners of a part of the floor that somebody has drawn: its nodes, and the lanes that cross it, as of an area."""
     speed_mps: Annotated[float, Meta(ge=SLOWEST_MPS, le=100.0)] | None = None
     """For SLOW."""
     until_s: Seconds | None = None
@@ -81,6 +89,7 @@ def closed_words(number: int, closures: tuple[Closure, ...]) -> bytes:
                     each.end,
                     each.node,
                     each.area,
+                    tuple((_thousandths(x_m), _thousandths(y_m)) for x_m, y_m in each.outline),
                     _thousandths(each.speed_mps),
                     _thousandths(each.until_s),
                 )

@@ -73,6 +73,13 @@ class HelpCall(Message, frozen=True):
     """How often it was taken: of two who believe to have it the higher turn has."""
     on_duty: Count = 0
     """How many are on duty for that place, by what the caller has heard."""
+    goods: IdOrNone = ""
+    """The caller's transport whose goods wait on board of a failed vehicle; empty where the caller itself needs somebody."""
+
+    @property
+    def subject(self) -> tuple[str, str]:
+        """What is called for: of two words about the same the newer counts."""
+        return self.caller, self.goods
 
 
 class CallAnswered(Message, frozen=True):

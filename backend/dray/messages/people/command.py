@@ -14,7 +14,7 @@ from typing import Annotated
 import msgspec
 from msgspec import Meta
 
-from dray.messages.base import Fraction, Id, Message, Part, Seconds, Text
+from dray.messages.base import Fraction, Id, IdOrNone, Message, Part, Seconds, Text
 from dray.messages.reason import CommandRefusal
 
 MAX_AREAS = 64
@@ -49,10 +49,12 @@ class CommandKind(StrEnum):
     """Help is on the way: keep the task for as long as was promised (paper, case 4)."""
     HAND_OVER = "hand_over"
     """It cannot be mended there: let another vehicle carry its task at once (paper, case 4)."""
+    CHARGE = "charge"
+    """Charge after the present work, as full as it is ever charged, and take no work before that."""
     TAKE_OUT = "take_out"
     """Take no work until somebody puts it into service again: it is to be mended or looked after (paper, 4.3)."""
     PUT_IN = "put_in"
-    """Take work again."""
+    """Take work again: it was out of service, or sent to charge."""
 
     @property
     def margin_m(self) -> float:
@@ -115,6 +117,15 @@ class MachineCommandKind(StrEnum):
     """Take no goals until somebody puts it into service again."""
     PUT_IN = "put_in"
     """Take goals again."""
+    FETCH_GOODS = "fetch_goods"
+    """Goods on board of a vehicle that has failed can be handed over: have another one fetch them there."""
+    WRITE_OFF = "write_off"
+    """They cannot: make them again."""
+
+    @property
+    def is_about_goods(self) -> bool:
+        """Whether it is about the goods of a transport, and is granted for the place where those are."""
+        return self in (MachineCommandKind.FETCH_GOODS, MachineCommandKind.WRITE_OFF)
 
 
 class MachineCommand(Message, frozen=True):
@@ -132,6 +143,10 @@ class MachineCommand(Message, frozen=True):
     """For TAKE_OUT: why."""
     after_work: bool = False
     """For TAKE_OUT: the goal that it works at it finishes first."""
+    task: IdOrNone = ""
+    """For FETCH_GOODS and WRITE_OFF: the transport whose goods are meant."""
+    node: IdOrNone = ""
+    """For FETCH_GOODS: where they are handed over; empty for the nearest node beside the vehicle."""
     issued_by: Text = ""
     """Whom the machine names when it tells of the command; what counts is the grant."""
     grant: Grant | None = None
@@ -174,6 +189,8 @@ def signed_words(agent: str, command: VehicleCommand | MachineCommand, grant: Gr
     )
     if command.kind in (CommandKind.TAKE_OUT, MachineCommandKind.TAKE_OUT):
         words += (command.reason, command.after_work)
+    if isinstance(command, MachineCommand) and command.kind.is_about_goods:
+        words += (command.task, command.node)
     return _encoder.encode(words)
 
 

@@ -7,6 +7,7 @@ from typing import Any
 
 import msgspec
 
+from dray.plant.exchange.admission import Admission
 from dray.plant.exchange.names import Ids
 from dray.plant.exchange.notes import Note, Notes
 from dray.plant.exchange.track_layout import TrackEdge, TrackLayout, TrackStation
@@ -56,6 +57,9 @@ class _Assembly:
         self._node = {node.original: ids.give(node.original) for node in layout.nodes}
         self._level = {node.original: node.level for node in layout.nodes}
         self._places = Ids("s-", frozenset(RESERVED))
+        kinds = Ids("t-")
+        self._kind = {kind.original: kinds.give(kind.original) for kind in layout.vehicle_types}
+        self._admission = Admission(layout, notes)
         self._shift_m = self._side_by_side()
 
     def make(self, plant: str, name: str) -> Imported:
@@ -77,7 +81,7 @@ class _Assembly:
         data["unassigned"] = places["unassigned"]
         kinds, kind_map = self._vehicle_types()
         data["vehicle_types"] = kinds or None
-        fleet, fleet_map = self._fleet({one["original"]: one["id"] for one in kind_map})
+        fleet, fleet_map = self._fleet()
         data["fleet"] = fleet or None
         mapping = {
             "format": layout.format,
@@ -139,29 +143,20 @@ class _Assembly:
         spots = {node.original: self._spot(node.original, node.x_m, node.y_m) for node in self._layout.nodes}
         lanes: dict[tuple[str, str], Data] = {}
         told: dict[tuple[str, str], Data] = {}
-        for edge in self._layout.edges:
+        for edge, others in self._roads(told):
             ends, back = (edge.start, edge.end), (edge.end, edge.start)
-            entry = {"original": edge.original, "limits_mps": edge.limits_mps, "kept": edge.kept}
-            if edge.start == edge.end:
-                self._notes.add(
-                    edge.place, f"edge {edge.original} leads back to its own node: it is left out"
-                )
-                told[edge.original, ""] = {"original": [entry]}
-                continue
+            entries = [
+                {"original": one.original, "limits_mps": one.limits_mps, "kept": one.kept}
+                for one in (edge, *others)
+            ]
             if levels[edge.start] != levels[edge.end]:
                 self._notes.add(
                     edge.place,
                     f"edge {edge.original} leads to another level: its length here is not its true one",
                 )
                 edge.corners = []
-            if ends in told:
-                self._notes.add(
-                    edge.place,
-                    f"edge {edge.original} is a second one from {edge.start} to {edge.end}: the first one is taken",
-                )
-                told[ends]["original"].append(entry)
-                continue
-            lane = self._lane(edge)
+            limits = self._admission.limits(edge, others)
+            lane = self._lane(edge, limits)
             if _apart_m(spots[edge.start], spots[edge.end]) < 0.05:
                 self._notes.add(
                     edge.place, f"edge {edge.original} joins two nodes on one spot: make them one node"
@@ -170,26 +165,47 @@ class _Assembly:
             if other is not None and not other.get("both_ways") and _reversed(other) == _alike(lane):
                 other["both_ways"] = True
                 told[ends] = told[back]
-                told[back]["original"].append(entry)
+                told[back]["original"] += entries
                 continue
             lanes[ends] = lane
-            told[ends] = {"start": lane["start"], "end": lane["end"], "original": [entry]}
+            told[ends] = {"start": lane["start"], "end": lane["end"], "original": entries}
         mapping = list({id(entry): entry for entry in told.values()}.values())
         return list(lanes.values()), mapping
 
-    def _lane(self, edge: TrackEdge) -> Data:
-        limits = edge.limits_mps
-        if len(set(limits.values())) > 1:
-            self._notes.add(
-                edge.place,
-                "types of vehicles have limits of their own on one lane: the lowest is taken for all",
-            )
+    def _roads(self, told: dict[tuple[str, str], Data]) -> list[tuple[TrackEdge, list[TrackEdge]]]:
+        """The edges that become lanes, each with those that lead beside it from the same node to the same."""
+        found: dict[tuple[str, str], tuple[TrackEdge, list[TrackEdge]]] = {}
+        for edge in self._layout.edges:
+            if edge.start == edge.end:
+                self._notes.add(
+                    edge.place, f"edge {edge.original} leads back to its own node: it is left out"
+                )
+                entry = {"original": edge.original, "limits_mps": edge.limits_mps, "kept": edge.kept}
+                told[edge.original, ""] = {"original": [entry]}
+            elif (first := found.get((edge.start, edge.end))) is not None:
+                text = f"edge {edge.original} is a second one from {edge.start} to {edge.end}: the first one is taken"
+                if more := self._admission.beside(first[0], edge):
+                    text += f", also for {', '.join(more)}"
+                self._notes.add(edge.place, text)
+                first[1].append(edge)
+            else:
+                found[edge.start, edge.end] = edge, []
+        return list(found.values())
+
+    def _lane(self, edge: TrackEdge, limits: dict[str, float | None]) -> Data:
         lane: Data = {"start": self._node[edge.start], "end": self._node[edge.end]}
-        if not limits:
+        speeds = [limit for limit in limits.values() if limit is not None]
+        if not speeds:
             self._notes.add(edge.place, f"no speed is told: {USUAL_MPS:g} m/s is taken")
-        lane["speed_limit_mps"] = min(limits.values(), default=USUAL_MPS)
+        lane["speed_limit_mps"] = top_mps = max(speeds, default=USUAL_MPS)
         if edge.corners:
             lane["shape"] = [self._spot(edge.start, *corner) for corner in edge.corners]
+        own = {kind: limit for kind, limit in limits.items() if limit is not None and limit < top_mps}
+        if own or self._admission.only_some(limits):
+            lane["types"] = [
+                {"type": self._kind[kind], **({"speed_limit_mps": own[kind]} if kind in own else {})}
+                for kind in limits
+            ]
         return lane
 
     # --- what stands on it --------------------------------------------------------------------------
@@ -197,9 +213,13 @@ class _Assembly:
     def _stations(self) -> tuple[dict[str, list[Data]], list[Data]]:
         places: dict[str, list[Data]] = {"chargers": [], "parkings": [], "unassigned": []}
         mapping: list[Data] = []
-        served = {station.nodes[0] for station in self._layout.stations}
         for station in self._layout.stations:
             self._station(station, places, mapping)
+        served = {
+            node
+            for station in self._layout.stations
+            for node in (station.nodes if station.parks or station.charges else station.nodes[:1])
+        }
         for node in self._layout.nodes:
             if node.original in served or not (node.parks or node.charges):
                 continue
@@ -213,33 +233,34 @@ class _Assembly:
         return places, mapping
 
     def _station(self, station: TrackStation, places: dict[str, list[Data]], mapping: list[Data]) -> None:
-        name = self._places.give(station.original)
+        """A place at each node of a station: vehicles of Dray dock at a place at one node."""
         kind = "chargers" if station.charges else "parkings" if station.parks else "unassigned"
-        place: Data = {"id": name, "node": self._node[station.nodes[0]]}
-        if kind == "chargers":
-            place["box"] = None
-        elif kind == "unassigned":
-            place["name"] = station.name[:80] or name
-        if len(station.nodes) > 1:
-            others = ", ".join(station.nodes[1:])
-            text = f"station {station.original} is served from {len(station.nodes)} nodes: {station.nodes[0]} is taken, not {others}"
+        first = self._places.give(station.original)
+        count = len(station.nodes)
+        for number, node in enumerate(station.nodes, 1):
+            name = first if number == 1 else self._places.give(f"{station.original}.{number}")
+            place: Data = {"id": name, "node": self._node[node]}
+            if kind == "chargers":
+                place["box"] = None
+            elif kind == "unassigned":
+                place["name"] = station.name[:80] or name
+                if number > 1:
+                    place["name"] = f"{station.name[:70]} ({number} of {count})"
+                    place["part_of"] = first
+            places[kind].append(place)
+            entry = {"id": name, "original": station.original, "section": kind, "node": self._node[node]}
+            mapping.append(entry if number > 1 else {**entry, "kept": station.kept})
+        if count > 1:
+            named = ", ".join(station.nodes)
+            text = f"station {station.original} is served from {count} nodes ({named}): a place at each"
+            if kind == "unassigned":
+                text += ", of which you remove what is one with another"
             self._notes.add(station.place, text)
-        places[kind].append(place)
-        mapping.append(
-            {
-                "id": name,
-                "original": station.original,
-                "section": kind,
-                "nodes": [self._node[node] for node in station.nodes],
-                "kept": station.kept,
-            }
-        )
 
     def _vehicle_types(self) -> tuple[list[Data], list[Data]]:
-        ids = Ids("t-")
         kinds, mapping = [], []
         for kind in self._layout.vehicle_types:
-            name = ids.give(kind.original)
+            name = self._kind[kind.original]
             made: Data = {
                 "id": name,
                 "name": kind.original[:80],
@@ -257,12 +278,12 @@ class _Assembly:
             mapping.append({"id": name, "original": kind.original})
         return kinds, mapping
 
-    def _fleet(self, kinds: dict[str, str]) -> tuple[list[Data], list[Data]]:
+    def _fleet(self) -> tuple[list[Data], list[Data]]:
         fleet, mapping = [], []
         for vehicle in self._layout.vehicles:
             name = self._places.give(vehicle.original)
             node = self._node[vehicle.node] if vehicle.node is not None else None
-            fleet.append({"id": name, "type": kinds[vehicle.kind], "node": node})
+            fleet.append({"id": name, "type": self._kind[vehicle.kind], "node": node})
             mapping.append({"id": name, "original": vehicle.original, "kept": vehicle.kept})
         return fleet, mapping
 
@@ -277,14 +298,16 @@ def _shift_m(low_m: float, high_m: float) -> float:
 
 def _alike(lane: Data) -> tuple[object, ...]:
     """What two directions of one road have in common."""
-    return (lane["speed_limit_mps"], tuple((spot["x_m"], spot["y_m"]) for spot in lane.get("shape", ())))
+    return _limits(lane), tuple((spot["x_m"], spot["y_m"]) for spot in lane.get("shape", ()))
 
 
 def _reversed(lane: Data) -> tuple[object, ...]:
-    return (
-        lane["speed_limit_mps"],
-        tuple((spot["x_m"], spot["y_m"]) for spot in reversed(lane.get("shape", ()))),
-    )
+    return _limits(lane), tuple((spot["x_m"], spot["y_m"]) for spot in reversed(lane.get("shape", ())))
+
+
+def _limits(lane: Data) -> tuple[object, ...]:
+    types = sorted((each["type"], each.get("speed_limit_mps")) for each in lane.get("types", ()))
+    return lane["speed_limit_mps"], tuple(types)
 
 
 def _apart_m(one: Data, other: Data) -> float:

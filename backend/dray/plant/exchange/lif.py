@@ -20,6 +20,8 @@ from dray.plant.exchange.lif_values import (
     NODE_USED,
     STATION_USED,
     TYPE_PROPERTIES,
+    TYPES,
+    Admitted,
     Json,
     LifValues,
     key_of,
@@ -144,10 +146,10 @@ class _Reader(LifValues):
                 continue
             known.add(name)
             self._strange(node, "node", at)
-            actions = []
+            actions, types = [], Admitted()
             for where, each in self._properties(node, TYPE_PROPERTIES[0], NEW_TYPE_PROPERTIES[0], at):
                 self._strange(each, "node property", where)
-                self._types_of(each, where)
+                types.add(self._types_of(each, where))
                 actions += self._actions(each, where)
                 theta = self._number(each, "theta", where)
                 if theta is not None and abs(theta) > 6.3:
@@ -162,6 +164,7 @@ class _Reader(LifValues):
                     level,
                     parks=any("park" in action for action in actions),
                     charges=any("charg" in action for action in actions),
+                    types=types.listed,
                     kept={"layoutId": layout.get("layoutId"), **self._rest(node, NODE_USED)},
                 )
             )
@@ -176,10 +179,12 @@ class _Reader(LifValues):
                 self._notes.add(at, f"edge {name} is left out: there is no node {missing[0]}")
                 continue
             limits: dict[str, float] = {}
+            admitted = Admitted()
             corners: list[Spot] | None = None
             for where, each in self._properties(edge, TYPE_PROPERTIES[1], NEW_TYPE_PROPERTIES[1], at):
                 self._strange(each, "edge property", where)
                 types = self._types_of(each, where)
+                admitted.add(types)
                 key = "maxSpeed" if "maxSpeed" in each else "maximumSpeed"
                 limit = self._number(each, key, where)
                 if limit is not None and limit <= 0.0:
@@ -196,8 +201,9 @@ class _Reader(LifValues):
                             where, "types of vehicles have trajectories of their own: the first one is taken"
                         )
                     corners = own if corners is None else corners
+            kept = self._rest(edge, EDGE_USED)
             found.edges.append(
-                TrackEdge(name, at, start, end, corners or [], limits, kept=self._rest(edge, EDGE_USED))
+                TrackEdge(name, at, start, end, corners or [], limits, admitted.listed, kept=kept)
             )
 
     def _curve(self, curve: object, at: str, start: Spot, end: Spot) -> list[Spot] | None:
@@ -271,7 +277,7 @@ class _Reader(LifValues):
 
     def _types_of(self, each: Json, at: str) -> list[str]:
         """The types of vehicles that something is for, by any of the names that versions of LIF have for it."""
-        named = each.get("vehicleTypeIds", each.get("vehicleTypeId", each.get("mobileRobotTypes")))
+        named = next((each[key] for key in TYPES if key in each), None)
         types = []
         for one in named if isinstance(named, list) else [named]:
             parts = (

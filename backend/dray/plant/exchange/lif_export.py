@@ -88,8 +88,9 @@ def _edge(
 ) -> Json:
     properties: Json = {
         "rotationAllowed": False,
-        "maxSpeed": lane.speed_limit_mps,
     }
+    limit_mps = lane.speed_limit_mps
+    own = {each.type: min(each.speed_limit_mps or limit_mps, limit_mps) for each in lane.types}
     if shape:
         ends = [Point(nodes[node].x_m, nodes[node].y_m) for node in (start, end)]
         points = [ends[0], *shape, ends[1]]
@@ -103,7 +104,10 @@ def _edge(
         "edgeId": f"{start}--{end}",
         "startNodeId": start,
         "endNodeId": end,
-        "vehicleTypeEdgeProperties": [{"vehicleTypeId": kind, **properties} for kind in types],
+        "vehicleTypeEdgeProperties": [
+            {"vehicleTypeId": kind, "maxSpeed": own.get(kind, limit_mps), **properties}
+            for kind in own or types
+        ],
     }
 
 

@@ -15,6 +15,10 @@ EDGE_USED = frozenset({"edgeId", "startNodeId", "endNodeId"})
 STATION_USED = frozenset({"stationId", "stationName", "interactionNodeIds"})
 TYPE_PROPERTIES = ("vehicleTypeNodeProperties", "vehicleTypeEdgeProperties")
 NEW_TYPE_PROPERTIES = ("mobileRobotTypeNodeProperties", "mobileRobotTypeEdgeProperties")
+TYPES = ("vehicleTypeIds", "vehicleTypeId", "mobileRobotTypes", "mobileRobotTypeIds", "mobileRobotTypeId")
+"""For which types of vehicles a property is: the names that the versions have for it. One of them stands in a file."""
+ACTIONS = ("actions", "requiredActions", "feasibleActions")
+"""What vehicles do there: `actions` until 2.0.0, whose draft has those that they must do and those that they may do."""
 
 NAMED = {
     "metaInformation": {"projectIdentification", "lifId", "creator", "exportTimestamp", "lifVersion"},
@@ -44,20 +48,14 @@ NAMED = {
         *("stationDescription", "stationDescriptor", "stationHeight", "stationPosition"),
     },
     "node property": {
-        *("vehicleTypeId", "vehicleTypeIds", "mobileRobotTypes", "theta", "actions", "loadRestriction"),
+        *(*TYPES, *ACTIONS, "theta", "loadRestriction"),
         *("maximumAllowedDeviation", "allowedDeviationXY", "allowedDeviationTheta"),
     },
     "edge property": {
-        *(
-            "vehicleTypeId",
-            "vehicleTypeIds",
-            "mobileRobotTypes",
-            "vehicleOrientation",
-            "mobileRobotOrientations",
-        ),
+        *(*TYPES, *ACTIONS, "vehicleOrientation", "mobileRobotOrientations"),
         *("orientationType", "rotationAllowed", "rotationAtStartNodeAllowed", "rotationAtEndNodeAllowed"),
         *("maxSpeed", "maximumSpeed", "maxRotationSpeed", "maximumRotationSpeed", "minHeight", "maxHeight"),
-        *("loadRestriction", "actions", "trajectory", "physicalLineGuidedProperty", "reentryAllowed"),
+        *("loadRestriction", "trajectory", "physicalLineGuidedProperty", "reentryAllowed"),
         *("reachOrientationBeforeEntering", "corridor", "minimumLoadHandlingDeviceHeight"),
         *("maximumMobileRobotHeight", "direction"),
     },
@@ -72,15 +70,43 @@ NOT_IN_A_PLANT = {
     "rotationAtStartNodeAllowed": "where a vehicle may turn",
     "rotationAtEndNodeAllowed": "where a vehicle may turn",
     "maxRotationSpeed": "the speed of turning",
+    "maximumRotationSpeed": "the speed of turning",
+    "rotationAllowed": "where a vehicle may turn",
+    "orientationType": "how a vehicle is turned on a lane",
+    "reachOrientationBeforeEntering": "where a vehicle may turn",
+    "direction": "how a guided vehicle leaves a fork",
+    "maximumAllowedDeviation": "how exactly a vehicle stands at a node",
+    "allowedDeviationXY": "how exactly a vehicle stands at a node",
+    "allowedDeviationTheta": "how exactly a vehicle stands at a node",
+    "minimumLoadHandlingDeviceHeight": "heights",
+    "maximumMobileRobotHeight": "heights",
     "minHeight": "heights",
     "maxHeight": "heights",
     "stationHeight": "heights",
-    "actions": "actions, other than to tell chargers and parking places",
+    **dict.fromkeys(ACTIONS, "actions, other than to tell chargers and parking places"),
     "physicalLineGuidedProperty": "guide lines",
     "reentryAllowed": "where vehicles are taken in",
     "corridor": "corridors",
 }
 """Understood, kept in the mapping, and not in a plant file: what each is about. What only names or describes is not spoken of."""
+
+
+class Admitted:
+    """The types of vehicles that the properties of a node or an edge name; all, where one of them names none."""
+
+    def __init__(self) -> None:
+        self._types: dict[str, None] = {}
+        self._all = False
+
+    def add(self, types: list[str]) -> None:
+        """Those of one entry."""
+        self._types.update(dict.fromkeys(types))
+        self._all = self._all or not types
+
+    @property
+    def listed(self) -> list[str]:
+        """Empty for all."""
+        return [] if self._all else list(self._types)
 
 
 class LifValues:
@@ -92,7 +118,8 @@ class LifValues:
     def _actions(self, each: Json, at: str) -> list[str]:
         return [
             str(action.get("actionType", action.get("actionName", ""))).lower()
-            for _, action in self._objects(each, "actions", at, quiet=True)
+            for key in ACTIONS
+            for _, action in self._objects(each, key, at, quiet=True)
         ]
 
     def _properties(self, of: Json, old: str, new: str, at: str) -> list[tuple[str, Json]]:

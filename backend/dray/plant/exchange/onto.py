@@ -41,7 +41,10 @@ def put_onto(imported: Data, plant: Plant) -> Data:
         if vehicle["node"] not in nodes:
             vehicle["node"] = None
     placed = {place["id"] for section in PLACES for place in result[section]}
-    result["unassigned"] = [one for one in imported["unassigned"] if one["id"] not in placed]
+    # Of a station that the plant has, it has settled what its other nodes are.
+    result["unassigned"] = [
+        one for one in imported["unassigned"] if not placed & {one["id"], one.get("part_of")}
+    ]
     for side in ("width_m", "height_m"):
         result[side] = max(known[side], imported[side])
     result["two_lanes"] = False
@@ -60,8 +63,16 @@ def _driven(data: Data) -> tuple[object, ...]:
     for lane in data["lanes"]:
         shape = tuple((corner["x_m"], corner["y_m"]) for corner in lane.get("shape", ()))
         limit_mps = float(lane.get("speed_limit_mps", 1.5))
-        lanes.add((lane["start"], lane["end"], limit_mps, shape))
+        types = lane.get("types", ())
+        limits = (
+            frozenset(
+                (each["type"], min(each.get("speed_limit_mps") or limit_mps, limit_mps)) for each in types
+            )
+            if types
+            else limit_mps
+        )
+        lanes.add((lane["start"], lane["end"], limits, shape))
         if lane.get("both_ways"):
-            lanes.add((lane["end"], lane["start"], limit_mps, shape[::-1]))
+            lanes.add((lane["end"], lane["start"], limits, shape[::-1]))
     nodes = {(node["id"], float(node["x_m"]), float(node["y_m"])) for node in data["nodes"]}
     return nodes, lanes

@@ -22,6 +22,8 @@ class TrackNode(msgspec.Struct):
     """Layouts of one level lie in one plane."""
     parks: bool = False
     charges: bool = False
+    types: list[str] = []
+    """The types of vehicles that may be there; empty for all."""
     kept: dict[str, Any] = {}
     """What the file says of it and a plant has no field for."""
 
@@ -37,6 +39,8 @@ class TrackEdge(msgspec.Struct):
     """Between its ends; empty for a straight one."""
     limits_mps: dict[str, float] = {}
     """Type of vehicle -> its highest speed, as far as the file says it; the empty type is for all."""
+    types: list[str] = []
+    """The types of vehicles that may drive there; empty for all."""
     kept: dict[str, Any] = {}
 
 

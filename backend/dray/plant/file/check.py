@@ -7,13 +7,18 @@ Where things stand and how they are joined is looked at by `dray.plant.file.chec
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from difflib import get_close_matches
 
+from dray.plant.file.check_doors import door_faults
 from dray.plant.file.check_floor import floor_faults
+from dray.plant.file.check_levels import level_faults, made_into
+from dray.plant.file.check_stocks import once, stock_faults, stocks_of, stored_for_machines
+from dray.plant.file.check_working_time import working_time_faults
+from dray.plant.file.reasons import Reason
 from dray.plant.file.unfinished import unassigned_fault
 from dray.plant.layout import stop_points
-from dray.plant.model import MachineSpec, Material, PlantFile, Product
+from dray.plant.model import Lane, MachineSpec, Material, PlantFile, Product
 
 Fault = tuple[str, str]
 """Field and reason."""
@@ -24,12 +29,16 @@ SPACES = (
     ("stations",),
     ("areas",),
     ("vehicle_types",),
+    ("doors",),
     ("warehouses", "storages", "chargers", "parkings", "machines", "fleet", "unassigned"),
 )
 """Sections that share one space of ids: items are asked for by id alone, and so are places and agents."""
 
 RESERVED = {
-    **dict.fromkeys(("strategist", "historian", "gateway"), "an agent of every plant"),
+    **dict.fromkeys(("strategist", "gate", "historian", "gateway"), "an agent of every plant"),
+    **dict.fromkeys(
+        (f"strategist{number}" for number in range(2, 10)), "an agent of a plant with several strategists"
+    ),
     **dict.fromkeys(("floor", "observer", "authority"), "the name of a certificate of every plant"),
 }
 """Names that are taken, in small letters: a machine or vehicle of such a name would get the messages of another,
@@ -40,10 +49,12 @@ MAX_COMPARED = 5_000
 
 PLAUSIBLE = {
     "acceleration_mps2": (0.01, 20.0),
+    "closes_after_s": (0.0, 3600.0),
     "cycle_s": (0.1, 1e6),
     "length_m": (0.1, 20.0),
     "load_s": (0.01, 1e5),
     "max_speed_mps": (0.05, 50.0),
+    "opening_s": (0.1, 600.0),
     "speed_limit_mps": (0.05, 50.0),
     "turn_speed_mps": (0.01, 50.0),
     "unload_s": (0.01, 1e5),
@@ -57,26 +68,37 @@ LEAST_CHARGE_FRAC = 0.05
 
 
 def faults(file: PlantFile) -> Iterator[Fault]:
-    """Everything in a plant file that does not fit together; nothing for a good one."""
+    """Everything in a plant file that does not fit together; nothing for a good one. Reasons are plain texts."""
+    return ((field, str(reason)) for field, reason in _faults(file))
+
+
+def _faults(file: PlantFile) -> Iterator[Fault]:
     yield from _ids(file)
     yield from _references(file)
     yield from _values(file)
     yield from _charging(file)
     yield from _items(file)
-    yield from _stocks(file)
+    yield from level_faults(file)
+    yield from stock_faults(file, (*file.materials, *_parts(file)))
     yield from _machines(file)
     yield from _kinds_of_warehouse(file)
     yield from floor_faults(file)
+    yield from door_faults(file)
+    yield from working_time_faults(file)
     for index, station in enumerate(file.unassigned):
         yield unassigned_fault(index, station.id, station.node)
 
 
 def item_faults(file: PlantFile) -> Iterator[Fault]:
-    """What does not fit together of materials, products, and who makes and carries them; the floor is not looked at."""
+    """What does not fit together of materials, products, and who makes and carries them; the floor is not looked at.
+
+    Reasons have codes (`dray.plant.file.reasons`).
+    """
     yield from _ids(file)
     yield from _references(file)
     yield from _values(file)
     yield from _items(file)
+    yield from level_faults(file)
     yield from _machines(file)
 
 
@@ -87,7 +109,7 @@ def _ids(file: PlantFile) -> Iterator[Fault]:
             for index, spec in enumerate(getattr(file, section)):
                 field = f"{section}[{index}]"
                 if spec.id in owners:
-                    yield f"{field}.id", f"{spec.id} is the id of {owners[spec.id]} already: choose another"
+                    yield f"{field}.id", Reason("plant_id_taken", name=spec.id, owner=owners[spec.id])
                 owners.setdefault(spec.id, field)
                 if "fleet" in sections and (taken := RESERVED.get(spec.id.lower())):
                     yield f"{field}.id", f"{spec.id} is {taken}: choose another"
@@ -107,12 +129,14 @@ def _references(file: PlantFile) -> Iterator[Fault]:
     for index, lane in enumerate(file.lanes):
         yield from _known(lane.start, f"lanes[{index}].start", known, "nodes")
         yield from _known(lane.end, f"lanes[{index}].end", known, "nodes")
+        yield from _lane_types(lane, f"lanes[{index}].types", known)
+    whole = {product.id for product in file.products if not product.buffer}
+    used = known | {"materials": known["materials"] | known["products"]}
     for index, product in enumerate(file.products):
         for at, line in enumerate(product.bill):
-            yield from _known(line.material, f"products[{index}].bill[{at}].material", known, "materials")
-    for index, storage in enumerate(file.storages):
-        for at, stock in enumerate(storage.stocks):
-            yield from _known(stock.material, f"storages[{index}].stocks[{at}].material", known, "materials")
+            yield from _used(line.material, f"products[{index}].bill[{at}].material", used, whole)
+    for where, kept in stocks_of(file):
+        yield from _used(kept.material, f"{where}.material", used, whole)
     for index, machine in enumerate(file.machines):
         yield from _known(machine.station, f"machines[{index}].station", known, "stations")
         for at, making in enumerate(machine.makes):
@@ -121,13 +145,32 @@ def _references(file: PlantFile) -> Iterator[Fault]:
         yield from _known(vehicle.type, f"fleet[{index}].type", known, "vehicle_types")
 
 
+def _lane_types(lane: Lane, where: str, known: Mapping[str, Collection[str]]) -> Iterator[Fault]:
+    """Types of vehicles that a lane names: each once."""
+    for at, each in enumerate(lane.types):
+        field = f"{where}[{at}].type"
+        yield from _known(each.type, field, known, "vehicle_types")
+        if each.type in [other.type for other in lane.types[:at]]:
+            yield field, f"{each.type} is named twice: keep one of the two"
+
+
 def _known(name: str, field: str, known: Mapping[str, Collection[str]], section: str) -> Iterator[Fault]:
     if name not in known[section]:
         # Sorted, so that the same file gives the same advice in every process.
         names = sorted(known[section]) if len(known[section]) <= MAX_COMPARED else []
         alike = get_close_matches(name, names, n=1)
         advice = f"did you mean {alike[0]}?" if alike else "add it there or name another"
-        yield field, f"there is no {name} in `{section}`: {advice}"
+        yield field, Reason("plant_unknown", name=name, section=section, advice=advice)
+
+
+def _used(
+    name: str, field: str, known: Mapping[str, Collection[str]], whole: Collection[str]
+) -> Iterator[Fault]:
+    """A material or a part."""
+    if name in whole:
+        yield field, Reason("plant_no_buffer", name=name)
+    else:
+        yield from _known(name, field, known, "materials")
 
 
 def _values(file: PlantFile) -> Iterator[Fault]:
@@ -135,6 +178,7 @@ def _values(file: PlantFile) -> Iterator[Fault]:
     entries: list[tuple[str, object]] = [
         *((f"lanes[{index}]", lane) for index, lane in enumerate(file.lanes)),
         *((f"vehicle_types[{index}]", kind) for index, kind in enumerate(file.vehicle_types)),
+        *((f"doors[{index}]", door) for index, door in enumerate(file.doors)),
         *(
             (f"machines[{index}].makes[{at}]", making)
             for index, machine in enumerate(file.machines)
@@ -145,7 +189,8 @@ def _values(file: PlantFile) -> Iterator[Fault]:
         for field, (low, high) in PLAUSIBLE.items():
             value = getattr(entry, field, low)
             if not low <= value <= high:
-                yield f"{where}.{field}", f"{value:g} is not within {low:g} to {high:g}: check the unit"
+                reason = Reason("plant_implausible", value=f"{value:g}", least=f"{low:g}", most=f"{high:g}")
+                yield f"{where}.{field}", reason
 
 
 def _charging(file: PlantFile) -> Iterator[Fault]:
@@ -168,9 +213,9 @@ def _items(file: PlantFile) -> Iterator[Fault]:
     kinds = {kind.id: kind for kind in file.vehicle_types}
     types = {vehicle.type for vehicle in file.fleet}
     abilities = {ability for name in types & kinds.keys() for ability in kinds[name].abilities}
-    stored = {stock.material for storage in file.storages for stock in storage.stocks}
+    stored = stored_for_machines(file)
     made = {making.product for machine in file.machines for making in machine.makes}
-    materials = {material.id: material for material in file.materials}
+    materials = {material.id: material for material in (*file.materials, *_parts(file))}
     # Something unknown among them may be the misspelt one that is looked for: reported already.
     all_types = types <= kinds.keys()
     all_stored = stored <= materials.keys()
@@ -181,57 +226,48 @@ def _items(file: PlantFile) -> Iterator[Fault]:
     ]
     for where, item in items:
         if all_types and item.ability not in abilities:
-            reason = f"no vehicle of the fleet can carry {item.ability}: {item.id} would never move"
-            yield f"{where}.ability", reason
-    for index, material in enumerate(file.materials):
-        where = f"materials[{index}]"
+            needed = made_into(file, item.id)
+            yield f"{where}.ability", Reason("plant_ability", needed, ability=item.ability, item=item.id)
+    used = [(where, materials[item.id]) for where, item in items if item.id in materials]
+    for where, material in used:
         if material.lot > material.buffer:
-            yield f"{where}.lot", f"a lot of {material.lot} does not fit into a buffer of {material.buffer}"
+            yield f"{where}.lot", Reason("plant_lot", lot=material.lot, buffer=material.buffer)
         if all_stored and material.id not in stored:
-            yield where, f"no storage keeps {material.id}: add it to the `stocks` of one"
+            yield where, Reason("plant_not_stored", made_into(file, material.id), item=material.id)
     for index, product in enumerate(file.products):
         where = f"products[{index}]"
         if all_made and product.id not in made:
-            yield where, f"no machine makes {product.id}: add it to the `makes` of one"
+            yield where, Reason("plant_not_made", made_into(file, product.id), item=product.id)
         yield from _bill(product, where, materials)
 
 
+def _parts(file: PlantFile) -> tuple[Material, ...]:
+    parts = (product for product in file.products if product.buffer)
+    return tuple(Material(part.id, part.name, part.lot, part.buffer, part.ability) for part in parts)
+
+
 def _bill(product: Product, where: str, materials: Mapping[str, Material]) -> Iterator[Fault]:
-    yield from _once((line.material for line in product.bill), f"{where}.bill", "material")
+    yield from once((line.material for line in product.bill), f"{where}.bill", "material")
     for at, line in enumerate(product.bill):
         material = materials.get(line.material)
         if material is None or material.lot > material.buffer:
             continue
         if line.quantity > material.buffer:
-            reason = (
-                f"{line.quantity} pieces do not fit into the buffer of {material.buffer} for {material.id}"
-            )
+            reason = Reason("plant_bill", count=line.quantity, buffer=material.buffer, item=material.id)
             yield f"{where}.bill[{at}].quantity", reason
         elif line.quantity + material.lot > material.buffer:
             # Else a machine could hold too little for a cycle and too much for the next container.
-            need = f"a cycle's {line.quantity} and a lot of {material.lot}"
-            yield (
-                f"{where}.bill[{at}].quantity",
-                f"{need} do not fit into the buffer of {material.buffer} together",
+            reason = Reason(
+                "plant_bill_and_lot", count=line.quantity, lot=material.lot, buffer=material.buffer
             )
-
-
-def _stocks(file: PlantFile) -> Iterator[Fault]:
-    lots = {material.id: material.lot for material in file.materials}
-    for index, storage in enumerate(file.storages):
-        where = f"storages[{index}].stocks"
-        yield from _once((stock.material for stock in storage.stocks), where, "material")
-        for at, stock in enumerate(storage.stocks):
-            lot = lots.get(stock.material, 0)
-            if stock.capacity < lot:
-                yield f"{where}[{at}].capacity", f"{stock.capacity} pieces are less than a lot of {lot}"
+            yield f"{where}.bill[{at}].quantity", reason
 
 
 def _machines(file: PlantFile) -> Iterator[Fault]:
     lots = {product.id: product.lot for product in file.products}
     for index, machine in enumerate(file.machines):
         where = f"machines[{index}]"
-        yield from _once((making.product for making in machine.makes), f"{where}.makes", "product")
+        yield from once((making.product for making in machine.makes), f"{where}.makes", "product")
         yield from _goods(machine, where, lots)
 
 
@@ -240,17 +276,8 @@ def _goods(machine: MachineSpec, where: str, lots: Mapping[str, int]) -> Iterato
     largest = max(machine.makes, key=lambda making: lots.get(making.product, 0)).product
     lot = lots.get(largest, 0)
     if machine.goods_capacity < lot:
-        reason = f"{machine.goods_capacity} pieces are less than the lot of {lot} of {largest}: raise it"
+        reason = Reason("plant_goods", count=machine.goods_capacity, lot=lot, item=largest)
         yield f"{where}.goods_capacity", reason
-
-
-def _once(names: Iterable[str], where: str, key: str) -> Iterator[Fault]:
-    """Each name at most once within one list."""
-    seen: set[str] = set()
-    for at, name in enumerate(names):
-        if name in seen:
-            yield f"{where}[{at}].{key}", f"{name} is in this list already: put both into one line"
-        seen.add(name)
 
 
 def _kinds_of_warehouse(file: PlantFile) -> Iterator[Fault]:

@@ -198,6 +198,28 @@ def _unreachable(file: PlantFile) -> Iterator[tuple[str, str]]:
             yield field, f"{name} cannot be reached: no lanes lead from {example} to {node}"
         elif node not in reaching:
             yield field, f"{name} cannot be left: no lanes lead from {node} to {example}"
+    everywhere = [dock for dock in docks if dock[2] in reached and dock[2] in reaching]
+    yield from _unreachable_by_type(file, roads, everywhere)
+
+
+def _unreachable_by_type(
+    file: PlantFile, roads: Roads, docks: list[tuple[str, str, str]]
+) -> Iterator[tuple[str, str]]:
+    """A lane may be for some types of vehicles only; but each vehicle must get everywhere on lanes that are for it."""
+    driving = {vehicle.type for vehicle in file.fleet}
+    for index, kind in enumerate(file.vehicle_types):
+        own = roads.for_type(kind.id)
+        if own is roads or kind.id not in driving or not docks:
+            continue
+        main = max(own.parts(), key=lambda part: sum(node in part for _, _, node in docks))
+        cut_off = [name for _, name, node in docks if node not in main]
+        if cut_off:
+            more = f" and {len(cut_off) - 3} more" if len(cut_off) > 3 else ""
+            reason = (
+                f"{kind.id} cannot get to {', '.join(cut_off[:3])}{more} and back on lanes that are for it: "
+                f"name it in the `types` of lanes that lead there"
+            )
+            yield f"vehicle_types[{index}]", reason
 
 
 def _area(area: Area, where: str) -> Iterator[tuple[str, str]]:

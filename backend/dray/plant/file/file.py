@@ -19,7 +19,9 @@ from msgspec.structs import replace
 
 from dray.errors import PlantError, PlantErrors
 from dray.plant.file.check import Fault, faults, item_faults
+from dray.plant.file.check_doors import door_faults
 from dray.plant.file.check_floor import floor_faults
+from dray.plant.file.check_levels import levels_of
 from dray.plant.file.document import Document, read_document, write_document
 from dray.plant.file.unfinished import drawable, entry_type, has_null, open_points
 from dray.plant.model import MachineSpec, Making, PlantFile, Product
@@ -34,6 +36,7 @@ MAX_FAULTS = 100
 OUR_WORDS = (
     (re.compile("^Object missing required field (`.*`)$"), r"\1 is missing: add it"),
     (re.compile("^Object contains unknown field (`.*`)$"), r"\1 is no field of this: check its spelling"),
+    (re.compile("^Expected `array` of length >= 1$"), "is empty: write at least one entry"),
 )
 """Where msgspec does not say what to do."""
 
@@ -46,6 +49,8 @@ SHIPPED = {
     "two-halls": "examples/two-halls.yaml",
     "large": "examples/large.yaml",
     "single-track": "examples/single-track.yaml",
+    "levels": "examples/levels.yaml",
+    "laboratory": "examples/laboratory.yaml",
 }
 """Plants that are part of the package, by the name under which they are asked for instead of a path."""
 
@@ -130,10 +135,11 @@ def document_faults(data: dict[str, object]) -> Iterator[tuple[str, str]]:
         yield from faults(msgspec.convert(data, PlantFile))
         return
     yield from found
-    # What depends on something faulty is not reported a second time.
+    # What depends on something faulty is not reported a second time, nor is what stands in for something open.
     rest = None if shape else drawable(data)[1]
     if rest is not None:
-        yield from floor_faults(rest)
+        named = {field for field, _ in found}
+        yield from (fault for fault in (*floor_faults(rest), *door_faults(rest)) if fault[0] not in named)
 
 
 def unfinished_plant(path: str | Path) -> tuple[Plant, tuple[PlantError, ...]]:
@@ -196,10 +202,14 @@ def _with_product(file: PlantFile, product: Product, cycles_s: Mapping[str, floa
             return machine
         others = tuple(making for making in machine.makes if making.product != product.id)
         same = next((making for making in machine.makes if making.product == product.id), None)
-        cycle_cv = 0.0 if same is None else same.cycle_cv
-        return replace(machine, makes=(*others, Making(product.id, cycle_s, cycle_cv)))
+        making = Making(product.id, cycle_s) if same is None else replace(same, cycle_s=cycle_s)
+        return replace(machine, makes=(*others, making))
 
     others = (each for each in file.products if each.id != product.id)
+    before = next((each for each in file.products if each.id == product.id), product)
+    if not product.buffer:
+        # The buffers of those who use it stand in the plant file alone.
+        product = replace(product, buffer=before.buffer)
     return replace(file, products=(product, *others), machines=tuple(map(makes, file.machines)))
 
 
@@ -230,11 +240,21 @@ def sum_up(plant: Plant) -> str:
     road_m = sum(lane.length_m for lane in plant.lanes)
     return (
         f"{plant.id} ({plant.name}): {len(plant.machines)} machines in {len(plant.stations)} stations, "
-        f"{len(plant.fleet)} vehicles of {len(plant.vehicle_types)} types, {len(plant.products)} products of "
-        f"{len(plant.materials)} materials, {len(plant.storages)} storages, {len(plant.chargers)} chargers, "
-        f"{len(plant.parkings)} parking places, {len(plant.nodes)} nodes, {len(plant.lanes)} lanes of "
+        f"{len(plant.fleet)} vehicles of {len(plant.vehicle_types)} types, {len(plant.products)} products "
+        f"{_levels_told(plant)}of {len(plant.file.materials)} materials, {len(plant.storages)} storages, {len(plant.chargers)} chargers, "
+        f"{len(plant.parkings)} parking places, {_doors_told(plant)}{len(plant.nodes)} nodes, {len(plant.lanes)} lanes of "
         f"{road_m:.0f} m on {plant.width_m:g} m x {plant.height_m:g} m"
     )
+
+
+def _levels_told(plant: Plant) -> str:
+    if not plant.parts:
+        return ""
+    return f"({len(plant.parts)} of them parts, on {levels_of(plant.file)} levels) "
+
+
+def _doors_told(plant: Plant) -> str:
+    return f"{len(plant.doors)} door{'s' * (len(plant.doors) > 1)}, " if plant.doors else ""
 
 
 def _first(document: Document, name: str, found: Iterable[tuple[str, str]]) -> list[PlantError]:

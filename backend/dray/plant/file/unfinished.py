@@ -27,6 +27,7 @@ HINTS = {
     "box": "where it stands on the floor: x_m and y_m of its middle, width_m, depth_m",
     "chargers": "where vehicles charge: id, node and box of each",
     "charge_w": "watts while it charges, from the data sheet",
+    "doors": "the doors that open by themselves, or [] for none",
     "fleet": "the vehicles: id, type and the node where each stands at the beginning",
     "kind": "source or delivery",
     "length_m": "of the vehicle with its load",
@@ -36,6 +37,7 @@ HINTS = {
     "materials": "what machines consume: id, name, lot and buffer of each",
     "max_speed_mps": "metres in a second, from the data sheet",
     "node": "where vehicles stand: a node of this file",
+    "opening_s": "seconds from shut to open",
     "products": "what machines make: id, name, lot and bill of each",
     "stations": "groups of machines: id and name of each",
     "stocks": "the materials that it keeps, and the capacity of each",
@@ -214,6 +216,10 @@ def _connected(sections: Mapping[str, Any]) -> dict[str, Any]:
     kept["lanes"] = tuple(lanes)
     for section in (*BOXED, "unassigned", "parkings", "fleet"):
         kept[section] = tuple(one for one in sections[section] if one.node in nodes)
+    joined = ends | {(end, start) for start, end in ends}
+    kept["doors"] = tuple(
+        door for door in sections["doors"] if all((lane.start, lane.end) in joined for lane in door.lanes)
+    )
     products = {product.id for product in sections["products"]}
     kept["machines"] = tuple(
         msgspec.structs.replace(

@@ -1,7 +1,8 @@
 """How long a vehicle takes for a way: pure kinematics in closed form.
 
 A vehicle speeds up and brakes with one constant acceleration, keeps to the limit of every lane,
-passes a bend at its turning speed at most, and stands at the beginning and at the end of a way.
+passes a bend at its turning speed at most, and stands at the beginning and at the end of a way,
+and before a door until that is open.
 The fastest motion within those bounds is a chain of trapezoids of speed over time, one per run
 (triangles where a run is too short to reach its limit), and its duration is exact.
 
@@ -27,8 +28,15 @@ def limit_mps(lane: DirectedLane, vehicle: VehicleType) -> float:
     return min(lane.speed_limit_mps, vehicle.max_speed_mps)
 
 
+def lane_s(lane: DirectedLane, vehicle: VehicleType) -> float:
+    """What a lane costs: its time at the highest speed there, and that of its door."""
+    return lane.length_m / limit_mps(lane, vehicle) + lane.opening_s
+
+
 def joint_mps(before: DirectedLane, after: DirectedLane, vehicle: VehicleType) -> float:
-    """The highest speed at the node between two lanes."""
+    """The highest speed at the node between two lanes; 0 before a door."""
+    if after.opening_s:
+        return 0.0
     allowed = min(limit_mps(before, vehicle), limit_mps(after, vehicle))
     return min(allowed, vehicle.turn_speed_mps) if bends(before, after) else allowed
 

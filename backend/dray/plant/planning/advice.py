@@ -42,14 +42,16 @@ class Advice(msgspec.Struct, frozen=True):
     """One warning."""
 
     kind: str
-    """dwell_points, charger, material, dock, buffer, machine, vehicles, range, alone, trap, uncounted, near, narrow, crossing
-    or way."""
+    """dwell_points, charger, material, dock, buffer, machine, vehicles, range, alone, trap, uncounted, near, narrow, crossing,
+    way or door."""
     field: str
     """The section of the plant file."""
     text: str
     """What is short, a figure, and what to do."""
     load_frac: float = 1.0
     """The load (part of the machines' time) at which it is full; 1 where it is none of that."""
+    about: tuple[tuple[str, ...], ...] = ()
+    """The nodes that a warning of the floor is about, each entry one place that is too narrow."""
 
 
 def advice(plant: Plant) -> list[Advice]:
@@ -61,7 +63,7 @@ def advice(plant: Plant) -> list[Advice]:
         *_limits(plant, flow),
         *_alone(plant),
         *_traps(plant),
-        *(Advice(*found) for found in floor_advice(plant)),
+        *(Advice(kind, field, text, about=about) for kind, field, text, about in floor_advice(plant)),
         *_uncounted(plant),
     ]
 
@@ -142,11 +144,11 @@ def _text(limit: Limit) -> str:
 
 def _alone(plant: Plant) -> Iterator[Advice]:
     """An ability of one vehicle only: nobody can watch it, nobody takes over."""
-    items: list[Material | Product] = [*plant.materials.values(), *plant.products.values()]
+    items: dict[str, Material | Product] = {**plant.materials, **plant.products}
     for ability in plant.abilities:
         able = plant.able(ability)
         if len(able) == 1:
-            carried = [item.id for item in items if item.ability == ability]
+            carried = [item.id for item in items.values() if item.ability == ability]
             more = f" and {len(carried) - 3} more" if len(carried) > 3 else ""
             text = (
                 f"{able[0]} alone of {len(plant.fleet)} carries {ability} ({', '.join(carried[:3])}{more}): nobody "

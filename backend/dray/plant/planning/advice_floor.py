@@ -18,8 +18,11 @@ from dray.plant.roads import DirectedLane
 
 T = TypeVar("T")
 
-Finding = tuple[str, str, str]
-"""Kind, section of the file, and text."""
+Subject = tuple[str, ...]
+"""What a warning is about: nodes, by their ids."""
+
+Finding = tuple[str, str, str, tuple[Subject, ...]]
+"""Kind, section of the file, text, and all that it is about, in the order of the text."""
 
 SHOWN = 3
 """Examples in one warning."""
@@ -29,13 +32,14 @@ TOUCH_M = 1e-3
 
 
 def floor_advice(plant: Plant) -> Iterator[Finding]:
-    """All that is too narrow, as (kind, section, text)."""
+    """All that is too narrow, as (kind, section, text, subjects)."""
     room = _Room(plant)
     yield from room.places()
     yield from room.beside_lanes()
     yield from room.meeting_lanes()
     yield from _merged(plant)
     yield from _docks_in_the_way(plant)
+    yield from _no_turning(plant)
 
 
 def _listed(found: list[str]) -> str:
@@ -55,21 +59,21 @@ class _Room:
     def places(self) -> Iterator[Finding]:
         """Pairs of places where vehicles that stand touch one another."""
         cells: dict[tuple[int, int], list[str]] = {}
-        found = []
+        found: dict[Subject, str] = {}
         for node, stands in self._stands.items():
             here = self._plant.nodes[node]
             for other in self._near(cells, here.x_m, here.y_m):
                 if any(gap_m(a, b) < -TOUCH_M for a, b in product(stands, self._stands[other])):
                     there = self._plant.nodes[other]
                     away_m = hypot(here.x_m - there.x_m, here.y_m - there.y_m)
-                    found.append(f"{other} and {node} ({away_m:.2f} m)")
+                    found[other, node] = f"{other} and {node} ({away_m:.2f} m)"
             cells.setdefault(self._cell(here.x_m, here.y_m), []).append(node)
         if found:
             text = (
-                f"{_listed(found)} are nearer to one another than vehicles of {self._size.length_m:g} m x "
+                f"{_listed(list(found.values()))} are nearer to one another than vehicles of {self._size.length_m:g} m x "
                 f"{self._size.width_m:g} m can stand: move them apart, or make them one node"
             )
-            yield "near", "nodes", text
+            yield "near", "nodes", text, tuple(found)
 
     def beside_lanes(self) -> Iterator[Finding]:
         """Places where a vehicle stands in the way of one that drives past."""
@@ -88,7 +92,7 @@ class _Room:
         if found:
             told = [f"{node} (from {lane.start} to {lane.end})" for node, lane in found.items()]
             text = f"who stands at {_listed(told)} is in the way of whoever drives past: move the place or the lane away"
-            yield "narrow", "nodes", text
+            yield "narrow", "nodes", text, tuple((node, lane.start, lane.end) for node, lane in found.items())
 
     def meeting_lanes(self) -> Iterator[Finding]:
         """Lanes that cross or touch without a common node: right of way knows lanes by their nodes alone."""
@@ -120,7 +124,12 @@ class _Room:
                 f"lanes cross or touch without a common node: {_listed(list(found.values()))}; vehicles on them are not kept apart: "
                 "give them a node where they meet, or move them apart"
             )
-            yield "touch", "lanes", text
+            yield (
+                "touch",
+                "lanes",
+                text,
+                tuple(tuple(sorted(map("--".join, map(sorted, pair)))) for pair in found),
+            )
 
     def _touches(self, node: str, swept: Rectangle) -> bool:
         return any(gap_m(stand, swept) < -TOUCH_M for stand in self._stands[node])
@@ -171,7 +180,7 @@ def _merged(plant: Plant) -> Iterator[Finding]:
             f"there is no room for a stop point between {told}: each is one crossing for one vehicle at a time; "
             "move them apart, or make them one node"
         )
-        yield "crossing", "lanes", text
+        yield "crossing", "lanes", text, tuple(crossing.nodes for crossing in found)
 
 
 def _docks_in_the_way(plant: Plant) -> Iterator[Finding]:
@@ -186,7 +195,23 @@ def _docks_in_the_way(plant: Plant) -> Iterator[Finding]:
             found.append(dock)
     if found:
         text = f"vehicles dock at {_listed(found)} in the only way to others, who wait for them: give each dock a spur"
-        yield "way", "nodes", text
+        yield "way", "nodes", text, tuple((dock,) for dock in found)
+
+
+def _no_turning(plant: Plant) -> Iterator[Finding]:
+    """Doors before which no lane leads back: whoever stands there when one fails has to wait for people."""
+    roads = plant.roads
+    found = {
+        (start, end): f"{door.name} at {start}"
+        for (start, end), door in plant.door_on.items()
+        if all(lane.end == end for lane in roads.leaving[start])
+    }
+    if found:
+        text = (
+            f"no lane leads back from before {_listed(list(found.values()))}: who stands there when the door does not open waits for "
+            "people; on a single track with another lane at its node it turns by itself"
+        )
+        yield "door", "doors", text, tuple(found)
 
 
 def _is_open(plant: Plant, blocked: str, docks: Iterable[str]) -> bool:

@@ -12,6 +12,7 @@ resource is full, so a plant should be run well below its limit.
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
@@ -163,7 +164,7 @@ class Flow:
                     f"a larger buffer for {stream.item} than {material.buffer} pieces, or a storage nearer by"
                 )
                 yield Limit("buffer", f"{stream.item} at {machine}", limit, remedy)
-            else:
+            elif stream.source in plant.machines:
                 machine = stream.source
                 room = plant.machines[machine].goods_capacity
                 limit = room / (stream.lead_s * per_s[machine, stream.item])
@@ -182,19 +183,19 @@ class Flow:
             yield Limit("dock", place, 1.0 / part, remedy)
 
     def _material_limits(self) -> Iterator[Limit]:
-        """A storage gives what it holds, once in the time of a refill."""
+        """A storage that fills itself gives what it holds, once in the time of a refill; what vehicles bring takes these."""
         plant = self.plant
         needed: dict[str, float] = {}
         for stream in self.streams:
-            if stream.item in plant.materials:
+            if stream.item in plant.materials.keys() - plant.parts and not self._refilled(stream.item):
                 lot = plant.materials[stream.item].lot
                 needed[stream.item] = needed.get(stream.item, 0.0) + stream.per_s * lot
         for item, per_s in needed.items():
             lot = plant.materials[item].lot
             kept = [
                 stock.capacity // lot * lot
-                for storage in plant.storages.values()
-                for stock in storage.stocks
+                for place in plant.storages_of(item)
+                for stock in plant.stores[place].stocks
                 if stock.material == item
             ]
             remedy = f"more than {sum(kept)} pieces of it in storages, or another storage that keeps it"
@@ -271,17 +272,26 @@ class Flow:
         for (machine, item), pieces_per_s in self._pieces_per_s().items():
             if pieces_per_s <= 0.0:
                 continue
-            if item in plant.materials:
-                yield self._stream(
-                    item, plant.storages_of(item), (machine,), pieces_per_s / plant.materials[item].lot
-                )
+            makes = machine in plant.machines_for(item)
+            if item in plant.materials and not makes:
+                loads_per_s = pieces_per_s / plant.materials[item].lot
+                yield self._stream(item, plant.storages_of(item), (machine,), loads_per_s)
+                if refilled := self._refilled(item):
+                    yield self._stream(item, plant.supplies_of(item), refilled, loads_per_s)
             else:
                 yield self._stream(
                     item,
                     (machine,),
-                    plant.delivery_warehouses,
+                    # Parts go to a storage, at most; some go straight to whoever needs them.
+                    plant.storages_of(item) if item in plant.parts else plant.delivery_warehouses,
                     pieces_per_s / plant.products[item].lot * PART_LOADS,
                 )
+
+    def _refilled(self, item: str) -> list[str]:
+        """The storages of a material that vehicles refill."""
+        if item in self.plant.parts:
+            return []
+        return [each.id for each in self.plant.storages.values() if each.refills(item)]
 
     def _stream(self, item: str, sources: Sequence[str], destinations: Sequence[str], per_s: float) -> Stream:
         """One stream over the shortest way that there is, averaged over the vehicles that can carry it."""
@@ -323,13 +333,15 @@ class Flow:
 
 def _deal_out(plant: Plant) -> dict[str, dict[str, float]]:
     """Per machine and product, the part of its time at load 1, as evenly as the machines' abilities allow."""
-    # An order is as likely of one product as of another, so pieces are as the lots are.
+    # An order is as likely of one product as of another, so pieces are as the lots are; and parts as these products need them.
+    pieces: defaultdict[str, float] = defaultdict(float)
+    for product in plant.ordered:
+        _explode(plant, product, plant.products[product].lot * LOTS_PER_ORDER, pieces)
     work = {
-        product: spec.lot
-        * LOTS_PER_ORDER
+        product: pieces[product]
         * sum(plant.cycle_s(machine, product) for machine in plant.machines_for(product))
         / len(plant.machines_for(product))
-        for product, spec in plant.products.items()
+        for product in plant.products
     }
     scale = len(plant.machines) / sum(work.values())
     busy: dict[str, dict[str, float]] = {machine: {} for machine in plant.machines}
@@ -347,6 +359,14 @@ def _deal_out(plant: Plant) -> dict[str, dict[str, float]]:
             total[machine] += more
             busy[machine][product] = busy[machine].get(product, 0.0) + more
     return busy
+
+
+def _explode(plant: Plant, product: str, count: float, pieces: defaultdict[str, float]) -> None:
+    """Count the pieces of a product, and of all parts below it."""
+    pieces[product] += count
+    for line in plant.products[product].bill:
+        if line.material in plant.parts:
+            _explode(plant, line.material, count * line.quantity, pieces)
 
 
 def _combinations(abilities: tuple[str, ...]) -> Iterable[tuple[str, ...]]:

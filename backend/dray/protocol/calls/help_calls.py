@@ -1,6 +1,6 @@
-"""The call of one agent that needs somebody: asks who is on duty, tells everybody who comes, and asks others when nobody does.
+"""The calls of one agent that needs somebody: asks who is on duty, tells everybody who comes, and asks others when nobody does.
 
-It is said again and again while help is needed, whether anybody is there or not, so that no call is lost: whoever comes on duty hears
+An agent calls for itself, and for goods of its own that wait on board of a failed vehicle, one call for each. A call is said again and again while help is needed, whether anybody is there or not, so that no call is lost: whoever comes on duty hears
 it, and managers see that nobody is there. The next life of the agent calls anew, and who had taken the call of the last one
 takes it again.
 """
@@ -17,6 +17,7 @@ from dray.messages import (
     CallAnswer,
     CallAnswered,
     CallState,
+    DutyStatus,
     HelpCall,
     Message,
     OperatorHeartbeat,
@@ -26,15 +27,15 @@ from dray.messages.fact import HelpCallEnded
 from dray.messages.keys import Keys
 from dray.messages.people.call import CALL_WAIT_MAX_S
 from dray.plant import Plant
+from dray.plant.people import people_from_s
 from dray.protocol.calls.call_rules import ANSWER_S, LATE_S, SAY_EVERY_S, is_there_for, next_asked, rest_s
-from dray.protocol.calls.call_state import TRANSITIONS
 from dray.protocol.calls.on_duty import OnDuty
+from dray.protocol.calls.open_call import Call, EndedCall
 from dray.protocol.runtime.events import Effect, Ignore, Publish, Record, Subscribe
 from dray.protocol.runtime.timers import Timers
-from dray.states import States
 
 CALL = "call"
-"""The alarm of an open call: something is to be said or done."""
+"""The alarm ``(CALL, goods)`` of an open call: something is to be said or done."""
 
 END_SAID = 3
 """How often the end of a call is said: whoever misses all of it hears no more of the call, and forgets it."""
@@ -60,28 +61,43 @@ class Caller(Protocol):
         """Whether it hears what is said to everybody; one that is left with its radio does not."""
 
 
+def _nothing(_since_s: float, _now_s: float) -> None:
+    """What is done about who does not come, by default."""
+
+
 class HelpCalls:
-    """The calls of one agent, one at a time.
+    """The calls of one agent: one at a time for itself, and one for each of its goods. Names without goods mean its own.
 
     Args:
         caller: the agent.
         plant: where areas and stations are.
         timers: its alarms; this class uses `CALL`.
         out: where effects go.
+        not_coming: called with (since_s, now_s) when who has taken the agent's own call at that time has given it back or has gone: what
+            was promised since counts no more.
 
     Attributes:
         message_handlers, alarms: for the agent's tables.
     """
 
-    def __init__(self, caller: Caller, plant: Plant, timers: Timers, out: list[Effect]) -> None:
+    def __init__(
+        self,
+        caller: Caller,
+        plant: Plant,
+        timers: Timers,
+        out: list[Effect],
+        not_coming: Callable[[float, float], None] = _nothing,
+    ) -> None:
         self._caller, self._plant, self._timers, self._out = caller, plant, timers, out
+        self._not_coming = not_coming
         keys = Keys(plant.id)
         self._heartbeats, self._key = keys.all_operator_heartbeats, keys.call(caller.id)
         self._duty = OnDuty()
-        self._call: _Call | None = None
-        self._ended: HelpCall | None = None
-        self._end_said = 0
-        self._calls = self._number = 0
+        self._calls: dict[str, Call] = {}
+        """By goods, those that are open; at most one for each transport of the agent."""
+        self._ended: dict[str, EndedCall] = {}
+        """By goods, those whose end is being said."""
+        self._opened = self._number = 0
         self.message_handlers: dict[type[Message], Callable[[str, Any, float], None]] = {
             OperatorHeartbeat: self._on_heartbeat,
             CallAnswered: self._on_answered,
@@ -91,18 +107,38 @@ class HelpCalls:
     @property
     def is_open(self) -> bool:
         """Whether somebody is called, has been taken on, or is on the way."""
-        return self._call is not None
+        return "" in self._calls
 
     @property
     def taken_by(self) -> str:
         """Who comes; empty for nobody."""
-        return "" if self._call is None else self._call.taken_by
+        return self._calls[""].taken_by if self.is_open else ""
+
+    @property
+    def goods(self) -> tuple[str, ...]:
+        """For which goods somebody is called."""
+        return tuple(goods for goods in self._calls if goods)
+
+    def comes_after_s(self, now_s: float) -> float:
+        """Until anybody can be asked: 0 while somebody is on duty, or should be by the working time of the place; else the rest that is left."""
+        if any(each.status is not DutyStatus.BREAK for each in self._there(now_s)):
+            return 0.0
+        return people_from_s(self._plant, *self._caller.place_m, now_s) - now_s
 
     def listen(self) -> None:
         """Hear who is on duty, from the beginning of the agent's life."""
         self._out.append(Subscribe(self._heartbeats))
 
-    def open(self, problem: Problem, reason: str, now_s: float, *, after_s: float = 0.0) -> None:
+    def open(
+        self,
+        problem: Problem,
+        reason: str,
+        now_s: float,
+        *,
+        after_s: float = 0.0,
+        goods: str = "",
+        place_m: tuple[float, float] | None = None,
+    ) -> None:
         """Call for help; what is called for already is only told anew.
 
         Args:
@@ -110,32 +146,34 @@ class HelpCalls:
             reason: in words.
             now_s: the present time.
             after_s: nobody is asked sooner; it may pass by itself.
+            goods: the transport whose goods wait; empty where the agent itself needs somebody.
+            place_m: where, if not where the agent is (x, y).
         """
-        call = self._call
+        call = self._calls.get(goods)
         if call is not None:
-            call.problem, call.reason = problem, reason
+            call.problem, call.reason, call.place_m = problem, reason, place_m
             return
-        self._calls += 1
-        name = f"{self._caller.id}-{self._caller.incarnation}-{self._calls}"
-        self._call = _Call(name, problem, reason, now_s)
-        self._ended = None
+        self._opened += 1
+        name = f"{self._caller.id}-{self._caller.incarnation}-{self._opened}"
+        self._calls[goods] = call = Call(name, goods, problem, reason, now_s, place_m)
+        self._ended.pop(goods, None)
         if after_s > 0.0:
-            self._timers.set(CALL, now_s + after_s)
+            self._timers.set((CALL, goods), now_s + after_s)
         else:
-            self._ask(self._call, now_s)
+            self._ask(call, now_s)
 
-    def close(self, now_s: float) -> None:
+    def close(self, now_s: float, *, goods: str = "") -> None:
         """Nobody is needed any more; harmless when nobody was called."""
-        call, self._call = self._call, None
+        call = self._calls.pop(goods, None)
         if call is None:
             return
-        self._timers.clear(CALL)
+        self._timers.clear((CALL, goods))
         if not call.said:
             return
         call.states.enter(CallState.ENDED)
         call.asked, call.until_s, taken_by = (), None, call.taken_by
-        self._ended, self._end_said = self._say(call, now_s), 1
-        self._timers.set(CALL, now_s + SAY_EVERY_S)
+        self._ended[goods] = EndedCall(self._say(call, now_s))
+        self._timers.set((CALL, goods), now_s + SAY_EVERY_S)
         fact = HelpCallEnded(
             call=call.name,
             problem=call.problem.kind,
@@ -150,17 +188,16 @@ class HelpCalls:
 
     # --- time passes -------------------------------------------------------------------------------
 
-    def _wake(self, _about: None, now_s: float) -> None:
-        call = self._call
+    def _wake(self, goods: str, now_s: float) -> None:
+        call = self._calls.get(goods)
         if call is None:
-            if self._ended is not None and self._end_said < END_SAID:
-                self._end_said += 1
-                self._publish(self._ended, now_s)
-                self._timers.set(CALL, now_s + SAY_EVERY_S)
+            self._say_ended(goods, now_s)
         elif not call.said:
             self._ask(call, now_s)
         elif call.states.now is CallState.TAKEN:
-            if self._has_gone(call.taken_by, now_s) or now_s >= _due_s(call) + LATE_S:
+            if self._has_gone(call.taken_by, now_s):
+                self._is_not_coming(call, now_s)
+            elif now_s >= _due_s(call) + LATE_S:
                 self._ask_others(call, now_s)
             else:
                 self._go_on(call, now_s)
@@ -172,6 +209,18 @@ class HelpCalls:
         else:
             self._go_on(call, now_s)
 
+    def _say_ended(self, goods: str, now_s: float) -> None:
+        ended = self._ended.get(goods)
+        if ended is None:
+            return
+        ended.said += 1
+        self._publish(ended.told, now_s)
+        if ended.said < END_SAID:
+            self._timers.set((CALL, goods), now_s + SAY_EVERY_S)
+        elif goods:
+            # There are ever new ones: nothing of them is kept.
+            del self._ended[goods]
+
     # --- who is there, and what they say ---------------------------------------------------------------
 
     def _on_heartbeat(self, sender: str, heartbeat: OperatorHeartbeat, now_s: float) -> None:
@@ -179,23 +228,28 @@ class HelpCalls:
         if not self._duty.note(heartbeat, now_s):
             self._out.append(Ignore("a heartbeat that was overtaken"))
             return
-        call = self._call
-        if call is None or not call.said:
-            return
+        for call in list(self._calls.values()):
+            if call.said:
+                self._note_presence(call, sender, heartbeat, now_s, comes=not could_be_asked)
+
+    def _note_presence(
+        self, call: Call, sender: str, heartbeat: OperatorHeartbeat, now_s: float, *, comes: bool
+    ) -> None:
         if heartbeat.draining:
             self._declined(call, sender, CallAnswer.DECLINE, now_s)
-        elif call.states.now is CallState.RESTING and not could_be_asked and sender not in call.cannot:
+        elif call.states.now is CallState.RESTING and comes and sender not in call.cannot:
             # Whoever has come on duty, or back from a break, is asked at once.
             call.round = 1
             call.spared.discard(sender)
             self._ask(call, now_s)
 
     def _on_answered(self, sender: str, answered: CallAnswered, now_s: float) -> None:
-        call = self._call
-        if call is None or answered.call != call.name or not call.said:
+        call = next((each for each in self._calls.values() if each.name == answered.call), None)
+        if call is None or not call.said:
             self._out.append(Ignore(NO_CALL))
-            if self._ended is not None and answered.call == self._ended.call:
-                self._publish(self._ended, now_s)
+            for ended in self._ended.values():
+                if ended.told.call == answered.call:
+                    self._publish(ended.told, now_s)
         elif answered.answer is not CallAnswer.TAKE:
             self._declined(call, sender, answered.answer, now_s)
         elif call.taken_by not in ("", sender):
@@ -208,7 +262,7 @@ class HelpCalls:
         else:
             self._taken(call, sender, answered.wait_s or 0.0, now_s)
 
-    def _taken(self, call: _Call, sender: str, wait_s: float, now_s: float) -> None:
+    def _taken(self, call: Call, sender: str, wait_s: float, now_s: float) -> None:
         if call.taken_by != sender:
             call.states.enter(CallState.TAKEN)
             call.taken_by, call.asked = sender, ()
@@ -220,12 +274,12 @@ class HelpCalls:
         call.until_s = min(now_s + wait_s, call.turn_s + 2.0 * CALL_WAIT_MAX_S)
         self._go_on(call, now_s)
 
-    def _declined(self, call: _Call, sender: str, answer: CallAnswer, now_s: float) -> None:
+    def _declined(self, call: Call, sender: str, answer: CallAnswer, now_s: float) -> None:
         if answer is CallAnswer.CANNOT:
             call.cannot.add(sender)
         call.spared.add(sender)
         if call.taken_by == sender:
-            self._ask_others(call, now_s)
+            self._is_not_coming(call, now_s)
         elif sender in call.asked:
             call.asked = tuple(each for each in call.asked if each != sender)
             if call.asked:
@@ -235,13 +289,19 @@ class HelpCalls:
 
     # --- asking ----------------------------------------------------------------------------------------
 
-    def _ask_others(self, call: _Call, now_s: float) -> None:
+    def _is_not_coming(self, call: Call, now_s: float) -> None:
+        """Who has taken it has given it back, or has gone: nothing waits for that one any more."""
+        if not call.goods:
+            self._not_coming(call.turn_s, now_s)
+        self._ask_others(call, now_s)
+
+    def _ask_others(self, call: Call, now_s: float) -> None:
         """Who has taken it gives it back, has gone, or does not come."""
         call.spared.add(call.taken_by)
         call.taken_by, call.round = "", 1
         self._ask(call, now_s)
 
-    def _ask(self, call: _Call, now_s: float) -> None:
+    def _ask(self, call: Call, now_s: float) -> None:
         """Ask the next ones; rest where nobody is left."""
         call.spared.update(call.asked)
         if call.states.now is CallState.ASKING:
@@ -249,7 +309,7 @@ class HelpCalls:
         call.round, call.asked = next_asked(
             self._there(now_s),
             self._plant,
-            self._caller.place_m,
+            self._place_m(call),
             call.problem.kind,
             call.round,
             call.spared,
@@ -272,16 +332,19 @@ class HelpCalls:
     def _has_gone(self, operator: str, now_s: float) -> bool:
         return self._duty.has_gone(operator, now_s) and self._caller.hears_all
 
-    def _go_on(self, call: _Call, now_s: float) -> None:
+    def _go_on(self, call: Call, now_s: float) -> None:
         """Say how it stands, and again after a while."""
         self._say(call, now_s)
         at_s = now_s + SAY_EVERY_S
         if call.states.now is not CallState.TAKEN and call.until_s is not None:
             at_s = min(at_s, call.until_s)
-        self._timers.set(CALL, at_s)
+        self._timers.set((CALL, call.goods), at_s)
 
-    def _say(self, call: _Call, now_s: float) -> HelpCall:
-        x_m, y_m = self._caller.place_m
+    def _place_m(self, call: Call) -> tuple[float, float]:
+        return self._caller.place_m if call.place_m is None else call.place_m
+
+    def _say(self, call: Call, now_s: float) -> HelpCall:
+        x_m, y_m = self._place_m(call)
         here = frozenset(self._plant.areas_at(x_m, y_m))
         call.said = True
         told = HelpCall(
@@ -302,6 +365,7 @@ class HelpCalls:
             taken_by=call.taken_by,
             turn=call.turn,
             on_duty=sum(is_there_for(each, here) for each in self._there(now_s)),
+            goods=call.goods,
         )
         return self._publish(told, now_s)
 
@@ -312,35 +376,12 @@ class HelpCalls:
         return said
 
 
-class _Call:
-    """An open call."""
-
-    def __init__(self, name: str, problem: Problem, reason: str, now_s: float) -> None:
-        self.name, self.problem, self.reason, self.since_s = name, problem, reason, now_s
-        # Before anybody was asked it rests.
-        self.states = States("a call", TRANSITIONS, CallState.RESTING)
-        self.said = False
-        self.round = 1
-        self.rounds = self.passes = self.turn = 0
-        self.asked: tuple[str, ...] = ()
-        self.until_s: float | None = None
-        self.taken_by = ""
-        self.turn_s = 0.0
-        """When the present one has taken it."""
-        self.taken_s: float | None = None
-        """When it was taken first."""
-        self.spared: set[str] = set()
-        """Who is not asked again in this pass."""
-        self.cannot: set[str] = set()
-        self.ever_asked: set[str] = set()
-
-
-def _enter(call: _Call, state: CallState) -> None:
+def _enter(call: Call, state: CallState) -> None:
     if call.states.now is not state:
         call.states.enter(state)
 
 
-def _due_s(call: _Call) -> float:
+def _due_s(call: Call) -> float:
     return call.since_s if call.until_s is None else call.until_s
 
 

@@ -6,7 +6,10 @@ from collections.abc import Iterable, Mapping
 
 from dray.messages import Closure, ClosureKind
 from dray.plant import Lane, Plant, Roads
-from dray.plant.restrictions import Ends, Restrictions
+from dray.plant.restrictions import Ends, Extent, Restrictions
+
+NOTHING = Extent(frozenset(), frozenset())
+"""An area that the plant does not have."""
 
 
 def restrictions_of(plant: Plant, closures: Iterable[Closure]) -> Restrictions:
@@ -31,10 +34,8 @@ def restrictions_of(plant: Plant, closures: Iterable[Closure]) -> Restrictions:
 
 def _closed_by(plant: Plant, closure: Closure) -> tuple[set[str], set[Ends]]:
     """The nodes and the lanes that a closure of the kind CLOSED closes."""
-    if closure.area:
-        if closure.area not in plant.areas:
-            return set(), set()
-        extent = plant.extent_of(closure.area)
+    extent = _extent_of(plant, closure)
+    if extent is not None:
         return set(extent.nodes), set(extent.across)
     if closure.node:
         crossing = plant.crossings.get(closure.node)
@@ -47,10 +48,8 @@ def _closed_by(plant: Plant, closure: Closure) -> tuple[set[str], set[Ends]]:
 
 def _concerned(plant: Plant, closure: Closure) -> list[Ends]:
     """The lanes that a closure of the kind SLOW makes slow."""
-    if closure.area:
-        if closure.area not in plant.areas:
-            return []
-        extent = plant.extent_of(closure.area)
+    extent = _extent_of(plant, closure)
+    if extent is not None:
         return [
             ends
             for lane in plant.lanes
@@ -64,6 +63,15 @@ def _concerned(plant: Plant, closure: Closure) -> list[Ends]:
         return [(lane.start, lane.end) for lane in around]
     both = ((closure.start, closure.end), plant.way_back(closure.start, closure.end))
     return [ends for ends in both if plant.roads.lane(*ends) is not None]
+
+
+def _extent_of(plant: Plant, closure: Closure) -> Extent | None:
+    """What lies in its area or outline; None of a closure that has neither."""
+    if closure.outline:
+        return plant.extent_within(closure.outline)
+    if closure.area:
+        return plant.extent_of(closure.area) if closure.area in plant.areas else NOTHING
+    return None
 
 
 def lanes_of(plant: Plant, closure: Closure) -> list[Ends]:

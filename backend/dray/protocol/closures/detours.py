@@ -33,7 +33,7 @@ class Detours(Routes):
 
     def leads_round(self, start_node: str, goal_node: str) -> bool:
         """See `Routes.leads_round`."""
-        return self._round.leads_round(start_node, goal_node)
+        return self._round.leads(start_node, goal_node)
 
     def way(self, start_node: str, goal_node: str) -> Way:
         """See `Routes.way`."""

@@ -218,7 +218,7 @@ class Coordinator:
         fresh = bid if auction.round else None
         source = bid.source if bid is not None else ""
         promised_s = self._assessor.believed_s(task.work, fresh, answer.finish_s, now_s)
-        task.assign(CarrierContract(contractor, source, promised_s))
+        task.assign(CarrierContract(contractor, source, promised_s, now_s))
         if source and isinstance(task.work, Transport):
             # From now on the load is there and nowhere else: whoever takes over fetches it there, too.
             task.work = replace(task.work, sources=(source,))

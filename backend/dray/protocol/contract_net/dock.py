@@ -23,7 +23,9 @@ def dock_of(plant: Plant, work: Transport, place: str) -> str:
     Returns:
         A node; empty when nobody knows the place.
     """
-    return plant.node_of(place) if plant.has_place(place) else work.node
+    if plant.has_place(place):
+        return plant.node_of(place)
+    return place if place == work.handed_at else work.node
 
 
 class Door:

@@ -28,8 +28,8 @@ GONE_AFTER_S = 120.0
 TURN_S, TURN_MAX_S = 12.0, 60.0
 """From one vehicle that is done to the next one that stands at the dock: what nobody has seen yet, and what is no turn any more."""
 
-SOON_S = 5.0
-"""Of two that come within so little of one another either may be the first."""
+SOON_S = 2.5
+"""Of two that come within so little of one another either may be the first: about what ways to a dock are foreseen to."""
 
 TURN_GAIN = 0.3
 """Weight of the newest turn."""
@@ -64,15 +64,15 @@ class _Dock:
         while len(self.expected) > VEHICLES_MAX:
             del self.expected[next(iter(self.expected))]
 
-    def times(self, now_s: float) -> Iterable[DockTime]:
-        """Who is there when, one behind the other."""
+    def times(self, now_s: float, besides: str = "") -> Iterable[DockTime]:
+        """Who is there when, one behind the other; `besides` is not among them."""
         free_s = float("-inf")
         for atv, said in sorted(
             self.expected.items(), key=lambda each: (not each[1].docked, each[1].comes_s)
         ):
             begins_s = said.comes_s if said.docked else max(said.comes_s, free_s, now_s)
             done_s = max(begins_s + said.stays_s, now_s)
-            if said.comes_s + said.stays_s + GONE_AFTER_S < now_s:
+            if atv == besides or said.comes_s + said.stays_s + GONE_AFTER_S < now_s:
                 continue
             free_s = max(free_s, done_s + self.turn_s)
             yield DockTime(atv=atv, comes_s=said.comes_s, leaves_s=free_s)
@@ -96,6 +96,16 @@ class DockQueues:
     def __bool__(self) -> bool:
         """Whether any vehicle tells when it comes: they do where they take up room."""
         return len(self._docks) > 0
+
+    def of(self, place: str, atv: str) -> DockExpected | None:
+        """What a vehicle has told of itself at a place; None where it has not, or is done there."""
+        dock = self._docks.get(place)
+        return None if dock is None else dock.expected.get(atv)
+
+    def wait_s(self, place: str, comes_s: float, atv: str, now_s: float) -> float:
+        """How long a vehicle that comes at a time will stand before a place, behind all others."""
+        dock = self._docks.get(place)
+        return 0.0 if dock is None else wait_s(dock.times(now_s, atv), comes_s, atv)
 
     def told(self, place: str, now_s: float) -> tuple[DockTime, ...]:
         """What bidders are told of a place: who is there next, and when the dock is free again."""

@@ -13,6 +13,7 @@ from dray.messages import (
     Award,
     Confirmed,
     GoalClosed,
+    GoalRevised,
     HandoverAccepted,
     Message,
     Release,
@@ -24,7 +25,7 @@ from dray.messages import (
 NO_PARTY = "the word of somebody who is no party to the contract that it is about"
 """Why a message is ignored."""
 
-Word = Award | Confirmed | GoalClosed | HandoverAccepted | Release | Superseded | Withdrawn
+Word = Award | Confirmed | GoalClosed | GoalRevised | HandoverAccepted | Release | Superseded | Withdrawn
 """What a coordinator says to its contractor. An award counts if its task is in the receiver's hands already."""
 
 

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from typing import cast
 
+from msgspec import UNSET
+
 from dray.memory import TaskMemory
-from dray.messages import Bid, Phase, Reason, TaskBrief, Transport, Work
+from dray.messages import Bid, Phase, Reason, StrandedGoods, TaskBrief, Transport, Work
 from dray.messages.fact import Outcome
 from dray.protocol.contract_net.auction import Auction
 from dray.protocol.contract_net.task_state import TRANSITIONS, TaskState
@@ -38,10 +40,13 @@ class CarrierContract:
         primary: who has it; empty for nobody.
         source: where the load is fetched; empty where that is not known, and for goals.
         promised_s: when the primary has promised to be done.
+        bound_s: since when it has the contract.
     """
 
     __slots__ = (
+        "bound_s",
         "detector",
+        "first_promised_s",
         "held_s",
         "phase",
         "phase_s",
@@ -53,10 +58,13 @@ class CarrierContract:
         "unnamed_s",
     )
 
-    def __init__(self, primary: str = "", source: str = "", promised_s: float = 0.0) -> None:
+    def __init__(
+        self, primary: str = "", source: str = "", promised_s: float = 0.0, bound_s: float = 0.0
+    ) -> None:
         self.primary = primary
         self.source = source
-        self.promised_s = promised_s
+        self.bound_s = bound_s
+        self.first_promised_s = self.promised_s = promised_s
         self.detector: FailureDetector | None = None
         """Of the primary, while it is followed."""
         self.progress: Progress | None = None
@@ -121,6 +129,7 @@ class OpenTask:
         "recovered",
         "standby",
         "states",
+        "stranded",
         "trouble",
         "watch",
         "witnessed",
@@ -152,6 +161,8 @@ class OpenTask:
         """Why it does not go on; None when all is well."""
         self.detail = ""
         """Which problem its carrier reports."""
+        self.stranded: StrandedGoods | None = None
+        """Its goods were left with a carrier that has failed, and no other one has them on board yet."""
 
     def clear_trouble(self) -> None:
         """It goes on."""
@@ -176,8 +187,13 @@ class OpenTask:
 
     @property
     def is_loaded(self) -> bool:
-        """Whether goods have left with its carrier."""
-        return self.state is TaskState.IN_TRANSIT
+        """Whether goods are on board of its carrier, whether or not that can go on."""
+        return self.state in (TaskState.IN_TRANSIT, TaskState.STRANDED)
+
+    @property
+    def lies_at_source(self) -> bool:
+        """Whether its load waits where it was made: on board of nobody, and in nobody's hands."""
+        return not self.is_loaded and not (isinstance(self.work, Transport) and self.work.handed_at)
 
     @property
     def is_counted(self) -> bool:
@@ -223,6 +239,7 @@ class OpenTask:
             round=self.round,
             trouble=self.trouble,
             detail=self.detail,
+            stranded=UNSET if self.stranded is None else self.stranded,
         )
 
     def memory(self) -> TaskMemory:
@@ -242,6 +259,7 @@ class OpenTask:
             offered=self.is_offered,
             recovered=self.recovered,
             least_epoch=self.least_epoch,
+            stranded=self.stranded,
         )
 
     @property

@@ -21,6 +21,8 @@ class TaskState(StrEnum):
     """Its primary has failed; its secondary has a moment to take over."""
     IN_TRANSIT = "in_transit"
     """Goods have left with its primary: nobody else could fetch them again."""
+    STRANDED = "stranded"
+    """Its primary has failed with the goods on board: they wait for a person's word (`takeover.stranded`)."""
     COUNTED = "counted"
     """The coordinator has seen the load in its own buffer; the handover is still to come."""
     DELIVERED = "delivered"
@@ -55,7 +57,14 @@ TRANSITIONS: Transitions[TaskState] = {
     _S.IN_TRANSIT: {
         _S.UNASSIGNED: "the goods are back",
         _S.DELIVERED: "handed over",
-        _S.WITHDRAWN: "lost with its carrier, or not needed any more",
+        _S.STRANDED: "its primary has failed",
+        _S.WITHDRAWN: "lost, or not needed any more",
+    },
+    _S.STRANDED: {
+        _S.IN_TRANSIT: "its primary goes on",
+        _S.UNASSIGNED: "they can be handed over, or are back",
+        _S.DELIVERED: "handed over",
+        _S.WITHDRAWN: "written off, or not needed any more",
     },
     _S.COUNTED: {
         _S.DELIVERED: "handed over, or its carrier has failed",

@@ -101,6 +101,12 @@ class Progress:
             self.failed_s = now_s
         return failure
 
+    def allow(self, promised_s: float) -> None:
+        """It may be done later than it has promised itself: others stand before it at a dock."""
+        later_s = max(promised_s - self._promised_s, 0.0)
+        self._promised_s += later_s
+        self._due_s += later_s
+
     def stands_long(self, phase: Phase, now_s: float) -> bool:
         """Whether it has been in this phase, and has not come on, for longer than any handling takes."""
         return _RANK[phase] <= self._rank and now_s > self._moved_s + self._stall_s - STALL_S

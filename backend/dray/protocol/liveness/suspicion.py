@@ -17,6 +17,8 @@ from __future__ import annotations
 
 from math import ceil, log
 
+from msgspec import UNSET
+
 from dray.messages import AtvHeartbeat, MachineHeartbeat, StationHeartbeat
 
 WORKING_INTERVAL_S = 1.0
@@ -62,16 +64,22 @@ AnyHeartbeat = AtvHeartbeat | MachineHeartbeat | StationHeartbeat
 def interval_s(heartbeat: AnyHeartbeat) -> float:
     """How long after this heartbeat the next one is due.
 
-    Whoever holds a task or goals is relied on, also while all that is left of them is on the way.
+    Whoever holds a task or goals is relied on, also while all that is left of them is on the way; and who needs somebody
+    is waited for by people, who want to see at once when it is over, or gets worse. Nobody is called to one out of service.
     """
     match heartbeat:
         case AtvHeartbeat():
-            is_relied_on = heartbeat.task is not None
+            is_relied_on = heartbeat.task is not None or _needs_somebody(heartbeat)
         case MachineHeartbeat():
-            is_relied_on = bool(heartbeat.goals)
+            is_relied_on = bool(heartbeat.goals) or _needs_somebody(heartbeat)
         case StationHeartbeat():
             is_relied_on = False
     return WORKING_INTERVAL_S if is_relied_on else IDLE_INTERVAL_S
+
+
+def _needs_somebody(heartbeat: AtvHeartbeat | MachineHeartbeat) -> bool:
+    """Whether it tells of a problem for which somebody is called."""
+    return bool(heartbeat.problem) and heartbeat.out_of_service is UNSET
 
 
 def allowed_misses(loss_frac: float) -> int:

@@ -1,14 +1,23 @@
-"""A machine's cycle: one piece at a time, for the most urgent goal whose material is at hand."""
+"""A machine's cycle: one piece at a time, for the most urgent goal whose material is at hand.
+
+None begins while the machine rests by its working time; what has begun is finished.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
 from dray.body import StartCycle
-from dray.messages.fact import PieceMade
+from dray.messages import Production
+from dray.messages.fact import PieceMade, PieceScrapped, SparePieceMade
+from dray.protocol.machine.documents import GoalDocuments
 from dray.protocol.machine.production import Goal, GoalBook
 from dray.protocol.machine.supply import Supply
 from dray.protocol.runtime.events import Effect, Instruct, Record
+from dray.protocol.runtime.timers import Timers
+
+WORKING_TIME = "working time"
+"""Alarm: the machine begins to work, or to rest."""
 
 
 class Cycle:
@@ -17,60 +26,94 @@ class Cycle:
     Args:
         goals: what is to be made.
         supply: what is at hand.
+        documents: what is known of what is to be made.
+        timers: of the machine.
         out: where effects go.
         commit: called when a goal has got a piece.
 
     Attributes:
         product: what is being made; empty for nothing.
+        rests: whether the machine does not work now, by its working time.
+        blocked: whether a piece could be made now, had it room.
     """
 
     def __init__(
-        self, goals: GoalBook, supply: Supply, out: list[Effect], commit: Callable[[], None]
+        self,
+        goals: GoalBook,
+        supply: Supply,
+        documents: GoalDocuments,
+        timers: Timers,
+        out: list[Effect],
+        commit: Callable[[], None],
     ) -> None:
         self._goals = goals
         self._supply = supply
+        self._documents = documents
+        self._timers = timers
         self._out = out
         self._commit = commit
-        self._goal: Goal | None = None
+        self.goal: Goal | None = None
         """What the piece is for; None for a cycle that an earlier life of this machine has begun."""
         self.product = ""
+        self.rests = False
+        self.blocked = False
 
-    def start(self) -> None:
-        """Begin the next one, unless one runs or nothing can be made."""
-        if self.product:
+    def look(self, now_s: float) -> None:
+        """Work or rest as the clock says, and look again when that changes."""
+        working_time = self._goals.working_time
+        if not working_time.is_always:
+            self.rests = not working_time.is_on(now_s)
+            self._timers.set(WORKING_TIME, working_time.next_change_s(now_s))
+
+    def start(self, has_room: Callable[[Production], bool]) -> None:
+        """Begin the next one, unless one runs, the machine rests or nothing can be made.
+
+        Args:
+            has_room: whether a piece finds room among the goods.
+        """
+        self.blocked = False
+        if self.product or self.rests:
             return
-        goal = self._goals.next_to_make(self._supply.stock)
+        stock, ready = self._supply.stock, self._documents.ready
+        goal = self._goals.next_to_make(stock, lambda work: ready(work) and has_room(work))
         if goal is None:
+            self.blocked = self._goals.next_to_make(stock, ready) is not None
             return
-        self._goal, self.product = goal, goal.work.product
+        self.goal, self.product = goal, goal.work.product
         bill = goal.work.definition.bill
         for line in bill:
             self._supply.use(line.material, line.quantity)
         cycle_s = self._goals.products.cycle_s(goal.work)
         self._out.append(Instruct(StartCycle(product=self.product, bill=bill, cycle_s=cycle_s)))
 
-    def done(self, product: str, seq: int) -> None:
-        """A piece has come out; it is spare when its goal has ended meanwhile."""
-        if not self._supply.change(product, 1, seq):
+    def done(self, product: str, seq: int, *, bad: bool = False) -> None:
+        """A piece has come out; it is spare when its goal has ended meanwhile, or if it is for whoever fetches it."""
+        if not self._supply.change(product, 0 if bad else 1, seq):
             return  # It lay there at the start, when all that did was counted.
-        goal, self._goal, self.product = self._goal, None, ""
-        if goal is None or self._goals.get(goal.id) is not goal:
+        goal, self.goal, self.product = self.goal, None, ""
+        lives = goal is not None and self._goals.get(goal.id) is goal
+        if bad:
+            self._out.append(Record(PieceScrapped(product, goal.id if goal is not None and lives else "")))
+            return
+        if goal is None or not lives or goal.is_of_parts:
             self._goals.add_spare(product, 1)
-        else:
-            goal.made += 1
+        if goal is not None and lives:
+            goal.note_made(1)
             self._note_made(goal)
+        else:
+            self._out.append(Record(SparePieceMade(product)))
 
     def failed(self) -> None:
         """It has ended without a piece; the senses tell what has become of its material."""
-        self._goal, self.product = None, ""
+        self.goal, self.product = None, ""
 
     def share_spare(self) -> None:
         """Finished pieces of goals that ended early serve the next ones."""
         for goal in self._goals.at_work():
-            if self._goals.use_spare(goal, self._goal):
-                self._note_made(goal)
+            if self._goals.use_spare(goal, self.goal):
+                self._note_made(goal, from_stock=True)
 
-    def _note_made(self, goal: Goal) -> None:
+    def _note_made(self, goal: Goal, *, from_stock: bool = False) -> None:
         self._commit()
-        made = goal.told_made
-        self._out.append(Record(PieceMade(goal=goal.id, product=goal.work.product, made=made)))
+        made = PieceMade(goal.id, goal.work.product, goal.told_made, from_stock)
+        self._out.append(Record(made))

@@ -9,8 +9,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import cast
 
+from msgspec.structs import replace
+
 from dray.body import StockChanged
-from dray.messages import BufferLevel, Reason, Transport
+from dray.messages import BufferLevel, Production, Reason, Transport
 from dray.plant import Plant
 from dray.protocol.contract_net.task import OpenTask
 from dray.protocol.machine.production import Goal, GoalBook
@@ -51,26 +53,56 @@ class FinishedGoods:
         self._lose = lose
         self._capacity = plant.machines[machine].goods_capacity
         self._products = goals.products
+        self._counted: tuple[dict[str, int] | None, dict[str, int]] = None, {}
+        """The stock, and what of it belongs to no goal, from which `_levels` follow."""
+        self._levels: tuple[BufferLevel, ...] = ()
         self._delivery = plant.closest(plant.node_of(machine), plant.delivery_warehouses, 1)[0]
 
     @property
     def full(self) -> bool:
         """Whether there is no room for another piece."""
+        return self.room <= 0
+
+    @property
+    def room(self) -> int:
+        """Pieces that still find room."""
         stock = self._supply.stock
-        return sum(stock[item] for item in stock if self._products.is_goods(item)) >= self._capacity
+        return self._capacity - sum(stock[item] for item in stock if self._products.is_goods(item))
+
+    def has_room_for(self, work: Production) -> bool:
+        """Whether a piece of a goal finds room.
+
+        Parts wait here for whoever needs them. So a part leaves room for a container of every other product of this
+        machine, or for an equal share where all are too many: what uses it may lack one of those, and would fetch no more of it.
+        """
+        if not work.part_of:
+            return not self.full
+        own = self._products.own
+        lack = {
+            product: min(self._products.container(product)[0], self._capacity // len(own))
+            - self._supply.level(product)
+            for product in own
+        }
+        if lack.pop(work.product, 0) > 0:
+            return not self.full
+        return self.room > sum(max(0, pieces) for pieces in lack.values())
 
     def levels(self) -> tuple[BufferLevel, ...]:
-        """What lies there of every product, for the heartbeat."""
-        return tuple(
-            BufferLevel(
-                item=product,
-                level=self._supply.level(product),
-                capacity=self._capacity,
-                spare=self._goals.spare(product),
+        """What lies there of every product, for the heartbeat. Put together again only after a change."""
+        stock, spares = self._supply.stock, self._goals.spares
+        if stock != self._counted[0] or spares != self._counted[1]:
+            self._counted = dict(stock), dict(spares)
+            self._levels = tuple(
+                BufferLevel(
+                    item=product,
+                    level=stock.get(product, 0),
+                    capacity=self._capacity,
+                    spare=spares.get(product, 0),
+                )
+                for product in self._products
+                if product in self._products.own or stock.get(product, 0)
             )
-            for product in self._products
-            if product in self._products.own or self._supply.level(product)
-        )
+        return self._levels
 
     def count(self) -> None:
         """At the start: what lies there and belongs to nothing is spare."""
@@ -121,7 +153,10 @@ class FinishedGoods:
 
     def _clear_spare(self, now_s: float) -> None:
         """Pieces that no goal wants must not fill the machine for ever: they are set aside."""
+        parts = self._products.parts()
         for product in self._products:
+            if product in parts:
+                continue  # A storage keeps them (`put_away`).
             lot, ability = self._products.container(product)
             quantity = min(self._goals.spare(product), lot)
             if quantity:
@@ -144,7 +179,7 @@ class FinishedGoods:
     def lack(self, task: OpenTask) -> bool:
         """Whether the load of a transport does not lie there, though nobody has fetched it."""
         work = cast(Transport, task.work)
-        if not self._products.is_goods(work.item) or task.is_loaded:
+        if not self._products.is_goods(work.item) or not task.lies_at_source:
             return False
         return self._supply.level(work.item) < work.quantity
 
@@ -167,7 +202,7 @@ class FinishedGoods:
         """Pieces that nobody wants any more and nobody has fetched yet stay here, as spare."""
         for task in list(self._tasks):
             work = cast(Transport, task.work)
-            if work.goal and not task.is_loaded and self._goals.get(work.goal) is None:
+            if work.goal and task.lies_at_source and self._goals.get(work.goal) is None:
                 self._tasks.close(task, "withdrawn")
                 lie_there = self._supply.level(work.item) - self._claimed(work.item)
                 unbooked = max(0, lie_there - self._goals.spare(work.item))
@@ -184,14 +219,22 @@ class FinishedGoods:
         """A person has brought them, from a vehicle that has failed."""
         for task in list(self._tasks):
             work = cast(Transport, task.work)
-            if task.is_loaded and work.item == report.item and work.quantity == report.change:
-                self._tasks.reopen(task, Reason.BROUGHT_BACK, now_s)
+            if task.lies_at_source or work.item != report.item or work.quantity != report.change:
+                continue
+            if not task.primary:
+                # Everybody is being asked to fetch them elsewhere, where they are no more: they serve their goal from here.
+                self._goals.add_spare(report.item, report.change)
+                self._tasks.give_up(task, now_s)
                 return
+            self._tasks.failover.aboard.forget(task)
+            task.work = replace(work, sources=(self._machine,), handed_at="")
+            self._tasks.reopen(task, Reason.BROUGHT_BACK, now_s)
+            return
         self._goals.add_spare(report.item, report.change)
 
     def _waiting(self, product: str) -> list[OpenTask]:
         """Transports of a product whose load has not been fetched."""
-        return [task for task in self._tasks if not task.is_loaded and task.work_item == product]
+        return [task for task in self._tasks if task.lies_at_source and task.work_item == product]
 
     def _claimed(self, product: str) -> int:
         """Pieces in the goods that belong to a goal or wait for a vehicle."""

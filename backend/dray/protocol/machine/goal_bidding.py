@@ -9,7 +9,12 @@ from dray.messages import (
     Award,
     Confirmed,
     GoalClosed,
+    GoalRevised,
+    GoalRevisionTaken,
+    HolderChanged,
+    Message,
     Production,
+    ProductionCost,
     Reason,
     Refusal,
     Release,
@@ -52,6 +57,7 @@ class GoalBidder:
 
     Attributes:
         alarms: what to call when an alarm of this class has come, with (goal, now_s).
+        message_handlers: for the machine's table.
     """
 
     def __init__(
@@ -74,6 +80,14 @@ class GoalBidder:
         self._unconfirmed = Retransmitter(CONFIRM, timers, out)
         """Acceptances, said until their strategist has confirmed the goal. A Release would end it too."""
         self.alarms = {CONFIRM: self._unconfirmed.wake}
+        self.message_handlers: dict[type[Message], Callable[..., None]] = {
+            HolderChanged: self.on_holder_changed
+        }
+
+    def coordinator_of(self, task: str, _role: Role) -> str:
+        """Who has given the machine a goal, or has taken its order over; empty where it has no such goal."""
+        goal = self._goals.get(task)
+        return "" if goal is None else goal.strategist
 
     def on_announced(self, message: TaskAnnounced, unfit: str, now_s: float) -> None:
         """Answer an announcement with a bid, or note why not.
@@ -96,8 +110,8 @@ class GoalBidder:
             self._refusals.note(message, Refusal.NOT_FIT, unfit)
             return
         self._refusals.forget(message)
-        cost = self._goals.quote(work, self._supply.stock, self._supply.longest_lead_s(work))
-        finish_s = now_s + cost.total_s
+        cost = self._quote(work, message.deadline_s, now_s)
+        finish_s = now_s + cost.takes_s
         self._quoted_s[message.task] = finish_s
         self._out += offer(message, cost, finish_s, now_s)
 
@@ -115,11 +129,12 @@ class GoalBidder:
                 self._commit()
             self.ask(known, now_s)
             return False
-        reason = self._why_not(award.task, work, unfit, now_s)
+        reason = self._why_not(sender, award.task, work, award.deadline_s, unfit, now_s)
         if reason is not None:
             self._out.append(decline(sender, award, reason))
             return False
         goal = Goal(award.task, work, award.deadline_s, sender, award.epoch, award.number)
+        goal.held = max((each.held for each in self._of_order(work.order)), default=1)
         self._goals.add(goal)
         self._commit()
         self.ask(goal, now_s)
@@ -154,6 +169,28 @@ class GoalBidder:
         self._commit()
         return True
 
+    def on_revised(self, sender: str, message: GoalRevised, running: Goal | None) -> bool:
+        """Make less of a goal, or make it at another time; what was begun is kept. True when anything changes.
+
+        Args:
+            sender: who hears what is kept.
+            message: what is wanted now.
+            running: the goal whose piece is being made.
+        """
+        goal = self._goals.get(message.task)
+        if goal is None or message.epoch != goal.epoch:
+            return False  # Its strategist hears by the heartbeat that there is no such goal here.
+        # Too late to spare is what was made and not lost, or is being made.
+        begun = max(goal.made - goal.lost_in_transit + (goal is running), goal.delivered, goal.arrived)
+        kept = min(max(begun, message.quantity), goal.work.quantity)
+        is_news = self._goals.revise(goal, kept, message.deadline_s)
+        if is_news:
+            self._commit()
+        self._out.append(
+            Send(sender, GoalRevisionTaken(goal.id, goal.epoch, message.quantity, goal.work.quantity))
+        )
+        return is_news
+
     def on_over(self, message: Release | Withdrawn) -> Goal | None:
         """The goal is not this machine's any more: it stops, and what is ready is spare.
 
@@ -169,6 +206,16 @@ class GoalBidder:
         ):
             return None
         return self._end(goal, message.reason)
+
+    def on_holder_changed(self, sender: str, message: HolderChanged, now_s: float) -> None:
+        """Another strategist speaks for the goals of an order from now on, unless one is known that has taken it over since."""
+        taken = [goal for goal in self._of_order(message.order) if goal.held < message.epoch]
+        for goal in taken:
+            goal.strategist, goal.held = sender, message.epoch
+            if goal.id in self._unconfirmed:
+                self.ask(goal, now_s)
+        if taken:
+            self._commit()
 
     def on_closed(self, message: GoalClosed) -> Goal | None:
         """All of a goal is delivered: the gate has counted it. Returns the goal, if it was known."""
@@ -187,13 +234,21 @@ class GoalBidder:
         products = self._goals.products
         return products.can_make(work) and not products.objection(work)
 
-    def _why_not(self, goal: str, work: Production, unfit: str, now_s: float) -> Refusal | None:
-        """A goal that was taken since the bid may have made its promise empty."""
-        if unfit:
+    def _quote(self, work: Production, deadline_s: float, now_s: float) -> ProductionCost:
+        lead_s = self._supply.longest_lead_s(work)
+        return self._goals.quote(work, self._supply.stock, lead_s, deadline_s, now_s)
+
+    def _of_order(self, order: str) -> list[Goal]:
+        return [goal for goal in self._goals if goal.work.order == order]
+
+    def _why_not(
+        self, sender: str, goal: str, work: Production, deadline_s: float, unfit: str, now_s: float
+    ) -> Refusal | None:
+        """A goal that was taken since the bid may have made its promise empty; and another strategist may hold its order by now."""
+        if unfit or any(each.strategist != sender for each in self._of_order(work.order)):
             return Refusal.NOT_FIT
         if len(self._goals) >= GOALS_MAX:
             return Refusal.BUSY
-        cost = self._goals.quote(work, self._supply.stock, self._supply.longest_lead_s(work))
-        finish_s = now_s + cost.total_s
+        finish_s = now_s + self._quote(work, deadline_s, now_s).takes_s
         promised_s = self._quoted_s[goal] = self._quoted_s.get(goal, finish_s)
         return Refusal.BUSY if finish_s - promised_s > QUOTE_TOLERANCE_S else None

@@ -5,22 +5,13 @@ of all its transports (`transports`, `dock`). It watches its buffers (`supply`);
 follows from `_pursue`, which is asked after every change: start the next cycle, order what runs low,
 have finished goods fetched, say so.
 
-One that is asked to leave takes no goal and opens no new task. It stays while somebody may be about to answer
-it, or is at its dock. Its goals are its own if its next life speaks within GOAL_SILENCE_S (`strategist.machine_monitor`);
-the body goes on with its cycle meanwhile.
+One that is asked to leave takes no goal and opens no new task. It stays while somebody may be about to answer it, or is at its dock. Its
+goals are its own if its next life speaks within GOAL_SILENCE_S (`strategist.machine_monitor`); the body goes on with its cycle meanwhile.
 """
 
 from __future__ import annotations
 
-from dray.body import (
-    BodyState,
-    Broken,
-    CycleDone,
-    CycleFailed,
-    Repaired,
-    StockChanged,
-    WorkcellState,
-)
+from dray.body import BodyState, Broken, CycleDone, CycleFailed, Repaired, StockChanged, WorkcellState
 from dray.errors import ProtocolViolation
 from dray.memory import WHOLE, MachineMemory, Memory, Note
 from dray.messages import (
@@ -28,24 +19,25 @@ from dray.messages import (
     Confirmed,
     Disbelieved,
     GoalClosed,
+    GoalRevised,
     MachineCommand,
     Message,
     Release,
-    Role,
     TaskAnnounced,
     Withdrawn,
     WorkSought,
 )
 from dray.messages.keys import Keys
 from dray.plant import Plant
-from dray.protocol.closures.closure_listener import ClosureListener
 from dray.protocol.closures.known_floor import KnownFloor
 from dray.protocol.contract_net.auction_rules import AuctionRules
 from dray.protocol.contract_net.parties import objection
 from dray.protocol.contract_net.trust.disbelief import Reproach
 from dray.protocol.contract_net.trust.probation import Probation
 from dray.protocol.liveness.suspicion import interval_s
-from dray.protocol.machine.cycle import Cycle
+from dray.protocol.machine.closed_in import ClosedIn
+from dray.protocol.machine.cycle import WORKING_TIME, Cycle
+from dray.protocol.machine.documents import GoalDocuments
 from dray.protocol.machine.goal_bidding import GoalBidder
 from dray.protocol.machine.material_flow import MaterialFlow
 from dray.protocol.machine.people.breakdown import PATIENCE_OVER, Breakdown
@@ -99,7 +91,7 @@ class Machine(AgentBase):
     ) -> None:
         super().__init__(machine, incarnation, leaves_within_s=COORDINATOR_LEAVES_WITHIN_S)
         self._plant = plant = KnownFloor(plant)
-        self._closures = ClosureListener(plant, None, self._timers, self._out)
+        self._closures = ClosedIn(machine, plant, self.pursue, self._timers, self._out)
         self._spec = plant.machines[machine]
         self._heartbeat_timer = HeartbeatTimer(self.id, self._timers)
         self._keys = Keys(plant.id)
@@ -121,20 +113,25 @@ class Machine(AgentBase):
             incarnation=incarnation,
             tells_node=joining,
         )
-        self._cycle = Cycle(self._goals, self._supply, self._out, self._commit)
+        self._documents = GoalDocuments(self._goals, self._timers, self._out, self.pursue)
+        self._cycle = Cycle(self._goals, self._supply, self._documents, self._timers, self._out, self._commit)
         self._breakdown = Breakdown(machine, incarnation, plant, self._goals, self._timers, self._out)
-        authority = CommandAuthorisation(machine, plant, trusts)
-        self._commands = MachineCommandHandling(authority, self._breakdown, self, running, self._out)
+        authority, goods = CommandAuthorisation(machine, plant, trusts), self._flow.goods_recovery
+        self._commands = MachineCommandHandling(authority, self._breakdown, self, goods, running, self._out)
         parts = (self._goals, self._supply, self._flow, self._breakdown)
-        self._sharing = GoalSharing(*parts, self._commands.service)
+        self._sharing = GoalSharing(*parts, self._commands.service, self._closures)
         self._message_handlers = {
             **self._flow.message_handlers,
-            TaskAnnounced: lambda _from, said, now_s: self._bidder.on_announced(said, self._unfit(), now_s),
+            TaskAnnounced: lambda _from, said, now_s: self._bidder.on_announced(
+                said, self._unfit(said), now_s
+            ),
             Award: self._on_award,
             Confirmed: self._on_confirmed,
             Release: lambda _from, said, now_s: self._end_goal(self._bidder.on_over(said), now_s),
             Withdrawn: lambda _from, said, now_s: self._end_goal(self._bidder.on_over(said), now_s),
             GoalClosed: lambda _from, said, now_s: self._end_goal(self._bidder.on_closed(said), now_s),
+            GoalRevised: self._on_revised,
+            **self._bidder.message_handlers,
             WorkSought: self._on_sought,
             MachineCommand: self._on_command,
             **self._breakdown.message_handlers,
@@ -158,6 +155,7 @@ class Machine(AgentBase):
             self._supply,
             self._flow,
             self._cycle,
+            self._documents,
             self._breakdown,
             self._commands,
             self._probation,
@@ -170,13 +168,15 @@ class Machine(AgentBase):
             StockChanged: self._stock_changed,
             Broken: self._broken,
             Repaired: self._repaired,
+            **self._documents.reports,
         }
         self._alarm_handlers = {
             BEAT: self._beat,
-            PATIENCE_OVER: lambda _about, now_s: self._changed(now_s),
+            **dict.fromkeys((PATIENCE_OVER, WORKING_TIME), lambda _about, now_s: self._changed(now_s)),
             **self._breakdown.alarms,
             **self._closures.alarms,
             **self._bidder.alarms,
+            **self._documents.alarms,
             **self._flow.alarms,
             **self._bookkeeping.alarms,
         }
@@ -186,10 +186,12 @@ class Machine(AgentBase):
     def _start(self, body: BodyState | None, memory: Memory, now_s: float) -> None:
         if not isinstance(body, WorkcellState):
             raise ProtocolViolation(f"{self.id}: a machine needs a workcell, not {body!r}")
+        note = memory.get(WHOLE)
+        if isinstance(note, MachineMemory):
+            self._goals.products.restore(note.products)
         self._flow.take_count(body)
         self._cycle.product = body.cycling
         self._commands.paces = body.paces
-        note = memory.get(WHOLE)
         if isinstance(note, MachineMemory):
             self._restore(note, memory, now_s)
         self._breakdown.start(body, note.help if isinstance(note, MachineMemory) else None, now_s)
@@ -205,8 +207,6 @@ class Machine(AgentBase):
 
     def _restore(self, memory: MachineMemory, notes: Memory, now_s: float) -> None:
         """Go on with what an earlier life was bound by."""
-        for known in memory.products:
-            self._goals.products.note(known.product, known.definition)
         for booked in memory.goals:
             # It goes on with them: the strategist may be away, and the gate knows what may still get in.
             self._bidder.ask(self._goals.restore(booked), now_s)
@@ -226,6 +226,8 @@ class Machine(AgentBase):
             speed_frac=self._goals.speed_frac,
             answered=self._commands.answered,
             products=self._goals.products.memories(self._supply.level),
+            put_away=self._flow.put_away.memories(),
+            put_away_count=self._flow.put_away.count,
         )
 
     def _sense(self, body: BodyState | None, now_s: float) -> None:
@@ -235,6 +237,8 @@ class Machine(AgentBase):
             self.pursue(now_s)
 
     def _beat(self, _about: None, now_s: float) -> None:
+        expected = not self._shutdown.begun
+        self._flow.goods_recovery.update_calls(self._breakdown.calls, now_s, expected=expected)
         self._heartbeat_timer.go_on(interval_s(self._report.say(now_s)), now_s)
 
     def _was_deaf(self, span_s: float) -> None:
@@ -253,10 +257,8 @@ class Machine(AgentBase):
     def _take_leave(self, now_s: float) -> None:
         self._report.say(now_s)
 
-    # --- the workcell reports ---
-
     def _cycle_done(self, report: CycleDone, now_s: float) -> None:
-        self._cycle.done(report.product, report.seq)
+        self._cycle.done(report.product, report.seq, bad=report.bad)
         self.pursue(now_s)
 
     def _cycle_failed(self, _report: CycleFailed, now_s: float) -> None:
@@ -280,8 +282,6 @@ class Machine(AgentBase):
     def _repaired(self, _report: Repaired, now_s: float) -> None:
         self._breakdown.on_repaired(now_s)
         self._changed(now_s)
-
-    # --- people ---
 
     def _on_command(self, sender: str, command: MachineCommand, now_s: float) -> None:
         self._commands.on_command(sender, command, self._plant.position_of(self.id), now_s)
@@ -308,17 +308,19 @@ class Machine(AgentBase):
         self._last_word = Leave(again=True, update=update)
         self._on_leaving(now_s)
 
-    # --- deciding ---
-
     def pursue(self, now_s: float) -> None:
         """Do whatever the present state asks for."""
         self._sharing.decide(now_s)
         in_service = self._commands.service.out is None and not self._shutdown.begun
         self._breakdown.update_call(now_s, expected=in_service)
+        self._cycle.look(now_s)
         self._cycle.share_spare()
+        self._flow.cycling = self._cycle.product
         self._flow.note_stock(now_s)
-        if not self._breakdown.problem and not self._flow.goods.full:
-            self._cycle.start()
+        self._documents.update(now_s)
+        if not self._breakdown.problem:
+            self._cycle.start(self._flow.goods.has_room_for)
+        self._flow.cycling = self._cycle.product
         if not self._shutdown.begun:
             self._flow.announce_needs(self._cycle.product, now_s)
         self._report.update(now_s)
@@ -361,20 +363,16 @@ class Machine(AgentBase):
     # --- goals ---
 
     def _objection(self, sender: str, message: Message) -> str:
-        return objection(sender, message, self._coordinator_of)
+        return objection(sender, message, self._bidder.coordinator_of)
 
-    def _coordinator_of(self, task: str, _role: Role) -> str:
-        """Who has given it a goal; empty where it has no such goal."""
-        goal = self._goals.get(task)
-        return "" if goal is None else goal.strategist
-
-    def _unfit(self) -> str:
-        """Why it takes no goals at all; empty when it does."""
+    def _unfit(self, asked: TaskAnnounced | Award) -> str:
+        """Why it does not take a goal, whatever that is; empty when it does."""
         out = "out of service" if self._commands.service.out is not None else ""
-        return self._breakdown.problem or out or ("draining" if self._shutdown.begun else "")
+        why = self._breakdown.problem or out or ("draining" if self._shutdown.begun else "")
+        return why or self._closures.objection(asked.deadline_s)
 
     def _on_award(self, sender: str, message: Award, now_s: float) -> None:
-        if self._bidder.on_award(sender, message, self._unfit(), now_s):
+        if self._bidder.on_award(sender, message, self._unfit(message), now_s):
             self._goals_changed(now_s)
 
     def _on_confirmed(self, _sender: str, message: Confirmed, now_s: float) -> None:
@@ -383,6 +381,10 @@ class Machine(AgentBase):
         else:
             self._out.append(Ignore("confirmed twice"))
         self._flow.on_goal_counted(message.task, now_s)
+
+    def _on_revised(self, sender: str, message: GoalRevised, now_s: float) -> None:
+        if self._bidder.on_revised(sender, message, self._cycle.goal):
+            self._goals_changed(now_s)
 
     def _end_goal(self, goal: Goal | None, now_s: float) -> None:
         if goal is None:

@@ -14,15 +14,18 @@ from msgspec.structs import replace
 
 from dray.body import StockChanged, WorkcellState
 from dray.memory import MachineMemory, Memory
-from dray.messages import Docked, Phase, Transport
+from dray.messages import Docked, Phase, Transport, TransportAnswered
 from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.protocol.contract_net.auction_rules import AuctionRules
 from dray.protocol.contract_net.task import OpenTask
 from dray.protocol.machine.finished_goods import FinishedGoods
+from dray.protocol.machine.goods_recovery import GoodsRecovery
 from dray.protocol.machine.production import Goal, GoalBook
+from dray.protocol.machine.put_away import PutAway
 from dray.protocol.machine.supply import Supply
 from dray.protocol.runtime.events import Effect
+from dray.protocol.runtime.running import life_mark
 from dray.protocol.runtime.timers import Timers
 from dray.protocol.transports.issuing import Issuing
 from dray.protocol.transports.receiving import GateCount
@@ -67,6 +70,9 @@ class MaterialFlow(TransportFlow):
     Attributes:
         task_count: how many tasks of its own were named, over all lives.
         goods: those that wait to be fetched.
+        stranded: those that failed vehicles have on board.
+        put_away: parts that nobody here needs.
+        cycling: the product of the running cycle; empty for none.
     """
 
     def __init__(
@@ -88,7 +94,7 @@ class MaterialFlow(TransportFlow):
         self._supply = supply
         self._machine = owner
         self._node = plant.node_of(machine) if tells_node else ""
-        self.task_count = 0
+        self.task_count, self._life = 0, life_mark(incarnation)
         super().__init__(
             machine,
             plant,
@@ -104,7 +110,13 @@ class MaterialFlow(TransportFlow):
         self.goods = FinishedGoods(
             machine, plant, goals, supply, self.tasks, send=self._send_goods, lose=owner.miss_goods
         )
+        self.goods_recovery = GoodsRecovery(plant, self.tasks, goals)
+        self.cycling = ""
+        self.put_away = PutAway(
+            machine, plant, timers, out, owner.commit, self._put_away, incarnation=incarnation
+        )
         self._book = Reservations({item: plant.materials[item].buffer for item in supply.materials})
+        goals.promised = self._book.promised
         self._issuing = Issuing(
             machine,
             self._book,
@@ -114,7 +126,8 @@ class MaterialFlow(TransportFlow):
             changed=self.note_stock,
         )
         self.message_handlers |= self._issuing.message_handlers
-        self.alarms = {**self.alarms, **self._issuing.alarms}
+        self.message_handlers[TransportAnswered] = self.put_away.on_answered
+        self.alarms = {**self.alarms, **self._issuing.alarms, **self.put_away.alarms}
 
     # --- the beginning ---
 
@@ -126,6 +139,7 @@ class MaterialFlow(TransportFlow):
     def restore(self, memory: MachineMemory, notes: Memory, now_s: float) -> None:
         """Go on with the transports of an earlier life."""
         self.task_count = memory.task_count
+        self.put_away.restore(memory.put_away, memory.put_away_count, now_s)
         self.restore_tasks(memory.tasks, notes, now_s)
 
     # --- what the machine asks and tells ---
@@ -144,6 +158,7 @@ class MaterialFlow(TransportFlow):
             work, deadline_s = order
             self.seek(self._next_task(), work, deadline_s, now_s)
         self.goods.dispatch(now_s)
+        self._put_away(now_s)
         self.called.review(now_s)
 
     def give_back(self, now_s: float) -> None:
@@ -154,8 +169,33 @@ class MaterialFlow(TransportFlow):
 
     def note_stock(self, now_s: float) -> None:
         """What lies in the buffers may be other than before: what others count on follows from it."""
-        self._book.assume(self._supply.level)
+        self.goods_recovery.review()
+        for part in self._goals.products.parts():
+            self._book.keep(part, self._plant.machines[self._place].goods_capacity)
+        for material in self._supply.materials:
+            self._book.keep(material, self._plant.materials[material].buffer)
+        self._book.assume(self._to_give)
         self._issuing.settle(now_s)
+
+    def _to_give(self, item: str) -> int:
+        """Pieces that others may fetch: goods that belong to no goal, parts that no goal here takes, and any material."""
+        if self._goals.products.is_goods(item):
+            return self._goals.spare(item)
+        if item in self._plant.parts:
+            return self._supply.surplus(item, self.cycling)
+        return self._supply.level(item)
+
+    def _put_away(self, now_s: float) -> None:
+        products, making = (
+            self._goals.products,
+            {goal.work.product for goal in self._goals.at_work() if goal.to_make > 0},
+        )
+        for part in products.parts():
+            if part not in making or self.goods.room < products.container(part)[0]:
+                self.put_away.offer(part, self._book.level(part) - self._book.asked(part), now_s)
+        for part in self._supply.materials:
+            if part in self._plant.parts:
+                self.put_away.offer(part, self._book.level(part) - self._book.asked(part), now_s)
 
     def on_material(self, report: StockChanged, now_s: float) -> None:
         super().on_material(report, now_s)
@@ -165,7 +205,10 @@ class MaterialFlow(TransportFlow):
 
     def on_goods(self, report: StockChanged, is_news: bool, now_s: float) -> None:
         """Goods were made, or have left."""
-        self.goods.moved(report, now_s)
+        if report.vehicle and report.change < 0 and self._book.take(report.vehicle, report.item):
+            self._goals.take_spare(report.item, -report.change)
+        else:
+            self.goods.moved(report, now_s)
         if not is_news:
             self.goods.recount(now_s)
 
@@ -186,7 +229,7 @@ class MaterialFlow(TransportFlow):
     def _on_docked(self, sender: str, message: Docked, now_s: float) -> None:
         if message.station == self._place and message.item and not self.knows(message.task):
             # Another place's transport: what it fetches here is taken away.
-            self._book.assume(self._supply.level)
+            self._book.assume(self._to_give)
             self._issuing.on_docked(sender, message, now_s)
         else:
             super()._on_docked(sender, message, now_s)

@@ -10,6 +10,8 @@ from __future__ import annotations
 
 import math
 
+from dray.plant.working_time import WorkingTime
+
 SAFETY = 1.5
 """Lead times vary by about a third around their mean; half as much again covers 9 of 10."""
 
@@ -47,9 +49,9 @@ def order_quantity(*, level: int, on_order: int, need: int, point: int, lot: int
     return max(0, min(lot, capacity - expected))
 
 
-def runs_out_at_s(now_s: float, expected: int, use_per_s: float) -> float:
-    """When `expected` pieces are used up at full speed."""
-    return now_s + expected / use_per_s
+def runs_out_at_s(now_s: float, expected: int, use_per_s: float, working_time: WorkingTime) -> float:
+    """When `expected` pieces are used up at full speed, in working time."""
+    return working_time.after_s(working_time.next_on_s(now_s), expected / use_per_s)
 
 
 class LeadTime:

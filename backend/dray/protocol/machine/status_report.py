@@ -6,7 +6,14 @@ from typing import Protocol
 
 from msgspec import UNSET, UnsetType
 
-from dray.messages import NOTHING_KNOWN, BufferLevel, JoiningMachine, MachineHeartbeat, MachineStatus
+from dray.messages import (
+    NOTHING_KNOWN,
+    BufferLevel,
+    DocumentBrief,
+    JoiningMachine,
+    MachineHeartbeat,
+    MachineStatus,
+)
 from dray.messages.fact import MachineStatusChanged
 from dray.messages.heartbeat import Making
 from dray.messages.keys import Keys
@@ -15,6 +22,7 @@ from dray.plant.model import MachineSpec
 from dray.protocol.contract_net.trust.probation import Probation
 from dray.protocol.liveness.suspicion import WORKING_INTERVAL_S
 from dray.protocol.machine.cycle import Cycle
+from dray.protocol.machine.documents import GoalDocuments
 from dray.protocol.machine.material_flow import MaterialFlow
 from dray.protocol.machine.people.breakdown import Breakdown
 from dray.protocol.machine.people.command_handling import MachineCommandHandling
@@ -24,8 +32,10 @@ from dray.protocol.runtime.events import Effect, Publish, Record
 from dray.protocol.runtime.heartbeat_timer import HeartbeatTimer
 from dray.protocol.traffic.books.bookkeeping import Bookkeeping
 
-Stock = tuple[tuple[BufferLevel, ...], tuple[BufferLevel, ...]]
-"""Materials, and finished products."""
+Stock = tuple[tuple[BufferLevel, ...], tuple[BufferLevel, ...], tuple[DocumentBrief, ...]]
+"""Materials, finished products, and documents."""
+
+_Levels = tuple[BufferLevel, ...] | UnsetType
 
 
 class Owner(Protocol):
@@ -48,7 +58,7 @@ class StatusReport:
         joining: what it is, where the plant files of others do not know it.
         keys: of its plant.
         timer: numbers heartbeats.
-        goals, supply, flow, cycle, breakdown, commands, probation, bookkeeping: the machine's parts.
+        goals, supply, flow, cycle, documents, breakdown, commands, probation, bookkeeping: the machine's parts.
         out: where effects go.
 
     Attributes:
@@ -66,6 +76,7 @@ class StatusReport:
         supply: Supply,
         flow: MaterialFlow,
         cycle: Cycle,
+        documents: GoalDocuments,
         breakdown: Breakdown,
         commands: MachineCommandHandling,
         probation: Probation,
@@ -81,6 +92,7 @@ class StatusReport:
         self._supply = supply
         self._flow = flow
         self._cycle = cycle
+        self._documents = documents
         self._breakdown = breakdown
         self._commands = commands
         self._probation = probation
@@ -90,11 +102,13 @@ class StatusReport:
         self._told: Stock | None = None
         self._told_s = 0.0
         """Which stock was told last, and when."""
+        self._had_documents = False
+        """Ever in this life: who never had any does not tell of them."""
 
     def say(self, now_s: float) -> MachineHeartbeat:
         """Send a heartbeat."""
         breakdown = self._breakdown
-        buffers, goods = self._stock(now_s)
+        buffers, goods, documents = self._stock(now_s)
         heartbeat = MachineHeartbeat(
             machine=self._owner.id,
             incarnation=self._owner.incarnation,
@@ -102,10 +116,11 @@ class StatusReport:
             at_s=now_s,
             status=self.status,
             product=self._cycle.product,
-            goals=self._goals.briefs(now_s),
+            goals=self._goals.briefs(now_s, self._cycle.goal),
             tasks=tuple(task.brief() for task in self._flow.tasks),
             buffers=buffers,
             goods=goods,
+            documents=documents,
             waits=self._flow.sourcing.waits(),
             problem=breakdown.problem,
             about_problem=UNSET if breakdown.about == NOTHING_KNOWN else breakdown.about,
@@ -122,14 +137,16 @@ class StatusReport:
         self._out.append(Publish(self._key, heartbeat))
         return heartbeat
 
-    def _stock(self, now_s: float) -> Stock | tuple[UnsetType, UnsetType]:
+    def _stock(self, now_s: float) -> tuple[_Levels, _Levels, tuple[DocumentBrief, ...] | UnsetType]:
         """What lies here, where the next heartbeat tells it."""
-        stock = self._supply.levels(), self._flow.goods.levels()
+        documents = self._documents.briefs()
+        self._had_documents |= bool(documents)
+        stock = self._supply.levels(), self._flow.goods.levels(), documents
         # A heartbeat early is as good as one late.
         if stock == self._told and now_s - self._told_s < STOCK_EVERY_S - WORKING_INTERVAL_S / 2:
-            return UNSET, UNSET
+            return UNSET, UNSET, UNSET
         self._told, self._told_s = stock, now_s
-        return stock
+        return stock if self._had_documents else (stock[0], stock[1], UNSET)
 
     def update(self, now_s: float) -> None:
         """Work the status out anew; tell it if it has changed."""
@@ -146,11 +163,16 @@ class StatusReport:
             return MachineStatus.ERROR, self._breakdown.problem
         if self._cycle.product:
             return MachineStatus.PRODUCING, ""
+        if self._cycle.rests:
+            return MachineStatus.RESTING, ""
         if not self._goals.unfinished:
             return MachineStatus.IDLE, ""
-        if self._flow.goods.full:
+        if self._flow.goods.full or self._cycle.blocked:
             return MachineStatus.BLOCKED, "the goods are not fetched"
-        return MachineStatus.STARVED, self._flow.sourcing.told() or "material is missing"
+        return (
+            MachineStatus.STARVED,
+            self._documents.hindrance() or self._flow.sourcing.told() or "material is missing",
+        )
 
 
 def introduction(spec: MachineSpec) -> JoiningMachine:

@@ -49,7 +49,8 @@ class Supply:
         """Take the workcell's count at the start, which tells all that was reported to earlier lives, too."""
         self.stock, self._seq, self._levels = dict(stock), seq, None
         for item in stock:
-            if item in self._plant.materials:
+            # What is made here is goods, and told of as such: a part in a buffer as well would be counted twice.
+            if not self._goals.products.is_goods(item):
                 self._provide(item, 1)
 
     def sense(self, stock: dict[str, int], seq: int) -> bool:
@@ -118,7 +119,7 @@ class Supply:
                 work = Transport(
                     item=material,
                     quantity=quantity,
-                    sources=self._plant.storages_of(material),
+                    sources=self._sources_of(material),
                     destination=self._machine,
                     ability=self._plant.materials[material].ability,
                 )
@@ -180,19 +181,33 @@ class Supply:
         if not need:
             return 0
         spec = self._plant.materials[material]
+        expected = self.level(material) + self._on_order[material]
         return order_quantity(
             level=self.level(material),
             on_order=self._on_order[material],
             need=need,
             point=self._reorder_point(material),
-            lot=spec.lot,
+            # Of parts no more are made than are needed: who has more keeps them from others.
+            lot=min(spec.lot, need - expected) if material in self._plant.parts else spec.lot,
             capacity=spec.buffer,
         )
+
+    def _sources_of(self, material: str) -> tuple[str, ...]:
+        """The storages that keep a material, and for a part those who make it."""
+        makers = self._plant.machines_for(material) if material in self._plant.parts else ()
+        return (*self._plant.storages_of(material), *makers)
+
+    def surplus(self, part: str, cycling: str) -> int:
+        """Pieces of a part in the buffer that no goal here takes."""
+        return max(0, self.level(part) - self._goals.need(part, cycling))
 
     def _needed_at_s(self, material: str, now_s: float) -> float:
         expected = self.level(material) + self._on_order[material]
         use_per_s = self._goals.use_per_s(material)
-        return max(runs_out_at_s(now_s, expected, use_per_s), now_s + self._lead_of(material).mean_s)
+        return max(
+            runs_out_at_s(now_s, expected, use_per_s, self._goals.working_time),
+            now_s + self._lead_of(material).mean_s,
+        )
 
     def _reorder_point(self, material: str) -> int:
         spec, per_cycle = self._plant.materials[material], self._per_cycle[material]

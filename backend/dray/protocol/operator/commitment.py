@@ -15,7 +15,7 @@ class Commitment:
     """What one operator has promised to whom. Empty at first.
 
     Attributes:
-        call, caller: empty for none.
+        call, caller, goods: empty for none.
         until_s: by when it is promised (the operator's clock).
         waits: whether the caller has yet to confirm what was said last.
         again_s, give_up_s: when it is said again, and when it is given up, while `waits`.
@@ -23,11 +23,16 @@ class Commitment:
 
     def __init__(self) -> None:
         self._turn = 0
-        self.call = self.caller = ""
+        self.call = self.caller = self.goods = ""
         self.until_s: float | None = None
         self.waits = False
         self.again_s = self.give_up_s = 0.0
         self._told_s: float | None = None
+
+    @property
+    def subject(self) -> tuple[str, str]:
+        """What it is about; see `HelpCall.subject`."""
+        return self.caller, self.goods
 
     @property
     def confirmed(self) -> tuple[str, int] | None:
@@ -38,7 +43,8 @@ class Commitment:
         """Take it, or promise anew; it waits for the caller's word."""
         if self.call != call.call:
             self._turn, self._told_s = 0, None
-        self.call, self.caller, self.until_s = call.call, call.caller, until_s
+        self.call, self.until_s = call.call, until_s
+        self.caller, self.goods = call.subject
         self.waits, self.give_up_s = True, now_s + GIVE_UP_S
 
     def said(self, now_s: float) -> None:
@@ -47,7 +53,8 @@ class Commitment:
 
     def confirm(self, call: HelpCall, now_s: float) -> None:
         """The caller has said that this operator has it, and until when; what was promised anew since may not have come there yet."""
-        self.call, self.caller, self._turn = call.call, call.caller, call.turn
+        self.call, self._turn = call.call, call.turn
+        self.caller, self.goods = call.subject
         self._told_s = None if call.until_s is None else now_s + max(0.0, call.until_s - call.at_s)
         if not (self.waits and (self.until_s or 0.0) - (self._told_s or now_s) > AGAIN_S):
             self.settle()
@@ -67,5 +74,5 @@ class Commitment:
 
     def clear(self) -> None:
         """It is over."""
-        self.call = self.caller = ""
+        self.call = self.caller = self.goods = ""
         self.until_s, self.waits, self._turn = None, False, 0

@@ -2,7 +2,7 @@
 
 The agent decides nothing for the person. It keeps what a person would forget: one call at a time, what was promised to whom, that a
 call is over or was taken by somebody else. Its body is the person with a tablet (`dray.body.DutyState`); when the tablet is gone the
-operator is there for a while longer, and then is not.
+operator is there for a while longer, and then is not. Who has promised to come is expected until then: a tablet sleeps in a pocket.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ LEAVES_WITHIN_S = 1.0
 """Nothing holds an operator who goes off duty."""
 
 CALLS_MAX = 64
-"""Callers that are known at a time: more than stand in one plant."""
+"""Calls that are known at a time: more than there are in one plant."""
 
 CALL_SILENCE_S = 60.0
 """A call that was not said for so long is over, or its caller is: it is said every few seconds."""
@@ -63,8 +63,10 @@ class Operator(AgentBase):
         self._keys = Keys(plant)
         self._heartbeat_timer = HeartbeatTimer(self.id, self._timers)
         self._duty = DutyState()
-        self._calls: BoundedMap[str, tuple[HelpCall, float]] = BoundedMap(CALLS_MAX)
-        """By caller: its newest word, and when that was heard."""
+        self._lingers_until_s = 0.0
+        """Of a tablet that is gone."""
+        self._calls: BoundedMap[tuple[str, str], tuple[HelpCall, float]] = BoundedMap(CALLS_MAX)
+        """By what is called for: the newest word, and when that was heard."""
         self._declined: BoundedMap[str, bool] = BoundedMap(ANSWERED_MAX)
         """Calls that the person does not take, or has given back; and whether the caller has yet to hear that."""
         self._commitment = Commitment()
@@ -94,14 +96,19 @@ class Operator(AgentBase):
         if body.there:
             self._timers.clear(GONE)
         elif was_there:
-            self._timers.set(GONE, now_s + LINGER_S)
+            self._lingers_until_s = now_s + LINGER_S
+            self._timers.set(GONE, self._lingers_until_s)
         self._heartbeat_timer.at_once(now_s)
 
     def _duty_changed(self, report: DutyChanged, now_s: float) -> None:
         self._sense(report.state, now_s)
 
     def _tablet_gone(self, _about: None, now_s: float) -> None:
-        self._on_leaving(now_s)
+        taken = self._commitment
+        if taken.confirmed and taken.until_s is not None and now_s < taken.until_s:
+            self._timers.set(GONE, taken.until_s)
+        else:
+            self._on_leaving(now_s)
 
     def _beat(self, _about: None, now_s: float) -> None:
         self._say_status(now_s)
@@ -137,13 +144,13 @@ class Operator(AgentBase):
 
     # --- who calls -------------------------------------------------------------------------------------
 
-    def _on_call(self, sender: str, call: HelpCall, now_s: float) -> None:
-        before = self._calls.get(sender)
+    def _on_call(self, _sender: str, call: HelpCall, now_s: float) -> None:
+        before = self._calls.get(call.subject)
         if before is not None and _order(call) <= _order(before[0]):
             self._out.append(Ignore(OVERTAKEN))
             return
-        self._calls.pop(sender, None)
-        self._calls[sender] = call, now_s
+        self._calls.pop(call.subject, None)
+        self._calls[call.subject] = call, now_s
         if call.call in self._declined and self.id not in (*call.asked, call.taken_by):
             self._declined[call.call] = False
         taken = self._commitment
@@ -151,7 +158,7 @@ class Operator(AgentBase):
             self._expected(call, now_s)
         elif taken.call == call.call and taken.loses(call):
             self._let_go(now_s)
-        elif taken.call and taken.call != call.call and taken.caller == sender:
+        elif taken.call and taken.call != call.call and taken.subject == call.subject:
             # The caller was started again, and asks anew: what was promised holds.
             self._renew(call, now_s)
         self._look(None, now_s)
@@ -159,7 +166,7 @@ class Operator(AgentBase):
     def _expected(self, call: HelpCall, now_s: float) -> None:
         """The caller counts on this operator."""
         taken = self._commitment
-        free = not taken.call or taken.caller == call.caller
+        free = not taken.call or taken.subject == call.subject
         if not free or call.call in self._declined:
             self._answer(call.call, call.caller, CallAnswer.DECLINE)
             return
@@ -176,16 +183,16 @@ class Operator(AgentBase):
 
     def _look(self, _about: None, now_s: float) -> None:
         """Forget what is over, say again what was not heard, and show what concerns this operator."""
-        for caller in [
-            caller
-            for caller, (call, heard_s) in self._calls.items()
+        for subject in [
+            subject
+            for subject, (call, heard_s) in self._calls.items()
             if call.state is CallState.ENDED or now_s >= heard_s + CALL_SILENCE_S
         ]:
-            call = self._calls[caller][0]
+            call = self._calls[subject][0]
             if self._commitment.call == call.call:
                 self._let_go(now_s)
             if call.state is not CallState.ENDED:
-                del self._calls[caller]
+                del self._calls[subject]
         taken = self._commitment
         if taken.waits and now_s >= taken.again_s:
             if now_s >= taken.give_up_s and taken.confirmed:
@@ -264,6 +271,8 @@ class Operator(AgentBase):
 
     def _let_go(self, now_s: float) -> None:
         self._commitment.clear()
+        if not self._duty.there:
+            self._timers.set(GONE, max(now_s, self._lingers_until_s))
         self._heartbeat_timer.at_once(now_s)
 
     def _answer(self, call: str, caller: str, answer: CallAnswer, wait_s: float | None = None) -> None:

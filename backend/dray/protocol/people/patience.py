@@ -1,7 +1,8 @@
 """How long a task waits for its carrier's problem to end: judged by the kind of the problem and by the deadline (paper, case 4).
 
     room_s      the time that is left to the deadline; what a takeover would cost, if that is more; PATIENCE_MIN_S to PATIENCE_MAX_S
-    usual_s     three of five problems of this kind were over by then, as all vehicles have told
+    usual_s     three of five problems of this kind were over by then, as all vehicles have told; where nobody is on duty, and by the working
+                time of the place nobody is there, counted from when people come
 
 Where such problems are usually over within the room, the task waits as long as it has room. Else it is handed over at once: a dead drive is
 not waited for. Of a problem about which there are only words nothing is usual, and the task waits.
@@ -63,14 +64,31 @@ class Experience:
         if ended.problem.kind is not ProblemKind.UNKNOWN:
             self._durations.note(_subject(ended.problem), witness, ended.lasted_s, now_s)
 
-    def usual_s(self, problem: Problem, now_s: float) -> float:
-        """How long it will last, more probably than not at most."""
+    def usual_s(self, problem: Problem, now_s: float, comes_after_s: float = 0.0) -> float:
+        """How long it will last, more probably than not at most.
+
+        Args:
+            problem: what is known of it.
+            now_s: the present time.
+            comes_after_s: until anybody can be asked to help; 0 where somebody can be now.
+        """
+        if waits_for_people(problem):
+            return comes_after_s + self._lasts_s(problem, now_s)
+        return self._lasts_s(problem, now_s)
+
+    def _lasts_s(self, problem: Problem, now_s: float) -> float:
+        """The same where people are."""
         if problem.kind is ProblemKind.UNKNOWN:
             return 0.0
         if problem.passes is False and problem.needs_person is False:
             return inf
         at_first_s = PASSES_AT_FIRST_S if problem.passes else AT_FIRST_S[problem.kind]
         return self._durations.usual_s(_subject(problem), now_s, at_first_s)
+
+
+def waits_for_people(problem: Problem) -> bool:
+    """Whether it may be that nobody but a person ends it."""
+    return problem.needs_person is True or (problem.needs_person is None and not problem.passes)
 
 
 def room_s(slack_s: float, relief_s: float) -> float:

@@ -20,3 +20,8 @@ class Running:
 
 ALONE = Running()
 """Nobody starts it again."""
+
+
+def life_mark(incarnation: int) -> str:
+    """What marks the names that an agent gives in one life, so that no two lives give the same; nothing in the first one."""
+    return "" if incarnation == 1 else f".{incarnation}"

@@ -44,11 +44,13 @@ class Timers:
         """Take out and return all alarms whose time has come."""
         if now_s < self.next_s:
             return []
-        names = [name for name, at_s in self._at_s.items() if at_s <= now_s]
-        names.sort(key=self._at_s.__getitem__)
+        at_s_of = self._at_s
+        names = [name for name, at_s in at_s_of.items() if at_s <= now_s]
+        if len(names) > 1:
+            names.sort(key=at_s_of.__getitem__)
         for name in names:
-            del self._at_s[name]
-        self.next_s = min(self._at_s.values(), default=NEVER_S)
+            del at_s_of[name]
+        self.next_s = min(at_s_of.values()) if at_s_of else NEVER_S
         return names
 
 

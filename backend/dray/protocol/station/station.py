@@ -1,14 +1,17 @@
-"""The station of a storage: tells what lies there and what is promised, and opens its dock for who may fetch it.
+"""The station of a storage or a source warehouse: tells what lies there and what is promised, and opens its dock for who may fetch it.
 
 Whoever coordinates transports asks it to set material aside before anybody is hired (`transports.issuing`); what is promised
 is written down before it is said. Like a machine it has a dock: a vehicle asks before it loads. What is brought back is
 put down without a question, for whoever brings it has nowhere else to go. What people want brought here it coordinates itself,
 with the same code as a machine (`transports.transport_flow`).
 
-How material comes to the storage is its body's concern; the station only tells it what is short (`Refill`).
+Where vehicles refill the storage the station orders what runs low (`refilling`). Else how material comes there is its body's concern, and
+the station only tells it what is short (`Refill`); or people's, who have it brought.
 """
 
 from __future__ import annotations
+
+from msgspec.structs import replace
 
 from dray.body import BodyState, Refill, StockChanged, StorageState
 from dray.errors import ProtocolViolation
@@ -25,6 +28,7 @@ from dray.protocol.runtime.events import Ignore, Instruct, Publish, Subscribe
 from dray.protocol.runtime.heartbeat_timer import BEAT, HeartbeatTimer
 from dray.protocol.runtime.shutdown import COORDINATOR_LEAVES_WITHIN_S
 from dray.protocol.runtime.trust import Trusts, trusts_nobody
+from dray.protocol.station.refilling import Refilling
 from dray.protocol.traffic.books.bookkeeping import Bookkeeping
 from dray.protocol.traffic.traffic_map import TrafficMap
 from dray.protocol.transports.carrier_waits import docks_heard
@@ -34,7 +38,7 @@ from dray.protocol.transports.transport_flow import TransportFlow
 
 
 class Station(AgentBase):
-    """The station of one storage.
+    """The station of one storage or source warehouse.
 
     Args:
         storage: its id in the plant, which is the station's.
@@ -64,8 +68,9 @@ class Station(AgentBase):
         plant = KnownFloor(plant)
         self._closures = ClosureListener(plant, None, self._timers, self._out)
         self._keys = Keys(plant.id)
-        items = tuple(kept.material for kept in plant.storages[storage].stocks)
-        self._book = Reservations({kept.material: kept.capacity for kept in plant.storages[storage].stocks})
+        spec = plant.stores[storage]
+        items = tuple(kept.material for kept in spec.stocks)
+        self._book = Reservations({kept.material: kept.capacity for kept in spec.stocks})
         self._told: tuple[StockLevel, ...] = ()
         self._written: tuple[ReservationMemory, ...] = ()
         self._issuing = Issuing(
@@ -88,6 +93,8 @@ class Station(AgentBase):
             self,
             incarnation=incarnation,
         )
+        self._fills_itself = spec.refill == "itself"
+        self._refilling = Refilling(spec, plant, self._book, self._flow, incarnation)
         self._message_handlers = {
             **self._flow.message_handlers,
             **self._issuing.message_handlers,
@@ -124,6 +131,7 @@ class Station(AgentBase):
             self._commit()
         else:
             self._flow.restore_tasks((), memory, now_s)
+        self._issuing.shut_unknown(state.opened)
         self._out += (Subscribe(self._keys.all_free), *self._docks)
         self._closures.listen()
         if self.incarnation > 1:
@@ -134,7 +142,8 @@ class Station(AgentBase):
 
     def _sense(self, body: BodyState | None, now_s: float) -> None:
         state = self._storage(body)
-        self._book.sense(state.stock, state.seq)
+        if self._book.sense(state.stock, state.seq):
+            self._go_on(now_s)
 
     def _storage(self, body: BodyState | None) -> StorageState:
         if not isinstance(body, StorageState):
@@ -148,7 +157,8 @@ class Station(AgentBase):
         self._flow.subscriptions.arrivals.deaf_s += span_s
 
     def _beat(self, _about: None, now_s: float) -> None:
-        self._go_on(now_s)
+        if self._flow.called:
+            self._go_on(now_s)
         self._heartbeat_timer.go_on(interval_s(self._say_status(now_s)), now_s)
 
     def _say_status(self, now_s: float) -> StationHeartbeat:
@@ -218,9 +228,15 @@ class Station(AgentBase):
         self._issuing.settle(now_s)
         if not self._shutdown.begun:
             self._flow.called.pursue(now_s)
+            if not self._flow.hears_out:
+                self._refilling.pursue(now_s)
         self._flow.called.review(now_s)
-        self._out.extend(Instruct(Refill(item=item)) for item in self._book.short_items)
-        if (levels := self._book.levels()) != self._told:
+        if self._fills_itself:
+            self._out.extend(Instruct(Refill(item=item)) for item in self._book.short_items)
+        levels = tuple(
+            replace(level, on_order=self._flow.inbound(level.item)) for level in self._book.levels()
+        )
+        if levels != self._told:
             self._told = levels
             self._heartbeat_timer.at_once(now_s)
         if (reserved := self._book.memories()) != self._written:

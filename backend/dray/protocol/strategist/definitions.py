@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from dray.messages import BillLine, OrderItem, ProductDefinition
 from dray.plant import Plant
 from dray.plant.model import Product
@@ -13,6 +15,23 @@ def definition_for(item: OrderItem, plant: Plant) -> ProductDefinition | None:
     if item.definition is not None or product is None:
         return item.definition
     return definition_of(product)
+
+
+def parts_of(definition: ProductDefinition, parts: Mapping[str, ProductDefinition], plant: Plant) -> set[str]:
+    """Parts on all levels below a product; of one that is made of itself, each once."""
+    found: set[str] = set()
+    ahead = [definition]
+    while ahead:
+        for line in ahead.pop().bill:
+            if line.material in plant.parts and line.material not in found:
+                found.add(line.material)
+                ahead.append(part_definition(line.material, parts, plant))
+    return found
+
+
+def part_definition(part: str, parts: Mapping[str, ProductDefinition], plant: Plant) -> ProductDefinition:
+    """A part of the plant: as an order has brought it, else as the plant file has it."""
+    return parts.get(part) or definition_of(plant.products[part])
 
 
 def definition_of(product: Product) -> ProductDefinition:

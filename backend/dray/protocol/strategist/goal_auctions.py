@@ -127,6 +127,15 @@ class GoalAuctions(Coordinator):
             ended = TaskClosed(task=goal.id, epoch=goal.epoch, outcome=outcome, carrier=goal.machine)
             self._out.append(Record(ended))
 
+    def give_up(self, goal: OpenGoal) -> None:
+        """Another strategist holds the order of a goal: what is put up is withdrawn, and a contract stands."""
+        if self._asking.get(goal.work.product) == goal.id:
+            del self._asking[goal.work.product]
+        task = self.get(goal.id)
+        if task is not None and not goal.machine:
+            self.close(task, "withdrawn")
+        self._open.pop(goal.id, None)
+
     def on_accepted(self, sender: str, answer: Accepted, now_s: float) -> None:
         """Bind the machine, and confirm as often as it asks: it begins only then."""
         goal = self._book.goal(answer.task)
@@ -165,7 +174,7 @@ class GoalAuctions(Coordinator):
         if goal.waits:
             return
         goal.waits = True
-        machines = self._watch.failures(goal.work, now_s)
+        machines = self._watch.failures(goal.work, now_s, goal.machine if goal.offered else "")
         self._out.append(Record(GoalWaits(goal=goal.id, order=goal.work.order, machines=machines)))
 
     def _check_takers(self, product: str, now_s: float) -> None:
@@ -191,7 +200,7 @@ class GoalAuctions(Coordinator):
         goal = self._book.goal(task.id)
         if goal is None:
             raise ProtocolViolation(f"{self._strategist}: {task.id} was put up and is in no order")
-        self._book.contract(goal, task.primary)
+        self._book.contract(goal, task.primary, now_s)
         work = goal.work
         contracted = GoalContracted(
             goal=goal.id,
@@ -201,6 +210,8 @@ class GoalAuctions(Coordinator):
             quantity=work.quantity,
             machine=goal.machine,
             finish_s=task.contract.promised_s,
+            part_of=work.part_of,
+            held=self._book.held_with(work.order),
         )
         self._out.append(Record(contracted))
         # The auction is over; from now on the goal is followed, not its task.

@@ -98,13 +98,31 @@ class MachineMonitor:
         listening = self._plant.machines_for(work.product)
         return tuple(each for each in self.machines_for(work) if each in named and each not in listening)
 
-    def anybody_fit(self, work: Production, now_s: float) -> bool:
-        """Whether anybody lives and works who can make a goal."""
-        return any(not self.failure(machine, now_s) for machine in self.machines_for(work))
+    def cycle_s(self, work: Production) -> float:
+        """The shortest time for a piece, by the plant file, the goal's product, or the machines' own word (s)."""
+        product = work.product
+        told_s = [self._plant.cycle_s(machine, product) for machine in self._plant.machines_for(product)]
+        told_s += [each.cycle_s for each in work.definition.machines]
+        told_s += [
+            each.cycle_s
+            for joining in self._joining.values()
+            for each in joining.makes
+            if each.product == product
+        ]
+        return min(told_s, default=0.0)
 
-    def failures(self, work: Production, now_s: float) -> tuple[MachineFailure, ...]:
-        """Those that can make a goal and make nothing now."""
-        failures = ((machine, self.failure(machine, now_s)) for machine in self.machines_for(work))
+    def anybody_fit(self, work: Production, now_s: float, besides: str = "") -> bool:
+        """Whether anybody lives and works who can make a goal; besides one that offers it, perhaps."""
+        others = (machine for machine in self.machines_for(work) if machine != besides)
+        return any(not self.failure(machine, now_s) for machine in others)
+
+    def failures(self, work: Production, now_s: float, offered_by: str = "") -> tuple[MachineFailure, ...]:
+        """Those that can make a goal and make nothing now; one that offers it and works is closed in."""
+        closed_in = {offered_by: Reason.CLOSED}
+        failures = (
+            (machine, self.failure(machine, now_s) or closed_in.get(machine))
+            for machine in self.machines_for(work)
+        )
         return tuple(MachineFailure(machine, reason) for machine, reason in failures if reason is not None)
 
     def failure(self, machine: str, now_s: float) -> Reason | None:

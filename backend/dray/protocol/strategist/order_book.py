@@ -9,17 +9,19 @@ from msgspec.structs import replace
 from dray.memory import (
     WHOLE,
     EndedOrder,
-    GoalBooked,
     Memory,
     Note,
     OrderMemory,
     ReturnedOrder,
     StrategistMemory,
 )
-from dray.messages import OrderItem, OrderReleased, Production, Reason
+from dray.messages import OrderItem, OrderReleased, PartDefinition, Production
+from dray.messages.gate import GoalHeld
 from dray.plant import Plant
 from dray.protocol.runtime.events import Commit
-from dray.protocol.strategist.definitions import definition_for
+from dray.protocol.strategist.definitions import definition_for, part_definition, parts_of
+from dray.protocol.strategist.order_in_work import OpenGoal as OpenGoal  # noqa: PLC0414 - told from here, too
+from dray.protocol.strategist.order_in_work import OrderInWork as OrderInWork  # noqa: PLC0414
 
 DELIVERY_S = 300.0
 """How long before an order is due its goals should be made: carrying the last lot away."""
@@ -36,75 +38,6 @@ end between two times that it has asked for one are less than what was in work t
 """
 
 
-class OpenGoal:
-    """A goal that is not delivered yet."""
-
-    __slots__ = (
-        "arrived",
-        "brought",
-        "deadline_s",
-        "epoch",
-        "failure",
-        "id",
-        "machine",
-        "named_s",
-        "offered",
-        "waits",
-        "work",
-    )
-
-    def __init__(self, goal: str, work: Production, deadline_s: float) -> None:
-        self.id = goal
-        self.work = work
-        self.deadline_s = deadline_s
-        self.machine = ""
-        """Who makes it; empty while nobody has taken it."""
-        self.epoch = 1
-        """Of its announcement: one that an earlier life has made is not answered to any more."""
-        self.arrived = 0
-        """Pieces that the gate has counted."""
-        self.brought: dict[str, int] = {}
-        """The same by vehicle, as far as this life has heard it."""
-        self.named_s = 0.0
-        """When its machine has last said that it has this goal (plant clock)."""
-        self.offered = False
-        """Its machine asks that others make what is missing."""
-        self.failure: Reason | None = None
-        """Why it is being taken from its machine; the gate's last count is awaited."""
-        self.waits = False
-        """Whether it was said that nobody can make it."""
-
-    def booked(self) -> GoalBooked:
-        """What the next life must know of it."""
-        return GoalBooked(
-            goal=self.id,
-            work=self.work,
-            deadline_s=self.deadline_s,
-            machine=self.machine,
-            epoch=self.epoch,
-            arrived=self.arrived,
-        )
-
-
-class OrderInWork:
-    """An order that is not delivered yet."""
-
-    __slots__ = ("due_s", "goals", "id", "items", "release", "revoked_by", "withdrawn")
-
-    def __init__(self, order: str, items: tuple[OrderItem, ...], due_s: float, release: int) -> None:
-        self.id = order
-        self.items = items
-        self.due_s = due_s
-        self.release = release
-        """How often it was released, with this time."""
-        self.goals: dict[str, OpenGoal] = {}
-        """Those that are not delivered."""
-        self.revoked_by = ""
-        """Who has taken it back: then it ends when no goal is open any more. Empty while it is worked at."""
-        self.withdrawn = [0] * len(items)
-        """Per item, pieces of goals that were withdrawn and had not arrived."""
-
-
 class OrderBook:
     """All orders of one plant, oldest first.
 
@@ -115,11 +48,16 @@ class OrderBook:
     """
 
     def __init__(self, plant: Plant, machines_for: Callable[[Production], Sequence[str]], life: str) -> None:
+        self.held_with: Callable[[str], int] = lambda _order: (
+            0
+        )  # Its epoch; none where one strategist has all.
         self._plant = plant
         self._machines_for = machines_for
         self._life = life
         self._orders: dict[str, OrderInWork] = {}
         self._goals: dict[str, OpenGoal] = {}
+        self._unclaimed: dict[str, dict[str, OpenGoal]] = {}
+        """By product: goals that nobody has taken."""
         self._ended: dict[str, EndedOrder] = {}
         """Orders that have ended, or were cancelled before they came, oldest first."""
         self._returned: dict[str, ReturnedOrder] = {}
@@ -145,9 +83,9 @@ class OrderBook:
             or (order in self._returned and release <= self._returned[order].release)
         )
 
-    def fulfilled(self, order: str) -> bool:
-        """Whether an order has ended because all of it has arrived; False once that is forgotten."""
-        return order in self._ended and self._ended[order].fulfilled
+    def is_over(self, order: str) -> bool:
+        """Whether an order has ended, or was taken back."""
+        return order in self._ended or order in self._returned
 
     @property
     def is_full(self) -> bool:
@@ -165,37 +103,124 @@ class OrderBook:
         """The order that an open goal is of."""
         return self._orders[goal.work.order]
 
-    def revoked(self) -> Iterator[OrderInWork]:
-        """Orders in work that are being taken back."""
-        return (order for order in self._orders.values() if order.revoked_by)
+    def orders(self) -> list[OrderInWork]:
+        """All orders in work, oldest first."""
+        return list(self._orders.values())
+
+    def ended(self, order: str) -> EndedOrder:
+        """How an order has ended, as far as that is known."""
+        return self._ended.get(order, EndedOrder())
 
     def unclaimed(self, product: str) -> Iterator[OpenGoal]:
-        """Goals of a product that nobody has taken, in the order in which they are put up."""
-        return (goal for goal in self if not goal.machine and goal.work.product == product)
+        """Goals of a product that nobody has taken, in the order in which they are put up: what is wanted first."""
+        return iter(sorted(self._unclaimed.get(product, {}).values(), key=lambda goal: goal.deadline_s))
 
     def can_be_made(self, item: OrderItem) -> bool:
-        """Whether its product is known, and somebody can make it."""
+        """Whether its product is known, and somebody can make it and all its parts."""
         work = self._work(item)
-        return work is not None and bool(self._machines_for(work))
+        if work is None or not self._machines_for(work):
+            return False
+        brought = {each.part: each.definition for each in item.parts}
+        parts = parts_of(work.definition, brought, self._plant)
+        return all(
+            self._machines_for(
+                replace(work, product=part, definition=part_definition(part, brought, self._plant))
+            )
+            for part in parts
+        )
 
     # --- orders and goals come and go ---
 
     def take(self, message: OrderReleased) -> OrderInWork:
         """Split a new order into goals."""
         # The goals have their definitions, once each.
-        items = tuple(OrderItem(item.product, item.quantity) for item in message.items)
-        order = OrderInWork(message.order, items, message.due_s, message.release)
-        self._orders[order.id] = order
-        self._returned.pop(order.id, None)
-        self._unwritten[order.id] = None
+        order = self._begin(message, tuple(replace(item, definition=None) for item in message.items))
         for index, item in enumerate(message.items):
-            for work in self._split(order.id, index, item):
-                self._add(order, work, message.due_s - DELIVERY_S)
+            self.add_goals(order, index, item)
         return order
 
-    def contract(self, goal: OpenGoal, machine: str) -> None:
+    def take_over(
+        self, message: OrderReleased, arrived: Sequence[int], goals: Sequence[GoalHeld]
+    ) -> OrderInWork:
+        """Go on with an order that another strategist has begun.
+
+        Args:
+            message: as it was said last.
+            arrived: per item, what has arrived of all goals that it ever had; items that are not there have none.
+            goals: those that are open. New ones are added for what no goal is left for.
+        """
+        counts = [*arrived, *[0] * (len(message.items) - len(arrived))]
+        wanted, admitted = [], [0] * len(counts)
+        for held in goals:
+            counts[held.of.item] -= held.arrived
+            admitted[held.of.item] += held.admitted
+        for item, count in zip(message.items, counts, strict=True):
+            wanted.append(max(0, item.quantity + item.arrived - count))
+        stands = [max(pair) for pair in zip(wanted, admitted, strict=True)]
+        order = self._begin(
+            message,
+            tuple(
+                replace(item, definition=None, quantity=quantity, arrived=count)
+                for item, quantity, count in zip(message.items, stands, counts, strict=True)
+            ),
+        )
+        order.wanted = wanted if stands != wanted else []
+        for held in goals:
+            index = held.of.item
+            work = self._work(message.items[index], order.id, index)
+            if work is None:
+                continue
+            goal = OpenGoal(held.goal, replace(work, quantity=held.admitted), order.due_s - DELIVERY_S)
+            goal.machine, goal.epoch, goal.arrived = held.of.machine, held.of.epoch, held.arrived
+            goal.to_begin -= held.arrived
+            self._keep(order, goal)
+        for index, item in enumerate(message.items):
+            self.add_goals(order, index, replace(item, quantity=stands[index] - admitted[index]))
+        return order
+
+    def give_up(self, order: str) -> OrderInWork | None:
+        """Forget an order that another strategist holds; None when it was not in work."""
+        given_up = self._orders.pop(order, None)
+        if given_up is not None:
+            self._unwritten[order] = None
+            for goal in given_up.goals.values():
+                self._forget_goal(goal)
+        return given_up
+
+    def add_part(self, user: OpenGoal, part: str, pieces: int, deadline_s: float) -> list[OpenGoal]:
+        """Add goals for at least so many pieces of a part that a goal lacks, in whole containers; returns them."""
+        order = self.order_of(user)
+        definition = part_definition(part, order.parts, self._plant)
+        whole = -(-pieces // definition.lot) * definition.lot
+        of = user.work.part_of or user.work.product
+        work = Production(part, whole, order.id, user.work.item, definition, part_of=of)
+        return [self._add(order, share, deadline_s) for share in self._shares(work)]
+
+    def add_goals(self, order: OrderInWork, index: int, item: OrderItem) -> None:
+        """Have so many pieces of an item made."""
+        for work in self._split(order.id, index, item):
+            self._add(order, work, order.due_s - DELIVERY_S)
+
+    def resize(self, order: OrderInWork, index: int, by: int) -> None:
+        """More or less of an item is to be delivered than before."""
+        items = list(order.items)
+        items[index] = replace(items[index], quantity=items[index].quantity + by)
+        order.items = tuple(items)
+        self._unwritten[order.id] = None
+
+    def reduce(self, goal: OpenGoal, quantity: int) -> None:
+        """Less of a goal is to be made."""
+        self.resize(self._orders[goal.work.order], goal.work.item, quantity - goal.work.quantity)
+        goal.work = replace(goal.work, quantity=quantity)
+
+    def touch(self, order: OrderInWork) -> None:
+        """Something else of an order has changed."""
+        self._unwritten[order.id] = None
+
+    def contract(self, goal: OpenGoal, machine: str, now_s: float) -> None:
         """A machine has taken a goal."""
-        goal.machine, goal.waits = machine, False
+        goal.machine, goal.waits, goal.taken_s = machine, False, now_s
+        self._unclaimed[goal.work.product].pop(goal.id, None)
         self._unwritten[goal.work.order] = None
 
     def renew(self, goal: OpenGoal) -> None:
@@ -213,18 +238,19 @@ class OrderBook:
         order.revoked_by = asker
         self._unwritten[order.id] = None
 
-    def succeed(self, goal: OpenGoal) -> OpenGoal:
-        """Replace a goal by one for what has not arrived of it."""
+    def succeed(self, goal: OpenGoal, quantity: int | None = None) -> OpenGoal:
+        """Replace a goal by one for what has not arrived of it, or for another quantity."""
         order = self._orders[goal.work.order]
         self.close(goal)
         work = goal.work
-        rest = replace(work, quantity=work.quantity - goal.arrived)
-        return self._add(order, rest, goal.deadline_s)
+        left = work.quantity - goal.arrived if quantity is None else quantity
+        return self._add(order, replace(work, quantity=left), order.due_s - DELIVERY_S)
 
     def close(self, goal: OpenGoal) -> OrderInWork:
         """Forget a goal; returns its order."""
         order = self._orders[goal.work.order]
-        del self._goals[goal.id], order.goals[goal.id]
+        self._forget_goal(goal)
+        del order.goals[goal.id]
         self._unwritten[order.id] = None
         return order
 
@@ -254,14 +280,17 @@ class OrderBook:
         Returns:
             The order; None when it was not in work.
         """
-        self._ended[order] = EndedOrder(fulfilled=fulfilled or self.fulfilled(order))
+        before, in_work = self.ended(order), self._orders.get(order)
+        change = before.change if in_work is None else in_work.change
+        quantities = in_work.quantities if in_work is not None and fulfilled else before.quantities
+        self._ended[order] = EndedOrder(fulfilled or before.fulfilled, change, quantities)
         self._returned.pop(order, None)
         self._unwritten[order] = None
         self._forget_oldest(self._ended)
         ended = self._orders.pop(order, None)
         if ended is not None:
-            for goal in ended.goals:
-                del self._goals[goal]
+            for goal in ended.goals.values():
+                self._forget_goal(goal)
         return ended
 
     # --- from life to life ---
@@ -288,10 +317,13 @@ class OrderBook:
         order = self._orders[kept.order] = OrderInWork(kept.order, kept.items, kept.due_s, kept.release)
         order.revoked_by = kept.revoked_by
         order.withdrawn = list(kept.withdrawn) or order.withdrawn
+        order.parts = {each.part: each.definition for each in kept.parts}
+        order.change, order.wanted = kept.change, list(kept.wanted)
         for booked in kept.goals:
             goal = OpenGoal(booked.goal, booked.work, booked.deadline_s)
             goal.machine, goal.epoch, goal.arrived = booked.machine, booked.epoch, booked.arrived
-            self._goals[goal.id] = order.goals[goal.id] = goal
+            goal.to_begin -= booked.arrived
+            self._keep(order, goal)
 
     def _note(self, name: str) -> Note | None:
         """What is to be written down of an order, or of none of them; None when it is forgotten."""
@@ -308,6 +340,9 @@ class OrderBook:
             release=order.release,
             revoked_by=order.revoked_by,
             withdrawn=tuple(order.withdrawn),
+            change=order.change,
+            wanted=tuple(order.wanted),
+            parts=tuple(PartDefinition(*each) for each in order.parts.items()),
         )
 
     def _forget_oldest(self, history: dict[str, EndedOrder] | dict[str, ReturnedOrder]) -> None:
@@ -318,22 +353,43 @@ class OrderBook:
 
     # --- how it is done ---
 
+    def _begin(self, message: OrderReleased, items: tuple[OrderItem, ...]) -> OrderInWork:
+        order = OrderInWork(message.order, items, message.due_s, message.release)
+        order.change = message.change
+        order.parts = {each.part: each.definition for item in message.items for each in item.parts}
+        self._orders[order.id] = order
+        self._returned.pop(order.id, None)
+        self._unwritten[order.id] = None
+        return order
+
     def _add(self, order: OrderInWork, work: Production, deadline_s: float) -> OpenGoal:
         self._count += 1
         self._unwritten[WHOLE] = self._unwritten[order.id] = None
         goal = OpenGoal(f"{order.id}{self._life}-{work.item + 1}.{self._count}", work, deadline_s)
-        self._goals[goal.id] = order.goals[goal.id] = goal
+        self._keep(order, goal)
         return goal
+
+    def _keep(self, order: OrderInWork, goal: OpenGoal) -> None:
+        self._goals[goal.id] = order.goals[goal.id] = goal
+        if not goal.machine:
+            self._unclaimed.setdefault(goal.work.product, {})[goal.id] = goal
+
+    def _forget_goal(self, goal: OpenGoal) -> None:
+        del self._goals[goal.id]
+        self._unclaimed.get(goal.work.product, {}).pop(goal.id, None)
 
     def _split(self, order: str, index: int, item: OrderItem) -> list[Production]:
         """Share an item among the machines that can make it, in whole containers."""
         work = self._work(item, order, index)
         if work is None or not item.quantity:
             return []  # All of it was delivered before the order was released again.
+        return self._shares(work)
+
+    def _shares(self, work: Production) -> list[Production]:
         lot, machines = work.definition.lot, len(self._machines_for(work))
-        lots = -(-item.quantity // lot)
+        lots = -(-work.quantity // lot)
         share = -(-lots // machines) * lot
-        whole, rest = divmod(item.quantity, share)
+        whole, rest = divmod(work.quantity, share)
         return [replace(work, quantity=pieces) for pieces in [share] * whole + ([rest] if rest else [])]
 
     def _work(self, item: OrderItem, order: str = "", index: int = 0) -> Production | None:

@@ -14,7 +14,7 @@ believes to be it.
 A carrier that lives and does not come nearer has failed too (`progress`), but its secondary does not see that: it is asked.
 
 Finished goods that have left their machine exist only once: nobody else can carry them, so their task waits for
-its carrier, and is given up after LOST_IN_TRANSIT_S. A load that was seen in the buffer is delivered, whether or
+its carrier, or for a person's word (`left_aboard`). A load that was seen in the buffer is delivered, whether or
 not its carrier lives to say so.
 """
 
@@ -25,7 +25,7 @@ from typing import Protocol, cast
 
 from msgspec import UNSET
 
-from dray.messages import AtvHeartbeat, Phase, Reason, TakenOver
+from dray.messages import AtvHeartbeat, Phase, Reason, TakenOver, Transport
 from dray.messages.fact import CarrierChanged, PrimarySuspected
 from dray.messages.heartbeat import GOODS_ABOARD
 from dray.protocol.contract_net.task import OpenTask
@@ -38,14 +38,12 @@ from dray.protocol.liveness.failure_detector import (
 )
 from dray.protocol.runtime.events import NEVER_S, Effect, Record
 from dray.protocol.runtime.timers import Timers
+from dray.protocol.takeover.left_aboard import LeftAboard
 from dray.protocol.takeover.secondaries import Secondaries
 
 TAKEOVER_TIMEOUT_S = 2.0
 """How long a secondary may take after its primary has failed, beside the delay of one message: both judge
 by the same heartbeats, which reach them within each other's lateness."""
-
-LOST_IN_TRANSIT_S = 600.0
-"""How long goods on board of a silent vehicle are waited for before they are made anew."""
 
 PRIMARY_SILENCE = "primary silence"
 
@@ -89,6 +87,7 @@ class Failover:
         source_answers: whether the station where the load of a task is fetched lives, at a time (s).
 
     Attributes:
+        aboard: goods that were left on board.
         alarms: what to call when an alarm of this class has come, with (task, now_s).
     """
 
@@ -113,7 +112,8 @@ class Failover:
         self._assessor = assessor
         self._is_missing = is_missing
         self._source_answers = source_answers
-        self.alarms = {PRIMARY_SILENCE: self._check}
+        self.aboard = LeftAboard(tasks, timers, remedies)
+        self.alarms = {PRIMARY_SILENCE: self._check, **self.aboard.alarms}
 
     def follow(self, task: OpenTask, interval_s: float, now_s: float) -> None:
         """A task has got its primary, which is expected to beat every `interval_s`."""
@@ -135,10 +135,11 @@ class Failover:
         task.clear_trouble()
 
     def note_loaded(self, task: OpenTask) -> None:
-        """Finished goods have left with their carrier: nobody else could fetch them, so nobody needs to watch."""
+        """Finished goods are on board of their carrier. Whoever watches it goes on: it is asked first if they can be handed over."""
         if not task.is_loaded:
             task.states.enter(TaskState.IN_TRANSIT)
-            self._secondaries.drop(task, Reason.LOAD_ABOARD)
+            self.aboard.forget(task)
+            self._secondaries.seek_no_more(task)
 
     def on_heartbeat(self, task: OpenTask, heartbeat: AtvHeartbeat, now_s: float) -> None:
         """The primary lives; it may have lost its contract."""
@@ -155,6 +156,8 @@ class Failover:
             if task.is_of_goods and brief.phase in GOODS_ABOARD and self._may_have_left(task):
                 self.note_loaded(task)
             self._look_at_progress(task, heartbeat, now_s)
+            if not detector.failure(now_s) and not self._is_stuck(task):
+                self.aboard.goes_on(task)
         elif task.contract.unnamed_s == NEVER_S:
             task.contract.unnamed_s = now_s
         elif now_s - task.contract.unnamed_s > UNNAMED_S:
@@ -251,8 +254,12 @@ class Failover:
             task.states.enter(TaskState.ASSIGNED)
 
     def _may_have_left(self, task: OpenTask) -> bool:
-        """Whether goods may be on board, as their carrier says: this coordinator was away, or misses them."""
-        return not task.witnessed or self._is_missing(task)
+        """Whether goods may be on board, as their carrier says: this coordinator was away, or misses them, or they were elsewhere."""
+        return not task.witnessed or bool(cast(Transport, task.work).handed_at) or self._is_missing(task)
+
+    def _is_stuck(self, task: OpenTask) -> bool:
+        """Whether its carrier does not come nearer."""
+        return task.contract.progress is not None and task.contract.progress.failed_s < NEVER_S
 
     def _look_at_progress(self, task: OpenTask, heartbeat: AtvHeartbeat, now_s: float) -> None:
         progress, brief = task.contract.progress, heartbeat.task
@@ -271,9 +278,8 @@ class Failover:
         self.blame(task, failure, now_s)
         if not task.is_loaded:
             self._remedies.pass_on(task, failure, now_s)
-        elif now_s >= progress.failed_s + LOST_IN_TRANSIT_S:
-            self._remedies.give_up(task, now_s)
         else:
+            self.aboard.strand(task, now_s)
             task.trouble, task.detail = failure, ""
 
     def _note_suspicion(self, task: OpenTask, now_s: float) -> None:
@@ -286,9 +292,8 @@ class Failover:
 
     def _wait_for_goods(self, task: OpenTask, reason: Reason, now_s: float) -> None:
         detector = cast(FailureDetector, task.contract.detector)
-        lost_at_s = detector.fails_at_s + LOST_IN_TRANSIT_S
-        if detector.failure(now_s) and now_s < lost_at_s:
-            self._timers.set((PRIMARY_SILENCE, task.id), lost_at_s)
+        if detector.failure(now_s):
+            self.aboard.strand(task, now_s)
             self._remedies.wait(task, reason, now_s)
         else:
             self._remedies.give_up(task, now_s)

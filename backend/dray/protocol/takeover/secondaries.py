@@ -83,13 +83,17 @@ class Secondaries:
 
     def drop(self, task: OpenTask, reason: Reason) -> None:
         """A task needs no secondary any more."""
+        self.seek_no_more(task)
+        if task.secondary:
+            self._release(task, task.secondary, task.standby.number, reason)
+            self.unfollow(task)
+
+    def seek_no_more(self, task: OpenTask) -> None:
+        """Who watches a task goes on watching, and nobody else is elected."""
         if task.watch is not None:
             task.watch.cancel()
             task.watch = None
             self._timers.clear((WATCH_AUCTION, task.id))
-        if task.secondary:
-            self._release(task, task.secondary, task.standby.number, reason)
-            self.unfollow(task)
 
     def lose(self, task: OpenTask, reason: Reason, now_s: float) -> None:
         """A secondary has resigned or failed: elect another."""

@@ -90,6 +90,11 @@ class Standby:
         watch = self._watches.get(task)
         return "" if watch is None else watch.coordinator
 
+    def last_heard(self, task: str) -> AtvHeartbeat | None:
+        """What the primary of a task that is watched has said last; None where nothing was heard."""
+        watch = self._watches.get(task)
+        return None if watch is None else watch.detector.last
+
     def briefs(self) -> tuple[Brief, ...]:
         return tuple(watch.brief() for watch in self._watches.values())
 

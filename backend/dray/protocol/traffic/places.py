@@ -151,6 +151,14 @@ class Places:
         """All places of a district."""
         return frozenset(place for place, name in self.district_of.items() if name == district)
 
+    def entries(self, place: str) -> tuple[tuple[str, str], ...]:
+        """The lanes that lead into a place from outside, by their ends."""
+        return tuple(
+            ends
+            for ends, places in self._needs.items()
+            if place in places and self.place_of(ends[0]) != place
+        )
+
     # --- lanes and nodes -------------------------------------------------------------------------
 
     def place_of(self, node: str) -> str:
@@ -312,7 +320,7 @@ def _mouths(plant: Plant) -> dict[str, str]:
 def _keepers(plant: Plant) -> tuple[str, ...]:
     """The machines; with fewer than it takes, the stations of the storages as well."""
     machines = tuple(plant.machines)
-    return machines if len(machines) >= KEEPERS else (*machines, *plant.storages)
+    return machines if len(machines) >= KEEPERS else (*machines, *plant.stores)
 
 
 def _nearest(spot: tuple[float, float], at_m: Mapping[str, tuple[float, float]]) -> tuple[str, ...]:

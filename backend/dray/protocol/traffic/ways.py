@@ -13,7 +13,7 @@ from itertools import count
 from math import cos, inf, sin
 
 from dray.plant import Plant, bends
-from dray.plant.floor.motion import limit_mps
+from dray.plant.floor.motion import lane_s
 from dray.plant.model import VehicleType
 from dray.protocol.traffic.places import Places
 from dray.protocol.traffic.prices import OBSTRUCTED_S, STANDS_S, Prices
@@ -66,29 +66,30 @@ class Ways:
     ) -> None:
         self._places = places
         against = _against(plant) if convention else frozenset()
+        own = plant.roads_of(vehicle.id)
         roads = {
             (lane.start, lane.end): _Road(
                 lane.start,
                 lane.end,
-                lane.length_m / limit_mps(lane, vehicle),
+                lane_s(lane, vehicle),
                 places.needs(lane.start, lane.end),
                 against=(lane.start, lane.end) in against,
             )
-            for lane in plant.roads.lanes
+            for lane in own.lanes
         }
         slows_s = (vehicle.max_speed_mps - vehicle.turn_speed_mps) ** 2 / (
             vehicle.acceleration_mps2 * vehicle.max_speed_mps
         )
         self._leaving: dict[str, list[_Road]] = {}
-        self._entering: dict[str, list[_Road]] = {node: [] for node in plant.roads.leaving}
-        for node, lanes in plant.roads.leaving.items():
+        self._entering: dict[str, list[_Road]] = {node: [] for node in own.leaving}
+        for node, lanes in own.leaving.items():
             self._leaving[node] = [roads[lane.start, lane.end] for lane in lanes]
             for lane in lanes:
                 road = roads[lane.start, lane.end]
                 self._entering[lane.end].append(road)
                 road.onward = [
                     (roads[after.start, after.end], slows_s if bends(lane, after) else 0.0)
-                    for after in plant.roads.leaving[lane.end]
+                    for after in own.leaving[lane.end]
                 ]
         self._left_s: dict[str, dict[str, float]] = {}
 

@@ -27,15 +27,17 @@ def most_urgent(tasks: Iterable[OpenTask], atv: str, abilities: Collection[str])
     waiting = [
         task
         for task in tasks
-        if task.auction.waits and _wanted(task)[0] in abilities and _wanted(task)[1] in ("", atv)
+        if task.auction.waits
+        and _wanted(task)[1] in ("", atv)
+        and all(ability in abilities for ability in _wanted(task)[0])
     ]
     return min(waiting, key=_urgency, default=None)
 
 
-def _wanted(task: OpenTask) -> tuple[str, str]:
-    """The ability that a vehicle needs for it, and the only one that may carry it; empty for any."""
+def _wanted(task: OpenTask) -> tuple[tuple[str, ...], str]:
+    """The abilities that a vehicle needs for it, and the only one that may carry it; empty for any."""
     work = cast(Transport, task.work)
-    return work.ability, work.vehicle
+    return work.needed, work.vehicle
 
 
 def _urgency(task: OpenTask) -> tuple[float, str]:

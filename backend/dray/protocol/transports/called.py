@@ -11,8 +11,8 @@ is known of it is written down before anything is said of it.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from typing import Protocol
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any, Protocol
 
 from dray.memory import Memory, TransportMemory
 from dray.messages import (
@@ -30,12 +30,21 @@ from dray.messages.fact import TransportProgressed
 from dray.plant import Plant
 from dray.protocol.contract_net.task import OpenTask
 from dray.protocol.runtime.events import Commit, Effect, Ignore, Record, Send
+from dray.protocol.runtime.running import life_mark
+from dray.protocol.runtime.timers import Timers
+from dray.protocol.transports.called_transport import CalledTransport
 from dray.protocol.transports.dock import Stock
 from dray.protocol.transports.sourcing import Sourcing
 from dray.protocol.transports.transports import Transports
 
 OPEN_MAX = 200
 """Transports of one place that have not ended: hours of work of its dock. More are not taken, and are said again."""
+
+WISH_ENDS = "wish_ends"
+"""Alarm of a transport: from now on any vehicle may carry it."""
+
+LOOK_AGAIN_S = 10.0
+"""How soon it is looked again whether the wanted vehicle, which has a contract by then, has given it back."""
 
 ENDED_KEPT = 4096
 """That have ended, and whose repeated order is still recognised: a gateway asks every ten minutes for what it believes open."""
@@ -65,49 +74,6 @@ class Flow(Protocol):
         """Pieces that are on their way to this place, or are to be."""
 
 
-class CalledTransport:
-    """One that somebody has asked for."""
-
-    __slots__ = (
-        "attempt",
-        "done",
-        "due_s",
-        "id",
-        "item",
-        "quantity",
-        "source",
-        "state",
-        "task",
-        "told",
-        "vehicle",
-    )
-
-    def __init__(self, order: TransportOrdered) -> None:
-        self.id, self.source, self.item = order.transport, order.source, order.item
-        self.quantity, self.due_s, self.vehicle = order.quantity, order.due_s, order.vehicle
-        self.state = TransportState.WAITING
-        self.done = 0
-        """Pieces that were counted."""
-        self.attempt = 0
-        self.task = ""
-        """The name under which it is given out; empty while it waits for room."""
-        self.told: TransportProgressed | None = None
-
-    def memory(self) -> TransportMemory:
-        """For the next life."""
-        return TransportMemory(
-            transport=self.id,
-            source=self.source,
-            item=self.item,
-            quantity=self.quantity,
-            due_s=self.due_s,
-            vehicle=self.vehicle,
-            state=self.state,
-            done=self.done,
-            attempt=self.attempt,
-        )
-
-
 class CalledTransports:
     """Those of one place.
 
@@ -116,15 +82,27 @@ class CalledTransports:
         plant: who keeps what.
         stock: what lies here.
         flow: has loads set aside and fetched.
+        timers: its agent's alarms; this class uses names ``(WISH_ENDS, transport)``.
         out: where effects go.
-        life: marks the names of tasks, so that no two lives give the same.
+        incarnation: how often its agent was started: no two lives give the same names to tasks.
+
+    Attributes:
+        alarms: what to call when an alarm of these names has come.
     """
 
     def __init__(
-        self, place: str, plant: Plant, stock: Stock, flow: Flow, out: list[Effect], life: str
+        self,
+        place: str,
+        plant: Plant,
+        stock: Stock,
+        flow: Flow,
+        timers: Timers,
+        out: list[Effect],
+        incarnation: int,
     ) -> None:
         self._place, self._plant, self._stock, self._flow = place, plant, stock, flow
-        self._out, self._life = out, life
+        self._timers, self._out, self._life = timers, out, life_mark(incarnation)
+        self.alarms: Mapping[str, Callable[[Any, float], None]] = {WISH_ENDS: self._end_wish}
         self._open: dict[str, CalledTransport] = {}
         self._ended: dict[str, TransportState] = {}
         """How those have ended that are still recognised, the oldest first."""
@@ -132,6 +110,9 @@ class CalledTransports:
 
     def __iter__(self) -> Iterator[CalledTransport]:
         return iter(self._open.values())
+
+    def __len__(self) -> int:
+        return len(self._open)
 
     def has(self, task: str) -> bool:
         """Whether a task is one that somebody has asked for."""
@@ -141,10 +122,13 @@ class CalledTransports:
 
     def on_ordered(self, sender: str, order: TransportOrdered, now_s: float) -> None:
         """Somebody asks for a transport, for the first time or again."""
+        if not self._may_ask(sender, order.transport, order.source):
+            self._out.append(Ignore("a machine asked for what does not lie there"))
+            return
         state = self._state_of(order.transport)
         if state is not None:
             self._answer(sender, order.transport, state)
-        elif refused := self._refusal(order):
+        elif refused := self._refusal(sender, order):
             self._refuse(order, refused)
             self._answer(sender, order.transport, TransportState.CANCELLED, refused)
         elif len(self._open) >= OPEN_MAX:
@@ -159,6 +143,9 @@ class CalledTransports:
 
     def on_cancelled(self, sender: str, message: TransportCancelled, now_s: float) -> None:
         """Somebody does not need a transport any more."""
+        if not self._may_ask(sender, message.transport, sender):
+            self._out.append(Ignore("a machine called off what it has not asked for"))
+            return
         called = self._open.get(message.transport)
         if called is not None and not self._is_on_board(called):
             task = self._flow.tasks.get(called.task)
@@ -191,8 +178,27 @@ class CalledTransports:
                 destination=self._place,
                 ability=self._plant.materials[called.item].ability,
                 vehicle=called.vehicle,
+                also=called.ability,
             )
             self._flow.seek(called.task, work, called.due_s, now_s)
+
+    def _end_wish(self, transport: str, now_s: float) -> None:
+        """One vehicle was asked long enough: unless it has taken the transport, any may carry it."""
+        called = self._open.get(transport)
+        if called is None:
+            return
+        task = self._flow.tasks.get(called.task)
+        if task is not None and (task.primary or self._is_on_board(called)):
+            self._timers.set((WISH_ENDS, transport), now_s + LOOK_AGAIN_S)
+            return
+        if task is not None:
+            self._flow.cancel(task)
+        elif called.task:
+            self._flow.drop(called.task)
+        called.task, called.vehicle, called.vehicle_until_s = "", "", None
+        self._write(called)
+        self.pursue(now_s)
+        self.review(now_s)
 
     def on_lost(self, task: OpenTask) -> bool:
         """A task was withdrawn; returns whether it was one of these, which is given out again."""
@@ -234,7 +240,14 @@ class CalledTransports:
                 self._ended[note.transport] = note.state
                 continue
             order = TransportOrdered(
-                note.transport, note.source, note.item, note.quantity, note.due_s, note.vehicle
+                note.transport,
+                note.source,
+                note.item,
+                note.quantity,
+                note.due_s,
+                note.vehicle,
+                note.vehicle_until_s,
+                note.ability,
             )
             called = self._open[note.transport] = CalledTransport(order)
             called.done, called.attempt = note.done, note.attempt
@@ -242,24 +255,34 @@ class CalledTransports:
 
     def commits(self) -> Sequence[Commit]:
         """What is to be written down."""
+        if not self._unwritten:
+            return ()
         commits = [Commit(note, NOTE + name) for name, note in self._unwritten.items()]
         self._unwritten.clear()
         return commits
 
     # --- how it is done ---
 
+    def _may_ask(self, sender: str, transport: str, source: str) -> bool:
+        """A machine has its own things fetched, and nothing else."""
+        of_machine = sender in self._plant.machines
+        return not of_machine or (source == sender and transport.startswith((f"{sender}-", f"{sender}.")))
+
     def _take_up(self, called: CalledTransport) -> None:
         """Its load may be on its way for an earlier life."""
+        if called.vehicle and called.vehicle_until_s is not None:
+            self._timers.set((WISH_ENDS, called.id), called.vehicle_until_s)
         for task in self._flow.tasks:
             if _transport_of(task.id) == called.id:
                 called.task = task.id
 
-    def _refusal(self, order: TransportOrdered) -> TransportRefusal | None:
+    def _refusal(self, sender: str, order: TransportOrdered) -> TransportRefusal | None:
         plant, item = self._plant, order.item
         room = self._stock.level(item) + self._stock.room(item)
         if item not in plant.materials or not 0 < order.quantity <= room:
             return TransportRefusal.NOT_KEPT_HERE
-        if order.source == self._place or order.source not in plant.keepers_of(item):
+        keepers = (*plant.keepers_of(item), sender)  # A machine has what it makes fetched, too.
+        if order.source == self._place or order.source not in keepers:
             return TransportRefusal.NOT_KEPT_THERE
         return TransportRefusal.TOO_LARGE if order.quantity > plant.materials[item].lot else None
 
@@ -321,6 +344,7 @@ class CalledTransports:
 
     def _end(self, called: CalledTransport, state: TransportState) -> None:
         del self._open[called.id]
+        self._timers.clear((WISH_ENDS, called.id))
         called.state, called.task = state, ""
         self._record(called, None, None)
         self._note_ended(called.id, state, called)

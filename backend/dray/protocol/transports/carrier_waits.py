@@ -2,21 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import cast
 
 from msgspec.structs import replace
 
-from dray.messages import AtvHeartbeat, Phase, Transport, Wait
+from dray.messages import AtvHeartbeat, DockExpected, Phase, Transport, Wait
 from dray.messages.keys import Keys
 from dray.plant import Plant
-from dray.protocol.contract_net.dock_queues import DockQueues, wait_s
+from dray.protocol.contract_net.dock_queues import DockQueues
 from dray.protocol.contract_net.task import OpenTask
 from dray.protocol.contract_net.waits import Waits
 from dray.protocol.runtime.events import NEVER_S, Subscribe
 
 ONE_AFTER_ANOTHER_S = 1.2
 """From one announcement to the next where carriers queue at docks: a window for bids, and the award."""
+
+SETTLES_S = 10.0
+"""A promise is settled so long after it was given: whoever was hired by others at the same moment has told by then when it comes.
+Three in five of the promises that were missed at 85 % load had somebody hired for one of their docks within that time."""
 
 
 def docks_heard(place: str, items: Iterable[str], plant: Plant, keys: Keys) -> tuple[Subscribe, ...]:
@@ -34,13 +38,15 @@ class CarrierWaits:
     Args:
         place: whose carriers.
         handling_s: the longest loading or unloading; what is beyond that is a wait.
+        tasks: those that have not ended, by their ids.
 
     Attributes:
         docks: who is expected where, as vehicles with right of way have told.
     """
 
-    def __init__(self, place: str, handling_s: float) -> None:
+    def __init__(self, place: str, handling_s: float, tasks: Mapping[str, OpenTask]) -> None:
         self._place = place
+        self._tasks = tasks
         self._handling_s = handling_s
         self._waits = Waits()
         self.docks = DockQueues()
@@ -57,15 +63,36 @@ class CarrierWaits:
             self._waits.note(cast(Transport, task.work).destination, task.primary, waited_s, now_s)
         contract.phase, contract.phase_s = brief.phase, now_s
 
-    def foresee(self, task: OpenTask, now_s: float) -> None:
-        """A task has its carrier: it may stand at the destination behind others, of whom it had not heard when it promised."""
-        contract = task.contract
-        times = self.docks.told(cast(Transport, task.work).destination, now_s)
-        contract.promised_s += wait_s(times, contract.promised_s - self._handling_s, contract.primary)
+    def on_expected(self, sender: str, said: DockExpected, now_s: float) -> None:
+        """A vehicle tells of a place: whoever has just promised to be done there may stand behind it."""
+        self.docks.on_expected(sender, said, now_s)
+        for task in self._tasks.values():
+            contract = task.contract
+            if contract.primary and now_s <= contract.bound_s + SETTLES_S:
+                self.foresee(task, now_s)
 
-    def told(self, work: Transport, tasks: Iterable[OpenTask], now_s: float) -> tuple[Wait, ...]:
+    def foresee(self, task: OpenTask, now_s: float) -> None:
+        """Settle what the carrier of a task has promised: it may stand behind others, of whom it had not heard then.
+
+        What its promise has beyond the way that it tells of are waits that it has counted itself. Whatever it tells, it is given no
+        more than it has promised and the waits behind others.
+        """
+        contract, there = task.contract, cast(Transport, task.work).destination
+        loads = self.docks.of(contract.source, contract.primary)
+        unloads = self.docks.of(there, contract.primary)
+        if loads is None or unloads is None or unloads.comes_s < contract.bound_s:
+            return  # It has not told yet when it will be there.
+        comes_s = max(loads.comes_s, contract.bound_s)
+        waits_s = self.docks.wait_s(contract.source, comes_s, contract.primary, now_s)
+        waits_s += self.docks.wait_s(there, unloads.comes_s + waits_s, contract.primary, now_s)
+        counted_s = max(contract.first_promised_s - unloads.comes_s - unloads.stays_s, 0.0)
+        contract.promised_s = contract.first_promised_s + waits_s - counted_s
+        if contract.progress is not None:
+            contract.progress.allow(contract.promised_s)
+
+    def told(self, work: Transport, now_s: float) -> tuple[Wait, ...]:
         """What is known of waits at the places of a transport: lately, of who stands there now, and of who is expected there."""
-        for task in tasks:
+        for task in self._tasks.values():
             if task.contract.held_s < NEVER_S:
                 self._waits.note(self._place, task.primary, now_s - task.contract.held_s, now_s)
         places = (*work.sources, work.destination)

@@ -130,7 +130,7 @@ class Handovers:
         """The body does not count: it is told what the carrier says."""
         work = cast(Transport, task.work)
         comes = work.destination == self._place
-        if not task.contract.receipt.booked and (comes or task.is_loaded):
+        if not task.contract.receipt.booked and (comes or (task.is_loaded and not work.handed_at)):
             task.contract.receipt.booked = True
             change = task.contract.receipt.said if comes else -work.quantity
             self._out.append(Instruct(Book(vehicle=task.primary, item=work.item, change=change)))

@@ -6,7 +6,7 @@ hands out what lies in the storage, a machine what lies in its buffers when some
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from dray.messages import Docked, Message, StockAsked, StockFreed, StockReserved, StockShort
@@ -122,6 +122,13 @@ class Issuing:
             self._door.hold(sender, docked, "another vehicle fetches it")
         else:
             self._open(sender, docked, ask, now_s)
+
+    def shut_unknown(self, opened: Iterable[str]) -> None:
+        """Shut the dock for vehicles for which an earlier life has opened it, and of which nothing is known any more."""
+        known = {ask.vehicle for ask in self._book if ask.opened}
+        for vehicle in opened:
+            if vehicle not in known:
+                self._door.shut(vehicle)
 
     def on_taken(self, vehicle: str, item: str) -> None:
         """The body has counted that a vehicle has fetched something."""

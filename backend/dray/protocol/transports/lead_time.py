@@ -2,21 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Collection
+from contextlib import suppress
+from math import inf
 
+from dray.errors import NoWay
 from dray.plant import Plant
+from dray.plant.restrictions import OPEN
 
 TYPICAL_APPROACH_S = 45.0
 """A first guess of how long a vehicle needs to reach a storage, until lead times are measured."""
 
 
-def first_lead_s(plant: Plant, place: str, sources: Iterable[str]) -> float:
-    """How long it takes until a load is brought, before anything was learned of it (s)."""
+def first_lead_s(plant: Plant, place: str, sources: Collection[str]) -> float:
+    """How long it takes until a load is brought, before anything was learned of it (s).
+
+    The ways are those of the plant file: what is closed at the moment may be open when somebody comes. Vehicles that have none count for nothing.
+    """
     node = plant.node_of(place)
-    ways_s = [
-        plant.routes(kind).duration_s(plant.node_of(source), node)
-        for source in sources
-        for kind in plant.vehicle_types
-    ]
+    nearest_s = inf
+    for kind in plant.vehicle_types:
+        routes = plant.routes(kind, OPEN)
+        for source in sources:
+            with suppress(NoWay):
+                nearest_s = min(nearest_s, routes.duration_s(plant.node_of(source), node))
     handling_s = max(kind.load_s + kind.unload_s for kind in plant.vehicle_types.values())
-    return TYPICAL_APPROACH_S + min(ways_s) + handling_s
+    return TYPICAL_APPROACH_S + (0.0 if nearest_s == inf else nearest_s) + handling_s

@@ -87,11 +87,13 @@ class Recovery:
             and self._is_ours(brief)
             and not self._carries_already(heartbeat.atv)
         ):
-            storages = self._plant.storages_of(brief.item)
+            plant, item = self._plant, brief.item
+            storages = plant.storages_of(item)
+            supplies = plant.supplies_of(item) if self._place in plant.storages else ()
             work = Transport(
                 item=brief.item,
                 quantity=brief.quantity,
-                sources=tuple(each for each in storages if each != self._place) or storages,
+                sources=supplies or tuple(each for each in storages if each != self._place) or storages,
                 destination=self._place,
                 ability=self._plant.materials[brief.item].ability,
             )

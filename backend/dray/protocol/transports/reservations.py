@@ -112,10 +112,17 @@ class Reservations:
         """Take the levels as somebody else keeps them, who hears of every change."""
         self._level = {item: level(item) for item in self._capacity}
 
-    def sense(self, stock: Mapping[str, int], seq: int) -> None:
-        """Take its count, unless it is of another moment: what it has reported since is still to come."""
-        if seq == self._seq:
-            self._set(stock)
+    def sense(self, stock: Mapping[str, int], seq: int) -> bool:
+        """Take its count, unless it is of another moment: what it has reported since is still to come.
+
+        Returns:
+            True when it is not what was believed.
+        """
+        if seq != self._seq:
+            return False
+        believed = self._level
+        self._set(stock)
+        return self._level != believed
 
     def change(self, item: str, pieces: int, seq: int) -> None:
         """Pieces came, or went if negative, as the storage reports; what is known already changes nothing."""
@@ -130,9 +137,22 @@ class Reservations:
         """Pieces that still find room."""
         return self._capacity.get(item, 0) - self.level(item)
 
+    def keep(self, item: str, capacity: int) -> None:
+        """Something more may lie there; what does already is not changed."""
+        if item not in self._capacity:
+            self._capacity[item], self._level[item] = capacity, 0
+
     def free(self, item: str) -> int:
         """Pieces that are promised to nobody."""
-        return self.level(item) - self._sum(item, reserved=True)
+        return self.level(item) - self.promised(item)
+
+    def promised(self, item: str) -> int:
+        """Pieces that are set aside."""
+        return self._sum(item, reserved=True)
+
+    def asked(self, item: str) -> int:
+        """Pieces that somebody waits for, or that are set aside."""
+        return self._sum(item, reserved=False) + self.promised(item)
 
     def levels(self) -> tuple[StockLevel, ...]:
         """Everything, for the heartbeat."""

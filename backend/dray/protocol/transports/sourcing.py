@@ -46,6 +46,13 @@ LIVES_S = 10.0
 ASKED_MAX = 4
 """Storages that are asked for one task, the closest: as many as a vehicle compares chargers."""
 
+PARTS_ASKED_MAX = 8
+"""For parts, which their machines have, too."""
+
+PART_WAITS_S = 25.0
+"""Who has waited so long for parts takes as many as lie somewhere: no more may come there. Not while others of them wait
+for a carrier: vehicles are few then, and each would go for a piece or two."""
+
 _NOT_YET_FETCHED = frozenset({Phase.APPROACHING, Phase.LOADING})
 
 
@@ -66,8 +73,8 @@ class Need:
         self.task, self.work, self.deadline_s, self.since_s = task, work, deadline_s, since_s
         self.reserved: dict[str, None] = {}
         """Stations that have set it aside."""
-        self.short: dict[str, None] = {}
-        """Stations that have said that they cannot."""
+        self.short: dict[str, int] = {}
+        """Stations that have said that they cannot, with the pieces that they could."""
         self.answered: dict[str, None] = {}
         """Stations that have answered since they were asked last."""
         self.waits = False
@@ -102,6 +109,7 @@ class Sourcing:
         task_of: an open task by its name.
         starve: called with an open task whose material is not there any more, before anybody was hired, and now_s.
         changed: called with now_s when something is waited for.
+        resized: called with what was to be brought and what is, when less has to do.
 
     Attributes:
         alarms: what to call when an alarm of this class has come, with (task, now_s).
@@ -118,6 +126,7 @@ class Sourcing:
         task_of: Callable[[str], OpenTask | None],
         starve: Callable[[OpenTask, float], None],
         changed: Callable[[float], None],
+        resized: Callable[[Transport, Transport], None],
     ) -> None:
         self._place = place
         self._plant = plant
@@ -127,6 +136,7 @@ class Sourcing:
         self._task_of = task_of
         self._starve = starve
         self._changed = changed
+        self._resized = resized
         self._needs: dict[str, Need] = {}
         self._held: dict[str, dict[str, None]] = {}
         """By open task, the stations that have set its material aside, as far as is known."""
@@ -169,7 +179,8 @@ class Sourcing:
     def seek(self, task: str, work: Transport, deadline_s: float, now_s: float) -> None:
         """Have material set aside for a task that is to be announced."""
         node = self._plant.node_of(self._place)
-        near = self._plant.closest(node, work.sources, ASKED_MAX)
+        most = PARTS_ASKED_MAX if work.item in self._plant.parts else ASKED_MAX
+        near = self._plant.closest(node, work.sources, most)
         work = replace(work, sources=tuple(each for each in work.sources if each in near))
         need = self._needs[task] = Need(task, work, deadline_s, now_s)
         self._ask(need.task, 1, need.work, need.work.sources)
@@ -200,7 +211,7 @@ class Sourcing:
         need = self._needs.get(message.task)
         if need is not None and sender in need.work.sources:
             need.reserved.pop(sender, None)
-            need.short[sender] = need.answered[sender] = None
+            need.short[sender], need.answered[sender] = message.free, None
             self._settle(need, now_s)
             return
         task = self._task_of(message.task)
@@ -276,10 +287,29 @@ class Sourcing:
         self._settle(need, now_s)
         if task_id in self._needs:
             # Whoever has not answered the last time may not be there any more.
-            need.short = {each: None for each in need.short if each in need.answered}
+            need.short = {each: free for each, free in need.short.items() if each in need.answered}
             need.answered.clear()
+            self._take_less(need, now_s)
             self._ask(need.task, 1, need.work, need.work.sources)
             self._timers.set((SOURCE, task_id), now_s + AGAIN_S)
+
+    def _take_less(self, need: Need, now_s: float) -> None:
+        """Of parts that nobody has enough of, as many are asked for as lie somewhere."""
+        there = max(need.short.values(), default=0)
+        is_part = need.work.item in self._plant.parts
+        if not is_part or not 0 < there < need.work.quantity or now_s < need.since_s + PART_WAITS_S:
+            return
+        if self._wait_for_carrier(need.work.item):
+            return
+        self._free(need.task, need.work.sources)
+        before, need.work = need.work, replace(need.work, quantity=there)
+        need.short.clear()
+        self._resized(before, need.work)
+
+    def _wait_for_carrier(self, item: str) -> bool:
+        """Whether some of it is set aside already, and nobody is hired for it yet."""
+        tasks = map(self._task_of, self._held)
+        return any(task is not None and _work(task).item == item and not task.primary for task in tasks)
 
     def _renew(self, task_id: str, now_s: float) -> None:
         task = self._task_of(task_id)

@@ -107,12 +107,8 @@ class TransportFlow:
         *,
         incarnation: int,
     ) -> None:
-        self._place = place
-        self._plant = plant
-        self._keys = keys
-        self._out = out
-        self._owner = owner
-        self._life = "" if incarnation == 1 else f".{incarnation}"
+        self._place, self._plant, self._keys = place, plant, keys
+        self._out, self._owner = out, owner
         x_m, y_m = plant.position_of(place)
         self.subscriptions = HeartbeatSubscriptions(keys.atv_heartbeat, out)
         self.tasks = Transports(
@@ -143,6 +139,7 @@ class TransportFlow:
             task_of=self.tasks.get,
             starve=self.withdraw,
             changed=owner.beat_soon,
+            resized=self._resize,
         )
         self._dock = Dock(place, self.tasks, stock, out)
         self._handovers = Handovers(
@@ -157,7 +154,7 @@ class TransportFlow:
         self._recovery = Recovery(
             place, plant, self.subscriptions, self.tasks, timers, items=items, ordered=self._note_ordered
         )
-        self.called = CalledTransports(place, plant, stock, self, out, self._life)
+        self.called = CalledTransports(place, plant, stock, self, timers, out, incarnation)
         self.message_handlers: dict[type[Message], Callable[..., None]] = {
             AtvHeartbeat: self._on_vehicle,
             Bid: self.tasks.on_bid,
@@ -168,7 +165,7 @@ class TransportFlow:
             StockShort: self.sourcing.on_short,
             TakenOver: self._on_taken_over,
             Docked: self._on_docked,
-            DockExpected: self.tasks.docks.on_expected,
+            DockExpected: self.tasks.waits.on_expected,
             Handover: self._handovers.on_handover,
             TransportOrdered: self._on_ordered,
             TransportCancelled: self.called.on_cancelled,
@@ -177,9 +174,8 @@ class TransportFlow:
             RECOVERY_WAIT: self._end_recovery,
             **self.tasks.alarms,
             **self.sourcing.alarms,
+            **self.called.alarms,
         }
-
-    # --- the beginning ---
 
     def restore_tasks(self, memories: Iterable[TaskMemory], memory: Memory, now_s: float) -> None:
         """Go on with the transports of an earlier life, and with those that people have asked for."""
@@ -204,9 +200,14 @@ class TransportFlow:
         """Whether somebody may be about to answer, or is at the dock."""
         return self.tasks.awaits_answers or any(task.is_changing_hands for task in self.tasks)
 
+    @property
+    def hears_out(self) -> bool:
+        """Whether carriers may still tell of what they bring for an earlier life, which has left no notes."""
+        return self._recovery.is_listening_for_all
+
     def knows(self, task: str) -> bool:
         """Whether a task is, or was, one of this place's."""
-        return self.tasks.get(task) is not None or self.tasks.closed(task) is not None
+        return not (self.tasks.get(task) is None and self.tasks.closed(task) is None)
 
     def seek(self, task: str, work: Transport, deadline_s: float, now_s: float) -> None:
         """Have a load set aside where it is to be fetched, and then fetched."""
@@ -241,8 +242,6 @@ class TransportFlow:
         """Material has come, or was taken."""
         self._handovers.on_stock_changed(report, now_s)
 
-    # --- announcing ---
-
     def _announce_sourced(self, need: Need, now_s: float) -> None:
         """What is to be fetched is set aside: have it fetched."""
         self._announce(need.task, need.work, self._latest_s(need, now_s), now_s)
@@ -257,15 +256,17 @@ class TransportFlow:
         self.sourcing.drop(need)
         self._note_settled(need.work, None)
 
+    def _resize(self, before: Transport, now: Transport) -> None:
+        """Less is to come than was asked for."""
+        self._note_settled(before, None)
+        self._note_ordered(now)
+
     def _audience(self, _work: Work, radius_m: float) -> tuple[str, ...]:
         x_m, y_m = self._plant.position_of(self._place)
         return tuple(self._keys.transports(cell) for cell in self._plant.cells_within(x_m, y_m, radius_m))
 
-    # --- what is said ---
-
     def _on_ordered(self, sender: str, order: TransportOrdered, now_s: float) -> None:
-        if self._recovery.is_listening_for_all:
-            # Its load may be on its way for a life that has left no notes.
+        if self.hears_out:
             self._out.append(Ignore(NOT_REMEMBERED))
         else:
             self.called.on_ordered(sender, order, now_s)
@@ -287,8 +288,7 @@ class TransportFlow:
     def _on_docked(self, sender: str, message: Docked, now_s: float) -> None:
         if not self._is_remembered(message.task):
             return
-        task = self.tasks.get(message.task)
-        if task is not None and self._lacks(task):
+        if (task := self.tasks.get(message.task)) is not None and self._lacks(task):
             # Nothing would ever make them come: they are lost, and the books do not know.
             self._on_lacking(now_s)
         self._dock.on_docked(sender, message, now_s)

@@ -78,7 +78,7 @@ class Transports(Coordinator):
     Attributes:
         failover: the watch over its carriers.
         reliability: what it has learned of them.
-        docks: who is expected at the docks of its transports.
+        waits: what it knows of waits at the places of its transports, and who is expected there.
     """
 
     def __init__(
@@ -108,11 +108,10 @@ class Transports(Coordinator):
         )
         self.reliability = assessor.reliability
         self._commit, self._ended = commit, ended
-        self._lost = lost
-        self._left = left
+        self._lost, self._left = lost, left
         self._unloaded = unloaded
-        self._waits = CarrierWaits(machine, assessor.handling_max_s)
-        self.docks, self._auctions.waits = self._waits.docks, self.told_waits
+        self.waits = CarrierWaits(machine, assessor.handling_max_s, self._open)
+        self._auctions.waits = self.told_waits
         self._secondaries = Secondaries(self._open, self._auctions, subscriptions, timers, out)
         watched = (self._open, self._secondaries, subscriptions)
         self.failover = Failover(*watched, timers, out, self, assessor, is_missing, source_answers)
@@ -179,13 +178,14 @@ class Transports(Coordinator):
         auction = self._auction(memory.task, epoch, memory.work, deadline_s)
         task = self._open[memory.task] = OpenTask(memory.task, memory.work, auction, memory.opened_s)
         task.due_s, task.witnessed, task.least_epoch = memory.deadline_s, False, memory.least_epoch
+        task.recovered = memory.recovered
         if memory.primary:
             auction.cancel()
-            task.recovered = memory.recovered
             self._restore_carrier(task, memory, now_s)
         else:
             auction.open_later(now_s + RECOVERY_WAIT_S)
             self._auctions.arm(PRIMARY_AUCTION, auction)
+        self.failover.aboard.restore(task, memory.stranded)
         return task
 
     def acknowledge_carrier(self, atv: str, brief: Brief, now_s: float) -> None:
@@ -279,7 +279,7 @@ class Transports(Coordinator):
         """Note that a contracted vehicle lives, and whether it knows of its contract."""
         for task in list(self._open.values()):
             if task.primary == heartbeat.atv:
-                self._waits.note_phase(task, heartbeat, now_s)
+                self.waits.note_phase(task, heartbeat, now_s)
                 self.failover.on_heartbeat(task, heartbeat, now_s)
             elif task.secondary == heartbeat.atv:
                 self._secondaries.on_heartbeat(task, heartbeat, now_s)
@@ -293,7 +293,7 @@ class Transports(Coordinator):
 
     def told_waits(self, work: Work, now_s: float) -> tuple[Wait, ...]:
         """What is known of waits at the places of a transport."""
-        return self._waits.told(cast(Transport, work), self, now_s)
+        return self.waits.told(cast(Transport, work), now_s)
 
     # --- how it is done ---
 
@@ -309,7 +309,7 @@ class Transports(Coordinator):
             self._commit()  # Somebody may accept from now on: another life must use a higher epoch.
 
     def _announce(self, task: OpenTask, now_s: float) -> None:
-        asked = sum(other.auction.awaits_answers for other in self) if self.docks else 0
+        asked = sum(other.auction.awaits_answers for other in self) if self.waits.docks else 0
         stands_behind = stands_back(task, self)
         if task.auction.has_candidates or not (asked or stands_behind):
             super()._announce(task, now_s)
@@ -346,7 +346,7 @@ class Transports(Coordinator):
             self._secondaries.seek(task, (), now_s)
 
     def _bound(self, task: OpenTask, runners_up: tuple[tuple[str, Bid], ...], now_s: float) -> None:
-        self._waits.foresee(task, now_s)
+        self.waits.foresee(task, now_s)
         self.failover.follow(task, WORKING_INTERVAL_S, now_s)
         self._secondaries.seek(task, runners_up, now_s)
 
@@ -361,7 +361,7 @@ class Transports(Coordinator):
         """A vehicle carries a task, though no auction of this life has found it."""
         if task.witnessed:
             promised_s = self._assessor.believed_s(task.work, None, promised_s, now_s)
-        task.assign(CarrierContract(atv, source, promised_s))
+        task.assign(CarrierContract(atv, source, promised_s, now_s))
         self._bound(task, (), now_s)
 
     def _change_carrier(self, task: OpenTask, atv: str, message: TakenOver, now_s: float) -> None:

@@ -109,9 +109,8 @@ class Atv(AgentBase):
         self._idle = IdlePositioning(
             atv, plant, self._type, self._keys, self._charging, self._driver, self._timers, self._out
         )
-        self._commands = CommandHandling(
-            CommandAuthorisation(atv, plant, trusts), Assistance(self._out), self._driver, self._out
-        )
+        authority, assistance = CommandAuthorisation(atv, plant, trusts), Assistance(self._out)
+        self._commands = CommandHandling(authority, assistance, self._driver, self._charging, self._out)
         self._status_report = StatusReport(
             self, software, self._heartbeat_timer, self._driver, self._contracts, self._idle, self._commands
         )
@@ -119,7 +118,7 @@ class Atv(AgentBase):
         self.problems = ProblemHandling(
             self, plant, self._driver, self._contracts, self._commands, self._timers, self._out
         )
-        self._obstacles = ObstacleHandling(
+        self.obstacles = ObstacleHandling(
             self, plant, self._driver, self._contracts, self._idle, self.problems, self._timers, self._out
         )
         self.link = Link.WLAN
@@ -130,7 +129,7 @@ class Atv(AgentBase):
             **self._contracts.message_handlers,
             **self._closures.message_handlers,
             **self.problems.messages,
-            **self._obstacles.messages,
+            **self.obstacles.messages,
             VehicleCommand: self._on_command,
             DwellPointClaimed: self._on_claim,
             Disbelieved: Reproach(self._out).on_disbelieved,
@@ -141,7 +140,7 @@ class Atv(AgentBase):
             ActionDone: self._action_done,
             ActionFailed: self._action_failed,
             **self.problems.reports,
-            **self._obstacles.reports,
+            **self.obstacles.reports,
             LinkNoticed: self._link_noticed,
         }
         self._alarm_handlers = {
@@ -149,7 +148,7 @@ class Atv(AgentBase):
             **self._contracts.alarms,
             **self._closures.alarms,
             **self.problems.alarms,
-            **self._obstacles.alarms,
+            **self.obstacles.alarms,
             SETTLE: lambda _about, now_s: self._rest_on(SETTLE, now_s),
             CLAIM: lambda _about, now_s: self._rest_on(CLAIM, now_s),
         }
@@ -162,7 +161,7 @@ class Atv(AgentBase):
         self._sense(body, now_s)
         self._cells.move(*self._driver.position_m)
         self._closures.start(memory, now_s)
-        self._obstacles.start()
+        self.obstacles.start()
         state = cast(VehicleState, body)
         self._driver.take_control(state, now_s)
         self.problems.start(state, now_s)
@@ -188,6 +187,7 @@ class Atv(AgentBase):
             acknowledged=self._commands.acknowledged,
             speed_frac=self._driver.speed_frac,
             out_of_service=self._commands.out_of_service,
+            sent_to_charge=self._commands.is_sent_to_charge,
             answered=self._commands.answered,
         )
 
@@ -226,11 +226,10 @@ class Atv(AgentBase):
         self._heartbeat_timer.at_once(now_s)
 
     def _is_held(self) -> bool:
-        if self._contracts.job is not None and self._contracts.job.is_given_back:
-            return True
+        job = self._contracts.job
         if self._is_stuck:
-            return False
-        return self._contracts.job is not None or bool(self._driver.way)
+            return job is not None and job.is_given_back
+        return job is not None or bool(self._driver.way)
 
     def _take_leave(self, now_s: float) -> None:
         self._say_status(now_s)
@@ -240,7 +239,7 @@ class Atv(AgentBase):
     def _node_passed(self, report: NodePassed, now_s: float) -> None:
         before = self._driver.node
         self._driver.on_passed(report, now_s)
-        self._obstacles.drove(before, report.node, now_s)
+        self.obstacles.drove(before, report.node, now_s)
         self.battery_frac = report.battery_frac
         self._cells.move(*self._driver.position_m)
 
@@ -285,7 +284,7 @@ class Atv(AgentBase):
             return
         self.link, self._status_report.access_point = report.link, report.access_point
         self._out.append(Record(LinkChanged(link=report.link)))
-        self._obstacles.tell(now_s)
+        self.obstacles.tell(now_s)
         if report.link is Link.MESH:
             self._contracts.standby.resign(Reason.ON_MESH)
         self._heartbeat_timer.at_once(now_s)
@@ -323,6 +322,7 @@ class Atv(AgentBase):
     def note_ended(self, reason: str, now_s: float) -> None:
         """Look for what comes next: the contract has ended."""
         self._commands.assistance.over()
+        self.obstacles.note_ended(now_s)
         self.update_status(now_s, reason)
         self._driver.rest(now_s)
         self._idle.soon(now_s)

@@ -1,6 +1,7 @@
 """When a vehicle charges, whether it may work, and when it leaves its charger to another one.
 
     FREE --less than it must have--> NEEDY: takes no work --charged for WORTH_FRAC more--> FREE
+    FREE or NEEDY --a person sends it--> SENT: takes no work --as full as it is ever charged, or a person says so--> FREE
 
 The thresholds are those of its type (`dray.plant.model.Charging`). Between needing a charge and working again lies
 a charge that was worth the way, so that nobody drives to a charger for the battery of a single transport. It is no
@@ -9,6 +10,7 @@ longer than that: where chargers are few, what lies in batteries carries nothing
 
 from __future__ import annotations
 
+from dray.messages import CommandRefusal
 from dray.plant import Plant
 from dray.protocol.runtime.bounded_map import BoundedMap
 from dray.protocol.vehicle.reserve import RESERVE_FRAC, Reserve
@@ -36,10 +38,18 @@ class Charging:
     Args:
         plant: where the chargers are.
         vehicle_type: id of the vehicle's type.
+
+    Attributes:
+        is_sent: a person has sent it to charge, and it is not full yet.
     """
 
     def __init__(self, plant: Plant, vehicle_type: str) -> None:
+        self.is_sent = False
+        self._battery_frac = 1.0
+        """As it was noted last."""
+        self._has_charger = bool(plant.chargers)
         self._rules = plant.vehicle_types[vehicle_type].charging
+        self._working_time = plant.working_time
         self._enough_frac = min(self._rules.below_frac, self._rules.must_below_frac + WORTH_FRAC)
         """From here on one that had to charge takes work again."""
         self._reserve = Reserve(plant, vehicle_type)
@@ -56,13 +66,22 @@ class Charging:
             battery_frac: what is in it.
             node: where the vehicle is, or will be next.
         """
-        rules = self._rules
+        rules, self._battery_frac = self._rules, battery_frac
         if battery_frac < max(rules.must_below_frac, self._reserve.needed_frac(node)):
             self._is_needy = True
         elif battery_frac >= self._enough_frac:
             self._is_needy = False
         if battery_frac >= rules.up_to_frac:
-            self._is_short = False
+            self._is_short = self.is_sent = False
+
+    def send(self) -> CommandRefusal | None:
+        """A person sends it to charge; why that is refused, None when it goes after its present work."""
+        if not self._has_charger:
+            return CommandRefusal.NOT_SUPPORTED
+        if self._battery_frac >= self._rules.up_to_frac - SPENT_FRAC:
+            return CommandRefusal.CHARGED
+        self.is_sent = True
+        return None
 
     def note_short(self) -> None:
         """A transport was refused because the battery was too low for it."""
@@ -71,21 +90,25 @@ class Charging:
     @property
     def is_needy(self) -> bool:
         """Whether it must charge before it takes work again."""
-        return self._is_needy
+        return self._is_needy or self.is_sent
 
     def why_no_work(self, battery_frac: float) -> str:
         """Why it takes no work; empty when it does."""
-        if not self._is_needy:
+        if not self.is_needy:
             return ""
-        return f"must charge: {battery_frac:.0%} left, takes work again from {self._enough_frac:.0%} on"
+        enough_frac = self._rules.up_to_frac if self.is_sent else self._enough_frac
+        return f"must charge: {battery_frac:.0%} left, takes work again from {enough_frac:.0%} on"
 
     def wants(self, battery_frac: float, now_s: float) -> bool:
         """Whether a vehicle without work goes to charge."""
-        if self._is_needy:
+        if self.is_needy:
             return True
         if self._is_short and battery_frac < self._rules.up_to_frac - WORTH_FRAC:
             return True
-        return battery_frac < self._rules.below_frac and self._is_opportune(now_s)
+        # While the plant rests there is less to carry: what is charged now need not be when it works.
+        rests = not self._working_time.is_on(now_s)
+        below_frac = self._rules.up_to_frac - WORTH_FRAC if rests else self._rules.below_frac
+        return battery_frac < below_frac and self._is_opportune(now_s)
 
     def plugs_in(self, battery_frac: float, now_s: float) -> bool:
         """Whether one that stands at a charger makes use of it."""
@@ -97,7 +120,11 @@ class Charging:
         rules = self._rules
         if battery_frac >= rules.up_to_frac:
             return True
-        return battery_frac >= rules.below_frac and not self._is_short and self._is_quiet(now_s)
+        return (
+            battery_frac >= rules.below_frac
+            and not (self._is_short or self.is_sent)
+            and self._is_quiet(now_s)
+        )
 
     def gives_way(
         self, rival: str, rival_frac: float, *, battery_frac: float, charging: bool, now_s: float

@@ -328,7 +328,7 @@ class Contracts:
         self.go_on(lambda job: job.on_answer(message, now_s), now_s)
 
     def _on_of_dock(self, sender: str, message: DockOpened | DockHeld, now_s: float) -> None:
-        if sender == message.station:
+        if sender == (message.station if self.job is None else self.job.answers_at(message.station)):
             self._on_of_contract(sender, message, now_s)
         else:
             self._out.append(Ignore(NO_PARTY))

@@ -124,6 +124,8 @@ class DwellPoints:
             for dwell_point, spec in kind.items()
             if dwell_point not in self._taken_until_s and spec.node not in closed
         ]
+        if open_ways := self.reached_round(node):
+            free = [dwell_point for dwell_point in free if dwell_point in open_ways]
         if not free:
             return False
         near = self._plant.closest(node, free, COMPARED)
@@ -134,6 +136,20 @@ class DwellPoints:
         self.leave()
         self._claim(nearest, battery_frac, Hold.CLAIMED)
         return True
+
+    def reached_round(self, node: str) -> tuple[str, ...]:
+        """The dwell points of any kind to which a way leads from a node round all that lies on lanes; none where nothing does."""
+        plant = self._plant
+        if not plant.obstructed:
+            return ()
+        routes = plant.routes(self._type)
+        return tuple(each for each in plant.dwell_points if routes.leads_round(node, plant.node_of(each)))
+
+    def nearest_round(self, node: str) -> str:
+        """The node of the nearest of these elsewhere; empty for none."""
+        plant = self._plant
+        places = [each for each in self.reached_round(node) if plant.node_of(each) != node]
+        return plant.node_of(plant.routes(self._type).nearest(node, places)[0]) if places else ""
 
     def arrive(self) -> None:
         """The vehicle stands in its dwell point now."""

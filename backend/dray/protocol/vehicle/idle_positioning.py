@@ -151,6 +151,27 @@ class IdlePositioning:
         self._timers.clear(SETTLE)
         self._timers.clear(CLAIM)
 
+    def go_elsewhere(self, now_s: float) -> None:
+        """Something is in the way to where it goes, and no way leads round: look for another place."""
+        if self._driver.way:
+            self.stop()
+            self.soon(now_s)
+
+    def turn_aside(self, node: str, now_s: float) -> bool:
+        """It stands on a node before something that no way leads round to where it goes, and has no work there: turn back.
+
+        It sets off for the nearest dwell point that can be reached, whoever has it, and looks for one of its own on the way.
+
+        Returns:
+            False when none can be reached: nothing is done then.
+        """
+        away = self._dwell_points.nearest_round(node)
+        if not away or not self._driver.turn_back(node, now_s, away):
+            return False
+        self.stop()
+        self.soon(now_s)
+        return True
+
     def floor_changed(self, now_s: float) -> None:
         """People have closed or opened something: leave what is closed, and go on by other ways."""
         claimed = self._dwell_points.dwell_point

@@ -12,22 +12,39 @@ from itertools import pairwise
 from typing import Any, Protocol
 
 from dray.body import ProblemCleared, ProblemRaised, WayBlocked, WayFree
-from dray.messages import Link, Message, ObstacleCleared, ObstacleSeen, Problem, ProblemKind
+from dray.messages import (
+    AtvHeartbeat,
+    Link,
+    Message,
+    ObstacleCleared,
+    ObstacleSeen,
+    Problem,
+    ProblemKind,
+    Removals,
+)
+from dray.messages.floor.obstacle import FORGOTTEN_AT_MOST_S
 from dray.messages.keys import Keys
 from dray.plant.restrictions import Ends
 from dray.protocol.closures.known_floor import KnownFloor
 from dray.protocol.runtime.events import Effect, Ignore, Publish, Subscribe
 from dray.protocol.runtime.timers import Timers
+from dray.protocol.takeover.standby import WATCHED_SILENCE
+from dray.protocol.traffic.driving.place_requests import ShutOut
 from dray.protocol.vehicle.contracts import Contracts
 from dray.protocol.vehicle.drivers.driver import Driver
 from dray.protocol.vehicle.idle_positioning import IdlePositioning
 from dray.protocol.vehicle.people.problem_handling import ProblemHandling
+from dray.protocol.vehicle.silent_vehicles import STANDS, SilentVehicles
 
 LOOK_AGAIN = "look again"
 
 KNOWN = "of an obstacle that is known, or a lane that is free already"
 
 IN_THE_WAY = "something is in the way from {} to {}, and no way leads round it"
+
+SHUT = "the door {} does not open, and no way leads round it"
+
+NO_TURNING = "the door {} does not open, and no lane leads back from {}"
 
 BLOCKED = Problem(kind=ProblemKind.WAY_BLOCKED, needs_person=True)
 """Whether it goes away by itself nobody knows."""
@@ -76,9 +93,18 @@ class ObstacleHandling:
         self._keys = Keys(floor.id)
         self._stands_before: Ends | None = None
         """The lane on which something holds it up, with no way round; a problem of its own."""
+        self._may_turn = False
+        """It stands before that lane, and not on it."""
+        self._reason = ""
+        """What it says of that."""
         self._untold: dict[Ends, float] = {}
         """What it has met while it had no WLAN, and when that is forgotten."""
+        self._silent = SilentVehicles(
+            floor.obstacles, contracts.subscriptions, self._tell_gone, out, self._keys
+        )
         self.messages: dict[type[Message], Callable[[str, Any, float], None]] = {
+            AtvHeartbeat: self._on_heartbeat,
+            Removals: self._silent.on_removals,
             ObstacleSeen: self._on_seen,
             ObstacleCleared: self._on_cleared,
         }
@@ -87,7 +113,10 @@ class ObstacleHandling:
             WayFree: self._way_free,
             ProblemCleared: self._problem_cleared,
         }
-        self.alarms: dict[str, Callable[[Any, float], None]] = {LOOK_AGAIN: self._look_again}
+        self.alarms: dict[str, Callable[[Any, float], None]] = {
+            LOOK_AGAIN: self._look_again,
+            WATCHED_SILENCE: self._look_after,
+        }
 
     def start(self) -> None:
         """Listen to what others meet."""
@@ -98,13 +127,46 @@ class ObstacleHandling:
         if start != end and self._floor.obstacles.is_on(start, end):
             self._tell_gone(start, end, now_s)
 
+    def shut_out(self, shut: ShutOut, now_s: float) -> None:
+        """A silent vehicle is in its way, and none leads round: that is an obstacle, and what is carried is planned anew.
+
+        It stays able to make room for others, so this is no problem of its own: who waits for whom is told with its heartbeat.
+        """
+        if self._silent.was_heard_lately(shut.by, now_s):
+            return
+        is_first = shut.by not in self._silent
+        for start, end in self._silent.meet(shut.by, shut.lanes):
+            self._floor.obstacles.on_told(start, end, self._owner.id, FORGOTTEN_AT_MOST_S, now_s)
+            self._untold[start, end] = now_s + FORGOTTEN_AT_MOST_S
+        self._changed()
+        self.tell(now_s)
+        if self._contracts.job is not None:
+            self._contracts.go_on(lambda job: job.shut_out(shut.by, shut.waited_s, now_s), now_s)
+        elif is_first:
+            self._idle.go_elsewhere(now_s)
+
+    def _look_after(self, task: str, now_s: float) -> None:
+        """A primary may have failed. Whoever takes over from one that stands does not drive up behind it for its load, if others have it.
+
+        From the lane before a dock no way leads back, and who stands at the dock was judged to stay there.
+        """
+        failed = self._contracts.standby.last_heard(task)
+        self._contracts.alarms[WATCHED_SILENCE](task, now_s)
+        job = self._contracts.job
+        if failed is None or failed.status not in STANDS or job is None or job.task != task:
+            return
+        shut = self._driver.shut_out_by(failed)
+        if shut is not None:
+            self.shut_out(shut, now_s)
+
     def tell(self, now_s: float) -> None:
         """Tell what it has met and was not told yet, if it has WLAN."""
         if self._owner.link is not Link.WLAN:
             return
         for (start, end), until_s in self._untold.items():
             if until_s > now_s and self._floor.obstacles.is_on(start, end):
-                for_s = until_s - now_s
+                # Sums of moments are rounded: a hair more than the most that may be said is the most.
+                for_s = min(until_s - now_s, FORGOTTEN_AT_MOST_S)
                 said = ObstacleSeen(atv=self._owner.id, start=start, end=end, there=True, forget_in_s=for_s)
                 self._out.append(Publish(self._keys.obstacle(self._owner.id), said))
         self._untold.clear()
@@ -117,19 +179,27 @@ class ObstacleHandling:
         self._changed()
         self._untold[start, end] = now_s + for_s
         self.tell(now_s)
-        if report.entered or not self._go_round(start, now_s):
-            self._stands_before = (start, end)
-            self._raise(start, end, now_s)
+        if report.entered or not (self._go_round(start, now_s) or self._turn_aside(start, now_s)):
+            self._stands_before, self._may_turn = (start, end), not report.entered
+            self._reason = self._told(start, end, entered=report.entered)
+            self._raise(now_s)
 
-    def _raise(self, start: str, end: str, now_s: float) -> None:
-        reason = IN_THE_WAY.format(start, end)
-        self._problems.raise_problem(ProblemRaised(reason=reason, problem=BLOCKED), now_s)
+    def _told(self, start: str, end: str, *, entered: bool) -> str:
+        """What it waits for, in words."""
+        door = None if entered else self._floor.door_on.get((start, end))
+        if door is None:
+            return IN_THE_WAY.format(start, end)
+        turns = any(lane.end != end for lane in self._floor.roads.leaving[start])
+        return SHUT.format(door.name) if turns else NO_TURNING.format(door.name, start)
+
+    def _raise(self, now_s: float) -> None:
+        self._problems.raise_problem(ProblemRaised(reason=self._reason, problem=BLOCKED), now_s)
 
     def _problem_cleared(self, report: ProblemCleared, now_s: float) -> None:
         """Something else was wrong, and is put right: what lies before it still does."""
         self._problems.reports[ProblemCleared](report, now_s)
         if self._stands_before is not None:
-            self._raise(*self._stands_before, now_s)
+            self._raise(now_s)
 
     def _way_free(self, report: WayFree, now_s: float) -> None:
         self._tell_gone(report.start, report.end, now_s)
@@ -142,6 +212,10 @@ class ObstacleHandling:
             self._out.append(Publish(self._keys.obstacle(self._owner.id), said))
         if self._stands_before is not None and set(self._stands_before) == {start, end}:
             self._end_problem(now_s)
+
+    def _on_heartbeat(self, sender: str, heartbeat: AtvHeartbeat, now_s: float) -> None:
+        self._contracts.message_handlers[AtvHeartbeat](sender, heartbeat, now_s)
+        self._silent.on_heartbeat(heartbeat, now_s)
 
     # --- what others say -------------------------------------------------------------------------
 
@@ -161,6 +235,7 @@ class ObstacleHandling:
 
     def _look_again(self, _about: None, now_s: float) -> None:
         if self._floor.obstacles.look(now_s):
+            self._silent.look()
             self._changed()
             self._try_round(now_s)
         self._set_alarm()
@@ -193,6 +268,19 @@ class ObstacleHandling:
         self._follow(now_s)
         return True
 
+    def _turn_aside(self, node: str, now_s: float) -> bool:
+        """Without work there is nothing to wait for: leave, if a way leads from there; False when it has work, or none does."""
+        return self._contracts.job is None and self._idle.turn_aside(node, now_s)
+
+    def note_ended(self, now_s: float) -> None:
+        """Its contract has ended, while it stood before something perhaps: whoever has it now goes on, and so does this vehicle."""
+        if (
+            self._stands_before is not None
+            and self._may_turn
+            and self._turn_aside(self._stands_before[0], now_s)
+        ):
+            self._end_problem(now_s)
+
     def _follow(self, now_s: float) -> None:
         if self._contracts.job is None:
             self._idle.floor_changed(now_s)
@@ -201,8 +289,8 @@ class ObstacleHandling:
 
     def _end_problem(self, now_s: float) -> None:
         if self._stands_before is not None:
-            reason, self._stands_before = IN_THE_WAY.format(*self._stands_before), None
-            self._problems.end_problem(reason, now_s)
+            self._stands_before = None
+            self._problems.end_problem(self._reason, now_s)
 
     def _changed(self) -> None:
         self._floor.note_obstacles()

@@ -19,7 +19,7 @@ import msgspec
 
 from dray.errors import NoWay
 from dray.messages import Refusal, Transport, TransportCost
-from dray.plant import Plant, Routes
+from dray.plant import Plant
 from dray.plant.restrictions import OPEN
 from dray.protocol.contract_net.dock import dock_of
 from dray.protocol.vehicle.drivers.driver import limited_s
@@ -94,8 +94,9 @@ class Pricer:
             The cheapest offer that can be kept, over all sources; or why there is none, of the cheapest of all.
         """
         kind = self._type
-        if work.ability not in kind.abilities:
-            return Unable(Refusal.ABILITY, f"cannot carry a {work.ability}")
+        for ability in work.needed:
+            if ability not in kind.abilities:
+                return Unable(Refusal.ABILITY, f"cannot carry a {ability}")
         docks = {place: dock_of(self._plant, work, place) for place in (*work.sources, work.destination)}
         if not all(docks.values()):
             return Unable(Refusal.NO_WAY, "a place that is not in this plant")
@@ -132,6 +133,10 @@ class Pricer:
         if not offers:
             return self._no_way(node, [docks[source] for source in work.sources], there)
         needed_frac = self._reserve.needed_frac(there)
+        if self._plant.obstructed:
+            # What lies behind something that no way leads round is fetched only where there is none of it elsewhere.
+            clear = [offer for offer in offers if self._is_clear(node, docks[offer[0].source], there)]
+            offers = clear or offers
         # Of sources that cost the same the first one that the task names.
         offers.sort(key=lambda offer: offer[0].cost.total_s)
         for quote, left_frac in offers:
@@ -142,20 +147,16 @@ class Pricer:
             return Unable(Refusal.BATTERY, f"{left_frac:.0%} would be left, {needed_frac:.0%} are needed")
         return Unable(Refusal.DEADLINE, f"{quote.finish_s - deadline_s:.0f} s too late")
 
+    def _is_clear(self, node: str, source: str, there: str) -> bool:
+        routes = self._plant.routes(self._type.id)
+        return routes.leads_round(node, source) and routes.leads_round(source, there)
+
     def _no_way(self, node: str, sources: list[str], there: str) -> Unable:
         """Why no way leads there: what people have closed, or the lanes of the plant."""
         routes = self._plant.routes(self._type.id, OPEN)
-        if any(_leads(routes, node, source) and _leads(routes, source, there) for source in sources):
+        if any(routes.leads(node, source) and routes.leads(source, there) for source in sources):
             return Unable(Refusal.CLOSED, "what is closed leaves no way")
         return Unable(Refusal.NO_WAY, "no way leads there")
-
-
-def _leads(routes: Routes, start: str, end: str) -> bool:
-    try:
-        routes.way(start, end)
-    except NoWay:
-        return False
-    return True
 
 
 def low_battery_s(left_frac: float) -> float:

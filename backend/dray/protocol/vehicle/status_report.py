@@ -126,6 +126,7 @@ class StatusReport:
             software=self._software,
             draining=self._vehicle.is_draining,
             out_of_service=self._commands.out_of_service or UNSET,
+            sent_to_charge=self._commands.is_sent_to_charge,
             probation=self._contracts.probation.brief(),
             floor=driver.floor(now_s),
             closures=self._vehicle.floor.closures_known,

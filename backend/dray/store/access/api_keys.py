@@ -21,6 +21,8 @@ class ApiKey(msgspec.Struct, frozen=True, kw_only=True):
     expires_at_s: float | None = None
     revoked_at_s: float | None = None
     used_at_s: float | None = None
+    place: str = ""
+    """The machine or storage for which alone it has something brought or taken away; empty for all."""
 
 
 _NAMES = ApiKey.__struct_fields__

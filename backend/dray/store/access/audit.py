@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Any
 
 import msgspec
-from sqlalchemy import ColumnElement, delete, func, insert, select
+from sqlalchemy import ColumnElement, delete, insert, select
 from sqlalchemy.ext.asyncio import AsyncConnection
 
 from dray.store.tables import audit
@@ -56,25 +56,29 @@ class Audit:
         position: int = done.scalar_one()
         return position
 
-    async def page(self, wanted: AuditFilter, before: int | None, limit: int) -> list[AuditRow]:
+    async def page(
+        self, wanted: AuditFilter, after: int | None, limit: int, *, oldest_first: bool = False
+    ) -> list[AuditRow]:
         """Lines, newest first.
 
         Args:
             wanted: which ones.
-            before: only those that are older than the line of this position.
+            after: only those that come after the line of this position.
             limit: how many at most.
+            oldest_first: the other direction.
         """
-        conditions = list(_conditions(wanted))
-        if before is not None:
-            conditions.append(audit.c.position < before)
-        query = select(audit).where(*conditions).order_by(audit.c.position.desc()).limit(limit)
+        position, conditions = audit.c.position, list(_conditions(wanted))
+        if after is not None:
+            conditions.append(position > after if oldest_first else position < after)
+        query = select(audit).where(*conditions).limit(limit)
+        query = query.order_by(position if oldest_first else position.desc())
         rows = [dict(row._mapping) for row in await self._connection.execute(query)]  # noqa: SLF001 - SQLAlchemy's public name
         return [AuditRow(**row | {"detail": msgspec.Raw(row["detail"].encode())}) for row in rows]
 
-    async def prune(self, keep: int) -> None:
-        """Forget all but the newest `keep` lines."""
-        newest = select(func.max(audit.c.position)).scalar_subquery()
-        await self._connection.execute(delete(audit).where(audit.c.position <= newest - keep))
+    async def prune(self, before_s: float, at_most: int) -> int:
+        """Forget some of the lines from before this moment; returns how many."""
+        old = select(audit.c.position).where(audit.c.at_s < before_s).limit(at_most)
+        return (await self._connection.execute(delete(audit).where(audit.c.position.in_(old)))).rowcount
 
 
 def row_of_line(line: AuditRow) -> dict[str, object]:

@@ -17,7 +17,7 @@ KEPT_S = 30 * 86400.0
 
 
 class ClosureRow(msgspec.Struct, frozen=True, gc=False):
-    """One closure. Times are wall clock seconds; of lane, place and area one is named."""
+    """One closure. Times are wall clock seconds; of lane, place, area and outline one is named."""
 
     id: str
     kind: str
@@ -26,6 +26,8 @@ class ClosureRow(msgspec.Struct, frozen=True, gc=False):
     end_node: str
     place: str
     area: str
+    outline: str
+    """The corners, as a JSON array of pairs (m); empty for none."""
     speed_mps: float | None
     until_s: float | None
     """When it ends by itself; None for when somebody ends it."""
@@ -41,7 +43,7 @@ class ClosureRow(msgspec.Struct, frozen=True, gc=False):
     @property
     def subject(self) -> tuple[str | float | None, ...]:
         """What is closed, and how."""
-        return self.kind, self.start_node, self.end_node, self.place, self.area, self.speed_mps
+        return self.kind, self.start_node, self.end_node, self.place, self.area, self.outline, self.speed_mps
 
 
 COLUMNS = [closures.c[name] for name in ClosureRow.__struct_fields__]

@@ -49,6 +49,10 @@ class KpiSample(msgspec.Struct, frozen=True, kw_only=True, gc=False):
     machine_silent_s: float
     atv_out_of_service_s: float = 0.0
     """By a person's word; no part of the fleet's time otherwise."""
+    energy_wh: float = 0.0
+    """Taken from vehicles' batteries, by what these show."""
+    machine_resting_s: float = 0.0
+    """By their working time; no part of the machines' time otherwise."""
 
 
 class Kpis:
@@ -77,6 +81,8 @@ class Kpis:
         newest = select(kpi_samples.c.at_s).order_by(kpi_samples.c.position.desc()).limit(1)
         return (await self._connection.execute(newest)).scalar()
 
-    async def forget_before(self, at_s: float) -> None:
-        """Forget samples that are older."""
-        await self._connection.execute(delete(kpi_samples).where(kpi_samples.c.at_s < at_s))
+    async def prune(self, before_s: float, at_most: int) -> int:
+        """Forget some samples from before this moment; returns how many."""
+        c = kpi_samples.c
+        old = select(c.position).where(c.at_s < before_s).limit(at_most)
+        return (await self._connection.execute(delete(kpi_samples).where(c.position.in_(old)))).rowcount

@@ -5,10 +5,23 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 import msgspec
-from sqlalchemy import delete, func, insert, select
+from sqlalchemy import Column, Double, Integer, Table, delete, func, insert, select
 from sqlalchemy.ext.asyncio import AsyncConnection
 
-from dray.store.tables import lane_traffic
+from dray.store.tables import Id, metadata
+
+lane_traffic = Table(
+    "lane_traffic",
+    metadata,
+    Column("hour_s", Double, primary_key=True),
+    Column("start_node", Id, primary_key=True),
+    Column("end_node", Id, primary_key=True),
+    Column("passes", Integer, nullable=False),
+    Column("waits", Integer, nullable=False),
+    Column("waited_s", Double, nullable=False),
+    comment="What vehicles did on each lane in a wall hour; waited_s is in factory seconds.",
+)
+
 
 HOUR_S = 3600.0
 

@@ -23,8 +23,9 @@ from collections.abc import Callable, Iterator
 from statistics import median
 
 import msgspec
+from msgspec import UnsetType
 
-from dray.messages import AtvHeartbeat, Event, MachineHeartbeat, StationHeartbeat
+from dray.messages import AtvHeartbeat, Event, MachineHeartbeat, OutOfService, StationHeartbeat
 from dray.messages.base import CLOCK_WRONG_S, CLOCKS_AGREE_S
 
 HEARD_KEPT = 8
@@ -85,6 +86,8 @@ class Clocks:
     def __init__(self, speed: float = 1.0) -> None:
         self._heard: dict[str, _Heard] = {}
         self._slack_s = WALL_SLACK_S * max(0.0, speed - 1.0)
+        self._ahead_s: dict[str, float] = {}
+        """Of those whose clocks are so far from our own that no link explains it."""
         self._common: tuple[float, float] | None = None
         """What all have in common, and when it was looked at."""
 
@@ -119,6 +122,13 @@ class Clocks:
         spread_s = median(heard.behind_s) - least_s
         return Offset(common_s - least_s, spread_s + max(0.0, min(common_s, CLOCKS_AGREE_S)) + self._slack_s)
 
+    def ahead_s(self, agent: str) -> float:
+        """How far an agent's clock is ahead of our own, whichever of them is wrong; 0 where links and clocks of one plant explain it.
+
+        May be asked on any thread.
+        """
+        return self._ahead_s.get(agent, 0.0)
+
     def wrong(self, now_s: float) -> Iterator[tuple[str, Offset]]:
         """The agents that were heard lately and whose clocks are wrong beyond doubt."""
         for agent, heard in self._heard.items():
@@ -146,6 +156,12 @@ class Clocks:
             self._common = None
         heard.behind_s.append(now_s - at_s)
         heard.at_s = now_s
+        least_s = min(heard.behind_s)
+        # Nobody is heard before it has spoken; late by a minute may be the link.
+        if -(CLOCKS_AGREE_S + self._slack_s) <= least_s <= ALONE_S + self._slack_s:
+            self._ahead_s.pop(agent, None)
+        else:
+            self._ahead_s[agent] = -least_s
 
     def _threshold_s(self) -> float:
         return CLOCKS_AGREE_S if len(self._heard) >= MAJORITY else ALONE_S
@@ -196,12 +212,16 @@ def _event(event: Event, ahead_s: float) -> Event:
 
 
 def _atv(heartbeat: AtvHeartbeat, ahead_s: float) -> AtvHeartbeat:
-    task, wanted = heartbeat.task, heartbeat.help
+    task, wanted, lost = heartbeat.task, heartbeat.help, heartbeat.lost_wlan
     return msgspec.structs.replace(
         heartbeat,
         at_s=heartbeat.at_s - ahead_s,
         task=None if task is None else msgspec.structs.replace(task, due_s=_later(task.due_s, ahead_s)),
         help=None if wanted is None else msgspec.structs.replace(wanted, until_s=wanted.until_s - ahead_s),
+        out_of_service=_out(heartbeat.out_of_service, ahead_s),
+        lost_wlan=lost
+        if isinstance(lost, UnsetType)
+        else msgspec.structs.replace(lost, since_s=lost.since_s - ahead_s),
     )
 
 
@@ -209,4 +229,19 @@ def _machine(heartbeat: MachineHeartbeat, ahead_s: float) -> MachineHeartbeat:
     tasks = tuple(
         msgspec.structs.replace(task, deadline_s=task.deadline_s - ahead_s) for task in heartbeat.tasks
     )
-    return msgspec.structs.replace(heartbeat, at_s=heartbeat.at_s - ahead_s, tasks=tasks)
+    wanted = heartbeat.help
+    return msgspec.structs.replace(
+        heartbeat,
+        at_s=heartbeat.at_s - ahead_s,
+        tasks=tasks,
+        help=wanted
+        if isinstance(wanted, UnsetType)
+        else msgspec.structs.replace(wanted, until_s=wanted.until_s - ahead_s),
+        out_of_service=_out(heartbeat.out_of_service, ahead_s),
+    )
+
+
+def _out(out: OutOfService | UnsetType, ahead_s: float) -> OutOfService | UnsetType:
+    if isinstance(out, UnsetType):
+        return out
+    return msgspec.structs.replace(out, since_s=out.since_s - ahead_s, back_s=_later(out.back_s, ahead_s))

@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import groupby
+from itertools import groupby, takewhile
 from typing import Any
 
 import msgspec
-from sqlalchemy import ColumnElement, delete, func, select, union
+from sqlalchemy import ColumnElement, column, delete, func, select, table, union
 from sqlalchemy.ext.asyncio import AsyncConnection
 
 from dray.messages import Event, Production, Transport
 from dray.messages.fact import TaskOpened
 from dray.messages.history import HISTORY_KEPT
 from dray.store.database.dialect import insert_new
+from dray.store.history import ages
 from dray.store.history.clocks import ToWall
 from dray.store.history.gaps import LIVES, Known
 from dray.store.tables import events, goals
+
+_TASKS = table("tasks", column("id"), column("order_id"))
+"""Of `dray.store.orders.tasks`, a room above this one."""
 
 
 class EventRow(msgspec.Struct, frozen=True, gc=False):
@@ -104,6 +108,16 @@ class Events:
         newest_first = await self._connection.execute(query)
         return [_record(row._mapping) for row in newest_first][::-1]  # noqa: SLF001
 
+    async def of_tasks(self, tasks: Sequence[str], kinds: Sequence[str], limit: int) -> list[EventRow]:
+        """Events of these kinds about some tasks, in the order in which they happened."""
+        query = (
+            select(events)
+            .where(events.c.task.in_(tasks), events.c.kind.in_(kinds))
+            .order_by(events.c.at_s, events.c.agent, events.c.incarnation, events.c.number)
+            .limit(limit)
+        )
+        return [_record(row._mapping) for row in await self._connection.execute(query)]  # noqa: SLF001
+
     async def known(self) -> list[Known]:
         """What is kept of the last lives of every agent, each agent's in their order, holes included."""
         lives = await self._connection.execute(
@@ -117,7 +131,7 @@ class Events:
             .group_by(events.c.agent, events.c.incarnation)
             .order_by(events.c.agent, events.c.incarnation)
         )
-        oldest = (await self._connection.execute(select(func.min(events.c.position)))).scalar()
+        oldest = await self.first()
         found: list[Known] = []
         for _, of_agent in groupby(lives.all(), key=lambda row: row[0]):
             for agent, life, first, last, count in list(of_agent)[-LIVES:]:
@@ -141,10 +155,39 @@ class Events:
         there = set(kept.scalars())
         return tuple(each for each in range(first, last + 1) if each not in there)
 
-    async def prune(self, keep: int) -> None:
-        """Forget all but the newest `keep` events."""
-        newest = select(func.max(events.c.position)).scalar_subquery()
-        await self._connection.execute(delete(events).where(events.c.position <= newest - keep))
+    async def first(self) -> int | None:
+        """The position of the oldest event that is kept; None where there is none."""
+        first: int | None = await self._connection.scalar(select(func.min(events.c.position)))
+        return first
+
+    async def oldest(
+        self, before_s: float, most: int, limit: int, now_s: float
+    ) -> tuple[int, int, int] | None:
+        """Which events to forget next: the oldest ones, up to the first that is to be kept.
+
+        Args:
+            before_s: those that happened before this moment (wall clock).
+            most: and those that are older than so many newest ones.
+            limit: how many at most.
+            now_s: the wall clock; what has not happened by then is as old as what came after it.
+
+        Returns:
+            The first and the last position, and how many of them are forgotten only because there are too many; None where there is
+            nothing to forget.
+        """
+        position = events.c.position
+        newest = (await self._connection.execute(select(func.max(position)))).scalar()
+        if newest is None:
+            return None
+        aged = await ages.oldest(self._connection, events, limit, now_s)
+        old = list(takewhile(lambda row: row[1] < before_s or row[0] <= newest - most, aged))
+        if not old:
+            return None
+        return old[0][0], old[-1][0], sum(at_s >= before_s for _, at_s in old)
+
+    async def forget(self, first: int, last: int) -> None:
+        """Forget the events of these positions."""
+        await self._connection.execute(delete(events).where(events.c.position.between(first, last)))
 
 
 def _conditions(wanted: EventFilter) -> list[ColumnElement[bool]]:
@@ -161,8 +204,9 @@ def _conditions(wanted: EventFilter) -> list[ColumnElement[bool]]:
 
 
 def _about_order(order: str) -> ColumnElement[bool]:
-    """An event names the order itself, or one of its goals, or a task that one of these opened.
+    """An event names the order itself, or one of its goals, or a task that served it.
 
+    Of a task its opening tells that, or, where the log has forgotten it, what is known of the task.
     Each of these is looked up by an index of its own, and they are put together then: a condition with OR is one
     that a database may rather ask of all events.
     """
@@ -170,7 +214,9 @@ def _about_order(order: str) -> ColumnElement[bool]:
     opened = events.alias("opened")
     tasks_opened = select(opened.c.task).where(opened.c.kind == TaskOpened.__name__)
     its_tasks = union(
-        tasks_opened.where(opened.c.order_id == order), tasks_opened.where(opened.c.goal.in_(its_goals))
+        tasks_opened.where(opened.c.order_id == order),
+        tasks_opened.where(opened.c.goal.in_(its_goals)),
+        select(_TASKS.c.id).where(_TASKS.c.order_id == order),
     )
     named = events.alias("named")
     positions = union(

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import takewhile
 from typing import Any
 
 from sqlalchemy import delete, func, insert, select
 from sqlalchemy.ext.asyncio import AsyncConnection
 
 from dray.messages import AtvHeartbeat, Heartbeat
+from dray.store.history import ages
 from dray.store.history.clocks import ToWall
 from dray.store.tables import heartbeat_samples
 
@@ -30,12 +32,15 @@ class Samples:
         query = select(func.count()).select_from(heartbeat_samples)
         return (await self._connection.execute(query)).scalar_one()
 
-    async def prune(self, keep: int) -> None:
-        """Forget all but the newest `keep` samples."""
-        newest = select(func.max(heartbeat_samples.c.position)).scalar_subquery()
-        await self._connection.execute(
-            delete(heartbeat_samples).where(heartbeat_samples.c.position <= newest - keep)
-        )
+    async def prune(self, before_s: float, at_most: int, now_s: float) -> int:
+        """Forget some of the oldest, up to the first that is not from before this moment; returns how many."""
+        aged = await ages.oldest(self._connection, heartbeat_samples, at_most, now_s)
+        old = [position for position, _ in takewhile(lambda row: row[1] < before_s, aged)]
+        if old:
+            await self._connection.execute(
+                delete(heartbeat_samples).where(heartbeat_samples.c.position <= old[-1])
+            )
+        return len(old)
 
 
 def _row(heartbeat: Heartbeat, to_wall_s: ToWall) -> dict[str, Any]:

@@ -1,6 +1,6 @@
 """Milestones: when an order was planned, begun and sent, and how well the factory keeps its promises.
 
-All of it is read from agents' histories and goals; nothing is kept for it alone.
+Read from agents' histories and goals, and of what the log has forgotten from what is kept with the order.
 """
 
 from __future__ import annotations
@@ -8,12 +8,12 @@ from __future__ import annotations
 from collections.abc import Collection
 
 import msgspec
-from sqlalchemy import func, select
+from sqlalchemy import Column, Double, LargeBinary, Table, func, select
 from sqlalchemy.ext.asyncio import AsyncConnection
 
 from dray.messages.fact import GoalContracted, PhaseEntered, PieceMade, TaskOpened
 from dray.messages.heartbeat import Phase
-from dray.store.tables import events, goals
+from dray.store.tables import Id, Position, events, goals, metadata
 
 PIECES_READ = 500
 """Pieces whose times are read for one order: ten or more of each of its running goals."""
@@ -30,6 +30,17 @@ class OrderTimes(msgspec.Struct, frozen=True, gc=False):
     first_piece_at_s: float | None = None
     left_at_s: float | None = None
     """The first vehicle drove off with goods of it."""
+
+
+order_histories = Table(
+    "order_histories",
+    metadata,
+    Column("order_id", Id, primary_key=True),
+    Column("position", Position, nullable=False),
+    *(Column(name, Double) for name in OrderTimes.__struct_fields__),
+    Column("told", LargeBinary, nullable=False),
+    comment="What is kept with an order. position: of the newest event in it; told: events as compressed JSON.",
+)
 
 
 class Milestones:
@@ -54,7 +65,11 @@ class Milestones:
             events.c.fact.contains(f'"phase":"{Phase.CARRYING.value}"', autoescape=True),
         )
         query = select(planned.scalar_subquery(), made.scalar_subquery(), left.scalar_subquery())
-        return OrderTimes(*(await self._connection.execute(query)).one())
+        logged = (await self._connection.execute(query)).one()
+        columns = [order_histories.c[name] for name in OrderTimes.__struct_fields__]
+        with_it = select(*columns).where(order_histories.c.order_id == order_id)
+        kept = (await self._connection.execute(with_it)).first() or (None, None, None)
+        return OrderTimes(*map(_earlier, logged, kept))
 
     async def piece_times_s(self, of_goals: Collection[str]) -> dict[str, tuple[float, ...]]:
         """When the last pieces of each of these goals were made (wall clock), oldest first."""
@@ -87,3 +102,8 @@ class Milestones:
             .limit(PROMISES_READ)
         )
         return tuple(sorted((await self._connection.execute(query)).scalars()))
+
+
+def _earlier(one_s: float | None, other_s: float | None) -> float | None:
+    known = [at_s for at_s in (one_s, other_s) if at_s is not None]
+    return min(known, default=None)

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator
 
 import msgspec
-from sqlalchemy import ColumnElement, exists
+from sqlalchemy import ColumnElement, exists, func, or_
 
+from dray.store.database.searching import Sought
 from dray.store.orders.progress import OrderStatus
 from dray.store.tables import order_items, orders
 
@@ -24,6 +25,12 @@ class OrderFilter(msgspec.Struct, frozen=True, kw_only=True):
     """Changed at this moment or later."""
     due_before_s: float | None = None
     """One without a due time is due before none."""
+    created_since_s: float | None = None
+    created_before_s: float | None = None
+    late_at_s: float | None = None
+    """Due by then and not delivered, or delivered after it was due."""
+    words: tuple[Sought, ...] = ()
+    """All of them stand somewhere in its id, reference or customer, or in what it is of."""
 
     def conditions(self) -> Iterator[ColumnElement[bool]]:
         """What a row of `orders` has to fulfil."""
@@ -40,6 +47,20 @@ class OrderFilter(msgspec.Struct, frozen=True, kw_only=True):
             yield orders.c.updated_at_s >= self.updated_since_s
         if self.due_before_s is not None:
             yield orders.c.due_at_s < self.due_before_s
+        if self.created_since_s is not None:
+            yield orders.c.created_at_s >= self.created_since_s
+        if self.created_before_s is not None:
+            yield orders.c.created_at_s < self.created_before_s
+        if self.late_at_s is not None:
+            yield orders.c.status != OrderStatus.CANCELLED
+            yield orders.c.due_at_s < func.coalesce(orders.c.delivered_at_s, self.late_at_s)
+        for word in self.words:
+            yield or_(holds(word.text), *(holds(f"|{product}|") for product in word.named))
 
 
 EVERY_ORDER = OrderFilter()
+
+
+def holds(text: str) -> ColumnElement[bool]:
+    """Whether an order holds this text, in whatever case."""
+    return orders.c.search.contains(text.casefold(), autoescape=True)

@@ -5,16 +5,19 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Sequence
 
 import msgspec
-from sqlalchemy import ColumnElement, Row, bindparam, func, insert, or_, select, tuple_, update
+from sqlalchemy import ColumnElement, Row, bindparam, func, insert, or_, select, update
 from sqlalchemy.ext.asyncio import AsyncConnection
 
+from dray.priorities import Priority
+from dray.store.database.searching import searched
 from dray.store.orders.order_filter import OrderFilter
+from dray.store.orders.order_sorting import NEWEST_FIRST, Place, Sorting
 from dray.store.orders.progress import OPEN, UNENDED, OrderStatus, Progress, delivered_after, status_after
 from dray.store.tables import goals, order_items, orders
 
-Mark = tuple[OrderStatus, int, float | None]
+Mark = tuple[OrderStatus, int, float | None, int, int]
 """What of an order differs after whatever a person or the strategist has decided about it: its status, how often
-it was released, and when that was taken back."""
+it was released, when that was taken back, how often it was changed, and which change the strategist has taken."""
 
 
 class Item(msgspec.Struct, gc=False):
@@ -24,6 +27,8 @@ class Item(msgspec.Struct, gc=False):
     quantity: int
     made: int = 0
     delivered: int = 0
+    wanted: int | None = None
+    """Less that a change asks for, while machines say what they keep; None where none is under way."""
 
 
 class Order(msgspec.Struct, kw_only=True, gc=False):
@@ -49,11 +54,23 @@ class Order(msgspec.Struct, kw_only=True, gc=False):
     """When its last release was taken back; until it is stored the factory has not confirmed that."""
     updated_at_s: float = 0.0
     """When anything of it that others are told has changed last."""
+    priority: Priority = Priority.NORMAL
+    wanted_at_s: float | None = None
+    """By when agents want it, as its priority makes of its due time; None before its first release."""
+    change: int = 0
+    """How often it was changed."""
+    change_taken: int = 0
+    """The last of these that the strategist has taken, or that it need not know."""
 
     @property
     def quantities(self) -> tuple[int, ...]:
         """Pieces ordered, per item."""
         return tuple(item.quantity for item in self.items)
+
+    @property
+    def wanted(self) -> tuple[int, ...]:
+        """The same, as a change that is under way wants it."""
+        return tuple(item.quantity if item.wanted is None else item.wanted for item in self.items)
 
     @property
     def delivered(self) -> tuple[int, ...]:
@@ -63,7 +80,12 @@ class Order(msgspec.Struct, kw_only=True, gc=False):
     @property
     def mark(self) -> Mark:
         """See `Mark`."""
-        return self.status, self.releases, self.revoked_at_s
+        return self.status, self.releases, self.revoked_at_s, self.change, self.change_taken
+
+    @property
+    def being_changed(self) -> bool:
+        """Whether the factory has not confirmed its last change."""
+        return self.change_taken < self.change and self.status in OPEN
 
     @property
     def being_revoked(self) -> bool:
@@ -74,6 +96,13 @@ class Order(msgspec.Struct, kw_only=True, gc=False):
     def outstanding(self) -> tuple[int, ...]:
         """Pieces still to be delivered, per item."""
         return tuple(item.quantity - item.delivered for item in self.items)
+
+    @property
+    def wanted_outstanding(self) -> tuple[int, ...]:
+        """The same, as a change that is under way wants it."""
+        return tuple(
+            max(0, each - item.delivered) for each, item in zip(self.wanted, self.items, strict=True)
+        )
 
     def strange_to(self, products: Collection[str]) -> list[str]:
         """Which of its products are not among these, by id."""
@@ -86,6 +115,9 @@ class OrderTotals(msgspec.Struct, frozen=True, gc=False):
     delivered: int
     on_time: int
     """Delivered by their due time; an order without one is never late."""
+
+
+_COLUMNS = [column for column in orders.c if column.name != "search"]
 
 
 class Orders:
@@ -116,6 +148,14 @@ class Orders:
         wanted = list(ids)
         return await self._select(orders.c.id.in_(wanted)) if wanted else []
 
+    async def references(self, ids: Collection[str]) -> dict[str, str]:
+        """What customers call those of these orders that they have a name for."""
+        if not ids:
+            return {}
+        query = select(orders.c.id, orders.c.reference).where(orders.c.id.in_(list(ids)))
+        rows = await self._connection.execute(query.where(orders.c.reference.is_not(None)))
+        return {row.id: row.reference for row in rows}
+
     async def open(self) -> list[Order]:
         """All orders that the factory works at, oldest first."""
         found = await self._select(orders.c.status.in_(OPEN))
@@ -123,10 +163,10 @@ class Orders:
 
     async def marks(self, since_s: float | None = None) -> dict[str, Mark]:
         """The marks of all orders that have not ended; or of those that have changed since then, ended or not."""
-        columns = (orders.c.id, orders.c.status, orders.c.releases, orders.c.revoked_at_s)
+        names = ("id", "status", "releases", "revoked_at_s", "change", "change_taken")
         wanted = orders.c.status.in_(UNENDED) if since_s is None else orders.c.updated_at_s >= since_s
-        rows = await self._connection.execute(select(*columns).where(wanted))
-        return {row.id: (OrderStatus(row.status), row.releases, row.revoked_at_s) for row in rows}
+        rows = await self._connection.execute(select(*(orders.c[name] for name in names)).where(wanted))
+        return {order: (OrderStatus(status), *others) for order, status, *others in rows}
 
     async def newest_change_s(self) -> float:
         """When an order has changed last; 0 without orders."""
@@ -146,19 +186,20 @@ class Orders:
         return list((await self._connection.execute(query)).scalars())
 
     async def page(
-        self, wanted: OrderFilter, after: tuple[float, str] | None, limit: int | None
+        self, wanted: OrderFilter, after: Place | None, limit: int | None, sorting: Sorting = NEWEST_FIRST
     ) -> list[Order]:
-        """Newest first.
+        """A part of a list, newest first if nothing else is said.
 
         Args:
             wanted: which ones.
-            after: `created_at_s` and `id` of the last order of the page before.
+            after: the place (`Sorting.place`) of the last order of the page before.
             limit: how many at most.
+            sorting: in which order.
         """
         conditions = list(wanted.conditions())
         if after is not None:
-            conditions.append(tuple_(orders.c.created_at_s, orders.c.id) < tuple_(*after))
-        return await self._select(*conditions, limit=limit)
+            conditions.append(sorting.after(after))
+        return await self._select(*conditions, limit=limit, sorting=sorting)
 
     async def totals(self) -> OrderTotals:
         """Count what was delivered."""
@@ -172,14 +213,15 @@ class Orders:
         ).one()
         return OrderTotals(row[0], row[1])
 
-    async def release(self, order_id: str, at_s: float) -> None:
-        """Hand a stored order to the factory; any other stays as it is."""
+    async def release(self, order_id: str, at_s: float, wanted_at_s: float) -> None:
+        """Hand a stored order to the factory, which wants it by some time; any other stays as it is."""
         await self._connection.execute(
             update(orders)
             .where(orders.c.id == order_id, orders.c.status == OrderStatus.STORED)
             .values(
                 status=OrderStatus.RELEASED,
                 released_at_s=at_s,
+                wanted_at_s=wanted_at_s,
                 releases=orders.c.releases + 1,
                 revoked_at_s=None,
                 updated_at_s=at_s,
@@ -297,15 +339,11 @@ class Orders:
                 changed,
             )
 
-    async def _select(self, *conditions: ColumnElement[bool], limit: int | None = None) -> list[Order]:
-        rows = (
-            await self._connection.execute(
-                select(orders)
-                .where(*conditions)
-                .order_by(orders.c.created_at_s.desc(), orders.c.id.desc())
-                .limit(limit)
-            )
-        ).all()
+    async def _select(
+        self, *conditions: ColumnElement[bool], limit: int | None = None, sorting: Sorting = NEWEST_FIRST
+    ) -> list[Order]:
+        query = select(*_COLUMNS).where(*conditions).order_by(*sorting.clauses()).limit(limit)
+        rows = (await self._connection.execute(query)).all()
         lines: dict[str, list[Item]] = {row.id: [] for row in rows}
         if lines:
             for line in await self._connection.execute(
@@ -313,7 +351,8 @@ class Orders:
                 .where(order_items.c.order_id.in_(list(lines)))
                 .order_by(order_items.c.order_id, order_items.c.item)
             ):
-                lines[line.order_id].append(Item(line.product, line.quantity, line.made, line.delivered))
+                item = Item(line.product, line.quantity, line.made, line.delivered, line.wanted)
+                lines[line.order_id].append(item)
         return [_order(row, lines[row.id]) for row in rows]
 
 
@@ -323,7 +362,8 @@ def rows_of_orders(new: Sequence[Order]) -> list[dict[str, object]]:
     for order in new:
         row = msgspec.structs.asdict(order)
         del row["items"]
-        rows.append(row | {"updated_at_s": max(order.updated_at_s, order.created_at_s)})
+        updated_at_s = max(order.updated_at_s, order.created_at_s)
+        rows.append(row | {"updated_at_s": updated_at_s, "search": search_of(order)})
     return rows
 
 
@@ -336,7 +376,13 @@ def rows_of_items(new: Sequence[Order]) -> list[dict[str, object]]:
     ]
 
 
+def search_of(order: Order) -> str:
+    """What words are looked for in."""
+    products = [item.product for item in order.items]
+    return searched((order.id, order.reference or "", order.customer), products)
+
+
 def _order(row: Row[tuple[object, ...]], items: list[Item]) -> Order:
     fields = dict(row._mapping)  # noqa: SLF001 - SQLAlchemy's public name for it
-    fields["status"] = OrderStatus(fields["status"])
+    fields["status"], fields["priority"] = OrderStatus(fields["status"]), Priority(fields["priority"])
     return Order(items=tuple(items), **fields)

@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import msgspec
-from sqlalchemy import Connection, delete, func, select
+from sqlalchemy import Connection, delete
 
 from dray.errors import DrayError
 from dray.store.access.audit import AuditRow, row_of_line
@@ -23,9 +23,6 @@ from dray.store.orders.idempotency_keys import KeptAnswer, known_answers
 from dray.store.orders.orders import Order, rows_of_items, rows_of_orders
 from dray.store.orders.tracking_links import Link
 from dray.store.tables import audit, idempotency_keys, order_items, orders, tracking_links
-
-PRUNED_EVERY = 1_000
-"""Lines of the audit log between two looks at how many there are."""
 
 FORGOTTEN_EVERY_S = 600.0
 """Wall seconds between two looks for keys that are too old: they are kept for days."""
@@ -75,13 +72,11 @@ class Placing:
     Args:
         database: where they are kept.
         keys_kept_s: how long keys are known.
-        lines_kept: of the audit log.
     """
 
-    def __init__(self, database: Database, *, keys_kept_s: float, lines_kept: int) -> None:
+    def __init__(self, database: Database, *, keys_kept_s: float) -> None:
         self._together: Together[Wish, Placed] = Together(database, self._write, self._at_once)
-        self._keys_kept_s, self._lines_kept = keys_kept_s, lines_kept
-        self._unpruned, self._forgotten_at_s = 0, 0.0
+        self._keys_kept_s, self._forgotten_at_s = keys_kept_s, 0.0
 
     async def place(self, wish: Wish) -> tuple[Sequence[Order], KeptAnswer]:
         """Place orders once; they are on disk when this returns.
@@ -103,10 +98,8 @@ class Placing:
         """One statement for all of it, where nobody is refused and nothing is to be forgotten: as nearly always."""
         done = [_placed(wish, None) for wish in wishes]
         rows = _rows(wishes, done)
-        to_prune = self._unpruned + len(rows.lines) >= PRUNED_EVERY
-        if to_prune or self._is_time(rows) or any(placed.refused for placed in done):
+        if self._is_time(rows) or any(placed.refused for placed in done):
             return None
-        self._unpruned += len(rows.lines)
         return _INSERTION.at_once(rows, [wish.key for wish in wishes if wish.key], done)
 
     def _write(self, connection: Connection, wishes: Sequence[Wish]) -> Sequence[Placed]:
@@ -115,17 +108,9 @@ class Placing:
         rows = _rows(wishes, done)
         if rows.orders or rows.lines:
             _INSERTION.write(connection, rows)
-        self._prune(connection, len(rows.lines))
         if self._is_time(rows):
             self._forget(connection, rows)
         return done
-
-    def _prune(self, connection: Connection, lines: int) -> None:
-        self._unpruned += lines
-        if self._unpruned >= PRUNED_EVERY:
-            self._unpruned = 0
-            newest = select(func.max(audit.c.position)).scalar_subquery()
-            connection.execute(delete(audit).where(audit.c.position <= newest - self._lines_kept))
 
     def _is_time(self, rows: _Rows) -> bool:
         """Whether to look for keys that are too old."""

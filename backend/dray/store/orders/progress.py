@@ -7,6 +7,9 @@ which the facts came.
 A goal *counts as running* while the strategist's newest life knows it, its machine has not failed with
 it and its order was not taken back. What another goal had made but not delivered is gone; what it
 delivered stays delivered and is never made again.
+
+Of several strategists, whoever holds an order goes on with all goals of it that machines make, and says which it does not; a later
+holder tells with a higher epoch (`held`). Their lives are counted each for itself, and compared with nobody else's.
 """
 
 from __future__ import annotations
@@ -20,6 +23,7 @@ from dray.messages import Event
 from dray.messages.fact import (
     GoalContracted,
     GoalLost,
+    GoalReduced,
     GoalWithdrawn,
     GoodsDelivered,
     OrderAccepted,
@@ -55,6 +59,7 @@ class Goal(msgspec.Struct, gc=False):
     id: str
     order_id: str | None = None
     item: int | None = None
+    """Of its order, whose pieces it makes; None for parts, which count for none."""
     product: str = ""
     quantity: int = 0
     machine: str = ""
@@ -64,12 +69,19 @@ class Goal(msgspec.Struct, gc=False):
     """Life of the strategist that contracted it, or that ended it; 0 while neither was heard of."""
     number: int = 0
     """Which of that life's facts told it."""
+    held: int = 0
+    """The epoch with which that strategist held the order; 0 of one that is alone."""
     made: int = 0
     """Never falls."""
     delivered: int = 0
     """Never falls."""
     delivered_at_s: float | None = None
     """When the last delivery arrived (wall clock)."""
+
+    @property
+    def told(self) -> tuple[int, int, int]:
+        """Rises with every fact that says by whom it is made, and how much of it."""
+        return self.held, self.incarnation, self.number
 
     @property
     def lost(self) -> bool:
@@ -80,6 +92,10 @@ class Goal(msgspec.Struct, gc=False):
     def over(self) -> bool:
         """Whether its machine has failed with it, or its order was taken back."""
         return self.incarnation > 0 and not self.machine
+
+    def is_known(self, life: int) -> bool:
+        """Whether whoever works at its order knows it, when this is the newest life that has accepted that."""
+        return self.held > 0 or self.incarnation >= life
 
 
 class Progress(msgspec.Struct, frozen=True, gc=False):
@@ -93,7 +109,7 @@ class Progress(msgspec.Struct, frozen=True, gc=False):
     """When the last piece arrived that a fact tells of; None before all have arrived."""
 
 
-OfGoal = GoalContracted | GoalLost | GoalWithdrawn | PieceMade | GoodsDelivered
+OfGoal = GoalContracted | GoalLost | GoalReduced | GoalWithdrawn | PieceMade | GoodsDelivered
 """Facts that tell something about a goal."""
 
 
@@ -108,18 +124,22 @@ def accepted_order(event: Event) -> str | None:
     return event.fact.order if isinstance(event.fact, OrderAccepted) else None
 
 
+def life_with(event: Event) -> int:
+    """The life that has accepted an order and knows no goals of earlier ones; 0 where whoever holds the order knows all."""
+    return 0 if isinstance(event.fact, OrderAccepted) and event.fact.held else event.incarnation
+
+
 def note(goal: Goal, event: Event, to_wall_s: ToWall) -> None:
     """Add to a goal what an event tells about it; twice is once, and late is as good as early."""
     match event.fact:
         case GoalContracted() as fact:
-            goal.order_id, goal.item, goal.product = fact.order, fact.item, fact.product
-            if (event.incarnation, event.number) > (goal.incarnation, goal.number):
-                goal.incarnation, goal.number = event.incarnation, event.number
+            goal.order_id, goal.product = fact.order, fact.product
+            goal.item = None if fact.part_of else fact.item
+            if _is_news(goal, event, fact.held):
                 goal.quantity, goal.machine = fact.quantity, fact.machine
                 goal.promised_at_s = to_wall_s(fact.finish_s)
         case GoalLost() | GoalWithdrawn() as fact:
-            if (event.incarnation, event.number) > (goal.incarnation, goal.number):
-                goal.incarnation, goal.number = event.incarnation, event.number
+            if _is_news(goal, event, fact.held):
                 goal.machine, goal.promised_at_s = "", None
                 if isinstance(fact, GoalWithdrawn):
                     goal.quantity = 0  # Nobody makes what is missing, unless the order is released again.
@@ -128,6 +148,10 @@ def note(goal: Goal, event: Event, to_wall_s: ToWall) -> None:
                 # piece came is not told; now is the latest that it can have been.
                 goal.delivered = max(goal.delivered, fact.arrived)
                 goal.delivered_at_s = max(goal.delivered_at_s or 0.0, to_wall_s(event.at_s))
+        case GoalReduced() as fact:
+            goal.order_id, goal.item, goal.product = fact.order, fact.item, fact.product
+            if _is_news(goal, event, fact.held):
+                goal.quantity, goal.machine = fact.quantity, fact.machine
         case PieceMade() as fact:
             goal.product = fact.product
             goal.made = max(goal.made, fact.made)
@@ -140,13 +164,22 @@ def note(goal: Goal, event: Event, to_wall_s: ToWall) -> None:
             return
 
 
+def _is_news(goal: Goal, event: Event, held: int) -> bool:
+    """Whether an event tells what comes after all that was noted of a goal; it is noted then."""
+    told = (held, event.incarnation, event.number)
+    if told <= goal.told:
+        return False
+    goal.held, goal.incarnation, goal.number = told
+    return True
+
+
 def merge(goal: Goal, other: Goal) -> None:
     """Add to a goal what somebody else knows of it, as if all facts behind that were noted, too."""
     if other.item is not None:
         goal.order_id, goal.item = other.order_id, other.item
     goal.product = other.product or goal.product
-    if (other.incarnation, other.number) > (goal.incarnation, goal.number):
-        goal.incarnation, goal.number = other.incarnation, other.number
+    if other.told > goal.told:
+        goal.held, goal.incarnation, goal.number = other.told
         goal.quantity, goal.machine = other.quantity, other.machine
         goal.promised_at_s = other.promised_at_s
     goal.made = max(goal.made, other.made)
@@ -171,7 +204,7 @@ def progress(
     for goal in goals:
         if goal.item is None or not 0 <= goal.item < len(quantities):
             continue
-        alive = goal.incarnation >= incarnation and not goal.over
+        alive = goal.is_known(incarnation) and not goal.over
         running = running or (alive and goal.incarnation > 0)
         made[goal.item] += goal.made if alive else goal.delivered
         delivered[goal.item] += goal.delivered

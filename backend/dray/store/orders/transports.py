@@ -12,6 +12,7 @@ import msgspec
 from sqlalchemy import (
     CheckConstraint,
     Column,
+    ColumnElement,
     Double,
     Index,
     Integer,
@@ -20,6 +21,7 @@ from sqlalchemy import (
     Text,
     UniqueConstraint,
     insert,
+    or_,
     select,
     update,
 )
@@ -28,6 +30,7 @@ from sqlalchemy.ext.asyncio import AsyncConnection
 
 from dray.messages import TRANSPORT_ENDED, Event, TransportState
 from dray.messages.fact import TransportProgressed
+from dray.store.database.searching import Sought
 from dray.store.history.clocks import ToWall
 from dray.store.tables import Id, metadata
 
@@ -42,6 +45,8 @@ transports = Table(
     Column("quantity", Integer, nullable=False),
     Column("priority", String(8), nullable=False),
     Column("vehicle", Id, nullable=False, server_default=""),
+    Column("vehicle_until_s", Double),
+    Column("ability", Id, nullable=False, server_default=""),
     Column("called_by", String(200), nullable=False),
     Column("caller", String(200), nullable=False),
     Column("created_at_s", Double, nullable=False),
@@ -79,6 +84,10 @@ class TransportRow(msgspec.Struct, frozen=True, kw_only=True, gc=False):
     quantity: int
     priority: str
     vehicle: str = ""
+    vehicle_until_s: float | None = None
+    """Until when only that one is asked; None for always."""
+    ability: str = ""
+    """What its vehicle must be able to carry beside what the load asks for; empty for nothing."""
     called_by: str
     """For people: the name of who has asked for it."""
     caller: str
@@ -159,6 +168,7 @@ class Transports:
         caller: str,
         after: tuple[float, str] | None,
         limit: int,
+        words: Sequence[Sought] = (),
     ) -> list[TransportRow]:
         """Some, newest first.
 
@@ -168,6 +178,7 @@ class Transports:
             caller: only those of this one; empty for all.
             after: where the page before has ended.
             limit: how many at most.
+            words: each stands somewhere in it: in its id, its places, what is brought, its vehicle, or who has called it.
         """
         c = transports.c
         query = select(*_COLUMNS).order_by(c.created_at_s.desc(), c.id.desc()).limit(limit)
@@ -177,6 +188,8 @@ class Transports:
             query = query.where(c.source.in_(places) | c.destination.in_(places))
         if caller:
             query = query.where(c.caller == caller)
+        for word in words:
+            query = query.where(_holds(word))
         if after is not None:
             at_s, name = after
             query = query.where((c.created_at_s < at_s) | ((c.created_at_s == at_s) & (c.id < name)))
@@ -234,3 +247,9 @@ def _values(row: TransportRow) -> dict[str, object]:
 
 def _row(values: Iterable[object]) -> TransportRow:
     return msgspec.convert(dict(zip(TransportRow.__struct_fields__, values, strict=True)), TransportRow)
+
+
+def _holds(word: Sought) -> ColumnElement[bool]:
+    c = transports.c
+    texts = (c.id, c.source, c.destination, c.item, c.vehicle, c.carrier, c.called_by)
+    return or_(*(text.icontains(word.text, autoescape=True) for text in texts), c.item.in_(word.named))

@@ -4,13 +4,23 @@ import type { AlertView } from "../../api/types";
 import { Table } from "../../parts/Table";
 import { Tag } from "../../parts/Tag";
 import { nowS, world } from "../../stream/stream";
-import { format, t } from "../../text/manager";
+import { speakAlso } from "../../text/speech";
+import { format, t, tables } from "../../text/views/alerts";
 import { NewsList } from "../cards/news/NewsList";
 import { alerts } from "../state";
+import { MomentLink } from "../replay/MomentLink";
 import { AwaitedActions } from "./AwaitedActions";
+import { AlertLog } from "./history/AlertLog";
+import { SayMenu } from "./SayMenu";
 import { showSubject, subjectOf } from "./subject";
 import { failed } from "./take";
 import { TakeButton } from "./TakeButton";
+
+/** The view, once it has its words. */
+export async function load(): Promise<typeof AlertsView> {
+  await speakAlso(tables);
+  return AlertsView;
+}
 
 /** The inbox: all that is wrong now, who has taken it on, and what has happened lately. */
 export function AlertsView() {
@@ -21,7 +31,7 @@ export function AlertsView() {
       heads={heads.map((head) => t(`alerts.${head}`))}
       empty={t("alerts.quiet")}
       aside={failed.value !== "" && <span class="complaint" role="alert">{failed.value}</span>}
-      below={<NewsList />}
+      below={<><AlertLog /><NewsList /></>}
     >
       {alerts.value.map((alert) => (
         <Row key={alert.id} alert={alert} />
@@ -45,15 +55,27 @@ function Row({ alert }: { alert: AlertView }) {
       </td>
       <td>
         {asksText(alert)} {alert.kind === "atv_awaited" && <AwaitedActions atv={alert.agent} />}
-      </td>
-      <td class="num">{format.due(alert.since_at_s, nowS.value)}</td>
-      <td>
-        {open ? (
-          <TakeButton alert={alert} what={what} />
-        ) : (
-          t("alerts.taken", { by: alert.acknowledged_by, at: format.due(alert.acknowledged_at_s ?? nowS.value, nowS.value) })
+        {alert.goods !== null && alert.by !== "" && <span class="muted">{t("alerts.goods.by", { by: alert.by })}</span>}{" "}
+        {alert.goods !== null && (
+          <a class="quiet-link" href={`/operator#goods-${encodeURIComponent(alert.task)}`}>
+            {t("alerts.goods.open")}
+          </a>
         )}
+      </td>
+      <td class="num">
+        {format.due(alert.since_at_s, nowS.value)} <MomentLink atS={alert.since_at_s} about={subjectOf(alert)} />
+      </td>
+      <td>
+        {open ? <TakeButton alert={alert} what={what} /> : takenText(alert, nowS.value)}{" "}
+        <SayMenu alert={alert} what={what} />
+        {alert.came_back !== null && <small class="line tone-warn">{t(`alerts.back.${alert.came_back}`)}</small>}
+        {alert.comment !== "" && <small class="line muted">{t("alerts.said", { by: alert.comment_by, comment: alert.comment })}</small>}
       </td>
     </tr>
   );
+}
+
+function takenText({ acknowledged_at_s: atS, acknowledged_by: by, acknowledged_until_at_s: untilS }: AlertView, now: number): string {
+  const taken = t("alerts.taken", { by, at: format.due(atS ?? now, now) });
+  return untilS === null ? taken : `${taken}, ${t("alerts.takenUntil", { at: format.due(untilS, now) })}`;
 }

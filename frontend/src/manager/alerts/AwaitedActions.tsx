@@ -1,6 +1,6 @@
 import { useSignal } from "@preact/signals";
 import { carryAway } from "../../api/client";
-import { t } from "../../text/manager";
+import { t } from "../../text/views/alerts";
 import { Sure } from "../parts/Sure";
 import { problemText } from "../problem-text";
 

@@ -4,13 +4,15 @@ import type { AlertView } from "../../api/types";
 import { choose } from "../../selection/selection";
 import { world } from "../../stream/stream";
 import { t } from "../../text";
+import { orderName, taskName } from "../state";
 import { go } from "../views";
 
 export function subjectOf(alert: AlertView): string {
-  const { agent, order, task } = alert;
+  const { agent, goods, order, task } = alert;
   if (isOfPlant(alert)) return t("alerts.plant");
-  if (order !== "") return world.value?.orders.get(order)?.reference ?? order;
-  return task === "" ? agent : task;
+  if (goods !== null && agent !== "") return agent;
+  if (order !== "") return orderName(order);
+  return task === "" ? agent : taskName(task, world.value?.tasks.get(task)?.order ?? "");
 }
 
 export function showSubject(alert: AlertView): void {

@@ -4,6 +4,7 @@ import { Card } from "../../parts/Card";
 import { world } from "../../stream/stream";
 import { n, t, word } from "../../text/manager";
 import { names } from "../state";
+import { addressOf } from "../views";
 import { DueText } from "./DueText";
 import { OrderActions } from "./OrderActions";
 import { OrderProgress } from "./OrderProgress";
@@ -38,7 +39,9 @@ function OrderRow({ order }: { order: OrderView }) {
   return (
     <li class={`order ${isClosed(order) ? "closed" : ""}`}>
       <div class="order-line">
-        <b>{what}</b>
+        <a class="link" href={addressOf(order.id)}>
+          {what}
+        </a>
         <span class="order-status">{word("order", stateOf(order))}</span>
       </div>
       <OrderProgress order={order} />

@@ -1,30 +1,49 @@
-/** Which orders are wanted. Pure. */
-import type { OrderView } from "../../api/types";
-import { holds } from "../parts/filters/match";
-import type { Names } from "../../plant/names";
-import { isClosed, isLate } from "./progress";
+/** Which orders the address asks for, and as the gateway is asked for them. Pure. */
+import type { OrdersQuery } from "../../api/client";
+import type { Asked } from "../views";
 
 export const STATUSES = ["stored", "released", "in_production", "in_delivery", "delivered", "cancelled"] as const;
+type Status = (typeof STATUSES)[number];
 
-export interface Wanted {
-  readonly words: string;
-  /** Empty for any; "open" for those that have not ended. */
-  readonly status: string;
-  readonly product: string;
-  readonly late: boolean;
+const SORTED = ["work", "reference", "customer", "due", "created"] as const;
+
+/** What the gateway is asked for: only what was filled in. Without an order of their own they come as people work at them. */
+export function queryOf(said: Asked): OrdersQuery {
+  const sort = SORTED.find((each) => each === said.sort) ?? "work";
+  const since = momentOf(said.since);
+  const until = momentOf(said.until);
+  const status = statusesOf(said.status ?? "");
+  return {
+    ...(said.q ? { q: said.q } : {}),
+    ...(status.length > 0 ? { status } : {}),
+    ...(said.product ? { product: said.product } : {}),
+    ...(said.late === "yes" ? { late: true } : {}),
+    ...(since === null ? {} : { created_since: since }),
+    ...(until === null ? {} : { created_before: until }),
+    sort,
+    descending: said.down === "yes",
+  };
 }
 
-export function isWanted(order: OrderView, wanted: Wanted, nowS: number, names: Names): boolean {
-  const { late, product, status, words } = wanted;
-  if (status === "open" ? isClosed(order) : status !== "" && order.status !== status) return false;
-  if (product !== "" && !order.items.some((item) => item.product === product)) return false;
-  if (late && !isLate(order, nowS)) return false;
-  return holds(words, order.id, order.reference, order.customer, ...order.items.map((item) => names(item.product)));
+/** The same orders as a table for a spreadsheet, all of them. */
+export function tableOf(said: Asked): string {
+  return `/api/orders?${pairsOf(queryOf(said)).toString()}&format=csv`;
 }
 
-/** The same orders as a table for a spreadsheet, as far as the gateway can tell them apart. */
-export function tableOf({ status }: Wanted): string {
-  const open = STATUSES.slice(0, 4);
-  const asked = status === "open" ? open : status === "" ? [] : [status];
-  return `/api/orders?${new URLSearchParams([...asked.map((each) => ["status", each]), ["format", "csv"]]).toString()}`;
+/** As an address has it: what is a list is said several times. */
+export function pairsOf(query: Readonly<Record<string, unknown>>): URLSearchParams {
+  return new URLSearchParams(
+    Object.entries(query).flatMap(([name, value]) => (Array.isArray(value) ? value : [value]).map((each) => [name, String(each)])),
+  );
+}
+
+/** In ISO 8601; null for what is no time. */
+export function momentOf(said: string | undefined): string | null {
+  const ms = new Date(said ?? "").getTime();
+  return Number.isNaN(ms) ? null : new Date(ms).toISOString();
+}
+
+function statusesOf(said: string): Status[] {
+  if (said === "open") return STATUSES.slice(0, 4);
+  return STATUSES.filter((each) => each === said);
 }

@@ -2,7 +2,7 @@
 import { computed, signal } from "@preact/signals";
 import { importOrders, newKey } from "../../api/client";
 import type { ImportAnswer } from "../../api/types";
-import { t } from "../../text/manager";
+import { t } from "../../text/views/order";
 import { problemText } from "../problem-text";
 
 interface Chosen {

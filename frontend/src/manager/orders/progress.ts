@@ -33,13 +33,13 @@ export function isClosed(order: OrderView): boolean {
   return order.status === "delivered" || order.status === "cancelled";
 }
 
-/** Open ones by due time, those without one after them; then the closed, the newest first. */
+/** Open ones as the factory wants them, those without a time after them; then the closed, the newest first. */
 export function inOrder(orders: Iterable<OrderView>): OrderView[] {
   return [...orders].sort((a, b) => {
     const closed = Number(isClosed(a)) - Number(isClosed(b));
     if (closed !== 0) return closed;
     if (isClosed(a)) return (b.delivered_at_s ?? b.created_at_s) - (a.delivered_at_s ?? a.created_at_s);
-    return (a.due_at_s ?? Infinity) - (b.due_at_s ?? Infinity) || a.created_at_s - b.created_at_s || 0;
+    return (a.wanted_at_s ?? a.due_at_s ?? Infinity) - (b.wanted_at_s ?? b.due_at_s ?? Infinity) || a.created_at_s - b.created_at_s || 0;
   });
 }
 

@@ -1,9 +1,11 @@
+import { computed } from "@preact/signals";
 import { PlantMap } from "../../plant/PlantMap";
+import { selection } from "../../selection/selection";
+import { world } from "../../stream/stream";
 import { t } from "../../text/manager";
 import { AlertsCard } from "../alerts/AlertsCard";
 import { ChosenAtv } from "../cards/atv/AtvCard";
-import { ClosuresCard } from "../cards/closures/ClosuresCard";
-import { ObstaclesCard } from "../cards/obstacles/ObstaclesCard";
+import { DrawStrip } from "../cards/closures/DrawStrip";
 import { AuctionCard } from "../cards/auction/AuctionCard";
 import { FactoryCard } from "../cards/factory/FactoryCard";
 import { ChosenPlace } from "../cards/machine/ChosenPlace";
@@ -11,7 +13,16 @@ import { NewsStrips } from "../cards/news/NewsStrips";
 import { ScenarioCard } from "../cards/scenario/ScenarioCard";
 import { OrdersCard } from "../orders/OrdersCard";
 import { PublishCard } from "../cards/publish/PublishCard";
+import { Later } from "../../parts/Later";
 import { plant, plantFailed } from "../state";
+import { follow, following } from "../story/address";
+import { Legend } from "../story/Legend";
+import { StoryBar } from "../story/StoryBar";
+import { TourPlace } from "../story/TourPlace";
+
+/** Whether something keeps vehicles from a part of the floor: most plants have nothing of it at most times. */
+const isFloorKept = computed(() => (world.value?.closures.size ?? 0) + (world.value?.obstacles.size ?? 0) > 0);
+const followed = computed(() => (following.value ? selection.value.atv : null));
 
 /** The paper's Figure 4: the factory in the middle, what is chosen around it. */
 export function PlantView() {
@@ -22,13 +33,23 @@ export function PlantView() {
         <FactoryCard />
         <ScenarioCard />
         <AlertsCard />
-        <ClosuresCard />
-        <ObstaclesCard />
+        {isFloorKept.value && <Later load={async () => (await import("../cards/closures/FloorCards")).load()} />}
         <OrdersCard />
         <PublishCard />
       </div>
       <div class="column middle">
-        {plant.value ? <PlantMap plant={plant.value} over={<NewsStrips />} /> : <Waiting />}
+        {plant.value ? (
+          <PlantMap
+            plant={plant.value}
+            over={<><NewsStrips /><DrawStrip /><TourPlace /></>}
+            aside={<Legend />}
+            followed={followed}
+            onMoved={() => { if (following.peek()) follow(false); }}
+          />
+        ) : (
+          <Waiting />
+        )}
+        <StoryBar />
         <AuctionCard />
       </div>
       <div class="column right">

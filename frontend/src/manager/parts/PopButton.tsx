@@ -1,5 +1,5 @@
 import type { ComponentChildren } from "preact";
-import { useId, useRef } from "preact/hooks";
+import { useEffect, useId, useRef } from "preact/hooks";
 import { Icon, type IconName } from "../../parts/Icon";
 
 const GAP_PX = 6;
@@ -30,6 +30,15 @@ export function PopButton({ icon, label, title, onToggle, children }: Props) {
     sheet.current.style.top = `${Math.max(MARGIN_PX, top)}px`;
     sheet.current.style.left = `${Math.max(MARGIN_PX, at.right - width)}px`;
   };
+  /** What is on it may come later, or grow. */
+  useEffect(() => {
+    if (!sheet.current) return;
+    const grown = new ResizeObserver(place);
+    grown.observe(sheet.current);
+    return () => {
+      grown.disconnect();
+    };
+  }, []);
   return (
     <>
       <button ref={button} type="button" class="pop-button" popovertarget={id} title={title}>

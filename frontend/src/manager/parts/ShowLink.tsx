@@ -5,9 +5,11 @@ import { choose, type Chosen } from "../../selection/selection";
 interface Props {
   chosen: Chosen;
   label: string;
+  /** What people call it. */
+  name?: string;
 }
 
-export function ShowLink({ chosen, label }: Props) {
+export function ShowLink({ chosen, label, name = chosen.id }: Props) {
   return (
     <button
       type="button"
@@ -18,7 +20,7 @@ export function ShowLink({ chosen, label }: Props) {
         go("plant");
       }}
     >
-      {chosen.id}
+      {name}
     </button>
   );
 }

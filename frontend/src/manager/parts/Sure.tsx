@@ -1,4 +1,5 @@
 import { useLayoutEffect, useRef } from "preact/hooks";
+import { keepFocus } from "./keep-focus";
 
 interface Props {
   asked: string;
@@ -10,7 +11,7 @@ interface Props {
   onYes: () => void;
 }
 
-/** Asks twice for what cannot be undone. The safe answer comes first and has the focus. */
+/** Asks twice for what cannot be undone. The safe answer comes first and has the focus; answered, it is given back to what stands here then. */
 export function Sure({ asked, busy, no, onNo, onYes, yes }: Props) {
   const safe = useRef<HTMLButtonElement>(null);
   /** The second click of a double one was meant for what stood here before: it takes no focus, and does nothing. */
@@ -18,9 +19,13 @@ export function Sure({ asked, busy, no, onNo, onYes, yes }: Props) {
     const still = (event: MouseEvent) => {
       if (event.detail > 1) event.preventDefault();
     };
+    const place = safe.current?.closest(".sure")?.parentElement ?? null;
     safe.current?.focus();
     document.addEventListener("mousedown", still);
-    return () => { document.removeEventListener("mousedown", still); };
+    return () => {
+      document.removeEventListener("mousedown", still);
+      keepFocus(place);
+    };
   }, []);
   const meant = (act: () => void) => (event: MouseEvent) => {
     if (event.detail <= 1) act();

@@ -2,6 +2,9 @@ import { Icon } from "../../parts/Icon";
 import { LanguageSwitch } from "../../parts/LanguageSwitch";
 import { ThemeSwitch } from "../../parts/ThemeSwitch";
 import { t, word } from "../../text/manager";
+import { Later } from "../../parts/Later";
+import { begin } from "../story/tour";
+import { go } from "../views";
 import { failed, leave, me } from "./session";
 
 /** Who works here, what may be chosen for this browser, and the way out. */
@@ -29,6 +32,15 @@ export function PersonMenu() {
           <span>{t("theme.label")}</span>
           <ThemeSwitch />
         </div>
+        <Later load={async () => (await import("../alerts/telling/Telling")).load()} />
+        {person?.scopes.includes("people:write") && (
+          <button type="button" class="button" popovertarget="person-menu" popovertargetaction="hide" onClick={() => { go("people"); }}>
+            {t("nav.people")}
+          </button>
+        )}
+        <button type="button" class="button" popovertarget="person-menu" popovertargetaction="hide" onClick={() => { begin(); go("plant"); }}>
+          {t("tour.again")}
+        </button>
         <button type="button" class="button" onClick={() => void leave()}>
           {t("person.logOut")}
         </button>

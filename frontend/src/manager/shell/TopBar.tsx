@@ -2,12 +2,14 @@ import { AlertsTag } from "../alerts/AlertsTag";
 import { world } from "../../stream/stream";
 import { format, t } from "../../text/manager";
 import { PersonMenu } from "./PersonMenu";
-import { view, VIEWS } from "../views";
+import { LED_TO, MENU, view } from "../views";
+import { Icon } from "../../parts/Icon";
 import { LiveTag } from "../../parts/LiveTag";
 
 export function TopBar() {
   const speed = world.value?.factory.speed ?? 1;
   const shown = format.number(speed, speed % 1 === 0 ? 0 : 1);
+  const above = view.value in LED_TO ? LED_TO[view.value as keyof typeof LED_TO] : null;
   return (
     <header class="top">
       <a class="logo" href="#plant">
@@ -15,8 +17,8 @@ export function TopBar() {
         Dray
       </a>
       <nav aria-label={t("nav.label")}>
-        {VIEWS.filter((name) => name !== "alerts").map((name) => (
-          <a key={name} href={`#${name}`} aria-current={view.value === name ? "page" : undefined}>
+        {MENU.map((name) => (
+          <a key={name} href={`#${name}`} aria-current={view.value === name ? "page" : name === above ? "true" : undefined}>
             {t(`nav.${name}`)}
           </a>
         ))}
@@ -29,6 +31,9 @@ export function TopBar() {
           </span>
         )}
         <LiveTag />
+        <a class="moment-link" href="#replay" aria-label={t("nav.replay")} title={t("nav.replay")} aria-current={view.value === "replay" ? "page" : undefined}>
+          <Icon name="past" />
+        </a>
         <AlertsTag />
         <PersonMenu />
       </div>

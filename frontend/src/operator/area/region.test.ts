@@ -3,7 +3,7 @@ import type { Area } from "../../api/types";
 import { areaAt, distanceM, regionOf } from "./region";
 
 const area = (id: string, ...corners: [number, number][]): Area => ({
-  id, name: id, polygon: corners.map(([x_m, y_m]) => ({ x_m, y_m })),
+  id, name: id, working_time: null, polygon: corners.map(([x_m, y_m]) => ({ x_m, y_m })),
 });
 const south = area("S", [0, 0], [60, 0], [60, 12], [0, 12]);
 const corner = area("C", [60, 0], [80, 0], [80, 30], [70, 30], [70, 12], [60, 12]);

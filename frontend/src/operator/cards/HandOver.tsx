@@ -4,7 +4,7 @@ import type { AtvView } from "../../api/types";
 import { world } from "../../stream/stream";
 import { t } from "../../text/operator";
 import { give } from "../commands/given";
-import { hindranceOf } from "../commands/hindrance";
+import { hindranceOf } from "../../commands/hindrance";
 import { circumstancesOf } from "../state";
 
 /** Long enough to take a slip of the finger back. */

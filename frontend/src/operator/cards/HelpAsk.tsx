@@ -1,8 +1,10 @@
 import type { AtvView, HelpView, ProblemView } from "../../api/types";
 import { failureText } from "../../text/failure";
-import { format, t, word } from "../../text/operator";
+import { t, word } from "../../text/operator";
+import { factoryTime, inFactoryTime } from "../../text/plant-time";
 import { give } from "../commands/given";
-import { hindranceOf } from "../commands/hindrance";
+import { answer, callOf } from "../duty/duty";
+import { hindranceOf } from "../../commands/hindrance";
 import { circumstancesOf, moment } from "../state";
 import { HandOver } from "./HandOver";
 import { patienceS } from "./need";
@@ -35,6 +37,12 @@ export function HelpAsk({ atv }: { atv: AtvView }) {
   );
 }
 
+/** Promises to come. Of somebody on duty that takes the call, too, and nobody else is asked any more; the gateway then promises it to the one that calls. */
+export function promise(agent: string, waitS: number, give: () => Promise<void>): void {
+  const call = callOf(agent);
+  void (call ? answer(call, { answer: "take", wait_s: waitS }) : give());
+}
+
 /** What the vehicle knows of its problem: its kind, and what helps. */
 export function knownText({ kind, load_movable: movable, needs_person: needed, passes }: ProblemView): string {
   const said = [word("help.kind", kind)];
@@ -55,7 +63,7 @@ export function Patience({ coming = "help.coming", help, leftS, waits = t("help.
   const by = help.promised_by;
   return (
     <p class="patience" role="timer">
-      <b class="countdown">{format.duration(leftS)}</b>
+      <b class="countdown">{factoryTime(leftS)}</b>
       <span>{by === "" ? waits : t(coming, { by })}</span>
     </p>
   );
@@ -65,7 +73,7 @@ function Promises({ atv }: { atv: AtvView }) {
   const disabled = hindranceOf("promise", atv, circumstancesOf(atv)) !== null;
   const promised = atv.help?.promised_by !== "";
   const longestS = atv.help?.promise_max_s ?? 0;
-  const title = t(promised ? "help.later" : "help.onMyWay");
+  const title = inFactoryTime(t(promised ? "help.later" : "help.onMyWay"));
   return (
     <div class="promises" role="group" aria-label={title}>
       <span aria-hidden="true">{title}</span>
@@ -75,7 +83,9 @@ function Promises({ atv }: { atv: AtvView }) {
           type="button"
           class={`button ${promised ? "" : "primary"}`}
           disabled={disabled}
-          onClick={() => void give(atv.id, { kind: "promise", wait_s: minutes * 60 })}
+          onClick={() => {
+            promise(atv.id, minutes * 60, () => give(atv.id, { kind: "promise", wait_s: minutes * 60 }));
+          }}
         >
           <span class="unseen">{t("help.there", { atv: atv.id })}</span> {t("help.in", { minutes })}
         </button>

@@ -3,7 +3,7 @@ import { Icon } from "../../parts/Icon";
 import { failureText } from "../../text/failure";
 import { t } from "../../text/operator";
 import { give } from "../commands/given";
-import { hindranceOf } from "../commands/hindrance";
+import { hindranceOf } from "../../commands/hindrance";
 import { circumstancesOf } from "../state";
 import { HoldButton } from "./HoldButton";
 

@@ -1,8 +1,9 @@
 import { useSignal } from "@preact/signals";
 import type { AtvView, CommandRequest, OutOfServiceView } from "../../api/types";
 import { format, t } from "../../text/operator";
+import { inFactoryTime } from "../../text/plant-time";
 import { give } from "../commands/given";
-import { hindranceOf } from "../commands/hindrance";
+import { hindranceOf } from "../../commands/hindrance";
 import { circumstancesOf, moment } from "../state";
 import { Checks } from "./Checks";
 import { HoldButton } from "./HoldButton";
@@ -100,7 +101,7 @@ function Out({ finishes, hindered: disabled, id, send: say }: Props) {
           {finishes}
         </button>
       )}
-      <span aria-hidden="true">{t("service.until")}</span>
+      <span aria-hidden="true">{inFactoryTime(t("service.until"))}</span>
       {HOURS.map((hours) => (
         <button key={hours} type="button" class="button" disabled={disabled || reason.value === null} onClick={() => {
           send(hours);

@@ -1,7 +1,7 @@
 import type { AtvView } from "../../api/types";
 import { format, t } from "../../text/operator";
 import { give } from "../commands/given";
-import { hindranceOf } from "../commands/hindrance";
+import { hindranceOf } from "../../commands/hindrance";
 import { circumstancesOf } from "../state";
 
 /** Parts of the vehicle's own top speed: what it may do at most, and steps below it. */

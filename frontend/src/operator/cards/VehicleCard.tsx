@@ -6,6 +6,7 @@ import { Tag } from "../../parts/Tag";
 import { selection } from "../../selection/selection";
 import { world } from "../../stream/stream";
 import { format, t, word } from "../../text/operator";
+import { factoryTime } from "../../text/plant-time";
 import { waitText } from "../../text/wait";
 import { areaAt, distanceM } from "../area/region";
 import { CommandLine } from "../commands/CommandLine";
@@ -71,7 +72,7 @@ function Waits({ atv }: { atv: string }) {
   const wait = world.value?.waits.get(atv);
   if (!wait) return null;
   const { nowS, speed } = moment.value;
-  const age = format.duration(Math.max(0, nowS - wait.since_at_s) * speed);
+  const age = factoryTime(Math.max(0, nowS - wait.since_at_s) * speed);
   return (
     <p class="waits">
       {t("wait.says", { atv, what: waitText(wait.cause) })} · <span class="num">{age}</span>

@@ -4,6 +4,7 @@
  * all there is.
  */
 import type { CommandView } from "../../api/types";
+import type { VehicleKind } from "../../commands/hindrance";
 
 export type Stage =
   /** On its way to the plant. */
@@ -72,10 +73,7 @@ export interface Command {
   readonly atS: number;
 }
 
-/** What a vehicle may be told. */
-export type VehicleKind = "stop" | "acknowledge" | "resume" | "set_speed" | "promise" | "hand_over" | "take_out" | "put_in";
-
-export type Kind = VehicleKind | "clear_fault" | "restart" | "update";
+export type Kind = VehicleKind | "clear_fault" | "restart" | "update" | "fetch_goods" | "write_off";
 
 /** The command after a word about it; the same one where the word is no news. */
 /** What somebody has said of why not. */

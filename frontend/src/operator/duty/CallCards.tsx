@@ -1,9 +1,15 @@
+import { useSignal } from "@preact/signals";
+import { useEffect } from "preact/hooks";
 import type { CallView } from "../../api/types";
 import { Tag } from "../../parts/Tag";
 import { failureText } from "../../text/failure";
 import { format, t, word } from "../../text/operator";
-import { moment } from "../state";
-import { answer, duty } from "./duty";
+import { factoryTime, inFactoryTime } from "../../text/plant-time";
+import { world } from "../../stream/stream";
+import { goodsText } from "../goods/GoodsCards";
+import { moment, station } from "../state";
+import { distanceM } from "../area/region";
+import { answer, callFailed, duty, missedCaller } from "./duty";
 
 /** How long it takes to walk over and put something right. */
 const MINUTES = [2, 5, 10];
@@ -11,10 +17,15 @@ const MINUTES = [2, 5, 10];
 /** Calls for help that ask this person, or that this person has taken. */
 export function CallCards() {
   const calls = duty.value?.calls.filter(({ part }) => part !== null) ?? [];
+  const missed = missedCaller.value;
+  const said = missed === "" ? callFailed.value : t("call.quicker", { caller: missed });
   return (
     <div class="calls-live" aria-live="assertive">
+      {said !== "" && calls.length === 0 && <p class="card call-failed">{said}</p>}
       {calls.length > 0 && (
-        <ul class="cards calls" aria-label={t("call.title")}>
+        <ul class={`cards calls ${calls.some(({ part }) => part === "asked") ? "asking" : ""}`} aria-label={t("call.title")}>
+          {/* With the cards, which stay in sight: above them nobody would see it. */}
+          {said !== "" && <li class="card call-failed">{said}</li>}
           {calls.map((call) => (
             <CallCard key={call.id} call={call} />
           ))}
@@ -24,7 +35,19 @@ export function CallCards() {
   );
 }
 
+/** A card that comes lies over the page: a finger that is on its way there meant something else. */
+const SETTLE_MS = 500;
+
 function CallCard({ call }: { call: CallView }) {
+  const isSettled = useSignal(false);
+  useEffect(() => {
+    const timer = window.setTimeout(() => {
+      isSettled.value = true;
+    }, SETTLE_MS);
+    return () => {
+      clearTimeout(timer);
+    };
+  }, [isSettled]);
   const { nowS, speed } = moment.value;
   const leftS = Math.max(0, ((call.until_at_s ?? nowS) - nowS) * speed);
   const mine = call.part === "taken";
@@ -35,13 +58,12 @@ function CallCard({ call }: { call: CallView }) {
         <h2>{call.caller}</h2>
         <Tag tone="warn">{t(mine ? "call.expected" : "call.asks")}</Tag>
         <span class="call-left">
-          <b>{format.duration(leftS)}</b> {t(mine ? "call.promised" : "call.toAnswer")}
+          <b>{factoryTime(leftS)}</b> {t(mine ? "call.promised" : "call.toAnswer")}
         </span>
       </header>
-      <p>
-        {call.reason !== "" && <b>{failureText(call.reason)}. </b>}
-        {word("help.kind", call.problem)}
-      </p>
+      <p>{wrongText(call)}</p>
+      <p>{whereText(call)}</p>
+      {call.elsewhere && <p class="muted">{t("call.elsewhere")}</p>}
       {!mine && <p class="muted">{others.length === 0 ? t("call.alone") : t("call.others", { count: format.count(others.length) })}</p>}
       <div class="call-answers" role="group" aria-label={t("call.take", { caller: call.caller })}>
         {MINUTES.map((minutes) => (
@@ -49,20 +71,41 @@ function CallCard({ call }: { call: CallView }) {
             key={minutes}
             type="button"
             class={`button ${mine ? "" : "primary"}`}
-            disabled={call.part === "taking"}
+            disabled={call.part === "taking" || !isSettled.value}
             onClick={() => void answer(call, { answer: "take", wait_s: minutes * 60 })}
           >
-            <b>{t(mine ? "call.later" : "call.iTake")}</b> {t("call.within", { minutes })}
+            <b>{t(mine ? "call.later" : "call.iTake")}</b> {inFactoryTime(t("call.within", { minutes }))}
           </button>
         ))}
-        <button type="button" class="button" onClick={() => void answer(call, { answer: "decline" })}>
+        <button type="button" class="button" disabled={!isSettled.value} onClick={() => void answer(call, { answer: "decline" })}>
           {t(mine ? "call.giveBack" : "call.pass")}
         </button>
-        <button type="button" class="button" onClick={() => void answer(call, { answer: "cannot" })}>
+        <button type="button" class="button" disabled={!isSettled.value} onClick={() => void answer(call, { answer: "cannot" })}>
           {t("call.cannot")}
         </button>
       </div>
       {!mine && <p class="muted">{t("call.notAssigned")}</p>}
     </li>
+  );
+}
+
+/** Where to go: the map of this tablet need not show it. */
+function whereText({ area, ...place }: CallView): string {
+  const metres = station.value === undefined ? "" : format.count(distanceM(station.value, place));
+  if (area === "") return metres === "" ? "" : t("call.away", { metres });
+  return metres === "" ? t("call.where", { area }) : t("call.whereAway", { area, metres });
+}
+
+/** What is wrong: with the caller, or that goods of its own wait on board of a vehicle. */
+function wrongText({ goods, problem, reason }: CallView) {
+  if (goods !== "") {
+    const task = world.value?.tasks.get(goods);
+    return <b>{task?.stranded ? `${t("goods.title", { atv: task.stranded.atv })}: ${goodsText(task)}` : t("goods.called")}</b>;
+  }
+  return (
+    <>
+      {reason !== "" && <b>{failureText(reason)}. </b>}
+      {word("help.kind", problem)}
+    </>
   );
 }

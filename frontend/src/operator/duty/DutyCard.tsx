@@ -1,15 +1,24 @@
-import type { CallView, ColleagueView } from "../../api/types";
+import type { CallView, ColleagueView, DutyView } from "../../api/types";
 import { format, t, word } from "../../text/operator";
-import { plant } from "../state";
+import { inFactoryTime } from "../../text/plant-time";
+import { moment, plant } from "../state";
 import { be, duty, dutyFailed, type DutyState } from "./duty";
 
 const CHOICES: readonly DutyState[] = ["on", "break", "off"];
+
+const BUSY_MINUTES = [10, 30, 60];
+
+type Kind = DutyView["helps_with"][number];
+
+const KINDS: readonly Kind[] = [
+  "load", "drive", "sensor", "battery", "way_blocked", "lost_position", "link", "emergency_stop", "dock", "tool", "jam", "software", "unknown",
+];
 
 /** Whether this person is on duty, who else is, and who comes to whom. */
 export function DutyCard() {
   const view = duty.value;
   if (view === null) return null;
-  const away = view.areas_without.map(areaName);
+  const away = view.areas_without.map((area) => areaUntil(area, view.comes_at_s[area]));
   const calls = view.calls.filter(({ part }) => part === null);
   return (
     <section class="card duty" aria-label={t("duty.title")}>
@@ -21,6 +30,8 @@ export function DutyCard() {
           </button>
         ))}
       </div>
+      {view.state === "on" && <Busy view={view} />}
+      {view.state !== "off" && <WhatFor view={view} />}
       {dutyFailed.value !== "" && (
         <p class="problem" role="alert">
           {dutyFailed.value}
@@ -48,14 +59,58 @@ export function DutyCard() {
   );
 }
 
-function Colleague({ colleague: { areas, busy_with: caller, code, label, station, status } }: { colleague: ColleagueView }) {
+/** By one's own word: asked only when nobody else is left. Going on duty once more ends it. */
+function Busy({ view }: { view: DutyView }) {
+  const untilS = view.busy_until_at_s;
+  return (
+    <div class="duty-busy" role="group" aria-label={inFactoryTime(t("duty.busyFor"))}>
+      <span>{untilS === null ? inFactoryTime(t("duty.busyFor")) : t("duty.busyUntil", { at: format.due(untilS, moment.value.nowS) })}</span>
+      {BUSY_MINUTES.map((minutes) => (
+        <button key={minutes} type="button" class="button" onClick={() => void be("on", { busy_for_s: minutes * 60 })}>
+          {t("duty.busyMinutes", { minutes })}
+        </button>
+      ))}
+    </div>
+  );
+}
+
+/** For which kinds of problems somebody is there. */
+function WhatFor({ view: { helps_with: chosen, state } }: { view: DutyView }) {
+  const said = chosen.length === 0 ? t("duty.everything") : format.list(chosen.map((kind) => t(`duty.for.${kind}`)));
+  const turned = (kind: Kind) => (chosen.includes(kind) ? chosen.filter((each) => each !== kind) : [...chosen, kind]);
+  return (
+    <details class="duty-for">
+      <summary>{t("duty.whatFor", { what: said })}</summary>
+      <p class="muted">{t("duty.whatForMore")}</p>
+      <div class="duty-choices">
+        {KINDS.map((kind) => (
+          <button
+            key={kind}
+            type="button"
+            class="button"
+            aria-pressed={chosen.includes(kind)}
+            onClick={() => void be(state, { helps_with: turned(kind) })}
+          >
+            {t(`duty.for.${kind}`)}
+          </button>
+        ))}
+      </div>
+    </details>
+  );
+}
+
+function Colleague({ colleague: { areas, busy_with: caller, code, helps_with: kinds, label, station, status, until_at_s: untilS } }: { colleague: ColleagueView }) {
   return (
     <li>
       <span>
         {label === "" ? code : label}
         {station !== "" && ` · ${station}`} <span class="muted">{format.list(areas.map(areaName))}</span>
+        {kinds.length > 0 && <span class="muted"> · {format.list(kinds.map((kind) => t(`duty.for.${kind}`)))}</span>}
       </span>
-      <span>{caller === "" ? word("duty.status", status) : t("duty.busyWith", { caller })}</span>
+      <span>
+        {caller === "" ? word("duty.status", status) : t("duty.busyWith", { caller })}
+        {untilS !== null && ` · ${t("duty.until", { at: format.due(untilS, moment.value.nowS) })}`}
+      </span>
     </li>
   );
 }
@@ -69,6 +124,12 @@ function Call({ call }: { call: CallView }) {
       <span>{said}</span>
     </li>
   );
+}
+
+/** An area in which nobody is, and until when by its working time. */
+function areaUntil(area: string, comesS: number | undefined): string {
+  const name = areaName(area);
+  return comesS === undefined ? name : t("duty.nobodyUntil", { area: name, at: format.due(comesS, moment.value.nowS) });
 }
 
 function areaName(id: string): string {

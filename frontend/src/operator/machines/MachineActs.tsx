@@ -1,7 +1,8 @@
 import type { MachineView } from "../../api/types";
 import { format, t } from "../../text/operator";
+import { inFactoryTime } from "../../text/plant-time";
 import { Leaving } from "../cards/HandOver";
-import { Patience } from "../cards/HelpAsk";
+import { Patience, promise } from "../cards/HelpAsk";
 import { ServiceActs } from "../cards/Service";
 import { giveMachine } from "../commands/given";
 import { circumstancesOf, moment } from "../state";
@@ -78,7 +79,7 @@ export function MachineActs({ machine, need }: { machine: MachineView; need: Mac
 
 function Promises({ disabled, machine }: { machine: MachineView; disabled: boolean }) {
   const promised = (machine.help?.promised_by ?? "") !== "";
-  const title = t(promised ? "help.later" : "help.onMyWay");
+  const title = inFactoryTime(t(promised ? "help.later" : "help.onMyWay"));
   return (
     <div class="promises" role="group" aria-label={title}>
       <span aria-hidden="true">{title}</span>
@@ -88,7 +89,9 @@ function Promises({ disabled, machine }: { machine: MachineView; disabled: boole
           type="button"
           class={`button ${promised ? "" : "primary"}`}
           disabled={disabled}
-          onClick={() => void giveMachine(machine.id, { kind: "promise", wait_s: minutes * 60 })}
+          onClick={() => {
+            promise(machine.id, minutes * 60, () => giveMachine(machine.id, { kind: "promise", wait_s: minutes * 60 }));
+          }}
         >
           <span class="unseen">{t("help.there", { atv: machine.id })}</span> {t("help.in", { minutes })}
         </button>

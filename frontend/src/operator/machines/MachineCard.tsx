@@ -29,6 +29,7 @@ export function MachineCard({ machine }: { machine: MachineView }) {
           {machine.problem !== "" && <p class="help-what">{t("help.what", { problem: failureText(machine.problem) })}</p>}
           {machine.about_problem && <p class="help-known">{knownText(machine.about_problem)}</p>}
           <p class="doing">{goalsText(machine)}</p>
+          <WaitingGoals machine={machine} />
           <Coming machine={machine} />
         </div>
         <div class="vehicle-acts">
@@ -45,17 +46,34 @@ const NEED_CLASS: Readonly<Record<MachineNeed, string>> = {
   help: "help", coming: "coming", reset: "stopped", lost: "lost", out: "out", well: "working",
 };
 
+/** More than are read at a glance; the rest is counted. */
+const GOALS_SHOWN = 3;
+
 function goalsText(machine: MachineView): string {
-  const { count, firstAtS } = waitingGoals(machine);
-  if (count === 0) return t("machine.noGoals");
-  const [first] = machine.goals.filter(({ made, quantity }) => made < quantity);
-  const what = first ? t("machine.goal", {
-    item: names.value(first.product), made: format.count(first.made), quantity: format.count(first.quantity),
-  }) : "";
-  const many = count === 1 ? t("machine.oneGoal", { what }) : t("machine.goals", { count: format.count(count), what });
+  const { firstAtS, goals } = waitingGoals(machine);
+  if (goals.length === 0) return t("machine.noGoals");
+  const many = goals.length === 1 ? t("machine.oneGoal") : t("machine.goals", { count: format.count(goals.length) });
   const due = firstAtS === null ? "" : ` ${t("machine.firstDue", { at: format.due(firstAtS, moment.value.nowS) })}`;
   const offered = machine.goals.some((goal) => goal.offered) ? ` ${t("machine.offered")}` : "";
   return `${many}${due}${offered}`;
+}
+
+/** Which goals wait, and for which orders. */
+function WaitingGoals({ machine }: { machine: MachineView }) {
+  const { goals } = waitingGoals(machine);
+  if (goals.length === 0) return null;
+  return (
+    <ul class="coming">
+      {goals.slice(0, GOALS_SHOWN).map(({ goal, made, order_due_at_s: dueS, order_name: order, product, quantity }) => (
+        <li key={goal}>
+          {t("machine.goal", { item: names.value(product), made: format.count(made), quantity: format.count(quantity) })}
+          {order !== "" && ` · ${t("machine.order", { order })}`}
+          {dueS !== null && ` · ${t("station.orderDue", { at: format.due(dueS, moment.value.nowS) })}`}
+        </li>
+      ))}
+      {goals.length > GOALS_SHOWN && <li class="muted">{t("machine.moreGoals", { count: format.count(goals.length - GOALS_SHOWN) })}</li>}
+    </ul>
+  );
 }
 
 /** Who brings material, and who is behind them. */

@@ -4,7 +4,7 @@ import { machineNeedOf, needingMachines, waitingGoals } from "./need";
 
 const NOW = { nowS: 100, speed: 1 };
 const OUT = { by: "Maria", since_at_s: 50, reason: "bearings", back_at_s: null, after_work: false };
-const goal = { goal: "1", product: "pump", quantity: 10, made: 4, delivered: 0, deadline_at_s: 900, offered: false, order_due_at_s: null };
+const goal = { goal: "1", product: "pump", quantity: 10, made: 4, delivered: 0, deadline_at_s: 900, offered: false, order_due_at_s: null, order_name: "" };
 
 function machine(fields: Partial<MachineView> = {}): MachineView {
   const silence = { overdue_after_s: 10, lost_after_s: 30 };
@@ -36,9 +36,10 @@ describe("a machine", () => {
     expect(needingMachines(all, NOW).map(({ id }) => id)).toEqual(["M3", "M1"]);
   });
 
-  test("tells how many goals wait for it, and the first deadline of them", () => {
+  test("tells which goals wait for it, and the first deadline of them", () => {
     const done = { ...goal, made: 10, deadline_at_s: 1 };
-    expect(waitingGoals({ goals: [goal, { ...goal, deadline_at_s: 700 }, done] })).toEqual({ count: 2, firstAtS: 700 });
-    expect(waitingGoals({ goals: [] })).toEqual({ count: 0, firstAtS: null });
+    const sooner = { ...goal, deadline_at_s: 700 };
+    expect(waitingGoals({ goals: [goal, sooner, done] })).toEqual({ goals: [goal, sooner], firstAtS: 700 });
+    expect(waitingGoals({ goals: [] })).toEqual({ goals: [], firstAtS: null });
   });
 });

@@ -37,11 +37,16 @@ export function sinceS({ out_of_service: out, since_at_s: since }: Pick<MachineV
   return out?.since_at_s ?? since ?? 0;
 }
 
-/** How many of its goals are not made yet, and by when the first of them should be. */
-export function waitingGoals({ goals }: Pick<MachineView, "goals">): { readonly count: number; readonly firstAtS: number | null } {
+interface WaitingGoals {
+  readonly goals: MachineView["goals"];
+  readonly firstAtS: number | null;
+}
+
+/** Which of its goals are not made yet, and by when the first of them should be. */
+export function waitingGoals({ goals }: Pick<MachineView, "goals">): WaitingGoals {
   const waiting = goals.filter(({ made, quantity }) => made < quantity);
   const times = waiting.flatMap(({ deadline_at_s: atS }) => atS ?? []);
-  return { count: waiting.length, firstAtS: times.length > 0 ? Math.min(...times) : null };
+  return { goals: waiting, firstAtS: times.length > 0 ? Math.min(...times) : null };
 }
 
 /** How many machines somebody has to do something about. */

@@ -1,5 +1,7 @@
 import { computed } from "@preact/signals";
 import type { BufferView, MachineSpec, MachineView } from "../../api/types";
+import { Documents } from "../../parts/Documents";
+import { Later } from "../../parts/Later";
 import { Meter } from "../../parts/Meter";
 import { Tag, toneOfMachine } from "../../parts/Tag";
 import { isLost } from "../../plant/silence";
@@ -9,6 +11,9 @@ import { world } from "../../stream/stream";
 import { failureText } from "../../text/failure";
 import { format, t, word } from "../../text/operator";
 import { moment, names, plant, station } from "../state";
+
+const loadPieces = async () => (await import("../../parts/pieces/Pieces")).load();
+const nameOf = (product: string): string => names.value(product);
 
 /** The machine that was touched on the map, else the one at which this person works. */
 const shown = computed(() => {
@@ -44,11 +49,13 @@ function Station({ machine, spec }: { machine: MachineView | undefined; spec: Ma
         <>
           {machine.problem !== "" && <p class="problem">{failureText(machine.problem)}</p>}
           <Goals machine={machine} />
+          <Documents machine={machine} name={nameOf} />
           <ul class={`stock ${lost ? "old" : ""}`}>
             {[...machine.buffers, ...machine.goods].map((buffer) => (
               <StockRow key={buffer.item} buffer={buffer} machine={machine} />
             ))}
           </ul>
+          <Later load={loadPieces} of={{ machine: spec.id, name: nameOf }} />
         </>
       ) : (
         <p class="empty">{t("station.unheard")}</p>

@@ -22,7 +22,7 @@ export function TopBar() {
         </div>
         <div class="top-right">
           {speed !== 1 && (
-            <span class="tag" title={t("speed.title", { speed: shown })}>
+            <span class="tag top-speed" title={t("speed.title", { speed: shown })}>
               {t("speed.tag", { speed: shown })}
             </span>
           )}

@@ -4,6 +4,7 @@ import type { Place, Roads } from "../../motion/roads";
 import { format } from "../../text";
 import { toScreenX, toScreenY } from "../surface/geometry";
 import { type Brush, setFont, textPx } from "./brush";
+import { traceOutline } from "./outline";
 
 const WIDTH_M = 1.5;
 const SIGN_M = 0.75;
@@ -14,7 +15,9 @@ interface Segment {
 }
 
 export function drawClosures(brush: Brush, roads: Roads, closures: Iterable<ClosureView>, nowS: number): void {
-  const drawn = [...closures].map((closure) => ({ closure, segments: segmentsOf(roads, closure) }));
+  const shown = [...closures];
+  for (const { kind, outline } of shown) drawShape(brush, outline, kind === "closed");
+  const drawn = shown.map((closure) => ({ closure, segments: segmentsOf(roads, closure) }));
   for (const { closure, segments } of drawn) {
     if (closure.kind === "slow") drawSlow(brush, segments);
     else drawShut(brush, segments, closure.kind === "closed");
@@ -23,6 +26,22 @@ export function drawClosures(brush: Brush, roads: Roads, closures: Iterable<Clos
     const at = middleOf(segments);
     if (at) drawSign(brush, roads, closure, at, nowS);
   }
+}
+
+/** The part of the floor that somebody has drawn. */
+function drawShape(brush: Brush, outline: ClosureView["outline"], closed: boolean): void {
+  if (outline.length === 0) return;
+  const { ctx, palette } = brush;
+  traceOutline(brush, outline.map(({ x_m, y_m }) => [x_m, y_m] as const));
+  ctx.globalAlpha = closed ? 0.7 : 0.35;
+  ctx.fillStyle = palette["warn-soft"];
+  ctx.fill();
+  ctx.globalAlpha = 1;
+  ctx.strokeStyle = palette.warn;
+  ctx.lineWidth = 1.5;
+  ctx.setLineDash(closed ? [] : [2, 5]);
+  ctx.stroke();
+  ctx.setLineDash([]);
 }
 
 /** A frame around the lane that is chosen. */

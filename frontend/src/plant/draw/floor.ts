@@ -1,11 +1,13 @@
 /** What never moves: floor, areas, lanes and the places that only stand there. */
 import type { Box, ClosureView, Lane, ObstacleView, PlantFile } from "../../api/types";
 import type { Place, Roads } from "../../motion/roads";
+import type { Outline } from "../../selection/outline";
 import { type Heat, stepOf } from "../heat/heat";
 import { boxOnScreen, toScreenX, toScreenY } from "../surface/geometry";
 import { type Brush, isInSight, setFont, textPx } from "./brush";
 import { drawChosenLane, drawClosures } from "./closures";
 import { drawObstacles } from "./obstacles";
+import { drawOutline } from "./outline";
 
 export interface FloorPlan {
   readonly plant: PlantFile;
@@ -19,6 +21,8 @@ export interface FloorPlan {
   readonly obstacles: Iterable<ObstacleView>;
   /** The chosen lane, by its ends. */
   readonly lane: { start: string; end: string } | null;
+  /** What somebody draws, if anything. */
+  readonly outline: Outline | null;
   readonly nowS: number;
 }
 
@@ -49,7 +53,8 @@ export function drawFloor(brush: Brush, plan: FloorPlan): void {
   const chosen = [...warehouses, ...storages, ...chargers].find(({ id }) => id === plan.chosen);
   if (chosen) drawFrame(brush, chosen.box);
   drawClosures(brush, plan.roads, plan.closures, plan.nowS);
-  drawObstacles(brush, plan.roads, plan.obstacles);
+  drawObstacles(brush, plan.roads, plan.obstacles, plan.plant.doors);
+  if (plan.outline) drawOutline(brush, plan.outline.corners, plan.outline.drawing);
 }
 
 function drawGround(brush: Brush, plant: PlantFile): void {
@@ -265,7 +270,14 @@ function drawBox(
   }
   if (!name || !detail.placeLabels) return;
   const px = textPx(view.scale, textM, 9, 20);
-  write(brush, name, (left + right) / 2, (top + bottom) / 2, px, "steel-ink", right - left - 4);
+  // The name of a narrow box stands upright in it, as in `dray plant draw`.
+  setFont(brush, px, 600);
+  const upright = bottom - top > right - left && ctx.measureText(name).width > right - left - 4;
+  ctx.save();
+  ctx.translate((left + right) / 2, (top + bottom) / 2);
+  if (upright) ctx.rotate(-Math.PI / 2);
+  write(brush, name, 0, 0, px, "steel-ink", (upright ? bottom - top : right - left) - 4);
+  ctx.restore();
 }
 
 function write(

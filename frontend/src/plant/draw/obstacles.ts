@@ -1,14 +1,16 @@
-/** What vehicles have met on lanes: a warning sign in the middle of the lane. */
-import type { ObstacleView } from "../../api/types";
+/** What vehicles have met on lanes: a warning sign in the middle of the lane. A door has a sign of its own. */
+import type { ObstacleView, PlantFile } from "../../api/types";
 import type { Roads } from "../../motion/roads";
 import { toScreenX, toScreenY } from "../surface/geometry";
+import { doorOn } from "../doors/on";
 import { type Brush, setFont } from "./brush";
 
 const SIGN_M = 0.9;
 
-export function drawObstacles(brush: Brush, roads: Roads, obstacles: Iterable<ObstacleView>): void {
+export function drawObstacles(brush: Brush, roads: Roads, obstacles: Iterable<ObstacleView>, doors: PlantFile["doors"]): void {
   const { ctx, palette, view } = brush;
   for (const { start, end } of obstacles) {
+    if (doorOn(doors, { start, end })) continue;
     const a = roads.places.get(start);
     const b = roads.places.get(end);
     if (!a || !b) continue;

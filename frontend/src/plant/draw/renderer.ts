@@ -3,18 +3,20 @@
  * one of them changes) and everything that moves (while something moves). Knows nothing of the page:
  * it is told what to show, and asks for the next picture only while one is needed.
  */
+import { bring } from "../../api/bring";
 import type { Box, PlantFile, TaskView } from "../../api/types";
 import { FleetMotion, type ShownVehicle } from "../../motion/fleet-motion";
 import { type Place, type Roads, roadsOf } from "../../motion/roads";
 import { toldOf, type Frame, type World } from "../../stream/world";
 import { format, t } from "../../text";
+import { factoryTime } from "../../text/plant-time";
 import { type Detail, detailOf } from "./detail";
 import { type Brush, isInSight } from "./brush";
 import { drawFloor } from "./floor";
 import { drawAges, drawChosenWay, drawLinks, drawWays } from "./lines";
 import { drawMachine } from "./machines";
 import { drawMark } from "./marks";
-import { drawDots, drawVehicle, drawVehicleLabels, lookOf } from "./vehicles";
+import { drawDots, drawVehicle, drawVehicleLabels, lookOf, shortName } from "./vehicles";
 import { boxOnScreen, fitView, type Region, type Size, toScreenX, toScreenY, type View, type Zoom, zoomed } from "../surface/geometry";
 import { groupsOf, URGENT_LAST } from "./groups";
 import type { Heat } from "../heat/heat";
@@ -26,6 +28,7 @@ import { type Guard, isCarried, meshLinks, watchLinks } from "../surface/links";
 import { lookAlike, machineLooks, type MachineLooks } from "./machine-looks";
 import { Marks } from "../surface/marks";
 import type { Palette } from "./palette";
+import type { Outline } from "../../selection/outline";
 import { isLost, isOverdue } from "../silence";
 
 export interface Canvases {
@@ -48,10 +51,14 @@ export interface Shown {
   readonly layers: Layers;
   readonly palette: Palette;
   readonly atv: string | null;
+  /** Who would take over from it. */
+  readonly standby: string | null;
   readonly place: string | null;
   /** The chosen lane, as `laneId` names it. */
   readonly lane: string | null;
   readonly heat: Heat | null;
+  /** What somebody draws on the floor; null for nothing. */
+  readonly outline: Outline | null;
 }
 
 export class PlantRenderer {
@@ -76,6 +83,8 @@ export class PlantRenderer {
   /** How right of way is drawn: null where there is none, or as long as it is being loaded. */
   #traffic: Drawing | null = null;
   #isLoading = false;
+  /** How doors are drawn: null where there are none, or as long as it is being loaded. */
+  #doors: typeof import("../doors/doors") | null = null;
   #size: Size = { width: 1, height: 1 };
   #zoom: Zoom = { k: 1, x: 0, y: 0 };
   #smooth = true;
@@ -90,6 +99,12 @@ export class PlantRenderer {
     this.#shown = shown;
     this.#presentS = presentS;
     this.#roads = roadsOf(plant);
+    if (plant.doors.length > 0) {
+      bring(() => import("../doors/doors"), (doors) => {
+        this.#doors = doors;
+        this.#ask();
+      });
+    }
     this.#productNames = new Map(plant.products.map((product) => [product.id, product.name]));
     this.#machineAt = new Map(plant.machines.map(({ box, id }) => [id, { x: box.x_m, y: box.y_m }]));
     this.#walls = [...plant.machines, ...plant.storages, ...plant.warehouses].map(({ box }) => box);
@@ -141,19 +156,15 @@ export class PlantRenderer {
   #loadTraffic({ atvs }: World): void {
     if (this.#isLoading || !hasTraffic(atvs.values())) return;
     this.#isLoading = true;
-    void loadDrawing().then(
-      (drawing) => {
-        this.#traffic = drawing;
-        this.#ask();
-      },
-      // Asked for again with the next news.
-      () => (this.#isLoading = false),
-    );
+    bring(loadDrawing, (drawing) => {
+      this.#traffic = drawing;
+      this.#ask();
+    });
   }
 
   show(shown: Shown): void {
-    const { heat, lane, layers, palette, place } = this.#shown;
-    const same = shown.palette === palette && shown.layers === layers && shown.place === place && shown.lane === lane && shown.heat === heat;
+    const { heat, lane, layers, outline, palette, place } = this.#shown;
+    const same = shown.outline === outline && shown.palette === palette && shown.layers === layers && shown.place === place && shown.lane === lane && shown.heat === heat;
     if (!same) {
       this.#stale = { floor: true, machines: true };
     }
@@ -239,6 +250,7 @@ export class PlantRenderer {
       closures: this.#world?.closures.values() ?? [],
       obstacles: this.#world?.obstacles.values() ?? [],
       lane: this.#shown.lane === null ? null : laneOf(this.#shown.lane),
+      outline: this.#shown.outline,
       nowS: this.#presentS(),
     });
   }
@@ -267,6 +279,7 @@ export class PlantRenderer {
     const jams = layers.traffic ? jamsOf(world.alerts.values(), world.waits, this.#find) : [];
     this.#traffic?.drawJams(brush, jams);
     if (layers.traffic) this.#drawHeld(brush, vehicles);
+    this.#doors?.drawDoors(brush, this.#roads, this.plant.doors, world, layers.labels);
     // Who is silent may have plans, but nobody knows whether it still follows them.
     const onItsWay = ({ view }: ShownVehicle): boolean =>
       view.way.length > 0 && !isLost(view, nowS, world.factory.speed);
@@ -283,7 +296,7 @@ export class PlantRenderer {
     this.#drawVehicles(brush, vehicles, nowS);
     if (layers.traffic) this.#traffic?.drawWaits(brush, waitLines(world.waits.values(), this.#find, atv));
     const speed = world.factory.speed;
-    const named = jams.map((jam) => ({ ...jam, text: t("map.jam", { age: format.duration((nowS - jam.sinceAtS) * speed) }) }));
+    const named = jams.map((jam) => ({ ...jam, text: t("map.jam", { age: factoryTime((nowS - jam.sinceAtS) * speed, speed) }) }));
     this.#traffic?.nameJams(brush, named);
   }
 
@@ -333,21 +346,22 @@ export class PlantRenderer {
   }
 
   #drawVehicles(brush: Brush, vehicles: readonly ShownVehicle[], nowS: number): void {
-    const { atv, layers } = this.#shown;
+    const { atv, layers, standby } = this.#shown;
     const speed = this.#world?.factory.speed ?? 1;
     const groups = groupsOf(vehicles, ({ view }) => lookOf(view, view.id === atv, isLost(view, nowS, speed)));
     for (const look of URGENT_LAST) {
       if (!brush.detail.vehicleParts && look !== "chosen") drawDots(brush, groups[look], look);
-      else for (const vehicle of groups[look]) drawVehicle(brush, vehicle, look, vehicle.view.id === atv);
+      else for (const vehicle of groups[look]) drawVehicle(brush, vehicle, look, vehicle.view.id === atv, vehicle.view.id === standby);
     }
     const named = brush.detail.vehicleLabels && layers.labels;
     const labels = URGENT_LAST.toReversed().flatMap((look) =>
       groups[look].flatMap((vehicle) => {
         const { id, seen_at_s: seenAtS, shut_out: out } = vehicle.view;
-        const chosen = id === atv;
+        const chosen = id === atv || id === standby;
         if (!named && !chosen) return [];
-        const silent = out ? t("map.shutOut", { id }) : t("map.silent", { id, age: format.age(nowS - seenAtS) });
-        const label = look === "lost" ? silent : id;
+        const name = shortName(id);
+        const silent = out ? t("map.shutOut", { id: name }) : t("map.silent", { id: name, age: format.age(nowS - seenAtS) });
+        const label = look === "lost" ? silent : name;
         return [{ vehicle, look, chosen, label }];
       }),
     );

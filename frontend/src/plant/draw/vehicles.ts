@@ -9,9 +9,9 @@ import { traceBolt } from "./floor";
 
 /** From the rim of a chosen vehicle to that of its halo. */
 const HALO_PX = 6;
-/** Mean width of a character: of a name in capitals, and of one with an age behind it. */
-const NAME_EM = 0.66;
-const AGE_EM = 0.54;
+/** As many characters of a name as stand on the map; a longer one keeps its beginning, and its end, by which fleets count. */
+const NAME_CHARS = 14;
+const END_CHARS = 5;
 
 export type Look = "chosen" | "alarm" | "lost" | "charging" | "idle" | "normal";
 
@@ -60,12 +60,13 @@ export function drawDots(brush: Brush, vehicles: readonly ShownVehicle[], look: 
   ctx.stroke();
 }
 
-export function drawVehicle(brush: Brush, vehicle: ShownVehicle, look: Look, chosen: boolean): void {
+export function drawVehicle(brush: Brush, vehicle: ShownVehicle, look: Look, chosen: boolean, standby = false): void {
   const { ctx, view, palette, detail } = brush;
   const x = toScreenX(view, vehicle.x);
   const y = toScreenY(view, vehicle.y);
   const r = detail.vehiclePx;
   if (chosen) drawHalo(brush, x, y, r);
+  else if (standby) drawStandby(brush, x, y, r);
   const rim = rimOf(look);
   const lost = look === "lost";
   if (!lost) drawBattery(brush, x, y, r, vehicle.view);
@@ -110,6 +111,17 @@ function drawRadio({ ctx, palette }: Brush, x: number, y: number, rimPx: number)
     ctx.stroke();
   }
   ctx.lineCap = "butt";
+}
+
+/** Who would take over from the chosen one: a broken ring around it, in the colour of what is chosen. */
+function drawStandby({ ctx, palette }: Brush, x: number, y: number, r: number): void {
+  ctx.beginPath();
+  ctx.arc(x, y, r + HALO_PX, 0, 2 * Math.PI);
+  ctx.setLineDash([4, 4]);
+  ctx.lineWidth = 2;
+  ctx.strokeStyle = palette.chosen;
+  ctx.stroke();
+  ctx.setLineDash([]);
 }
 
 function drawHalo({ ctx, palette }: Brush, x: number, y: number, r: number): void {
@@ -199,7 +211,8 @@ export function drawVehicleLabels(
   ctx.strokeStyle = palette.floor;
   for (const { vehicle, look, chosen, label } of vehicles) {
     const middle = { x: toScreenX(view, vehicle.x), y: toScreenY(view, vehicle.y) };
-    const size = { width: label.length * px * (look === "lost" ? AGE_EM : NAME_EM), height: px + 2 };
+    // As wide as it is drawn, with its rim: names differ in their letters.
+    const size = { width: ctx.measureText(label).width + ctx.lineWidth, height: px + 2 };
     const rect = labelRect(middle, size, detail.vehiclePx + (chosen ? 8 : 5), taken, chosen);
     if (!rect) continue;
     taken.push(rect);
@@ -211,6 +224,11 @@ export function drawVehicleLabels(
   }
 }
 
+/** A vehicle's name as the map has room for it. */
+export function shortName(name: string): string {
+  return name.length <= NAME_CHARS ? name : `${name.slice(0, NAME_CHARS - END_CHARS - 1)}…${name.slice(-END_CHARS)}`;
+}
+
 /** What no name may cover of a vehicle: a little less than its disc, so that those beside one another keep theirs. */
 function discOf({ detail, view }: Brush, { x, y }: ShownVehicle): Rect {
   const half = 0.8 * detail.vehiclePx;
@@ -219,7 +237,7 @@ function discOf({ detail, view }: Brush, { x, y }: ShownVehicle): Rect {
   return { left, top, right: left + 2 * half, bottom: top + 2 * half };
 }
 
-/** The first free place around a vehicle; null where there is none and it need not be named. */
+/** The first free place around a vehicle; where there is none, null, or of one that must be named the place that covers least. */
 export function labelRect(
   middle: { x: number; y: number },
   size: { width: number; height: number },
@@ -237,6 +255,7 @@ export function labelRect(
   const beside = awayPx + width / 2 + 1;
   const above = at(0, -awayPx - height / 2);
   const places = [above, at(beside, 0), at(-beside, 0), at(0, awayPx + height / 2)];
-  const free = places.find((place) => !taken.some((other) => overlaps(place, other)));
-  return free ?? (must ? above : null);
+  const covered = places.map((place) => taken.filter((other) => overlaps(place, other)).length);
+  const least = Math.min(...covered);
+  return least === 0 || must ? (places[covered.indexOf(least)] ?? null) : null;
 }

@@ -1,5 +1,6 @@
 import type { Signal } from "@preact/signals";
 import { format, t, word } from "../../text";
+import { factoryTime } from "../../text/plant-time";
 import { type Heat, MEASURES } from "./heat";
 import { measure, period, PERIODS } from "./traffic";
 
@@ -16,7 +17,7 @@ export function HeatLegend({ heat }: { heat: Heat }) {
           <li key={step}>
             <i style={{ opacity: (step + 1) / steps.length }} aria-hidden="true" />
             <span class="num">
-              {t("map.heat.from", { figure: heat.measure === "waited_s" ? format.duration(from) : format.count(from) })}
+              {t("map.heat.from", { figure: heat.measure === "waited_s" ? factoryTime(from) : format.count(from) })}
             </span>
           </li>
         ))}

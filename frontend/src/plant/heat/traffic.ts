@@ -1,5 +1,6 @@
 /** The traffic of a period, asked for as long as somebody looks at it. */
 import { effect, signal } from "@preact/signals";
+import { askAgain } from "../../api/ask-again";
 import { fetchTraffic } from "../../api/client";
 import { type Heat, heatOf, type Measure } from "./heat";
 import { layers } from "../controls/layers";
@@ -26,18 +27,7 @@ export function followTraffic(): () => void {
       return undefined;
     }
     const [what, sinceMs] = [measure.value, PERIODS[period.value]];
-    let wanted = true;
-    const ask = async (): Promise<void> => {
-      const since = sinceMs === null ? undefined : new Date(Date.now() - sinceMs).toISOString();
-      const items = await fetchTraffic(since).catch(() => null);
-      // What was known stays until something newer is: a picture that goes away says less.
-      if (wanted && items !== null) heat.value = heatOf(items, what);
-    };
-    void ask();
-    const timer = setInterval(() => void ask(), ASK_EVERY_MS);
-    return () => {
-      wanted = false;
-      clearInterval(timer);
-    };
+    const since = (): string | undefined => (sinceMs === null ? undefined : new Date(Date.now() - sinceMs).toISOString());
+    return askAgain(() => fetchTraffic(since()), (items) => { heat.value = heatOf(items, what); }, ASK_EVERY_MS);
   });
 }

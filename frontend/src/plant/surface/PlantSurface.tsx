@@ -4,11 +4,12 @@ import type { ComponentChildren } from "preact";
 import { useEffect, useRef } from "preact/hooks";
 import type { PlantFile } from "../../api/types";
 import { type Chosen, choose, selection } from "../../selection/selection";
-import { ageS, freshness, newestPresentS, newestWorld, onFrame } from "../../stream/stream";
+import { ageS, freshness } from "../../stream/stream";
 import { isPast } from "../../stream/freshness";
 import { format, t } from "../../text";
 import { colours } from "../../theme/theme";
-import type { Region } from "./geometry";
+import { outline, withCorner } from "../../selection/outline";
+import { type Region, toFloorX, toFloorY } from "./geometry";
 import type { Heat } from "../heat/heat";
 import { HeatLegend } from "../heat/HeatLegend";
 import type { Layers } from "../controls/layers";
@@ -19,6 +20,7 @@ import { pick } from "./pick";
 import { pickablesOf } from "../places";
 import { PlantRenderer } from "../draw/renderer";
 import { ScaleBar } from "../controls/ScaleBar";
+import { LIVE, type Source } from "./source";
 import { ZoomButtons } from "../controls/ZoomButtons";
 
 export interface Surface {
@@ -35,13 +37,15 @@ interface Props {
   /** The traffic on the lanes, where it is to be seen. */
   readonly heat?: ReadonlySignal<Heat | null>;
   readonly over?: ComponentChildren;
+  /** What is shown; the stream where nothing else is said. */
+  readonly source?: Source;
   /** Whether lanes can be chosen, too. */
   readonly withLanes?: boolean;
   /** Is told the surface when it is there, and null when it is gone. */
   readonly onSurface?: (surface: Surface | null) => void;
 }
 
-export function PlantSurface({ heat, home, label, layers, onSurface, over, plant, withLanes = false }: Props) {
+export function PlantSurface({ heat, home, label, layers, onSurface, over, plant, source = LIVE, withLanes = false }: Props) {
   const element = useRef<HTMLDivElement>(null);
   const canvases = [useRef<HTMLCanvasElement>(null), useRef<HTMLCanvasElement>(null), useRef<HTMLCanvasElement>(null)];
   const surface = useSignal<Surface | null>(null);
@@ -52,10 +56,10 @@ export function PlantSurface({ heat, home, label, layers, onSurface, over, plant
     const on = element.current;
     if (!on || !floor?.current || !machines?.current || !moving?.current) return undefined;
     const layered = { floor: floor.current, machines: machines.current, moving: moving.current };
-    const shown = shownNow(readPalette(on), layers.peek(), heat?.peek() ?? null);
-    const renderer = new PlantRenderer({ plant, home }, layered, shown, newestPresentS);
+    const shown = shownNow(readPalette(on), layers.peek(), heat?.peek() ?? null, withLanes);
+    const renderer = new PlantRenderer({ plant, home }, layered, shown, source.presentS);
     const navigation = navigate(on, renderer);
-    const stop = follow(on, renderer, navigation, withLanes, (px) => (scale.value = px));
+    const stop = follow(on, { renderer, navigation, source }, withLanes, (px) => (scale.value = px));
     surface.value = { renderer, navigation };
     onSurface?.(surface.value);
     return () => {
@@ -63,14 +67,14 @@ export function PlantSurface({ heat, home, label, layers, onSurface, over, plant
       surface.value = null;
       onSurface?.(null);
     };
-  }, [plant, home, layers, heat, onSurface, withLanes, floor, machines, moving, surface, scale]);
+  }, [plant, home, layers, heat, onSurface, source, withLanes, floor, machines, moving, surface, scale]);
 
   useSignalEffect(() => {
-    const shown = shownNow(paletteOf(element.current, colours.value), layers.value, heat?.value ?? null);
+    const shown = shownNow(paletteOf(element.current, colours.value), layers.value, heat?.value ?? null, withLanes);
     surface.value?.renderer.show(shown);
   });
 
-  const past = isPast(freshness.value);
+  const past = source === LIVE && isPast(freshness.value);
   return (
     <div class={`map-floor ${past ? "map-past" : ""}`}>
       <div
@@ -80,7 +84,13 @@ export function PlantSurface({ heat, home, label, layers, onSurface, over, plant
         tabIndex={0}
         role="application"
         aria-label={label}
-        onKeyDown={(event) => surface.value?.navigation.key(event)}
+        onKeyDown={(event) => {
+          const { navigation, renderer } = surface.value ?? {};
+          if (renderer && withLanes && outline.value.drawing && event.key === "Enter") {
+            setCorner(renderer, renderer.size.width / 2, renderer.size.height / 2);
+            event.preventDefault();
+          } else navigation?.key(event);
+        }}
       >
         {canvases.map((canvas, i) => (
           <canvas key={i} ref={canvas} aria-hidden="true" />
@@ -98,6 +108,11 @@ export function PlantSurface({ heat, home, label, layers, onSurface, over, plant
   );
 }
 
+/** One corner more, at a point of the screen. */
+function setCorner({ plant, view }: PlantRenderer, x: number, y: number): void {
+  outline.value = withCorner(outline.value, toFloorX(view, x), toFloorY(view, y), plant);
+}
+
 let painted: { of: number; palette: Palette } | null = null;
 
 /** Colours are read from the page once per theme, not once per picture. */
@@ -108,22 +123,22 @@ function paletteOf(element: Element | null, version: number): Palette {
   return painted.palette;
 }
 
-function shownNow(palette: Palette, layers: Layers, heat: Heat | null) {
-  const { atv, lane, place } = selection.value;
-  return { palette, layers, heat, atv, lane, place: place?.id ?? null };
+function shownNow(palette: Palette, layers: Layers, heat: Heat | null, withOutline: boolean) {
+  const { atv, lane, place, standby } = selection.value;
+  const drawn = outline.value;
+  return { palette, layers, heat, atv, standby, lane, place: place?.id ?? null, outline: withOutline && (drawn.drawing || drawn.corners.length > 0) ? drawn : null };
 }
 
 /** Ties the renderer to the page: frames, size, fonts, pointer and the wish for less motion. */
 function follow(
   element: HTMLElement,
-  renderer: PlantRenderer,
-  navigation: Navigation,
+  { navigation, renderer, source }: Surface & { source: Source },
   withLanes: boolean,
   onScale: (pxPerM: number) => void,
 ): () => void {
-  const known = newestWorld();
+  const known = source.newest();
   if (known) renderer.begin(known);
-  const unlisten = onFrame((frame, world) => {
+  const unlisten = source.onFrame((frame, world) => {
     renderer.take(frame, world);
   });
   const resizing = new ResizeObserver(([entry]) => {
@@ -153,11 +168,16 @@ function follow(
     return lane === null ? chosen : { kind: "lane", id: lane };
   };
   const onClick = (event: MouseEvent): void => {
+    if (withLanes && outline.value.drawing) {
+      const rect = element.getBoundingClientRect();
+      setCorner(renderer, event.clientX - rect.left, event.clientY - rect.top);
+      return;
+    }
     const chosen = chosenAt(event);
     if (chosen) choose(chosen);
   };
   const onMove = (event: MouseEvent): void => {
-    element.style.cursor = chosenAt(event) ? "pointer" : "";
+    element.style.cursor = withLanes && outline.value.drawing ? "crosshair" : chosenAt(event) ? "pointer" : "";
   };
   const onZoom = (): void => {
     onScale(renderer.view.scale);

@@ -68,6 +68,14 @@ export function toScreenY(view: View, yM: number): number {
   return view.y0 - yM * view.scale;
 }
 
+export function toFloorX(view: View, x: number): number {
+  return (x - view.x0) / view.scale;
+}
+
+export function toFloorY(view: View, y: number): number {
+  return (view.y0 - y) / view.scale;
+}
+
 /** The zoom that brings a point of the floor to the middle, at a scale of the fitted view. */
 export function centredOn(fit: View, size: Size, point: { x: number; y: number }, k: number): Zoom {
   return {

@@ -1,6 +1,6 @@
 import { describe, expect, test } from "vitest";
 import type { PlantFile } from "../../api/types";
-import { laneId, laneOf, pickLane } from "./lanes";
+import { laneId, laneOf, pickLane, roadOf } from "./lanes";
 
 const plant = {
   nodes: [{ id: "a", x_m: 0, y_m: 0 }, { id: "b", x_m: 10, y_m: 0 }, { id: "c", x_m: 10, y_m: 10 }],
@@ -21,4 +21,10 @@ describe("a lane", () => {
     expect(at(10.3, 6)).toBe("b>c");
     expect(at(5, 3)).toBeNull();
   });
+});
+
+test("a lane of a two-lane road is called as the road was drawn, and any other lane as it is", () => {
+  expect(roadOf({ start: "m8-lane.to-c2", end: "c2.from-m8-lane" })).toEqual({ start: "m8-lane", end: "c2" });
+  expect(roadOf({ start: "a.to-b", end: "c.from-a" })).toEqual({ start: "a.to-b", end: "c.from-a" });
+  expect(roadOf({ start: "a", end: "b" })).toEqual({ start: "a", end: "b" });
 });

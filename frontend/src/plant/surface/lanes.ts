@@ -18,6 +18,12 @@ export function laneOf(id: string): { start: string; end: string } | null {
   return start && end && more.length === 0 ? { start, end } : null;
 }
 
+/** The road, by the ends that it was drawn with, of which a lane is one of two; the lane itself where it is none. */
+export function roadOf({ end, start }: Pick<Lane, "start" | "end">): { start: string; end: string } {
+  const [, from, to] = /^(.+)\.to-(.+)$/.exec(start) ?? [];
+  return from !== undefined && to !== undefined && end === `${to}.from-${from}` ? { start: from, end: to } : { start, end };
+}
+
 /** The lane nearest to a point of the screen, within reach; null where none is. */
 export function pickLane(view: View, plant: PlantFile, x: number, y: number): string | null {
   const places = placesOf(plant);

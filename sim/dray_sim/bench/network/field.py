@@ -20,7 +20,7 @@ from msgspec.structs import replace
 from dray.adapters.security.certificates import Authority
 from dray.messages import AtvHeartbeat, MachineHeartbeat, OrderItem, TaskBrief
 from dray.messages.fact import CarrierChanged, PrimarySuspected, TookOver
-from dray.messages.keys import STRATEGIST
+from dray.messages.keys import GATE, STRATEGIST
 from dray.messages.speakers import Kind
 from dray.plant import Plant, plant_yaml
 from dray.plant.model import BillLine
@@ -28,7 +28,7 @@ from dray_sim.bench.network.computers import RADIO_NETWORK, Computers
 from dray_sim.bench.network.probe import AGENTS, PROBE, ProbeSpec, read, write
 from dray_sim.bench.network.speaker import Speaker
 from dray_sim.run.witness import Seen, Witness
-from dray_sim.scenarios.paper.laboratory import MACHINE, PRODUCT, START_NODES, laboratory
+from dray_sim.scenarios.paper.laboratory import MACHINE, PRODUCT, laboratory
 
 T = TypeVar("T")
 
@@ -43,16 +43,18 @@ STATIONS = laboratory().storages_of(MATERIAL)
 
 WIRED = {
     FLOOR: Kind.HISTORIAN,
+    GATE: Kind.GATE,
     STRATEGIST: Kind.STRATEGIST,
     MACHINE: Kind.MACHINE,
     **dict.fromkeys(STATIONS, Kind.STATION),
 }
 """They stay where they are, and everybody calls them."""
 
-VEHICLES = tuple(START_NODES)
+VEHICLES = tuple(vehicle.id for vehicle in laboratory().file.fleet)
 
 COMMANDS = {
     FLOOR: ("floor",),
+    GATE: ("agent", "gate"),
     STRATEGIST: ("strategist",),
     MACHINE: ("agent", "machine", MACHINE),
     **{station: ("agent", "station", station) for station in STATIONS},

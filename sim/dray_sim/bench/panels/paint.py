@@ -2,11 +2,15 @@
 
 From the request to the first text or picture (First Contentful Paint), with an empty cache, from a server
 on the same machine, in a headless Chromium. The baseline is the plainest page there is: one line of text.
+
+Then the management panel over thin lines, which the browser makes of its own: how long it takes until the vehicles that drive are there. The baseline is
+the same page at once.
 """
 
 from __future__ import annotations
 
 import json
+import time
 import urllib.request
 from dataclasses import dataclass
 from statistics import median
@@ -45,6 +49,36 @@ class Page:
 
 PLAINEST = Page("/healthz")
 
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """What a browser's computer is on.
+
+    Attributes:
+        name: in words.
+        bit_per_s: in either direction.
+        latency_ms: before each answer begins.
+        target_ms: up to here the vehicles are wanted.
+    """
+
+    name: str
+    bit_per_s: float
+    latency_ms: float
+    target_ms: float
+
+
+LIVE = ".swatch.share-working"
+"""Of the card that counts what vehicles do: it is there when the first picture of the stream is."""
+
+LIVE_MOST_S = 120.0
+"""Longest wait."""
+
+LINES = (
+    Line("1.6 Mbit/s", 1.6e6, 150.0, 3_000.0),
+    Line("400 kbit/s", 400e3, 400.0, 8_000.0),
+)
+"""Lines of a phone in a hall, with latencies as Lighthouse has them."""
+
 PAINTED = """() => new Promise((painted) => {
     const told = (entries) => {
         const first = entries.find(({ name }) => name === "first-contentful-paint");
@@ -69,6 +103,7 @@ def measure(quick: bool) -> list[Row]:
             "customer page": Page(_order(house)),
         }
         plainest_ms = _painted_ms(browser, house, PLAINEST, times)
+        at_once_ms = _live_ms(browser, house, None, times)
         return [
             Row(
                 f"paint: {name}",
@@ -81,7 +116,43 @@ def measure(quick: bool) -> list[Row]:
                 less=True,
             )
             for name, page in pages.items()
+        ] + [
+            Row(
+                f"paint: first live picture at {line.name}",
+                _live_ms(browser, house, line, times),
+                "ms",
+                at_once_ms,
+                "without such a line",
+                line.target_ms,
+                f"{VEHICLES} vehicles in the management panel, empty cache, {line.latency_ms:.0f} ms of latency",
+                less=True,
+            )
+            for line in LINES
         ]
+
+
+def _live_ms(browser: Browser, house: House, line: Line | None, times: int) -> float:
+    """How long it takes until a vehicle is in the panel as the stream tells of it."""
+    return median(_live_once_ms(browser, house, line) for _ in range(times))
+
+
+def _live_once_ms(browser: Browser, house: House, line: Line | None) -> float:
+    with profile(browser, house, house.session) as context:
+        tab = context.new_page()
+        if line is not None:
+            network = context.new_cdp_session(tab)
+            network.send("Network.enable")
+            thin = {
+                "offline": False,
+                "latency": line.latency_ms,
+                "downloadThroughput": line.bit_per_s / 8,
+                "uploadThroughput": line.bit_per_s / 8,
+            }
+            network.send("Network.emulateNetworkConditions", thin)
+        begun_s = time.perf_counter()
+        tab.goto(house.url, wait_until="commit")
+        tab.locator(LIVE).first.wait_for(timeout=LIVE_MOST_S * 1000)
+        return 1000 * (time.perf_counter() - begun_s)
 
 
 def _painted_ms(browser: Browser, house: House, page: Page, times: int) -> float:

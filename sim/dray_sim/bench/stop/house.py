@@ -114,7 +114,7 @@ def open_house() -> Iterator[House]:
         )
         stack.callback(_end, process)
         link = _link_in(process, folder / "log")
-        target = Target(port, stop_port, "bench", _log_in(port, link))
+        target = Target(port, stop_port, "bench", log_in(port, link))
         yield House(target, Tablet(target.cookie), tuple(default_plant().fleet), database)
 
 
@@ -129,7 +129,7 @@ def _link_in(process: subprocess.Popen[bytes], log: Path) -> str:
     raise UnavailableError("dray up", f"did not start:\n{log.read_text(errors='replace')[-1000:]}", "see why")
 
 
-def _log_in(port: int, link: str) -> str:
+def log_in(port: int, link: str) -> str:
     """The cookie of a session that begins by this link."""
     with closing(http.client.HTTPConnection(HOST, port, timeout=START_S)) as connection:
         connection.request(

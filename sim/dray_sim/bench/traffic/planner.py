@@ -13,18 +13,15 @@ from heapq import heappop, heappush
 from itertools import count, pairwise
 from math import inf
 
-from dray.plant import Plant, bends
+from dray.plant import DirectedLane, Plant, bends
 from dray.plant.restrictions import OPEN
 from dray.protocol.traffic.driving.reserved_way import ReservedWay
 from dray.protocol.traffic.driving.wheels import Wheels
-from dray.protocol.traffic.places import Footprint, Places
-from dray_sim.bench.traffic.air import Air
+from dray.protocol.traffic.places import Places
 from dray_sim.bench.traffic.carrier import Carrier
-from dray_sim.bench.traffic.checks import Checks
 from dray_sim.bench.traffic.clock import LeanClock
 from dray_sim.bench.traffic.jobs import HANDLING_S
-from dray_sim.bench.traffic.run import Figures, Setting, carriers_of, figures
-from dray_sim.bench.traffic.visits import Step, Visit, free_spans
+from dray_sim.bench.traffic.visits import Hops, Step, Visit, first_free_s, free_spans
 
 WINDOW_S = 20.0
 """So far ahead plans heed one another."""
@@ -59,7 +56,7 @@ class CentralPilot:
         self.since_s = 0.0
         self.docked_until_s = 0.0
         self.planned: deque[Visit] = deque()
-        """One for each node of the way after the base."""
+        """One for each hop of the way after the base."""
         self.taken: list[Visit] = []
         """Those of the places that it holds."""
         self._planner = planner
@@ -115,7 +112,7 @@ class Planner:
 
     Args:
         plant: the roads.
-        places: what lanes need; of single track.
+        places: what lanes need.
         clock: of the world.
 
     Attributes:
@@ -127,6 +124,7 @@ class Planner:
         self.clock = clock
         self.pilots: dict[str, CentralPilot] = {}
         self._plant = plant
+        self._hops = Hops(plant, places)
         self._left_s: dict[str, dict[str, float]] = {}
         self._reserved: dict[str, list[Visit]] = {}
         self._planned_s = -inf
@@ -157,18 +155,21 @@ class Planner:
             if not pilot.planned or not self._has_turn(pilot, pilot.planned[0]):
                 break
             visit = pilot.planned.popleft()
-            pilot.way.take_next()
-            pilot.taken.append(visit)
+            for _ in visit.nodes:
+                pilot.way.take_next()
+            pilot.taken += visit.group
             grew = True
         if grew:
             pilot.drive_on()
 
     def _has_turn(self, pilot: CentralPilot, mine: Visit) -> bool:
-        if any(mine.place in other.way.held for other in self.pilots.values() if other is not pilot):
+        places = {visit.place for visit in mine.group}
+        if any(not places.isdisjoint(other.way.held) for other in self.pilots.values() if other is not pilot):
             return False
         return all(
             visit.done or visit.atv == mine.atv or visit.from_s >= mine.from_s
-            for visit in self._reserved.get(mine.place, ())
+            for place in places
+            for visit in self._reserved.get(place, ())
         )
 
     # --- planning --------------------------------------------------------------------------------
@@ -195,14 +196,15 @@ class Planner:
             order = [*failed, *(atv for atv in order if atv not in failed)]
         for atv, pilot in self.pilots.items():
             planned = ways.get(atv, [])
+            coming = [visit for hop in planned for visit in hop.group]
             pilot.taken = [
                 visit
                 for place in pilot.way.held
                 for visit in self._reserved[place]
-                if visit.atv == atv and visit not in planned
+                if visit.atv == atv and visit not in coming
             ]
             pilot.planned = deque(planned)
-            pilot.way.turn_to((pilot.way.base_end, *(visit.place for visit in planned)))
+            pilot.way.turn_to((pilot.way.base_end, *(node for visit in planned for node in visit.nodes)))
 
     def _commitments(self, evade_s: float) -> tuple[dict[str, list[Visit]], dict[str, float]]:
         """What is held already, until when, and when each vehicle will be at the end of its base.
@@ -226,6 +228,10 @@ class Planner:
                 if here in driven.held:
                     reserved[here].append(Visit(here, atv, now_s - 1.0, at_s + CLEAR_S))
                 at_s += lane_s
+                for place in self.places.needs(here, there):
+                    if place != there and place in driven.held:
+                        behind.discard(place)
+                        reserved[place].append(Visit(place, atv, now_s - 1.0, at_s))
             if pilot.docked_until_s > now_s:
                 at_s = pilot.docked_until_s
             starts[atv] = at_s
@@ -296,18 +302,32 @@ class Planner:
         step: Step | None,
         intervals: Callable[[str], list[tuple[float, float]]],
     ) -> Iterator[Step]:
-        """The lanes that may be driven next, each at the first moment of every time in which its end is free."""
-        entered = self._plant.roads.lane(step.start, node) if step is not None else None
-        for lane in self._plant.roads.leaving[node]:
-            lane_s = self._lane_s(node, lane.end, pilot)
-            if entered is not None and bends(entered, lane):
-                lane_s += BEND_S
-            for from_s, to_s in intervals(lane.end):
-                leave_s = max(at_s, from_s)
+        """The hops that may be driven next, each at the first moment of every time in which its end is free."""
+        before = None if step is None else self._plant.roads.lane((step.start, *step.nodes)[-2], node)
+        for nodes in self._hops.leaving(node):
+            hop_s = 0.0
+            entered, here = before, node
+            for there in nodes:
+                lane = self._lane(here, there)
+                hop_s += self._lane_s(here, there, pilot)
+                hop_s += BEND_S if entered is not None and bends(entered, lane) else 0.0
+                entered, here = lane, there
+            crossed = [intervals(place) for place in self._hops.crossed(node, nodes)]
+            for from_s, to_s in intervals(nodes[-1]):
+                leave_s = self._free_of(crossed, max(at_s, from_s), hop_s + START_S)
                 waits = leave_s > at_s or step is None
-                arrive_s = leave_s + lane_s + (START_S if waits else 0.0)
+                arrive_s = leave_s + hop_s + (START_S if waits else 0.0)
                 if leave_s + CLEAR_S <= until_s and arrive_s + CLEAR_S <= to_s:
-                    yield Step(node, lane.end, leave_s, arrive_s, to_s, step)
+                    yield Step(node, nodes, leave_s, arrive_s, to_s, step)
+
+    @staticmethod
+    def _free_of(crossed: list[list[tuple[float, float]]], from_s: float, lasts_s: float) -> float:
+        """The first moment from which all crossings of a hop are free for so long."""
+        while True:
+            first_s = max((first_free_s(spans, from_s, lasts_s) for spans in crossed), default=from_s)
+            if first_s in (from_s, inf):
+                return first_s
+            from_s = first_s
 
     def _reserve(
         self,
@@ -327,18 +347,27 @@ class Planner:
         visits: list[Visit] = []
         for one, next_s in zip(steps, [*leaves_s, None][: len(steps)], strict=True):
             last_s = until_s if next_s is None else next_s + CLEAR_S
-            visits.append(Visit(one.end, atv, one.leave_s, last_s))
-            reserved[one.end].append(visits[-1])
+            crossed = [
+                Visit(place, atv, one.leave_s, one.arrive_s)
+                for place in self._hops.crossed(one.start, one.nodes)
+            ]
+            visits.append(Visit(one.end, atv, one.leave_s, last_s, nodes=one.nodes, crossed=crossed))
+            for visit in visits[-1].group:
+                reserved[visit.place].append(visit)
         stays_s = steps[0].leave_s + CLEAR_S if steps else until_s
         for visit in reserved[start]:
             if visit.atv == atv and visit not in visits:
                 visit.until_s = max(stays_s, start_s)
         return visits
 
-    def _lane_s(self, start: str, end: str, pilot: CentralPilot) -> float:
+    def _lane(self, start: str, end: str) -> DirectedLane:
         lane = self._plant.roads.lane(start, end)
         if lane is None:
             raise KeyError((start, end))
+        return lane
+
+    def _lane_s(self, start: str, end: str, pilot: CentralPilot) -> float:
+        lane = self._lane(start, end)
         return lane.length_m / min(lane.speed_limit_mps, pilot.carrier.kind.max_speed_mps)
 
     def _left_to(self, goal: str) -> Mapping[str, float]:
@@ -358,22 +387,3 @@ class Planner:
                         )
             self._left_s[goal] = left_s
         return left_s
-
-
-def run_central(setting: Setting) -> Figures:
-    """The planner's figures."""
-    clock = LeanClock()
-    carriers = carriers_of(setting, clock)
-    footprint = Footprint()
-    places = Places(setting.plant, footprint)
-    places.mouths = {}
-    planner = Planner(setting.plant, places, clock)
-    for carrier in carriers:
-        pilot = CentralPilot(carrier, planner)
-        carrier.pilot = pilot
-        planner.pilots[carrier.atv] = pilot
-    planner.start()
-    checks = Checks(carriers, {}, {}, places, Air(clock, setting.quality, 0), footprint, clock)
-    checks.start()
-    clock.run(setting.span_s)
-    return figures(setting, carriers, checks.found)

@@ -13,6 +13,9 @@ LOAD_SHIFTED = "the load has shifted"
 SHIFTED = Problem(kind=ProblemKind.LOAD, passes=False, needs_person=True, load_movable=True)
 """What a vehicle knows of that."""
 
+LOAD_DROPPED = "the load has fallen off"
+"""Known of it as much."""
+
 BATTERY_EMPTY = "battery empty"
 
 EMPTY = Problem(kind=ProblemKind.BATTERY, passes=False, needs_person=True, load_movable=True)

@@ -1,4 +1,4 @@
-"""What a vehicle sees in its way: told once when it stops before it, and once when that is gone."""
+"""What a vehicle sees in its way: told once when it stops before it, and once when that is gone. A door before which it stands sees it."""
 
 from __future__ import annotations
 
@@ -12,17 +12,20 @@ class ObstacleDetection:
     """Of one vehicle.
 
     Args:
+        vehicle: its id.
         travel: its movement.
         reporter: its reports.
     """
 
-    def __init__(self, travel: Travel, reporter: Reporter) -> None:
-        self._travel, self._reporter = travel, reporter
+    def __init__(self, vehicle: str, travel: Travel, reporter: Reporter) -> None:
+        self._vehicle, self._travel, self._reporter = vehicle, travel, reporter
         self._seen: tuple[int, Ends] | None = None
 
     def look(self) -> None:
         """Its motion has changed, or what is in its way."""
         travel = self._travel
+        if travel.doors is not None:
+            travel.doors.heed(self._vehicle, travel.enters, travel.asks)
         lane = travel.blocked
         seen = None if travel.way is None or lane is None else (travel.way.order, lane)
         before, self._seen = self._seen, seen

@@ -3,9 +3,6 @@
 Closed form: between two calls the motion is a `Profile`, and every question takes the time at which it
 is asked. It has no clock of its own: whoever holds it looks at `next_at_s`, calls `arrive` then, and
 calls nothing else with a time beyond that.
-
-One place for right of way: `arrive` is where a vehicle leaves one lane and enters the next, `begin`
-where it enters its first one. Occupied lanes and nodes would be told and asked there.
 """
 
 from __future__ import annotations
@@ -15,14 +12,12 @@ from dray.errors import ProtocolViolation
 from dray.messages import Pose
 from dray.plant import Plant
 from dray.plant.model import VehicleType
-from dray_sim.bodies.obstacles import STEP_M, Ends, Obstacles
+from dray_sim.bodies.obstacles import Ends, Obstacles
 from dray_sim.bodies.vehicle.course import Course
 from dray_sim.bodies.vehicle.motion import SHORT_M, STANDSTILL, Stretch, brake, plan
 from dray_sim.bodies.vehicle.way import Way, join
 
 NEVER_S = float("inf")
-
-"""Of the top speed. A limit of nothing would be a hold that no resume ends."""
 
 
 class Travel:
@@ -36,11 +31,12 @@ class Travel:
         vehicle_type: speeds and acceleration.
         node: where it stands at the beginning.
         now_s: when that is.
-        obstacles: it stops before them.
+        obstacles: it stops before them, and before doors that are shut.
 
     Attributes:
         node: the last node that was passed.
         way: what it follows; None when it has come to an end.
+        doors: on its lanes, if any.
     """
 
     def __init__(
@@ -55,8 +51,8 @@ class Travel:
         self.way: Way | None = None
         self._plant = plant
         self._obstacles = obstacles or Obstacles(plant)
-        self._type = vehicle_type
-        self._heading_rad = 0.0
+        self.doors = self._obstacles.doors
+        self._type, self._heading_rad = vehicle_type, 0.0
         self._top_mps = vehicle_type.max_speed_mps
         self._halted = False
         self._stranded = False
@@ -65,6 +61,8 @@ class Travel:
         """The index of the way's last point that was passed; it stands there or is on the lane after it."""
         self._released = 0
         """The index of the way's last point that may be driven to."""
+        self._reaches = 0
+        """The index of the last point that it comes to by its profile."""
         self._profile = STANDSTILL
         self._from_s = now_s
         self._from_m = 0.0
@@ -92,16 +90,41 @@ class Travel:
 
     @property
     def waits(self) -> bool:
-        """Whether it stands, or will stand, before the end of its way because no more is released."""
-        return self.way is not None and (self._released < self.way.last or self.blocked is not None)
+        """Whether it stands, or will stand, before the end of its way: no more is released, or something is in its way."""
+        return self.way is not None and self._reaches < self.way.last
 
     @property
     def blocked(self) -> Ends | None:
         """The lane that it may enter, or is on, and on which something is in its way; None for none."""
+        lane = self._held_up_on
+        return None if lane is None or (self._is_shut(lane) and self.is_clear(lane)) else lane
+
+    @property
+    def asks(self) -> Ends | None:
+        """The lane before which it stands until its door is open; None for none."""
+        lane = self._held_up_on
+        return None if lane is None or self._halted or not self._is_shut(lane) else lane
+
+    @property
+    def enters(self) -> Ends | None:
+        """The lane that it is on, or enters now; None for none."""
+        way = self.way
+        if way is None or self._passed >= self._released:
+            return None
+        if not self.entered and (self._profile is STANDSTILL or self._held_up_on is not None):
+            return None
+        return way.points[self._passed], way.points[self._passed + 1]
+
+    @property
+    def _held_up_on(self) -> Ends | None:
+        """The lane that it may enter, or is on, and cannot drive to its end now."""
         way, lane = self.way, self._clear_to(self._from_m)[0]
         if way is None or lane != self._passed or lane >= self._released:
             return None
         return way.points[lane], way.points[lane + 1]
+
+    def _is_shut(self, lane: Ends) -> bool:
+        return self.doors is not None and self.doors.is_shut(lane)
 
     @property
     def entered(self) -> bool:
@@ -109,7 +132,9 @@ class Travel:
         return self.way is not None and self._from_m > self.way.places_m[self._passed] + SHORT_M
 
     def is_clear(self, lane: Ends) -> bool:
-        """Whether nothing is in its way on a lane."""
+        """Whether nothing is in its way on a lane, other than a door that opens."""
+        if self.doors is not None and self.doors.has_failed(lane):
+            return False
         return self._obstacles.room_m(*lane, self._type) is None
 
     def can_stop(self, now_s: float) -> bool:
@@ -250,7 +275,7 @@ class Travel:
             points = (self.way.points[self._passed], *nodes)
             # The lane that it is on is finished as it was begun.
             limits_mps = (self.way.limit_on(self._passed), *(limits_mps or (None,) * (len(nodes) - 1)))
-        lanes = join(self._plant.roads, points)
+        lanes = join(self._plant.roads_of(self._type.id), points)
         if isinstance(lanes, str):
             return lanes
         self._settle(now_s)
@@ -340,12 +365,14 @@ class Travel:
         way = self.way
         if way is None or self._passed >= self._released:
             return self._passed, place_m
-        if self._obstacles.shapes:
+        if self._obstacles.shapes or self.doors is not None:
             for lane in range(self._passed, self._released):
-                room_m = self._obstacles.room_m(way.points[lane], way.points[lane + 1], self._type)
                 driven_m = place_m - way.places_m[lane]
-                if room_m is None or driven_m > room_m + STEP_M:
-                    # Whoever is past it leaves it behind.
+                ends = way.points[lane], way.points[lane + 1]
+                if driven_m <= SHORT_M and self._is_shut(ends):
+                    return lane, way.places_m[lane]
+                room_m = self._obstacles.room_m(*ends, self._type, driven_m)
+                if room_m is None:
                     continue
                 if driven_m > SHORT_M:
                     return lane, way.places_m[lane] + max(room_m, driven_m)
@@ -355,7 +382,7 @@ class Travel:
     def _plan(self, speed_mps: float) -> None:
         """Make a new profile from where it was settled."""
         point, end_m = self._clear_to(self._from_m)
-        room_m = end_m - self._from_m
+        self._reaches, room_m = point, end_m - self._from_m
         if (
             self.way is None
             or self._passed >= self._released

@@ -95,7 +95,7 @@ class SimVehicle:
         self._clock = clock
         self._reporter = Reporter(clock)
         self._travel = Travel(plant, vehicle_type, spec.node, clock.now_s(), obstacles)
-        self._detection = ObstacleDetection(self._travel, self._reporter)
+        self._detection = ObstacleDetection(spec.id, self._travel, self._reporter)
         self._handling = Handling(spec.id, vehicle_type, plant, places, docks, chargers, self._reporter, seed)
         self._power = Power(
             vehicle_type,

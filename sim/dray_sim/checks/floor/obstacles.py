@@ -1,4 +1,4 @@
-"""Invariants 20 and 21: no body comes into what lies on a lane, and whoever has met it tells the others and forgets it in time.
+"""Invariants 20 and 21: no body comes into what lies on a lane or into a door, and whoever has met it tells the others and forgets it in time.
 
 Bodies are judged by geometry alone, when their motion changes and at every message. What a vehicle counts on is looked at when it
 beats: of what it has met itself it has told, as long as it has WLAN; and of nothing it counts on longer than was told.
@@ -94,11 +94,13 @@ class MindsObstacles:
             self._courses[vehicle] = course
 
     def _judge(self, vehicle: str, course: Course, at_s: float) -> None:
-        shapes = self._factory.floor.obstacles.shapes
-        if not shapes or self._broken is not None:
+        floor = self._factory.floor
+        shapes, leaves = floor.obstacles.shapes, floor.doors.leaves
+        if not (shapes or leaves) or self._broken is not None:
             return
         covers = course.covers(at_s)
-        for lane, shape in shapes.items():
-            if gap_m(covers, shape) < -TOUCH_M:
-                seen = f"{vehicle} drives into what lies between {lane[0]} and {lane[1]}"
-                self._broken = InvariantBroken(INSIDE, at_s, seen)
+        for what, there in (("what lies", shapes), ("the shut door", leaves)):
+            for lane, shape in there.items():
+                if gap_m(covers, shape) < -TOUCH_M:
+                    seen = f"{vehicle} drives into {what} between {lane[0]} and {lane[1]}"
+                    self._broken = InvariantBroken(INSIDE, at_s, seen)

@@ -60,7 +60,7 @@ class OneTakerEach:
             if before != call.taken_by:
                 raise InvariantBroken(17, at_s, f"{call.call} was taken by {before} and by {call.taken_by}")
             duty = self._own.get(call.taken_by)
-            if duty is not None and not duty.has_taken_of(call.caller):
+            if duty is not None and not duty.has_taken(call.subject):
                 raise InvariantBroken(
                     18, at_s, f"{call.taken_by} was assigned {call.call}, and has not taken it"
                 )
@@ -109,7 +109,7 @@ class NoCallIsLost:
             InvariantBroken: see the class.
         """
         if type(message) is HelpCall:
-            if message.state is not CallState.ENDED and sender in self._since_s:
+            if not message.goods and message.state is not CallState.ENDED and sender in self._since_s:
                 self._since_s[sender] = at_s
         elif isinstance(message, AtvHeartbeat | MachineHeartbeat) and sender == _of(message):
             self._note(message, sender, at_s)

@@ -6,10 +6,21 @@ no part. It knows the area rule by itself and asks nobody of the protocol.
 
 from __future__ import annotations
 
-from dray.messages import CommandKind, Event, MachineCommand, Message, VehicleCommand, signed_words
+from dray.messages import (
+    AtvHeartbeat,
+    CommandKind,
+    Event,
+    MachineCommand,
+    Message,
+    VehicleCommand,
+    signed_words,
+)
 from dray.messages.fact import CommandObeyed
 from dray_sim.checks.broken import InvariantBroken
 from dray_sim.factory.sim_factory import SimFactory
+
+NODES_KEPT = 8
+"""Nodes that are passed while no heartbeat gets through, at most."""
 
 GIVEN_KEPT = 1000
 """Commands that are remembered: one that is obeyed was given within the last minute."""
@@ -22,10 +33,15 @@ class GrantedOnly:
         self._factory = factory
         self._given: dict[tuple[str, str], list[VehicleCommand | MachineCommand]] = {}
         """By the agent and the name of the command: everything that was said under it."""
+        self._goods_at: dict[str, dict[str, None]] = {}
+        """By task, where its carrier was last, as that has told: whoever answers for there decides about goods on board."""
 
     def on_message(self, at_s: float, sender: str, address: str, message: Message) -> None:
         if type(message) is VehicleCommand or type(message) is MachineCommand:
             self._note(address.removeprefix(">"), message)
+        elif type(message) is AtvHeartbeat:
+            if message.task is not None:
+                self._note_goods(message.task.task, message.node)
         elif type(message) is Event and type(message.fact) is CommandObeyed and message.fact.done:
             # An insider without a body stands nowhere.
             if sender in self._factory.vehicles or self._factory.plant.has_place(sender):
@@ -51,8 +67,21 @@ class GrantedOnly:
         if not self._factory.trusts(signed_words(agent, command, grant), grant.signature):
             return False
         margin_m = command.kind.margin_m if isinstance(command.kind, CommandKind) else 0.0
-        near = self._factory.plant.areas_near(*self._place_m(agent), margin_m)
-        return grant.everywhere or any(area in grant.areas for area in near)
+        places_m = [self._place_m(agent)]
+        if isinstance(command, MachineCommand) and command.kind.is_about_goods:
+            nodes = self._goods_at.get(command.task, {})
+            spots = [self._factory.plant.nodes[node] for node in nodes if node in self._factory.plant.nodes]
+            places_m = [(spot.x_m, spot.y_m) for spot in spots] or places_m
+        near = {area for place in places_m for area in self._factory.plant.areas_near(*place, margin_m)}
+        return grant.everywhere or not near.isdisjoint(grant.areas)
+
+    def _note_goods(self, task: str, node: str) -> None:
+        nodes = self._goods_at.pop(task, {})
+        nodes.pop(node, None)
+        # The newest word may not have reached their machine.
+        self._goods_at[task] = dict.fromkeys((*list(nodes)[-NODES_KEPT:], node))
+        if len(self._goods_at) > GIVEN_KEPT:
+            del self._goods_at[next(iter(self._goods_at))]
 
     def _place_m(self, agent: str) -> tuple[float, float]:
         if agent not in self._factory.vehicles:

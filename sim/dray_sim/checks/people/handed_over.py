@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from dray.messages import Event, Message
 from dray.messages.fact import GoalLost, PieceMade
-from dray.messages.keys import STRATEGIST
 from dray_sim.checks.broken import InvariantBroken
 from dray_sim.checks.fault_attribution import FaultAttribution
 
@@ -41,9 +40,10 @@ class HandedOver:
                 del self._lost[next(iter(self._lost))]
         elif type(fact) is PieceMade and fact.goal in self._lost:
             since_s = self._lost[fact.goal]
-            if at_s < since_s + HEARD_WITHIN_S or self._attribution.in_trouble(at_s, sender, STRATEGIST):
+            givers, attribution = self._attribution.strategists, self._attribution
+            if at_s < since_s + HEARD_WITHIN_S or attribution.in_trouble(at_s, sender, *givers):
                 return
-            if self._attribution.may_have_lost(STRATEGIST, sender, since_s):
+            if any(attribution.may_have_lost(giver, sender, since_s) for giver in givers):
                 return
             seen = f"{sender} has made a piece of {fact.goal}, which is another's since {since_s:.1f} s"
             raise InvariantBroken(22, at_s, seen)

@@ -23,11 +23,12 @@ class Canceller:
     Args:
         bus: joined at once.
         clock: the plant's clock.
+        strategists: who hears of it.
     """
 
-    def __init__(self, bus: Bus, clock: VirtualClock) -> None:
+    def __init__(self, bus: Bus, clock: VirtualClock, strategists: tuple[str, ...] = (STRATEGIST,)) -> None:
         self._session = bus.join(NAME, self._on_message)
-        self._clock = clock
+        self._clock, self._strategists = clock, strategists
         self._waiting: dict[str, asyncio.Event] = {}
 
     async def cancel(self, cancellations: Iterable[tuple[float, str]]) -> None:
@@ -40,7 +41,8 @@ class Canceller:
     async def _cancel(self, order: str) -> None:
         heard = self._waiting[order] = asyncio.Event()
         while not heard.is_set():
-            self._session.send(STRATEGIST, OrderCancelled(order=order))
+            for strategist in self._strategists:
+                self._session.send(strategist, OrderCancelled(order=order))
             try:
                 await asyncio.wait_for(heard.wait(), AGAIN_S)
             except TimeoutError:

@@ -43,7 +43,7 @@ class RandomAnswers:
         self._session = bus.join(NAME, self._on_message)
         self._session.subscribe(keys.all_calls)
         self._clock, self._keys, self._random = clock, keys, random
-        self._calls: dict[str, HelpCall] = {}
+        self._calls: dict[tuple[str, str], HelpCall] = {}
         self._said = 0
 
     async def meddle(self) -> None:
@@ -87,6 +87,6 @@ class RandomAnswers:
     def _on_message(self, _sender: str, message: Message) -> None:
         if isinstance(message, HelpCall):
             if message.state is CallState.ENDED:
-                self._calls.pop(message.caller, None)
+                self._calls.pop(message.subject, None)
             else:
-                self._calls[message.caller] = message
+                self._calls[message.subject] = message

@@ -47,11 +47,12 @@ class Revoker:
     Args:
         bus: joined at once.
         clock: the plant's clock.
+        strategists: who hears of it.
     """
 
-    def __init__(self, bus: Bus, clock: VirtualClock) -> None:
+    def __init__(self, bus: Bus, clock: VirtualClock, strategists: tuple[str, ...] = (STRATEGIST,)) -> None:
         self._session = bus.join(NAME, self._on_message)
-        self._clock = clock
+        self._clock, self._strategists = clock, strategists
         self._waiting: dict[tuple[type[Message], str, int], asyncio.Future[Message]] = {}
 
     async def revoke(self, revocations: Iterable[Revocation]) -> None:
@@ -85,7 +86,8 @@ class Revoker:
         heard: asyncio.Future[Message] = asyncio.get_running_loop().create_future()
         self._waiting[key] = heard
         while not heard.done():
-            self._session.send(STRATEGIST, message)
+            for strategist in self._strategists:
+                self._session.send(strategist, message)
             await asyncio.wait((heard,), timeout=AGAIN_S)
         del self._waiting[key]
         return heard.result()

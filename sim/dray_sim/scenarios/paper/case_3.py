@@ -91,7 +91,7 @@ async def deafen(stage: Stage) -> Endured | None:
 
 PLANT = Shift(
     name="case-3",
-    duration_s=3600.0,
+    duration_s=2 * 3600.0,
     load=0.7,
     keep=(AtvHeartbeat, Bid),
 )
@@ -102,7 +102,7 @@ FIRST_S, EVERY_S, LONG_S = 300.0, 60.0, (60.0, 180.0)
 
 @dataclass(frozen=True, slots=True)
 class CutOff:
-    """What came of an hour of cuts.
+    """What came of two hours of cuts.
 
     Attributes:
         replaced: carriers that lived, could be heard, and were replaced.
@@ -125,7 +125,7 @@ async def cut_in_turn(stage: Stage) -> CutOff:
     """Cut one vehicle's WLAN after another."""
     schedule = _cuts(stage)
     let_happen(schedule, stage.faults)
-    return await _hour(stage, schedule)
+    return await _counted(stage, schedule)
 
 
 async def cut_without_radio(stage: Stage) -> CutOff:
@@ -133,7 +133,7 @@ async def cut_without_radio(stage: Stage) -> CutOff:
     schedule = _cuts(stage)
     radios = [Timed(0.0, RadioCut(atv)) for atv in stage.factory.vehicles]
     let_happen([*radios, *schedule], stage.faults)
-    return await _hour(stage, schedule)
+    return await _counted(stage, schedule)
 
 
 def _cuts(stage: Stage) -> list[Timed]:
@@ -148,7 +148,7 @@ def _cuts(stage: Stage) -> list[Timed]:
     return schedule
 
 
-async def _hour(stage: Stage, schedule: list[Timed]) -> CutOff:
+async def _counted(stage: Stage, schedule: list[Timed]) -> CutOff:
     reach = Reach(stage)
     watching = asyncio.create_task(reach.watch())
     await stage.until_s(stage.shift.duration_s)
@@ -233,11 +233,15 @@ def case_3(seed: int) -> Findings:
         runs=(deaf, *runs),
         checks=(
             *PART.checks(deaf),
-            *(_hours(meshed.told, alone.told) if meshed.told is not None and alone.told is not None else ()),
+            *(
+                _compared(meshed.told, alone.told)
+                if meshed.told is not None and alone.told is not None
+                else ()
+            ),
         ),
         tables=(
             Table(
-                "An hour in which a vehicle loses its WLAN every minute",
+                "Two hours in which a vehicle loses its WLAN every minute",
                 (
                     "",
                     "cuts",
@@ -258,7 +262,7 @@ def case_3(seed: int) -> Findings:
     )
 
 
-def _hours(meshed: CutOff, alone: CutOff) -> tuple[Check, ...]:
+def _compared(meshed: CutOff, alone: CutOff) -> tuple[Check, ...]:
     return (
         Check(
             f"Who has lost its WLAN is heard over the radio of others within {RADIO.range_m:.0f} m, and is not replaced",
@@ -312,8 +316,8 @@ CASE_3 = Scenario(
     ),
     story=(
         f"Machine 8 and three vehicles: at the moment it asks for material, no vehicle hears anything for {DEAF_S:.0f} s. "
-        f"Then an hour in the default plant at {PLANT.load:.0%} load, in which every minute a vehicle loses its WLAN for "
-        "one to three minutes; and the same hour without radios."
+        f"Then two hours in the default plant at {PLANT.load:.0%} load, in which every minute a vehicle loses its WLAN for "
+        "one to three minutes; and the same two hours without radios."
     ),
     play=case_3,
     parts=(PART,),

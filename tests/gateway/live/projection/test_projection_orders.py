@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from random import Random
 
+import msgspec
 from facts_kit import SPEED, arrived, contracted, delta, made, order, seen, tell, wall_s
 from fake_bus import PLANT
 from heartbeats import events, machine_heartbeat
@@ -38,7 +39,7 @@ def test_an_order_is_followed_from_its_release_to_its_last_piece(projection: Pro
     assert projection.orders.views()[0].delivered_at_s == wall_s(501.0)
 
 
-def test_a_machines_goal_tells_when_its_order_is_due(projection: Projection) -> None:
+def test_a_machines_goal_tells_its_order_and_when_that_is_due(projection: Projection) -> None:
     projection.orders.put(order("O-1", 4, due_at_s=wall_s(1000.0)))
     tell(projection, "strategist", contracted())
     goals = tuple(
@@ -48,6 +49,7 @@ def test_a_machines_goal_tells_when_its_order_is_due(projection: Projection) -> 
     view = projection.machines.view("M8")
     assert view is not None
     assert [goal.order_due_at_s for goal in view.goals] == [wall_s(1000.0), None]
+    assert [goal.order_name for goal in view.goals] == ["O-1", ""]
 
 
 def test_facts_of_an_order_in_any_order_and_twice_end_the_same(projection: Projection) -> None:
@@ -192,3 +194,17 @@ def test_an_order_says_that_no_vehicle_gets_to_its_machine_and_no_more_when_it_o
     projection.orders.cut_off({machine})
     tell(projection, "M1", arrived(4))
     assert projection.orders.closed("O-1") is None, "all of it has arrived"
+
+
+def test_a_late_order_to_which_no_vehicle_gets_is_late_and_asks_for_no_machine_to_be_restored(
+    projection: Projection,
+) -> None:
+    wanted = order("O-1", items=(Item(PLANT.products[0].id, 4),))
+    projection.orders.put(msgspec.structs.replace(wanted, due_at_s=NOW_S + 5))
+    tell(projection, "strategist", contracted())
+    projection.orders.cut_off({contracted().machine})
+    projection.look(NOW_S + 6)
+    [alert] = [each for each in projection.alerts.views() if each.order]
+    assert (alert.kind, alert.response) == ("order_late", "tell_customer")
+    assert alert.cause is not None
+    assert alert.cause.reason == "closed"

@@ -4,35 +4,12 @@ from __future__ import annotations
 
 from atv1 import command, last_beat, parked
 from effects import instructed, sent
-from rigs import PLANT, VehicleRig
+from placing import TRAFFIC, answer
+from rigs import VehicleRig
 from spoken import award
 
 from dray.body import Drive, Hold, Unhold
-from dray.messages import Accepted, AtvStatus, CommandKind, Declined, PlaceGranted, PlaceWished
-from dray.messages.floor.traffic import PlaceBooking
-from dray.protocol.runtime.events import Effect
-from dray.protocol.traffic.traffic_map import TrafficMap
-
-TRAFFIC = TrafficMap(PLANT)
-
-
-def answer(rig: VehicleRig, removal: int = 0, *, grants: bool = True) -> list[Effect]:
-    """The book of its newest wish grants all that it wants, or nothing."""
-    wish = [said for said in sent(rig.all, PlaceWished) if said.holds or said.groups][-1]
-    keeper = TRAFFIC.places.keepers_of[wish.district][0]
-    places = (*wish.holds, *(place for group in wish.groups for place in group)) if grants else ()
-    number = max(wish.seen, 0) + 1
-    return rig.on_message(
-        keeper,
-        PlaceGranted(
-            district=wish.district,
-            epoch=0,
-            life=wish.life,
-            upto=wish.seq,
-            grants=tuple(PlaceBooking(place=place, number=number) for place in places),
-            removal=removal,
-        ),
-    )
+from dray.messages import Accepted, AtvStatus, CommandKind, Declined, PlaceWished
 
 
 def placed() -> VehicleRig:

@@ -31,7 +31,8 @@ def differences(sheet: Factsheet, kind: VehicleType, profile: Profile) -> tuple[
         else set()
     )
     if actions:
-        wanted = (profile.pick.type, profile.drop.type, profile.charge.type)
+        uses = (profile.pick, profile.pick_by_hand, profile.drop, profile.charge)
+        wanted = dict.fromkeys(use.type for use in uses)
         found += [f"its factsheet knows no action {name}" for name in wanted if name not in actions]
     version = sheet.version or ""
     if version and not version.startswith(profile.version):

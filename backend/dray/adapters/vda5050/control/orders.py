@@ -42,7 +42,6 @@ CANCEL = "cancelOrder"
 REFUSED_SILENTLY = "the vehicle does not take the order, and does not say why"
 FORGOTTEN = "the vehicle has forgotten the order: it was restarted, or has another master"
 STOPPED_SHORT = "the vehicle has ended the order before its end"
-ONLY_WAITS = "the action only waits"
 CANCELLED = "cancelled"
 VANISHED = "the action is not shown any more, and nobody saw its end"
 
@@ -325,8 +324,8 @@ class Orders:
         elif status == RETRIABLE:
             order.reason = shown.result if shown is not None else ""
             self._begin_cancel(order, now_s)
-        elif order.waits_since_s is not None and now_s - order.waits_since_s >= self._profile.waiting_s:
-            order.reason = ONLY_WAITS
+        elif overdue := order.overdue(now_s, self._profile.waiting_s):
+            order.reason = overdue
             self._begin_cancel(order, now_s)
         elif not status and self._is_quiet(order, state, now_s):
             self._end(order, OrderState.ENDED, VANISHED, now_s)

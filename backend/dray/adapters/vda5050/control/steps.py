@@ -133,6 +133,8 @@ class Steps:
         kind = {Pick: Kind.PICK, Drop: Kind.DROP, Charge: Kind.CHARGE}[type(task)]
         order = VehicleOrder(kind, task.order, stops, [], [None] * len(stops), action, task)
         order.is_twice, order.takes_updates = twice, False
+        if self._is_by_hand(task):
+            order.by_hand_s = self._profile.by_hand_s
         return order
 
     def place(self, way: Way, order: VehicleOrder | None) -> None:
@@ -189,10 +191,14 @@ class Steps:
             return left_m
         return max(left_m - float(((spot.x_m - pose.x_m) ** 2 + (spot.y_m - pose.y_m) ** 2) ** 0.5), 0.0)
 
+    def _is_by_hand(self, task: Task) -> bool:
+        """Whether a person hands the load over: no station is there."""
+        return isinstance(task, Pick) and task.station not in self._plant.places
+
     def _use(self, task: Task) -> ActionUse:
         match task:
             case Pick():
-                return self._profile.pick
+                return self._profile.pick_by_hand if self._is_by_hand(task) else self._profile.pick
             case Drop():
                 return self._profile.drop
         return self._profile.charge

@@ -16,6 +16,9 @@ from dray.adapters.vda5050.wire.orders import Action, Order, OrderEdge, OrderNod
 from dray.body import Charge, Drop, Pick
 from dray.states import States
 
+ONLY_WAITS = "the action only waits"
+NOBODY_LOADS = "nobody has loaded it by hand"
+
 
 class Kind(StrEnum):
     """What an order is for."""
@@ -95,6 +98,8 @@ class VehicleOrder:
         self.offered_s = self.said_s = 0.0
         self.retry_s = 0.0
         """When it may be offered again."""
+        self.by_hand_s: float | None = None
+        """So long its action may wait for a person; None where nobody is needed."""
         self.waits_since_s: float | None = None
         """Since when its action only waits."""
         self.quiet_since_s: float | None = None
@@ -115,6 +120,18 @@ class VehicleOrder:
     @property
     def now(self) -> OrderState:
         return self.states.now
+
+    def overdue(self, now_s: float, waiting_s: float) -> str:
+        """Why its action is not waited for any longer; empty while it is.
+
+        Args:
+            now_s: the present time.
+            waiting_s: so long an action may show that it waits.
+        """
+        if self.by_hand_s is not None:
+            return NOBODY_LOADS if now_s - self.offered_s >= self.by_hand_s else ""
+        waits = self.waits_since_s is not None and now_s - self.waits_since_s >= waiting_s
+        return ONLY_WAITS if waits else ""
 
     def message(self) -> Order:
         """The newest update, as it is said; the same however often."""

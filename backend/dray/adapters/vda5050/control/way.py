@@ -56,7 +56,7 @@ class Way:
         """The limit on the lane to a node of the way."""
         if index < 1:
             return None
-        lane = plant.roads.lane(self.nodes[index - 1], self.nodes[index])
+        lane = plant.roads_of(kind.id).lane(self.nodes[index - 1], self.nodes[index])
         own_mps = kind.max_speed_mps * max(speed_frac, SLOWEST_FRAC)
         told_mps = self.limits_mps[index - 1] if self.limits_mps else None
         limits = [own_mps, *([told_mps] if told_mps is not None else [])]
@@ -79,13 +79,14 @@ class Way:
         return min(index, end - 1)
 
 
-def objection(drive: Drive, start: str, plant: Plant) -> str:
+def objection(drive: Drive, start: str, plant: Plant, kind: str) -> str:
     """Why a way cannot be driven; empty when it can.
 
     Args:
         drive: the instruction.
         start: where a way must begin now.
         plant: the roads.
+        kind: the type of the vehicle.
     """
     nodes = drive.nodes
     if not nodes or nodes[0] != start:
@@ -95,7 +96,7 @@ def objection(drive: Drive, start: str, plant: Plant) -> str:
     if drive.limits_mps and len(drive.limits_mps) != len(nodes) - 1:
         return f"{len(drive.limits_mps)} speed limits for {len(nodes) - 1} lanes"
     for one, other in pairwise(nodes):
-        if plant.roads.lane(one, other) is None:
+        if plant.roads_of(kind).lane(one, other) is None:
             return f"no lane from {one} to {other}"
     return ""
 

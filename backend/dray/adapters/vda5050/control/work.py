@@ -17,13 +17,12 @@ from dray.adapters.vda5050.control.order_state import OrderState
 from dray.adapters.vda5050.control.orders import (
     CANCELLED,
     FORGOTTEN,
-    ONLY_WAITS,
     STOPPED_SHORT,
     VANISHED,
     Orders,
 )
 from dray.adapters.vda5050.control.steps import Steps
-from dray.adapters.vda5050.control.vehicle_order import Kind, Task, VehicleOrder
+from dray.adapters.vda5050.control.vehicle_order import ONLY_WAITS, Kind, Task, VehicleOrder
 from dray.adapters.vda5050.control.view import VehicleView
 from dray.adapters.vda5050.control.way import Way, objection
 from dray.adapters.vda5050.control.whereabouts import PAST_M, Stand, Whereabouts
@@ -74,6 +73,7 @@ class Work:
         out: list[Effect],
     ) -> None:
         self._plant, self._profile, self._view = plant, profile, view
+        self._kind = vehicle_type.id
         self._instant, self._load, self._holding, self._out = instant, load, holding, out
         self._whereabouts = Whereabouts(plant, profile)
         self.steps = Steps(plant, vehicle_type, profile, view)
@@ -115,7 +115,7 @@ class Work:
     def drive(self, drive: Drive, now_s: float) -> None:
         node, ahead = self.between()
         self.way = None
-        if reason := objection(drive, ahead, self._plant):
+        if reason := objection(drive, ahead, self._plant, self._kind):
             self._fail(drive.order, reason)
             return
         self._end_task("a new way was given", now_s)
@@ -144,9 +144,10 @@ class Work:
             return "the way is not finished"
         if self.task is not None:
             return "busy with another action"
-        if place not in self._plant.places:
+        by_hand = isinstance(task, Pick) and place in self._plant.nodes
+        if place not in self._plant.places and not by_hand:
             return f"no station {place}"
-        if ahead != node or self._plant.node_of(place) != node:
+        if ahead != node or (self._plant.node_of(place) if place in self._plant.places else place) != node:
             return f"not at {place}"
         order = self.orders.present
         if order is not None and order.task is not None and not _is_same(order.task, task):

@@ -40,16 +40,18 @@ def make(folder: Folder, plant: PlantFile = None, days: Days = None) -> None:
     from dray.cli.runtime.options import load_settings
     from dray.cli.runtime.roster import agents_of
     from dray.errors import SettingsError
+    from dray.messages.keys import strategists_of
     from dray.messages.speakers import Kind, names_of
 
-    chosen = chosen_plant(load_settings(plant_file=plant).plant_file)
+    settings = load_settings(plant_file=plant)
+    chosen = chosen_plant(settings.plant_file)
     if (folder / f"{AUTHORITY}.pem").exists():
         raise SettingsError(
             str(folder), "has an authority already; `dray certs issue` uses it, or choose another folder"
         )
     processes = [
         *({agent: kind} for agent, kind in agents_of(chosen).items()),
-        {"strategist": Kind.STRATEGIST},
+        *({strategist: Kind.STRATEGIST} for strategist in strategists_of(settings.strategists)),
         names_of("gateway", Kind.GATEWAY),
         {"historian": Kind.HISTORIAN},
     ]
@@ -66,7 +68,9 @@ def issue(
     folder: Folder,
     kind: Annotated[
         str,
-        typer.Argument(help="What the agent is: atv, machine, station, strategist, gateway or historian."),
+        typer.Argument(
+            help="What the agent is: atv, machine, station, gate, strategist, gateway or historian."
+        ),
     ],
     agent: Annotated[str, typer.Argument(help="Its id.")],
     plant: Annotated[

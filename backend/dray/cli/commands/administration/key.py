@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import time
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Annotated
@@ -25,6 +26,8 @@ LONGEST_DAYS = 3650
 
 NAME_CHARS = 80
 
+PLACE = re.compile(r"([A-Za-z][A-Za-z0-9_.-]{0,31})?")
+
 
 @app.callback()
 def key() -> None:
@@ -38,6 +41,9 @@ def create(
     days: Annotated[
         int | None, typer.Option(min=1, max=LONGEST_DAYS, help="How long it works; else until it is revoked.")
     ] = None,
+    place: Annotated[
+        str, typer.Option(help="Of a call button: the machine or storage for which alone it calls, as M8.")
+    ] = "",
     db: Database = None,
 ) -> None:
     """Make a key; it is printed once and kept nowhere."""
@@ -52,6 +58,10 @@ def create(
     scopes = [one_of(known, each, "--scope").value for each in dict.fromkeys(scope)]
     if not (name.isprintable() and name.strip() and len(name) <= NAME_CHARS):
         raise SettingsError("NAME", f"it has 1 to {NAME_CHARS} characters that can be printed")
+    if place and scopes != [Scope.TRANSPORTS_CALL.value]:
+        raise SettingsError("--place", f"it is of keys with the scope {Scope.TRANSPORTS_CALL.value} alone")
+    if not PLACE.fullmatch(place):
+        raise SettingsError("--place", "name a machine or a storage by its id in the plant, as M8")
     now_s, token = time.time(), new_key()
     made = ApiKey(
         id=new_id(),
@@ -59,11 +69,12 @@ def create(
         scopes=" ".join(scopes),
         created_at_s=now_s,
         expires_at_s=None if days is None else now_s + days * DAY_S,
+        place=place,
     )
 
     async def keep(work: Work) -> None:
         await work.api_keys.add(token, made)
-        await note(work, "key.create", made.id, name=name, scopes=scopes, days=days)
+        await note(work, "key.create", made.id, name=name, scopes=scopes, days=days, place=place)
 
     transact(db, keep)
     typer.echo(token)
@@ -80,7 +91,13 @@ def list_keys(db: Database = None) -> None:
 
     now_s = time.time()
     rows = [
-        (each.id, each.name, each.scopes, _day(each.used_at_s) or "never", _state(each, now_s))
+        (
+            each.id,
+            each.name,
+            f"{each.scopes} at {each.place}" if each.place else each.scopes,
+            _day(each.used_at_s) or "never",
+            _state(each, now_s),
+        )
         for each in transact(db, keys)
     ]
     table(("id", "name", "scopes", "used", ""), rows)

@@ -25,8 +25,6 @@ HOUR_S = 3600.0
 LONGEST_LINK_H = 24 * 14
 """Two weeks: somebody may be on holiday."""
 
-ID = r"[a-z0-9][a-z0-9._-]{0,63}"
-
 
 @app.callback()
 def user() -> None:
@@ -46,16 +44,15 @@ def add(
     db: Database = None,
 ) -> None:
     """Let somebody new log in; give them a link, a password, a PIN or a badge afterwards."""
-    import re
-
     from dray.cli.commands.administration.console import note, transact
     from dray.cli.runtime.output import one_of
     from dray.errors import SettingsError
+    from dray.gateway.access.people_changes import LOGIN_NAME
     from dray.gateway.access.principal import Role
     from dray.store.access.people import Person
 
     one_of({each.value: each for each in Role}, role, "--role")
-    if not re.fullmatch(ID, name):
+    if not LOGIN_NAME.fullmatch(name):
         raise SettingsError(
             "NAME", f"{name!r} is not small letters, digits, . _ and - that begin with one of the first two"
         )
@@ -239,17 +236,14 @@ def _change(db: str | None, name: str, action: str, **columns: object) -> None:
     """Change somebody; whoever is logged in under the name must do it again."""
     from dray.cli.commands.administration.console import note, transact
     from dray.errors import SettingsError
+    from dray.gateway.access import people_changes
 
     async def change(work: Work) -> None:
         await _known(work, name)
         code = columns.get("badge_hash")
         if isinstance(code, str) and (other := await work.people.with_badge(code)) and other.id != name:
             raise SettingsError("NAME", "somebody else has this badge already")
-        now_s = time.time()
-        await work.people.change(name, **columns)
-        await work.sessions.end_all(name, now_s)
-        await work.login_links.end_all(name, now_s)
-        await work.lockouts.clear(name)
+        await people_changes.change(work, name, time.time(), **columns)
         await note(work, action, name)
 
     transact(db, change)

@@ -50,6 +50,9 @@ def run(
         typer.Option(help="Part of the machines' time that the orders take.", min=0.001, max=10.0),
     ] = None,
     hours: Annotated[float | None, typer.Option(help="Of demand.", min=0.05, max=2_000.0)] = None,
+    strategists: Annotated[
+        int | None, typer.Option(help="How many share the orders; one by default.", min=1, max=9)
+    ] = None,
     traffic: Traffic = None,
     json: Annotated[Path | None, typer.Option(help="Write the report here too.")] = None,
 ) -> None:
@@ -66,13 +69,13 @@ def run(
     from dray_sim.run.site import Site
     from dray_sim.scenarios import SCENARIOS
 
-    site = Site(None if plant is None else load_plant(plant), load, hours, right_of_way(traffic))
+    site = Site(None if plant is None else load_plant(plant), load, hours, right_of_way(traffic), strategists)
     outcome = one_of(SCENARIOS, name, "scenario").run(seed, site)
     typer.echo(outcome.describe())
     if json is not None:
         write_json(json, outcome)
     if outcome.failure:
-        options = {"plant": plant, "load": load, "hours": hours}
+        options = {"plant": plant, "load": load, "hours": hours, "strategists": strategists}
         given = "".join(f" --{option} {value}" for option, value in options.items() if value is not None)
         given += " --traffic" if site.traffic else " --no-traffic"
         typer.echo(f"dray: {outcome.failure}\nreplay: dray sim run {name} --seed {seed}{given}", err=True)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from dray.cli.runtime.options import Traffic
+from dray.cli.runtime.options import Strategists, Traffic
 
 if TYPE_CHECKING:
     from dray.adapters.vda5050.link import BrokerAddress
@@ -52,6 +52,7 @@ def up(
             show_default=False,
         ),
     ] = None,
+    strategists: Strategists = None,
     traffic: Traffic = None,
     vda5050: Annotated[
         bool,
@@ -76,15 +77,25 @@ def up(
     from dray.cli.simulation.customers import customers_of
     from dray.cli.simulation.one_process import run_service
 
-    settings = load_settings(host=host, port=port, database_url=db, plant_file=plant, traffic=traffic)
+    settings = load_settings(
+        host=host, port=port, database_url=db, plant_file=plant, strategists=strategists, traffic=traffic
+    )
     live = None
     if scenario is None:
         chosen = chosen_plant(settings.plant_file)
     else:
-        live = _live_part(scenario, {"--plant": plant is not None, "--vda5050": vda5050})
+        live = _live_part(
+            scenario,
+            {
+                "--plant": plant is not None,
+                "--strategists": strategists is not None,
+                "--vda5050": vda5050,
+            },
+        )
         chosen = live.part.plant()
         if "database_url" not in settings.model_fields_set:
             settings = load_settings(host=host, port=port, database_url=SCENARIO_DATABASE, traffic=traffic)
+        settings = settings.model_copy(update={"strategists": live.part.shift.strategists or 1})
     customers = customers_of(chosen, speed=speed, seed=seed) if demand and live is None else None
     with brokered(vda5050=vda5050, url=broker) as address:
         asyncio.run(run_service(Service(settings, chosen, speed, customers), seed, address, live))
@@ -107,7 +118,7 @@ def _live_part(name: str, others: Mapping[str, bool]) -> LivePart:
     for option, given in others.items():
         if given:
             raise typer.BadParameter(
-                "a scenario has its own plant and its own vehicles; leave it out", param_hint=option
+                "a scenario has its own plant and its own agents; leave it out", param_hint=option
             )
     return one_of(LIVE, name, "--scenario")
 

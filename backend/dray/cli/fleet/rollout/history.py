@@ -13,7 +13,7 @@ import msgspec
 
 from dray.messages import AnyFact, MachineHeartbeat, Reason, Role, Transport
 from dray.messages.fact import CarrierChanged, ContractEnded, TaskClosed, TaskOpened
-from dray.messages.keys import STRATEGIST
+from dray.messages.keys import STRATEGISTS
 
 WINDOW_S = 900.0
 """Over which a flow is measured: some fifteen transports of the default plant at its usual load. Chance alone
@@ -109,7 +109,7 @@ class History:
     def _note_closed(self, coordinator: str, closed: TaskClosed, at_s: float) -> None:
         self._open.pop(closed.task, None)
         # The strategist closes goals, not transports.
-        if closed.outcome != "delivered" or coordinator == STRATEGIST:
+        if closed.outcome != "delivered" or coordinator in STRATEGISTS:
             return
         if closed.task in self._delivered:
             self.twice.add(closed.task)

@@ -37,7 +37,7 @@ from dray.cli.runtime.output import one_of
 from dray.errors import SettingsError, UnavailableError
 from dray.messages.speakers import Kind
 
-ORDER: Sequence[str] = (Kind.ATV, Kind.STATION, Kind.MACHINE, Kind.STRATEGIST, HISTORIAN, GATEWAY)
+ORDER: Sequence[str] = (Kind.ATV, Kind.STATION, Kind.MACHINE, Kind.GATE, Kind.STRATEGIST, HISTORIAN, GATEWAY)
 """A vehicle first: there are others for its work. The floor stands for hardware, and has no software of ours."""
 
 BASELINE_S = 3600.0

@@ -16,6 +16,7 @@ from pydantic import SecretStr
 from sqlalchemy import URL, make_url
 
 from dray import __version__
+from dray.adapters.system_clock import SystemClock
 from dray.adapters.telemetry.metrics_port import metrics_port
 from dray.cli.runtime.gateway.serving import Server, stopped_by_signals
 from dray.cli.runtime.readiness import tell_ready
@@ -26,12 +27,13 @@ from dray.gateway.live.health import Health
 from dray.gateway.live.timescale import TimeScale
 from dray.gateway.metrics import Metrics
 from dray.gateway.orders.placement import OrderPlacement
-from dray.messages.keys import STRATEGIST, Keys
+from dray.messages.keys import GATE, Keys, strategists_of
 from dray.plant import Plant
 from dray.ports import Bus
 from dray.settings import Settings
 from dray.store import Historian, Store
 from dray.store.history.clocks import Clocks
+from dray.store.retention import DAY_S, KeptFor, Retention
 
 GREETING = """\
 Dray {version}: {plant}, {machines} machines and {vehicles} vehicles, {speed:g} x real time
@@ -65,12 +67,14 @@ class Service:
         plant: the factory's.
         speed: factory seconds per real second.
         customers: place orders from when requests are answered until cancelled; None where nobody simulates any.
+        greets: whether it says where it answers, and by which links people come in.
     """
 
     settings: Settings
     plant: Plant
     speed: float
     customers: Customers | None = None
+    greets: bool = True
 
 
 def with_admin_token(service: Service) -> tuple[Service, str]:
@@ -91,7 +95,9 @@ def with_stop_port(service: Service, listener: socket.socket) -> Service:
 def historian_of(
     settings: Settings, plant: Plant, store: Store, bus: Bus, scale: TimeScale, life: int
 ) -> Historian:
-    """The historian of a plant, which is not running yet."""
+    """The historian of a plant, which is not running yet. Call it on the loop on which it will run."""
+    # Steered as the gateway's: should the computer's be set ahead, what is young is not too old at once.
+    wall = SystemClock(asyncio.get_running_loop())
     return Historian(
         store=store,
         bus=bus,
@@ -100,10 +106,21 @@ def historian_of(
         clocks=Clocks(scale.speed),
         to_plant_s=scale.to_plant_s,
         life=life,
-        agents=(*plant.fleet, *plant.machines, *plant.storages, STRATEGIST),
+        agents=(*plant.fleet, *plant.machines, *plant.stores, GATE, *strategists_of(settings.strategists)),
         linger_s=settings.historian_linger_s,
-        events_kept=settings.events_kept,
-        samples_kept=settings.samples_kept,
+        retention=Retention(store, _kept_for(settings), wall.now_s),
+    )
+
+
+def _kept_for(settings: Settings) -> KeptFor:
+    return KeptFor(
+        events_s=settings.events_days * DAY_S,
+        samples_s=settings.samples_days * DAY_S,
+        figures_s=settings.figures_days * DAY_S,
+        tasks_s=settings.tasks_days * DAY_S,
+        alerts_s=settings.alerts_days * DAY_S,
+        audit_s=settings.audit_days * DAY_S,
+        events_most=settings.events_most,
     )
 
 
@@ -133,7 +150,7 @@ async def serve(
     with stopped_by_signals(server.stop):
         async with _told(service.settings, app), asyncio.TaskGroup() as group:
             tasks = [
-                group.create_task(_greet(greeting, ready)),
+                group.create_task(_greet(greeting if service.greets else "", ready)),
                 group.create_task(_order(service, app, ready)),
             ]
             if ended is not None:

@@ -87,7 +87,7 @@ class StopPath:
         sys.setswitchinterval(SWITCH_S)
         recorder = StopRecorder(commands, access.audit_log)
         crossing = Crossing(asyncio.get_running_loop())
-        thread = _Thread(self, access, recorder, crossing)
+        thread = _Thread(self, access, commands.ahead_s, recorder, crossing)
         await asyncio.to_thread(thread.start)
         try:
             yield
@@ -96,8 +96,16 @@ class StopPath:
 
 
 class _Thread:
-    def __init__(self, way: StopPath, access: Access, recorder: StopRecorder, crossing: Crossing) -> None:
+    def __init__(
+        self,
+        way: StopPath,
+        access: Access,
+        ahead_s: Callable[[str], float],
+        recorder: StopRecorder,
+        crossing: Crossing,
+    ) -> None:
         self._way, self._access, self._recorder, self._crossing = way, access, recorder, crossing
+        self._ahead_s = ahead_s
         self._ready: Future[tuple[asyncio.AbstractEventLoop, Server]] = Future()
         self._thread = threading.Thread(target=self._run, name="dray-stop", daemon=True)
 
@@ -137,6 +145,7 @@ class _Thread:
                 time=way.time,
                 wall_s=wall.now_s,
                 timeout_s=settings.command_timeout_s,
+                ahead_s=self._ahead_s,
                 sent=self._sent,
                 ended=self._ended,
             )

@@ -110,6 +110,10 @@ class Place:
         """See `Hasher.matches`."""
         return await self._hasher.off_the_loop(self._hasher.matches, kept, secret)
 
+    async def hash(self, secret: str) -> str:
+        """See `Hasher.hash`."""
+        return await self._hasher.off_the_loop(self._hasher.hash, secret)
+
     async def badge_hash(self, code: str, salt: str) -> str:
         """See `Hasher.badge_hash`."""
         return await self._hasher.off_the_loop(self._hasher.badge_hash, code, salt)

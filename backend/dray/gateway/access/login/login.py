@@ -71,7 +71,7 @@ class LinkUsedUp(Problem):
             HTTPStatus.GONE,
             "login-link-used-up",
             "This link logs nobody in any more",
-            "it was used already, or is too old; make a new one with `dray user link`",
+            "it was used already, or is too old; ask a manager for a new one",
         )
 
 

@@ -7,6 +7,7 @@ from itertools import pairwise
 
 from dray.errors import InputError
 from dray.gateway.access.login.login import SECRET_CHARS
+from dray.gateway.http.fault_codes import text_of
 
 PASSWORD_CHARS = 12
 """At least: longer than what is found by trying everything, and than the well-known ones."""
@@ -19,7 +20,16 @@ BADGE_CHARS = 8
 
 
 class WeakSecret(InputError):
-    """A secret that is too easy to guess, or cannot be typed."""
+    """A secret that is too easy to guess, or cannot be typed.
+
+    Attributes:
+        code: why (`http.fault_codes`).
+        values: what is filled in.
+    """
+
+    def __init__(self, code: str, **values: int) -> None:
+        self.code, self.values = code, {name: str(value) for name, value in values.items()}
+        super().__init__(text_of(code, self.values))
 
 
 def check_password(password: str, person_id: str) -> None:
@@ -29,11 +39,9 @@ def check_password(password: str, person_id: str) -> None:
         WeakSecret: says why.
     """
     if not PASSWORD_CHARS <= len(password) <= SECRET_CHARS:
-        raise WeakSecret(
-            f"a password has {PASSWORD_CHARS} to {SECRET_CHARS} characters; several words are good"
-        )
+        raise WeakSecret("password_length", least=PASSWORD_CHARS, most=SECRET_CHARS)
     if len(set(password)) < 5 or person_id in password.casefold():
-        raise WeakSecret("this password is too easy to guess: it repeats itself, or holds the name")
+        raise WeakSecret("password_easy")
 
 
 def check_pin(pin: str) -> None:
@@ -44,10 +52,10 @@ def check_pin(pin: str) -> None:
     """
     least, most = PIN_DIGITS
     if not re.fullmatch(rf"[0-9]{{{least},{most}}}", pin):
-        raise WeakSecret(f"a PIN has {least} to {most} digits and nothing else")
+        raise WeakSecret("pin_digits", least=least, most=most)
     steps = {(int(later) - int(earlier)) % 10 for earlier, later in pairwise(pin)}
     if len(steps) == 1:
-        raise WeakSecret("this PIN is too easy to guess: its digits follow one another")
+        raise WeakSecret("pin_easy")
 
 
 def check_badge(code: str) -> None:
@@ -57,6 +65,4 @@ def check_badge(code: str) -> None:
         WeakSecret: says why.
     """
     if not BADGE_CHARS <= len(code) <= SECRET_CHARS or not code.isprintable() or code != code.strip():
-        raise WeakSecret(
-            f"a badge's code has {BADGE_CHARS} to {SECRET_CHARS} characters, with no space around it"
-        )
+        raise WeakSecret("badge_length", least=BADGE_CHARS, most=SECRET_CHARS)

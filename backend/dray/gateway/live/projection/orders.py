@@ -24,6 +24,7 @@ from dray.store.orders.progress import (
     accepted_order,
     delivered_after,
     goal_of,
+    life_with,
     merge,
     note,
     progress,
@@ -124,7 +125,7 @@ class Orders:
             return False
         went_on = isinstance(event.fact, GoalContracted) and self._goes_on(order.id, event.fact.goal)
         if accepted_order(event):
-            order.incarnation = max(order.incarnation, event.incarnation)
+            order.incarnation = max(order.incarnation, life_with(event))
         advanced = self._advanced(order)
         if advanced == order and not went_on:
             return False
@@ -155,6 +156,11 @@ class Orders:
         """When the order of a goal is due; None where that is not known."""
         order = self.get(self._order_of.get(goal, ""))
         return None if order is None else order.due_at_s
+
+    def named(self, goal: str) -> tuple[str, str]:
+        """The order of a goal: its id, and the name that people know it by; empty where that is not known."""
+        order = self.get(self._order_of.get(goal, ""))
+        return ("", "") if order is None else (order.id, order.reference or order.id)
 
     def waits(self, order: str) -> CauseView | None:
         """Why an order waits; None when it goes on, or is not kept here."""
@@ -221,7 +227,7 @@ class Orders:
         """Nobody can make a goal: its order waits until somebody has taken it."""
         order = self._orders.get(fact.order)
         goal = self._goals.get(fact.order, {}).get(fact.goal)
-        late = goal is not None and (goal.incarnation, goal.number) > (event.incarnation, event.number)
+        late = goal is not None and goal.told > (goal.held, event.incarnation, event.number)
         if order is None or order.status in ENDED or late:
             return False
         waits = self._waits.setdefault(fact.order, {})
@@ -271,7 +277,7 @@ class Orders:
             order.delivered,
         )
         items = tuple(
-            type(item)(item.product, item.quantity, made, delivered)
+            type(item)(item.product, item.quantity, made, delivered, item.wanted)
             for item, made, delivered in zip(order.items, reached.made, reached.delivered, strict=True)
         )
         fields = {name: getattr(order, name) for name in order.__struct_fields__}
@@ -321,12 +327,19 @@ def order_view(order: Order, waits: CauseView | None = None) -> OrderView:
         status=order.status.value,
         items=tuple(
             OrderItemView(
-                product=item.product, quantity=item.quantity, made=item.made, delivered=item.delivered
+                product=item.product,
+                quantity=item.quantity,
+                made=item.made,
+                delivered=item.delivered,
+                wanted=item.wanted,
             )
             for item in order.items
         ),
         created_at_s=order.created_at_s,
         due_at_s=order.due_at_s,
+        priority=order.priority.value,
+        wanted_at_s=order.wanted_at_s,
+        changing=order.being_changed,
         delivered_at_s=order.delivered_at_s,
         releases=order.releases,
         revoked_at_s=order.revoked_at_s,

@@ -9,14 +9,16 @@ from msgspec import UNSET
 from dray.gateway.live.frames import COLLECTIONS, Delta, Snapshot
 from dray.gateway.live.projection.agents.atvs import Atvs
 from dray.gateway.live.projection.agents.disputes import Disputes
-from dray.gateway.live.projection.agents.machines import BROKEN, DOWN, Machines
+from dray.gateway.live.projection.agents.machines import BROKEN, DOWN, RESTING, Machines
 from dray.gateway.live.projection.agents.outsiders import Outsiders
 from dray.gateway.live.projection.agents.people import People
 from dray.gateway.live.projection.agents.removals import Removals
 from dray.gateway.live.projection.agents.silence import Silence, heard_until_s, plant_bound_s
 from dray.gateway.live.projection.agents.stations import Stations
+from dray.gateway.live.projection.agents.strategists import Strategists
 from dray.gateway.live.projection.alerting import alert_rules, causes, wait_rules
 from dray.gateway.live.projection.alerting.alerts import Alerts
+from dray.gateway.live.projection.alerting.goods_rules import of_goods
 from dray.gateway.live.projection.auctions.tasks import Tasks
 from dray.gateway.live.projection.closures import Closures
 from dray.gateway.live.projection.figures.fleet import BLOCKED, OUT_OF_SERVICE
@@ -32,9 +34,16 @@ from dray.gateway.live.projection.recent_commands import RecentCommands
 from dray.gateway.live.projection.right_of_way.waits import Waits
 from dray.gateway.live.projection.scenarios import Scenarios
 from dray.gateway.live.projection.site import Site
-from dray.gateway.live.timescale import TimeScale
+from dray.gateway.live.timescale import TimeScale, WallWorkingTime
 from dray.gateway.live.views import FactoryView, RemovalView, UseView
-from dray.messages import AtvHeartbeat, Event, MachineHeartbeat, Message, StationHeartbeat
+from dray.messages import (
+    AtvHeartbeat,
+    Event,
+    MachineHeartbeat,
+    Message,
+    StationHeartbeat,
+    StrategistHeartbeat,
+)
 from dray.messages.floor.obstacle import ObstacleCleared, ObstacleSeen
 from dray.overload import Overload
 from dray.plant.model import PlantFile
@@ -67,7 +76,7 @@ class Projection:
         wall_s: Callable[[], float] | None = None,
     ) -> None:
         self.plant, self._time, self._wall_s = plant.plant, time, wall_s
-        self.outsiders, self.people = Outsiders(), People()
+        self.outsiders, self.people, self.strategists = Outsiders(), People(), Strategists()
         self.removals = Removals()
         self.clocks, self.disputes, self._silence = Clocks(time.speed), Disputes(), Silence(time.speed)
         top_mps = max(kind.max_speed_mps for kind in plant.vehicle_types)
@@ -86,11 +95,11 @@ class Projection:
         self.machines = Machines(
             self.site, time.to_wall_s, self.outsiders, self.clocks, self._silence, self.materials
         )
-        self.tasks = Tasks(time.to_wall_s)
-        storages = {storage.id: storage for storage in plant.storages}
+        storages = self.site.plant.stores
         self.stations = Stations(storages, time.to_wall_s, self.outsiders, self.clocks, self._silence)
         self.orders = Orders(time.to_wall_s, self.site.products, self.materials)
-        self.machines.due_of = self.orders.due_of
+        self.machines.due_of, self.machines.order_of = self.orders.due_of, self.orders.named
+        self.tasks = Tasks(time.to_wall_s, self.orders.named)
         self.alerts, self.traffic, self.commands = Alerts(), Traffic(plant.lanes), RecentCommands()
         self.faults, self.scenarios = InjectedFaults(possible=fault_injection), Scenarios()
         self.closures, self.obstacles = Closures(), Obstacles(time.speed)
@@ -140,6 +149,8 @@ class Projection:
                 told = self.stations.fold(message)
                 if told:
                     self._silence.note(message.station, message, delay_s)
+            case StrategistHeartbeat():
+                told = self.strategists.fold(message)
             case Event():
                 told = False
                 for fold in self._on_fact.get(type(message.fact), ()):
@@ -192,7 +203,7 @@ class Projection:
         """See what is wrong at this moment; silence is heard by nobody else.
 
         Returns:
-            The alerts that had been acknowledged and have ended.
+            The alerts that have ended.
         """
         self.obstacles.look(wall_s)
         now = self._moment(wall_s)
@@ -203,26 +214,42 @@ class Projection:
         self.waits.look(self._is_heard(now), self.site.plant)
         machines = (each for each in self.machines.heartbeats() if each[0].machine not in self.outsiders)
         stations = (each for each in self.stations.heartbeats() if each.station not in self.outsiders)
+        strategists = [
+            each for each in self.strategists.heartbeats() if each.strategist not in self.outsiders
+        ]
         clocks = {
             agent: offset for agent, offset in self.clocks.wrong(now.plant_s) if agent not in self.outsiders
         }
         wrong = (
             *alert_rules.of_the_plant(now),
             *alert_rules.of_demand(self._overload, self.tasks, len(heard), now),
-            *alert_rules.of_outsiders(self.outsiders, self.atvs, self.site.plant.storages),
+            *alert_rules.of_outsiders(self.outsiders, self.atvs, self.site.plant.stores),
             *alert_rules.of_clocks(clocks.items()),
             *alert_rules.of_disputes(self.disputes, clocks.keys(), now),
             *alert_rules.of_strangers(self.atvs.strangers + self.machines.strangers),
             *alert_rules.of_machines(machines, self.materials, now),
             *alert_rules.of_stations(stations, now),
+            *alert_rules.of_strategists(strategists, now),
             *alert_rules.of_calls(self.people.calls(now.plant_s), now),
             *of_atvs,
             *wait_rules.of_roll_calls(awaited),
             *wait_rules.of_waits(self.waits, {each.agent for each in of_atvs}, now),
             *alert_rules.of_transports(self.tasks.under_way(), of_atvs),
+            *of_goods(
+                self.tasks.under_way(),
+                self.people.calls(now.plant_s),
+                self.people.on_duty(now.plant_s),
+                self.site.plant.products,
+                now,
+            ),
             *alert_rules.of_orders(self.orders.in_trouble(wall_s), self.orders.impossible(), now),
         )
         return self.alerts.look(causes.gathered(wrong, now.speed), wall_s)
+
+    def working_of(self, machine: str) -> WallWorkingTime | None:
+        """When a machine works, on the wall clock; None for one that never rests."""
+        working_time = self.site.plant.working_time_of(machine)
+        return None if working_time.is_always else WallWorkingTime(working_time, self._time)
 
     def traffic_at(self, wall_s: float) -> Iterator[LaneTraffic]:
         """The lanes that were passed, or waited on, within the hour before this moment."""
@@ -246,9 +273,7 @@ class Projection:
             empty_frac=self.atvs.fleet.empty_frac(now_s),
             use=UseView(**use) if use else None,
             atv_available_frac=_available(use),
-            machine_available_frac=1.0 - sum(machines[each] for each in (BROKEN, DOWN, SILENT))
-            if machines
-            else None,
+            machine_available_frac=_part_up(machines),
             commands=commands,
             helps=helps,
             deliveries_per_hour=transports.per_hour(now_s),
@@ -276,6 +301,7 @@ class Projection:
             transport_p95_s=transports.quantile_s(0.95),
             empty_m=fleet.empty_m,
             loaded_m=fleet.loaded_m,
+            energy_wh=fleet.energy_wh,
             commands=self.interventions.commands,
             helps=self.interventions.helps,
             **spent_s,
@@ -359,6 +385,12 @@ def _materials(plant: PlantFile) -> Materials:
         {material.id: material.name for material in plant.materials},
         {product.id: [line.material for line in product.bill] for product in plant.products},
     )
+
+
+def _part_up(use: Mapping[str, float]) -> float | None:
+    """Part of the machines' working time in which they were heard and not in error; None without any."""
+    worked = 1.0 - use.get(RESTING, 0.0) if use else 0.0
+    return 1.0 - sum(use[each] for each in (BROKEN, DOWN, SILENT)) / worked if worked > 0.0 else None
 
 
 def _available(use: Mapping[str, float]) -> float | None:

@@ -44,17 +44,13 @@ class Site:
         """Take a product in as it is defined now.
 
         Returns:
-            Its `faults`; when there are any, nothing has changed.
+            What of it does not fit here, by field (it is `products[0]`) and reason; then nothing has changed.
         """
-        found = self.faults(product, cycles_s)
+        found = product_faults(self.plant, product, cycles_s)
         if not found:
             self.plant = with_product(self.plant, product, cycles_s)
             self.products.add(product.id)
         return found
-
-    def faults(self, product: Product, cycles_s: Mapping[str, float]) -> list[tuple[str, str]]:
-        """What of a product does not fit here, by field (it is `products[0]`) and reason."""
-        return product_faults(self.plant, product, cycles_s)
 
 
 def _spec(machine: str, joining: JoiningMachine) -> MachineSpec:

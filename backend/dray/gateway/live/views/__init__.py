@@ -11,7 +11,7 @@ Whoever is limited to areas is shown less of an entity, and `*` in place of a ve
 from __future__ import annotations
 
 from dray.gateway.live.views.agent import ClockView, ProbationView, ShutOutView, SilenceView
-from dray.gateway.live.views.alert import AlertKind, AlertResponse, AlertView
+from dray.gateway.live.views.alert import AlertKind, AlertRecord, AlertResponse, AlertView, AlertWordView
 from dray.gateway.live.views.atv import (
     AtvView,
     BriefView,
@@ -32,20 +32,22 @@ from dray.gateway.live.views.factory import (
     StepView,
     UseView,
 )
-from dray.gateway.live.views.floor.closure import ClosureView, LaneView
+from dray.gateway.live.views.floor.closure import ClosureView, CornerView, LaneView
 from dray.gateway.live.views.floor.obstacle import ObstacleView
 from dray.gateway.live.views.floor.wait import WaitCauseView, WaitKind, WaitView
-from dray.gateway.live.views.machine import BufferView, GoalView, MachineView, OpenTaskView
+from dray.gateway.live.views.machine import BufferView, DocumentView, GoalView, MachineView, OpenTaskView
 from dray.gateway.live.views.news import NewsView
 from dray.gateway.live.views.order import OrderItemView, OrderView
 from dray.gateway.live.views.station import StationView, StockView
-from dray.gateway.live.views.task import BidView, CarrierView, RefusalView, TaskView
+from dray.gateway.live.views.task import BidView, CarrierView, RefusalView, StrandedView, TaskView
 from dray.gateway.live.views.why import PassedView, RefusedView, WhyView
 
 __all__ = [
     "AlertKind",
+    "AlertRecord",
     "AlertResponse",
     "AlertView",
+    "AlertWordView",
     "AtvView",
     "AudienceView",
     "BidView",
@@ -57,6 +59,8 @@ __all__ = [
     "ClosureView",
     "CommandState",
     "CommandView",
+    "CornerView",
+    "DocumentView",
     "FactoryView",
     "FailureView",
     "FaultView",
@@ -85,6 +89,7 @@ __all__ = [
     "StationView",
     "StepView",
     "StockView",
+    "StrandedView",
     "TaskView",
     "UseView",
     "View",

@@ -10,10 +10,12 @@ from dray.gateway.live.views.cause import CauseView
 
 AlertKind = Literal[
     "plant_behind",
+    "no_strategist",
     "part_lost",
     "machine_lost",
     "machine_error",
     "station_lost",
+    "gate_lost",
     "atv_lost",
     "atv_awaited",
     "call_nobody",
@@ -28,12 +30,15 @@ AlertKind = Literal[
     "machine_shut_out",
     "station_shut_out",
     "atv_shut_out",
+    "strategist_lost",
+    "machine_document",
     "machine_starved",
     "machine_blocked",
     "handover_disputed",
     "clock_wrong",
     "word_disbelieved",
     "strangers",
+    "goods_stranded",
     "task_trouble",
     "atv_waits",
     "atv_promised",
@@ -56,8 +61,11 @@ AlertResponse = Literal[
     "look_at_part",
     "look_at_machine",
     "look_at_station",
+    "look_at_gate",
+    "look_at_strategist",
     "repair",
     "see_to_supply",
+    "put_document_right",
     "see_to_removal",
     "find_vehicle",
     "switch_on",
@@ -77,8 +85,26 @@ AlertResponse = Literal[
     "repair_link",
     "repair_access_point",
     "send_somebody",
+    "see_to_goods",
 ]
 """What an alert asks of people."""
+
+
+class GoodsView(View, kw_only=True):
+    """Goods that a failed vehicle has on board, and that wait for a person."""
+
+    item: str
+    name: str
+    """Of the product."""
+    quantity: int
+    machine: str
+    """Whose they are: it makes them again."""
+    order_name: str = ""
+    """For which order, as `StrandedView.order_name`."""
+    node: str = ""
+    """Where the vehicle was heard last; empty where nobody knows."""
+    handed_at: str = ""
+    """Where a person hands them over, and another vehicle comes for them; empty while nobody has said so."""
 
 
 class Condition(View, kw_only=True):
@@ -94,21 +120,23 @@ class Condition(View, kw_only=True):
     """Of a jam before a dock: whose dock that is."""
     agents: tuple[str, ...] = ()
     """Of a jam: all that wait in it, who has waited longest first. Of a vehicle without WLAN: those over which it is heard, in order.
-    Of an access point and of a part of the network: all that have lost it, by name."""
+    Of an access point and of a part of the network: all that have lost it, by name. Of strategists: those that are silent."""
     call: CallKind | None = None
     """Of who has called for help in vain: why nobody comes."""
     keepers: tuple[str, ...] = ()
     """Of a vehicle that is awaited: the machines and storages that grant no places before it has told what it holds."""
     cause: CauseView | None = None
     """What is known of why."""
+    goods: GoodsView | None = None
+    """Of goods that were left on board."""
     by: str = ""
-    """Who is on the way to help, or has shut the agent out."""
+    """Who is on the way to help, or has shut the agent out. Of goods: the operator who comes, by name or code."""
     seen_at_s: float | None = None
     """Of who is lost: when it was last heard, of many the first of them. Of a call for help, or without WLAN: since when."""
     access_point: str = ""
     """Over which vehicles without WLAN were on it last; empty where that is not known."""
     until_at_s: float | None = None
-    """How long help is waited for, or when the order was due."""
+    """How long help is waited for, or when the order was due. Of goods: when they are given up, and made again."""
     battery_frac: float | None = None
     behind_s: float | None = None
     """How old the newest is that was heard of the plant, in real seconds."""
@@ -122,7 +150,7 @@ class Condition(View, kw_only=True):
     @property
     def alert(self) -> str:
         """The id of its alert: the same one as long as the same thing is wrong with the same subject."""
-        subject = self.order or self.task or self.agent
+        subject = self.task or self.order or self.agent
         if self.kind == "access_point":
             subject = self.access_point
         elif self.kind in OF_MANY:
@@ -142,3 +170,35 @@ class AlertView(Condition, kw_only=True):
     acknowledged_by: str = ""
     """The name of who has taken it on; empty while nobody has."""
     acknowledged_at_s: float | None = None
+    acknowledged_until_at_s: float | None = None
+    """Until when; None for as long as it lasts. Then it asks again, and sooner when it is worse."""
+    came_back: Literal["over", "worse"] | None = None
+    """Why it asks again, of an alert that somebody had taken on until some moment: the time is over, or it is worse."""
+    comment: str = ""
+    """What was said of it last."""
+    comment_by: str = ""
+
+
+class AlertWordView(View, kw_only=True):
+    """What was done with an alert."""
+
+    at_s: float
+    by: str = ""
+    """Whose word it is; empty where it came back by itself."""
+    said: Literal["taken", "commented", "over", "worse"]
+    """Taken on, or something said of it; or it asked again, since the time was over or it had become worse."""
+    comment: str = ""
+    until_at_s: float | None = None
+    """Until when it was taken on; None for as long as it lasts."""
+
+
+class AlertRecord(AlertView, kw_only=True):
+    """An alert that there was, or is."""
+
+    number: int
+    ended_at_s: float | None = None
+    """None while it lasts."""
+    reference: str | None = None
+    """Of an order: the customer's own number of it."""
+    words: tuple[AlertWordView, ...] = ()
+    """Oldest first."""

@@ -123,6 +123,8 @@ class AtvView(View, kw_only=True):
     draining: bool = False
     """It was asked to leave, takes nothing new, and goes when nothing holds it any more."""
     out_of_service: OutOfServiceView | None = None
+    sent_to_charge: bool = False
+    """By a person's word: it takes no work before it is full."""
     probation: ProbationView | None = None
     """While it is on probation and takes short tasks only."""
     asks_where_it_stands: bool = False

@@ -23,11 +23,14 @@ class CommandView(View, kw_only=True):
         "set_speed",
         "promise",
         "hand_over",
+        "charge",
         "take_out",
         "put_in",
         "clear_fault",
         "restart",
         "update",
+        "fetch_goods",
+        "write_off",
     ]
     speed_frac: float | None = None
     by: str

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Literal
 
+import msgspec
+
 from dray.body import CallPart
 from dray.gateway.live.views.base import View
 from dray.messages import CallState, DutyStatus, ProblemKind
@@ -25,6 +27,8 @@ class ColleagueView(View, kw_only=True):
     busy_with: str = ""
     """Who has called; empty for nobody."""
     until_at_s: float | None = None
+    helps_with: tuple[ProblemKind, ...] = ()
+    """What for; empty for everything."""
 
 
 class CallView(View, kw_only=True):
@@ -32,6 +36,8 @@ class CallView(View, kw_only=True):
 
     id: str
     caller: str
+    goods: str = ""
+    """The caller's transport whose goods wait on board of a failed vehicle; empty where the caller itself needs somebody."""
     state: CallState
     part: CallPart | None = None
     """What the reader has to do with it; null for nothing."""
@@ -47,6 +53,10 @@ class CallView(View, kw_only=True):
     """How many are on duty for that place, as the caller has heard."""
     x_m: float = 0.0
     y_m: float = 0.0
+    area: str = ""
+    """The name of the area in which that is; empty outside of all."""
+    elsewhere: bool = False
+    """It is in none of the reader's areas: what is asked of the caller there is refused."""
 
 
 class DutyView(View, kw_only=True):
@@ -55,8 +65,17 @@ class DutyView(View, kw_only=True):
     state: DutyChoice
     code: str = ""
     """The reader's own; empty while off duty."""
+    said_off: bool = False
+    """The reader has gone off duty here; false while on duty, and where that is not known, as after a start of the gateway."""
+    helps_with: tuple[ProblemKind, ...] = ()
+    """What the reader is there for; empty for everything."""
+    busy_until_at_s: float | None = None
+    """Until when the reader is busy by the own word."""
     colleagues: tuple[ColleagueView, ...] = ()
     areas_without: tuple[str, ...] = ()
     """Areas in which nobody is on duty."""
+    comes_at_s: dict[str, float] = msgspec.field(default_factory=dict)
+    """Of these, where nobody is there by the working time of the area: when somebody comes again. Where that is never, or somebody should be
+    there now, it is not named."""
     calls: tuple[CallView, ...] = ()
     """The oldest first."""

@@ -34,6 +34,8 @@ class GoalView(View, kw_only=True):
     """When it should be done; its order is due some minutes later. None where the machine does not tell."""
     order_due_at_s: float | None = None
     """When its order is due. None where that is not known here."""
+    order_name: str = ""
+    """Of its order, as `StrandedView.order_name`."""
     offered: bool = False
     """Its machine does not work at it: others may make what is missing."""
 
@@ -55,6 +57,20 @@ class OpenTaskView(View, kw_only=True):
     """Why it does not go on, as the machine tells; None when all is well."""
 
 
+class DocumentView(View, kw_only=True):
+    """A document of a product that a machine has to make."""
+
+    product: str
+    name: str
+    address: str
+    media_type: str
+    sha256: str
+    state: Literal["unread", "reading", "verified", "differs", "unreachable"]
+    """Nothing is made by one that is not `verified`."""
+    detail: str = ""
+    """What was found, of one that cannot be used."""
+
+
 class MachineView(View, kw_only=True):
     """A machine, as its last heartbeat told."""
 
@@ -66,6 +82,8 @@ class MachineView(View, kw_only=True):
     tasks: tuple[OpenTaskView, ...] = ()
     buffers: tuple[BufferView, ...] = ()
     goods: tuple[BufferView, ...] = ()
+    documents: tuple[DocumentView, ...] = ()
+    """Of the products that it has to make, as it verifies them."""
     problem: str = ""
     about_problem: ProblemView | None = None
     """What is known of its problem; None where there is none, or nothing is known."""

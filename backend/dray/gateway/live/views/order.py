@@ -15,6 +15,8 @@ class OrderItemView(View, kw_only=True):
     quantity: int
     made: int = 0
     delivered: int = 0
+    wanted: int | None = None
+    """Less that a change asks for, while machines say what they keep."""
 
 
 class OrderView(View, kw_only=True):
@@ -27,6 +29,11 @@ class OrderView(View, kw_only=True):
     items: tuple[OrderItemView, ...]
     created_at_s: float
     due_at_s: float | None = None
+    priority: Literal["low", "normal", "high", "urgent"] = "normal"
+    wanted_at_s: float | None = None
+    """By when agents want it, as its priority makes of its due time: the first wanted is made first. None before its first release."""
+    changing: bool = False
+    """A change is under way: the factory has not confirmed it yet."""
     delivered_at_s: float | None = None
     releases: int = 0
     """How often it was released."""

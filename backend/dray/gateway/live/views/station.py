@@ -16,6 +16,8 @@ class StockView(View, kw_only=True):
     """Pieces of `level` that are set aside for transports."""
     wanted: int = 0
     """Pieces that machines ask for and that cannot be promised yet."""
+    on_order: int = 0
+    """Pieces that are on their way here, or are to be."""
 
 
 class StationView(View, kw_only=True):

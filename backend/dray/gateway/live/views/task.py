@@ -61,6 +61,22 @@ class CarrierView(View, kw_only=True):
     """False while only the carrier itself says so, and the coordinator has not."""
 
 
+class StrandedView(View, kw_only=True):
+    """Goods that wait for a person's word, since the vehicle that has them on board has failed."""
+
+    atv: str
+    node: str
+    """Where it was heard last; empty where nobody knows."""
+    until_at_s: float
+    """They are given up then, and made again."""
+    handed_at: str = ""
+    """Where a person hands them over to another vehicle; empty while nobody has said so."""
+    order: str = ""
+    """For which order they are; empty for who may not read orders, and where that is not known."""
+    order_name: str = ""
+    """Its reference, else its id. Whoever is asked to handle them is told it, whether orders may be read or not: it is on their papers."""
+
+
 class TaskView(View, kw_only=True):
     """A task from its announcement to its end."""
 
@@ -91,6 +107,8 @@ class TaskView(View, kw_only=True):
     closed_at_s: float | None = None
     trouble: CauseView | None = None
     """Why it does not go on, as its coordinator tells; None when all is well."""
+    stranded: StrandedView | None = None
+    """Its goods wait for a person's word, or to be fetched where one hands them over; None where that is not so."""
     carriers: tuple[CarrierView, ...] = ()
     """Oldest first."""
     bids: tuple[BidView, ...] = ()

@@ -15,7 +15,7 @@ from dray.gateway.http.provided import Provided
 from dray.gateway.http.request_bodies import Line, json_only
 from dray.gateway.http.responses import PAGE, Cursor, Json, Limit, described, list_of, page, problems
 from dray.gateway.live.projection import Projection
-from dray.messages.keys import STRATEGIST
+from dray.messages.keys import GATE, STRATEGISTS
 from dray.store import Store
 from dray.store.factory.exclusions import Exclusion
 from dray.store.historian import AGENT as HISTORIAN
@@ -99,6 +99,7 @@ def _is_known(projection: Projection, agent: str) -> bool:
     return (
         agent in projection.atvs
         or agent in projection.site.plant.machines
-        or agent in projection.site.plant.storages
-        or agent in {STRATEGIST, HISTORIAN}
+        or agent in projection.site.plant.stores
+        or agent in STRATEGISTS
+        or agent in {GATE, HISTORIAN}
     )

@@ -5,15 +5,19 @@ from __future__ import annotations
 from typing import Annotated
 
 from fastapi import APIRouter, Path
+from pydantic import BaseModel, ConfigDict, Field
 
+from dray.gateway.access.audit_log import Noted
 from dray.gateway.access.caller import Caller
 from dray.gateway.factory.alerts import AlertMonitor
-from dray.gateway.http.problems import not_found
+from dray.gateway.http.problems import FieldError, not_found, unusable
 from dray.gateway.http.provided import Provided
 from dray.gateway.http.responses import PAGE, Cursor, Json, Limit, described, list_of, page, problems
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.views import AlertView, CauseView
+from dray.gateway.orders.drafts import Moment
 from dray.gateway.routes.parameters import Visible
+from dray.gateway.routes.search import NowS
 
 router = APIRouter(tags=["alerts"])
 
@@ -26,6 +30,32 @@ EXAMPLE = AlertView(
     agent="M8",
     cause=CauseView(detail="spindle", text="spindle"),
 )
+
+
+SNOOZE_MAX_S = 7 * 86_400.0
+"""Wall seconds for which an alert may be put aside: what lasts longer is to be looked at again."""
+
+COMMENT = r"^[^\x00-\x1f\x7f]*$"
+
+
+class AcknowledgeRequest(BaseModel):
+    """What is said of an alert by whoever takes it on."""
+
+    model_config = ConfigDict(
+        extra="forbid",
+        json_schema_extra={
+            "examples": [{"comment": "fitter comes at two", "until_at": "2030-01-01T14:00:00+01:00"}]
+        },
+    )
+
+    comment: Annotated[str, Field(max_length=500, pattern=COMMENT)] = ""
+    """One line; empty for none."""
+    until_at: Moment | None = None
+    """Until when it is in good hands, in ISO 8601 with its zone, within seven days; left out for as long as it lasts. Then it asks again,
+    and sooner when it is worse."""
+
+
+NO_WORD = AcknowledgeRequest()
 
 
 @router.get(
@@ -46,7 +76,11 @@ async def list_alerts(
     "/alerts/{alert}/acknowledge",
     responses={
         200: described(AlertView, "The alert, with the name of who was first to take it on", EXAMPLE),
-        **problems(p404="There is no such alert, or its cause is gone"),
+        **problems(
+            p404="There is no such alert, or its cause is gone",
+            p409="Somebody else has taken it on, and says until when",
+            p422="That moment is past, or too far away",
+        ),
     },
     response_class=Json,
 )
@@ -55,11 +89,25 @@ async def acknowledge_alert(
     projection: Provided[Projection],
     caller: Caller,
     visible: Visible,
+    note: Noted,
+    now_s: NowS,
     alert: Annotated[str, Path(max_length=192)],
+    request: AcknowledgeRequest = NO_WORD,
 ) -> Json:
-    """Say, by your name, that an alert is in good hands. Doing it again changes nothing."""
+    """Say, by your name, that an alert is in good hands, until when, and why. Doing it again changes nothing.
+
+    Who was first stays. Whoever has it may say anew until when; what others say of it is kept, too.
+    """
+    comment, until_at_s = request.comment.strip(), None
+    if request.until_at is not None:
+        until_at_s = request.until_at.timestamp()
+        if not now_s < until_at_s <= now_s + SNOOZE_MAX_S:
+            raise unusable(FieldError.of("until_at", "more_than_a_week"))
+    note.detail |= request.model_dump(mode="json", exclude_defaults=True)
     known = projection.alerts.get(alert)
-    taken = await monitor.acknowledge(alert, caller.name) if known and visible.alert(known) else None
+    taken = (
+        known and visible.alert(known) and await monitor.acknowledge(alert, caller.name, comment, until_at_s)
+    )
     view = taken and visible.alert(taken)
     if view is None:
         raise not_found("alert", alert, "GET /api/alerts; its cause may be gone")

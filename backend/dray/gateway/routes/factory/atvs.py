@@ -46,6 +46,7 @@ class CommandRequest(BaseModel):
                 {"kind": "set_speed", "speed_frac": 0.5},
                 {"kind": "promise", "wait_s": 120.0},
                 {"kind": "hand_over"},
+                {"kind": "charge"},
                 {"kind": "take_out", "reason": "brakes", "wait_s": 3600.0, "after_work": True},
                 {"kind": "put_in"},
             ]
@@ -152,7 +153,7 @@ async def command_atv(
     atv: str,
     command: CommandRequest,
 ) -> Json:
-    """Stop a vehicle, acknowledge, let it go on, limit its speed, promise help, hand its task over, or take it out of service; waits for its word."""
+    """Stop a vehicle, acknowledge, let it go on, limit its speed, promise help, hand its task over, charge, or be out of service; waits for its word."""
     note.detail |= command.model_dump(mode="json", exclude_none=True)
     note.waits = command.kind is not CommandKind.STOP
     if command.kind is not CommandKind.STOP and not caller.may(Scope.VEHICLES_COMMAND):

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from contextlib import suppress
-from typing import Annotated
+from math import inf
+from typing import Annotated, Self
 
 import msgspec
 from fastapi import APIRouter, Depends
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from dray.body import CallPart
 from dray.gateway.access.audit_log import Noted
@@ -32,10 +34,14 @@ from dray.messages import (
     ProblemKind,
 )
 from dray.messages.people.call import CALL_WAIT_MAX_S
+from dray.plant import Plant
+from dray.plant.people import people_of
 
 router = APIRouter(tags=["factory"])
 
-EXAMPLE = DutyView(state="on", code="k3x7m2qa", areas_without=("AREA3",))
+EXAMPLE = DutyView(
+    state="on", code="k3x7m2qa", areas_without=("AREA3",), comes_at_s={"AREA3": 1_764_165_600.0}
+)
 
 
 class DutyRequest(BaseModel):
@@ -49,6 +55,12 @@ class DutyRequest(BaseModel):
     """Busy by one's own word for so many factory seconds."""
     helps_with: Annotated[list[ProblemKind], Field(max_length=len(ProblemKind))] = []
     """What for; empty for everything."""
+
+    @model_validator(mode="after")
+    def _only_who_is_on_duty_is_busy(self) -> Self:
+        if self.busy_for_s is not None and self.state != "on":
+            raise ValueError("busy_for_s is given with state on, and with no other")
+        return self
 
 
 class CallAnswerRequest(BaseModel):
@@ -105,7 +117,7 @@ async def put_duty(
             caller,
             on_break=request.state == "break",
             busy_until_s=None if busy_s is None else projection.plant_s(rota.wall_s()) + busy_s,
-            helps_with=tuple(request.helps_with),
+            helps_with=tuple(dict.fromkeys(request.helps_with)),
         )
     return Json(_view(rota, projection, time, caller))
 
@@ -115,7 +127,7 @@ async def put_duty(
     dependencies=[Depends(json_only)],
     responses={
         200: described(CallAnswered, "What has become of it", CallAnswered(expected=True)),
-        **problems(p409="Not on duty, or nobody is asked any more"),
+        **problems(p409="Not on duty, expected elsewhere, or nobody is asked any more"),
     },
     response_class=Json,
 )
@@ -132,9 +144,12 @@ async def answer_call(
     note.detail |= request.model_dump(mode="json", exclude_none=True)
     if request.answer is CallAnswer.TAKE and request.wait_s is None:
         raise unusable(FieldError("wait_s", "say within which time it will be done"))
-    expected = await rota.answer(caller, call, request.answer, request.wait_s)
     known = projection.people.call(call)
-    if expected and known is not None and request.wait_s is not None:
+    is_open = known is not None and known.state is not CallState.ENDED and not known.taken_by
+    seen = is_open and _sees(projection, caller, known)
+    expected = await rota.answer(caller, call, request.answer, request.wait_s, is_open=seen)
+    known = projection.people.call(call)
+    if expected and known is not None and not known.goods and request.wait_s is not None:
         # Who is elsewhere, or waits for nobody any more, says so; the call is taken all the same.
         with suppress(Problem):
             await _promise(projection, commands, caller, known.caller, request.wait_s)
@@ -155,6 +170,13 @@ async def _promise(
         await commands.give(agent, said, by=by)
 
 
+def _sees(projection: Projection, by: Principal, call: HelpCall | None) -> bool:
+    """Whether somebody sees where a call comes from."""
+    if call is None or by.areas is None:
+        return call is not None
+    return projection.site.plant.is_in(call.x_m, call.y_m, by.areas)
+
+
 def _view(rota: DutyRota, projection: Projection, time: TimeScale, by: Principal) -> DutyView:
     now_s = projection.plant_s(rota.wall_s())
     known, people = rota.look(by), projection.people
@@ -162,12 +184,16 @@ def _view(rota: DutyRota, projection: Projection, time: TimeScale, by: Principal
     seen = set(plant.areas) if by.areas is None else set(by.areas)
     state: DutyChoice = "off" if known is None else "break" if known[1].state.on_break else "on"
     own = "" if known is None else known[0]
+    # Who has just gone off duty here is heard a moment longer.
+    gone = rota.code_of(by.id) if own == "" and rota.has_said_off(by) else ""
     colleagues: list[ColleagueView] = []
     # One's own word counts before it was heard.
     covered = (
         set() if known is None else set(plant.areas if known[1].state.everywhere else known[1].state.areas)
     )
     for each in people.on_duty(now_s):
+        if each.operator == gone:
+            continue
         areas = set(plant.areas) if each.everywhere else set(each.areas)
         covered |= areas
         if each.operator == own or not (each.everywhere or areas & seen or by.areas is None):
@@ -181,28 +207,43 @@ def _view(rota: DutyRota, projection: Projection, time: TimeScale, by: Principal
                 status=each.status,
                 busy_with=each.caller,
                 until_at_s=None if each.until_s is None else time.to_wall_s(each.until_s),
+                helps_with=each.helps_with,
             )
         )
     parts = {} if known is None else {shown.call.call: shown.part for shown in known[1].calls}
-    calls = [
-        _call(call, parts.get(call.call), time)
-        for call in people.calls(now_s)
-        if call.call in parts or by.areas is None or seen & set(plant.areas_at(call.x_m, call.y_m))
-    ]
+    calls: list[CallView] = []
+    for call in people.calls(now_s):
+        here, elsewhere = plant.areas_at(call.x_m, call.y_m), not _sees(projection, by, call)
+        if call.call in parts or not elsewhere:
+            area = plant.areas[here[0]].name if here else ""
+            calls.append(_call(call, parts.get(call.call), area, time, elsewhere=elsewhere))
+    tablet = None if known is None else known[1].state
+    busy_s = None if tablet is None else tablet.busy_until_s
     return DutyView(
         state=state,
         code=_code(own),
+        said_off=state == "off" and rota.has_said_off(by),
+        helps_with=() if tablet is None else tablet.helps_with,
+        busy_until_at_s=None if busy_s is None or busy_s <= now_s else time.to_wall_s(busy_s),
         colleagues=tuple(sorted(colleagues, key=lambda each: each.code)),
         areas_without=tuple(sorted(seen - covered)),
+        comes_at_s=_comes_at_s(plant, sorted(seen - covered), now_s, time),
         calls=tuple(sorted(calls, key=lambda each: each.since_at_s)),
     )
 
 
-def _call(call: HelpCall, part: CallPart | None, time: TimeScale) -> CallView:
+def _comes_at_s(plant: Plant, areas: Iterable[str], now_s: float, time: TimeScale) -> dict[str, float]:
+    """When people come to areas in which nobody works at this moment."""
+    comes_s = {area: people_of(plant, area).next_on_s(now_s) for area in areas}
+    return {area: time.to_wall_s(at_s) for area, at_s in comes_s.items() if now_s < at_s < inf}
+
+
+def _call(call: HelpCall, part: CallPart | None, area: str, time: TimeScale, *, elsewhere: bool) -> CallView:
     left_s = None if call.until_s is None else max(0.0, call.until_s - call.at_s)
     return CallView(
         id=call.call,
         caller=call.caller,
+        goods=call.goods,
         state=call.state,
         part=part,
         problem=call.problem.kind,
@@ -215,6 +256,8 @@ def _call(call: HelpCall, part: CallPart | None, time: TimeScale) -> CallView:
         on_duty=call.on_duty,
         x_m=call.x_m,
         y_m=call.y_m,
+        area=area,
+        elsewhere=elsewhere,
     )
 
 

@@ -51,10 +51,12 @@ class StoredMaterial(msgspec.Struct, frozen=True):
     """Pieces of these that are set aside for transports."""
     wanted: int | None = None
     """Pieces that machines ask for and that cannot be promised yet."""
+    on_order: int | None = None
+    """Pieces that are on their way there, or are to be."""
 
 
 class StorageAnswer(msgspec.Struct, frozen=True, kw_only=True):
-    """An interim storage."""
+    """An interim storage, or a source warehouse where vehicles fetch something."""
 
     id: str
     name: str
@@ -105,10 +107,11 @@ async def list_inventory(
 async def list_storages(
     projection: Provided[Projection], visible: Visible, cursor: Cursor = None, limit: Limit = PAGE
 ) -> Json:
-    """Interim storages, what lies there and what of it is promised; of them all, those in the caller's areas."""
-    stations = projection.stations
+    """Storages, and warehouses where vehicles fetch something: what lies there, what of it is promised, what more comes; of them all, those in the caller's areas."""
+    stations, plant = projection.stations, visible.plant()
+    stocked = (warehouse.as_storage() for warehouse in plant.warehouses if warehouse.stocks)
     storages = sorted(
-        (_storage(each, stations.view(each.id)) for each in visible.plant().storages),
+        (_storage(each, stations.view(each.id)) for each in (*plant.storages, *stocked)),
         key=lambda each: each.id,
     )
     return page(storages, lambda each: each.id, cursor, limit)
@@ -175,7 +178,9 @@ def _storage(storage: Storage, station: StationView | None) -> StorageAnswer:
     stocks = tuple(
         StoredMaterial(stock.material, stock.capacity)
         if (kept := told.get(stock.material)) is None
-        else StoredMaterial(stock.material, stock.capacity, kept.level, kept.promised, kept.wanted)
+        else StoredMaterial(
+            stock.material, stock.capacity, kept.level, kept.promised, kept.wanted, kept.on_order
+        )
         for stock in storage.stocks
     )
     return StorageAnswer(

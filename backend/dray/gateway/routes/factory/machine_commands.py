@@ -41,6 +41,8 @@ class MachineCommandRequest(BaseModel):
                 {"kind": "restart"},
                 {"kind": "take_out", "reason": "new bearings", "wait_s": 3600.0, "after_work": True},
                 {"kind": "put_in"},
+                {"kind": "fetch_goods", "task": "M3-12", "node": "c2"},
+                {"kind": "write_off", "task": "M3-12"},
             ]
         },
     )
@@ -55,6 +57,10 @@ class MachineCommandRequest(BaseModel):
     """For `take_out` only: why."""
     after_work: bool = False
     """For `take_out` only: the goal that it works at it finishes first."""
+    task: Annotated[str, Field(max_length=64)] = ""
+    """For `fetch_goods` and `write_off` only: the transport whose goods a failed vehicle has on board."""
+    node: Annotated[str, Field(max_length=64)] = ""
+    """For `fetch_goods` only: where a person hands them over; left out for the nearest node beside the vehicle."""
     command: Annotated[str | None, Field(pattern=r"^[A-Za-z0-9._:-]{1,64}$")] = None
     """A name for this command, by which the caller finds it in the stream. A command that is sent again under
     its name is not given again."""
@@ -70,6 +76,10 @@ class MachineCommandRequest(BaseModel):
             raise ValueError(f"a promise is for {PROMISE_MAX_S:g} s at most")
         if not out and (self.reason or self.after_work):
             raise ValueError("reason and after_work are given with kind take_out, and with no other")
+        if bool(self.task) != self.kind.is_about_goods:
+            raise ValueError("task is given with kind fetch_goods or write_off, and with no other")
+        if self.node and self.kind is not MachineCommandKind.FETCH_GOODS:
+            raise ValueError("node may be given with kind fetch_goods, and with no other")
         return self
 
 
@@ -79,7 +89,7 @@ class MachineCommandRequest(BaseModel):
     responses={
         200: described(CommandAnswer, "The machine's word", CommandAnswer("gateway.1-7", done=True)),
         **problems(
-            p403="The machine does not stand in the caller's areas",
+            p403="The machine, or the goods that it is about, are not in the caller's areas",
             p404="There is no such machine",
             p409="The name of the command was used for another one, or the machine is shut out",
             p503="Too many commands wait for an answer",
@@ -97,10 +107,14 @@ async def command_machine(
     machine: str,
     command: MachineCommandRequest,
 ) -> Json:
-    """Promise help, clear a fault, hand the goals over, slow down, restart, or take a machine out of service; waits for its word."""
+    """Promise help, clear a fault, hand goals over, slow down, restart, take out of service, fetch goods or write them off; waits for its word."""
     note.detail |= command.model_dump(mode="json", exclude_none=True)
     note.waits = True
-    _area_rule(projection, caller, machine)
+    goods_m = _goods_m(projection, machine, command)
+    if goods_m is None:
+        _area_rule(projection, caller, machine)
+    elif caller.areas is not None and caller.areas.isdisjoint(_areas_near(projection, *goods_m)):
+        raise forbidden(f"the goods of {command.task} are not in your areas ({_named(caller.areas)})")
     if machine in projection.outsiders:
         raise Problem(
             HTTPStatus.CONFLICT,
@@ -115,6 +129,8 @@ async def command_machine(
         wait_s=command.wait_s,
         reason=command.reason,
         after_work=command.after_work,
+        task=command.task,
+        node=command.node,
         issued_by=caller.name,
     )
     answer = await commands.give(machine, said, by=caller)
@@ -132,6 +148,25 @@ async def command_machine(
     )
 
 
+def _goods_m(
+    projection: Projection, machine: str, command: MachineCommandRequest
+) -> tuple[float, float] | None:
+    """Where the goods wait that a command is about: who answers for that place may give it, and nobody else. None where nobody knows."""
+    view = projection.tasks.view(command.task) if command.kind.is_about_goods else None
+    if view is None or view.coordinator != machine or view.stranded is None:
+        return None
+    spot = projection.site.plant.nodes.get(view.stranded.node)
+    return None if spot is None else (spot.x_m, spot.y_m)
+
+
+def _areas_near(projection: Projection, x_m: float, y_m: float) -> frozenset[str]:
+    return frozenset(projection.site.plant.areas_near(x_m, y_m, 0.0))
+
+
+def _named(areas: frozenset[str]) -> str:
+    return ", ".join(sorted(areas)) or "none"
+
+
 def _area_rule(projection: Projection, caller: Principal, machine: str) -> None:
     """A caller who is limited to areas commands the machines that stand there; of others not even that they are.
 
@@ -143,7 +178,7 @@ def _area_rule(projection: Projection, caller: Principal, machine: str) -> None:
         if projection.machines.view(machine) is None:
             raise not_found("machine", machine, "GET /api/machines")
         return
-    near = plant.areas_near(*plant.position_of(machine), 0.0) if machine in plant.machines else ()
+    here = machine in plant.machines
+    near = _areas_near(projection, *plant.position_of(machine)) if here else frozenset[str]()
     if caller.areas.isdisjoint(near):
-        areas = ", ".join(sorted(caller.areas)) or "none"
-        raise forbidden(f"{machine} is not in your areas ({areas})")
+        raise forbidden(f"{machine} is not in your areas ({_named(caller.areas)})")

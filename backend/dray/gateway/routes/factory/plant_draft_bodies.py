@@ -48,6 +48,22 @@ class DraftView(msgspec.Struct, frozen=True, kw_only=True):
     """The media type of its floor plan; empty if it has none."""
 
 
+class PlanView(msgspec.Struct, frozen=True, kw_only=True):
+    """A floor plan that was laid under a draft."""
+
+    media_type: str
+    """Of the picture that it is now; DXF becomes SVG."""
+    width_m: float | None = None
+    """Of a plan that says how large it is, as DXF; else null."""
+    height_m: float | None = None
+    notes: tuple[str, ...] = ()
+    """What of it was left out or assumed."""
+
+
+PLAN_EXAMPLE = PlanView(
+    media_type="image/svg+xml", width_m=84.2, height_m=51.0, notes=("left out: MTEXT, 31 times",)
+)
+
 EXAMPLE = DraftView(
     id="line-4",
     name="Line 4",
@@ -99,8 +115,9 @@ class FloorPlan(BaseModel):
     )
 
     media_type: str
-    """image/png or image/svg+xml."""
+    """image/png, image/svg+xml or image/vnd.dxf."""
     base64: str
+    """Of the file; of DXF it may be packed with gzip."""
 
 
 class Shift(BaseModel):

@@ -14,6 +14,7 @@ from starlette.responses import Response
 from dray.errors import PlantError
 from dray.gateway.access.audit_log import Noted
 from dray.gateway.access.caller import Caller
+from dray.gateway.factory.dxf_plans import DxfPlans, NoPlan
 from dray.gateway.factory.plant_drafts import (
     MAX_DEPTH,
     as_yaml,
@@ -27,15 +28,18 @@ from dray.gateway.http.provided import Now, Provided
 from dray.gateway.http.request_bodies import json_only
 from dray.gateway.http.responses import PAGE, Cursor, Json, Limit, described, list_of, page, problems
 from dray.gateway.http.side_work import SideWork
+from dray.gateway.http.versions import check_version, version_tag
 from dray.gateway.live.projection import Projection
 from dray.gateway.orders.order_ids import new_token
 from dray.gateway.routes.factory.plant_draft_bodies import (
     EXAMPLE,
+    PLAN_EXAMPLE,
     PLAY_EXAMPLE,
     ChangedDraft,
     DraftView,
     FloorPlan,
     NewDraft,
+    PlanView,
     Shift,
 )
 from dray.plant.model import PlantFile
@@ -47,7 +51,9 @@ router = APIRouter(tags=["drafts"])
 MAX_DRAFTS = 50
 """Of a plant; whoever wants another one removes one."""
 
-PLANS = {"image/png": b"\x89PNG\r\n\x1a\n", "image/svg+xml": b""}
+DXF = "image/vnd.dxf"
+
+PLANS = {"image/png": b"\x89PNG\r\n\x1a\n", "image/svg+xml": b"", DXF: b""}
 """Floor plans by media type, and how they begin."""
 
 MAX_PLAN_BYTES = 700_000
@@ -116,7 +122,7 @@ async def begin(
     note.target = row.id
     view = await _view(row, side_work)
     return Json(
-        view, HTTPStatus.CREATED, headers={"Location": f"/api/plant-drafts/{row.id}", "ETag": _tag(1)}
+        view, HTTPStatus.CREATED, headers={"Location": f"/api/plant-drafts/{row.id}", "ETag": version_tag(1)}
     )
 
 
@@ -138,7 +144,7 @@ async def get_running(projection: Provided[Projection]) -> Json:
 async def get_draft(store: Provided[Store], side_work: Provided[SideWork], draft: DraftId) -> Json:
     """A draft with its content, its faults and its warnings."""
     row = await _row(store, draft)
-    return Json(await _view(row, side_work), headers={"ETag": _tag(row.version)})
+    return Json(await _view(row, side_work), headers={"ETag": version_tag(row.version)})
 
 
 @router.put(
@@ -169,13 +175,7 @@ async def change(
     if deeper_than(request.data, MAX_DEPTH):
         raise unusable(FieldError("data", f"is nested more than {MAX_DEPTH} levels deep"))
     before = await _row(store, draft)
-    if if_match is None:
-        raise Problem(
-            HTTPStatus.PRECONDITION_REQUIRED,
-            "no-version",
-            "It is not said which version is changed",
-            "send If-Match with the ETag of the draft as you have read it",
-        )
+    check_version(before.version, if_match, _changed(before))
     row = msgspec.structs.replace(
         before,
         name=request.name,
@@ -184,12 +184,10 @@ async def change(
         by=caller.name,
         at_s=now_s,
     )
-    if if_match.strip().removeprefix("W/") not in (_tag(before.version), "*"):
-        raise _changed(before)
     async with store.write() as work:
         if not await work.plant_drafts.change(row):
             raise _changed(before)
-    return Json(await _view(row, side_work), headers={"ETag": _tag(row.version)})
+    return Json(await _view(row, side_work), headers={"ETag": version_tag(row.version)})
 
 
 @router.delete(
@@ -230,13 +228,17 @@ async def get_file(store: Provided[Store], draft: DraftId) -> Response:
 
 @router.put(
     "/plant-drafts/{draft}/plan",
-    status_code=HTTPStatus.NO_CONTENT,
     dependencies=[Depends(json_only)],
-    responses={**problems(p404="There is no such draft")},
-    response_class=Response,
+    responses={
+        200: described(PlanView, "It lies under the draft", PLAN_EXAMPLE),
+        **problems(p404="There is no such draft"),
+    },
+    response_class=Json,
 )
-async def put_plan(store: Provided[Store], note: Noted, draft: DraftId, request: FloorPlan) -> Response:
-    """Lay a floor plan under a draft: PNG or SVG. Where it lies is in the draft's `plan`."""
+async def put_plan(
+    store: Provided[Store], plans: Provided[DxfPlans], note: Noted, draft: DraftId, request: FloorPlan
+) -> Json:
+    """Lay a floor plan under a draft: PNG, SVG or DXF, which becomes SVG. Where it lies is in the draft's `plan`."""
     note.target, note.detail["media_type"] = draft, request.media_type
     if request.media_type not in PLANS:
         raise unusable(FieldError("media_type", f"is none of {', '.join(PLANS)}"))
@@ -246,12 +248,26 @@ async def put_plan(store: Provided[Store], note: Noted, draft: DraftId, request:
         raise unusable(FieldError("base64", "is no base64")) from None
     if not content.startswith(PLANS[request.media_type]):
         raise unusable(FieldError("base64", f"is no {request.media_type}"))
+    view = PlanView(media_type=request.media_type)
+    if request.media_type == DXF:
+        await _row(store, draft)
+        try:
+            picture = await plans.picture(content)
+        except NoPlan as error:
+            raise unusable(FieldError("base64", str(error))) from None
+        content = picture.svg
+        view = PlanView(
+            media_type="image/svg+xml",
+            width_m=picture.width_m,
+            height_m=picture.height_m,
+            notes=picture.notes,
+        )
     if len(content) > MAX_PLAN_BYTES:
         raise unusable(FieldError("base64", f"is more than {MAX_PLAN_BYTES} bytes: make the picture smaller"))
     async with store.write() as work:
-        if not await work.plant_drafts.put_plan(draft, request.media_type, content):
+        if not await work.plant_drafts.put_plan(draft, view.media_type, content):
             raise not_found("draft", draft, LISTED)
-    return Response(status_code=HTTPStatus.NO_CONTENT)
+    return Json(view)
 
 
 @router.get(
@@ -339,10 +355,6 @@ async def _view(row: DraftRow, side_work: SideWork) -> DraftView:
         notes=tuple(msgspec.json.decode(row.notes)),
         plan_type=row.plan_type,
     )
-
-
-def _tag(version: int) -> str:
-    return f'"{version}"'
 
 
 def _encoded(value: object) -> str:

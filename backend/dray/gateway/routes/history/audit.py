@@ -45,6 +45,7 @@ async def list_audit(
     action: Word = "",
     target: Word = "",
     result: Literal["", "done", "refused", "failed"] = "",
+    oldest_first: bool = False,
     cursor: Cursor = None,
     limit: Limit = PAGE,
     format: Format = "json",  # noqa: A002 - the word that others use
@@ -58,22 +59,23 @@ async def list_audit(
     # Lines of stops are written after their answers: whoever reads the log reads them all.
     await access.audit_log.catch_up()
     if format == "csv":
-        return table("audit", header_of(COLUMNS), _rows(store, wanted))
+        return table("audit", header_of(COLUMNS), _rows(store, wanted, oldest_first))
     async with store.read() as work:
-        rows = await work.audit.page(wanted, None if after is None else after[0], limit + 1)
+        place = None if after is None else after[0]
+        rows = await work.audit.page(wanted, place, limit + 1, oldest_first=oldest_first)
     next_cursor = write_cursor(rows[limit - 1].position) if len(rows) > limit else None
     return listing(rows[:limit], next_cursor)
 
 
-async def _rows(store: Store, wanted: AuditFilter) -> AsyncIterator[Row]:
+async def _rows(store: Store, wanted: AuditFilter, oldest_first: bool) -> AsyncIterator[Row]:
     """All lines that are wanted, as cells."""
-    before = None
+    after = None
     while True:
         async with store.read() as work:
-            rows = await work.audit.page(wanted, before, ROWS_AT_ONCE)
+            rows = await work.audit.page(wanted, after, ROWS_AT_ONCE, oldest_first=oldest_first)
         for row in rows:
             detail = msgspec.json.encode(row.detail).decode()
             yield [*row_of(COLUMNS[:-1], row), detail]
         if len(rows) < ROWS_AT_ONCE:
             return
-        before = rows[-1].position
+        after = rows[-1].position

@@ -52,7 +52,7 @@ async def get_kpi_history(
 ) -> Response:
     """The factory's figures over time: the last eight hours when nothing else is said.
 
-    They are kept for 35 days, by minutes. Steps begin at whole multiples of `step` since 1970.
+    By minutes, 35 days at once; docs/operating.md says for how long they are kept. Steps begin at whole multiples of `step` since 1970.
     """
     step_s = float(step)
     until_s = now_s if until is None else until.timestamp()
@@ -74,7 +74,7 @@ def _refuse_nonsense(since_s: float, until_s: float, step_s: float) -> None:
         raise unusable(FieldError("until", "it is not after since; give a later moment"))
     if until_s - since_s > KEPT_S + step_s:
         days = KEPT_S / 86_400
-        raise unusable(FieldError("since", f"figures are kept for {days:g} days; ask for no more"))
+        raise unusable(FieldError("since", f"{days:g} days are told at once; ask for no more"))
     if (until_s - since_s) / step_s > MOST_POINTS:
         reason = f"that makes more than {MOST_POINTS} steps; take a longer step, or a shorter time"
         raise unusable(FieldError("step", reason))

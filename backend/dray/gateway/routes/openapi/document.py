@@ -11,14 +11,19 @@ from fastapi.openapi.utils import get_openapi
 from dray import __version__
 from dray.gateway.access.gate import COOKIE
 from dray.gateway.access.rules import RULES, Rule
+from dray.gateway.factory.area_pause import PauseAnswer
 from dray.gateway.factory.closings import Outlook
 from dray.gateway.factory.figures import KpiHistory
 from dray.gateway.factory.plant_drafts import FindingView
 from dray.gateway.factory.promises import PromiseLedger
 from dray.gateway.factory.shift_player import PlayView
-from dray.gateway.http.problems import ProblemDetails
+from dray.gateway.factory.shift_report import ShiftReport
+from dray.gateway.http.problems import FieldError, ProblemDetails
 from dray.gateway.live.frames import COLLECTIONS, Delta, Snapshot
+from dray.gateway.live.replay.knowledge import KnowledgeView
+from dray.gateway.live.replay.reader import FilmView, OverviewView
 from dray.gateway.live.views import (
+    AlertRecord,
     AlertView,
     AtvView,
     ClosureView,
@@ -38,15 +43,24 @@ from dray.gateway.routes.factory.duty import CallAnswered
 from dray.gateway.routes.factory.faults import FaultsAnswer
 from dray.gateway.routes.factory.floor.traffic import TrafficAnswer
 from dray.gateway.routes.factory.inventory import InventoryLine, MaterialAnswer, StorageAnswer
-from dray.gateway.routes.factory.plant_draft_bodies import DraftView
+from dray.gateway.routes.factory.plant_draft_bodies import DraftView, PlanView
 from dray.gateway.routes.history.events import EventAnswer
+from dray.gateway.routes.history.kept import KeptView
+from dray.gateway.routes.history.quality import QualityAnswer
+from dray.gateway.routes.history.replay import SpellsView
+from dray.gateway.routes.history.reports import TargetsView
+from dray.gateway.routes.history.tasks import TaskRecord
+from dray.gateway.routes.keys import KeyAnswer, NewKeyAnswer
 from dray.gateway.routes.me import MeAnswer
 from dray.gateway.routes.openapi.examples import examples
 from dray.gateway.routes.orders.imports import ImportAnswer
 from dray.gateway.routes.orders.orders import OrderAnswer
+from dray.gateway.routes.orders.schedules import RunsPreview, ScheduleAnswer
 from dray.gateway.routes.orders.timeline import LinksRevoked, NewLink, OrderStory
 from dray.gateway.routes.orders.transports import TransportAnswer
-from dray.gateway.routes.products import ProductAnswer
+from dray.gateway.routes.people import LoginLinkAnswer, PersonAnswer
+from dray.gateway.routes.products.imports import ProductsAnswer
+from dray.gateway.routes.products.products import ProductAnswer
 from dray.gateway.tracking.answer import TrackAnswer
 from dray.plant.model import PlantFile
 from dray.store.access.audit import AuditRow
@@ -55,6 +69,7 @@ from dray.store.factory.plant_drafts import DraftLine
 
 SHAPES = (
     AlertView,
+    AlertRecord,
     AtvView,
     AuditRow,
     ClosureView,
@@ -64,15 +79,25 @@ SHAPES = (
     DutyView,
     DraftLine,
     DraftView,
+    PlanView,
     EventAnswer,
     Exclusion,
     FactoryView,
     FaultsAnswer,
+    FilmView,
+    KnowledgeView,
+    OverviewView,
+    SpellsView,
+    ShiftReport,
+    TargetsView,
     FaultView,
     FindingView,
     ImportAnswer,
+    KeyAnswer,
     KpiHistory,
     LinksRevoked,
+    LoginLinkAnswer,
+    NewKeyAnswer,
     NewLink,
     InventoryLine,
     MachineView,
@@ -83,15 +108,23 @@ SHAPES = (
     OrderPreview,
     OrderStory,
     Outlook,
+    PauseAnswer,
+    PersonAnswer,
     PlantFile,
     PlayView,
     ProblemDetails,
     ProductAnswer,
+    ProductsAnswer,
     PromiseLedger,
+    QualityAnswer,
     RemovalView,
+    RunsPreview,
     ScenarioView,
+    ScheduleAnswer,
     Snapshot,
     StorageAnswer,
+    TaskRecord,
+    KeptView,
     TaskView,
     TrackAnswer,
     TrafficAnswer,
@@ -120,6 +153,9 @@ SECURITY = {
     "key": {"type": "http", "scheme": "bearer"},
     "session": {"type": "apiKey", "in": "cookie", "name": COOKIE},
 }
+
+SPARSE = frozenset({ProblemDetails.__name__, FieldError.__name__})
+"""Of these what has its default is left out."""
 
 PROBLEM = {"application/problem+json": {"schema": {"$ref": "#/components/schemas/ProblemDetails"}}}
 
@@ -158,7 +194,7 @@ def _document(app: FastAPI) -> dict[str, Any]:
 def _tell_what_is_always_there(shapes: dict[str, Any]) -> None:
     """Of a struct, msgspec calls a field with a default optional, for a reader; an answer always has it."""
     for name, shape in shapes.items():
-        if "properties" in shape and name != ProblemDetails.__name__:
+        if "properties" in shape and name not in SPARSE:
             shape["required"] = list(shape["properties"])
 
 

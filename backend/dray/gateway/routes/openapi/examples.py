@@ -34,13 +34,24 @@ from dray.gateway.routes.factory.floor.waits import EXAMPLE as WAIT
 from dray.gateway.routes.factory.inventory import InventoryLine, MaterialAnswer, StorageAnswer, StoredMaterial
 from dray.gateway.routes.factory.plant_draft_bodies import EXAMPLE as DRAFT
 from dray.gateway.routes.factory.plant_draft_bodies import LINE_EXAMPLE, PLAY_EXAMPLE
+from dray.gateway.routes.history.alerts import EXAMPLE as ALERT_RECORD
 from dray.gateway.routes.history.events import EventAnswer
+from dray.gateway.routes.history.kept import EXAMPLE as KEPT
+from dray.gateway.routes.history.replay import EXAMPLES as REPLAY
+from dray.gateway.routes.history.reports import EXAMPLES as REPORTS
+from dray.gateway.routes.history.tasks import EXAMPLE as TASK_RECORD
+from dray.gateway.routes.keys import EXAMPLE as KEY
+from dray.gateway.routes.keys import NEW_EXAMPLE as NEW_KEY
 from dray.gateway.routes.orders.imports import ImportAnswer, ImportedOrder
 from dray.gateway.routes.orders.orders import EXAMPLE as ORDER
+from dray.gateway.routes.orders.schedules import EXAMPLES as SCHEDULES
 from dray.gateway.routes.orders.timeline import EXAMPLE as STORY
 from dray.gateway.routes.orders.timeline import LinksRevoked, NewLink
 from dray.gateway.routes.orders.transports import EXAMPLE as TRANSPORT
-from dray.gateway.routes.products import EXAMPLE as PRODUCT
+from dray.gateway.routes.people import EXAMPLE as PERSON
+from dray.gateway.routes.people import LINK_EXAMPLE as LOGIN_LINK
+from dray.gateway.routes.products.imports import ImportedProduct, ProductsAnswer
+from dray.gateway.routes.products.products import EXAMPLE as PRODUCT
 from dray.gateway.tracking.answer import TrackAnswer, TrackEta, TrackStage
 from dray.gateway.tracking.track import StageName, TrackedItem
 from dray.plant import default_plant
@@ -68,8 +79,12 @@ PROMISES = PromiseLine(
 )
 
 _STRUCTS = (
+    *REPLAY,
+    *REPORTS,
+    KEPT,
     ORDER,
     ALERT,
+    ALERT_RECORD,
     EXCLUSION,
     CLOSURE,
     DRAFT,
@@ -77,6 +92,7 @@ _STRUCTS = (
     PLAY_EXAMPLE,
     DRAFT.findings[0],
     OBSTACLE,
+    *SCHEDULES,
     TRANSPORT,
     WAIT,
     TrackAnswer(
@@ -193,11 +209,18 @@ _STRUCTS = (
     STORY,
     NewLink(ORDER.tracking_url, NOW_S + 30 * 86_400.0),
     LinksRevoked(2),
+    PERSON,
+    LOGIN_LINK,
+    KEY,
+    NEW_KEY,
     ImportAnswer(
         orders=(
             ImportedOrder(id=ORDER.id, customer=ORDER.customer, reference=ORDER.reference, items=1, pieces=5),
         ),
         faults=(),
+    ),
+    ProductsAnswer(
+        products=(ImportedProduct(id="P1", name="Gear unit", becomes="changed", revision=2),), faults=()
     ),
     OrderPreview(
         materials=(
@@ -247,10 +270,12 @@ _STRUCTS = (
                 machine_available_frac=0.97,
                 commands=1,
                 helps=0,
+                energy_wh=118.0,
             )
             for at_s in (NOW_S - 660.0, NOW_S - 360.0)
         ),
     ),
+    TASK_RECORD,
     EventAnswer(
         position=1042,
         agent="M1",

@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Annotated
 
 import msgspec
 from fastapi import APIRouter, Depends
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import ConfigDict
 
 from dray.gateway.access.audit_log import Noted
 from dray.gateway.access.caller import Caller
-from dray.gateway.http.problems import MAX_FIELD_ERRORS, FieldError, unusable
+from dray.gateway.http.csv_rows import RowFault, refusal
+from dray.gateway.http.problems import MAX_FIELD_ERRORS
 from dray.gateway.http.provided import Provided
-from dray.gateway.http.request_bodies import json_only
+from dray.gateway.http.request_bodies import RowsFile, json_only
 from dray.gateway.http.responses import Json, described, problems
 from dray.gateway.http.side_work import SideWork
-from dray.gateway.orders.csv_import import RowFault, place, read_orders
+from dray.gateway.orders.csv_import import place, read_orders
 from dray.gateway.orders.drafts import OrderDraft, nonsense
 from dray.gateway.orders.idempotency import Key, own_key
 from dray.gateway.orders.order_ids import new_token
@@ -27,11 +27,10 @@ from dray.store.orders.orders import Order
 router = APIRouter(tags=["orders"])
 
 
-class ImportRequest(BaseModel):
+class ImportRequest(RowsFile):
     """A file of orders."""
 
     model_config = ConfigDict(
-        extra="forbid",
         json_schema_extra={
             "examples": [
                 {
@@ -41,11 +40,6 @@ class ImportRequest(BaseModel):
             ]
         },
     )
-
-    csv: str
-    """The text of the file."""
-    dry_run: Annotated[bool, Field(strict=True)] = False
-    """Only look what is in it."""
 
 
 class ImportedOrder(msgspec.Struct, frozen=True, kw_only=True):
@@ -99,10 +93,7 @@ async def import_orders(
     if file.dry_run:
         return Json(_imported([(draft, "") for draft in drafts], faults[:MAX_FIELD_ERRORS]))
     if faults:
-        named = (
-            FieldError(f"row {fault.row}, {fault.column}".rstrip(", "), fault.reason) for fault in faults
-        )
-        raise unusable(*list(named)[:MAX_FIELD_ERRORS])
+        raise refusal(faults)
 
     def render(orders: Sequence[Order]) -> bytes:
         pairs = zip(drafts, (order.id for order in orders), strict=True)

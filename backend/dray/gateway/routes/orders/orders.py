@@ -29,17 +29,21 @@ from dray.gateway.http.responses import (
     read_cursor,
     write_cursor,
 )
+from dray.gateway.http.versions import version_tag
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.projection.orders import order_view
 from dray.gateway.live.views import CauseView, OrderItemView, OrderView
 from dray.gateway.orders.actions import OrderActions
+from dray.gateway.orders.changes import order_version
 from dray.gateway.orders.drafts import Moment, OrderDraft, WorkDraft
 from dray.gateway.orders.feasibility import OrderPreview
 from dray.gateway.orders.idempotency import Key, own_key
 from dray.gateway.orders.placement import OrderPlacement
+from dray.gateway.routes.search import NowS, Words
 from dray.settings import Settings
 from dray.store import Store
 from dray.store.orders.order_filter import OrderFilter
+from dray.store.orders.order_sorting import Place, SortedBy, Sorting
 from dray.store.orders.orders import Order
 from dray.store.orders.progress import OrderStatus
 
@@ -55,6 +59,8 @@ class OrderAnswer(OrderView, kw_only=True):
     updated_at: str
     """When anything of it has changed last: what `updated_since` asks for."""
     tracking_url: str
+    etag: str
+    """Its `ETag`: what `If-Match` takes when it is changed."""
 
 
 EXAMPLE = OrderAnswer(
@@ -65,10 +71,12 @@ EXAMPLE = OrderAnswer(
     items=(OrderItemView(product="P1", quantity=5),),
     created_at_s=1_893_456_000.0,
     due_at_s=1_893_463_200.0,
+    wanted_at_s=1_893_463_200.0,
     created_at="2030-01-01T00:00:00Z",
     due_at="2030-01-01T02:00:00Z",
     updated_at="2030-01-01T00:00:00Z",
     tracking_url="http://127.0.0.1:8000/track/Vb2n-0yqk4QmJ8cA1xRZ7uTLw9sEhGdf",
+    etag='"1-0-5"',
 )
 
 ROWS_AT_ONCE = 500
@@ -79,6 +87,8 @@ Text = Annotated[str, Query(max_length=200, pattern=r"^[^\x00]*$")]
 
 
 async def _wanted(
+    words: Words,
+    now_s: NowS,
     status: Annotated[list[OrderStatus] | None, Query(description="Only these; may be repeated")] = None,
     reference: Annotated[Text, Query(description="The customer's own number, as it was given")] = "",
     customer: Annotated[Text, Query(description="As it was given")] = "",
@@ -89,6 +99,11 @@ async def _wanted(
     due_before: Annotated[
         Moment | None, Query(description="Due before then; only those with a due time")
     ] = None,
+    created_since: Annotated[Moment | None, Query(description="Placed then or later")] = None,
+    created_before: Annotated[Moment | None, Query(description="Placed before then")] = None,
+    late: Annotated[
+        bool, Query(description="Only those that are due and not delivered, or were late")
+    ] = False,
 ) -> OrderFilter:
     return OrderFilter(
         statuses=status or (),
@@ -97,6 +112,10 @@ async def _wanted(
         product=product,
         updated_since_s=None if updated_since is None else updated_since.timestamp(),
         due_before_s=None if due_before is None else due_before.timestamp(),
+        created_since_s=None if created_since is None else created_since.timestamp(),
+        created_before_s=None if created_before is None else created_before.timestamp(),
+        late_at_s=now_s if late else None,
+        words=words,
     )
 
 
@@ -106,7 +125,7 @@ Wanted = Annotated[OrderFilter, Depends(_wanted)]
 COLUMNS = (
     *("order", "customer", "reference", "status"),
     *("product", "quantity", "made", "delivered"),
-    *("created_at", "due_at", "released_at", "revoked_at", "delivered_at", "cancelled_at"),
+    *("created_at", "due_at", "released_at", "revoked_at", "delivered_at", "cancelled_at", "priority"),
 )
 
 WORK = {
@@ -193,24 +212,30 @@ async def list_orders(
     projection: Provided[Projection],
     base: BaseUrl,
     wanted: Wanted,
+    sort: Annotated[
+        SortedBy, Query(description="`work`: open ones by due time, then the last that ended")
+    ] = "created",
+    descending: bool | None = None,
     cursor: Cursor = None,
     limit: Limit = PAGE,
     format: Format = "json",  # noqa: A002 - the word that others use
 ) -> Response:
     """All orders there ever were; as a table with a row for each of their items.
 
+    They come newest first; any other `sort` begins with the smallest, unless it is to be `descending`.
     Filters are narrowed down by one another. Who follows all changes asks with `updated_since` as the newest
     `updated_at` of the answer before: orders that have changed at that very moment come again, and none is missed.
     """
+    sorting = Sorting(sort, sort == "created" if descending is None else descending)
     if format == "csv":
-        return table("orders", COLUMNS, _rows(store, wanted))
-    after = read_cursor(cursor, tuple[float, str])
+        return table("orders", COLUMNS, _rows(store, wanted, sorting))
+    after = read_cursor(cursor, sorting.shape)
     async with store.read() as work:
-        orders = await work.orders.page(wanted, after, limit + 1)
+        orders = await work.orders.page(wanted, after, limit + 1, sorting)
     last = orders[limit - 1] if len(orders) > limit else None
     return listing(
         [order_answer(order, base, projection.orders.why_waits(order.id)) for order in orders[:limit]],
-        None if last is None else write_cursor(last.created_at_s, last.id),
+        None if last is None else write_cursor(*sorting.place(last)),
     )
 
 
@@ -298,25 +323,34 @@ def order_answer(order: Order, base_url: str, waits: CauseView | None = None) ->
         delivered_at=None if order.delivered_at_s is None else iso(order.delivered_at_s),
         updated_at=iso(order.updated_at_s),
         tracking_url=f"{base_url}/track/{order.token}",
+        etag=version_tag(order_version(order)),
     )
 
 
-async def _rows(store: Store, wanted: OrderFilter) -> AsyncIterator[Row]:
-    """All orders, newest first, read page by page: nobody else waits for a long table."""
-    after: tuple[float, str] | None = None
+async def _rows(store: Store, wanted: OrderFilter, sorting: Sorting) -> AsyncIterator[Row]:
+    """All orders, read page by page: nobody else waits for a long table."""
+    after: Place | None = None
     while True:
         async with store.read() as work:
-            orders = await work.orders.page(wanted, after, ROWS_AT_ONCE)
+            orders = await work.orders.page(wanted, after, ROWS_AT_ONCE, sorting)
         for order in orders:
             moments = (order.created_at_s, order.due_at_s, order.released_at_s, order.revoked_at_s)
             ends = (order.delivered_at_s, order.cancelled_at_s)
             times = [None if at_s is None else iso(at_s) for at_s in (*moments, *ends)]
             head = (order.id, order.customer, order.reference, order.status.value)
             for item in order.items:
-                yield (*head, item.product, item.quantity, item.made, item.delivered, *times)
+                yield (
+                    *head,
+                    item.product,
+                    item.quantity,
+                    item.made,
+                    item.delivered,
+                    *times,
+                    order.priority.value,
+                )
         if len(orders) < ROWS_AT_ONCE:
             return
-        after = orders[-1].created_at_s, orders[-1].id
+        after = sorting.place(orders[-1])
 
 
 def _created(order_id: str, answer: bytes, headers: Mapping[str, str] | None = None) -> Json:
@@ -327,4 +361,5 @@ def _created(order_id: str, answer: bytes, headers: Mapping[str, str] | None = N
 def _answer(projection: Projection, order: Order | None, order_id: str, base_url: str) -> Json:
     if order is None:
         raise not_found("order", order_id, "GET /api/orders")
-    return Json(order_answer(order, base_url, projection.orders.why_waits(order.id)))
+    answer = order_answer(order, base_url, projection.orders.why_waits(order.id))
+    return Json(answer, headers={"ETag": version_tag(order_version(order))})

@@ -17,7 +17,6 @@ from dray.gateway.http.responses import Json, described, problems
 from dray.gateway.live.projection import Projection
 from dray.gateway.orders.order_ids import new_token
 from dray.gateway.orders.timeline import (
-    TOLD_BY,
     LegView,
     MomentView,
     OrderGoalView,
@@ -29,6 +28,7 @@ from dray.gateway.tracking.facts import facts_of_order
 from dray.gateway.tracking.track import track
 from dray.store import Store
 from dray.store.history.events import EventFilter
+from dray.store.orders.order_histories import KINDS, together
 from dray.store.orders.tracking_links import Link
 
 router = APIRouter(tags=["orders"])
@@ -37,8 +37,6 @@ EVENTS_MOST = 5_000
 """Events that are read for one order: 1,000 pieces with their transports, of which one may take some takeovers."""
 
 DAY_S = 86_400.0
-
-_KINDS = tuple(kind.__name__ for kind in TOLD_BY)
 
 
 class ExpectedView(msgspec.Struct, frozen=True):
@@ -149,7 +147,7 @@ async def order_timeline(
 ) -> Json:
     """All of an order from its start to its end.
 
-    Read from agents' histories: of an order whose events were pruned its goals are told only.
+    Read from agents' histories, and from what is kept with the order of those that are forgotten.
     """
     async with store.read() as work:
         found = await work.orders.get(order)
@@ -157,10 +155,11 @@ async def order_timeline(
             raise not_found("order", order, "GET /api/orders")
         facts = await facts_of_order(projection, work, found, now_s)
         rows = await work.events.page(
-            EventFilter(kinds=_KINDS, order=order), None, EVENTS_MOST + 1, newest_first=False
+            EventFilter(kinds=KINDS, order=order), None, EVENTS_MOST + 1, newest_first=False
         )
+        kept = await work.order_histories.of_order(order)
         links = await work.links.of_order(order)
-    told = timeline(rows[:EVENTS_MOST], facts.goals, is_whole=len(rows) <= EVENTS_MOST)
+    told = timeline(together(kept, rows[:EVENTS_MOST]), facts.goals, is_whole=len(rows) <= EVENTS_MOST)
     tracked = track(facts)
     expected = None if tracked.eta is None else ExpectedView(tracked.eta.from_s, tracked.eta.to_s)
     return Json(

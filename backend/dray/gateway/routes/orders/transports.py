@@ -12,7 +12,7 @@ from dray.gateway.access.audit_log import Noted
 from dray.gateway.access.caller import Caller
 from dray.gateway.access.principal import Principal, Scope
 from dray.gateway.http.problems import not_found
-from dray.gateway.http.provided import Provided
+from dray.gateway.http.provided import Now, Provided
 from dray.gateway.http.request_bodies import json_only
 from dray.gateway.http.responses import (
     PAGE,
@@ -27,8 +27,12 @@ from dray.gateway.http.responses import (
     read_cursor,
     write_cursor,
 )
+from dray.gateway.live.projection import Projection
 from dray.gateway.orders.idempotency import Key, own_key
-from dray.gateway.orders.transports import PlainTransports, TransportDraft, caller_key
+from dray.gateway.orders.transport_draft import TransportDraft
+from dray.gateway.orders.transports import PlainTransports, caller_key
+from dray.gateway.orders.wanted_vehicle import why_not
+from dray.gateway.routes.search import Words
 from dray.messages import TransportState
 from dray.store import Store
 from dray.store.orders.transports import TransportRow
@@ -48,7 +52,14 @@ class TransportAnswer(msgspec.Struct, frozen=True, kw_only=True, rename={"source
     quantity: int
     priority: str
     vehicle: str | None = None
-    """The only one that may carry it."""
+    """The only one that may carry it..."""
+    vehicle_until: str | None = None
+    """...until then; null for always."""
+    vehicle_waits: str | None = None
+    """Why that one does not carry it at present: gone, silent, shut_out, carried_away, out_of_service, error, stopped, busy, battery, charging,
+    or the reason for which it has not bid, as no_way."""
+    ability: str | None = None
+    """What its vehicle must be able to carry beside what the material asks for."""
     called_by: str
     created_at: str
     due_at: str
@@ -145,7 +156,10 @@ async def call_transport(
 async def list_transports(
     store: Provided[Store],
     transports: Provided[PlainTransports],
+    projection: Provided[Projection],
     caller: Caller,
+    now_s: Now,
+    words: Words,
     status: Annotated[list[TransportState] | None, Query(description="Only these; may be repeated")] = None,
     place: Annotated[
         str, Query(max_length=32, pattern=r"^[^\x00]*$", description="Only those from or to this place")
@@ -164,10 +178,11 @@ async def list_transports(
             caller=_only_own(caller),
             after=after,
             limit=limit + 1,
+            words=words,
         )
     last = rows[limit - 1] if len(rows) > limit else None
     return listing(
-        [transport_answer(row) for row in rows[:limit]],
+        [transport_answer(row, why_not(row, projection, now_s)) for row in rows[:limit]],
         None if last is None else write_cursor(last.created_at_s, last.id),
     )
 
@@ -181,14 +196,19 @@ async def list_transports(
     response_class=Json,
 )
 async def get_transport(
-    store: Provided[Store], transports: Provided[PlainTransports], caller: Caller, transport: str
+    store: Provided[Store],
+    transports: Provided[PlainTransports],
+    projection: Provided[Projection],
+    caller: Caller,
+    now_s: Now,
+    transport: str,
 ) -> Json:
     """One plain transport."""
     async with store.read() as work:
         row = await work.transports.get(transport)
     if row is None or not transports.may_see(row, caller):
         raise not_found("transport", transport, "GET /api/transports")
-    return Json(transport_answer(row))
+    return Json(transport_answer(row, why_not(row, projection, now_s)))
 
 
 @router.post(
@@ -210,8 +230,8 @@ async def cancel_transport(
     return Json(transport_answer(row))
 
 
-def transport_answer(row: TransportRow) -> TransportAnswer:
-    """A transport, as REST shows it."""
+def transport_answer(row: TransportRow, vehicle_waits: str | None = None) -> TransportAnswer:
+    """A transport, as REST shows it, and why the vehicle that is wanted does not carry it."""
     return TransportAnswer(
         id=row.id,
         status=row.status.value,
@@ -221,6 +241,9 @@ def transport_answer(row: TransportRow) -> TransportAnswer:
         quantity=row.quantity,
         priority=row.priority,
         vehicle=row.vehicle or None,
+        vehicle_until=None if row.vehicle_until_s is None else iso(row.vehicle_until_s),
+        vehicle_waits=vehicle_waits,
+        ability=row.ability or None,
         called_by=row.called_by,
         created_at=iso(row.created_at_s),
         due_at=iso(row.due_at_s),

@@ -30,6 +30,7 @@ from dray.gateway.access.sessions import principal_of
 from dray.gateway.http.assets import Panels
 from dray.gateway.http.problems import FieldError, Problem, away, unusable
 from dray.gateway.http.provided import Provided, provided
+from dray.gateway.http.request_bodies import read_form
 from dray.gateway.live.projection import Projection
 from dray.plant.model import PlantFile
 from dray.store.access.people import Person
@@ -53,8 +54,6 @@ class _Page(APIRoute):
 
 
 router = APIRouter(include_in_schema=False, route_class=_Page)
-
-FORM = "application/x-www-form-urlencoded"
 
 FIELDS = 10
 """In a form: the login's has six."""
@@ -83,7 +82,7 @@ async def log_in(
     note: Noted,
 ) -> Response:
     """Log somebody in by name and password or PIN, or by badge."""
-    form = await _form(request)
+    form = await read_form(request, FIELDS)
     login, address = access.login, address_of(request.scope)
     note.detail["by"] = "badge" if form.get("badge") else "name"
     try:
@@ -128,7 +127,7 @@ async def take_station(
     access: Provided[Access], projection: Provided[Projection], request: Request, caller: Caller, note: Noted
 ) -> Response:
     """Work at this machine from now on."""
-    form = await _form(request)
+    form = await read_form(request, FIELDS)
     station = note.target = form.get("station", "")
     if station not in {machine.id for machine in stations_in(projection.site.plant.file, caller.areas or ())}:
         raise unusable(FieldError("station", "it is no machine in your areas"))
@@ -181,24 +180,6 @@ async def log_out(access: Provided[Access], request: Request, note: Noted) -> Re
     answer = _go("/login") if wants_page(request.scope) else Response(status_code=HTTPStatus.NO_CONTENT)
     cookies.take_session(answer, request)
     return answer
-
-
-async def _form(request: Request) -> dict[str, str]:
-    """The text fields of a form.
-
-    Raises:
-        Problem: 415, it is no form of ours.
-    """
-    kind = request.headers.get("content-type", "").partition(";")[0].strip().lower()
-    if kind != FORM:
-        raise Problem(
-            HTTPStatus.UNSUPPORTED_MEDIA_TYPE,
-            "not-called-form",
-            "The body is not called a form",
-            f"Content-Type is {kind[:64]!r}; send {FORM}",
-        )
-    form = await request.form(max_files=0, max_fields=FIELDS)
-    return {name: value for name, value in form.items() if isinstance(value, str)}
 
 
 async def _welcome(

@@ -136,7 +136,7 @@ class Plausibility:
             return longest_s
         there = dock_of(self._plant, work, work.destination)
         for kind, vehicle in self._plant.vehicle_types.items():
-            if work.ability not in vehicle.abilities:
+            if not all(ability in vehicle.abilities for ability in work.needed):
                 continue
             routes = self._plant.routes(kind)
             for source in work.sources:
@@ -193,4 +193,4 @@ def _parts_s(bid: Bid) -> tuple[float, ...]:
     cost = bid.cost
     if isinstance(cost, TransportCost):
         return cost.empty_way_s, cost.loaded_way_s, cost.energy_s, cost.suitability_s, cost.waiting_s
-    return cost.queue_s, cost.material_s, cost.making_s
+    return cost.queue_s, cost.material_s, cost.making_s, cost.passed_s, cost.rest_s

@@ -4,7 +4,8 @@
     usual_s     three of five breakdowns of this kind were over by then, as all machines have told
 
 Where such breakdowns are usually over within the room, the goals wait as long as there is room; else they are offered to others at
-once. Of a breakdown about which there are only words nothing is usual, and the goals wait BREAKDOWN_S. A person's word counts above:
+once. Of a breakdown about which there are only words nothing is usual, and the goals wait BREAKDOWN_S. Where nobody is on duty, and by the
+working time of the place nobody is there, a breakdown lasts that much longer, and what lasts too long is not waited for. A person's word counts above:
 one who promises to come is waited for, and one who has seen that it takes too long lets the goals go.
 
 Whether goals wait or not, a machine that cannot go on calls for help: operators who are on duty, as vehicles do (`protocol.calls`).
@@ -14,8 +15,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from typing import Any
-
-from msgspec.structs import replace
 
 from dray.body import Broken, WorkcellState
 from dray.messages import (
@@ -34,7 +33,7 @@ from dray.plant import Plant
 from dray.protocol.calls.help_calls import HelpCalls
 from dray.protocol.liveness.suspicion import BREAKDOWN_S
 from dray.protocol.machine.production import GoalBook
-from dray.protocol.people.patience import PASSES_AT_FIRST_S, Experience
+from dray.protocol.people.patience import PASSES_AT_FIRST_S, Experience, waits_for_people
 from dray.protocol.runtime.events import Effect, Publish, Record, Subscribe
 from dray.protocol.runtime.timers import Timers
 
@@ -75,6 +74,7 @@ class Breakdown:
         about: what is known of it.
         resettable: the sensors find nothing wrong any more.
         help: how long the goals wait for a person; None while it works.
+        calls: the machine's calls for help, this problem's and others.
         message_handlers: by the type of a message, what to call with (sender, message, now_s).
         alarms: by name, what to call with (None, now_s).
     """
@@ -93,22 +93,22 @@ class Breakdown:
         self._timers = timers
         self._out = out
         self._experience = Experience()
-        self._calls = HelpCalls(_Caller(machine, incarnation, plant), plant, timers, out)
-        self._since_s = 0.0
+        self.calls = HelpCalls(_Caller(machine, incarnation, plant), plant, timers, out, self._not_coming)
+        self._since_s = self._judged_until_s = self._promised_s = self._comes_after_s = 0.0
         self.problem = ""
         self.about: Problem = NOTHING_KNOWN
         self.resettable = False
         self.help: HelpWanted | None = None
         self.message_handlers: dict[type[Message], Callable[[str, Any, float], None]] = {
             ProblemEnded: self._on_ended,
-            **self._calls.message_handlers,
+            **self.calls.message_handlers,
         }
-        self.alarms = self._calls.alarms
+        self.alarms = self.calls.alarms
 
     def start(self, body: WorkcellState, wanted: HelpWanted | None, now_s: float) -> None:
         """Go on with what the body knows and an earlier life was told, and listen."""
         self._out.append(Subscribe(self._keys.all_breakdowns))
-        self._calls.listen()
+        self.calls.listen()
         if body.broken:
             self.help = wanted
             self.on_broken(Broken(body.broken, body.about_problem, body.resettable), now_s)
@@ -119,9 +119,10 @@ class Breakdown:
         self.problem, self.about, self.resettable = report.reason, report.problem, report.resettable
         if not is_new:
             return
-        self._since_s = now_s
+        self._since_s, self._comes_after_s = now_s, self.calls.comes_after_s(now_s)
+        self._judged_until_s = now_s + self._patience_s(now_s)
         if self.help is None:
-            self.help = HelpWanted(until_s=now_s + self._patience_s(now_s))
+            self.help = HelpWanted(until_s=self._judged_until_s)
             waiting = next(iter(self._goals), None)
             asked = HelpAsked(
                 task="" if waiting is None else waiting.id,
@@ -134,7 +135,9 @@ class Breakdown:
 
     def on_repaired(self, now_s: float) -> None:
         """It works again: whoever waits for machines may know how long that took."""
-        if self.problem and self.about != NOTHING_KNOWN:
+        # What began while nobody was there teaches nothing about how long people take.
+        teaches = not (self._comes_after_s and waits_for_people(self.about))
+        if self.problem and self.about != NOTHING_KNOWN and teaches:
             lasted_s = max(0.0, now_s - self._since_s)
             ended = ProblemEnded(agent=self._machine, problem=self.about, lasted_s=lasted_s)
             self._experience.note(ended, "", now_s)
@@ -150,10 +153,10 @@ class Breakdown:
             expected: it should work; one that is out of service, or that leaves, calls nobody: people know of it.
         """
         if not self.problem or not expected:
-            self._calls.close(now_s)
+            self.calls.close(now_s)
             return
         waits = self.about.passes is True and not self.about.needs_person
-        self._calls.open(self.about, self.problem, now_s, after_s=PASSES_AT_FIRST_S if waits else 0.0)
+        self.calls.open(self.about, self.problem, now_s, after_s=PASSES_AT_FIRST_S if waits else 0.0)
 
     def is_over_patience(self, now_s: float) -> bool:
         """Whether its goals wait for it no longer."""
@@ -165,7 +168,7 @@ class Breakdown:
             return CommandRefusal.NOT_WAITING
         if wait_s is None or not 0.0 < wait_s <= PROMISE_MAX_S:
             return CommandRefusal.WAIT_OUT_OF_RANGE
-        self.help = HelpWanted(until_s=now_s + wait_s, promised_by=by)
+        self.help, self._promised_s = HelpWanted(until_s=now_s + wait_s, promised_by=by), now_s
         self._timers.set(PATIENCE_OVER, self.help.until_s)
         self._out.append(Record(HelpPromised(until_s=self.help.until_s, promised_by=by)))
         return None
@@ -174,15 +177,22 @@ class Breakdown:
         """A person has said that it takes too long; why that changes nothing, None when the goals go to others now."""
         if self.help is None:
             return CommandRefusal.NOT_WAITING
-        self.help = replace(self.help, until_s=min(self.help.until_s, now_s), promised_by="")
+        self._judged_until_s = min(self.help.until_s, now_s)
+        self.help = HelpWanted(until_s=self._judged_until_s)
         self._timers.clear(PATIENCE_OVER)
         return None
 
+    def _not_coming(self, since_s: float, _now_s: float) -> None:
+        """Who was expected since then does not come: goals wait as they would without what was promised since."""
+        if self.help is not None and self.help.promised_by and self._promised_s >= since_s:
+            self.help = HelpWanted(until_s=self._judged_until_s)
+            self._timers.set(PATIENCE_OVER, self.help.until_s)
+
     def _patience_s(self, now_s: float) -> float:
         if self.about.kind is ProblemKind.UNKNOWN and not self.about.passes:
-            return BREAKDOWN_S
+            return BREAKDOWN_S if self._comes_after_s <= BREAKDOWN_S else 0.0
         room_s = min(max(self._goals.slack_s(now_s), GOAL_PATIENCE_MIN_S), BREAKDOWN_S)
-        return room_s if self._experience.usual_s(self.about, now_s) <= room_s else 0.0
+        return room_s if self._experience.usual_s(self.about, now_s, self._comes_after_s) <= room_s else 0.0
 
     def _on_ended(self, sender: str, message: ProblemEnded, now_s: float) -> None:
         if sender != self._machine:

@@ -1,6 +1,8 @@
-"""People's commands to a machine: promise help, clear a fault, hand over, work slowly, restart, update, out of service (paper, case 1).
+"""People's commands to a machine (paper, case 1), and to the goods that a failed vehicle has on board.
 
-Nothing is obeyed without a grant for the area where the machine stands (invariant 9). What its body, or whoever runs its agent, cannot
+Promise help, clear a fault, hand over, work slowly, restart, update, out of service; fetch goods, write them off.
+
+Nothing is obeyed without a grant for the area where the machine stands, or for that where those goods are (invariant 9). What its body, or whoever runs its agent, cannot
 do is refused with that as the reason.
 """
 
@@ -34,6 +36,19 @@ class Owner(Protocol):
         """Shut down gracefully, to be started again."""
 
 
+class Goods(Protocol):
+    """The goods of a machine that were left on board of failed vehicles."""
+
+    def fetch(self, task: str, node: str, now_s: float) -> CommandRefusal | None:
+        """A person hands them over at a node; why that changes nothing, None when they are fetched there now."""
+
+    def write_off(self, task: str, now_s: float) -> CommandRefusal | None:
+        """They are lost; why that changes nothing, None when they are made again now."""
+
+    def place_m(self, task: str) -> tuple[float, float] | None:
+        """Where they are (x, y); None where nobody knows."""
+
+
 class MachineCommandHandling:
     """What people have told one machine.
 
@@ -41,11 +56,11 @@ class MachineCommandHandling:
         authority: whom it obeys.
         breakdown: what its sensors report.
         owner: the machine.
+        goods: those that wait for a word.
         running: what can be done with its agent where that runs.
         out: where effects go.
 
     Attributes:
-        on_command: takes a command; see `GrantedCommands.on_command`.
         service: whether it is out of service.
         paces: its body can work at a part of its speed.
     """
@@ -55,17 +70,26 @@ class MachineCommandHandling:
         authority: CommandAuthorisation,
         breakdown: Breakdown,
         owner: Owner,
+        goods: Goods,
         running: Running,
         out: list[Effect],
     ) -> None:
         self._breakdown = breakdown
+        self._goods = goods
         self._owner = owner
         self._running = running
         self._out = out
         self._granted = GrantedCommands[MachineCommand](authority, self._try, self._detail, out)
-        self.on_command = self._granted.on_command
         self.service = ServiceState()
         self.paces = False
+
+    def on_command(
+        self, sender: str, command: MachineCommand, place_m: tuple[float, float], now_s: float
+    ) -> None:
+        """Take a command; see `GrantedCommands.on_command`. What is about goods is granted for the place where they are."""
+        if command.kind.is_about_goods:
+            place_m = self._goods.place_m(command.task) or place_m
+        self._granted.on_command(sender, command, place_m, now_s)
 
     def restore(self, memory: MachineMemory) -> None:
         """Go on with what an earlier life was told."""
@@ -90,6 +114,10 @@ class MachineCommandHandling:
             return self._clear_fault()
         if kind is MachineCommandKind.SET_SPEED:
             return self._set_speed(command.speed_frac)
+        if kind is MachineCommandKind.FETCH_GOODS:
+            return self._goods.fetch(command.task, command.node, now_s)
+        if kind is MachineCommandKind.WRITE_OFF:
+            return self._goods.write_off(command.task, now_s)
         if kind is MachineCommandKind.TAKE_OUT:
             return self.service.take_out(command, by, now_s)
         if kind is MachineCommandKind.PUT_IN:
@@ -99,7 +127,7 @@ class MachineCommandHandling:
     def _clear_fault(self) -> CommandRefusal | None:
         """Work again, if the sensors find nothing wrong any more."""
         if not self._breakdown.problem:
-            return CommandRefusal.NOT_WAITING
+            return CommandRefusal.NOT_FAULTY
         if not self._breakdown.resettable:
             return CommandRefusal.FAULTY
         self._out.append(Instruct(ResetFault()))

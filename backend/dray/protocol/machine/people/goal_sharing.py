@@ -1,11 +1,13 @@
-"""Which goals a machine works at, and which it offers to others: one that is out of service, or broken for too long, keeps none.
+"""Which goals a machine works at, and which it offers to others.
 
-It offers, and decides nothing: its strategist gives a goal to somebody else where there is somebody, and until then it stays here. A
-machine that works again goes on with what nobody has taken.
+One that is out of service, or broken for too long, keeps none; one to which people have closed all ways keeps what is not due before
+one opens. It offers, and decides nothing: its strategist gives a goal to somebody else where there is somebody, and until then it stays
+here. A machine that works again goes on with what nobody has taken.
 """
 
 from __future__ import annotations
 
+from dray.protocol.machine.closed_in import ClosedIn
 from dray.protocol.machine.material_flow import MaterialFlow
 from dray.protocol.machine.people.breakdown import Breakdown
 from dray.protocol.machine.production import GoalBook
@@ -22,6 +24,7 @@ class GoalSharing:
         flow: what is brought for them.
         breakdown: how long they wait for its end.
         service: whether it is out of service.
+        closures: whether a way leads to it.
     """
 
     def __init__(
@@ -31,22 +34,28 @@ class GoalSharing:
         flow: MaterialFlow,
         breakdown: Breakdown,
         service: ServiceState,
+        closures: ClosedIn,
     ) -> None:
         self._goals = goals
         self._supply = supply
         self._flow = flow
         self._breakdown = breakdown
         self._service = service
+        self._closures = closures
 
     def decide(self, now_s: float) -> None:
         """Give goals back, or take them up again, as things stand."""
         out, is_late = self._service.out, self._breakdown.is_over_patience(now_s)
-        if out is None and not is_late:
-            if self._goals.take_back():
-                self._supply.goals_changed()
-            return
         finishes = out is not None and out.after_work and not is_late
         keep = next(self._goals.at_work(), None) if finishes else None
-        if self._goals.give_back(keep, now_s):
+        keeps_none = out is not None or is_late
+        gives = [
+            goal
+            for goal in self._goals
+            if goal is not keep and (keeps_none or self._closures.keeps_late(goal.deadline_s))
+        ]
+        gave = self._goals.give_back(gives, now_s)
+        if gave or self._goals.take_back(gives):
             self._supply.goals_changed()
+        if gave:
             self._flow.give_back(now_s)

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from enum import Enum
+from itertools import pairwise
+
+import msgspec
 
 from dray.messages.floor.traffic import FIRST_S, ROUTE_MAX, Blocked, PlaceGranted, Rank
 from dray.plant.restrictions import OPEN, Ends, Restrictions
@@ -29,6 +32,9 @@ AGES_EVERY_S, AGES_BY_S = 30.0, 240.0
 """Who has been held up for so long counts as so much longer on its leg: else one that stands where many pass waits for all that have
 begun before it."""
 
+SHUT_OUT_S = 30.0
+"""Whoever has waited so long for a silent vehicle counts on no way that leads past it: most that were switched off for a moment are back."""
+
 WITH_TASK, IDLE = 0, 1
 """Classes of rank."""
 
@@ -42,6 +48,17 @@ class Errand(Enum):
     """Out of somebody's way."""
     REST = "rest"
     """It stands at a refuge for a while."""
+
+
+class ShutOut(msgspec.Struct, frozen=True):
+    """A silent vehicle holds what another one needs, and no way leads round it."""
+
+    by: str
+    """The silent vehicle."""
+    lanes: tuple[Ends, ...]
+    """Those that lead into the place that it holds; first the one on which the other one would come."""
+    waited_s: float
+    """How long the other one has waited for it."""
 
 
 class PlaceRequests:
@@ -111,6 +128,8 @@ class PlaceRequests:
         """How long it has stood on this leg for nothing but the goal itself: for whoever was at the dock before it."""
         self._blocked, self._blocked_by, self._blocked_at = Blocked.NO, "", ""
         """Why it was not granted that, who is in the way and where, as the book has told last."""
+        self._silent_since_s = 0.0
+        """Since when that is a silent vehicle, where it is one."""
         self.removal = 0
         """The newest time that it was carried away, as far as it knows: what it was granted before is void."""
         self._asked = set(self.way.held)
@@ -181,6 +200,29 @@ class PlaceRequests:
         """Since when it stands and waits for a place; None when it does not."""
         return self._held_up_s
 
+    def shut_out(self, now_s: float) -> ShutOut | None:
+        """Who is silent and has kept it from its goal for `SHUT_OUT_S`, with no way round; None for nobody."""
+        since_s, at = self._held_up_s, self._blocked_at
+        if since_s is None or self._blocked is not Blocked.SILENT or not self.is_placed:
+            return None
+        waited_s = now_s - max(since_s, self._silent_since_s)
+        if self.errand is not Errand.OWN or waited_s < SHUT_OUT_S:
+            return None
+        ahead = pairwise((self.way.base_end, *self.way.beyond))
+        first = [lane for lane in ahead if at in self._places.needs(*lane)][:1]
+        if not first or not any(at in group for group in self._groups()):
+            return None
+        lanes = dict.fromkeys((*first, *self._places.entries(at)))
+        return ShutOut(self._blocked_by, tuple(lanes), waited_s)
+
+    def shut_out_by(self, by: str, holds: Collection[str]) -> ShutOut | None:
+        """A vehicle that stands until a person has seen to it holds these places: what it is in the way of; None for nothing of this vehicle's."""
+        for lane in pairwise((self.way.base_end, *self.way.beyond)):
+            for place in self._places.needs(*lane):
+                if place in holds:
+                    return ShutOut(by, tuple(dict.fromkeys((lane, *self._places.entries(place)))), 0.0)
+        return None
+
     def hint(self, now_s: float) -> Seen:
         """What others are told with a heartbeat."""
         return Seen(
@@ -215,10 +257,12 @@ class PlaceRequests:
         self._note_wait(now_s)
         self._out.append(Instruct(self._wheels.drive(self.way, self._speed_mps)))
 
-    def _note_hindrance(self, granted: PlaceGranted) -> None:
+    def _note_hindrance(self, granted: PlaceGranted, now_s: float) -> None:
         """A book has told why it does not grant what is wanted next."""
         groups = self._groups()
         if groups and self._places.district_of[groups[0][0]] == granted.district:
+            if self._blocked is not Blocked.SILENT or self._blocked_by != granted.by:
+                self._silent_since_s = now_s
             self._blocked, self._blocked_by, self._blocked_at = granted.blocked, granted.by, granted.at
 
     def _note_wait(self, now_s: float) -> None:

@@ -179,7 +179,7 @@ class RightOfWay(PlaceRequests):
         self._outlook.note(granted, now_s)
         if self._asked and granted.removal == self.removal and self.wishes.is_answered(granted):
             self._asked -= {booking.place for booking in granted.grants}
-        self._note_hindrance(granted)
+        self._note_hindrance(granted, now_s)
         unwanted = False
         if not self._obeys:
             self.way.keep(fresh)

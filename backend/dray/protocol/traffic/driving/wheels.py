@@ -15,6 +15,9 @@ REACTION_S = 0.3
 AHEAD_M = 1.0
 """Asked for earlier than it must be."""
 
+SOON_S = 0.6
+"""Within this an answer finds the vehicle at the speed at which it has asked, or nearly; later it has got faster meanwhile."""
+
 LEAST_LOOK_S = 0.1
 """Between two looks at where the vehicle is: less than half a metre at the highest speed."""
 
@@ -108,6 +111,8 @@ class Wheels:
 
     def needs_m(self, speed_mps: float, round_s: float) -> float:
         """How near the end of the base may be before the next place is asked for: braking, and the way until an answer comes."""
+        if round_s > SOON_S:
+            speed_mps = min(self._top_mps, speed_mps + self._rate_mps2 * (round_s - SOON_S))
         brake_m = speed_mps * speed_mps / (2.0 * self._rate_mps2)
         return brake_m + speed_mps * (round_s + REACTION_S) + AHEAD_M
 

@@ -12,8 +12,9 @@ from dray.protocol.runtime.timers import Timers
 
 WISH_AGAIN = "wish again"
 
-LEAST_AGAIN_S, MOST_AGAIN_S = 0.6, 8.0
-"""Within these an answer is waited for: twice as long as answers take and a little more, doubled with each repetition."""
+LEAST_AGAIN_S, MOST_AGAIN_S, MOST_ROUNDS = 0.6, 8.0, 1.5
+"""Within these an answer is waited for: twice as long as answers take and a little more, doubled with each repetition. On a link on
+which they take longer than the most, so many of its round trips."""
 
 WAITS_AGAIN_S, LOSSY_AGAIN_S = 3.0, 1.5
 """A wish that was answered and not granted is said again after this: the word that grants it may have been lost. The shorter
@@ -24,11 +25,18 @@ LOSSY_FRAC = 0.05
 NEXT_KEEPER_AFTER = 2
 """So often a wish is said to one keeper without an answer, then to the next one."""
 
+REPEATS_KEPT = 8
+"""Repetitions of one wish of which it is known when they were said: an answer to an older one is later than any link explains."""
+
 FIRST_ROUND_S = 0.3
 """How long an answer takes, as long as none has come."""
 
-GAIN = 0.2
-"""Weight of the newest round trip."""
+GAIN, LATE_GAIN = 0.2, 0.5
+"""Weight of the newest round trip; and of one in which the wish was said again before its answer came: what is believed is too
+short then. What a repetition has answered tells nothing: its wish was lost, or its keeper could not answer yet."""
+
+LATE_IN_ROW = 3
+"""So many of these in a row are the link's doing, and not that of one keeper that has just begun, or has taken a book over."""
 
 LOSS_GAIN = 0.05
 """Weight of the newest wish, in the part of those that went unanswered."""
@@ -44,7 +52,7 @@ class State(msgspec.Struct, frozen=True, gc=False):
     chain: tuple[str, ...]
     removal: int = 0
     asks: bool = False
-    """It asks for where it stands, and does not count that among what it holds: a wish gives nothing back then."""
+    """It asks for where it stands, and does not count that among what it holds: a wish gives nothing back then where that is asked for."""
 
 
 class _Line:
@@ -56,6 +64,7 @@ class _Line:
         "groups",
         "hindered",
         "lives",
+        "repeats_s",
         "said_s",
         "seen",
         "seq",
@@ -81,6 +90,8 @@ class _Line:
         self.turn = 0
         """By how many keepers it has gone on from the one whose epoch it is."""
         self.said_s = 0.0
+        self.repeats_s: dict[int, float] = {}
+        """The first wish that said what was said last, and its repetitions -> when: an answer names the one that it answers."""
         self.lives = False
         """The keeper knows of something that is held, or wanted."""
 
@@ -108,6 +119,8 @@ class Wishes:
         self._lines: dict[str, _Line] = {}
         self.round_s = FIRST_ROUND_S
         self._lost_frac = 0.0
+        self._late = 0
+        """Wishes in a row of which the answer came when they had been said again."""
 
     @property
     def districts(self) -> Iterable[str]:
@@ -145,6 +158,7 @@ class Wishes:
             return
         line.content, line.groups = content, groups
         line.tries, line.turn, line.since = 0, 0, line.seq + 1
+        line.repeats_s.clear()
         self._send(district, line, holds, groups, state, now_s, to)
 
     def repeat(
@@ -168,6 +182,7 @@ class Wishes:
         content = _content(holds, groups, state)
         if content != line.content or not line.unanswered:
             line.since = line.seq + 1
+            line.repeats_s.clear()
         line.content, line.groups = content, groups
         self._send(district, line, holds, groups, state, now_s)
 
@@ -187,6 +202,9 @@ class Wishes:
         # Who calls the roll asks again if this is lost: whoever has nothing there waits for no answer.
         waits = lives or line.unanswered or not to
         line.unanswered, line.said_s, line.lives = waits, now_s, lives
+        line.repeats_s[line.seq] = now_s
+        if len(line.repeats_s) > REPEATS_KEPT:
+            del line.repeats_s[next(iter(line.repeats_s))]
         wish = PlaceWished(
             district=district,
             life=self.life,
@@ -195,7 +213,7 @@ class Wishes:
             rank=state.rank,
             holds=holds,
             groups=groups,
-            seen=0 if state.asks else line.seen,
+            seen=0 if state.asks and groups else line.seen,
             stands=state.stands,
             docked=state.docked,
             avoid=state.avoid if groups else (),
@@ -206,7 +224,8 @@ class Wishes:
         if not waits:
             return
         patience_s = min(
-            max(2.0 * self.round_s + 0.2, LEAST_AGAIN_S) * 2.0 ** min(line.tries, 3), MOST_AGAIN_S
+            max(2.0 * self.round_s + 0.2, LEAST_AGAIN_S) * 2.0 ** min(line.tries, 3),
+            max(MOST_AGAIN_S, MOST_ROUNDS * self.round_s),
         )
         self._timers.set((WISH_AGAIN, district), now_s + patience_s)
 
@@ -230,9 +249,14 @@ class Wishes:
         fresh = tuple(booking.place for booking in granted.grants if booking.number > line.seen)
         line.seen = max((line.seen, *(booking.number for booking in granted.grants)))
         if granted.upto >= line.since:
-            if line.unanswered and not line.tries:
-                self.round_s += GAIN * (now_s - line.said_s - self.round_s)
-                self._lost_frac -= LOSS_GAIN * self._lost_frac
+            is_late = granted.upto < line.seq
+            if line.unanswered:
+                self._late = self._late + 1 if is_late else 0
+            if line.unanswered and (self._late >= LATE_IN_ROW if is_late else not line.tries):
+                said_s = line.repeats_s.get(granted.upto, line.said_s)
+                self.round_s += (LATE_GAIN if is_late else GAIN) * (now_s - said_s - self.round_s)
+                if not line.tries:
+                    self._lost_frac -= LOSS_GAIN * self._lost_frac
             line.unanswered, line.tries = False, 0
             line.hindered = granted.blocked is not Blocked.NO
             if line.hindered:

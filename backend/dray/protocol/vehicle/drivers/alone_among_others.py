@@ -39,7 +39,7 @@ class AloneAmongOthers:
         self._out.append(Subscribe(Keys(self._plant.id).all_floors))
 
     def _on_asked(self, sender: str, _message: Message, now_s: float) -> None:
-        if sender not in self._plant.machines and sender not in self._plant.storages:
+        if sender not in self._plant.machines and sender not in self._plant.stores:
             return
         first = len(self._asked_by) < BELIEVED_BY
         self._asked_by.add(sender)

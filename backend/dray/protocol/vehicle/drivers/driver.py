@@ -15,10 +15,11 @@ from dray.body import (
     WayDone,
 )
 from dray.errors import NoWay
-from dray.messages import Pose
+from dray.messages import AtvHeartbeat, Pose
 from dray.messages.heartbeat import FloorBrief
 from dray.plant import Plant, Routes
 from dray.protocol.runtime.events import Effect, Instruct
+from dray.protocol.traffic.driving.place_requests import ShutOut
 
 ORDERS_PER_LIFE = 1_000_000
 """Numbers of ways and actions: what the body still reports to an earlier life is recognised."""
@@ -145,15 +146,20 @@ class Driver:
         """Whether a way leads from a node to where it drives on which nothing is known to lie, and which it would take."""
         return self._routes.leads_round(node, self.goal)
 
-    def turn_back(self, node: str, now_s: float) -> bool:
+    def turn_back(self, node: str, now_s: float, goal: str = "") -> bool:
         """It stands on a node before a lane where something lies: go another way from there.
+
+        Args:
+            node: where it stands.
+            now_s: when.
+            goal: where to, when not to where it was going.
 
         Returns:
             False when it is not there any more: nothing is done then.
         """
         if self.node != node or not self.way:
             return False
-        goal, self.way, self._passed = self.way[-1], (), 0
+        goal, self.way, self._passed = goal or self.way[-1], (), 0
         self.go(goal, now_s)
         return True
 
@@ -213,6 +219,10 @@ class Driver:
 
     def be_stuck(self, stuck: bool, now_s: float) -> None:
         """The vehicle cannot move until a person has seen to it, or can again."""
+
+    def shut_out_by(self, _failed: AtvHeartbeat) -> ShutOut | None:
+        """What a vehicle that stands until a person has seen to it keeps this one from on its way; None for nothing."""
+        return None
 
     def expect_at(self, place: str, comes_s: float, stays_s: float, *, docked: bool = False) -> None:
         """Tell when the vehicle will be at a place, where that concerns others.

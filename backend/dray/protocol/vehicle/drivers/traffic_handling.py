@@ -16,7 +16,7 @@ from dray.messages import (
 )
 from dray.plant import Plant
 from dray.protocol.runtime.events import Effect, Ignore
-from dray.protocol.traffic.driving.place_requests import HELD_UP, LOOK, Errand
+from dray.protocol.traffic.driving.place_requests import HELD_UP, LOOK, Errand, ShutOut
 from dray.protocol.traffic.driving.right_of_way import RESTED, RightOfWay
 from dray.protocol.traffic.driving.wishes import WISH_AGAIN
 from dray.protocol.vehicle.drivers.alone_among_others import AloneAmongOthers
@@ -48,8 +48,19 @@ class Problems(Protocol):
         """It stands until a person has seen to it."""
 
 
+class Obstacles(Protocol):
+    """What is done about what lies in a vehicle's way."""
+
+    def shut_out(self, shut: ShutOut, now_s: float) -> None:
+        """A silent vehicle is in the way, and none leads round."""
+
+
 class Vehicle(Owner, Protocol):
     """One that may have right of way."""
+
+    @property
+    def obstacles(self) -> Obstacles:
+        """Those that it meets and hears of."""
 
     @property
     def problems(self) -> Problems:
@@ -65,7 +76,7 @@ class TrafficHandling:
         out: where effects go.
     """
 
-    def __init__(self, driver: ReservedDriver, owner: Owner, out: list[Effect]) -> None:
+    def __init__(self, driver: ReservedDriver, owner: Vehicle, out: list[Effect]) -> None:
         self._driver = driver
         self._owner = owner
         self._out = out
@@ -81,9 +92,15 @@ class TrafficHandling:
         messages[HoldsAsked] = self._told(lambda row, *heard: row.on_holds_asked(*heard))
         alarms[LOOK] = lambda _about, now_s: self._step(lambda row: row.look(now_s), now_s)
         alarms[LOST] = lambda _about, now_s: self._step(lambda _row: self._driver.find_way(now_s), now_s)
-        alarms[HELD_UP] = lambda _about, now_s: self._step(lambda row: row.reroute(now_s), now_s)
+        alarms[HELD_UP] = self._held_up
         alarms[RESTED] = lambda _about, now_s: self._step(lambda row: row.go_on(now_s), now_s)
         alarms[WISH_AGAIN] = lambda about, now_s: self._step(lambda row: row.repeat_wish(about, now_s), now_s)
+
+    def _held_up(self, _about: Any, now_s: float) -> None:
+        self._step(lambda row: row.reroute(now_s), now_s)
+        shut = self._driver.right_of_way.shut_out(now_s)
+        if shut is not None:
+            self._owner.obstacles.shut_out(shut, now_s)
 
     def _on_floor(self, sender: str, told: FloorTold, now_s: float) -> None:
         """What a keeper knows of its district: of itself it changes a way only where somebody is silent."""

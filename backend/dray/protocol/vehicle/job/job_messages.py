@@ -85,10 +85,13 @@ class JobMessages:
 
     def ask_for_dock(self, station: str, now_s: float) -> None:
         """Ask to load or unload at a place, where the vehicle stands."""
-        asked = Docked(task=self._task, epoch=self._epoch, station=station)
+        asked, work = Docked(task=self._task, epoch=self._epoch, station=station), self._contract.work
+        if work.handed_at == station:
+            # Nobody is there but people: its coordinator knows whether they hand it over to this vehicle.
+            self._ask(self._coordinator, asked, now_s)
+            return
         if station != self._coordinator:
             # A storage may have lost its notes, and has no other word of the task.
-            work = self._contract.work
             asked = msgspec.structs.replace(asked, item=work.item, quantity=work.quantity)
         # A machine and the station of a storage have the name of the place.
         self._ask(station, asked, now_s)

@@ -56,6 +56,27 @@ class JobMoves:
         """
         return self._driver.arrives_s if self._driver.go(self._dock(place), now_s) else None
 
+    def is_shut_out_of(self, place: str) -> bool:
+        """Whether something is known to lie on every way to a place."""
+        obstructed = bool(self._plant.obstructed)
+        return obstructed and not self._routes.leads_round(self._driver.next_node, self._dock(place))
+
+    def can_fetch_elsewhere(self) -> bool:
+        """Whether something is known to lie on every way to the source, and on none to another one and on from there."""
+        there = self._dock(self._work.destination)
+        return self.is_shut_out_of(self._source) and any(
+            not self.is_shut_out_of(other) and self._routes.leads_round(self._dock(other), there)
+            for other in self._keepers
+            if other != self._source
+        )
+
+    @property
+    def _keepers(self) -> tuple[str, ...]:
+        """Where the load may be had: a contract that was passed on names only one place."""
+        plant, item = self._plant, self._work.item
+        is_kept = self._source in plant.stores and item in plant.materials
+        return (*self._work.sources, *(plant.storages_of(item) if is_kept else ()))
+
     def halt(self, now_s: float) -> None:
         """Stand at the end of the present lane, or outside of what is closed."""
         self._driver.halt(now_s)

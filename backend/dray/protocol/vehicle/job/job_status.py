@@ -61,6 +61,10 @@ class JobStatus:
         """How much later than now expected it may be done."""
         return self._contract.deadline_s - self.due_s
 
+    def answers_at(self, station: str) -> str:
+        """Who says whether it may load or unload at a place where it stands: where people hand the load over, its coordinator."""
+        return self.coordinator if station == self.work.handed_at else station
+
     def is_meant_by(self, message: Any) -> bool:
         """Whether a coordinator speaks of this contract; a Superseded speaks of another epoch."""
         return self.task == message.task and (type(message) is Superseded or message.epoch == self.epoch)

@@ -12,6 +12,9 @@ from dray.protocol.vehicle.job.job_state import LOADED, JobState
 from dray.protocol.vehicle.job.job_status import JobStatus
 from dray.protocol.vehicle.people.assistance import Waiting
 
+ASKS_AGAIN_S = 300.0
+"""Who has a contract for a load that was only to be had behind a silent vehicle gives it back after this: by then others may have it."""
+
 
 class JobWays(JobStatus):
     """Drives one transport to its stations.
@@ -28,6 +31,10 @@ class JobWays(JobStatus):
         """Where it drives to, or stands."""
         self._cut_off = False
         """What is closed leaves no way to its station: it stands elsewhere, and waits."""
+        self._was_shut_out = moves.is_shut_out_of(contract.source)
+        """Something was known to be in the way to the source when the contract was made: nobody else had the load then."""
+        self._short = ""
+        """The storage that had none of the load, or cannot be reached, which is why it was given back."""
 
     def floor_changed(self, now_s: float) -> None:
         """People have closed or opened something: go on by what is open. Whoever is at a dock finishes there first."""
@@ -35,6 +42,24 @@ class JobWays(JobStatus):
             self._drive_on(now_s)
         elif self.is_given_back:
             self._moves.halt(now_s)
+
+    def shut_out(self, by: str, waited_s: float, now_s: float) -> None:
+        """A silent vehicle is in its way, and none leads round: the load is fetched elsewhere, or brought elsewhere.
+
+        What is only to be had there, or is to be brought there, waits.
+
+        Args:
+            by: the silent vehicle.
+            waited_s: how long it has been waited for.
+            now_s: the present time.
+        """
+        waits_s = ASKS_AGAIN_S if self._was_shut_out else 0.0
+        if self.state is JobState.APPROACHING and waited_s >= waits_s and self._moves.can_fetch_elsewhere():
+            self._short = self.source
+            self.give_back(Reason.WAY_BLOCKED, now_s, by)
+        elif self.state is JobState.RETURNING and (refuge := self._moves.refuge()) != self._station:
+            self._station = refuge
+            self._drive(refuge, now_s)
 
     def waiting(self, now_s: float) -> Waiting:
         """What it means for the task that the vehicle cannot go on."""
@@ -52,8 +77,8 @@ class JobWays(JobStatus):
         """The vehicle stands where it was sent."""
         raise NotImplementedError
 
-    def give_back(self, reason: Reason, now_s: float) -> None:
-        """Stand, and ask the coordinator to let another one carry it."""
+    def give_back(self, reason: Reason, now_s: float, detail: str = "") -> None:
+        """Stand, and ask the coordinator to let another one carry it; `detail` tells people more."""
         raise NotImplementedError
 
     def _drive(self, station: str, now_s: float) -> None:

@@ -73,8 +73,6 @@ class TransportJob(JobWays):
         self._messages = JobMessages(contract, timers, out)
         self._void = contract.cancelled
         """Why the contract is void; None while it binds."""
-        self._short = ""
-        """The storage that had none of the load, which is why it was given back."""
         self._stands_s = NEVER_S
         """Since when it waits at its source."""
         self._given_back: Reason | None = None
@@ -336,7 +334,10 @@ class TransportJob(JobWays):
 
     def _wait(self, held: DockHeld, now_s: float) -> None:
         """Ask again later; at a storage, as long as its promise can be kept and a moment longer."""
-        fetches = self.state is JobState.AT_SOURCE and self.source != self.coordinator
+        fetches = self.state is JobState.AT_SOURCE and self.source not in (
+            self.coordinator,
+            self.work.handed_at,
+        )
         if fetches and not self._keeps_promise(now_s) and now_s >= self._stands_s + WAITS_AT_LEAST_S:
             self._short = self.source
             self.give_back(Reason.DOCK_HELD, now_s, held.reason)
@@ -362,7 +363,7 @@ class TransportJob(JobWays):
         """The coordinator answers nothing any more: its transports end with it (paper, case 1)."""
         if self.state is JobState.HANDING_OVER:
             self._end(Reason.NOT_CONFIRMED)
-        elif self.state is JobState.AT_SOURCE and self.source != self.coordinator:
+        elif self.state is JobState.AT_SOURCE and self.source not in (self.coordinator, self.work.handed_at):
             self._short = self.source
             self.give_back(Reason.SOURCE_SILENT, now_s, self.source)
         else:

@@ -10,8 +10,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from msgspec.structs import replace
-
 from dray.messages import NOTHING_KNOWN, CommandRefusal, HelpWanted, Problem
 from dray.messages.fact import HelpAsked, HelpPromised
 from dray.messages.people.command import PROMISE_MAX_S
@@ -56,6 +54,10 @@ class Assistance:
         """What is known of it."""
         self.help: HelpWanted | None = None
         """Set while its task waits for a person."""
+        self._judged_until_s = 0.0
+        """How long the task waits while nobody has promised to come."""
+        self._promised_s = 0.0
+        """When the present promise was made."""
         self._asked = False
         self._irreplaceable = False
 
@@ -63,7 +65,8 @@ class Assistance:
         """Let the task wait for a person, once per problem, without asking for one: who stopped the vehicle knows."""
         self._irreplaceable = waiting.irreplaceable
         if self.help is None:
-            self.help = HelpWanted(until_s=now_s + waiting.room_s)
+            self._judged_until_s = now_s + waiting.room_s
+            self.help = HelpWanted(until_s=self._judged_until_s)
         return self.help
 
     def ask(self, waiting: Waiting, usual_s: float, now_s: float) -> None:
@@ -75,8 +78,10 @@ class Assistance:
             now_s: the present time.
         """
         wanted = self.wait(waiting, now_s)
-        if usual_s > waiting.room_s and not waiting.irreplaceable and not wanted.promised_by:
-            wanted = self.help = HelpWanted(until_s=min(wanted.until_s, now_s))
+        if usual_s > waiting.room_s and not waiting.irreplaceable:
+            self._judged_until_s = min(self._judged_until_s, now_s)
+            if not wanted.promised_by:
+                wanted = self.help = HelpWanted(until_s=self._judged_until_s)
         if not self._asked:
             self._asked = True
             fact = HelpAsked(
@@ -94,9 +99,20 @@ class Assistance:
             return CommandRefusal.NOT_WAITING
         if wait_s is None or not 0.0 < wait_s <= PROMISE_MAX_S:
             return CommandRefusal.WAIT_OUT_OF_RANGE
-        self.help = HelpWanted(until_s=now_s + wait_s, promised_by=by)
+        self.help, self._promised_s = HelpWanted(until_s=now_s + wait_s, promised_by=by), now_s
         self._out.append(Record(HelpPromised(until_s=self.help.until_s, promised_by=by)))
         return None
+
+    def not_coming(self, since_s: float) -> bool:
+        """Who was expected since then does not come: the task waits as it would without what was promised since.
+
+        Returns:
+            Whether that changes anything.
+        """
+        if self.help is None or not self.help.promised_by or self._promised_s < since_s:
+            return False
+        self.help = HelpWanted(until_s=self._judged_until_s)
+        return True
 
     def let_go(self, now_s: float) -> CommandRefusal | None:
         """A person has said that it cannot be mended there: the task waits no more, whatever was promised.
@@ -108,7 +124,8 @@ class Assistance:
             return CommandRefusal.NOT_WAITING
         if self._irreplaceable:
             return CommandRefusal.LOAD_ABOARD
-        self.help = replace(self.help, until_s=min(self.help.until_s, now_s), promised_by="")
+        self._judged_until_s = min(self.help.until_s, now_s)
+        self.help = HelpWanted(until_s=self._judged_until_s)
         return None
 
     def over(self) -> None:

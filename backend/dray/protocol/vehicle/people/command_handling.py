@@ -1,4 +1,4 @@
-"""People's commands to a vehicle: stop, acknowledge, resume, slow down, promise help, hand over, out of service (paper, cases 4 and 5).
+"""People's commands to a vehicle: stop, acknowledge, resume, slow down, promise help, hand over, charge, out of service (paper, cases 4 and 5).
 
 A stop holds against everything else until the fault was acknowledged and then a resume was given, as
 two deliberate acts (invariant 5). To acknowledge says that the fault is gone: a vehicle whose own
@@ -15,6 +15,7 @@ from dray.protocol.people.command_authorisation import CommandAuthorisation
 from dray.protocol.people.granted_commands import GrantedCommands
 from dray.protocol.people.out_of_service import ServiceState
 from dray.protocol.runtime.events import Effect, Instruct
+from dray.protocol.vehicle.charging import Charging
 from dray.protocol.vehicle.drivers.driver import Driver
 from dray.protocol.vehicle.people.assistance import Assistance
 
@@ -26,13 +27,20 @@ class CommandHandling:
         authority: whom it obeys.
         trouble: what its sensors report, and what people promise to help with.
         driver: keeps to a speed limit.
+        charging: when it charges.
         out: where effects go.
     """
 
     def __init__(
-        self, authority: CommandAuthorisation, trouble: Assistance, driver: Driver, out: list[Effect]
+        self,
+        authority: CommandAuthorisation,
+        trouble: Assistance,
+        driver: Driver,
+        charging: Charging,
+        out: list[Effect],
     ) -> None:
         self.assistance = trouble
+        self._charging = charging
         self._driver = driver
         self._out = out
         self._granted = GrantedCommands[VehicleCommand](authority, self._try, self._detail, out)
@@ -52,11 +60,17 @@ class CommandHandling:
         """Set until somebody puts it into service again."""
         return self.service.out
 
+    @property
+    def is_sent_to_charge(self) -> bool:
+        """Whether it takes no work before it is full, by a person's word."""
+        return self._charging.is_sent
+
     def restore(self, memory: AtvMemory) -> None:
         """Go on with what an earlier life was told; whether it is stopped, its body knows."""
         self.acknowledged = memory.acknowledged and self.stopped and not self.assistance.problem
         self._driver.speed_frac = memory.speed_frac
         self.service.out = memory.out_of_service
+        self._charging.is_sent = memory.sent_to_charge
         self._granted.restore(memory.answered)
 
     def take_back(self) -> bool:
@@ -69,6 +83,8 @@ class CommandHandling:
         return taken
 
     def _detail(self, _command: VehicleCommand, refused: CommandRefusal) -> str:
+        if refused is CommandRefusal.NOT_SUPPORTED:
+            return "the plant has no charger"
         return self.assistance.problem if refused is CommandRefusal.FAULTY else ""
 
     def _try(self, command: VehicleCommand, grant: Grant, now_s: float) -> CommandRefusal | None:
@@ -82,10 +98,12 @@ class CommandHandling:
             return self.assistance.promise(command.issued_by or grant.person, command.wait_s, now_s)
         if command.kind is CommandKind.HAND_OVER:
             return self.assistance.let_go(now_s)
+        if command.kind is CommandKind.CHARGE:
+            return self._charging.send()
         if command.kind is CommandKind.TAKE_OUT:
             return self.service.take_out(command, command.issued_by or grant.person, now_s)
         if command.kind is CommandKind.PUT_IN:
-            return self.service.put_in()
+            return self._put_in()
         if not self.stopped:
             return CommandRefusal.NOT_STOPPED
         if command.kind is CommandKind.ACKNOWLEDGE:
@@ -98,6 +116,11 @@ class CommandHandling:
         self.stopped = self.acknowledged = False
         self._out.append(Instruct(Unhold()))
         return None
+
+    def _put_in(self) -> CommandRefusal | None:
+        sent, self._charging.is_sent = self._charging.is_sent, False
+        refused = self.service.put_in()
+        return None if sent else refused
 
     def stop(self) -> None:
         """Stand until somebody has acknowledged the reason, and resumes."""

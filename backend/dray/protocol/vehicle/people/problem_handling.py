@@ -13,7 +13,7 @@ from dray.messages import NOTHING_KNOWN, Link, Message, Problem, ProblemEnded, P
 from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.protocol.calls.help_calls import HelpCalls
-from dray.protocol.people.patience import PASSES_AT_FIRST_S, Experience
+from dray.protocol.people.patience import PASSES_AT_FIRST_S, Experience, waits_for_people
 from dray.protocol.runtime.events import Effect, Publish, Subscribe
 from dray.protocol.runtime.timers import Timers
 from dray.protocol.vehicle.contracts import Contracts
@@ -51,6 +51,9 @@ class Owner(Protocol):
     def is_draining(self) -> bool:
         """Whether it was asked to leave."""
 
+
+NO_WLAN = "no WLAN"
+"""What a vehicle calls for in words; panels know them (`failure.` in their texts)."""
 
 WLAN_LOST = Problem(kind=ProblemKind.LINK, needs_person=True)
 
@@ -109,8 +112,8 @@ class ProblemHandling:
         self._assistance = commands.assistance
         self._out = out
         self._experience = Experience()
-        self._calls = calls = HelpCalls(_Caller(owner, driver), plant, timers, out)
-        self._since_s = 0.0
+        self._calls = calls = HelpCalls(_Caller(owner, driver), plant, timers, out, self._not_coming)
+        self._since_s = self._comes_after_s = 0.0
         self.messages: dict[type[Message], Callable[[str, Any, float], None]] = {
             ProblemEnded: self._on_ended,
             **calls.message_handlers,
@@ -132,13 +135,14 @@ class ProblemHandling:
         """Stand until the problem is over."""
         assistance = self._assistance
         if not assistance.problem or report.problem.kind is not assistance.about.kind:
-            self._since_s = now_s
+            self._since_s, self._comes_after_s = now_s, self._calls.comes_after_s(now_s)
         assistance.problem, assistance.about = report.reason, report.problem
         if self._commands.take_back():
             self._owner.commit()
         job = self._contracts.job
         if job is not None:
-            assistance.ask(job.waiting(now_s), self._experience.usual_s(report.problem, now_s), now_s)
+            usual_s = self._experience.usual_s(report.problem, now_s, self._comes_after_s)
+            assistance.ask(job.waiting(now_s), usual_s, now_s)
         self._contracts.standby.resign(Reason.PROBLEM)
         self._owner.update_status(now_s, report.reason)
         self._owner.beat_soon(now_s)
@@ -150,16 +154,21 @@ class ProblemHandling:
         before the delivery is done (paper, 4.3).
         """
         problem, owner = self._assistance.problem, self._owner
-        if self._commands.out_of_service is not None or owner.is_draining:
+        is_well = not problem and owner.link is not Link.MESH
+        if is_well or self._commands.out_of_service is not None or owner.is_draining:
             self._calls.close(now_s)
         elif problem:
             about = self._assistance.about
             waits = about.passes is True and not about.needs_person
             self._calls.open(about, problem, now_s, after_s=PASSES_AT_FIRST_S if waits else 0.0)
-        elif owner.link is Link.MESH and not owner.is_busy and not self._commands.stopped:
-            self._calls.open(WLAN_LOST, "no WLAN", now_s, after_s=WLAN_LOST_S)
+        elif not owner.is_busy and not self._commands.stopped:
+            self._calls.open(WLAN_LOST, NO_WLAN, now_s, after_s=WLAN_LOST_S)
         else:
             self._calls.close(now_s)
+
+    def _not_coming(self, since_s: float, now_s: float) -> None:
+        if self._assistance.not_coming(since_s):
+            self._owner.beat_soon(now_s)
 
     def end_problem(self, reason: str, now_s: float) -> None:
         """One of the vehicle's own is over, unless another one has replaced it since."""
@@ -171,9 +180,11 @@ class ProblemHandling:
         if assistance.problem:
             lasted_s = max(0.0, now_s - self._since_s)
             ended = ProblemEnded(agent=self._owner.id, problem=assistance.about, lasted_s=lasted_s)
-            self._experience.note(ended, "", now_s)
-            if self._owner.link is Link.WLAN and assistance.about != NOTHING_KNOWN:
-                self._out.append(Publish(self._keys.problem(self._owner.id), ended))
+            # What began while nobody was there teaches nothing about how long people take.
+            if not (self._comes_after_s and waits_for_people(assistance.about)):
+                self._experience.note(ended, "", now_s)
+                if self._owner.link is Link.WLAN and assistance.about != NOTHING_KNOWN:
+                    self._out.append(Publish(self._keys.problem(self._owner.id), ended))
         assistance.problem, assistance.about = "", NOTHING_KNOWN
         self._owner.end_trouble(now_s)
         self._owner.update_status(now_s, "problem cleared")

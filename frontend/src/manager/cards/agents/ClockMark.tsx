@@ -1,7 +1,8 @@
 import { useId } from "preact/hooks";
 import type { ClockView } from "../../../api/types";
 import { Tag } from "../../../parts/Tag";
-import { format, t } from "../../../text/manager";
+import { t } from "../../../text/manager";
+import { factoryTime } from "../../../text/plant-time";
 
 /** Nothing is told more exactly: a heartbeat tells its time in hundredths. */
 const LEAST_BOUND_S = 0.1;
@@ -10,12 +11,12 @@ const LEAST_BOUND_S = 0.1;
 export function ClockMark({ clock }: { clock: ClockView | null | undefined }) {
   const id = useId();
   if (!clock?.wrong) return null;
-  const by = format.duration(Math.abs(clock.ahead_s));
+  const by = factoryTime(Math.abs(clock.ahead_s));
   return (
     <span class="clock-mark" tabIndex={0} aria-describedby={id}>
       <Tag tone="warn">{t(clock.ahead_s < 0 ? "clock.behind" : "clock.ahead", { by })}</Tag>
       <span id={id} role="tooltip" class="clock-why">
-        {t("clock.why", { bound: format.price(Math.max(LEAST_BOUND_S, clock.bound_s)) })}
+        {t("clock.why", { bound: factoryTime(Math.max(LEAST_BOUND_S, clock.bound_s), undefined, "price") })}
       </span>
     </span>
   );

@@ -32,47 +32,45 @@ export function ShutOutMenu({ agent, kind }: { agent: string; kind: "atv" | "mac
     if (open) field.current?.focus();
   };
   return (
-    <div class="card-foot">
-      <PopButton icon="shutOut" label={t("shutOut.open")} title={t(`shutOut.hint.${kind}`, { id: agent })} onToggle={toggle}>
-        {(close) => (
-          <form
-            class="shut-out"
-            onSubmit={(event) => {
-              event.preventDefault();
-              if (reason.value.trim() !== "" && !busy.value) void send(close);
-            }}
-          >
-            <p>{t(`shutOut.hint.${kind}`, { id: agent })}</p>
-            <div class="field">
-              <label for={id}>{t("shutOut.reason")}</label>
-              <input
-                ref={field}
-                id={id}
-                required
-                autoComplete="off"
-                maxLength={REASON_CHARS}
-                value={reason.value}
-                onInput={(event) => {
-                  reason.value = event.currentTarget.value;
-                }}
-              />
-            </div>
-            {failed.value !== "" && (
-              <p class="complaint" role="alert">
-                {failed.value}
-              </p>
-            )}
-            <div class="form-actions">
-              <button type="button" class="button" onClick={close}>
-                {t("shutOut.keep")}
-              </button>
-              <button type="submit" class="button primary" disabled={busy.value || reason.value.trim() === ""}>
-                {t("shutOut.do", { id: agent })}
-              </button>
-            </div>
-          </form>
-        )}
-      </PopButton>
-    </div>
+    <PopButton icon="shutOut" label={t("shutOut.open")} title={t(`shutOut.hint.${kind}`, { id: agent })} onToggle={toggle}>
+      {(close) => (
+        <form
+          class="shut-out"
+          onSubmit={(event) => {
+            event.preventDefault();
+            if (reason.value.trim() !== "" && !busy.value) void send(close);
+          }}
+        >
+          <p>{t(`shutOut.hint.${kind}`, { id: agent })}</p>
+          <div class="field">
+            <label for={id}>{t("shutOut.reason")}</label>
+            <input
+              ref={field}
+              id={id}
+              required
+              autoComplete="off"
+              maxLength={REASON_CHARS}
+              value={reason.value}
+              onInput={(event) => {
+                reason.value = event.currentTarget.value;
+              }}
+            />
+          </div>
+          {failed.value !== "" && (
+            <p class="complaint" role="alert">
+              {failed.value}
+            </p>
+          )}
+          <div class="form-actions">
+            <button type="button" class="button" onClick={close}>
+              {t("shutOut.keep")}
+            </button>
+            <button type="submit" class="button primary" disabled={busy.value || reason.value.trim() === ""}>
+              {t("shutOut.do", { id: agent })}
+            </button>
+          </div>
+        </form>
+      )}
+    </PopButton>
   );
 }

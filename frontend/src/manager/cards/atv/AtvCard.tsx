@@ -12,14 +12,15 @@ import { failureText } from "../../../text/failure";
 import { format, t, word } from "../../../text/manager";
 import { ClockMark } from "../agents/ClockMark";
 import { ShutOutMenu } from "../agents/ShutOutMenu";
+import { CommandMenu } from "../commands/CommandMenu";
 import { ShutOutNote } from "../agents/ShutOutNote";
 import { UpdateFact } from "../agents/UpdateFact";
+import { Later } from "../../../parts/Later";
 import { problemText } from "../../problem-text";
 import { names, plant } from "../../state";
+import { Term } from "../../story/Term";
 import { doingText } from "./doing";
-import { FaultFacts } from "../faults/FaultFacts";
-import { FaultMenu } from "../faults/FaultMenu";
-import { ATV_FAULTS } from "../faults/faults";
+import { FaultFacts, FaultMenu } from "../faults/FaultParts";
 import { HelpWanted } from "./HelpWanted";
 import { linkText } from "./link";
 import { Promise as PromiseFact } from "./Promise";
@@ -89,6 +90,7 @@ function AtvCard({ atv }: { atv: AtvView }) {
           <ClockMark clock={atv.clock} />
         </Fact>
       </Facts>
+      <Later load={async () => (await import("../strip/RecentStrip")).loadAtv()} />
       <div class="stock-row battery">
         <span>{t("atv.battery")}</span>
         <Meter
@@ -98,7 +100,12 @@ function AtvCard({ atv }: { atv: AtvView }) {
         />
         <span class="num">{format.percent(atv.battery_frac)}</span>
       </div>
-      {!atv.shut_out && <ShutOutMenu key={atv.id} agent={atv.id} kind="atv" />}
+      {!atv.shut_out && (
+        <div class="card-foot">
+          <CommandMenu key={atv.id} atv={atv.id} />
+          <ShutOutMenu key={atv.id} agent={atv.id} kind="atv" />
+        </div>
+      )}
     </Card>
   );
 }
@@ -106,7 +113,7 @@ function AtvCard({ atv }: { atv: AtvView }) {
 function Status({ atv, lost }: { atv: AtvView; lost: boolean }) {
   return (
     <>
-      <FaultMenu agent={atv.id} kinds={ATV_FAULTS} />
+      <FaultMenu agent={atv.id} kind="atv" />
       {lost ? <Tag tone="alarm">{t(atv.shut_out ? "atv.shut_out" : "atv.lost")}</Tag> : <Tag tone={toneOfAtv(atv.status)}>{word("atv", atv.status)}</Tag>}
     </>
   );
@@ -119,7 +126,7 @@ function TaskFacts({ atv, lost, task }: { atv: AtvView; task: TaskView | undefin
   return (
     <>
       <Fact name={t("atv.task")}>
-        <Link kind="task" id={brief.task} /> · {t("auction.epoch", { epoch: brief.epoch })}
+        <Link kind="task" id={brief.task} /> · <Term name="epoch">{t("auction.epoch", { epoch: brief.epoch })}</Term>
       </Fact>
       <Fact name={t("atv.for")}>
         <Link kind="machine" id={brief.coordinator} /> · {t("atv.loadOf", { quantity, item: names.value(brief.item) })}

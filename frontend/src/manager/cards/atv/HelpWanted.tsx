@@ -2,7 +2,8 @@ import { useSignal } from "@preact/signals";
 import { commandAtv } from "../../../api/client";
 import type { HelpView } from "../../../api/types";
 import { nowS } from "../../../stream/stream";
-import { format, t, word } from "../../../text/manager";
+import { t, word } from "../../../text/manager";
+import { factoryTime } from "../../../text/plant-time";
 import { problemText } from "../../problem-text";
 import { helpText } from "./help";
 
@@ -34,7 +35,7 @@ export function HelpWanted({ atv, help, speed }: { atv: string; help: HelpView; 
           type="button"
           class="button small promise"
           disabled={busy.value}
-          title={t("atv.promiseTitle", { left: format.duration(promiseS) })}
+          title={t("atv.promiseTitle", { left: factoryTime(promiseS, speed) })}
           onClick={() => void promise()}
         >
           {t("atv.promise")}

@@ -1,6 +1,7 @@
 import { Fact } from "../../../parts/Facts";
 import { world } from "../../../stream/stream";
 import { format, t } from "../../../text/manager";
+import { factoryTime } from "../../../text/plant-time";
 
 /** What is not worth a word, in factory seconds. */
 const PUNCTUAL_S = 2;
@@ -21,12 +22,12 @@ export function Promise({ dueAtS, lost, promisedAtS }: Props) {
   return (
     <Fact name={t("atv.arrives")}>
       {format.clock(dueAtS)}
-      {lateS !== null && <small class={lateS > PUNCTUAL_S ? "tone-warn" : ""}>{lateText(lateS)}</small>}
+      {lateS !== null && <small class={lateS > PUNCTUAL_S ? "tone-warn" : ""}>{lateText(lateS, speed)}</small>}
     </Fact>
   );
 }
 
-function lateText(lateS: number): string {
+function lateText(lateS: number, speed: number): string {
   if (Math.abs(lateS) <= PUNCTUAL_S) return t("atv.onTime");
-  return t(lateS > 0 ? "atv.late" : "atv.early", { by: format.duration(Math.abs(lateS)) });
+  return t(lateS > 0 ? "atv.late" : "atv.early", { by: factoryTime(Math.abs(lateS), speed) });
 }

@@ -1,7 +1,8 @@
 import type { WaitView } from "../../../api/types";
 import { Link } from "../../../parts/Link";
 import { presentS, world } from "../../../stream/stream";
-import { format, t } from "../../../text/manager";
+import { t } from "../../../text/manager";
+import { factoryTime } from "../../../text/plant-time";
 import { waitText } from "../../../text/wait";
 
 /** For whom a vehicle waits, as a sentence, and below it step by step with how long each has stood. */
@@ -25,7 +26,7 @@ function Step({ id, sinceAtS }: { id: string; sinceAtS: number | null }) {
   const stoodS = sinceAtS === null ? null : Math.max(0, presentS.value - sinceAtS) * (world.value?.factory.speed ?? 1);
   return (
     <li>
-      <Link kind="atv" id={id} /> <span class="num">{stoodS === null ? "" : format.duration(stoodS)}</span>
+      <Link kind="atv" id={id} /> <span class="num">{stoodS === null ? "" : factoryTime(stoodS)}</span>
     </li>
   );
 }

@@ -1,6 +1,7 @@
 /** How long a vehicle waits for a person, in words. */
 import type { HelpView } from "../../../api/types";
-import { format, t } from "../../../text/manager";
+import { t } from "../../../text/manager";
+import { factoryTime } from "../../../text/plant-time";
 
 /** @returns factory seconds that are left; negative when the time is over */
 export function helpLeftS(help: HelpView, nowS: number, speed: number): number {
@@ -9,7 +10,7 @@ export function helpLeftS(help: HelpView, nowS: number, speed: number): number {
 
 export function helpText(help: HelpView, nowS: number, speed: number): string {
   const leftS = helpLeftS(help, nowS, speed);
-  const left = format.duration(leftS);
+  const left = factoryTime(leftS, speed);
   if (leftS <= 0) return t("atv.helpLate");
   return help.promised_by === "" ? t("atv.help", { left }) : t("atv.helpPromised", { by: help.promised_by, left });
 }

@@ -1,4 +1,4 @@
-import { signal, useComputed } from "@preact/signals";
+import { effect, signal, useComputed } from "@preact/signals";
 import type { TaskView } from "../../../api/types";
 import { Card } from "../../../parts/Card";
 import { Tag } from "../../../parts/Tag";
@@ -6,8 +6,9 @@ import { selection } from "../../../selection/selection";
 import { world } from "../../../stream/stream";
 import { causeText } from "../../../text/failure";
 import { format, n, t, word } from "../../../text/manager";
-import { names } from "../../state";
-import { auctionOf, shownTask } from "./auction";
+import { names, taskName } from "../../state";
+import { Term } from "../../story/Term";
+import { auctionOf, isWon, shownTask } from "./auction";
 import { BidLine } from "./BidLine";
 import { Carriers } from "./Carriers";
 import { RefusalLine } from "./RefusalLine";
@@ -16,13 +17,19 @@ import { WatchBids } from "./WatchBids";
 import { whyText } from "./why-text";
 
 const follow = signal<"chosen" | "newest">("chosen");
+/** What was chosen when somebody asked for the newest. */
+let unlike = selection.peek();
+// Whatever is chosen is shown: who asks for the newest asks until then.
+effect(() => {
+  if (selection.value !== unlike) follow.value = "chosen";
+});
 
 /** The height of the card is fixed, so that the map above it never moves: rows and the sentence share it. */
 const SHARED_PX = 145;
 const ROW_PX = 28;
 const LINE_PX = 18;
 /** In one line of the sentence, on the smallest screen. */
-const LINE_CHARS = 95;
+const LINE_CHARS = 85;
 
 function rowsBeside(why: string): number {
   return Math.floor((SHARED_PX - LINE_PX * Math.ceil(why.length / LINE_CHARS)) / ROW_PX);
@@ -50,7 +57,7 @@ function Title({ task }: { task: TaskView | null }) {
   const source = task.source || task.sources.join(" / ");
   return (
     <>
-      {t("auction.title")} {task.id}
+      {t("auction.title")} {taskName(task.id, task.order)}
       <span class="title-more">
         {what}
         {task.destination && `, ${t("auction.way", { source, destination: task.destination })}`}
@@ -62,8 +69,8 @@ function Title({ task }: { task: TaskView | null }) {
 function Aside({ task }: { task: TaskView | null }) {
   return (
     <>
-      {task && task.round > 1 && <Tag>{t("auction.round", { round: task.round })}</Tag>}
-      {task && task.epoch > 1 && <Tag>{t("auction.epoch", { epoch: task.epoch })}</Tag>}
+      {task && task.round > 1 && <Tag><Term name="round">{t("auction.round", { round: task.round })}</Term></Tag>}
+      {task && task.epoch > 1 && <Tag><Term name="epoch">{t("auction.epoch", { epoch: task.epoch })}</Term></Tag>}
       {task && <Tag>{word("state", task.state)}</Tag>}
       <div class="segments" role="group" aria-label={t("auction.follow")}>
         {(["chosen", "newest"] as const).map((each) => (
@@ -72,6 +79,7 @@ function Aside({ task }: { task: TaskView | null }) {
             type="button"
             aria-pressed={follow.value === each}
             onClick={() => {
+              unlike = selection.peek();
               follow.value = each;
             }}
           >
@@ -93,9 +101,13 @@ function Bids({ task }: { task: TaskView }) {
   const moreRefusals = refusals.length - refused.length;
   return (
     <>
+      <p class="why" tabIndex={0}>
+        {why}
+        {task.trouble !== null && <span class="tone-warn"> {t("why.trouble", { reason: causeText(task.trouble) })}</span>}
+      </p>
       <ul class="bids">
         {bids.map((row) => (
-          <BidLine key={row.bid.bidder} row={row} parts={parts} mostS={mostS} />
+          <BidLine key={row.bid.bidder} row={row} parts={parts} mostS={mostS} won={isWon(task)} />
         ))}
         {refused.map((refusal) => (
           <RefusalLine key={refusal.agent} refusal={refusal} />
@@ -103,16 +115,12 @@ function Bids({ task }: { task: TaskView }) {
       </ul>
       {watch.length > 0 && <WatchBids rows={watch} />}
       {task.carriers.length > 1 && <Carriers carriers={task.carriers} />}
-      <p class="why" tabIndex={0}>
-        {why}
-        {task.trouble !== null && <span class="tone-warn"> {t("why.trouble", { reason: causeText(task.trouble) })}</span>}
-      </p>
       <footer class="bids-foot">
         <span class="legend">
           {parts.map((part) => (
             <span key={part}>
               <i class={`swatch part-${part}`} aria-hidden="true" />
-              {word("part", part)}
+              {part === "suitability" ? <Term name="suitability">{word("part", part)}</Term> : word("part", part)}
             </span>
           ))}
         </span>

@@ -1,5 +1,6 @@
 import { Link } from "../../../parts/Link";
 import { format, t, word } from "../../../text/manager";
+import { factoryTime } from "../../../text/plant-time";
 import type { BidView } from "../../../api/types";
 import type { BidRow } from "./auction";
 
@@ -7,20 +8,22 @@ interface Props {
   row: BidRow;
   parts: readonly string[];
   mostS: number;
+  /** Whether the carrier is the one that the auction ended with. */
+  won: boolean;
 }
 
 /** One bid: its parts to the scale of the dearest one, its total, what came of it. */
-export function BidLine({ row, parts, mostS }: Props) {
+export function BidLine({ row, parts, mostS, won }: Props) {
   const { bid, standing } = row;
   const spoken = parts.map((part) => `${word("part", part)} ${format.duration(bid.parts_s[part] ?? 0)}`);
   const label = t("auction.bidLabel", {
     bidder: bid.bidder,
-    total: format.duration(bid.total_s),
+    total: factoryTime(bid.total_s),
     parts: format.list(spoken),
   });
-  const note = noteOf(row);
+  const note = noteOf(row, won);
   return (
-    <li class={`bid ${standing === "primary" ? "bid-won" : ""}`}>
+    <li class={`bid ${won && standing === "primary" ? "bid-won" : ""}`}>
       <Link kind="atv" id={bid.bidder} />
       <span class="bid-bar" role="img" aria-label={label} title={label}>
         {parts.map((part) => (
@@ -35,7 +38,8 @@ export function BidLine({ row, parts, mostS }: Props) {
   );
 }
 
-function noteOf({ bid, standing }: BidRow): string {
+function noteOf({ bid, standing }: BidRow, won: boolean): string {
+  if (standing === "primary" && !won) return t("auction.role.tookOver");
   return standing ? t(`auction.role.${standing}`) : answerText(bid);
 }
 

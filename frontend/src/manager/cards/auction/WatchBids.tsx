@@ -1,5 +1,6 @@
 import { Link } from "../../../parts/Link";
 import { format, t } from "../../../text/manager";
+import { Term } from "../../story/Term";
 import type { BidRow } from "./auction";
 import { answerText } from "./BidLine";
 
@@ -10,9 +11,9 @@ import { answerText } from "./BidLine";
 export function WatchBids({ rows }: { rows: readonly BidRow[] }) {
   return (
     <p class="watch-bids">
-      <span class="faint">{t("auction.watchBids")}</span>
+      <Term name="watch">{t("auction.watchBids")}</Term>
       {rows.map(({ bid, standing }) => {
-        const answer = standing === "secondary" ? t("auction.watches") : answerText(bid);
+        const answer = standing === "secondary" ? t("auction.watches") : bid.answer === "accepted" ? t("auction.watched") : answerText(bid);
         return (
           <span key={bid.bidder} title={answer}>
             <Link kind="atv" id={bid.bidder} /> <span class="num">{format.duration(bid.total_s)}</span>

@@ -3,6 +3,7 @@ import type { AtvView, BidView, RefusalView, TaskView, WhyView } from "../../../
 import { NOTHING, type Selection } from "../../../selection/selection";
 import type { World } from "../../../stream/world";
 import { auctionOf, shownTask } from "./auction";
+import { whyText } from "./why-text";
 import { taskTimes } from "./times";
 
 const NO_REASON: WhyView = {
@@ -21,7 +22,7 @@ const task = (more: Partial<TaskView>): TaskView => ({
   id: "M8-214", kind: "transport", coordinator: "M8", item: "housing", quantity: 60, sources: ["S4"], source: "S4",
   destination: "M8", order: "", goal: "", epoch: 1, round: 1, radius_m: 30, state: "contracted", phase: "", goods_aboard: false,
   primary: "", secondary: "", opened_at_s: 0, contracted_at_s: null, promised_at_s: null, deadline_at_s: 100,
-  closed_at_s: null, trouble: null, carriers: [], bids: [], refusals: [],
+  closed_at_s: null, trouble: null, stranded: null, carriers: [], bids: [], refusals: [],
   why: NO_REASON, ...more,
 });
 
@@ -33,6 +34,12 @@ describe("an auction", () => {
     ]);
   });
 
+  test("crowns nobody who took over: whoever won was the cheapest of those that are compared", () => {
+    const why = { ...NO_REASON, kind: "took_over", agent: "C", replaced: "A" } as const;
+    const { rows } = auctionOf(task({ primary: "C", why, bids: [bid("B", 30), bid("A", 10), bid("C", 20)] }));
+    expect(rows.map((row) => [row.bid.bidder, row.standing])).toEqual([["A", null], ["C", "primary"], ["B", null]]);
+  });
+
   test("shows no price for the watch beside those for the contract: nobody else bid for that", () => {
     const bids = [bid("ATV2", 54.8, 0), bid("ATV3", 20, 0, { role: "secondary" }), bid("ATV1", 10, 0, { role: "secondary" })];
     const { rows, watch } = auctionOf(task({ primary: "ATV2", secondary: "ATV1", bids }));
@@ -40,11 +47,29 @@ describe("an auction", () => {
     expect(watch.map((row) => [row.bid.bidder, row.standing])).toEqual([["ATV1", "secondary"], ["ATV3", null]]);
   });
 
+  test("shows first who watches now, whoever bid less for a watch that has ended", () => {
+    const watches = [bid("ATV3", 20, 0, { role: "secondary", answer: "accepted" }), bid("ATV1", 90, 0, { role: "secondary", answer: "accepted" })];
+    const { watch } = auctionOf(task({ primary: "ATV2", secondary: "ATV1", bids: [bid("ATV2", 54.8, 0), ...watches] }));
+    expect(watch.map((row) => row.bid.bidder)).toEqual(["ATV1", "ATV3"]);
+  });
+
   test("counts a refusal to watch as none of the contract", () => {
     const refusals = [refusal("A", "busy"), refusal("B", "busy", { role: "secondary" }), refusal("C", "battery")];
     expect(auctionOf(task({ bids: [bid("D", 1)], refusals })).refusals.map(({ agent }) => agent)).toEqual(["A", "C"]);
     const anew = auctionOf(task({ epoch: 2, bids: [bid("D", 1, 1, { epoch: 2 })], refusals }));
     expect(anew.refusals).toEqual([]);
+  });
+
+  test("counts nobody as refusing who is busy and offers to watch: neither in the list nor in the sentence above it", () => {
+    const bids = [bid("D", 1), bid("A", 2, 0, { role: "secondary" })];
+    const refused = [{ reason: "busy", agents: ["A", "B"] }];
+    const shown = task({
+      primary: "D", bids, refusals: [refusal("A", "busy"), refusal("B", "busy")],
+      why: { ...NO_REASON, kind: "only", agent: "D", total_s: 1, bidders: 1, left: 1, refused },
+    });
+    expect(auctionOf(shown).refusals.map(({ agent }) => agent)).toEqual(["B"]);
+    expect(whyText(shown)).toContain("B refused");
+    expect(whyText(shown)).not.toContain("2 refused");
   });
 
   test("counts a bidder once, with its latest bid for the transport", () => {
@@ -105,5 +130,5 @@ describe("the shown auction", () => {
 
 test("the ledger compares delivery and promise in factory time", () => {
   const times = taskTimes(task({ state: "delivered", closed_at_s: 12, promised_at_s: 10 }), 10);
-  expect(times[1]).toBe("20\u202fs after the promise");
+  expect(times[1]).toBe("20\u202fs of factory time after the promise");
 });

@@ -9,9 +9,15 @@ export interface BidRow {
 }
 
 export interface Auction {
-  /** What was bid for the contract: the carrier first, then by price. The sentence about it speaks of these. */
+  /**
+   * What was bid for the contract, by price, and first of all who won it. The sentence about it speaks of these. Who has taken
+   * over has won no auction: its price then stands where it stood.
+   */
   readonly rows: readonly BidRow[];
-  /** What was bid later for the watch over it, by price: another auction, in which nobody competed for the contract. */
+  /**
+   * What was bid later for the watch over it, by price, and first of all who has it: another auction, in which
+   * nobody competed for the contract. A watch that ends is put up again: whoever had it before is among them.
+   */
   readonly watch: readonly BidRow[];
   /** Of the contract. */
   readonly refusals: readonly RefusalView[];
@@ -23,13 +29,14 @@ export interface Auction {
 
 /** A part that nobody spends half a second on is not worth a place in the legend. */
 const SHOWN_S = 0.5;
-const PART_ORDER = ["empty_way", "loaded_way", "energy", "suitability", "waiting", "reliability", "queue", "material", "making"];
+const PART_ORDER = ["empty_way", "loaded_way", "energy", "suitability", "waiting", "reliability", "queue", "material", "making", "rest", "passed"];
 
 export function auctionOf(task: TaskView): Auction {
+  const hasWon = isWon(task);
   const rowsOf = (bids: readonly BidView[]): BidRow[] =>
     bids
       .map((bid) => ({ bid, standing: standingOf(task, bid.bidder) }))
-      .sort((a, b) => Number(b.standing === "primary") - Number(a.standing === "primary") || a.bid.total_s - b.bid.total_s);
+      .sort((a, b) => (hasWon ? Number(b.standing === "primary") - Number(a.standing === "primary") : 0) || a.bid.total_s - b.bid.total_s);
   const rows = rowsOf(latestBids(task.bids));
   const bidders = new Set(rows.map(({ bid }) => bid.bidder));
   const epoch = epochOf([...task.bids, ...task.refusals]);
@@ -37,12 +44,25 @@ export function auctionOf(task: TaskView): Auction {
   return {
     rows,
     // Whoever bid for both is among the rows, with its price for the contract.
-    watch: rowsOf(latestOf(task.bids, "secondary", newest)).filter(({ bid }) => !bidders.has(bid.bidder)),
-    // Who refused a first round and bid in a wider one is a bidder now.
-    refusals: latestRefusals(task.refusals, epoch).filter(({ agent }) => !bidders.has(agent)),
+    watch: rowsOf(latestOf(task.bids, "secondary", newest))
+      .filter(({ bid }) => !bidders.has(bid.bidder))
+      .sort((a, b) => Number(b.standing === "secondary") - Number(a.standing === "secondary")),
+    // Who refused a first round and bid in a wider one is a bidder now; who carries something else and offers to watch has not refused.
+    refusals: latestRefusals(task.refusals, epoch).filter(({ agent }) => !bidders.has(agent) && !watchers(task).has(agent)),
     mostS: Math.max(1, ...rows.map(({ bid }) => bid.total_s)),
     parts: partsOf(rows),
   };
+}
+
+/** Whether the carrier is the one that the auction ended with. */
+export function isWon({ why }: Pick<TaskView, "why">): boolean {
+  return why.kind !== "took_over" && why.kind !== "recovered";
+}
+
+/** Who has offered to watch over it, or does so: busy with something else, and no less willing. */
+export function watchers({ bids, secondary }: Pick<TaskView, "bids" | "secondary">): ReadonlySet<string> {
+  const newest = Math.max(0, ...bids.map((bid) => bid.epoch));
+  return new Set([secondary, ...latestOf(bids, "secondary", newest).map(({ bidder }) => bidder)].filter((each) => each !== ""));
 }
 
 /** The last bid of everybody for the contract. What was bid before the task was announced anew counts no more. */
@@ -88,9 +108,15 @@ export function shownTask(world: World, selection: Selection, follow: "chosen" |
   return newest(auctioned) ?? newest(tasks);
 }
 
-function taskOf(world: World, selection: Selection, tasks: readonly TaskView[]): TaskView | null {
-  const { latest, task, atv, place } = selection;
+/** The task of what was chosen last, an open one rather than another. */
+export function taskOf(world: World, selection: Selection, tasks: readonly TaskView[] = [...world.tasks.values()]): TaskView | null {
+  const { latest, task, atv, order, place } = selection;
   if (latest === "task") return world.tasks.get(task ?? "") ?? null;
+  if (latest === "order") {
+    const own = tasks.filter((each) => orderOf(world, each) === order);
+    const transports = own.filter((each) => each.kind === "transport");
+    return newest(transports.filter(isOpen)) ?? newest(own.filter(isOpen)) ?? newest(own);
+  }
   if (latest === "atv" && atv !== null) {
     const own = world.tasks.get(world.atvs.get(atv)?.task?.task ?? "");
     return own ?? newest(tasks.filter((each) => each.primary === atv || each.secondary === atv));
@@ -102,6 +128,12 @@ function taskOf(world: World, selection: Selection, tasks: readonly TaskView[]):
     newest(open) ??
     newest(tasks.filter((each) => each.source === id || each.destination === id))
   );
+}
+
+/** For which order something is carried or made; null for material. */
+export function orderOf(world: World, task: TaskView): string | null {
+  const order = task.order === "" ? (world.tasks.get(task.goal)?.order ?? "") : task.order;
+  return order === "" ? null : order;
 }
 
 export function isOpen(task: TaskView): boolean {

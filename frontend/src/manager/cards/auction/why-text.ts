@@ -5,6 +5,8 @@
 import type { PassedView, RefusedView, TaskView, WhyView } from "../../../api/types";
 import { reasonText } from "../../../text/failure";
 import { format, n, t, word } from "../../../text/manager";
+import { ofFactoryTime } from "../../../text/plant-time";
+import { watchers } from "./auction";
 import { isSilence } from "../news/news-text";
 
 /** Bidders that were passed over and are named; more would make a list of a sentence. */
@@ -12,8 +14,17 @@ const PASSED_NAMED = 2;
 /** What has gone through no rounds of bidding, or not through those that are told. */
 const WITHOUT_ROUNDS = new Set<WhyView["kind"]>(["took_over", "recovered", "unknown", "withdrawn"]);
 
-export function whyText({ why }: Pick<TaskView, "why">): string {
-  return [mainText(why), anewText(why), roundsText(why)].filter(Boolean).join(" ");
+/** @param speed factory seconds per real second, where it is not that of the plant as it is now */
+export function whyText(task: Pick<TaskView, "why"> & Partial<Pick<TaskView, "bids" | "secondary">>, speed?: number): string {
+  const why = withoutWatchers(task.why, watchers({ bids: task.bids ?? [], secondary: task.secondary ?? "" }));
+  const text = [mainText(why), anewText(why), roundsText(why)].filter(Boolean).join(" ");
+  return why.total_s > 0 || why.silent_s > 0 ? ofFactoryTime(text, speed) : text;
+}
+
+/** The sentence says what is seen below it: who offers to watch is not among those that refused. */
+function withoutWatchers(why: WhyView, watching: ReadonlySet<string>): WhyView {
+  const refused = why.refused.map(({ agents, reason }) => ({ reason, agents: agents.filter((agent) => !watching.has(agent)) }));
+  return { ...why, refused: refused.filter(({ agents }) => agents.length > 0) };
 }
 
 function mainText(why: WhyView): string {

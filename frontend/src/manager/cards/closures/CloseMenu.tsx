@@ -2,18 +2,19 @@ import { useSignal } from "@preact/signals";
 import { useId } from "preact/hooks";
 import { closeFloor, previewClosure } from "../../../api/client";
 import { laneOf } from "../../../plant/surface/lanes";
+import { NOTHING_DRAWN, outline, shapeOf } from "../../../selection/outline";
 import { selection } from "../../../selection/selection";
 import { t } from "../../../text/manager";
 import { PopButton } from "../../parts/PopButton";
 import { problemText } from "../../problem-text";
 import { plant } from "../../state";
-import { type Draft, requestOf, warningsOf } from "./closure-text";
+import { type Draft, DRAWN, requestOf, warningsOf } from "./closure-text";
 
 /** As much as the gateway takes. */
 const REASON_CHARS = 200;
 const EMPTY: Draft = { what: "", kind: "closed", speed: "0.5", until: "", reason: "" };
 
-/** Closes what is chosen on the map, or an area: now, for a reason, and until a time if there is one. */
+/** Closes what is chosen or drawn on the map, or an area: now, for a reason, and until a time if there is one. */
 export function CloseMenu() {
   const draft = useSignal(EMPTY);
   const busy = useSignal(false);
@@ -27,8 +28,9 @@ export function CloseMenu() {
     warned.value = [];
     failed.value = "";
   };
+  const wanted = (): Draft => ({ ...draft.value, what: draft.value.what || (choices[0]?.value ?? "") });
   const send = async (close: () => void) => {
-    const request = requestOf(draft.value);
+    const request = requestOf(wanted(), shapeOf(outline.value.corners));
     if (!request || busy.value) return;
     busy.value = true;
     failed.value = "";
@@ -39,6 +41,7 @@ export function CloseMenu() {
         return;
       }
       await closeFloor(request);
+      if (request.outline) outline.value = NOTHING_DRAWN;
       close();
     } catch (error) {
       failed.value = t("closures.failed", { reason: problemText(error) });
@@ -47,9 +50,11 @@ export function CloseMenu() {
     }
   };
   const onToggle = (open: boolean) => {
-    if (open) change({ ...EMPTY, what: choicesNow()[0]?.value ?? "" });
+    if (open && outline.value.drawing) outline.value = { ...outline.value, drawing: false };
+    // Not as it opens: what is typed at once would be lost, since one is told of that a little later.
+    if (!open) change(EMPTY);
   };
-  const { kind, reason, speed, until, what } = draft.value;
+  const { kind, reason, speed, until, what } = wanted();
   const lane = what.startsWith("lane:") ? laneOf(what.slice(5)) : null;
   return (
     <PopButton icon="shutOut" label={t("closures.open")} title={t("closures.hint")} onToggle={onToggle}>
@@ -62,6 +67,18 @@ export function CloseMenu() {
           }}
         >
           <p>{t("closures.hint")}</p>
+          <p>
+            <button
+              type="button"
+              class="button small"
+              onClick={() => {
+                outline.value = { drawing: true, corners: [] };
+                close();
+              }}
+            >
+              {t("closures.draw")}
+            </button>
+          </p>
           <div class="field">
             <label for={`${id}-what`}>{t("closures.what")}</label>
             <select id={`${id}-what`} required value={what} onChange={(event) => { change({ what: event.currentTarget.value, kind: "closed" }); }}>
@@ -100,7 +117,7 @@ export function CloseMenu() {
             <button type="button" class="button" onClick={close}>
               {t("closures.keep")}
             </button>
-            <button type="submit" class="button primary" disabled={busy.value || requestOf(draft.value) === null}>
+            <button type="submit" class="button primary" disabled={busy.value || requestOf(wanted(), shapeOf(outline.value.corners)) === null}>
               {t(warned.value.length > 0 ? "closures.doAllTheSame" : "closures.do")}
             </button>
           </div>
@@ -114,7 +131,9 @@ export function CloseMenu() {
 function choicesNow(): { value: string; label: string }[] {
   const { lane, place } = selection.value;
   const ends = lane === null ? null : laneOf(lane);
+  const { length } = shapeOf(outline.value.corners);
   return [
+    ...(length > 0 ? [{ value: DRAWN, label: t("closures.choice.drawn", { corners: length }) }] : []),
     ...(ends ? [{ value: `lane:${lane}`, label: t("closures.choice.lane", ends) }] : []),
     ...(place ? [{ value: `place:${place.id}`, label: t("closures.choice.place", { place: place.id }) }] : []),
     ...(plant.value?.areas ?? []).map(({ id, name }) => ({ value: `area:${id}`, label: t("closures.choice.area", { area: name }) })),

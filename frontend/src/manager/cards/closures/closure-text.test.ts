@@ -1,6 +1,8 @@
 import { describe, expect, test } from "vitest";
 import type { ClosureView } from "../../../api/types";
-import { type Draft, requestOf, warningsOf, whereText } from "./closure-text";
+import { type Draft, DRAWN, requestOf as requestWith, warningsOf, whereText } from "./closure-text";
+
+const requestOf = (asked: Draft) => requestWith(asked, []);
 
 const draft: Draft = { what: "lane:c3>m5-lane", kind: "closed", speed: "0.5", until: "", reason: " oil " };
 
@@ -18,6 +20,12 @@ describe("a closure that is asked for", () => {
     expect(requestOf({ ...draft, until: "2030-01-01T02:00" })?.until).toMatch(/^20\d\d-.*Z$/);
   });
 
+  test("has the corners of what is drawn, and is not sent before there is a shape", () => {
+    const drawn = { ...draft, what: DRAWN };
+    expect(requestWith(drawn, [[1, 2], [5, 2], [5, 9]])).toEqual({ kind: "closed", outline: [{ x_m: 1, y_m: 2 }, { x_m: 5, y_m: 2 }, { x_m: 5, y_m: 9 }], reason: "oil" });
+    expect(requestOf(drawn)).toBeNull();
+  });
+
   test("is not sent while something is missing", () => {
     for (const missing of [{ what: "" }, { reason: "  " }, { kind: "slow", speed: "" }, { kind: "slow", speed: "0" }, { kind: "one_way", what: "place:M5" }]) {
       expect(requestOf({ ...draft, ...missing } as Draft)).toBeNull();
@@ -33,7 +41,7 @@ test("what would be lost is said before, and nothing where nothing is", () => {
 });
 
 test("an area is called by its name", () => {
-  const closure = { lane: null, place: "", area: "AREA1" } as ClosureView;
+  const closure = { lane: null, place: "", area: "AREA1", outline: [] as ClosureView["outline"] } as ClosureView;
   expect(whereText(closure, [{ id: "AREA1", name: "North" }])).toBe("North");
   expect(whereText({ ...closure, area: "", place: "M5" }, [])).toBe("M5");
 });

@@ -1,14 +1,18 @@
 import { useComputed } from "@preact/signals";
 import { Card } from "../../../parts/Card";
 import { presentS, world } from "../../../stream/stream";
+import { Later } from "../../../parts/Later";
 import { format, t } from "../../../text/manager";
-import { CloseMenu } from "../closures/CloseMenu";
+import { inFactoryTime } from "../../../text/plant-time";
+import { Term, type TermName } from "../../story/Term";
+import { PauseMenu } from "../commands/PauseMenu";
+import { LaneFaultMenu } from "../faults/FaultParts";
 import { Sparkline } from "./Sparkline";
 import { LOST, SHUT_OUT, statusCounts } from "./status";
 import { StatusRow } from "./StatusRow";
 
 const ATV_ORDER = ["working", "idle", "charging", "stopped", "error", LOST, SHUT_OUT];
-const MACHINE_ORDER = ["producing", "idle", "starved", "blocked", "error", LOST, SHUT_OUT];
+const MACHINE_ORDER = ["producing", "idle", "resting", "starved", "blocked", "error", LOST, SHUT_OUT];
 
 /** The factory as a whole: does it deliver, do machines wait, how long do transports take. */
 export function FactoryCard() {
@@ -23,12 +27,12 @@ export function FactoryCard() {
     frac == null ? t("factory.none") : format.percent(frac, 1);
   const seconds = (s: number | null | undefined) => (s == null ? t("factory.none") : format.duration(s));
   return (
-    <Card title={t("factory.title")} class="factory" aside={<CloseMenu />}>
+    <Card title={t("factory.title")} class="factory">
       <div class="kpis">
         <Kpi value={percent(factory?.on_time_frac)} name={t("factory.onTime")} />
         <Kpi value={percent(factory?.starved_frac)} name={t("factory.starved")} />
-        <Kpi value={seconds(factory?.transport_p50_s)} name={t("factory.p50")} />
-        <Kpi value={seconds(factory?.transport_p95_s)} name={t("factory.p95")} />
+        <Kpi value={seconds(factory?.transport_p50_s)} name={inFactoryTime(t("factory.p50"))} term="p50" />
+        <Kpi value={seconds(factory?.transport_p95_s)} name={inFactoryTime(t("factory.p95"))} term="p95" />
       </div>
       <Sparkline values={factory?.deliveries_per_hour ?? []} />
       <StatusRow name={t("factory.atvs")} group="atv" counts={counts.atvs} order={ATV_ORDER} />
@@ -38,15 +42,21 @@ export function FactoryCard() {
         counts={counts.machines}
         order={MACHINE_ORDER}
       />
+      <Later load={async () => (await import("../duty/DutyRow")).load()} />
+      <div class="card-foot">
+        <PauseMenu />
+        <LaneFaultMenu />
+        <Later load={async () => (await import("../closures/CloseMenu")).CloseMenu} />
+      </div>
     </Card>
   );
 }
 
-function Kpi({ value, name }: { value: string; name: string }) {
+function Kpi({ value, name, term }: { value: string; name: string; term?: TermName }) {
   return (
     <div class="kpi">
       <b>{value}</b>
-      <span>{name}</span>
+      {term ? <Term name={term}>{name}</Term> : <span>{name}</span>}
     </div>
   );
 }

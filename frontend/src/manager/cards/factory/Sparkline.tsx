@@ -1,4 +1,5 @@
 import { format, t } from "../../../text/manager";
+import { inFactoryTime } from "../../../text/plant-time";
 import { sparkPoints } from "./spark";
 
 const WIDTH = 108;
@@ -15,7 +16,7 @@ export function Sparkline({ values }: { values: readonly number[] }) {
   });
   return (
     <div class="spark">
-      <span>{t("factory.deliveries")}</span>
+      <span>{inFactoryTime(t("factory.deliveries"))}</span>
       <svg role="img" aria-label={label} width={WIDTH + 8} height={HEIGHT + 8} viewBox={`-4 -4 ${WIDTH + 8} ${HEIGHT + 8}`}>
         <line x1="0" y1={HEIGHT} x2={WIDTH} y2={HEIGHT} class="spark-base" />
         <polyline points={points.map((point) => point.join(",")).join(" ")} class="spark-line" />

@@ -1,6 +1,6 @@
 import { Fact } from "../../../parts/Facts";
 import { world } from "../../../stream/stream";
-import { t, word } from "../../../text/manager";
+import { t, word } from "../../../text/views/faults";
 import { busy, end, failed } from "./act";
 import { faultsOf } from "./faults";
 

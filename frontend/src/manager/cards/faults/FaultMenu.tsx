@@ -1,20 +1,18 @@
 import { world } from "../../../stream/stream";
-import { t } from "../../../text/manager";
+import { t } from "../../../text/views/faults";
 import { PopButton } from "../../parts/PopButton";
 import { begin, busy } from "./act";
-import { faultsOf, isOn, type FaultKind } from "./faults";
+import { faultsOf, isOn, KINDS } from "./faults";
 
-/** A button for the head of a card: what may go wrong with this one. Absent in a real factory. */
-export function FaultMenu({ agent, kinds }: { agent: string; kinds: readonly FaultKind[] }) {
-  const known = world.value;
-  if (!known?.fault_injection) return null;
-  const faults = faultsOf(known.faults.values(), agent);
+/** A button for the head of a card: what may go wrong with this one. */
+export function FaultMenu({ agent, kind: of }: { agent: string; kind: keyof typeof KINDS }) {
+  const faults = faultsOf(world.value?.faults.values() ?? [], agent);
   return (
     <PopButton icon="fault" label={t("fault.title")} title={t("fault.hint")}>
       {(close) => (
         <>
           <p class="faint">{t("fault.hint")}</p>
-          {kinds.map((kind) => (
+          {KINDS[of].map((kind) => (
             <button
               key={kind}
               type="button"

@@ -1,6 +1,6 @@
 import { describe, expect, test } from "vitest";
 import type { FaultView } from "../../../api/types";
-import { faultOf, faultsOf, isOn } from "./faults";
+import { faultOf, faultsOf, isOn, onLane } from "./faults";
 
 const fault = (id: string, began_at_s: number, agents: string[]) =>
   ({ id, began_at_s, agents, kind: "wlan_cut", fault: {} }) satisfies FaultView;
@@ -23,4 +23,11 @@ describe("a fault by hand", () => {
     expect(isOn([fault("1", 1, ["ATV3"])], "wlan_cut")).toBe(true);
     expect(isOn([fault("1", 1, ["ATV3"])], "powered_off")).toBe(false);
   });
+});
+
+test("what is in the way on a lane is found from both of its ends", () => {
+  const fault = { id: "F1", kind: "lane_blocked", fault: { start: "c3", end: "m5-lane", thing: "door" }, agents: [], began_at_s: 1 };
+  expect(onLane([fault], { start: "m5-lane", end: "c3" })).toEqual([fault]);
+  expect(onLane([fault], { start: "c3", end: "m5-lane" })).toEqual([fault]);
+  expect(onLane([fault], { start: "c3", end: "c4" })).toEqual([]);
 });

@@ -1,5 +1,6 @@
 import type { MachineSpec, MachineView, OpenTaskView } from "../../../api/types";
 import { Card } from "../../../parts/Card";
+import { Documents } from "../../../parts/Documents";
 import { Fact, Facts } from "../../../parts/Facts";
 import { Link } from "../../../parts/Link";
 import { Meter } from "../../../parts/Meter";
@@ -12,11 +13,13 @@ import { ClockMark } from "../agents/ClockMark";
 import { ShutOutMenu } from "../agents/ShutOutMenu";
 import { ShutOutNote } from "../agents/ShutOutNote";
 import { UpdateFact } from "../agents/UpdateFact";
+import { Later } from "../../../parts/Later";
 import { names } from "../../state";
-import { FaultFacts } from "../faults/FaultFacts";
-import { FaultMenu } from "../faults/FaultMenu";
-import { MACHINE_FAULTS } from "../faults/faults";
+import { FaultFacts, FaultMenu } from "../faults/FaultParts";
 import { Stock } from "./Stock";
+
+const loadPieces = async () => (await import("../../../parts/pieces/Pieces")).load();
+const nameOf = (product: string): string => names.value(product);
 
 /** The chosen machine: what it makes, what it needs, who brings it. */
 export function MachineCard({ spec, machine }: { spec: MachineSpec; machine: MachineView | undefined }) {
@@ -31,7 +34,7 @@ export function MachineCard({ spec, machine }: { spec: MachineSpec; machine: Mac
       }
       aside={
         <>
-          <FaultMenu agent={spec.id} kinds={MACHINE_FAULTS} />
+          <FaultMenu agent={spec.id} kind="machine" />
           {lost ? <Tag tone="alarm">{t(machine.shut_out ? "machine.shut_out" : "machine.lost")}</Tag> : status && <Tag tone={toneOfMachine(status)}>{word("machine", status)}</Tag>}
         </>
       }
@@ -56,10 +59,17 @@ export function MachineCard({ spec, machine }: { spec: MachineSpec; machine: Mac
           <ClockMark clock={machine?.clock} />
         </Fact>
       </Facts>
+      <Later load={async () => (await import("../strip/RecentStrip")).loadMachine()} />
+      <Documents machine={machine} name={nameOf} />
       <Stock title={t("machine.buffers")} buffers={machine?.buffers ?? []} />
       <Stock title={t("machine.goods")} buffers={machine?.goods ?? []} />
+      <Later load={loadPieces} of={{ machine: spec.id, name: nameOf }} />
       <Transports tasks={byDeadline(machine).slice(1)} />
-      {machine && !machine.shut_out && <ShutOutMenu key={spec.id} agent={spec.id} kind="machine" />}
+      {machine && !machine.shut_out && (
+        <div class="card-foot">
+          <ShutOutMenu key={spec.id} agent={spec.id} kind="machine" />
+        </div>
+      )}
     </Card>
   );
 }

@@ -10,14 +10,17 @@ import { ClockMark } from "../agents/ClockMark";
 import { ShutOutNote } from "../agents/ShutOutNote";
 import { isOpen } from "../auction/auction";
 import { names } from "../../state";
-import type { PlaceInfo } from "./place";
+import { GATE, type PlaceInfo } from "./place";
 
 /** A storage, warehouse or charger: what it keeps, and who comes. */
 export function PlaceCard({ place }: { place: PlaceInfo }) {
   const atvs = [...(world.value?.atvs.values() ?? [])].filter((atv) => atv.dwell_point === place.id);
   const tasks = [...(world.value?.tasks.values() ?? [])].filter(isOpen);
   const charger = place.kind === "charger";
-  const station = place.kind === "storage" ? world.value?.stations.get(place.id) : undefined;
+  const keeps = place.stocks.length > 0;
+  const agent = place.kind === "delivery" ? GATE : place.id;
+  const beats = keeps || place.kind === "delivery";
+  const station = beats ? world.value?.stations.get(agent) : undefined;
   const lost = station !== undefined && isLost(station, presentS.value, world.value?.factory.speed ?? 1);
   return (
     <Card
@@ -25,9 +28,9 @@ export function PlaceCard({ place }: { place: PlaceInfo }) {
       aside={lost ? <Tag tone="alarm">{t(station.shut_out ? "machine.shut_out" : "machine.lost")}</Tag> : <Tag>{t(`place.${place.kind}`)}</Tag>}
       class={`place ${lost ? "silent" : ""}`}
     >
-      {station?.shut_out && <ShutOutNote agent={place.id} kind="machine" out={station.shut_out} />}
+      {station?.shut_out && <ShutOutNote agent={agent} kind="machine" out={station.shut_out} />}
       <Facts>
-        {place.kind === "storage" && (
+        {beats && (
           <Fact name={t("machine.heartbeat")}>
             <span class={lost ? "tone-alarm" : ""}>
               {station ? t("machine.ago", { age: format.age(nowS.value - station.seen_at_s) }) : t("machine.never")}
@@ -46,7 +49,7 @@ export function PlaceCard({ place }: { place: PlaceInfo }) {
           </>
         )}
       </Facts>
-      {place.stocks.length > 0 && (
+      {keeps && (
         <div class="stock">
           <h3>{t("place.keeps")}</h3>
           <Facts>
@@ -69,6 +72,7 @@ function Kept({ stock, capacity }: { stock: StockView | undefined; capacity: num
     <>
       {t("place.stock", { level: format.count(stock.level), capacity: format.count(stock.capacity) })}
       {stock.promised > 0 && <small>{t("place.promised", { quantity: format.count(stock.promised) })}</small>}
+      {stock.on_order > 0 && <small>{t("place.onOrder", { quantity: format.count(stock.on_order) })}</small>}
       {stock.wanted > 0 && <small class="tone-warn">{t("place.wanted", { quantity: format.count(stock.wanted) })}</small>}
     </>
   );

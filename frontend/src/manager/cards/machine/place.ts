@@ -1,6 +1,9 @@
 /** Places that are no machines, in one shape. */
 import type { PlantFile } from "../../../api/types";
 
+/** The agent of all delivery warehouses. */
+export const GATE = "gate";
+
 export interface PlaceInfo {
   readonly id: string;
   readonly name: string;
@@ -11,8 +14,8 @@ export interface PlaceInfo {
 export function placeOf(plant: PlantFile, id: string): PlaceInfo | null {
   const storage = plant.storages.find((each) => each.id === id);
   if (storage) return { id, name: storage.name, kind: "storage", stocks: storage.stocks };
-  const warehouse = plant.warehouses.find((each) => each.id === id);
-  if (warehouse) return { id, name: warehouse.name, kind: warehouse.kind, stocks: [] };
+  const warehouse = plant.warehouses.find((each) => each.id === id || (id === GATE && each.kind === "delivery"));
+  if (warehouse) return { id: warehouse.id, name: warehouse.name, kind: warehouse.kind, stocks: warehouse.stocks };
   if (plant.chargers.some((each) => each.id === id)) return { id, name: id, kind: "charger", stocks: [] };
   return null;
 }

@@ -1,5 +1,6 @@
 import { nowS, world } from "../../../stream/stream";
 import { format, t } from "../../../text/manager";
+import { MomentLink } from "../../replay/MomentLink";
 import { keyOf, lately, toneOf } from "./news";
 import { newsText } from "./news-text";
 import { CALLED, showNews } from "./show";
@@ -21,6 +22,7 @@ export function NewsList() {
               <span>{newsText(each, nowS.value, CALLED)}</span>
               <span class="faint num">{t("machine.ago", { age: format.age(nowS.value - each.at_s) })}</span>
             </button>
+            <MomentLink atS={each.at_s} about={newsText(each, nowS.value, CALLED)} />
           </li>
         ))}
       </ul>

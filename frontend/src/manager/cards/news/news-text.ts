@@ -2,6 +2,7 @@
 import type { NewsView } from "../../../api/types";
 import { causeText, reasonText } from "../../../text/failure";
 import { format, t } from "../../../text/manager";
+import { factoryTime } from "../../../text/plant-time";
 
 /** What people call what agents know by ids of their own. */
 export interface Called {
@@ -14,7 +15,7 @@ export interface Called {
 export function newsText(news: NewsView, nowS: number, called: Called): string {
   const { agent, arrived, confirmed, other, successor, task } = news;
   const goal = called.goal(news.goal);
-  const silence = format.age(news.silent_s);
+  const silence = factoryTime(news.silent_s, undefined, "age");
   const reason = news.cause === null ? reasonText(news.reason) : causeText(news.cause);
   const until = format.due(news.until_at_s ?? nowS, nowS);
   const names = { agent, task, other };

@@ -3,7 +3,7 @@ import type { NewsView } from "../../../api/types";
 import { choose } from "../../../selection/selection";
 import { world } from "../../../stream/stream";
 import { format, t } from "../../../text/manager";
-import { names } from "../../state";
+import { names, orderName, taskName } from "../../state";
 import { go } from "../../views";
 import { subjectOf } from "./news";
 import type { Called } from "./news-text";
@@ -21,8 +21,9 @@ export function showNews(news: NewsView): void {
 export const CALLED: Called = {
   goal: (id) => {
     const task = world.value?.tasks.get(id);
-    if (!task) return id;
+    // A goal that has left it is named by its order, which is the beginning of its name.
+    if (!task) return taskName(id, [...(world.value?.orders.keys() ?? [])].find((order) => id.startsWith(`${order}-`)) ?? "");
     return t("auction.what", { quantity: format.count(task.quantity), item: names.value(task.item) });
   },
-  order: (id) => world.value?.orders.get(id)?.reference ?? id,
+  order: orderName,
 };

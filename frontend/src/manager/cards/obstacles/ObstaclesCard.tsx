@@ -1,9 +1,12 @@
 import { useSignal } from "@preact/signals";
 import { clearObstacle } from "../../../api/client";
 import type { ObstacleView } from "../../../api/types";
+import { doorOn } from "../../../plant/doors/on";
+import { roadOf } from "../../../plant/surface/lanes";
 import { nowS, world } from "../../../stream/stream";
-import { format, t } from "../../../text/manager";
+import { format, t } from "../../../text/views/floor";
 import { problemText } from "../../problem-text";
+import { plant } from "../../state";
 
 /** What vehicles have met on lanes, and the word that it is gone. Nothing while all lanes are free. */
 export function ObstaclesCard() {
@@ -38,22 +41,23 @@ function Line({ obstacle }: { obstacle: ObstacleView }) {
       busy.value = false;
     }
   };
-  const where = t("closures.lane", { start, end });
+  const where = t("closures.lane", roadOf({ start, end }));
+  const door = doorOn(plant.value?.doors ?? [], { start, end })?.name;
   const at = format.due(atS, nowS.value);
   const until = format.due(untilS, nowS.value);
   return (
     <li>
       <p>
-        <strong>{where}</strong>
-        <small class="line muted">{t("obstacles.seen", { atv: by, at, until })}</small>
+        <strong>{door === undefined ? where : t("obstacles.door", { door })}</strong>
+        <small class="line muted">{door === undefined ? t("obstacles.seen", { atv: by, at, until }) : t("obstacles.doorSeen", { where, atv: by, at, until })}</small>
         {failed.value !== "" && (
           <small class="line" role="alert">
             {failed.value}
           </small>
         )}
       </p>
-      <button type="button" class="button small" disabled={busy.value} aria-label={t("obstacles.clearedOf", { where })} onClick={() => void clear()}>
-        {t("obstacles.cleared")}
+      <button type="button" class="button small" disabled={busy.value} aria-label={door === undefined ? t("obstacles.clearedOf", { where }) : t("obstacles.doorClearedOf", { door, where })} onClick={() => void clear()}>
+        {t(door === undefined ? "obstacles.cleared" : "obstacles.doorCleared")}
       </button>
     </li>
   );

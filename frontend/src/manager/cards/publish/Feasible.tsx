@@ -1,13 +1,14 @@
 import { useSignalEffect } from "@preact/signals";
 import type { MaterialNeed, OrderPreview } from "../../../api/types";
 import { Tag } from "../../../parts/Tag";
-import { nowS } from "../../../stream/stream";
+import { nowS, world } from "../../../stream/stream";
 import { format, n, t } from "../../../text/manager";
 import { names, plant } from "../../state";
 import { makersOf, needsOf, quantityOf } from "./draft";
 import { draft, outcome } from "./form";
 import { Needs, NeedsButton } from "./Needs";
 import { followDraft, preview } from "./preview";
+import { factoryTime } from "../../../text/plant-time";
 
 /** As many as fit into a line or two. */
 const MOST_NAMED = 6;
@@ -24,7 +25,7 @@ export function Feasible() {
   if (preview.value) return <Foreseen found={preview.value} />;
   const { product } = draft.value;
   const makers = makersOf(file, product);
-  const cycle = format.duration(Math.min(...makers.map(({ cycleS }) => cycleS)));
+  const cycle = factoryTime(Math.min(...makers.map(({ cycleS }) => cycleS)));
   return (
     <>
       <p>{makers.length === 0 ? t("publish.nobody") : t("publish.machines", { machines: named(makers.map(({ id }) => id)), cycle })}</p>
@@ -48,7 +49,7 @@ function Foreseen({ found }: { found: OrderPreview }) {
       <p>
         {able.length === 0
           ? t(found.machines.length === 0 ? "publish.nobody" : "publish.nobodyNow")
-          : t(free < 1 ? "publish.freeNow" : "publish.freeIn", { machines: named(able.map(({ machine }) => machine)), free: format.duration(free) })}
+          : t(free < 1 ? "publish.freeNow" : "publish.freeIn", { machines: named(able.map(({ machine }) => machine)), free: factoryTime(free, world.value?.factory.speed ?? 1) })}
         {lost > 0 && <span class="tone-warn"> {n("publish.lostMachines", lost)}</span>}
       </p>
       {found.earliest_at_s !== null && found.latest_at_s !== null && (

@@ -1,35 +1,26 @@
-import type { JSX } from "preact";
+import type { ComponentProps } from "preact";
 import { t } from "../../../text/manager";
+import { Field as LabelledField } from "../../parts/Field";
 import type { Field as FieldName } from "./draft";
 import { complaints } from "./form";
 
-interface Attributes {
-  id: string;
-  "aria-invalid": boolean;
-  "aria-describedby": string;
-}
-
-interface Props {
+interface Props extends Pick<ComponentProps<typeof LabelledField>, "children"> {
   field: FieldName;
   label: string;
   optional?: boolean;
-  children: (attributes: Attributes) => JSX.Element;
 }
 
-/** A labelled field with room for what is wrong with it. */
+/** A field of the form of orders. */
 export function Field({ field, label, optional = false, children }: Props) {
-  const complaint = complaints.value[field];
-  const id = `publish-${field}`;
+  const marked = (
+    <>
+      {label}
+      {optional && <span class="faint"> {t("publish.optional")}</span>}
+    </>
+  );
   return (
-    <div class={`field field-${field}`}>
-      <label for={id}>
-        {label}
-        {optional && <span class="faint"> {t("publish.optional")}</span>}
-      </label>
-      {children({ id, "aria-invalid": complaint !== undefined, "aria-describedby": `${id}-wrong` })}
-      <span id={`${id}-wrong`} class="complaint">
-        {complaint}
-      </span>
-    </div>
+    <LabelledField id={`publish-${field}`} class={`field-${field}`} label={marked} complaint={complaints.value[field]}>
+      {children}
+    </LabelledField>
   );
 }

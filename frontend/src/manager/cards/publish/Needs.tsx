@@ -1,5 +1,6 @@
 import type { MachineOffer, MaterialNeed, OrderPreview } from "../../../api/types";
 import { format, t, word } from "../../../text/manager";
+import { inFactoryTime } from "../../../text/plant-time";
 import { Sheet } from "../../parts/Sheet";
 import { names } from "../../state";
 
@@ -24,7 +25,7 @@ export function Needs({ found }: { found: OrderPreview }) {
           <tr>
             <th scope="col">{t("needs.machine")}</th>
             <th scope="col">{t("needs.status")}</th>
-            <th scope="col">{t("needs.queue")}</th>
+            <th scope="col">{inFactoryTime(t("needs.queue"))}</th>
             <th scope="col">{t("needs.share")}</th>
           </tr>
         </thead>

@@ -1,5 +1,6 @@
 import { Card } from "../../../parts/Card";
 import { t } from "../../../text/manager";
+import { PrioritySelect } from "../../orders/PrioritySelect";
 import { plant } from "../../state";
 import { Field } from "./Field";
 import { draft, edit, send, sending } from "./form";
@@ -8,7 +9,7 @@ import { Feasible } from "./Feasible";
 /** Defines an order (stored) or publishes it (the factory starts). */
 export function PublishCard() {
   const products = plant.value?.products ?? [];
-  const { customer, due, product, quantity, reference } = draft.value;
+  const { customer, due, priority, product, quantity, reference } = draft.value;
   const off = sending.value || products.length === 0;
   return (
     <Card title={t("publish.title")} class="publish">
@@ -35,6 +36,9 @@ export function PublishCard() {
           {(attributes) => (
             <input {...attributes} inputMode="numeric" autoComplete="off" value={quantity} onInput={(event) => { edit("quantity", event.currentTarget.value); }} />
           )}
+        </Field>
+        <Field field="priority" label={t("orders.priority")}>
+          {(attributes) => <PrioritySelect {...attributes} value={priority} onChoose={(chosen) => { edit("priority", chosen); }} />}
         </Field>
         <Field field="customer" label={t("publish.customer")}>
           {(attributes) => (

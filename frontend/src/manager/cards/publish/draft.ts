@@ -1,5 +1,6 @@
 /** An order that is being written: what it needs, what is wrong with it, what is sent. Pure. */
 import type { FieldError, OrderDraft, PlantFile } from "../../../api/types";
+import type { Priority } from "../../orders/priority";
 
 export interface Draft {
   readonly product: string;
@@ -8,6 +9,7 @@ export interface Draft {
   readonly reference: string;
   /** As a datetime-local field has it: local time without a zone. */
   readonly due: string;
+  readonly priority: Priority;
 }
 
 export type Field = keyof Draft;
@@ -34,6 +36,7 @@ export function orderOf(draft: Draft, release: boolean): OrderDraft {
   const order: OrderDraft = {
     customer: draft.customer.trim(),
     items: [{ product: draft.product, quantity: Number(draft.quantity) }],
+    priority: draft.priority,
     release,
   };
   if (draft.reference.trim() !== "") order.reference = draft.reference.trim();
@@ -48,7 +51,7 @@ export function fieldOf(error: FieldError): Field | null {
   return FIELDS.find((field) => field === name) ?? null;
 }
 
-const FIELDS: readonly Field[] = ["product", "quantity", "customer", "reference", "due"];
+const FIELDS: readonly Field[] = ["product", "quantity", "customer", "reference", "due", "priority"];
 
 export interface Maker {
   readonly id: string;

@@ -8,7 +8,7 @@ import { problemText } from "../../problem-text";
 import { plant } from "../../state";
 import { checkDraft, type Complaint, type Draft, type Field, fieldOf, MOST_PIECES, orderOf } from "./draft";
 
-const written = signal<Draft>({ product: "", quantity: "40", customer: "", reference: "", due: "" });
+const written = signal<Draft>({ product: "", quantity: "40", customer: "", reference: "", due: "", priority: "normal" });
 
 /** The first product is chosen until a person chooses another. */
 export const draft = computed<Draft>(() => ({

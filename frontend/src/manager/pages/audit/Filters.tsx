@@ -1,8 +1,10 @@
-import { t, word } from "../../../text/manager";
+import { Later } from "../../../parts/Later";
+import { t, word } from "../../../text/views/records";
+import { narrow } from "../../parts/pages/paged";
 import { Choice } from "../../parts/filters/Choice";
 import { CsvLink } from "../../parts/filters/CsvLink";
 import { ACTIONS, NOTHING, RESULTS, tableOf } from "./filter";
-import { filter, lookAgain, narrow } from "./log";
+import { filter, oldestFirst } from "./log";
 
 /** What is wanted of the log; a table of just that may be downloaded. */
 export function Filters() {
@@ -26,20 +28,18 @@ export function Filters() {
         options={RESULTS.map((id) => ({ id, name: word("audit.came", id) }))}
         onChosen={(result) => { narrow({ result }); }}
       />
-      <button type="button" class="button" onClick={() => { narrow(NOTHING); }}>
+      <button type="button" class="button" onClick={() => { narrow({ ...NOTHING, sort: "" }); }}>
         {t("audit.clear")}
       </button>
-      <button type="button" class="button" onClick={lookAgain}>
-        {t("audit.again")}
-      </button>
-      <CsvLink href={tableOf(filter.value)} />
+      <CsvLink href={tableOf(filter.value, oldestFirst.value)} />
+      <Later load={async () => (await import("../../parts/kept/KeptSheet")).load()} />
     </>
   );
 }
 
 function Moment({ name }: { name: "since" | "until" }) {
   return (
-    <label class="narrow">
+    <label class="narrow" data-said={filter.value[name] === "" ? undefined : ""}>
       <span>{t(`audit.${name}`)}</span>
       <input type="datetime-local" value={filter.value[name]} onChange={(event) => { narrow({ [name]: event.currentTarget.value }); }} />
     </label>
@@ -48,7 +48,7 @@ function Moment({ name }: { name: "since" | "until" }) {
 
 function Words({ name }: { name: "who" | "target" }) {
   return (
-    <label class="narrow">
+    <label class="narrow" data-said={filter.value[name] === "" ? undefined : ""}>
       <span>{t(`audit.${name}`)}</span>
       <input type="search" size={10} value={filter.value[name]} onChange={(event) => { narrow({ [name]: event.currentTarget.value }); }} />
     </label>

@@ -1,5 +1,10 @@
 import { describe, expect, test } from "vitest";
-import { detailText, NOTHING, queryOf, tableOf } from "./filter";
+import { records as de } from "../../../text/views/records/de";
+import { records as en } from "../../../text/views/records/en";
+import { faults } from "../../../text/views/faults/de";
+import { speak } from "../../../text/speech";
+import { detailText } from "./detail";
+import { NOTHING, queryOf, tableOf } from "./filter";
 
 describe("the filter of the audit log", () => {
   test("asks for everything while it is empty", () => {
@@ -16,8 +21,17 @@ describe("the filter of the audit log", () => {
   });
 });
 
-test("what else a line tells is one line of text", () => {
-  expect(detailText({ kind: "set_speed", speed_frac: 0.5 })).toBe("kind set_speed · speed_frac 0.5");
+test("what else a line tells is one line of text in people's words", () => {
+  const plain = (text: string): string => text.replaceAll("\u202f", " ");
+  speak("en", en, "en-GB");
+  expect(plain(detailText({ kind: "set_speed", speed_frac: 0.5 }))).toBe("kind set speed · speed 50 %");
   expect(detailText({ agents: ["ATV2", "M5"] })).toBe("agents ATV2, M5");
+  expect(detailText({ kind: "one_way", lane: { start: "a1", end: "a2" }, after_work: true })).toBe("kind one-way · lane (from a1 · to a2) · after its work yes");
+  expect(detailText({ change: '{"priority":"urgent","due_at":null}' })).toBe("change (priority urgent · due none)");
+  expect(detailText({ name: "ERP", days: null, place: "", areas: [] })).toBe("name ERP");
   expect(detailText({})).toBe("");
+  speak("de", de, "de-DE");
+  expect(plain(detailText({ kind: "take_out", reason: "kind", wait_s: 3600 }))).toBe("Art aus dem Betrieb nehmen · Grund kind · für 60:00 min");
+  speak("de", { ...de, ...faults }, "de-DE");
+  expect(detailText({ kind: "machine_broken", agents: ["M6"] })).toBe(`Art ${faults["fault.now.machine_broken"]} · Agenten M6`);
 });

@@ -1,5 +1,6 @@
 /** Which lines of the audit log are wanted, as a person fills it in, and as the gateway is asked for them. Pure. */
 import type { AuditQuery } from "../../../api/client";
+import type { Asked } from "../../views";
 
 export interface Filter {
   /** As a field of date and time has it, in the reader's zone; empty for no bound. */
@@ -13,13 +14,18 @@ export interface Filter {
 
 export const NOTHING: Filter = { since: "", until: "", who: "", action: "", target: "", result: "" };
 
+/** What the address asks for. */
+export function filterFrom(said: Asked): Filter {
+  return Object.fromEntries(Object.keys(NOTHING).map((name) => [name, said[name] ?? ""])) as unknown as Filter;
+}
+
 /** All that the gateway names (`gateway/access/rules.py`). */
 export const ACTIONS = [
   "vehicle.command", "vehicle.carry_away", "vehicle.put_back", "machine.command", "call.answer", "duty.set", "alert.acknowledge",
-  "order.place", "order.import", "order.release", "order.revoke", "order.cancel", "transport.call", "transport.cancel",
-  "product.define", "link.create", "link.revoke", "floor.close", "floor.open", "floor.cleared", "agent.shut_out", "agent.readmit",
-  "draft.begin", "draft.change", "draft.plan", "draft.play", "draft.remove", "fault.begin", "fault.end",
-  "login", "login.station", "logout",
+  "order.place", "order.import", "order.release", "order.revoke", "order.change", "order.cancel", "transport.call", "transport.cancel",
+  "product.define", "product.import", "link.create", "link.revoke", "floor.close", "floor.open", "area.pause", "area.go_on", "floor.cleared", "agent.shut_out", "agent.readmit",
+  "draft.begin", "draft.change", "draft.plan", "draft.play", "draft.remove", "report.targets", "schedule.add", "schedule.change", "schedule.remove", "fault.begin", "fault.end",
+  "login", "login.station", "logout", "user.add", "user.link", "user.secret", "user.password", "user.pin", "user.badge", "user.move", "user.disable", "user.enable", "key.create", "key.revoke",
 ] as const;
 export const RESULTS = ["done", "refused", "failed"] as const;
 
@@ -30,21 +36,10 @@ export function queryOf({ action, result, since, target, until, who }: Filter): 
 }
 
 /** Where the same lines are as a table, all of them. */
-export function tableOf(filter: Filter): string {
-  const given = Object.entries(queryOf(filter)).map(([name, value]) => [name, String(value)]);
+export function tableOf(filter: Filter, oldestFirst = false): string {
+  const query = { ...queryOf(filter), ...(oldestFirst ? { oldest_first: true } : {}) };
+  const given = Object.entries(query).map(([name, value]) => [name, String(value)]);
   return `/api/audit?${new URLSearchParams([...given, ["format", "csv"]]).toString()}`;
-}
-
-/** What a line tells beyond its columns, in one line of text. */
-export function detailText(detail: Readonly<Record<string, unknown>>): string {
-  return Object.entries(detail)
-    .map(([name, value]) => `${name} ${plain(value)}`)
-    .join(" · ");
-}
-
-function plain(value: unknown): string {
-  if (Array.isArray(value)) return value.map(plain).join(", ");
-  return typeof value === "string" ? value : JSON.stringify(value);
 }
 
 function secondsOf(moment: string): number {

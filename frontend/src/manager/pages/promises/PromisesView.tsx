@@ -4,7 +4,8 @@ import type { PromiseLedger, PromiseLine } from "../../../api/types";
 import { Meter } from "../../../parts/Meter";
 import { Table } from "../../../parts/Table";
 import { world } from "../../../stream/stream";
-import { format, t } from "../../../text/manager";
+import { speakAlso } from "../../../text/speech";
+import { format, t, tables } from "../../../text/views/records";
 import { useRefreshed } from "../../refreshed";
 import { ShowLink } from "../../parts/ShowLink";
 import { AT_FIRST, COLUMNS, next, type Order, sorted } from "./ledger";
@@ -18,6 +19,12 @@ const GOOD_FRAC = 0.9;
 
 const order = signal<Order>(AT_FIRST);
 
+/** The view, once it has its words. */
+export async function load(): Promise<typeof PromisesView> {
+  await speakAlso(tables);
+  return PromisesView;
+}
+
 /** The promise ledger: promised against real, per vehicle. */
 export function PromisesView() {
   const { answer: ledger, failed } = useRefreshed(fetchPromises, AGAIN_MS);
@@ -29,6 +36,7 @@ export function PromisesView() {
     <Table
       title={t("promises.title")}
       heads={COLUMNS.map((column) => t(`promises.${column}`))}
+      explained={COLUMNS.map((column) => (column === "median" || column === "p95" ? t(`promises.${column}.says`) : ""))}
       {...(ledger.value ? { hint: t("promises.hint", { within }) } : {})}
       empty={emptyText(ledger.value, failed.value)}
       busy={ledger.value === null && failed.value === null}

@@ -1,28 +1,32 @@
-/** Which tasks are wanted. Pure. */
-import type { TaskView } from "../../../api/types";
-import { isOpen } from "../../cards/auction/auction";
-import { holds } from "../../parts/filters/match";
-import type { Names } from "../../../plant/names";
+/** Which tasks the address asks for, and as the gateway is asked for them. Pure. */
+import type { TasksQuery } from "../../../api/client";
+import { momentOf, pairsOf } from "../../orders/filter";
+import type { Asked } from "../../views";
 
 export const STATES = ["bidding", "contracted", "delivered", "withdrawn"] as const;
+const KINDS = ["transport", "production"] as const;
+const SORTED = ["work", "opened", "promised", "late"] as const;
 
-export interface Wanted {
-  readonly words: string;
-  /** Empty for any. */
-  readonly state: string;
-  readonly item: string;
-  readonly late: boolean;
+/** What the gateway is asked for: only what was filled in. Without an order of their own open ones come first. */
+export function queryOf(said: Asked): TasksQuery {
+  const state = STATES.filter((each) => each === said.state);
+  const kind = KINDS.find((each) => each === said.kind);
+  const since = momentOf(said.since);
+  const until = momentOf(said.until);
+  return {
+    ...(said.q ? { q: said.q } : {}),
+    ...(state.length > 0 ? { state } : {}),
+    ...(kind ? { kind } : {}),
+    ...(said.item ? { item: said.item } : {}),
+    ...(said.late === "yes" ? { late: true } : {}),
+    ...(since === null ? {} : { since }),
+    ...(until === null ? {} : { before: until }),
+    sort: SORTED.find((each) => each === said.sort) ?? "work",
+    descending: said.down !== "no",
+  };
 }
 
-export function isWanted(task: TaskView, wanted: Wanted, nowS: number, names: Names): boolean {
-  if (wanted.state !== "" && task.state !== wanted.state) return false;
-  if (wanted.item !== "" && task.item !== wanted.item) return false;
-  if (wanted.late && !isLate(task, nowS)) return false;
-  return holds(wanted.words, task.id, task.coordinator, task.primary, task.secondary, task.destination, names(task.item));
-}
-
-/** Delivered after its promise, or still not there although that has passed. */
-export function isLate(task: TaskView, nowS: number): boolean {
-  if (task.promised_at_s === null || task.state === "withdrawn") return false;
-  return (isOpen(task) ? nowS : (task.closed_at_s ?? nowS)) > task.promised_at_s;
+/** The same tasks as a table for a spreadsheet, all of them. */
+export function tableOf(said: Asked): string {
+  return `/api/tasks/history?${pairsOf(queryOf(said)).toString()}&format=csv`;
 }

@@ -5,7 +5,8 @@ import { Table } from "../../../parts/Table";
 import { Tag, type Tone } from "../../../parts/Tag";
 import { boundS } from "../../../plant/silence";
 import { presentS, world } from "../../../stream/stream";
-import { format, t, word } from "../../../text/manager";
+import { speakAlso } from "../../../text/speech";
+import { format, t, tables, word } from "../../../text/views/records";
 import { linkText } from "../../cards/atv/link";
 import { Search } from "../../parts/filters/Search";
 import { ShowLink } from "../../parts/ShowLink";
@@ -18,6 +19,12 @@ const words = signal("");
 const TONES: Readonly<Record<WatchState, Tone>> = {
   silent: "alarm", overdue: "warn", unguarded: "normal", guarded: "normal",
 };
+
+/** The view, once it has its words. */
+export async function load(): Promise<typeof WatchView> {
+  await speakAlso(tables);
+  return WatchView;
+}
 
 /** Who guards whom, and how long ago the guarded one was heard. */
 export function WatchView() {

@@ -10,7 +10,7 @@ interface Props {
 /** One of a few, or any. */
 export function Choice({ any, label, onChosen, options, value }: Props) {
   return (
-    <label class="narrow">
+    <label class="narrow" data-said={value === "" ? undefined : ""}>
       <span>{label}</span>
       <select
         value={value}

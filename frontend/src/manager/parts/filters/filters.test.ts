@@ -1,10 +1,8 @@
 import { describe, expect, test } from "vitest";
-import type { OrderView, TaskView } from "../../../api/types";
 import * as orders from "../../orders/filter";
 import * as tasks from "../../pages/tasks/filter";
+import { askedFrom, addressWith, orderFrom, viewFrom } from "../../views";
 import { holds } from "./match";
-
-const names = (id: string): string => (id === "g2" ? "Gear unit G2" : id);
 
 describe("words that are looked for", () => {
   test("may stand anywhere, in any order and case", () => {
@@ -14,49 +12,46 @@ describe("words that are looked for", () => {
   });
 });
 
-describe("orders", () => {
-  const order = {
-    id: "O-1", customer: "Nordwerk", reference: "PO-17", status: "in_production", due_at_s: 50, delivered_at_s: null,
-    items: [{ product: "g2", quantity: 4, made: 0, delivered: 0 }],
-  } as unknown as OrderView;
-  const any: orders.Wanted = { words: "", status: "", product: "", late: false };
-  const wanted = (by: Partial<orders.Wanted>, nowS = 40): boolean => orders.isWanted(order, { ...any, ...by }, nowS, names);
+describe("the address", () => {
+  test("says what is looked for, beside the view and the order", () => {
+    const address = addressWith("#orders", { q: "D5 & more", status: "open", late: "" });
+    expect(address).toBe("#orders?q=D5+%26+more&status=open");
+    expect(askedFrom(address)).toEqual({ q: "D5 & more", status: "open" });
+    expect([viewFrom(address), orderFrom(address)]).toEqual(["orders", ""]);
+    expect(orderFrom("#orders/O-1?q=D5")).toBe("O-1");
+    expect(askedFrom("#orders/O-1")).toEqual({});
+  });
+});
 
-  test("are told apart by status, product, lateness and words", () => {
-    expect([wanted({}), wanted({ status: "open" }), wanted({ status: "in_production" }), wanted({ product: "g2" })]).toEqual(
-      [true, true, true, true],
-    );
-    expect([wanted({ status: "delivered" }), wanted({ product: "p3" }), wanted({ late: true }), wanted({ words: "pump" })]).toEqual(
-      [false, false, false, false],
-    );
-    expect(wanted({ late: true, words: "gear po-17" }, 60)).toBe(true);
+describe("orders", () => {
+  test("are asked for by what the address says, and as people work at them", () => {
+    expect(orders.queryOf({})).toEqual({ sort: "work", descending: false });
+    expect(orders.queryOf({ q: "D5", status: "delivered", product: "g2", late: "yes", sort: "due", down: "yes" })).toEqual({
+      q: "D5", status: ["delivered"], product: "g2", late: true, sort: "due", descending: true,
+    });
+    expect(orders.queryOf({ status: "nonsense", sort: "colour", late: "no" })).toEqual({ sort: "work", descending: false });
   });
 
-  test("come as a table of the same status", () => {
-    expect(orders.tableOf(any)).toBe("/api/orders?format=csv");
-    expect(orders.tableOf({ ...any, status: "delivered" })).toBe("/api/orders?status=delivered&format=csv");
-    expect(orders.tableOf({ ...any, status: "open" })).toContain("status=stored&status=released&status=in_production&");
+  test("come as a table of just these", () => {
+    expect(orders.tableOf({ status: "open", q: "a b" })).toBe(
+      "/api/orders?q=a+b&status=stored&status=released&status=in_production&status=in_delivery&sort=work&descending=false&format=csv",
+    );
+  });
+
+  test("are asked for within times, and not where these are none", () => {
+    const since = "2030-06-01T14:00";
+    expect(orders.queryOf({ since, until: "soon" })).toEqual({
+      created_since: new Date(since).toISOString(), sort: "work", descending: false,
+    });
   });
 });
 
 describe("tasks", () => {
-  const task = {
-    id: "M8-3", coordinator: "M8", item: "g2", primary: "ATV3", secondary: "ATV1", destination: "M8", state: "contracted",
-    promised_at_s: 50, closed_at_s: null,
-  } as unknown as TaskView;
-  const any: tasks.Wanted = { words: "", state: "", item: "", late: false };
-
-  test("are told apart by state, item and words", () => {
-    const wanted = (by: Partial<tasks.Wanted>): boolean => tasks.isWanted(task, { ...any, ...by }, 40, names);
-    expect([wanted({}), wanted({ state: "contracted", item: "g2", words: "atv1" })]).toEqual([true, true]);
-    expect([wanted({ state: "delivered" }), wanted({ item: "x" }), wanted({ late: true }), wanted({ words: "M9" })]).toEqual(
-      [false, false, false, false],
-    );
-  });
-
-  test("are late once their promise has passed, or was passed when they ended", () => {
-    expect([tasks.isLate(task, 40), tasks.isLate(task, 60)]).toEqual([false, true]);
-    expect(tasks.isLate({ ...task, state: "delivered", closed_at_s: 45 }, 60)).toBe(false);
-    expect(tasks.isLate({ ...task, state: "withdrawn" }, 60)).toBe(false);
+  test("are asked for by what the address says, open ones first", () => {
+    expect(tasks.queryOf({})).toEqual({ sort: "work", descending: true });
+    expect(tasks.queryOf({ state: "withdrawn", kind: "transport", item: "g2", late: "yes", sort: "late", down: "no" })).toEqual({
+      state: ["withdrawn"], kind: "transport", item: "g2", late: true, sort: "late", descending: false,
+    });
+    expect(tasks.tableOf({ q: "ATV3" })).toBe("/api/tasks/history?q=ATV3&sort=work&descending=true&format=csv");
   });
 });

@@ -4,7 +4,7 @@ import { auction } from "./auction";
 import { orders } from "./orders";
 import { panel } from "./panel";
 import { records } from "./records";
-import { scenario } from "./scenario";
+import { story } from "./story";
 
 export const en = {
   ...shared,
@@ -12,5 +12,5 @@ export const en = {
   ...orders,
   ...auction,
   ...records,
-  ...scenario,
+  ...story,
 } as const;

@@ -6,7 +6,7 @@ import { auction } from "./auction";
 import { orders } from "./orders";
 import { panel } from "./panel";
 import { records } from "./records";
-import { scenario } from "./scenario";
+import { story } from "./story";
 
 export const es: Catalogue<typeof en> = {
   ...shared,
@@ -14,5 +14,5 @@ export const es: Catalogue<typeof en> = {
   ...orders,
   ...auction,
   ...records,
-  ...scenario,
+  ...story,
 };

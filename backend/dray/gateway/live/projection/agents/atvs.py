@@ -77,7 +77,10 @@ class Atvs:
         self._outsiders, self._removals = outsiders, removals
         self._clocks, self._silence = clocks, silence
         self._types = {vehicle.id: vehicle.type for vehicle in fleet}
+        types = tuple(types)
         charging = {kind.id: kind.charging for kind in types}
+        holds_wh = {kind.id: kind.battery_wh for kind in types}
+        self._battery_wh = {atv: holds_wh.get(kind, 0.0) for atv, kind in self._types.items()}
         self._must_charge_frac = {
             atv: charging[kind].must_below_frac for atv, kind in self._types.items() if kind in charging
         }
@@ -116,7 +119,7 @@ class Atvs:
             self.by_status[heartbeat.status.value] += 1
             if last is not None:
                 self.by_status[last.status.value] -= 1
-        self.fleet.fold(last, heartbeat)
+        self.fleet.fold(last, heartbeat, self._battery_wh.get(atv, 0.0))
         if last is not None and last.floor is not heartbeat.floor is UNSET and _stands_as(last, heartbeat):
             # By radio it tells less. Whoever has not moved holds what it has held.
             heartbeat = msgspec.structs.replace(heartbeat, floor=last.floor)
@@ -195,6 +198,7 @@ class Atvs:
             out_of_service=None
             if heartbeat.out_of_service is UNSET
             else out_view(heartbeat.out_of_service, self._to_wall_s),
+            sent_to_charge=heartbeat.sent_to_charge,
             probation=probation_of(heartbeat),
             asks_where_it_stands=heartbeat.floor is not UNSET and heartbeat.floor.asks_where_it_stands,
             removal=self._removals.view(atv),

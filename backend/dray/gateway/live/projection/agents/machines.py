@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 
 from msgspec import UNSET
+from msgspec.structs import asdict
 
 from dray.gateway.live.projection.agents.asked import help_view, out_view, problem_view
 from dray.gateway.live.projection.agents.atvs import clock_of, joining_max, plain, probation_of
@@ -16,15 +17,16 @@ from dray.gateway.live.projection.figures.time_use import TimeUse
 from dray.gateway.live.projection.materials import Materials
 from dray.gateway.live.projection.site import Site
 from dray.gateway.live.reasons import trouble_of
-from dray.gateway.live.views import BufferView, GoalView, MachineView, OpenTaskView
-from dray.messages import BufferLevel, GoalBrief, MachineHeartbeat, MachineStatus, TaskBrief
+from dray.gateway.live.views import BufferView, DocumentView, GoalView, MachineView, OpenTaskView
+from dray.messages import BufferLevel, DocumentBrief, GoalBrief, MachineHeartbeat, MachineStatus, TaskBrief
 from dray.messages.told_stock import with_stock
 from dray.store.history.clocks import Clocks, ToWall
 
-MAKING, STARVED, IDLE, BROKEN, DOWN = "making", "starved", "idle", "broken", "down"
+MAKING, STARVED, IDLE, BROKEN, DOWN, RESTING = "making", "starved", "idle", "broken", "down", "resting"
 
-DOINGS = (MAKING, STARVED, IDLE, BROKEN, DOWN)
-"""What a machine may do. It is broken when it cannot work at a goal that it has, and down without one."""
+DOINGS = (MAKING, STARVED, IDLE, BROKEN, DOWN, RESTING)
+"""What a machine may do. It is broken when it cannot work at a goal that it has, and down without one; what it rests by its working
+time is no part of its time otherwise."""
 
 WITH_GOAL = (MAKING, STARVED, BROKEN)
 
@@ -67,6 +69,8 @@ class Machines:
         self.changes = Changes("machine")
         self.due_of: Callable[[str], float | None] = lambda _goal: None
         """By a goal, when its order is due (wall clock); None where that is not known."""
+        self.order_of: Callable[[str], tuple[str, str]] = lambda _goal: ("", "")
+        """By a goal, the id of its order and the name that people know it by."""
         self.by_status: Counter[str] = Counter()
 
     def fold(self, heartbeat: MachineHeartbeat) -> bool:
@@ -140,6 +144,7 @@ class Machines:
             tasks=tuple(self._task(task) for task in heartbeat.tasks),
             buffers=tuple(_buffer(level) for level in heartbeat.buffers or ()),
             goods=tuple(_buffer(level) for level in heartbeat.goods or ()),
+            documents=tuple(_document(brief) for brief in heartbeat.documents or ()),
             problem=heartbeat.problem,
             about_problem=None if heartbeat.about_problem is UNSET else problem_view(heartbeat.about_problem),
             resettable=heartbeat.resettable is True,
@@ -170,6 +175,7 @@ class Machines:
             delivered=goal.delivered,
             deadline_at_s=None if goal.deadline_s is UNSET else self._to_wall_s(goal.deadline_s),
             order_due_at_s=self.due_of(goal.goal),
+            order_name=self.order_of(goal.goal)[1],
             offered=goal.offered is True,
         )
 
@@ -195,6 +201,8 @@ def doing(heartbeat: MachineHeartbeat) -> str:
     match heartbeat.status:
         case MachineStatus.ERROR:
             return BROKEN if at_work else DOWN
+        case MachineStatus.RESTING:
+            return RESTING
         case MachineStatus.STARVED if at_work:
             return STARVED
     return MAKING if at_work else IDLE
@@ -208,4 +216,10 @@ def _buffer(level: BufferLevel) -> BufferView:
         reorder_point=level.reorder_point,
         on_order=level.on_order,
         spare=level.spare,
+    )
+
+
+def _document(brief: DocumentBrief) -> DocumentView:
+    return DocumentView(
+        product=brief.product, state=plain(brief.state), detail=brief.detail, **asdict(brief.document)
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import TypeVar
 
 from dray.messages import CallState, HelpCall, OperatorHeartbeat
 from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S, bound_s
@@ -13,14 +14,17 @@ PEOPLE_MAX, CALLS_MAX = 256, 2_000
 SILENT_S = bound_s(IDLE_INTERVAL_S)
 """Plant seconds: operators and callers speak every 5 s."""
 
+_Key = TypeVar("_Key")
+_Heard = TypeVar("_Heard")
+
 
 class People:
     """Of one plant. Times are the gateway's own, on the plant's clock."""
 
     def __init__(self) -> None:
         self._operators: dict[str, tuple[OperatorHeartbeat, float]] = {}
-        self._calls: dict[str, tuple[HelpCall, float]] = {}
-        """By caller."""
+        self._calls: dict[tuple[str, str], tuple[HelpCall, float]] = {}
+        """By what is called for."""
 
     def fold(self, message: OperatorHeartbeat | HelpCall, now_s: float) -> bool:
         """Note what was said; False for what was overtaken."""
@@ -38,14 +42,14 @@ class People:
         return True
 
     def _on_call(self, call: HelpCall, now_s: float) -> bool:
-        before = self._calls.get(call.caller)
+        before = self._calls.get(call.subject)
         if before is not None and (call.incarnation, call.number) <= (
             before[0].incarnation,
             before[0].number,
         ):
             return False
-        self._calls.pop(call.caller, None)
-        self._calls[call.caller] = call, now_s
+        self._calls.pop(call.subject, None)
+        self._calls[call.subject] = call, now_s
         _forget_oldest(self._calls, CALLS_MAX)
         return True
 
@@ -66,8 +70,6 @@ class People:
         return next((call for call, _ in self._calls.values() if call.call == name), None)
 
 
-def _forget_oldest(
-    heard: dict[str, tuple[OperatorHeartbeat, float]] | dict[str, tuple[HelpCall, float]], most: int
-) -> None:
+def _forget_oldest(heard: dict[_Key, _Heard], most: int) -> None:
     if len(heard) > most:
         del heard[next(iter(heard))]

@@ -1,4 +1,4 @@
-"""The stations of storages as panels see them: the last heartbeat of each, which tells what lies there."""
+"""The stations of storages as panels see them, and the delivery gate: the last heartbeat of each, which tells what lies there."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from dray.gateway.live.projection.agents.silence import Silence
 from dray.gateway.live.projection.changes import Changes
 from dray.gateway.live.views import StationView, StockView
 from dray.messages import StationHeartbeat, StockLevel
+from dray.messages.keys import GATE
 from dray.plant.model import Storage
 from dray.store.history.clocks import Clocks, ToWall
 
@@ -18,7 +19,7 @@ class Stations:
     """The stations.
 
     Args:
-        storages: those of the plant file, by id. No other station is heard: a storage does not come by itself.
+        storages: those of the plant file, by id. No other station is heard but the gate: a storage does not come by itself.
         to_wall_s: plant clock to wall clock.
         outsiders: who is shut out.
         clocks: of all agents.
@@ -45,7 +46,7 @@ class Stations:
         Returns:
             False when it is older than the last one, or of a storage that the plant does not have.
         """
-        if heartbeat.station not in self._storages:
+        if heartbeat.station not in self._storages and heartbeat.station != GATE:
             return False
         last = self._last.get(heartbeat.station)
         if last is not None and (heartbeat.incarnation, heartbeat.seq) <= (last.incarnation, last.seq):
@@ -77,10 +78,14 @@ class Stations:
         """Those that have changed since the last call."""
         return tuple(self._view(self._last[storage]) for storage in self.changes.take_changed())
 
+    def _name(self, station: str) -> str:
+        """A storage's by the plant file; the gate has none there, and panels have words for it."""
+        return self._storages[station].name if station in self._storages else station
+
     def _view(self, heartbeat: StationHeartbeat) -> StationView:
         return StationView(
             id=heartbeat.station,
-            name=self._storages[heartbeat.station].name,
+            name=self._name(heartbeat.station),
             stocks=tuple(_stock(level) for level in heartbeat.stocks),
             software=heartbeat.software,
             draining=heartbeat.draining,
@@ -98,4 +103,5 @@ def _stock(level: StockLevel) -> StockView:
         capacity=level.capacity,
         promised=level.promised,
         wanted=level.wanted,
+        on_order=level.on_order,
     )

@@ -11,24 +11,27 @@ import msgspec
 from msgspec import UNSET
 
 from dray.gateway.live.projection.agents.disputes import Disputes
-from dray.gateway.live.projection.agents.silence import Silence, plant_bound_s
+from dray.gateway.live.projection.agents.silence import LEAST_S, Silence, plant_bound_s
 from dray.gateway.live.projection.auctions.tasks import Tasks
 from dray.gateway.live.projection.materials import Materials
 from dray.gateway.live.reasons import detail_of
 from dray.gateway.live.views import OrderView, TaskView
-from dray.gateway.live.views.alert import AlertKind, Condition
+from dray.gateway.live.views.alert import AlertKind, CallKind, Condition
 from dray.messages import (
     AtvHeartbeat,
     AtvStatus,
     CallState,
+    DocumentState,
     HelpCall,
     Link,
     MachineHeartbeat,
     MachineStatus,
     StationHeartbeat,
+    StrategistHeartbeat,
 )
+from dray.messages.keys import GATE
 from dray.overload import Overload
-from dray.protocol.liveness.suspicion import AnyHeartbeat
+from dray.protocol.liveness.suspicion import GOAL_SILENCE_S, AnyHeartbeat
 from dray.protocol.vehicle.reserve import RESERVE_FRAC
 from dray.store.factory.exclusions import Exclusion
 from dray.store.history.clocks import Offset, ToWall
@@ -142,6 +145,8 @@ def of_machines(
             yield Condition(kind="machine_lost", agent=agent, seen_at_s=now.to_wall_s(heard.at_s))
         elif heard.status is MachineStatus.ERROR:
             yield Condition(kind="machine_error", agent=agent, cause=detail_of(heard.problem))
+        elif wrong := _unusable(heard):
+            yield Condition(kind="machine_document", agent=agent, cause=detail_of(wrong))
         elif heard.status is MachineStatus.STARVED and not patient:
             lacking = detail_of(heard.problem) or materials.cause(heard.waits)
             yield Condition(kind="machine_starved", agent=agent, cause=lacking)
@@ -149,19 +154,49 @@ def of_machines(
             yield Condition(kind="machine_blocked", agent=agent, cause=detail_of(heard.problem))
 
 
+def _unusable(heard: MachineHeartbeat) -> str:
+    """The first document that a machine cannot use, in words; empty for none."""
+    for each in heard.documents or ():
+        if each.state in (DocumentState.DIFFERS, DocumentState.UNREACHABLE):
+            return f"{each.document.name}, {each.product}: {each.detail}"
+    return ""
+
+
 def of_stations(heartbeats: Iterable[StationHeartbeat], now: Moment) -> Iterator[Condition]:
-    """What is wrong with the stations of storages: nothing is promised or handed out where one is silent."""
+    """What is wrong with stations: nothing is promised or handed out where a storage's is silent, and nothing is told as delivered without the gate."""
     for heard in heartbeats:
         if now.is_lost(heard.station, heard):
-            yield Condition(kind="station_lost", agent=heard.station, seen_at_s=now.to_wall_s(heard.at_s))
+            kind: AlertKind = "gate_lost" if heard.station == GATE else "station_lost"
+            yield Condition(kind=kind, agent=heard.station, seen_at_s=now.to_wall_s(heard.at_s))
+
+
+def of_strategists(heartbeats: Iterable[StrategistHeartbeat], now: Moment) -> Iterator[Condition]:
+    """What is wrong with several strategists: others go on with the orders of those that are silent, as long as there are others."""
+    silence_s = max(GOAL_SILENCE_S, LEAST_S * now.speed)
+    heard = sorted(heartbeats, key=lambda each: each.strategist)
+    silent = [each for each in heard if now.heard_s - each.at_s > silence_s]
+    if silent:
+        yield Condition(
+            kind="strategist_lost" if len(silent) < len(heard) else "no_strategist",
+            agents=tuple(each.strategist for each in silent),
+            seen_at_s=now.to_wall_s(min(each.at_s for each in silent)),
+        )
+
+
+def in_vain(call: HelpCall) -> CallKind | None:
+    """Why nobody comes: nobody is on duty there, or nobody who was asked has taken the call; None while somebody is asked, or comes."""
+    if call.state is not CallState.RESTING:
+        return None
+    return "call_nobody" if call.on_duty == 0 else "call_unanswered"
 
 
 def of_calls(calls: Iterable[HelpCall], now: Moment) -> Iterator[Condition]:
-    """Who calls for help in vain: nobody is on duty there, or nobody who was asked has taken the call."""
+    """Who calls for help in vain. Of goods that were left on board their own alert tells that (`goods_rules`)."""
     for call in calls:
-        if call.state is CallState.RESTING:
+        kind = in_vain(call)
+        if kind is not None and not call.goods:
             yield Condition(
-                kind="call_nobody" if call.on_duty == 0 else "call_unanswered",
+                kind=kind,
                 agent=call.caller,
                 cause=detail_of(call.reason),
                 seen_at_s=now.to_wall_s(call.since_s),
@@ -223,8 +258,8 @@ def of_transports(tasks: Iterable[TaskView], told: Iterable[Condition]) -> Itera
     """
     tells = {(each.agent, each.cause.detail) for each in told if each.cause is not None}
     for task in tasks:
-        if task.trouble is None or task.kind != "transport":
-            continue
+        if task.trouble is None or task.kind != "transport" or task.stranded is not None:
+            continue  # Of goods that were left on board their own alert tells.
         # Silence has no detail: that a vehicle is lost tells nothing of its transport.
         if not task.trouble.detail or (task.primary, task.trouble.detail) not in tells:
             yield Condition(
@@ -246,7 +281,8 @@ def of_orders(orders: Iterable[OrderView], impossible: Container[str], now: Mome
     for order in orders:
         if order.id in impossible:
             yield Condition(kind="order_impossible", order=order.id, cause=order.waits)
-        elif order.waits:
+        elif order.waits and order.waits.machines:
             yield Condition(kind="order_waits", order=order.id, cause=order.waits)
         elif order.due_at_s is not None and order.due_at_s < now.wall_s:
-            yield Condition(kind="order_late", order=order.id, until_at_s=order.due_at_s)
+            # It may wait for material, or for a way: no machine that comes back to work would help it.
+            yield Condition(kind="order_late", order=order.id, until_at_s=order.due_at_s, cause=order.waits)

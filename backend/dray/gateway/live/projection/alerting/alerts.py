@@ -2,32 +2,38 @@
 
 They are made of how things are and not of what has happened, so no alert outlives its cause and none is
 missing because a message was lost. Whoever acknowledges one says that it is in good hands; it stays until
-its cause is gone. When the same comes back later, it is a new alert that nobody has acknowledged.
+its cause is gone. Who has taken it on until some moment is asked for no longer than that: then it comes back, and sooner
+when it is worse. When the same comes later, it is a new alert that nobody has acknowledged.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Literal, get_args
 
 import msgspec
 
 from dray.gateway.live.projection.changes import Changes
 from dray.gateway.live.views import AlertKind, AlertResponse, AlertView
-from dray.gateway.live.views.alert import Condition
-from dray.store.factory.acknowledgements import Acknowledgement
+from dray.gateway.live.views.alert import OF_MANY, Condition
+from dray.protocol.vehicle.reserve import RESERVE_FRAC
+from dray.store.factory.alert_history import Acknowledgement
 
 RESPONSES: Mapping[AlertKind, tuple[Literal["alarm", "warning"], AlertResponse]] = {
     "plant_behind": ("alarm", "look_at_server"),
+    "no_strategist": ("alarm", "look_at_strategist"),
+    "strategist_lost": ("warning", "look_at_strategist"),
     "overloaded": ("warning", "add_vehicles"),
     "part_lost": ("alarm", "look_at_part"),
     "machine_lost": ("alarm", "look_at_machine"),
     "station_lost": ("alarm", "look_at_station"),
+    "gate_lost": ("alarm", "look_at_gate"),
     "machine_error": ("alarm", "repair"),
     "machine_shut_out": ("warning", "put_right_and_readmit"),
     "station_shut_out": ("warning", "put_right_and_readmit"),
     "atv_shut_out": ("warning", "put_right_and_readmit"),
     "machine_starved": ("warning", "see_to_supply"),
+    "machine_document": ("warning", "put_document_right"),
     "machine_blocked": ("warning", "see_to_removal"),
     "atv_lost": ("alarm", "find_vehicle"),
     "call_nobody": ("alarm", "send_somebody"),
@@ -46,6 +52,7 @@ RESPONSES: Mapping[AlertKind, tuple[Literal["alarm", "warning"], AlertResponse]]
     "clock_wrong": ("warning", "set_clock"),
     "word_disbelieved": ("warning", "check_vehicle"),
     "strangers": ("warning", "look_at_network"),
+    "goods_stranded": ("warning", "see_to_goods"),
     "task_trouble": ("warning", "look_at_auction"),
     "order_impossible": ("warning", "cancel_order"),
     "order_waits": ("warning", "restore_machines"),
@@ -63,46 +70,59 @@ REMEMBERED_S = 60.0
 """Wall seconds after a start in which all agents have spoken: what is not wrong again by then has ended."""
 
 
+ComeBack = Literal["over", "worse"]
+"""Why an alert asks again that somebody had taken on: the time is over, or it is worse."""
+
+
 class Alerts:
     """The alerts of this moment."""
 
     def __init__(self) -> None:
         self._alerts: dict[str, AlertView] = {}
+        self._taken: dict[str, Acknowledgement] = {}
+        """Of alerts that somebody has taken on."""
         self._remembered: dict[str, Acknowledgement] = {}
-        """Of an earlier life of the gateway: what was acknowledged and may still be wrong."""
+        """Of an earlier life of the gateway: what was wrong then and may still be so."""
         self._forget_at_s = 0.0
         self.changes = Changes("alert")
 
-    def restore(self, acknowledged: Iterable[Acknowledgement], wall_s: float) -> None:
+    def restore(self, lasting: Iterable[Acknowledgement], wall_s: float) -> None:
         """Start from what SQL knows."""
-        self._remembered = {each.alert: each for each in acknowledged}
+        self._remembered = {each.alert: each for each in lasting}
         self._forget_at_s = wall_s + REMEMBERED_S
 
     def look(self, conditions: Iterable[Condition], wall_s: float) -> list[str]:
         """Compare what is wrong now with what was wrong before.
 
         Returns:
-            The alerts that had been acknowledged and have ended.
+            The alerts that have ended.
         """
         wrong = {condition.alert: condition for condition in conditions}
         for condition in wrong.values():
             self._put(condition, wall_s)
-        ended = [alert for alert in self._alerts.values() if alert.id not in wrong]
-        for alert in ended:
-            del self._alerts[alert.id]
-            self.changes.drop(alert.id)
-        over = [alert.id for alert in ended if alert.acknowledged_by]
+        over = [alert for alert in self._alerts if alert not in wrong]
+        for alert in over:
+            del self._alerts[alert]
+            self._taken.pop(alert, None)
+            self.changes.drop(alert)
         if self._remembered and wall_s >= self._forget_at_s:
             over += self._remembered
             self._remembered = {}
         return over
 
-    def on_acknowledged(self, acknowledged: Iterable[Acknowledgement]) -> None:
+    def come_back(self, wall_s: float) -> Iterator[tuple[Acknowledgement, ComeBack]]:
+        """Let those ask again whose time is over, or that are worse than when they were taken on until then; tells which, and why."""
+        for taken in list(self._taken.values()):
+            if why := why_back(self._alerts[taken.alert], taken, wall_s):
+                self._show(msgspec.structs.replace(taken, came_back=why))
+                yield taken, why
+
+    def on_acknowledged(self, lasting: Iterable[Acknowledgement]) -> None:
         """Take in what SQL knows: people at other gateways have acknowledged some."""
-        for each in acknowledged:
+        for each in lasting:
             alert = self._alerts.get(each.alert)
-            if alert is not None and is_meant(alert, each):
-                self.acknowledge(each)
+            if alert is not None and each.by and is_meant(alert, each):
+                self._show(each)
 
     def get(self, alert: str) -> AlertView | None:
         """One alert, as long as its cause lasts."""
@@ -115,14 +135,9 @@ class Alerts:
             The alert as it is now; None when it has ended.
         """
         alert = self._alerts.get(acknowledgement.alert)
-        if alert is None or alert.acknowledged_by:
+        if alert is None or alert.acknowledged_by not in ("", acknowledgement.by):
             return alert
-        taken = msgspec.structs.replace(
-            alert, acknowledged_by=acknowledgement.by, acknowledged_at_s=acknowledgement.at_s
-        )
-        self._alerts[alert.id] = taken
-        self.changes.mark(alert.id)
-        return taken
+        return self._show(acknowledgement)
 
     def views(self) -> tuple[AlertView, ...]:
         """All of them: alarms first, and graver kinds before others; of one kind the oldest first."""
@@ -137,14 +152,66 @@ class Alerts:
         alert = _view(condition, wall_s)
         if known is not None:
             alert.since_at_s = known.since_at_s
-            alert.acknowledged_by, alert.acknowledged_at_s = known.acknowledged_by, known.acknowledged_at_s
+            for name in _OF_PEOPLE:
+                setattr(alert, name, getattr(known, name))
             if alert == known:
                 return
-        elif (remembered := self._remembered.pop(condition.alert, None)) is not None:
-            alert.since_at_s = remembered.since_at_s
-            alert.acknowledged_by, alert.acknowledged_at_s = remembered.by, remembered.at_s
         self._alerts[alert.id] = alert
         self.changes.mark(alert.id)
+        if known is None and (remembered := self._remembered.pop(condition.alert, None)) is not None:
+            alert.since_at_s = remembered.since_at_s
+            self._show(remembered)
+
+    def _show(self, taken: Acknowledgement) -> AlertView:
+        known = self._alerts[taken.alert]
+        view = msgspec.structs.replace(
+            known,
+            acknowledged_by=taken.by if taken.is_held else "",
+            acknowledged_at_s=taken.at_s if taken.is_held else None,
+            acknowledged_until_at_s=taken.until_at_s if taken.is_held else None,
+            came_back=taken.came_back or None,
+            comment=taken.comment,
+            comment_by=taken.comment_by,
+        )
+        if taken.is_held:
+            self._taken[taken.alert] = taken
+        else:
+            self._taken.pop(taken.alert, None)
+        if view != known:
+            self._alerts[taken.alert] = view
+            self.changes.mark(taken.alert)
+        return view
+
+
+_OF_PEOPLE = (
+    *("acknowledged_by", "acknowledged_at_s", "acknowledged_until_at_s"),
+    *("came_back", "comment", "comment_by"),
+)
+
+
+def weight_of(alert: AlertView) -> float:
+    """How bad it is, to be compared with how bad the same alert was.
+
+    More when it has become an alarm, when help was called in vain, when more suffer from it, and with each doubling of what is
+    measured.
+    """
+    weight = 1000.0 * (alert.level == "alarm") + 100.0 * (alert.call is not None)
+    if alert.kind in OF_MANY:
+        weight += len(alert.agents)
+    for measured in (alert.waiting, alert.behind_s, alert.clock_ahead_s):
+        weight += int(abs(measured or 0)).bit_length()
+    if alert.battery_frac is not None:
+        weight += int(RESERVE_FRAC / max(alert.battery_frac, RESERVE_FRAC / 1024)).bit_length()
+    return weight
+
+
+def why_back(alert: AlertView, taken: Acknowledgement, wall_s: float) -> ComeBack | None:
+    """Why an alert asks again that was taken on until some moment; None while it does not, or was taken on for good."""
+    if taken.until_at_s is None:
+        return None
+    if wall_s >= taken.until_at_s:
+        return "over"
+    return "worse" if weight_of(alert) > taken.weight else None
 
 
 def is_meant(alert: AlertView, acknowledgement: Acknowledgement) -> bool:
@@ -152,7 +219,7 @@ def is_meant(alert: AlertView, acknowledgement: Acknowledgement) -> bool:
 
     At another gateway it may have begun a look earlier.
     """
-    return acknowledgement.at_s + LOOK_S > alert.since_at_s
+    return max(acknowledgement.at_s, acknowledgement.since_at_s) + LOOK_S > alert.since_at_s
 
 
 def _view(condition: Condition, wall_s: float) -> AlertView:

@@ -20,7 +20,7 @@ SILENT_LEAST = 3
 """Agents that fell silent at the same moment: more than two do not fail by chance at once."""
 
 _CALLS = {"call_nobody", "call_unanswered"}
-_SILENT = {"machine_lost", "station_lost", "atv_lost"}
+_SILENT = {"machine_lost", "station_lost", "gate_lost", "atv_lost"}
 _OF_THE_CALLER = _SILENT | {"machine_error", "atv_error", "atv_help"}
 
 

@@ -91,4 +91,10 @@ def _parts(cost: Cost) -> dict[str, float]:
             "suitability": cost.suitability_s,
             **({"waiting": cost.waiting_s} if cost.waiting_s else {}),
         }
-    return {"queue": cost.queue_s, "material": cost.material_s, "making": cost.making_s}
+    return {
+        "queue": cost.queue_s,
+        "material": cost.material_s,
+        "making": cost.making_s,
+        **({"passed": cost.passed_s} if cost.passed_s else {}),
+        **({"rest": cost.rest_s} if cost.rest_s else {}),
+    }

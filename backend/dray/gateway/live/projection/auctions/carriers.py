@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from dray.gateway.live.views import CarrierView, TaskView
-from dray.messages import Event, Reason
+from msgspec import UNSET
+
+from dray.gateway.live.views import CarrierView, StrandedView, TaskView
+from dray.messages import Event, Reason, TaskBrief
 from dray.messages.fact import ContractEnded
+from dray.store.history.clocks import ToWall
 
 MAX_CARRIERS = 16
 """Changes of a task's carrier that are kept, newest last: more than one task sees while somebody looks."""
@@ -52,3 +55,19 @@ def undo_takeover(task: TaskView, event: Event, fact: ContractEnded) -> bool:
         task.primary, task.phase = before.carrier, ""
     task.epoch = fact.epoch - 1 if before is None else before.epoch
     return True
+
+
+def stranded_of(brief: TaskBrief, order: tuple[str, str], to_wall_s: ToWall) -> StrandedView | None:
+    """What a coordinator tells of goods that wait for a person's word; and for which order they are: its id, and its name."""
+    goods = brief.stranded
+    if goods is UNSET:
+        return None
+    until_at_s = to_wall_s(goods.until_s)
+    return StrandedView(
+        atv=goods.atv,
+        node=goods.node,
+        until_at_s=until_at_s,
+        handed_at=goods.handed_at,
+        order=order[0],
+        order_name=order[1],
+    )

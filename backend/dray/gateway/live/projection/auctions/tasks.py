@@ -13,7 +13,13 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 from dray.gateway.live.projection.auctions.bids import add_bid, add_refusal, last_bid, note_award
-from dray.gateway.live.projection.auctions.carriers import add_carrier, give_to, reopen_task, undo_takeover
+from dray.gateway.live.projection.auctions.carriers import (
+    add_carrier,
+    give_to,
+    reopen_task,
+    stranded_of,
+    undo_takeover,
+)
 from dray.gateway.live.projection.auctions.reorder_buffer import ReorderBuffer, task_of
 from dray.gateway.live.projection.auctions.why import why_of
 from dray.gateway.live.projection.changes import Changes
@@ -66,10 +72,11 @@ class Tasks:
 
     Args:
         to_wall_s: plant clock to wall clock.
+        order_of: of a goal; its id, and the name that people know it by.
     """
 
-    def __init__(self, to_wall_s: ToWall) -> None:
-        self._to_wall_s = to_wall_s
+    def __init__(self, to_wall_s: ToWall, order_of: Callable[[str], tuple[str, str]]) -> None:
+        self._to_wall_s, self._order_of = to_wall_s, order_of
         self._open: dict[str, TaskView] = {}
         self._opened_by: Counter[str] = Counter()
         """How many of them each coordinator has opened."""
@@ -98,8 +105,7 @@ class Tasks:
         }
         self.heeded = (TaskOpened, TaskClosed, *self._on)
         """Kinds of facts that are about a task."""
-        self.changes = Changes("task")
-        self.transports = Transports()
+        self.changes, self.transports = Changes("task"), Transports()
 
     def fold(self, event: Event) -> bool:
         """Take an event in.
@@ -136,8 +142,9 @@ class Tasks:
                 continue
             self._recovered(task, brief, heartbeat)
             trouble = trouble_of(brief)
-            if trouble != task.trouble:
-                task.trouble = trouble
+            stranded = stranded_of(brief, self._order_of(task.goal), self._to_wall_s)
+            if (trouble, stranded) != (task.trouble, task.stranded):
+                task.trouble, task.stranded = trouble, stranded
                 self._mark(task.id)
 
     def view(self, task: str) -> TaskView | None:
@@ -323,7 +330,7 @@ class Tasks:
         task.state = "delivered" if fact.outcome == "delivered" else "withdrawn"
         task.primary = fact.carrier or task.primary
         task.closed_at_s = self._to_wall_s(event.at_s)
-        task.phase, task.trouble = "", None
+        task.phase, task.trouble, task.stranded = "", None, None
         if fact.promised_s > 0:
             task.promised_at_s = self._to_wall_s(fact.promised_s)
         if task.kind == "transport":

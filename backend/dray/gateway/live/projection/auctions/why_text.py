@@ -58,6 +58,7 @@ PARTS = {
     "queue": "its shorter queue",
     "material": "having its material sooner",
     "making": "making them faster",
+    "passed": "keeping less other work waiting",
 }
 
 

@@ -26,6 +26,9 @@ _STOPPED, _ERROR, _CHARGING, _WORKING = (
 )
 # Looked up once: Python 3.11 finds a member of an enumeration ten times slower than a name of the module.
 
+CHARGED_FRAC = 0.05
+"""A battery that shows so much more than it did was charged, or another one: gauges wander by less."""
+
 LOOSE_FRAC, LOOSE_M = 1.5, 5.0
 """What clocks, rounding and a push by hand add to the way of a vehicle at top speed."""
 
@@ -40,21 +43,26 @@ class Fleet:
         use: their time.
         empty_m: driven without a load, since the beginning.
         loaded_m: driven with one.
+        energy_wh: taken from batteries since the beginning, by what these show; a charger's losses are not in it.
     """
 
     def __init__(self, top_mps: float) -> None:
         self._top_mps = top_mps
         self.use = TimeUse(DOINGS, lasting=OUT_OF_SERVICE)
-        self.empty_m = self.loaded_m = 0.0
+        self.empty_m = self.loaded_m = self.energy_wh = 0.0
+        self._lowest_frac: dict[str, float] = {}
+        """By vehicle: what its battery has shown at the least since it was charged. So a gauge that wanders takes nothing twice."""
         self._empty, self._loaded = Window(*HOUR_SLOTS), Window(*HOUR_SLOTS)
 
-    def fold(self, last: AtvHeartbeat | None, heartbeat: AtvHeartbeat) -> None:
+    def fold(self, last: AtvHeartbeat | None, heartbeat: AtvHeartbeat, battery_wh: float = 0.0) -> None:
         """Take a heartbeat in.
 
         Args:
             last: what the vehicle said before; None for nothing.
             heartbeat: what it says now.
+            battery_wh: what its battery holds; 0 where nobody knows.
         """
+        self._take(heartbeat, battery_wh)
         self.use.tell(heartbeat.atv, doing(heartbeat), heartbeat.at_s)
         if last is not None and 0 < heartbeat.at_s - last.at_s <= SILENCE_S:
             self._drive(last, heartbeat)
@@ -63,6 +71,14 @@ class Fleet:
         """Part of the way of the last hour that was driven without a load; None when nobody drove."""
         (empty_m,), (loaded_m,) = self._empty.sums(now_s, 1), self._loaded.sums(now_s, 1)
         return empty_m / (empty_m + loaded_m) if empty_m + loaded_m > 0 else None
+
+    def _take(self, heartbeat: AtvHeartbeat, battery_wh: float) -> None:
+        frac, lowest_frac = heartbeat.battery_frac, self._lowest_frac.get(heartbeat.atv)
+        if lowest_frac is None or heartbeat.status is _CHARGING or frac > lowest_frac + CHARGED_FRAC:
+            self._lowest_frac[heartbeat.atv] = frac
+        elif frac < lowest_frac:
+            self.energy_wh += (lowest_frac - frac) * battery_wh
+            self._lowest_frac[heartbeat.atv] = frac
 
     def _drive(self, last: AtvHeartbeat, heartbeat: AtvHeartbeat) -> None:
         # Lanes are straight and heartbeats frequent: what a corner between two of them adds is little.

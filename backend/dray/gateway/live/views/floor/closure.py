@@ -14,8 +14,15 @@ class LaneView(View, kw_only=True):
     end: str
 
 
+class CornerView(View, kw_only=True):
+    """A corner of what somebody has drawn on the floor."""
+
+    x_m: float
+    y_m: float
+
+
 class ClosureView(View, kw_only=True):
-    """A closure that holds. Of lane, place and area one is named."""
+    """A closure that holds. Of lane, place, area and outline one is named."""
 
     id: str
     kind: Literal["closed", "slow", "one_way"]
@@ -23,6 +30,8 @@ class ClosureView(View, kw_only=True):
     """Both directions of it, unless it became one-way: then it is driven from `start` to `end` only."""
     place: str = ""
     area: str = ""
+    outline: tuple[CornerView, ...] = ()
+    """The corners of a part of the floor, as somebody has drawn it."""
     speed_mps: float | None = None
     """For `slow`: the highest speed there."""
     until_at_s: float | None = None

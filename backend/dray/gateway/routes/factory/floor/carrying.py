@@ -106,12 +106,10 @@ def _node(plant: Plant, place: str) -> str:
         Problem: 422, there is none, or nobody may stand there.
     """
     if place not in plant.nodes and place not in plant.places and place not in plant.dwell_points:
-        raise unusable(FieldError("place", f"there is no node or place {place}; GET /api/plant has them"))
+        raise unusable(FieldError.of("place", "node_unknown", place=place))
     node = place if place in plant.nodes else plant.node_of(place)
     if node not in plant.stops:
-        raise unusable(
-            FieldError("place", f"{node} lies in a crossing, where no vehicle stops; name another")
-        )
+        raise unusable(FieldError.of("place", "in_crossing", node=node))
     return node
 
 

@@ -1,4 +1,4 @@
-"""Closures: lanes, places and areas that people close to vehicles, make slow or one-way."""
+"""Closures: lanes, places, areas and outlines that people close to vehicles, make slow or one-way."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pydantic import AwareDatetime, BaseModel, ConfigDict, Field
 from dray.gateway.access.audit_log import Noted
 from dray.gateway.access.caller import Caller
 from dray.gateway.access.principal import Principal
-from dray.gateway.factory.closings import Closings, Outlook
+from dray.gateway.factory.closings import Closings, Outlook, outline_of
 from dray.gateway.http.problems import FieldError, unusable
 from dray.gateway.http.provided import Provided
 from dray.gateway.http.request_bodies import Line, json_only
@@ -19,8 +19,10 @@ from dray.gateway.http.responses import PAGE, Cursor, Json, Limit, described, li
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.views import ClosureView, LaneView
 from dray.messages import ClosureKind
-from dray.messages.floor.closure import SLOWEST_MPS
+from dray.messages.floor.closure import MAX_CORNERS, SLOWEST_MPS, Corner
 from dray.plant import Plant
+from dray.plant.floor.geometry import area_m2, crossed_edges
+from dray.plant.model import Point
 from dray.store.factory.closures import ClosureRow
 
 router = APIRouter(tags=["closures"])
@@ -51,8 +53,17 @@ class LaneRequest(BaseModel):
     end: Name
 
 
+class CornerRequest(BaseModel):
+    """A corner, in metres from the lower left corner of the floor; to the centimetre."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    x_m: Annotated[float, Field(allow_inf_nan=False, ge=-1e6, le=1e6)]
+    y_m: Annotated[float, Field(allow_inf_nan=False, ge=-1e6, le=1e6)]
+
+
 class ClosureRequest(BaseModel):
-    """What is closed, how, why and until when. Exactly one of `lane`, `place` and `area` is named."""
+    """What is closed, how, why and until when. Exactly one of `lane`, `place`, `area` and `outline` is named."""
 
     model_config = ConfigDict(
         extra="forbid",
@@ -63,6 +74,15 @@ class ClosureRequest(BaseModel):
                     "lane": {"start": "c3", "end": "m5-lane"},
                     "until": "2030-01-01T02:00:00Z",
                     "reason": "oil on the floor",
+                },
+                {
+                    "kind": "closed",
+                    "outline": [
+                        {"x_m": 10.0, "y_m": 8.0},
+                        {"x_m": 22.0, "y_m": 8.0},
+                        {"x_m": 16.0, "y_m": 19.0},
+                    ],
+                    "reason": "a shelf has fallen over",
                 },
                 {"kind": "slow", "area": "area1", "speed_mps": 0.5, "reason": "visitors"},
             ]
@@ -76,6 +96,8 @@ class ClosureRequest(BaseModel):
     place: Name | None = None
     """A node, a crossing, or a machine, storage, warehouse, charger or parking place, whose dock it is."""
     area: Name | None = None
+    outline: Annotated[list[CornerRequest], Field(min_length=3, max_length=MAX_CORNERS)] | None = None
+    """A part of the floor of any shape, by its corners in order: its nodes, and the lanes that cross it."""
     speed_mps: Annotated[float, Field(ge=SLOWEST_MPS, le=100.0, allow_inf_nan=False)] | None = None
     """For `slow`: the highest speed."""
     until: AwareDatetime | None = None
@@ -110,7 +132,7 @@ async def close(
     note: Noted,
     request: ClosureRequest,
 ) -> Json:
-    """Close a lane, a place or an area to vehicles, or make it slow, or a lane one-way; at once.
+    """Close a lane, a place, an area or an outline to vehicles, or make it slow, or a lane one-way; at once.
 
     Vehicles inside leave, all others go round; bids and promises follow. Sent twice it is one closure. `cut_off` names
     places that no vehicle gets to any more; ask `POST /api/closures/preview` before, where that matters.
@@ -168,11 +190,9 @@ def _row(request: ClosureRequest, plant: Plant, caller: Principal, now_s: float)
     faults = [*_extent_faults(request, plant), *_kind_faults(request, plant)]
     until_s = None if request.until is None else request.until.timestamp()
     if until_s is not None and until_s <= now_s:
-        faults.append(FieldError("until", "this time has passed: name a later one, or leave it out"))
+        faults.append(FieldError.of("until", "passed"))
     elif until_s is not None and until_s > now_s + LONGEST_S:
-        faults.append(
-            FieldError("until", "that is more than a year from now: leave it out, and open it then")
-        )
+        faults.append(FieldError.of("until", "more_than_a_year"))
     if faults:
         raise unusable(*faults)
     return ClosureRow(
@@ -182,6 +202,7 @@ def _row(request: ClosureRequest, plant: Plant, caller: Principal, now_s: float)
         end_node="" if request.lane is None else request.lane.end,
         place=request.place or "",
         area=request.area or "",
+        outline=outline_of(_corners(request)) if request.outline else "",
         speed_mps=request.speed_mps,
         until_s=until_s,
         reason=request.reason,
@@ -202,37 +223,61 @@ def _driven(lane: LaneRequest | None, plant: Plant) -> LaneRequest | None:
 
 def _extent_faults(request: ClosureRequest, plant: Plant) -> list[FieldError]:
     lane, place, area = request.lane, request.place, request.area
-    if sum(named is not None for named in (lane, place, area)) != 1:
-        return [FieldError("lane", "name exactly one of lane, place and area")]
+    if sum(named is not None for named in (lane, place, area, request.outline)) != 1:
+        return [FieldError("lane", "name exactly one of lane, place, area and outline")]
+    if request.outline is not None:
+        return _outline_faults(_corners(request), plant)
     if lane is not None and plant.roads.lane(lane.start, lane.end) is None:
         if plant.roads.lane(lane.end, lane.start) is not None:
-            reason = f"the lane runs from {lane.end} to {lane.start} only"
-        else:
-            reason = f"no lane joins {lane.start} and {lane.end}; GET /api/plant has the lanes"
+            return [FieldError.of("lane", "lane_runs", start=lane.end, end=lane.start)]
+        reason = f"no lane joins {lane.start} and {lane.end}; GET /api/plant has the lanes"
         return [FieldError("lane", reason)]
     if place is not None and not any(
         place in known for known in (plant.nodes, plant.crossings, plant.places)
     ):
-        return [FieldError("place", f"there is no node or place {place}; GET /api/plant has them")]
+        return [FieldError.of("place", "node_unknown", place=place)]
     if area is not None and area not in plant.areas:
         known = ", ".join(plant.areas) or "none"
-        return [FieldError("area", f"there is no area {area}; there are: {known}")]
+        return [FieldError.of("area", "area_unknown", area=area, areas=known)]
+    return []
+
+
+def _corners(request: ClosureRequest) -> tuple[Corner, ...]:
+    return tuple((round(corner.x_m, 2), round(corner.y_m, 2)) for corner in request.outline or ())
+
+
+def _outline_faults(corners: tuple[Corner, ...], plant: Plant) -> list[FieldError]:
+    faults = [
+        FieldError.of(
+            f"outline[{place}]", "off_the_floor", width=f"{plant.width_m:g}", depth=f"{plant.height_m:g}"
+        )
+        for place, (x_m, y_m) in enumerate(corners)
+        if not (0.0 <= x_m <= plant.width_m and 0.0 <= y_m <= plant.height_m)
+    ]
+    if faults:
+        return faults
+    polygon = tuple(Point(x_m, y_m) for x_m, y_m in corners)
+    if crossed_edges(polygon) is not None or area_m2(polygon) == 0.0:
+        return [FieldError.of("outline", "edges_cross")]
+    extent = plant.extent_within(corners)
+    if not extent.nodes and not extent.across:
+        return [FieldError.of("outline", "closes_nothing")]
     return []
 
 
 def _kind_faults(request: ClosureRequest, plant: Plant) -> list[FieldError]:
     faults = []
     if request.kind is ClosureKind.SLOW and request.speed_mps is None:
-        faults.append(FieldError("speed_mps", "say how fast vehicles may drive where it is slow"))
+        faults.append(FieldError.of("speed_mps", "slow_speed"))
     elif request.kind is not ClosureKind.SLOW and request.speed_mps is not None:
         faults.append(FieldError("speed_mps", "only what is slow has a speed"))
     if request.kind is ClosureKind.ONE_WAY:
         lane = request.lane
         if lane is None:
-            faults.append(FieldError("lane", "only a lane can be one-way: name it"))
+            faults.append(FieldError.of("lane", "one_way_lane"))
         elif (
             plant.roads.lane(lane.start, lane.end)
             and plant.roads.lane(*plant.way_back(lane.start, lane.end)) is None
         ):
-            faults.append(FieldError("lane", "this lane is one-way already"))
+            faults.append(FieldError.of("lane", "one_way_already"))
     return faults

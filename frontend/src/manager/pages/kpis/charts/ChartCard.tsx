@@ -1,7 +1,7 @@
 import { useSignal } from "@preact/signals";
 import type { KpiHistory } from "../../../../api/types";
 import { Card } from "../../../../parts/Card";
-import { format, t } from "../../../../text/manager";
+import { format, t } from "../../../../text/views/records";
 import type { Chart, Line } from "../charts";
 import { type Column, columnOf, lastOf, stepsOf } from "../history";
 import { FigureTable } from "./FigureTable";

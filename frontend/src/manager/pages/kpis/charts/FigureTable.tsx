@@ -1,4 +1,4 @@
-import { format, t } from "../../../../text/manager";
+import { format, t } from "../../../../text/views/records";
 import type { Chart } from "../charts";
 import type { Column } from "../history";
 import { shownValue } from "./shown";

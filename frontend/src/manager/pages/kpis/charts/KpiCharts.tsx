@@ -1,12 +1,14 @@
-import { signal } from "@preact/signals";
+import { computed, signal } from "@preact/signals";
 import { fetchKpiHistory } from "../../../../api/client";
 import type { KpiHistory } from "../../../../api/types";
 import { nowS } from "../../../../stream/stream";
-import { t } from "../../../../text/manager";
+import { speakAlso } from "../../../../text/speech";
+import { t, tables } from "../../../../text/views/records";
 import { useRefreshed } from "../../../refreshed";
 import { CHARTS } from "../charts";
 import { type Range, RANGES } from "../history";
 import { ChartCard } from "./ChartCard";
+import { QualityCard } from "./QualityCard";
 import "uplot/dist/uPlot.min.css";
 import "./kpis.css";
 
@@ -15,12 +17,20 @@ const AGAIN_MS = 30_000;
 
 const range = signal<Range>("hour");
 
+const spanS = computed(() => RANGES[range.value].spanS);
+
+/** The view, once it has its words. */
+export async function load(): Promise<typeof KpiCharts> {
+  await speakAlso(tables);
+  return KpiCharts;
+}
+
 /** Charts of the factory's figures, with the same figures in tables behind them. */
 export function KpiCharts() {
   const { answer: history, failed } = useRefreshed(askHistory, AGAIN_MS);
-  const { spanS, stepS } = RANGES[range.value];
+  const { stepS } = RANGES[range.value];
   const found = history.value;
-  const since = new Date((nowS.peek() - spanS) * 1000).toISOString();
+  const since = new Date((nowS.peek() - spanS.value) * 1000).toISOString();
   return (
     <main class="kpi-view" id="content" tabIndex={-1} aria-busy={!found && failed.value === null}>
       <header class="kpi-head">
@@ -46,6 +56,9 @@ export function KpiCharts() {
               </button>
             ))}
           </span>
+          <a class="button" href="#shift">
+            {t("kpis.shift")}
+          </a>
           <a
             class="button"
             href={`/api/kpis/history?since=${since}&step=${stepS}&format=csv`}
@@ -61,6 +74,7 @@ export function KpiCharts() {
           {CHARTS.map((chart) => (
             <ChartCard key={chart.name} chart={chart} history={found} />
           ))}
+          <QualityCard spanS={spanS} />
         </div>
       ) : (
         <p class="empty" role="status">
@@ -72,6 +86,6 @@ export function KpiCharts() {
 }
 
 function askHistory(): Promise<KpiHistory> {
-  const { spanS, stepS } = RANGES[range.value];
-  return fetchKpiHistory(nowS.peek() - spanS, `${stepS}`);
+  const { stepS } = RANGES[range.value];
+  return fetchKpiHistory(nowS.peek() - spanS.value, `${stepS}`);
 }

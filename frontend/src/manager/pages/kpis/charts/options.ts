@@ -1,7 +1,7 @@
 /** How uPlot draws a chart, in the colours of the page. */
 import uPlot from "uplot";
 import type { Palette } from "../../../../plant/draw/palette";
-import { format } from "../../../../text/manager";
+import { format } from "../../../../text/views/records";
 import type { Chart } from "../charts";
 import { type Column, stacked } from "../history";
 import { shownValue } from "./shown";

@@ -1,5 +1,5 @@
 /** A figure in words. */
-import { format, t } from "../../../../text/manager";
+import { format, t } from "../../../../text/views/records";
 import type { Chart } from "../charts";
 
 export function shownValue({ unit }: Pick<Chart, "unit">, value: number | null): string {

@@ -1,0 +1,97 @@
+"""The page of a call key in words: what can be called at its place, and what was called with it. The template only places them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from datetime import UTC, datetime
+
+import msgspec
+
+from dray.gateway.access.principal import Principal
+from dray.gateway.live.projection import Projection
+from dray.messages import TransportState
+from dray.store.orders.transports import TransportRow
+
+SHOWN = 8
+"""Transports that the page tells of, newest first: more than wait at one place."""
+
+
+class Tile(msgspec.Struct, frozen=True):
+    """Something that can be called."""
+
+    item: str
+    name: str
+    here: str
+    """How much of it is there; empty where that is not known."""
+    chosen: bool
+    lot: int
+
+
+class Called(msgspec.Struct, frozen=True):
+    """Something that was called."""
+
+    id: str
+    what: str
+    state: str
+    why: str
+    """Why it waits, or when it is there."""
+    open: bool
+    """Whether it can be called off."""
+
+
+def tiles(projection: Projection, place: str, chosen: str, texts: Mapping[str, str]) -> tuple[Tile, ...]:
+    """What the place keeps."""
+    plant = projection.site.plant
+    machine, station = projection.machines.view(place), projection.stations.view(place)
+    levels = {each.item: each.level for each in (machine.buffers if machine else ())}
+    levels |= {each.item: each.level for each in (station.stocks if station else ())}
+    return tuple(
+        Tile(
+            item=item,
+            name=spec.name,
+            here="" if item not in levels else texts["here"].format(level=levels[item]),
+            chosen=item == chosen,
+            lot=spec.lot,
+        )
+        for item, spec in plant.materials.items()
+        if place in plant.keepers_of(item)
+    )
+
+
+def called(
+    rows: Iterable[TransportRow], projection: Projection, place: str, now_s: float, texts: Mapping[str, str]
+) -> tuple[Called, ...]:
+    """What was called, with its state."""
+    return tuple(_called(row, projection, place, now_s, texts) for row in rows)
+
+
+def _called(
+    row: TransportRow, projection: Projection, place: str, now_s: float, texts: Mapping[str, str]
+) -> Called:
+    spec = projection.site.plant.materials.get(row.item)
+    brought = row.destination == place
+    what = texts["brought" if brought else "taken"].format(
+        quantity=row.quantity,
+        item=row.item if spec is None else spec.name,
+        place=row.source if brought else row.destination,
+    )
+    is_open = row.status in (TransportState.WAITING, TransportState.ASSIGNED)
+    ending = row.cancel_at_s is not None and not row.has_ended
+    why = texts.get(f"wait_{row.wait}", "") if row.status is TransportState.WAITING else ""
+    if row.expected_at_s is not None and not row.has_ended:
+        minutes = round((row.expected_at_s - now_s) / 60)
+        why = texts["minutes"].format(n=minutes) if minutes >= 1 else texts["soon"]
+    return Called(
+        id=row.id,
+        what=what,
+        state=texts["state_being_cancelled" if ending else f"state_{row.status.value}"],
+        why=why,
+        open=is_open and not ending,
+    )
+
+
+def until(caller: Principal, texts: Mapping[str, str]) -> str:
+    """How long the key works; empty where that has no end."""
+    if caller.expires_at_s is None:
+        return ""
+    return texts["until"].format(day=datetime.fromtimestamp(caller.expires_at_s, UTC).date().isoformat())

@@ -1,0 +1,154 @@
+"""What the page of a call key says, by language."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+_KEYS = (
+    "languages",
+    "skip",
+    "title",
+    "above",
+    "what",
+    "nothing_kept",
+    "here",
+    "chosen",
+    "choose",
+    "bring",
+    "take",
+    "called",
+    "none",
+    "brought",
+    "taken",
+    "call_off",
+    "again",
+    "minutes",
+    "soon",
+    "until",
+    "stop",
+    "gone",
+    "gone_note",
+    "refused",
+)
+
+_STATES = ("waiting", "assigned", "on_board", "delivered", "cancelled", "being_cancelled")
+_WAITS = ("no_room", "short", "no_bid", "undecided")
+
+
+def _catalogue(texts: str, states: str, waits: str) -> Mapping[str, str]:
+    """From lines in the order of the names above."""
+    names = (*_KEYS, *(f"state_{each}" for each in _STATES), *(f"wait_{each}" for each in _WAITS))
+    lines = [line.strip() for part in (texts, states, waits) for line in part.strip().splitlines()]
+    return dict(zip(names, lines, strict=True))
+
+
+TEXTS: Mapping[str, Mapping[str, str]] = {
+    "en": _catalogue(
+        """Language
+        Skip to what can be called
+        Call
+        Call a vehicle
+        What?
+        Nothing can be called here: this place keeps no material.
+        {level} here
+        {item}: how much?
+        Choose first what; nothing is sent by that.
+        Bring {quantity}
+        Take {quantity} away
+        Called with this key
+        Nothing yet.
+        {quantity} {item} from {place}
+        {quantity} {item} to {place}
+        Call off
+        Look again
+        there in {n} min
+        there in less than a minute
+        This key works until {day}.
+        No stop is here. In danger: the red button on the vehicle.
+        This key calls nothing any more
+        It was taken back, has run out, or is no key of one place. Ask whoever looks after Dray.
+        Not called: {reason}""",
+        """called
+        taken by a vehicle
+        on board
+        here
+        called off
+        being called off""",
+        """there is no room for it yet
+        there is not enough of it yet
+        no vehicle can take it yet
+        it is being offered""",
+    ),
+    "de": _catalogue(
+        """Sprache
+        Weiter zu dem, was man rufen kann
+        Rufen
+        Ein Fahrzeug rufen
+        Was?
+        Hier kann man nichts rufen: an diesem Platz liegt kein Material.
+        {level} hier
+        {item}: wie viel?
+        Erst wählen, was; damit ist noch nichts gesendet.
+        {quantity} bringen
+        {quantity} abholen
+        Mit diesem Schlüssel gerufen
+        Noch nichts.
+        {quantity} {item} von {place}
+        {quantity} {item} nach {place}
+        Abbestellen
+        Noch einmal nachsehen
+        da in {n} min
+        da in weniger als einer Minute
+        Dieser Schlüssel gilt bis {day}.
+        Hier ist kein Stopp. Bei Gefahr: der rote Knopf am Fahrzeug.
+        Mit diesem Schlüssel lässt sich nichts mehr rufen
+        Er wurde zurückgenommen, ist abgelaufen oder gehört zu keinem Platz. Fragen Sie, wer Dray betreut.
+        Nicht gerufen: {reason}""",
+        """gerufen
+        von einem Fahrzeug übernommen
+        an Bord
+        da
+        abbestellt
+        wird abbestellt""",
+        """dort ist noch kein Platz dafür
+        es ist noch nicht genug davon da
+        noch kann kein Fahrzeug
+        es wird angeboten""",
+    ),
+    "es": _catalogue(
+        """Idioma
+        Ir a lo que se puede pedir
+        Llamar
+        Llamar a un vehículo
+        ¿Qué?
+        Aquí no se puede pedir nada: en este puesto no hay material.
+        {level} aquí
+        {item}: ¿cuánto?
+        Primero elija qué; con eso no se envía nada.
+        Traer {quantity}
+        Llevarse {quantity}
+        Pedido con esta clave
+        Nada todavía.
+        {quantity} {item} de {place}
+        {quantity} {item} a {place}
+        Anular
+        Mirar otra vez
+        llega en {n} min
+        llega en menos de un minuto
+        Esta clave vale hasta {day}.
+        Aquí no hay parada. En peligro: el botón rojo del vehículo.
+        Esta clave ya no llama a nada
+        Fue retirada, caducó o no es de un puesto. Pregunte a quien cuida de Dray.
+        No pedido: {reason}""",
+        """pedido
+        lo tomó un vehículo
+        a bordo
+        aquí
+        anulado
+        anulándose""",
+        """todavía no hay sitio
+        todavía no hay bastante
+        todavía no puede ningún vehículo
+        se está ofreciendo""",
+    ),
+}

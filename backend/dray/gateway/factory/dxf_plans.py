@@ -1,0 +1,113 @@
+"""Floor plans in DXF as pictures: `dray plant picture`, in a process of its own with bounds, since a plan is input."""
+
+from __future__ import annotations
+
+import asyncio
+import sys
+import zlib
+from http import HTTPStatus
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import msgspec
+
+from dray.errors import DrayError
+from dray.gateway.factory.bounded_process import run_bounded
+from dray.gateway.http.problems import Problem
+from dray.plant.exchange.dxf import MAX_BYTES
+
+MOST_S = 60.0
+"""Wall seconds for one plan; one of ten megabytes takes some ten."""
+
+MOST_MEMORY = 2 * 1024**3
+"""Bytes of memory for one plan."""
+
+GZIP = b"\x1f\x8b"
+
+TAIL_CHARS = 300
+"""Of what the process said when it failed."""
+
+
+class NoPlan(DrayError):
+    """It cannot be made a picture; the text says why."""
+
+
+class Picture(msgspec.Struct, frozen=True, kw_only=True):
+    """What became of a plan."""
+
+    width_m: float
+    height_m: float
+    notes: tuple[str, ...] = ()
+    svg: bytes = b""
+
+
+class DxfPlans:
+    """Makes one picture at a time.
+
+    Args:
+        command: what is started; then come the arguments of `dray plant picture`.
+        most_s: wall seconds for one plan.
+    """
+
+    def __init__(
+        self,
+        command: tuple[str, ...] = (sys.executable, "-m", "dray", "plant", "picture"),
+        most_s: float = MOST_S,
+    ) -> None:
+        self._command, self._most_s = command, most_s
+        self._one = asyncio.Lock()
+
+    async def picture(self, content: bytes) -> Picture:
+        """Of a DXF file, packed with gzip or as it is.
+
+        Raises:
+            NoPlan: it is none, or too much.
+            Problem: 503, another plan is being read.
+        """
+        if self._one.locked():
+            raise Problem(
+                HTTPStatus.SERVICE_UNAVAILABLE,
+                "plan-being-read",
+                "Another floor plan is being read",
+                "try again in some seconds",
+                headers={"Retry-After": "5"},
+            )
+        async with self._one:
+            with TemporaryDirectory(prefix="dray-plan-") as folder:
+                return await self._read(Path(folder), await asyncio.to_thread(unpacked, content))
+
+    async def _read(self, folder: Path, content: bytes) -> Picture:
+        plan, picture, report = folder / "plan.dxf", folder / "plan.svg", folder / "plan.json"
+        await asyncio.to_thread(plan.write_bytes, content)
+        command = (*self._command, str(plan), "--out", str(picture), "--json", str(report))
+        try:
+            code, said = await run_bounded(command, self._most_s, MOST_MEMORY)
+        except TimeoutError:
+            raise NoPlan(
+                f"it took longer than {self._most_s:g} s to read: hide layers, and save it again"
+            ) from None
+        if code:
+            words = " ".join(said.split()).replace(f"{folder}/", "").removeprefix("dray: ")
+            raise NoPlan(words[-TAIL_CHARS:] or "reading it failed")
+        told = msgspec.json.decode(await asyncio.to_thread(report.read_bytes), type=Picture)
+        return msgspec.structs.replace(told, svg=await asyncio.to_thread(picture.read_bytes))
+
+
+def unpacked(content: bytes) -> bytes:
+    """What was packed with gzip; what was not as it is.
+
+    Raises:
+        NoPlan: it is broken, or larger than a plan may be.
+    """
+    if not content.startswith(GZIP):
+        return content
+    unpacking = zlib.decompressobj(wbits=31)
+    try:
+        found = unpacking.decompress(content, MAX_BYTES)
+    except zlib.error as error:
+        raise NoPlan(f"it is packed badly: {error}") from None
+    if unpacking.unconsumed_tail:
+        raise NoPlan(f"unpacked it has more than {MAX_BYTES} bytes: hide layers, and save it again")
+    if not unpacking.eof:
+        raise NoPlan("it is packed badly: its end is missing")
+    return found

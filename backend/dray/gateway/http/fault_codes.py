@@ -1,0 +1,139 @@
+"""Codes of faults in what people write: panels tell each in the reader's language, and REST in English beside it.
+
+Pydantic's own kinds of faults have codes here; our validators raise theirs as `PydanticCustomError`, whose type is the code.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from typing import Any
+
+from dray.plant.file.reasons import TEXTS as PLANT_TEXTS
+from dray.plant.file.reasons import Reason
+
+TEXTS: Mapping[str, str] = {
+    "csv_unreadable": "this is no CSV: {why}",
+    "csv_empty": "there is nothing in it; begin with {columns}",
+    "csv_too_wide": "it has {count} columns; there are {columns}",
+    "csv_too_many_rows": "a file has {most} rows at most; cut it in two",
+    "csv_no_rows": "there is no row below the names of the columns",
+    "column_missing": "this column is missing",
+    "column_unknown": "there is no such column; there are {columns}",
+    "column_twice": "this column is there more than once",
+    "differs_in_order": "it is of the same order as row {row}; write the same",
+    "too_many_items": "an order has {most} items at most",
+    "not_made": "this plant does not make '{product}'; it makes {products}",
+    "past": "it is past: here it is {now}; give a later time",
+    "differs_in_product": "it is of the same product as row {row}; write the same",
+    "bad_id": "letters, digits, _ . -, a letter first, at most 32",
+    "begins_already": "{product} begins in row {row} already; write its rows one after another",
+    "stands_already": "{name} stands in row {row} already",
+    "machine_unknown": "there is no machine {machine}; there are {machines}",
+    "machine_own_time": "{machine} says itself that a piece takes {seconds} s: leave it out, or write that",
+    "no_machine": "no machine makes it: name one at least, with its seconds for a piece",
+    "password_length": "a password has {least} to {most} characters; several words are good",
+    "password_easy": "this password is too easy to guess: it repeats itself, or holds the name",
+    "pin_digits": "a PIN has {least} to {most} digits and nothing else",
+    "pin_easy": "this PIN is too easy to guess: its digits follow one another",
+    "badge_length": "a badge's code has {least} to {most} characters, with no space around it",
+    "badge_taken": "somebody else has this badge already",
+    "name_taken": "there is a {name} already; nobody ever gets the name of another one",
+    "login_name": "small letters, digits, . _ and -, a letter or digit first, at most 64",
+    "area_needed": "an operator needs an area; there are {areas}",
+    "area_unknown": "there is no area {area}; there are {areas}",
+    "area_none": "a manager works everywhere; leave it out",
+    "secret_of_other_role": "a manager logs in with a password, an operator with a PIN or a badge",
+    "scope_needed": "name at least one thing that it may do",
+    "place_alone": "only a key that may do nothing but call for transports has a place",
+    "place_unknown": "there is no machine or storage {place} in this plant",
+    "place_needed": "name a place: to for what is brought, from for what is taken away",
+    "place_not_keeping": "{place} does not keep {item}; it is kept at {places}",
+    "no_other_storage": "no other storage keeps {item}; name a place",
+    "same_place": "it is {place} already; name another place",
+    "item_is_product": "{item} is a product: finished goods leave their machine by themselves",
+    "material_unknown": "there is no material '{item}'; GET /api/materials lists them",
+    "load_too_large": "one load of {item} is {most} at most; ask for several transports",
+    "not_your_area": "neither place is in your areas; one of them must be",
+    "only_for": "this key calls for {place} only: it must be one of both places",
+    "ability_unknown": "no vehicle that carries {carried} has {wanted}; they have {abilities}",
+    "ability_nobody": "no vehicle of this plant carries {carried}",
+    "vehicle_unknown": "there is no vehicle '{vehicle}'; GET /api/atvs lists them",
+    "vehicle_lacks": "{vehicle} cannot carry this: it lacks {abilities}",
+    "not_in_queue": "only orders that are in work stand in the queue; name one of those",
+    "made_already": "{fewest} are made already; at least {fewest} are still possible",
+    "zone_unknown": "there is no time zone '{zone}'; give its IANA name, as Europe/Berlin",
+    "cron_fields": "give five fields: minute, hour, day of the month, month, day of the week, as 0 6 * * MON-FRI",
+    "cron_unreadable": "{why}; give cron's fields, as 0 6 * * MON-FRI",
+    "never": "no day is like that; give one that comes",
+    "passed": "this time has passed: name a later one, or leave it out",
+    "more_than_a_year": "that is more than a year from now: leave it out, and open it then",
+    "more_than_a_week": "it is not within the next seven days; say when to ask again",
+    "off_the_floor": "the floor ends at {width} m, {depth} m",
+    "edges_cross": "its edges cross or lie on one another; name the corners in order around it",
+    "closes_nothing": "no lane runs through it, so it would close nothing; draw it larger",
+    "slow_speed": "say how fast vehicles may drive where it is slow",
+    "one_way_lane": "only a lane can be one-way: name it",
+    "one_way_already": "this lane is one-way already",
+    "lane_runs": "the lane runs from {start} to {end} only",
+    "node_unknown": "there is no node or place {place}; GET /api/plant has them",
+    "in_crossing": "{node} lies in a crossing, where no vehicle stops; name another",
+    "part_of_one": "give a part of 1, as 0.95",
+    "definition_too_large": "with its bill, machines and documents it has {size} bytes, and goals carry {most}: name fewer, or shorter addresses",
+}
+"""Of faults that are found here, with what is filled in; others have the words of whoever finds them."""
+
+OF_PYDANTIC: Mapping[str, str] = {
+    "missing": "missing",
+    "string_too_short": "missing",
+    "too_short": "missing",
+    "string_too_long": "too_long",
+    "too_long": "too_many",
+    "string_pattern_mismatch": "pattern",
+    "int_type": "whole_number",
+    "int_parsing": "whole_number",
+    "int_from_float": "whole_number",
+    "float_type": "number",
+    "float_parsing": "number",
+    "finite_number": "number",
+    "greater_than_equal": "at_least",
+    "less_than_equal": "at_most",
+    "enum": "one_of",
+    "literal_error": "one_of",
+    "bool_type": "yes_or_no",
+}
+
+OURS = frozenset(
+    {"moment_text", "moment_unreadable", "moment_no_zone", "moment_off_calendar", "document_twice"}
+)
+"""That our validators raise."""
+
+CODES = frozenset(TEXTS) | frozenset(PLANT_TEXTS) | frozenset(OF_PYDANTIC.values()) | OURS
+
+
+def text_of(code: str, values: Mapping[str, str]) -> str:
+    """A fault that is found here, in English."""
+    return TEXTS[code].format_map(values)
+
+
+def coded(reason: str) -> tuple[str, str, dict[str, str]]:
+    """A reason, its code, and what is filled in; of one that has no code both are empty."""
+    return (str(reason), reason.code, reason.values) if isinstance(reason, Reason) else (reason, "", {})
+
+
+def code_of(fault: Mapping[str, Any]) -> tuple[str, dict[str, str]]:
+    """The code of one of pydantic's faults, and what is filled in; empty for one that has none."""
+    kind = str(fault["type"])
+    context = fault.get("ctx", {})
+    code = kind if kind in OURS else OF_PYDANTIC.get(kind, "")
+    match code:
+        case "too_long" | "too_many":
+            return code, {"most": str(context["max_length"])}
+        case "at_least":
+            return code, {"least": f"{context['ge']:g}"}
+        case "at_most":
+            return code, {"most": f"{context['le']:g}"}
+        case "one_of":
+            return code, {"choices": ", ".join(re.findall(r"'([^']*)'", str(context["expected"])))}
+        case _:
+            return code, {}

@@ -1,0 +1,90 @@
+"""A picture of the plant, as visibility and the scopes of the stream need it: the live projection, or a moment of the past."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, Protocol
+
+from dray.gateway.live.frames import Snapshot
+from dray.gateway.live.projection.site import Site
+from dray.gateway.live.views import TaskView
+
+
+class Kind(Protocol):
+    """Entities of one kind."""
+
+    def views(self) -> Sequence[Any]:
+        """All of them."""
+        ...
+
+
+class Vehicles(Kind, Protocol):
+    """The vehicles."""
+
+    def __contains__(self, atv: object) -> bool:
+        """Whether there is one of this name."""
+        ...
+
+    def place_m(self, atv: str) -> tuple[float, float] | None:
+        """Where one is; None for one that is not known."""
+        ...
+
+
+class Transports(Kind, Protocol):
+    """The tasks."""
+
+    def view(self, task: str) -> TaskView | None:
+        """One of them, if it is there."""
+        ...
+
+
+class Given(Kind, Protocol):
+    """What people have asked of vehicles."""
+
+    def areas_of(self, command: str) -> frozenset[str]:
+        """Where its vehicle was when it was given."""
+        ...
+
+
+class PlantPicture(Protocol):
+    """A picture of the plant."""
+
+    @property
+    def plant(self) -> str:
+        """Its id."""
+        ...
+
+    @property
+    def speed(self) -> float:
+        """Factory seconds per real second."""
+        ...
+
+    @property
+    def site(self) -> Site:
+        """What stands where."""
+        ...
+
+    @property
+    def atvs(self) -> Vehicles: ...
+    @property
+    def tasks(self) -> Transports: ...
+    @property
+    def commands(self) -> Given: ...
+    @property
+    def machines(self) -> Kind: ...
+    @property
+    def stations(self) -> Kind: ...
+    @property
+    def news(self) -> Kind: ...
+    @property
+    def alerts(self) -> Kind: ...
+    @property
+    def closures(self) -> Kind: ...
+    @property
+    def obstacles(self) -> Kind: ...
+    @property
+    def waits(self) -> Kind: ...
+
+    def snapshot(self, number: int, wall_s: float) -> Snapshot:
+        """All of it."""
+        ...

@@ -1,0 +1,58 @@
+"""Goods that failed vehicles have on board: one alert for each, until a person has handed them over or written them off. Pure rules."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+
+from dray.gateway.live.projection.alerting.alert_rules import Moment, in_vain
+from dray.gateway.live.views import TaskView
+from dray.gateway.live.views.alert import Condition, GoodsView
+from dray.messages import HelpCall, OperatorHeartbeat
+from dray.plant import Product
+
+
+def of_goods(
+    tasks: Iterable[TaskView],
+    calls: Iterable[HelpCall],
+    on_duty: Iterable[OperatorHeartbeat],
+    products: Mapping[str, Product],
+    now: Moment,
+) -> Iterator[Condition]:
+    """Whose goods wait for a person, where, until when they are kept, and whether somebody comes.
+
+    Args:
+        tasks: those that have not ended.
+        calls: those of this moment.
+        on_duty: who is there.
+        products: of the plant, by id.
+        now: when it is looked at.
+    """
+    left = [task for task in tasks if task.stranded is not None]
+    if not left:
+        return
+    called = {call.goods: call for call in calls if call.goods}
+    names = {each.operator: each.label or each.operator.partition(".")[2] for each in on_duty}
+    for task in left:
+        stranded, call = task.stranded, called.get(task.id)
+        if stranded is None:
+            continue
+        yield Condition(
+            kind="goods_stranded",
+            agent=stranded.atv,
+            task=task.id,
+            order=stranded.order,
+            call=None if call is None else in_vain(call),
+            cause=task.trouble,
+            goods=GoodsView(
+                item=task.item,
+                name=products[task.item].name if task.item in products else task.item,
+                quantity=task.quantity,
+                machine=task.coordinator,
+                order_name=stranded.order_name,
+                node=stranded.node,
+                handed_at=stranded.handed_at,
+            ),
+            by="" if call is None else names.get(call.taken_by, ""),
+            seen_at_s=None if call is None else now.to_wall_s(call.since_s),
+            until_at_s=stranded.until_at_s,
+        )

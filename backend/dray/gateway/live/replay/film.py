@@ -1,0 +1,230 @@
+"""The film: pieces of a recording, played into the picture of a moment and what changes after it. Pure.
+
+What was recorded is what a panel was told, so a moment is made as a panel makes it: a snapshot, and every frame after it up to
+then. Frames that follow are told by the same updates as the live ones.
+"""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Any
+
+import msgspec
+
+from dray.gateway.live.frames import COLLECTIONS, Delta, Snapshot
+from dray.gateway.live.projection.site import Site
+from dray.gateway.live.views import (
+    AlertView,
+    AtvView,
+    ClosureView,
+    CommandView,
+    FactoryView,
+    FaultView,
+    MachineView,
+    NewsView,
+    ObstacleView,
+    OrderView,
+    ScenarioView,
+    StationView,
+    TaskView,
+    WaitView,
+)
+from dray.store.replay.recordings import Piece
+
+Line = dict[str, Any]
+
+VIEWS: dict[str, Any] = {
+    "atvs": AtvView,
+    "machines": MachineView,
+    "stations": StationView,
+    "tasks": TaskView,
+    "orders": OrderView,
+    "news": NewsView,
+    "alerts": AlertView,
+    "faults": FaultView,
+    "commands": CommandView,
+    "closures": ClosureView,
+    "obstacles": ObstacleView,
+    "waits": WaitView,
+    "scenarios": ScenarioView,
+}
+
+
+class _Shelf:
+    """Entities of one kind, as they were last told."""
+
+    def __init__(self, shape: Any) -> None:
+        self._shape = shape
+        self._told: dict[str, Line] = {}
+        self._made: dict[str, Any] = {}
+        """The same as views, as far as somebody has asked."""
+
+    def put(self, patches: Iterable[Line]) -> None:
+        for patch in patches:
+            entity = patch["id"]
+            known = self._told.get(entity)
+            self._told[entity] = patch if known is None else known | patch
+            self._made.pop(entity, None)
+
+    def __contains__(self, entity: object) -> bool:
+        return entity in self._told
+
+    def ids(self) -> set[str]:
+        return set(self._told)
+
+    def drop(self, entity: str) -> None:
+        self._told.pop(entity, None)
+        self._made.pop(entity, None)
+
+    def view(self, entity: str) -> Any:
+        if entity not in self._made and entity in self._told:
+            self._made[entity] = msgspec.convert(self._told[entity], self._shape)
+        return self._made.get(entity)
+
+    def views(self) -> tuple[Any, ...]:
+        return tuple(self.view(entity) for entity in self._told)
+
+    def place_m(self, entity: str) -> tuple[float, float] | None:
+        told = self._told.get(entity)
+        return None if told is None else (told["x_m"], told["y_m"])
+
+
+class _Commands(_Shelf):
+    def __init__(self) -> None:
+        super().__init__(CommandView)
+        self._areas: dict[str, frozenset[str]] = {}
+
+    def note_areas(self, areas: dict[str, list[str]]) -> None:
+        self._areas |= {command: frozenset(given) for command, given in areas.items()}
+
+    def areas_of(self, command: str) -> frozenset[str]:
+        return self._areas.get(command, frozenset())
+
+
+class Picture:
+    """The plant as panels showed it at a moment: a `PlantPicture`, as the live projection is one.
+
+    Args:
+        first: a snapshot's line.
+        site: what stands where.
+    """
+
+    def __init__(self, first: Line, site: Site) -> None:
+        self.site, self.plant = site, str(first["plant"])
+        self.at_s = 0.0
+        """When what it shows was told."""
+        self._fault_injection = bool(first.get("fault_injection", False))
+        self._factory: Any = first["factory"]
+        self.atvs, self.tasks, self.commands = _Shelf(AtvView), _Shelf(TaskView), _Commands()
+        self.machines, self.stations = _Shelf(MachineView), _Shelf(StationView)
+        self.news, self.alerts = _Shelf(NewsView), _Shelf(AlertView)
+        self.closures, self.obstacles, self.waits = (
+            _Shelf(ClosureView),
+            _Shelf(ObstacleView),
+            _Shelf(WaitView),
+        )
+        self._shelves = {
+            name: getattr(self, name, None) or _Shelf(VIEWS[name]) for name in COLLECTIONS.values()
+        }
+        self.play(first)
+
+    @property
+    def speed(self) -> float:
+        """See `PlantPicture.speed`."""
+        return float(self._factory["speed"])
+
+    def play(self, line: Line) -> None:
+        """Go one frame on; in a snapshot it is noted what is not there any more."""
+        if line.get("whole"):
+            line["gone"] = [
+                f"{kind}:{entity}"
+                for kind, name in COLLECTIONS.items()
+                for entity in self._shelves[name].ids() - {each["id"] for each in line.get(name, ())}
+            ]
+        self.at_s = line["at_s"]
+        self._factory = line.get("factory") or self._factory
+        for name, shelf in self._shelves.items():
+            if name in line:
+                shelf.put(line[name])
+        for name in line.get("gone", ()):
+            kind, _, entity = name.partition(":")
+            if kind in COLLECTIONS:
+                self._shelves[COLLECTIONS[kind]].drop(entity)
+        if "areas" in line:
+            self.commands.note_areas(line["areas"])
+
+    def told(self, line: Line) -> Delta:
+        """What a frame that was just played has told, as whole entities."""
+        views: dict[str, Any] = {}
+        for name, shelf in self._shelves.items():
+            if name in line:
+                found = (shelf.view(patch["id"]) for patch in line[name])
+                views[name] = tuple(view for view in found if view is not None)
+        factory = msgspec.convert(line["factory"], FactoryView) if line.get("factory") else None
+        return Delta(number=0, at_s=line["at_s"], factory=factory, gone=tuple(line.get("gone", ())), **views)
+
+    def snapshot(self, number: int, wall_s: float) -> Snapshot:
+        """See `PlantPicture.snapshot`."""
+        told: dict[str, Any] = {name: shelf.views() for name, shelf in self._shelves.items()}
+        return Snapshot(
+            number=number,
+            at_s=wall_s,
+            plant=self.plant,
+            factory=msgspec.convert(self._factory, FactoryView),
+            fault_injection=self._fault_injection,
+            **told,
+        )
+
+
+def lines_of(pieces: Sequence[Piece]) -> Iterator[Line]:
+    """The frames of pieces, oldest first, with `whole` in those that are snapshots.
+
+    Ends where a piece is missing: what comes after it builds on what nobody has.
+    """
+    recorder = ""
+    for piece in pieces:
+        if not piece.is_whole and piece.recorder != recorder:
+            return
+        recorder = piece.recorder
+        for number, line in enumerate(zlib.decompress(piece.frames).split(b"\n")):
+            frame: Line = msgspec.json.decode(line)
+            frame["whole"] = piece.is_whole and number == 0
+            yield frame
+
+
+class Film:
+    """Plays pieces.
+
+    Args:
+        pieces: from a snapshot on, oldest first.
+        site: what stands where.
+    """
+
+    def __init__(self, pieces: Sequence[Piece], site: Site) -> None:
+        self._lines, self._site = lines_of(pieces), site
+        self._next: Line | None = next(self._lines, None)
+        self.picture: Picture | None = None
+
+    def play_until(self, at_s: float) -> Picture | None:
+        """The picture of a moment; None where there is nothing before it."""
+        while self._next is not None and self._next["at_s"] <= at_s:
+            self._step()
+        return self.picture
+
+    def frames(self, until_s: float) -> Iterator[Delta]:
+        """What changes from the picture on, up to a moment; the picture goes along."""
+        while (line := self._next) is not None and line["at_s"] <= until_s:
+            self._step()
+            if self.picture is not None:
+                yield self.picture.told(line)
+
+    def _step(self) -> None:
+        line = self._next
+        if line is None:
+            return
+        if self.picture is None:
+            self.picture = Picture(line, self._site)
+        else:
+            self.picture.play(line)
+        self._next = next(self._lines, None)

@@ -1,0 +1,226 @@
+"""The reader: finds in SQL, and in what is not written yet, what a moment is made of, and makes it.
+
+Reading takes what lies between two snapshots, however much is kept; what is decoded is one piece at a time.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Sequence
+from typing import cast
+
+import msgspec
+
+from dray.gateway.access.principal import Principal
+from dray.gateway.live.frames import Delta, Snapshot
+from dray.gateway.live.plant_picture import PlantPicture
+from dray.gateway.live.replay.film import Film, Picture
+from dray.gateway.live.replay.recorder import Mark, Recorder
+from dray.gateway.live.stream import audience_of, scope_of
+from dray.gateway.live.updates import Updates
+from dray.gateway.live.views.base import View
+from dray.store import Store
+from dray.store.replay.recordings import PIECES_READ, Outline, Piece
+from dray.store.replay.spells import Spell
+
+FRAMES_BYTES = 4 * 2**20
+"""Of the frames in one answer: some seconds of a browser's time; whoever wants more asks on from where it ends."""
+
+GAP_S = 5.0
+"""Wall seconds without anything recorded that are told as a gap: a panel turns amber after 3."""
+
+MARKS_MOST = 500
+"""In one answer: more than a screen has room for. Of more, warnings are left out first."""
+
+
+class FilmView(View, kw_only=True):
+    """A moment of the past, and what changed after it: frames as on the stream, the first one fits behind the snapshot."""
+
+    snapshot: Snapshot
+    frames: tuple[Delta, ...] = ()
+    until_at_s: float
+    """Up to here it goes; earlier than asked for where that is too much for one answer, or where nothing more is kept."""
+
+
+class StretchView(View, kw_only=True):
+    """From when to when something is kept, without a gap."""
+
+    from_at_s: float
+    until_at_s: float
+
+
+class OverviewView(View, kw_only=True):
+    """What there is to see in a time."""
+
+    kept_from_at_s: float | None
+    """The oldest moment that is kept; None where nothing is."""
+    kept_until_at_s: float | None
+    stretches: tuple[StretchView, ...] = ()
+    """Oldest first; between two of them nothing was recorded."""
+    density: tuple[int, ...] = ()
+    """Changes of tasks, and news, in equal parts of the time."""
+    marks: tuple[Mark, ...] = ()
+    """Oldest first."""
+    marks_left_out: int = 0
+
+
+class ReplayReader:
+    """Reads recordings.
+
+    Args:
+        store: where they are.
+        recorder: of this gateway, who has the newest.
+        live: what panels are shown now.
+    """
+
+    def __init__(self, store: Store, recorder: Recorder | None, live: PlantPicture) -> None:
+        self._store, self._recorder, self._live = store, recorder, live
+        self._site = live.site
+
+    def picture_now(self, now_s: float) -> Picture:
+        """The plant as panels show it now."""
+        return Picture(msgspec.to_builtins(self._live.snapshot(0, now_s)), self._site)
+
+    def snapshot_now(self, who: Principal, now_s: float) -> Snapshot:
+        """The same as somebody may see it."""
+        snapshot = scope_of(self._live, who).snapshot(0, now_s)
+        return msgspec.structs.replace(snapshot, audience=audience_of(who))
+
+    async def picture(self, at_s: float) -> Picture | None:
+        """The plant as panels showed it at a moment; None where nothing is kept of it or before it."""
+        pieces = await self._pieces(at_s, at_s)
+        return await asyncio.to_thread(lambda: Film(pieces, self._site).play_until(at_s))
+
+    async def film(self, who: Principal, since_s: float, until_s: float, every_s: float) -> FilmView | None:
+        """A moment, and what changed after it, as somebody may see it; None where nothing is kept.
+
+        Args:
+            who: sees it.
+            since_s: the moment.
+            until_s: how far it should go.
+            every_s: what lies closer together is told in one frame.
+        """
+        pieces = await self._pieces(since_s, until_s)
+        return await asyncio.to_thread(self._film, who, pieces, since_s, until_s, every_s)
+
+    def _film(
+        self, who: Principal, pieces: Sequence[Piece], since_s: float, until_s: float, every_s: float
+    ) -> FilmView | None:
+        film = Film(pieces, self._site)
+        picture = film.play_until(since_s)
+        if picture is None:
+            return None
+        scope = scope_of(picture, who)
+        snapshot = scope.snapshot(0, picture.at_s)
+        snapshot = msgspec.structs.replace(snapshot, audience=audience_of(who))
+        updates = Updates()
+        updates.begin(snapshot)
+        frames: list[msgspec.Raw] = []
+        size, told_s, newest_s = 0, picture.at_s, picture.at_s
+        for delta in film.frames(until_s):
+            if updates.waiting and delta.at_s - told_s >= every_s:
+                frames.append(msgspec.Raw(msgspec.json.encode(updates.frame(len(frames) + 1, newest_s))))
+                size, told_s = size + len(frames[-1]), delta.at_s
+                if size > FRAMES_BYTES:
+                    return FilmView(snapshot=snapshot, frames=_as_told(frames), until_at_s=newest_s)
+            updates.note(scope.delta(delta))
+            newest_s = delta.at_s
+        if updates.waiting:
+            frames.append(msgspec.Raw(msgspec.json.encode(updates.frame(len(frames) + 1, newest_s))))
+        # Where not all pieces fitted into one reading it goes as far as these.
+        end_s = until_s if len(pieces) < PIECES_READ else pieces[-1].until_at_s
+        return FilmView(
+            snapshot=snapshot, frames=_as_told(frames), until_at_s=max(since_s, newest_s, min(until_s, end_s))
+        )
+
+    async def overview(self, since_s: float, until_s: float, steps: int, *, orders: bool) -> OverviewView:
+        """What there is to see from one moment to another.
+
+        Args:
+            since_s: from when.
+            until_s: to when.
+            steps: in how many parts changes are counted.
+            orders: whether marks of orders may be told.
+        """
+        async with self._store.read() as work:
+            span = await work.recordings.span()
+            outlines = await work.recordings.outlines(since_s, until_s)
+        outlines += [
+            Outline(**{name: getattr(piece, name) for name in Outline.__struct_fields__})
+            for piece in self._unwritten()
+            if since_s <= piece.from_at_s <= until_s
+            and not any(each.from_at_s == piece.from_at_s for each in outlines[-3:])
+        ]
+        kept = [
+            *(span or ()),
+            *(at_s for each in self._unwritten() for at_s in (each.from_at_s, each.until_at_s)),
+        ]
+        return _overview(outlines, (since_s, until_s), steps, kept, orders=orders)
+
+    async def spells(self, since_s: float, until_s: float, agents: Sequence[str], limit: int) -> list[Spell]:
+        """What agents did in a time, in the order in which they ended it; those last that are not written yet."""
+        async with self._store.read() as work:
+            found = await work.spells.between(since_s, until_s, agents, limit)
+        if self._recorder is not None:
+            found += [
+                each
+                for each in self._recorder.spells()
+                if each.until_at_s > since_s
+                and each.from_at_s < until_s
+                and (not agents or each.agent in agents)
+            ]
+        return found[:limit]
+
+    def _unwritten(self) -> list[Piece]:
+        return [] if self._recorder is None else self._recorder.unwritten()
+
+    async def _pieces(self, since_s: float, until_s: float) -> list[Piece]:
+        # First what is in memory: what is written meanwhile is found twice, and not left out.
+        fresh = [piece for piece in self._unwritten() if piece.from_at_s <= until_s]
+        whole = [at for at, piece in enumerate(fresh) if piece.is_whole and piece.from_at_s <= since_s]
+        if whole:
+            return fresh[whole[-1] :]
+        async with self._store.read() as work:
+            pieces = await work.recordings.pieces(since_s, until_s)
+        if pieces and fresh:
+            written_s = max(piece.from_at_s for piece in pieces)
+            pieces += [piece for piece in fresh if piece.from_at_s > written_s]
+        return pieces
+
+
+def _as_told(frames: Sequence[msgspec.Raw]) -> tuple[Delta, ...]:
+    """They are encoded already: of entities that were told before only what has changed."""
+    return cast(tuple[Delta, ...], tuple(frames))
+
+
+def _overview(
+    outlines: Sequence[Outline],
+    span_s: tuple[float, float],
+    steps: int,
+    kept_s: Sequence[float],
+    *,
+    orders: bool,
+) -> OverviewView:
+    since_s, until_s = span_s
+    density, stretches = [0] * steps, list[list[float]]()
+    marks: list[Mark] = []
+    for each in outlines:
+        part = int((each.from_at_s - since_s) / (until_s - since_s) * steps)
+        density[min(part, steps - 1)] += each.changes
+        if stretches and each.from_at_s - stretches[-1][1] <= GAP_S:
+            stretches[-1][1] = max(stretches[-1][1], each.until_at_s)
+        else:
+            stretches.append([each.from_at_s, each.until_at_s])
+        if each.marks:
+            told = msgspec.json.decode(each.marks, type=list[Mark])
+            marks += [mark for mark in told if since_s <= mark.at_s <= until_s and (orders or not mark.order)]
+    grave = [mark for mark in marks if mark.kind != "alert"] if len(marks) > MARKS_MOST else marks
+    shown = sorted(grave[-MARKS_MOST:], key=lambda mark: mark.at_s)
+    return OverviewView(
+        kept_from_at_s=min(kept_s, default=None),
+        kept_until_at_s=max(kept_s, default=None),
+        stretches=tuple(StretchView(from_at_s=begin, until_at_s=end) for begin, end in stretches),
+        density=tuple(density),
+        marks=tuple(shown),
+        marks_left_out=len(marks) - len(shown),
+    )

@@ -1,0 +1,45 @@
+"""A plain transport as people and programs ask for it."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from dray.gateway.orders.drafts import Moment
+from dray.priorities import Priority
+
+WISH_S = 300.0
+"""Of the plant's clock: how long one vehicle is waited for that is only wished for. What is urgent is due within one minute, all else later."""
+
+
+_PlantId = Annotated[str, Field(min_length=1, max_length=32, pattern=r"^[A-Za-z][A-Za-z0-9_.-]*$")]
+
+
+class TransportDraft(BaseModel):
+    """Something to be brought from one place to another."""
+
+    model_config = ConfigDict(extra="forbid", populate_by_name=True)
+
+    source: Annotated[_PlantId | None, Field(alias="from")] = None
+    """A storage, or a machine that has it in a buffer. Left out, the nearest storage that has enough."""
+    to: _PlantId | None = None
+    """Likewise. Left out, the nearest storage that has room; one of both must be named."""
+    item: _PlantId
+    """A material; `GET /api/materials` lists them, and where they are kept."""
+    quantity: Annotated[int, Field(strict=True, ge=1, le=10_000)]
+    """Pieces: one load, so at most the lot of the material."""
+    due_at: Moment | None = None
+    """When it should be there, with a time zone; not in the past."""
+    priority: Priority = Priority.NORMAL
+    vehicle: _PlantId | None = None
+    """The only vehicle that may carry it."""
+    vehicle_only: Annotated[bool, Field(strict=True)] = True
+    """Whether it waits for that one for always; false for a wish, which ends after five minutes of the plant's clock: then any may carry it."""
+    ability: _PlantId | None = None
+    """What its vehicle must be able to carry beside what the material asks for: one of the abilities of the plant's types of vehicles, as `pallet`."""
+
+    def text(self) -> str:
+        """What was asked, in JSON: the same for the same, also of an earlier version."""
+        left_out = {"vehicle_only"} if self.vehicle_only else set()
+        return self.model_dump_json(exclude=left_out | ({"ability"} if self.ability is None else set()))

@@ -1,0 +1,87 @@
+"""What is kept for how long, and since when something of it is there."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from fastapi import APIRouter
+
+from dray.gateway.factory.figure_sampler import KEPT_S
+from dray.gateway.http.provided import Now, Provided
+from dray.gateway.http.responses import Json, list_of, listing
+from dray.gateway.live.views.base import View
+from dray.settings import Settings
+from dray.store import Store
+
+router = APIRouter(tags=["history"])
+
+DAY_S = 86_400.0
+
+KeptKind = Literal[
+    "orders", "events", "replay", "samples", "figures", "lanes", "tasks", "alerts", "audit"
+]  # fmt: skip
+"""`lanes` is the traffic of lanes by the hour, `samples` are of heartbeats, `figures` by the minute, `replay` is what panels showed."""
+
+
+class KeptView(View, kw_only=True):
+    """One kind of history. Times are wall clock."""
+
+    kind: KeptKind
+    days: float | None
+    """For how long it is kept; null for as long as the database, 0 for not at all."""
+    setting: str
+    """What sets the days; empty where nothing does."""
+    since_at_s: float | None
+    """The oldest that there is; null where nothing is there yet."""
+    gone_before_at_s: float | None
+    """What was before this moment is no longer kept; null where nothing is forgotten, or nothing kept."""
+    is_full: bool
+    """There is as much of it as may be (`DRAY_EVENTS_MOST`): the oldest is forgotten before its time."""
+
+
+EXAMPLE = KeptView(
+    kind="events",
+    days=14.0,
+    setting="DRAY_EVENTS_DAYS",
+    since_at_s=1_893_456_000.0 - 3 * DAY_S,
+    gone_before_at_s=1_893_456_000.0 - 14 * DAY_S,
+    is_full=False,
+)
+
+
+@router.get(
+    "/kept", responses={200: list_of(KeptView, "Kinds of history, orders first")}, response_class=Json
+)
+async def list_kept(store: Provided[Store], settings: Provided[Settings], now_s: Now) -> Json:
+    """What is kept for how long, since when something of it is there, and before when nothing is any more."""
+    async with store.read() as work:
+        oldest = await work.kept.oldest()
+    days: dict[KeptKind, tuple[float | None, str]] = {
+        "orders": (None, ""),
+        "events": (settings.events_days, "DRAY_EVENTS_DAYS"),
+        "replay": (settings.replay_days, "DRAY_REPLAY_DAYS"),
+        "samples": (settings.samples_days, "DRAY_SAMPLES_DAYS"),
+        "figures": (settings.figures_days, "DRAY_FIGURES_DAYS"),
+        "lanes": (KEPT_S / DAY_S, ""),
+        "tasks": (settings.tasks_days, "DRAY_TASKS_DAYS"),
+        "alerts": (settings.alerts_days, "DRAY_ALERTS_DAYS"),
+        "audit": (settings.audit_days, "DRAY_AUDIT_DAYS"),
+    }
+    items = []
+    for kind, (kept_days, setting) in days.items():
+        since_s: float | None = getattr(oldest, f"{kind}_s")
+        is_full = kind == "events" and oldest.events >= settings.events_most
+        gone_s = now_s - kept_days * DAY_S if kept_days else None
+        if is_full and since_s is not None and gone_s is not None:
+            gone_s = max(gone_s, since_s)
+        items.append(
+            KeptView(
+                kind=kind,
+                days=kept_days,
+                setting=setting,
+                since_at_s=since_s,
+                gone_before_at_s=gone_s,
+                is_full=is_full,
+            )
+        )
+    return listing(items, None)

@@ -1,0 +1,254 @@
+"""Replay: the plant as panels showed it at any moment that is kept, what each agent knew then, and what everybody did."""
+
+from __future__ import annotations
+
+from http import HTTPStatus
+from typing import Annotated
+
+from fastapi import APIRouter, Query
+
+from dray.gateway.access.caller import Caller
+from dray.gateway.access.principal import Scope
+from dray.gateway.http.problems import FieldError, Problem, not_found, unusable
+from dray.gateway.http.provided import Now, Provided
+from dray.gateway.http.responses import Json, described, problems
+from dray.gateway.live.frames import Snapshot
+from dray.gateway.live.replay.knowledge import (
+    TELLING,
+    KnowledgeView,
+    KnownView,
+    ToldView,
+    knowledge,
+    tasks_of,
+)
+from dray.gateway.live.replay.reader import FilmView, OverviewView, ReplayReader, StretchView
+from dray.gateway.live.replay.recorder import Mark
+from dray.gateway.live.views import FactoryView
+from dray.gateway.live.views.base import View
+from dray.gateway.orders.drafts import Moment
+from dray.gateway.routes.history.events import Words
+from dray.store import Store
+from dray.store.replay.spells import Spell
+
+router = APIRouter(tags=["history"])
+
+FILM_MOST_S = 3600.0
+"""Wall seconds of one film: what is too much of it for one answer is left for the next."""
+
+SHIFT_S, HALF_HOUR_S = 8 * 3600.0, 1800.0
+
+OVERVIEW_MOST_S = 35 * 86_400.0
+
+SPELLS_MOST = 20_000
+"""Of one answer: a shift of 20 vehicles."""
+
+EVENTS_MOST = 2_000
+"""Read for what one agent knew: some transports of which each has some tens."""
+
+NOT_KEPT = problems(p404="Nothing is kept of that moment, nor of any before it")
+
+
+class SpellsView(View, kw_only=True):
+    """What agents did."""
+
+    items: tuple[Spell, ...]
+    """In the order in which they ended; last what goes on."""
+    is_whole: bool
+    """Whether that is all of it."""
+
+
+_AT_S = 1_893_456_000.0
+
+_PICTURE = Snapshot(
+    number=0,
+    at_s=_AT_S,
+    plant="figure-1",
+    factory=FactoryView(),
+    atvs=(),
+    machines=(),
+    tasks=(),
+    orders=(),
+)
+
+_TOOK = ToldView(kind="CarrierChanged", agent="M9", at_s=_AT_S + 6.8, other="ATV1", reason="silent")
+
+EXAMPLES = (
+    _PICTURE,
+    FilmView(snapshot=_PICTURE, until_at_s=_AT_S + 20),
+    OverviewView(
+        kept_from_at_s=_AT_S - 3600,
+        kept_until_at_s=_AT_S,
+        stretches=(StretchView(from_at_s=_AT_S - 3600, until_at_s=_AT_S),),
+        density=(4, 9, 2),
+        marks=(
+            Mark(
+                at_s=_AT_S - 60, kind="takeover", about="took_over", agent="ATV1", other="ATV3", task="M9-12"
+            ),
+        ),
+    ),
+    KnowledgeView(
+        agent="ATV3",
+        at_s=_AT_S + 7,
+        items=(
+            KnownView(
+                about="task",
+                differs=True,
+                task="M9-12",
+                item="bearing",
+                source="S5",
+                destination="M9",
+                role="primary",
+                knew=ToldView(kind="ContractTaken", agent="ATV3", at_s=_AT_S - 320, role="primary"),
+                happened=_TOOK,
+                learnt_at_s=_AT_S + 12.4,
+            ),
+        ),
+    ),
+    SpellsView(
+        items=(
+            Spell(
+                agent="ATV1",
+                doing="carries",
+                from_at_s=_AT_S,
+                until_at_s=_AT_S + 84,
+                task="M9-12",
+                item="bearing",
+                source="S5",
+                destination="M9",
+            ),
+        ),
+        is_whole=True,
+    ),
+)
+"""One of each answer."""
+
+
+@router.get("/replay", responses={200: described(Snapshot, "The picture"), **NOT_KEPT}, response_class=Json)
+async def get_picture(
+    replay: Provided[ReplayReader], caller: Caller, now_s: Now, at: Moment | None = None
+) -> Json:
+    """The plant as panels showed it `at` a moment, as the first frame of the stream would have told it; now without one.
+
+    `at_s` of the answer is when that was told: where it is much earlier, nothing was recorded in between.
+    """
+    if at is None:
+        return Json(replay.snapshot_now(caller, now_s))
+    at_s = at.timestamp()
+    film = await replay.film(caller, at_s, at_s, 0.0)
+    if film is None:
+        raise _not_kept()
+    return Json(film.snapshot)
+
+
+@router.get("/replay/film", responses={200: described(FilmView, "The film"), **NOT_KEPT}, response_class=Json)
+async def get_film(
+    replay: Provided[ReplayReader],
+    caller: Caller,
+    now_s: Now,
+    since: Moment | None = None,
+    until: Moment | None = None,
+    every_s: Annotated[float, Query(ge=0, le=600, description="Wall seconds between two frames")] = 0.0,
+) -> Json:
+    """The picture of a moment, and the frames after it: what lies closer together than `every_s` is one frame.
+
+    An hour at most, and less where that is too much for one answer: `until_at_s` says how far it goes. Without `since` it is the
+    picture of now alone.
+    """
+    if since is None:
+        return Json(FilmView(snapshot=replay.snapshot_now(caller, now_s), until_at_s=now_s))
+    since_s = since.timestamp()
+    until_s = since_s if until is None else until.timestamp()
+    if not since_s <= until_s <= since_s + FILM_MOST_S:
+        raise unusable(
+            FieldError("until", f"give a moment from since on, {FILM_MOST_S:g} s after it at most")
+        )
+    film = await replay.film(caller, since_s, until_s, every_s)
+    if film is None:
+        raise _not_kept()
+    return Json(film)
+
+
+@router.get(
+    "/replay/overview", responses={200: described(OverviewView, "What there is to see")}, response_class=Json
+)
+async def get_overview(
+    replay: Provided[ReplayReader],
+    caller: Caller,
+    now_s: Now,
+    since: Moment | None = None,
+    until: Moment | None = None,
+    steps: Annotated[int, Query(ge=1, le=500, description="Parts in which changes are counted")] = 160,
+) -> Json:
+    """What is kept of a time, the last eight hours when nothing else is said.
+
+    How much happened in each part of it, and takeovers, failures, alerts and late orders as marks.
+    """
+    since_s, until_s = _span(since, until, now_s, SHIFT_S)
+    overview = await replay.overview(since_s, until_s, steps, orders=caller.may(Scope.ORDERS_READ))
+    return Json(overview)
+
+
+@router.get(
+    "/agents/{agent}/knowledge",
+    responses={
+        200: described(KnowledgeView, "What it knew"),
+        **problems(p404="There was no such agent, or nothing is kept of that moment"),
+    },
+    response_class=Json,
+)
+async def get_knowledge(
+    replay: Provided[ReplayReader],
+    store: Provided[Store],
+    now_s: Now,
+    agent: str,
+    at: Moment | None = None,
+) -> Json:
+    """What an agent knew at a moment of its transports, beside what had really happened by then; now without a moment."""
+    at_s = now_s if at is None else at.timestamp()
+    picture = replay.picture_now(now_s) if at is None else await replay.picture(at_s)
+    if picture is None:
+        raise _not_kept()
+    if not any(agent in each for each in (picture.atvs, picture.machines, picture.stations)):
+        raise not_found("agent", agent, "GET /api/replay")
+    roles = tasks_of(picture, agent)
+    async with store.read() as work:
+        kinds = tuple(kind.__name__ for kind in TELLING)
+        rows = await work.events.of_tasks(tuple(roles), kinds, EVENTS_MOST)
+    return Json(knowledge(picture, agent, at_s, roles, rows))
+
+
+@router.get("/spells", responses={200: described(SpellsView, "What they did")}, response_class=Json)
+async def list_spells(
+    replay: Provided[ReplayReader],
+    now_s: Now,
+    since: Moment | None = None,
+    until: Moment | None = None,
+    agent: Words = None,
+) -> Json:
+    """What vehicles and machines did from when to when, the last half hour when nothing else is said.
+
+    `agent` may be repeated; without it it is all of them.
+
+    A vehicle `fetches`, `carries`, `waits` (for `other`), `charges`, is `idle` (and watches `other`), `stopped`, `blocked`, `out` of
+    service or `silent`; a machine `makes`, `starves` (`other` is what it lacks), is `idle`, `blocked`, `broken`, `out` or `silent`.
+    """
+    since_s, until_s = _span(since, until, now_s, HALF_HOUR_S)
+    found = await replay.spells(since_s, until_s, tuple(agent or ()), SPELLS_MOST + 1)
+    return Json(SpellsView(items=tuple(found[:SPELLS_MOST]), is_whole=len(found) <= SPELLS_MOST))
+
+
+def _span(since: Moment | None, until: Moment | None, now_s: float, usual_s: float) -> tuple[float, float]:
+    until_s = now_s if until is None else until.timestamp()
+    since_s = until_s - usual_s if since is None else since.timestamp()
+    if not since_s < until_s <= since_s + OVERVIEW_MOST_S:
+        raise unusable(FieldError("until", "give a moment after since, 35 days after it at most"))
+    return since_s, until_s
+
+
+def _not_kept() -> Problem:
+    return Problem(
+        HTTPStatus.NOT_FOUND,
+        "not-kept",
+        "Nothing is kept of that moment",
+        "nothing was recorded then, or it is older than what is kept; GET /api/replay/overview says from when on there is something",
+    )

@@ -1,0 +1,151 @@
+"""Tasks of all history: what was carried or made, by whom, and whether as promised."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from typing import Annotated, Literal
+
+import msgspec
+from fastapi import APIRouter, Query
+from fastapi.responses import Response
+
+from dray.gateway.http.csv_tables import Format, Row, header_of, row_of, table, with_csv
+from dray.gateway.http.provided import Provided
+from dray.gateway.http.responses import PAGE, Cursor, Json, Limit, list_of, listing, read_cursor, write_cursor
+from dray.gateway.orders.drafts import Moment
+from dray.gateway.routes.search import NowS, Words
+from dray.store import Store
+from dray.store.orders.tasks import Place, SortedBy, TaskFilter, TaskRow, TaskState
+
+router = APIRouter(tags=["history"])
+
+ROWS_AT_ONCE = 1_000
+"""Tasks that are read at once for a table."""
+
+Id = Annotated[str, Query(max_length=128, pattern=r"^[^\x00]*$")]
+
+
+class TaskRecord(msgspec.Struct, frozen=True, kw_only=True):
+    """A task as its coordinator told of it. Times are wall clock seconds."""
+
+    id: str
+    kind: Literal["transport", "production"]
+    coordinator: str
+    item: str
+    quantity: int
+    source: str
+    destination: str
+    goal: str
+    order: str
+    """For which it is made; empty for material."""
+    reference: str | None
+    """The customer's own number of that order."""
+    state: TaskState
+    carrier: str
+    """Who carries or makes it, or did so last."""
+    standby: str
+    epoch: int
+    round: int
+    opened_at_s: float
+    contracted_at_s: float | None
+    promised_at_s: float | None
+    """When its last carrier had promised to be done; told at its end."""
+    deadline_at_s: float
+    closed_at_s: float | None
+
+
+EXAMPLE = TaskRecord(
+    id="M8.1-214",
+    kind="transport",
+    coordinator="M8",
+    item="housing",
+    quantity=60,
+    source="S4",
+    destination="M8",
+    goal="",
+    order="",
+    reference=None,
+    state="delivered",
+    carrier="ATV2",
+    standby="ATV1",
+    epoch=1,
+    round=1,
+    opened_at_s=1_893_456_000.0,
+    contracted_at_s=1_893_456_002.0,
+    promised_at_s=1_893_456_080.0,
+    deadline_at_s=1_893_456_240.0,
+    closed_at_s=1_893_456_077.0,
+)
+
+COLUMNS = TaskRecord.__struct_fields__
+
+
+@router.get(
+    "/tasks/history",
+    responses={200: with_csv(list_of(TaskRecord, "Tasks, newest first"))},
+    response_class=Json,
+)
+async def list_task_history(
+    store: Provided[Store],
+    words: Words,
+    now_s: NowS,
+    state: Annotated[list[TaskState] | None, Query(description="Only these; may be repeated")] = None,
+    kind: Literal["", "transport", "production"] = "",
+    item: Id = "",
+    order: Id = "",
+    since: Annotated[
+        Moment | None, Query(description="Opened then or later, in ISO 8601 with its zone")
+    ] = None,
+    before: Annotated[Moment | None, Query(description="Opened before then")] = None,
+    late: Annotated[bool, Query(description="Only those that broke their promise")] = False,
+    sort: Annotated[
+        SortedBy, Query(description="`work`: open ones first; `late`: by how late they were")
+    ] = "opened",
+    descending: bool = True,
+    cursor: Cursor = None,
+    limit: Limit = PAGE,
+    format: Format = "json",  # noqa: A002 - the word that others use
+) -> Response:
+    """All tasks that are kept, open or ended, found by words, filters and times."""
+    wanted = TaskFilter(
+        states=state or (),
+        kind=kind,
+        item=item,
+        order=order,
+        since_s=None if since is None else since.timestamp(),
+        before_s=None if before is None else before.timestamp(),
+        late_at_s=now_s if late else None,
+        words=words,
+    )
+    if format == "csv":
+        return table("tasks", header_of(COLUMNS), _rows(store, wanted, sort, descending))
+    after = read_cursor(cursor, tuple[float, str])
+    records, last = await _page(store, wanted, sort, descending, after, limit)
+    return listing(records, None if last is None else write_cursor(*last))
+
+
+async def _page(
+    store: Store, wanted: TaskFilter, sort: SortedBy, descending: bool, after: Place | None, limit: int
+) -> tuple[list[TaskRecord], Place | None]:
+    """Some, and where to go on; None at the end."""
+    async with store.read() as work:
+        found = await work.tasks.page(wanted, after, limit + 1, sort, descending=descending)
+        references = await work.orders.references({row.order_id for row, _ in found if row.order_id})
+    last = found[limit - 1][1] if len(found) > limit else None
+    return [_record(row, references.get(row.order_id)) for row, _ in found[:limit]], last
+
+
+async def _rows(store: Store, wanted: TaskFilter, sort: SortedBy, descending: bool) -> AsyncIterator[Row]:
+    """All that are wanted, as cells."""
+    after: Place | None = None
+    while True:
+        records, after = await _page(store, wanted, sort, descending, after, ROWS_AT_ONCE)
+        for record in records:
+            yield row_of(COLUMNS, record)
+        if after is None:
+            return
+
+
+def _record(row: TaskRow, reference: str | None) -> TaskRecord:
+    known = {name: getattr(row, name) for name in COLUMNS if name not in {"order", "reference"}}
+    return TaskRecord(**known, order=row.order_id, reference=reference)

@@ -1,0 +1,185 @@
+"""Keys by which other systems and call buttons use the API."""
+
+from __future__ import annotations
+
+from http import HTTPStatus
+from typing import Annotated
+
+import msgspec
+from fastapi import APIRouter, Depends, Path
+from pydantic import BaseModel, ConfigDict, Field
+
+from dray.gateway.access.audit_log import Noted
+from dray.gateway.access.caller import Caller
+from dray.gateway.access.gate import forbidden
+from dray.gateway.access.people_changes import may_give
+from dray.gateway.access.principal import Scope
+from dray.gateway.access.tokens import new_id, new_key
+from dray.gateway.http.problems import FieldError, not_found, unusable
+from dray.gateway.http.provided import Now, Provided
+from dray.gateway.http.request_bodies import LINE, json_only
+from dray.gateway.http.responses import PAGE, Cursor, Json, Limit, described, list_of, page, problems
+from dray.gateway.live.projection import Projection
+from dray.store import Store
+from dray.store.access.api_keys import ApiKey
+
+router = APIRouter(tags=["access"])
+
+LISTED = "GET /api/keys"
+
+DAY_S = 86_400.0
+
+LONGEST_DAYS = 3650
+"""Ten years: whoever wants more wants a key without an end."""
+
+NAME_CHARS = 80
+
+KeyId = Annotated[str, Path(max_length=64)]
+
+
+class KeyAnswer(msgspec.Struct, frozen=True, kw_only=True):
+    """A key, without what it is shown by."""
+
+    id: str
+    name: str
+    """What it is for."""
+    scopes: tuple[str, ...]
+    """What it may do."""
+    place: str = ""
+    """The machine or storage for which alone a call button calls; empty for all."""
+    created_at_s: float
+    expires_at_s: float | None = None
+    """Null for until it is taken back."""
+    revoked_at_s: float | None = None
+    used_at_s: float | None = None
+    """When it was used last, to the minute."""
+
+
+class NewKeyAnswer(msgspec.Struct, frozen=True, kw_only=True):
+    """A new key; its token is told this one time and kept nowhere."""
+
+    token: str
+    """For `Authorization: Bearer`; of a call button, `/call/` and this is its page."""
+    key: KeyAnswer
+
+
+EXAMPLE = KeyAnswer(
+    id="5f0c81d2a94e",
+    name="ERP",
+    scopes=("orders:read", "orders:write"),
+    created_at_s=1_893_456_000.0,
+    used_at_s=1_893_459_600.0,
+)
+
+NEW_EXAMPLE = NewKeyAnswer(token="dray_X7pXlvU3a0q0WmT5mDqkPzT8O1hO2b0m9l1x9mKc0aE", key=EXAMPLE)  # noqa: S106 - an example
+
+
+class KeyDraft(BaseModel):
+    """A key that is to be made."""
+
+    model_config = ConfigDict(
+        extra="forbid",
+        json_schema_extra={"examples": [{"name": "ERP", "scopes": ["orders:read", "orders:write"]}]},
+    )
+
+    name: Annotated[str, Field(min_length=1, max_length=NAME_CHARS, pattern=LINE)]
+    """What it is for."""
+    scopes: Annotated[tuple[Scope, ...], Field(max_length=len(Scope))]
+    """What it may do: nothing that you may not do yourself."""
+    days: Annotated[int, Field(ge=1, le=LONGEST_DAYS)] | None = None
+    """How long it works; else until it is taken back."""
+    place: Annotated[str, Field(max_length=32)] = ""
+    """Of a call button, whose one scope is `transports:call`: the machine or storage for which alone it calls."""
+
+
+@router.get("/keys", responses={200: list_of(KeyAnswer, "Keys, by id")}, response_class=Json)
+async def list_keys(store: Provided[Store], cursor: Cursor = None, limit: Limit = PAGE) -> Json:
+    """Keys that there are, and those that work no more."""
+    async with store.read() as work:
+        keys = await work.api_keys.all()
+    found = sorted((_answer(each) for each in keys), key=lambda each: each.id)
+    return page(found, lambda each: each.id, cursor, limit)
+
+
+@router.post(
+    "/keys",
+    status_code=HTTPStatus.CREATED,
+    dependencies=[Depends(json_only)],
+    responses={
+        201: described(NewKeyAnswer, "The key, this one time", NEW_EXAMPLE),
+        **problems(p403="It could do what you may not do"),
+    },
+    response_class=Json,
+)
+async def make_key(
+    store: Provided[Store],
+    projection: Provided[Projection],
+    caller: Caller,
+    note: Noted,
+    now_s: Now,
+    draft: KeyDraft,
+) -> Json:
+    """Make a key for another system, or for a call button."""
+    scopes = tuple(dict.fromkeys(each.value for each in draft.scopes))
+    note.detail = {"name": draft.name, "scopes": list(scopes), "days": draft.days, "place": draft.place}
+    if faults := _faults_of(draft, scopes, projection):
+        raise unusable(*faults)
+    if not may_give(caller, frozenset(draft.scopes)):
+        raise forbidden(f"{caller.name} lacks some of these scopes itself; leave them out")
+    token = new_key()
+    key = ApiKey(
+        id=new_id(),
+        name=draft.name,
+        scopes=" ".join(scopes),
+        created_at_s=now_s,
+        expires_at_s=None if draft.days is None else now_s + draft.days * DAY_S,
+        place=draft.place,
+    )
+    note.target = key.id
+    async with store.write() as work:
+        await work.api_keys.add(token, key)
+    return Json(NewKeyAnswer(token=token, key=_answer(key)), HTTPStatus.CREATED)
+
+
+@router.post(
+    "/keys/{key}/revoke",
+    responses={
+        200: described(KeyAnswer, "It opens nothing any more, within a second everywhere", EXAMPLE),
+        **problems(p404="There is no such key"),
+    },
+    response_class=Json,
+)
+async def revoke_key(store: Provided[Store], note: Noted, now_s: Now, key: KeyId) -> Json:
+    """Take a key back."""
+    async with store.write() as work:
+        known = None if "\0" in key else await work.api_keys.get(key)
+        if known is None:
+            raise not_found("key", key, LISTED)
+        await work.api_keys.revoke(key, now_s)
+        taken_back = await work.api_keys.get(key)
+    assert taken_back is not None  # noqa: S101 - keys are never removed
+    note.detail["name"] = known.name
+    return Json(_answer(taken_back))
+
+
+def _faults_of(draft: KeyDraft, scopes: tuple[str, ...], projection: Projection) -> list[FieldError]:
+    plant = projection.site.plant
+    faults = [] if scopes else [FieldError.of("scopes", "scope_needed")]
+    if draft.place and scopes != (Scope.TRANSPORTS_CALL.value,):
+        faults.append(FieldError.of("place", "place_alone"))
+    elif draft.place and draft.place not in {*plant.machines, *plant.storages}:
+        faults.append(FieldError.of("place", "place_unknown", place=draft.place))
+    return faults
+
+
+def _answer(key: ApiKey) -> KeyAnswer:
+    return KeyAnswer(
+        id=key.id,
+        name=key.name,
+        scopes=tuple(key.scopes.split()),
+        place=key.place,
+        created_at_s=key.created_at_s,
+        expires_at_s=key.expires_at_s,
+        revoked_at_s=key.revoked_at_s,
+        used_at_s=key.used_at_s,
+    )

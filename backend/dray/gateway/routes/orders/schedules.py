@@ -1,0 +1,310 @@
+"""Recurring work: plain transports that are called, and orders that are placed, again and again, by a calendar."""
+
+from __future__ import annotations
+
+from http import HTTPStatus
+from typing import Annotated
+
+import msgspec
+from fastapi import APIRouter, Depends, Header, Path, Response
+
+from dray.gateway.access.audit_log import Noted
+from dray.gateway.access.caller import Caller
+from dray.gateway.access.gate import forbidden
+from dray.gateway.access.principal import Principal, Scope
+from dray.gateway.http.problems import not_found, unusable
+from dray.gateway.http.provided import Now, Provided
+from dray.gateway.http.request_bodies import json_only
+from dray.gateway.http.responses import PAGE, Cursor, Json, Limit, described, iso, list_of, page, problems
+from dray.gateway.http.versions import version_tag
+from dray.gateway.schedules.calendar import Calendar, CalendarError
+from dray.gateway.schedules.drafts import PreviewDraft, RecurringOrder, ScheduleChange, ScheduleDraft
+from dray.gateway.schedules.scheduler import Scheduler, calendar_of, days_of
+from dray.store import Store
+from dray.store.orders.schedules import ScheduleRow
+
+router = APIRouter(tags=["transports"])
+
+NEXT_RUNS = 3
+"""That a list tells of each; a preview tells more."""
+
+LISTED = "GET /api/schedules"
+
+ScheduleId = Annotated[str, Path(max_length=64)]
+
+IfMatch = Annotated[
+    str | None, Header(alias="If-Match", description="The `ETag` of the schedule as it was read, or *")
+]
+
+
+class RecurringTransport(msgspec.Struct, frozen=True, kw_only=True, rename={"source": "from"}):
+    """What is brought each time, as `POST /api/transports` takes it."""
+
+    source: str | None = None
+    to: str | None = None
+    item: str
+    quantity: int
+    priority: str = "normal"
+    vehicle: str | None = None
+    vehicle_only: bool = True
+    ability: str | None = None
+
+
+class RecurringItem(msgspec.Struct, frozen=True):
+    """A line of a recurring order."""
+
+    product: str
+    quantity: int
+
+
+class RecurringOrderAnswer(msgspec.Struct, frozen=True, kw_only=True):
+    """The order that is placed each time."""
+
+    customer: str
+    items: tuple[RecurringItem, ...]
+    reference: str | None = None
+    priority: str = "normal"
+    due_after_s: float | None = None
+    """Wall seconds from its moment until it is due."""
+
+
+class LastRun(msgspec.Struct, frozen=True, kw_only=True):
+    """What came of the last moment that was used."""
+
+    planned_at: str
+    transport: str | None = None
+    """GET /api/transports tells of it; null where none was called."""
+    order: str | None = None
+    """GET /api/orders tells of it; null where none was placed."""
+    refused: str | None = None
+    """Why nothing came of it."""
+
+
+class ScheduleAnswer(msgspec.Struct, frozen=True, kw_only=True):
+    """Recurring work."""
+
+    id: str
+    etag: str
+    """For `If-Match`."""
+    name: str
+    calendar: str
+    time_zone: str
+    holidays: tuple[str, ...]
+    missed: str
+    """skip or catch_up: what is done about moments that have passed while no gateway was there."""
+    paused: bool
+    transport: RecurringTransport | None = None
+    """What is brought each time..."""
+    order: RecurringOrderAnswer | None = None
+    """...or the order that is placed: one of both."""
+    next_runs: tuple[str, ...]
+    """In the calendar's time zone; none while it is paused."""
+    last: LastRun | None = None
+    missed_at: str | None = None
+    """The last moment that was left out because it was past."""
+    changed_by: str
+    changed_at: str
+
+
+class RunsPreview(msgspec.Struct, frozen=True):
+    """When a calendar's moments are."""
+
+    runs: tuple[str, ...]
+    """In its time zone, with the offset of each."""
+
+
+EXAMPLES = (
+    ScheduleAnswer(
+        id="S-5f0c81d2a94e",
+        etag='"1-1893473100-1893213900"',
+        name="Bearings for the early shift",
+        calendar="45 5 * * MON-FRI",
+        time_zone="Europe/Berlin",
+        holidays=("2030-12-25", "2030-12-26"),
+        missed="skip",
+        paused=False,
+        transport=RecurringTransport(source="S5", to="M8", item="bearing", quantity=40),
+        next_runs=("2030-01-01T05:45:00+01:00", "2030-01-02T05:45:00+01:00", "2030-01-03T05:45:00+01:00"),
+        last=LastRun(planned_at="2029-12-31T04:45:00.000Z", transport="T-1M9K3X2A4-K7QM"),
+        changed_by="Maria Weber",
+        changed_at="2029-12-20T13:02:11.000Z",
+    ),
+    RunsPreview(("2030-01-01T05:45:00+01:00", "2030-01-02T05:45:00+01:00")),
+)
+"""One of each answer."""
+
+
+@router.get(
+    "/schedules", responses={200: list_of(ScheduleAnswer, "Recurring work, by id")}, response_class=Json
+)
+async def list_schedules(store: Provided[Store], cursor: Cursor = None, limit: Limit = PAGE) -> Json:
+    """What is brought or ordered again and again: by which calendar, when next, and what came of it last."""
+    async with store.read() as work:
+        rows = await work.schedules.all()
+    return page([_answer(row) for row in rows], lambda each: each.id, cursor, limit)
+
+
+@router.post(
+    "/schedules",
+    status_code=HTTPStatus.CREATED,
+    dependencies=[Depends(json_only)],
+    responses={
+        201: described(ScheduleAnswer, "The new schedule", EXAMPLES[0])
+        | {"headers": {"Location": {"description": "The schedule", "schema": {"type": "string"}}}},
+        **problems(p409="There is one of this name, or there are too many"),
+    },
+    response_class=Json,
+)
+async def add_schedule(
+    scheduler: Provided[Scheduler], caller: Caller, note: Noted, draft: ScheduleDraft
+) -> Json:
+    """Have a transport called or an order placed again and again, at every moment of a calendar, once for each.
+
+    Orders ask for the right to place them, too (`orders:write`).
+
+    Sent twice it is refused the second time: no two have the same name.
+    """
+    note.detail |= draft.model_dump(mode="json", exclude_none=True, by_alias=True)
+    _admit(caller, draft.order)
+    row = await scheduler.define(draft, caller.name)
+    note.target = row.id
+    headers = {"Location": f"/api/schedules/{row.id}", "ETag": version_tag(row.revision)}
+    return Json(_answer(row), HTTPStatus.CREATED, headers=headers)
+
+
+@router.post(
+    "/schedules/preview",
+    dependencies=[Depends(json_only)],
+    responses={200: described(RunsPreview, "The next moments", EXAMPLES[1])},
+    response_class=Json,
+)
+async def preview_runs(now_s: Now, draft: PreviewDraft) -> Json:
+    """When the next moments of a calendar are; nothing is kept."""
+    try:
+        calendar = Calendar(draft.calendar, draft.time_zone, frozenset(draft.holidays))
+    except CalendarError as error:
+        raise unusable(error.error) from None
+    return Json(
+        RunsPreview(tuple(calendar.local(at_s).isoformat() for at_s in calendar.preview(now_s, draft.count)))
+    )
+
+
+@router.get(
+    "/schedules/{schedule}",
+    responses={
+        200: described(ScheduleAnswer, "The schedule", EXAMPLES[0]),
+        **problems(p404="There is no such schedule"),
+    },
+    response_class=Json,
+)
+async def get_schedule(store: Provided[Store], schedule: ScheduleId) -> Json:
+    """One schedule; its `ETag` is for changing it."""
+    async with store.read() as work:
+        row = await work.schedules.get(schedule)
+    if row is None:
+        raise not_found("schedule", schedule, LISTED)
+    return Json(_answer(row), headers={"ETag": version_tag(row.revision)})
+
+
+@router.patch(
+    "/schedules/{schedule}",
+    dependencies=[Depends(json_only)],
+    responses={
+        200: described(ScheduleAnswer, "The schedule as it is now", EXAMPLES[0]),
+        **problems(
+            p404="There is no such schedule",
+            p409="There is another one of this name",
+            p412="Somebody has changed it since",
+            p428="It is not said which state of it is changed",
+        ),
+    },
+    response_class=Json,
+)
+async def change_schedule(
+    scheduler: Provided[Scheduler],
+    caller: Caller,
+    note: Noted,
+    schedule: ScheduleId,
+    draft: ScheduleChange,
+    if_match: IfMatch = None,
+) -> Json:
+    """Change a schedule, pause it or let it go on. What passes while it is paused is never made up for."""
+    note.target = schedule
+    note.detail |= draft.model_dump(mode="json", exclude_none=True, by_alias=True)
+    _admit(caller, draft.order)
+    row = await scheduler.change(schedule, draft, if_match, caller.name)
+    if row is None:
+        raise not_found("schedule", schedule, LISTED)
+    return Json(_answer(row), headers={"ETag": version_tag(row.revision)})
+
+
+@router.delete(
+    "/schedules/{schedule}",
+    status_code=HTTPStatus.NO_CONTENT,
+    responses={
+        **problems(
+            p404="There is no such schedule",
+            p412="Somebody has changed it since",
+            p428="It is not said which state of it is removed",
+        )
+    },
+)
+async def remove_schedule(
+    scheduler: Provided[Scheduler], note: Noted, schedule: ScheduleId, if_match: IfMatch = None
+) -> Response:
+    """Remove a schedule; what it has asked for already is done all the same."""
+    note.target = schedule
+    if not await scheduler.remove(schedule, if_match):
+        raise not_found("schedule", schedule, LISTED)
+    return Response(status_code=HTTPStatus.NO_CONTENT)
+
+
+def _admit(caller: Principal, order: RecurringOrder | None) -> None:
+    """Refuse recurring orders of who may place none.
+
+    Raises:
+        Problem: 403.
+    """
+    if order is not None and not caller.may(Scope.ORDERS_WRITE):
+        raise forbidden(
+            f"an order that recurs asks for the right {Scope.ORDERS_WRITE.value}; ask somebody who may place orders"
+        )
+
+
+def _answer(row: ScheduleRow) -> ScheduleAnswer:
+    last = None
+    if row.last_at_s is not None:
+        last = LastRun(
+            planned_at=iso(row.last_at_s),
+            transport=row.last_transport or None,
+            order=row.last_order or None,
+            refused=row.last_refused or None,
+        )
+    return ScheduleAnswer(
+        id=row.id,
+        etag=version_tag(row.revision),
+        name=row.name,
+        calendar=row.calendar,
+        time_zone=row.time_zone,
+        holidays=tuple(day.isoformat() for day in days_of(row)),
+        missed="catch_up" if row.make_up else "skip",
+        paused=row.paused,
+        transport=msgspec.json.decode(row.transport, type=RecurringTransport) if row.transport else None,
+        order=msgspec.json.decode(row.order_draft, type=RecurringOrderAnswer) if row.order_draft else None,
+        next_runs=_next_runs(row),
+        last=last,
+        missed_at=None if row.missed_at_s is None else iso(row.missed_at_s),
+        changed_by=row.by,
+        changed_at=iso(row.at_s),
+    )
+
+
+def _next_runs(row: ScheduleRow) -> tuple[str, ...]:
+    if row.next_at_s is None:
+        return ()
+    try:
+        calendar = calendar_of(row)
+    except CalendarError:
+        return (iso(row.next_at_s),)
+    moments = [row.next_at_s, *calendar.preview(row.next_at_s, NEXT_RUNS - 1)]
+    return tuple(calendar.local(at_s).isoformat() for at_s in moments)

@@ -1,0 +1,197 @@
+"""The page of a call key: a plain form for a phone or a screen at a machine, whole without a script.
+
+The key is in the address, as that of a customer's page is. So it opens only with a key that may call for transports at one place
+and nothing else: whoever finds the address can have one place's material brought and taken away, and sees nothing of the plant.
+"""
+
+from __future__ import annotations
+
+from http import HTTPStatus
+from typing import Annotated, Any
+
+import msgspec
+from fastapi import APIRouter, Query, Request
+from fastapi.responses import HTMLResponse, PlainTextResponse, RedirectResponse, Response
+from pydantic import ValidationError
+
+from dray.gateway.access.access import Access
+from dray.gateway.access.audit_log import Noted
+from dray.gateway.access.audit_recorder import address_of
+from dray.gateway.access.principal import Principal, Scope
+from dray.gateway.access.tokens import new_token
+from dray.gateway.calling.page import SHOWN, called, tiles, until
+from dray.gateway.calling.texts import TEXTS
+from dray.gateway.http.assets import NotBuilt, Panels
+from dray.gateway.http.language import language_of, remember_language, switches
+from dray.gateway.http.problems import Problem
+from dray.gateway.http.provided import Now, Provided
+from dray.gateway.http.request_bodies import read_form
+from dray.gateway.live.projection import Projection
+from dray.gateway.orders.idempotency import own_key
+from dray.gateway.orders.transport_draft import TransportDraft
+from dray.gateway.orders.transports import PlainTransports, caller_key
+from dray.gateway.routes.orders.transports import transport_answer
+from dray.store import Store
+
+router = APIRouter(include_in_schema=False)
+
+HEADERS = {"Cache-Control": "no-store", "Vary": "Accept-Language, Cookie", "Referrer-Policy": "no-referrer"}
+
+NOT_BUILT = "This page cannot be shown at the moment. Please try again later.\n"
+
+ONLY = frozenset({Scope.TRANSPORTS_CALL})
+
+FIELDS = 8
+"""In a form of this page, which has four."""
+
+Item = Annotated[str, Query(max_length=32, pattern=r"^[^\x00]*$")]
+
+
+@router.api_route("/call/{token}", methods=["GET", "HEAD"])
+async def call_page(
+    store: Provided[Store],
+    access: Provided[Access],
+    projection: Provided[Projection],
+    panels: Provided[Panels],
+    now_s: Now,
+    request: Request,
+    token: str,
+    item: Item = "",
+) -> Response:
+    """What can be called, and how far that is which was called."""
+    caller = await _caller(access, request, token)
+    if caller is None:
+        return _page(panels, request, HTTPStatus.NOT_FOUND, "call-gone.html")
+    return await _shown(store, projection, panels, request, caller, now_s, item=item)
+
+
+@router.post("/call/{token}")
+async def call(
+    store: Provided[Store],
+    access: Provided[Access],
+    projection: Provided[Projection],
+    panels: Provided[Panels],
+    transports: Provided[PlainTransports],
+    now_s: Now,
+    request: Request,
+    note: Noted,
+    token: str,
+) -> Response:
+    """Have something brought or taken away, once however often the form is sent."""
+    caller = note.who = await _caller(access, request, token)
+    note.target = ""
+    if caller is None:
+        note.result = "refused"
+        return _page(panels, request, HTTPStatus.NOT_FOUND, "call-gone.html")
+    form = await read_form(request, FIELDS)
+    item, quantity = form.get("item", ""), form.get("quantity", "")
+    end = "from" if form.get("way") == "take" else "to"
+    try:
+        wanted = {"item": item, "quantity": int(quantity) if quantity.isdecimal() else 0, end: caller.station}
+        draft = TransportDraft.model_validate(wanted)
+        note.detail |= draft.model_dump(mode="json", exclude_none=True, by_alias=True)
+        kept, _ = await transports.call(
+            draft,
+            caller,
+            own_key(caller, f"transport {form.get('key') or new_token()}"),
+            lambda row: msgspec.json.encode(transport_answer(row)),
+        )
+    except (Problem, ValidationError) as error:
+        note.result = "refused"
+        reason = error.detail if isinstance(error, Problem) else error.errors()[0]["msg"]
+        return await _shown(store, projection, panels, request, caller, now_s, item=item, refused=reason)
+    note.target = kept.order_id
+    return _back(token)
+
+
+@router.post("/call/{token}/{transport}/cancel")
+async def call_off(
+    access: Provided[Access],
+    panels: Provided[Panels],
+    transports: Provided[PlainTransports],
+    request: Request,
+    note: Noted,
+    token: str,
+    transport: str,
+) -> Response:
+    """Call off what was called with this key, as long as it is not on board; then the page says so."""
+    caller = note.who = await _caller(access, request, token)
+    note.target = transport
+    if caller is None:
+        note.result = "refused"
+        return _page(panels, request, HTTPStatus.NOT_FOUND, "call-gone.html")
+    try:
+        found = await transports.cancel(transport, caller)
+    except Problem:
+        found = None
+    if found is None:
+        note.result = "refused"
+    return _back(token)
+
+
+async def _caller(access: Access, request: Request, token: str) -> Principal | None:
+    """Whose key this is; None for one that may do anything else, or is of no place.
+
+    Raises:
+        Problem: 429, too many tries.
+    """
+    found = await access.by_bearer(token, address_of(request.scope))
+    if found is None or found.kind != "key" or found.scopes != ONLY or not found.station:
+        return None
+    return found
+
+
+async def _shown(
+    store: Store,
+    projection: Projection,
+    panels: Panels,
+    request: Request,
+    caller: Principal,
+    now_s: float,
+    *,
+    item: str = "",
+    refused: str = "",
+) -> Response:
+    texts = TEXTS[language_of(request)]
+    async with store.read() as work:
+        rows = await work.transports.page(
+            statuses=(), places=None, caller=caller_key(caller), after=None, limit=SHOWN
+        )
+    choices = tiles(projection, caller.station, item, texts)
+    chosen = next((tile for tile in choices if tile.chosen), None)
+    return _page(
+        panels,
+        request,
+        HTTPStatus.UNPROCESSABLE_ENTITY if refused else HTTPStatus.OK,
+        "call.html",
+        place=caller.station,
+        tiles=choices,
+        chosen=chosen,
+        called=called(rows, projection, caller.station, now_s, texts),
+        until=until(caller, texts),
+        refused="" if not refused else texts["refused"].format(reason=refused),
+        key=new_token(),
+        here=request.url.path,
+        carried="" if chosen is None else f"item={chosen.item}",
+    )
+
+
+def _page(panels: Panels, request: Request, status: HTTPStatus, template: str, **context: Any) -> Response:
+    language = language_of(request)
+    try:
+        html = panels.render(
+            template,
+            language=language,
+            texts=TEXTS[language],
+            switches=switches(language),
+            **{"carried": "", **context},
+        )
+    except NotBuilt:
+        return PlainTextResponse(NOT_BUILT, HTTPStatus.SERVICE_UNAVAILABLE, headers=HEADERS)
+    answer = HTMLResponse(html, status, headers=HEADERS)
+    remember_language(answer, request)
+    return answer
+
+
+def _back(token: str) -> Response:
+    return RedirectResponse(f"/call/{token}", HTTPStatus.SEE_OTHER, headers=HEADERS)

@@ -1,0 +1,1 @@
+"""Products: what this plant can make."""

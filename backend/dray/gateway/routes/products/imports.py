@@ -1,0 +1,114 @@
+"""Imports: files of products, defined all or none."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import msgspec
+from fastapi import APIRouter, Depends
+from pydantic import ConfigDict
+
+from dray.gateway.access.audit_log import Noted
+from dray.gateway.access.caller import Caller
+from dray.gateway.factory.catalogue import Catalogue
+from dray.gateway.http.csv_rows import RowFault, refusal
+from dray.gateway.http.problems import MAX_FIELD_ERRORS
+from dray.gateway.http.provided import Now, Provided
+from dray.gateway.http.request_bodies import RowsFile, json_only
+from dray.gateway.http.responses import Json, described, problems
+from dray.gateway.http.side_work import SideWork
+from dray.gateway.http.versions import changed_since
+from dray.gateway.live.projection import Projection
+from dray.gateway.products.csv_import import read_products
+from dray.gateway.products.drafts import wanted
+
+router = APIRouter(tags=["plant"])
+
+
+class ProductsFile(RowsFile):
+    """A file of products."""
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [
+                {
+                    "csv": "product,name,lot,material,pieces,machine,cycle_s\r\nP9,Bracket,4,steel,2,M1,12.5\r\n",
+                    "dry_run": True,
+                }
+            ]
+        },
+    )
+
+
+class ImportedProduct(msgspec.Struct, frozen=True, kw_only=True):
+    """A product of the file."""
+
+    id: str
+    name: str
+    becomes: Literal["new", "changed", "unchanged"]
+    revision: int
+    """Of it when the file has been taken."""
+
+
+class ProductsAnswer(msgspec.Struct, frozen=True, kw_only=True):
+    """What was in the file."""
+
+    products: tuple[ImportedProduct, ...]
+    faults: tuple[RowFault, ...]
+    """What is wrong with it, by row; 50 at most. Empty when it was taken."""
+
+
+@router.post(
+    "/products/import",
+    dependencies=[Depends(json_only)],
+    responses={
+        200: described(ProductsAnswer, "What is in the file; unless it was a dry run, all of it is on disk"),
+        **problems(
+            p412="Somebody has changed one of the products meanwhile; send the file again",
+            p503="Too many files are being read",
+        ),
+    },
+    response_class=Json,
+)
+async def import_products(
+    projection: Provided[Projection],
+    catalogue: Provided[Catalogue],
+    side_work: Provided[SideWork],
+    caller: Caller,
+    note: Noted,
+    now_s: Now,
+    file: ProductsFile,
+) -> Json:
+    """Define the products of a spreadsheet, all of them or none.
+
+    The first row names the columns: `product`, `name`, `lot`, `ability`, `material`, `pieces`, `machine`, `cycle_s`, `document`,
+    `address`, `media_type`, `sha256`. Rows that follow one another with the same product are one product; each may name one line
+    of its bill, one machine and one document. One that exists becomes another revision, unless nothing has changed. A dry run
+    defines nothing and tells what is wrong in which row; without one, a single fault refuses the whole file.
+    """
+    read, faults = await side_work.do(read_products, file.csv)
+    wishes = []
+    for each in read:
+        known = each.id in projection.site.products
+        wishes.append(wanted(each.id, each.draft, catalogue.revision(each.id) if known else None))
+    for each, found in zip(read, catalogue.faults(wishes), strict=True):
+        faults += map(each.place, found)
+    faults.sort(key=lambda fault: fault.row)
+    news = [wish for wish in wishes if wish.before is None or catalogue.is_news(wish)]
+    note.detail |= {"products": len(wishes), "changed": len(news), "dry_run": file.dry_run}
+    products = tuple(
+        ImportedProduct(
+            id=wish.product.id,
+            name=wish.product.name,
+            becomes="unchanged" if wish not in news else "new" if wish.before is None else "changed",
+            revision=(wish.before or 0) + (wish in news),
+        )
+        for wish in wishes
+    )
+    if file.dry_run:
+        return Json(ProductsAnswer(products=products, faults=tuple(faults[:MAX_FIELD_ERRORS])))
+    if faults:
+        raise refusal(faults)
+    if changed := await catalogue.define(news, caller.name, now_s):
+        raise changed_since("product", changed)
+    return Json(ProductsAnswer(products=products, faults=()))

@@ -1,0 +1,106 @@
+"""Calendars: when something recurs, by a cron expression in a time zone, and on which days it does not. Pure.
+
+Expressions are those of cron in Debian, with its rules for the nights in which clocks are set. A time that is fixed (`30 2 * * *`) comes
+once each day: where clocks skip it, at the moment at which they go on; where it comes twice, at the first. An expression with a `*` in its
+minutes or hours (`*/30 * * * *`) goes by the clock as it runs: what is skipped does not come, what is repeated comes twice.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from datetime import UTC, date, datetime, time
+from functools import cache
+from itertools import islice
+from math import floor
+from zoneinfo import ZoneInfo, available_timezones
+
+from cronsim import CronSim, CronSimError
+
+from dray.gateway.http.problems import FieldError
+
+FIELDS = 5
+"""Minute, hour, day of the month, month, day of the week."""
+
+LATEST = datetime(2200, 1, 1, tzinfo=UTC)
+"""Nothing is planned after that."""
+
+
+class Calendar:
+    """When something recurs.
+
+    Args:
+        expression: of cron, with five fields.
+        time_zone: by its IANA name, as `Europe/Berlin`.
+        holidays: days of that time zone on which nothing is done.
+
+    Raises:
+        CalendarError: with what is wrong, and what would be right.
+    """
+
+    def __init__(self, expression: str, time_zone: str, holidays: frozenset[date] = frozenset()) -> None:
+        if time_zone not in _time_zones():
+            raise CalendarError("time_zone", "zone_unknown", zone=time_zone)
+        self._expression, self._zone, self._holidays = expression, ZoneInfo(time_zone), holidays
+        if len(expression.split()) != FIELDS:
+            raise CalendarError("calendar", "cron_fields")
+        try:
+            CronSim(expression, datetime(2030, 1, 1, tzinfo=self._zone))
+        except CronSimError as error:
+            reason = str(error)
+            why = f"{reason[:1].lower()}{reason[1:]}"
+            raise CalendarError("calendar", "cron_unreadable", why=why) from None
+
+    def local(self, wall_s: float) -> datetime:
+        """A moment in the calendar's time zone."""
+        return datetime.fromtimestamp(wall_s, self._zone)
+
+    def after(self, wall_s: float) -> float | None:
+        """The first moment after another one, in seconds since 1970; None when there is none any more."""
+        return next(self._moments(wall_s), None)
+
+    def preview(self, wall_s: float, count: int) -> list[float]:
+        """The first moments after another one."""
+        return list(islice(self._moments(wall_s), count))
+
+    def newest(self, first_s: float, until_s: float) -> float:
+        """The last moment of a time that begins with one of the calendar's moments, `first_s`; both ends count."""
+        # Backwards it finds what is strictly before.
+        start = self.local(floor(until_s) + 1)
+        while True:
+            found = next(CronSim(self._expression, start, reverse=True), None)
+            if found is None or found.timestamp() <= first_s:
+                return first_s
+            if found.date() not in self._holidays:
+                return found.timestamp()
+            start = datetime.combine(found.date(), time.min, self._zone)
+
+    def _moments(self, wall_s: float) -> Iterator[float]:
+        start = self.local(wall_s)
+        while True:
+            for found in CronSim(self._expression, start):
+                if found > LATEST:
+                    return
+                if found.date() in self._holidays:
+                    # A day is passed over as a whole: by its minutes that could be a thousand steps.
+                    start = datetime.combine(found.date(), time(23, 59, 59), self._zone)
+                    break
+                yield found.timestamp()
+            else:
+                return
+
+
+class CalendarError(ValueError):
+    """A calendar cannot be read.
+
+    Attributes:
+        error: what of it, and why.
+    """
+
+    def __init__(self, field: str, code: str, **values: str) -> None:
+        self.error = FieldError.of(field, code, **values)
+        super().__init__(self.error.reason)
+
+
+@cache
+def _time_zones() -> frozenset[str]:
+    return frozenset(available_timezones())

@@ -1,0 +1,179 @@
+"""Recurring work as people write it."""
+
+from __future__ import annotations
+
+from datetime import UTC, date, datetime
+from typing import Annotated, Any, Literal
+
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    WithJsonSchema,
+    model_validator,
+)
+
+from dray.gateway.http.request_bodies import Line
+from dray.gateway.orders.drafts import MAX_ITEMS, ItemDraft, OrderDraft
+from dray.gateway.orders.transport_draft import TransportDraft
+from dray.priorities import Priority
+
+HOLIDAYS_MAX = 400
+"""Of one calendar: the days of a year, and some."""
+
+RUNS_MAX = 50
+"""Of a preview: more than a person reads."""
+
+
+def _written_day(value: Any) -> date:
+    if not isinstance(value, str):
+        raise ValueError("write it as text, as 2030-12-25")  # noqa: TRY004 - pydantic wants it
+    try:
+        return date.fromisoformat(value)
+    except ValueError:
+        raise ValueError("it is no day of the calendar; write it as 2030-12-25") from None
+
+
+Day = Annotated[date, BeforeValidator(_written_day), WithJsonSchema({"type": "string", "format": "date"})]
+
+
+def _without_time(draft: TransportDraft) -> TransportDraft:
+    if draft.due_at is not None:
+        raise ValueError("leave due_at out: each run is due by its priority, from its own moment on")
+    return draft
+
+
+Recurring = Annotated[TransportDraft, AfterValidator(_without_time)]
+"""What is brought each time: without `due_at`."""
+
+DUE_AFTER_S = (600.0, 366 * 86_400.0)
+"""Wall seconds after which a recurring order may be due: no moment is used so late (`PUNCTUAL_S`) that its order is due already; a year."""
+
+
+class RecurringOrder(BaseModel):
+    """The order that is placed each time."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    customer: Line
+    items: Annotated[list[ItemDraft], Field(min_length=1, max_length=MAX_ITEMS)]
+    reference: Line | None = None
+    """The customer's own number, the same each time."""
+    priority: Priority = Priority.NORMAL
+    due_after_s: (
+        Annotated[float, Field(strict=True, ge=DUE_AFTER_S[0], le=DUE_AFTER_S[1], allow_inf_nan=False)] | None
+    ) = None
+    """Seconds of the clock on the wall from the moment until it is due, at least ten minutes; of one that is made up for, from when that is done."""
+
+    def draft(self, begin_s: float) -> OrderDraft:
+        """The order of one moment, in wall clock seconds."""
+        due_at = None
+        if self.due_after_s is not None:
+            due_at = datetime.fromtimestamp(begin_s + self.due_after_s, UTC).isoformat()
+        fields = self.model_dump(exclude={"due_after_s"})
+        return OrderDraft.model_validate(fields | {"due_at": due_at} if due_at else fields)
+
+
+Expression = Annotated[Line, Field(max_length=120)]
+"""Five fields of cron: minute, hour, day of the month, month, day of the week, as `0 6 * * MON-FRI`."""
+
+Zone = Annotated[Line, Field(max_length=64)]
+"""By its IANA name, as `Europe/Berlin`."""
+
+Holidays = Annotated[list[Day], Field(max_length=HOLIDAYS_MAX)]
+"""Days of the time zone on which nothing is done."""
+
+_ONE = "say either transport, what is brought, or order, what is made"
+
+Missed = Literal["skip", "catch_up"]
+
+Name = Annotated[Line, Field(max_length=80)]
+
+
+class PreviewDraft(BaseModel):
+    """A calendar."""
+
+    model_config = ConfigDict(
+        extra="forbid",
+        json_schema_extra={"examples": [{"calendar": "0 6 * * MON-FRI", "time_zone": "Europe/Berlin"}]},
+    )
+
+    calendar: Expression
+    time_zone: Zone
+    holidays: Holidays = Field(default_factory=list)
+    count: Annotated[int, Field(strict=True, ge=1, le=RUNS_MAX)] = 10
+    """Moments that are told."""
+
+
+class ScheduleDraft(BaseModel):
+    """Something that is to recur."""
+
+    model_config = ConfigDict(
+        extra="forbid",
+        json_schema_extra={
+            "examples": [
+                {
+                    "name": "Bearings for the early shift",
+                    "calendar": "45 5 * * MON-FRI",
+                    "time_zone": "Europe/Berlin",
+                    "holidays": ["2030-12-25", "2030-12-26"],
+                    "transport": {"from": "S5", "to": "M8", "item": "bearing", "quantity": 40},
+                },
+                {
+                    "name": "Gear units for hall 3",
+                    "calendar": "0 6 * * MON",
+                    "time_zone": "Europe/Berlin",
+                    "order": {
+                        "customer": "Hall 3",
+                        "items": [{"product": "gear-unit-g1", "quantity": 20}],
+                        "due_after_s": 28800.0,
+                    },
+                },
+            ]
+        },
+    )
+
+    name: Name
+    """No two have the same."""
+    calendar: Expression
+    time_zone: Zone
+    holidays: Holidays = Field(default_factory=list)
+    missed: Missed = "skip"
+    """What is done after an absence of the gateway about moments that have passed: nothing, or the last of them once."""
+    paused: Annotated[bool, Field(strict=True)] = False
+    transport: Recurring | None = None
+    """What is brought each time..."""
+    order: RecurringOrder | None = None
+    """...or the order that is placed: one of both."""
+
+    @model_validator(mode="after")
+    def _one(self) -> ScheduleDraft:
+        if (self.transport is None) == (self.order is None):
+            raise ValueError(_ONE)
+        return self
+
+
+class ScheduleChange(BaseModel):
+    """What is to be changed of it; what is left out stays."""
+
+    model_config = ConfigDict(extra="forbid", json_schema_extra={"examples": [{"paused": True}]})
+
+    name: Name | None = None
+    calendar: Expression | None = None
+    time_zone: Zone | None = None
+    holidays: Holidays | None = None
+    missed: Missed | None = None
+    paused: Annotated[bool | None, Field(strict=True)] = None
+    transport: Recurring | None = None
+    """Where it was an order, it is none any more; and the other way round."""
+    order: RecurringOrder | None = None
+
+    @model_validator(mode="after")
+    def _something(self) -> ScheduleChange:
+        if self.transport is not None and self.order is not None:
+            raise ValueError(_ONE)
+        if not self.model_fields_set:
+            raise ValueError("name at least one field that is to be changed")
+        return self

@@ -1,0 +1,296 @@
+"""The scheduler: places the work of every moment that has come, at most once.
+
+Moments are those of the wall clock, on which people live, as all times in REST; a simulated factory that runs at twenty times real time
+is asked for its morning's work in the morning. A moment is used in one transaction: its schedule moves on, and the transport or order gets
+a key that is made of the schedule and the moment. So neither a second gateway nor a death between the two places it again.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import secrets
+from collections.abc import Callable
+from datetime import date
+from http import HTTPStatus
+
+import msgspec
+
+from dray.errors import UnavailableError
+from dray.gateway.http.problems import FieldError, Problem, unusable
+from dray.gateway.http.versions import changed_since, check_version
+from dray.gateway.orders.idempotency import own_key
+from dray.gateway.orders.transport_draft import TransportDraft
+from dray.gateway.schedules.calendar import Calendar, CalendarError
+from dray.gateway.schedules.drafts import RecurringOrder, ScheduleChange, ScheduleDraft
+from dray.gateway.schedules.runs import Run, Runs, principal
+from dray.store import Store
+from dray.store.access.audit import AuditRow
+from dray.store.orders.schedules import ScheduleRow
+
+SCHEDULES_MAX = 500
+"""More than people keep an eye on."""
+
+PUNCTUAL_S = 300.0
+"""Wall seconds by which a moment may be used late and is not missed: a gateway is started anew meanwhile, or its database is."""
+
+LOOK_EVERY_S = 10.0
+"""Wall seconds after which SQL is asked again: another gateway may have got a new schedule, or somebody has set the clock."""
+
+REFUSED_MAX = 300
+"""Characters that are kept of why a moment's work was refused."""
+
+_log = logging.getLogger(__name__)
+
+
+class Scheduler:
+    """Keeps schedules, and sees to it that they are done.
+
+    Args:
+        store: where they are kept.
+        runs: makes what they ask for.
+        wall_s: the wall clock.
+    """
+
+    def __init__(self, store: Store, runs: Runs, wall_s: Callable[[], float]) -> None:
+        self._store, self._runs, self._wall_s = store, runs, wall_s
+        self._news = asyncio.Event()
+
+    # --- what people ask ---
+
+    async def define(self, draft: ScheduleDraft, by: str) -> ScheduleRow:
+        """Begin to do something again and again.
+
+        Raises:
+            Problem: 422 its calendar or its work cannot be, 409 its name is taken or there are too many.
+        """
+        now_s = self._wall_s()
+        row = ScheduleRow(
+            id=f"S-{secrets.token_hex(6)}",
+            name=draft.name,
+            calendar=draft.calendar,
+            time_zone=draft.time_zone,
+            holidays=_kept_days(draft.holidays),
+            make_up=draft.missed == "catch_up",
+            paused=draft.paused,
+            transport=_kept_transport(draft.transport),
+            order_draft=_kept_order(draft.order),
+            revision=1,
+            by=by,
+            at_s=now_s,
+            next_at_s=None,
+        )
+        row = self._begun(row, now_s)
+        self._runs.check(row, now_s)
+        async with self._store.write() as work:
+            if len(await work.schedules.all()) >= SCHEDULES_MAX:
+                raise _too_many()
+            if await work.schedules.named(row.name) is not None or not await work.schedules.add(row):
+                raise _name_taken(row.name)
+        self._news.set()
+        return row
+
+    async def change(
+        self, schedule: str, change: ScheduleChange, version: str | None, by: str
+    ) -> ScheduleRow | None:
+        """Change one. When its calendar is another one, or it goes on after a pause, it begins with the first moment from now on.
+
+        Returns:
+            It as it is now; None when there is none.
+
+        Raises:
+            Problem: as `define`; 412 it is not of this version any more, 428 no version is given.
+        """
+        async with self._store.write() as work:
+            row = await work.schedules.get(schedule)
+            if row is None:
+                return None
+            check_version(row.revision, version, changed_since("schedule", row.id))
+            after = self._changed(row, change, by)
+            if after.name != row.name and await work.schedules.named(after.name) is not None:
+                raise _name_taken(after.name)
+            if not await work.schedules.change(row, after):
+                raise changed_since("schedule", row.id)
+        self._news.set()
+        return after
+
+    async def remove(self, schedule: str, version: str | None) -> bool:
+        """Forget one; what it has asked for already goes on. False when there is none.
+
+        Raises:
+            Problem: 412 it is not of this version any more, 428 no version is given.
+        """
+        async with self._store.write() as work:
+            row = await work.schedules.get(schedule)
+            if row is None:
+                return False
+            check_version(row.revision, version, changed_since("schedule", row.id))
+            if not await work.schedules.remove(row):
+                raise changed_since("schedule", row.id)
+        return True
+
+    def _changed(self, row: ScheduleRow, change: ScheduleChange, by: str) -> ScheduleRow:
+        now_s = self._wall_s()
+        fields = change.model_dump(exclude_none=True, exclude={"transport", "order", "missed"})
+        if change.holidays is not None:
+            fields["holidays"] = _kept_days(change.holidays)
+        other_work = change.transport is not None or change.order is not None
+        if other_work:
+            fields["transport"] = _kept_transport(change.transport)
+            fields["order_draft"] = _kept_order(change.order)
+        if change.missed is not None:
+            fields["make_up"] = change.missed == "catch_up"
+        after = msgspec.structs.replace(row, **fields, revision=row.revision + 1, by=by, at_s=now_s)
+        if _moments(after) != _moments(row):
+            after = self._begun(after, now_s)
+        if other_work:
+            self._runs.check(after, now_s)
+        return after
+
+    # --- what is done ---
+
+    async def run(self) -> None:
+        """Use every moment as it comes, until cancelled."""
+        while True:
+            self._news.clear()
+            wait_s = LOOK_EVERY_S
+            try:
+                await self.look()
+                async with self._store.read() as work:
+                    next_s = await work.schedules.next_s()
+                if next_s is not None:
+                    wait_s = min(wait_s, max(0.0, next_s - self._wall_s()))
+            except UnavailableError as error:
+                _log.info("recurring work waits for the database: %s", error)
+            try:
+                async with asyncio.timeout(wait_s):
+                    await self._news.wait()
+            except TimeoutError:
+                pass
+
+    async def look(self) -> None:
+        """Use every moment that has come.
+
+        Raises:
+            UnavailableError: the database cannot be read or written.
+        """
+        now_s = self._wall_s()
+        async with self._store.read() as work:
+            due = await work.schedules.due(now_s)
+        for row in due:
+            await self._use(row, now_s)
+
+    async def _use(self, row: ScheduleRow, now_s: float) -> None:
+        try:
+            calendar = calendar_of(row)
+        except CalendarError as error:
+            # This computer's time zones are others than those of the one that has taken it.
+            await self._move(row, msgspec.structs.replace(row, next_at_s=None, last_refused=str(error)))
+            return
+        assert row.next_at_s is not None  # noqa: S101 - it is due
+        moment_s = calendar.newest(row.next_at_s, now_s)
+        after = msgspec.structs.replace(row, next_at_s=calendar.after(now_s))
+        if now_s - moment_s > PUNCTUAL_S and not row.make_up:
+            await self._move(row, msgspec.structs.replace(after, missed_at_s=moment_s))
+            return
+        if moment_s > row.next_at_s:
+            after = msgspec.structs.replace(after, missed_at_s=calendar.newest(row.next_at_s, moment_s - 1))
+        await self._place(row, after, moment_s, now_s)
+
+    async def _place(self, row: ScheduleRow, after: ScheduleRow, moment_s: float, now_s: float) -> None:
+        after = msgspec.structs.replace(
+            after, last_at_s=moment_s, last_transport="", last_order="", last_refused=""
+        )
+        key = own_key(principal(row), f"{moment_s:.0f}")
+        try:
+            run = self._runs.run(row, moment_s if now_s - moment_s <= PUNCTUAL_S else now_s)
+            async with self._store.write() as work:
+                # A clock that was set back leads to a moment again that is used.
+                known = await run.known(work, key)
+                if not await work.schedules.change(row, run.of(after, known or run.id)):
+                    return
+                if known is None:
+                    await run.keep(work, key)
+                    await work.audit.add(_line(row, run, moment_s, now_s))
+        except Problem as problem:
+            _log.warning("recurring work %s (%s) is refused: %s", row.id, row.name, problem.detail)
+            await self._move(row, msgspec.structs.replace(after, last_refused=problem.detail[:REFUSED_MAX]))
+            return
+        if known is None:
+            run.begin()
+
+    async def _move(self, row: ScheduleRow, after: ScheduleRow) -> None:
+        async with self._store.write() as work:
+            await work.schedules.change(row, after)
+
+    # --- how it is read ---
+
+    def _begun(self, row: ScheduleRow, now_s: float) -> ScheduleRow:
+        try:
+            next_s = calendar_of(row).after(now_s)
+        except CalendarError as error:
+            raise unusable(error.error) from None
+        if next_s is None:
+            raise unusable(FieldError.of("calendar", "never"))
+        return msgspec.structs.replace(row, next_at_s=None if row.paused else next_s)
+
+
+def calendar_of(row: ScheduleRow) -> Calendar:
+    """When a schedule's work recurs.
+
+    Raises:
+        CalendarError: its time zone is not known here.
+    """
+    return Calendar(row.calendar, row.time_zone, frozenset(days_of(row)))
+
+
+def days_of(row: ScheduleRow) -> list[date]:
+    """The days on which a schedule's work rests."""
+    return msgspec.json.decode(row.holidays, type=list[date])
+
+
+def _moments(row: ScheduleRow) -> tuple[str, str, str, bool]:
+    return row.calendar, row.time_zone, row.holidays, row.paused
+
+
+def _kept_days(days: list[date]) -> str:
+    return msgspec.json.encode(sorted(set(days))).decode()
+
+
+def _kept_transport(draft: TransportDraft | None) -> str:
+    return "" if draft is None else draft.model_dump_json(by_alias=True, exclude_none=True)
+
+
+def _kept_order(draft: RecurringOrder | None) -> str:
+    return "" if draft is None else draft.model_dump_json(exclude_none=True)
+
+
+def _line(row: ScheduleRow, run: Run, moment_s: float, now_s: float) -> AuditRow:
+    """Of the audit log: nobody has asked for it at this moment, the schedule has."""
+    return AuditRow(
+        at_s=now_s,
+        who=row.id,
+        who_kind="schedule",
+        action=run.action,
+        target=run.id,
+        result="done",
+        detail={"schedule": row.name, "planned_at_s": moment_s},
+    )
+
+
+def _name_taken(name: str) -> Problem:
+    return Problem(
+        HTTPStatus.CONFLICT,
+        "name-taken",
+        "There is recurring work of this name",
+        f"{name} exists already: take another name, or change what exists (GET /api/schedules lists it)",
+    )
+
+
+def _too_many() -> Problem:
+    return Problem(
+        HTTPStatus.CONFLICT,
+        "too-many-schedules",
+        "There is too much recurring work",
+        f"{SCHEDULES_MAX} are kept: remove one (GET /api/schedules lists them)",
+    )

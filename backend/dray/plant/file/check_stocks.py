@@ -1,0 +1,105 @@
+"""What a plant file may not say of stocks: of what lies in storages and source warehouses, and how more of it comes."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+
+from dray.plant.file.reasons import Reason
+from dray.plant.model import Material, PlantFile, Stock, Storage, Warehouse
+
+Fault = tuple[str, str]
+"""Field and reason."""
+
+
+def stock_faults(file: PlantFile, materials: Sequence[Material]) -> Iterator[Fault]:
+    """All of them.
+
+    Args:
+        file: the plant file.
+        materials: those that come from outside, and parts.
+    """
+    lots = {material.id: material.lot for material in materials}
+    for where, stock in stocks_of(file):
+        lot = lots.get(stock.material, 0)
+        if stock.capacity < lot:
+            yield f"{where}.capacity", f"{stock.capacity} pieces are less than a lot of {lot}"
+    for index, storage in enumerate(file.storages):
+        yield from once((stock.material for stock in storage.stocks), f"storages[{index}].stocks", "material")
+    for index, warehouse in enumerate(file.warehouses):
+        where = f"warehouses[{index}].stocks"
+        yield from once((stock.material for stock in warehouse.stocks), where, "material")
+    come = {material.id for material in file.materials}
+    for index, warehouse in enumerate(file.warehouses):
+        yield from _warehouse(warehouse, f"warehouses[{index}]", lots.keys() - come)
+    supplied = {stock.material for each in file.warehouses if each.kind == "source" for stock in each.stocks}
+    for index, storage in enumerate(file.storages):
+        yield from _refill(storage, f"storages[{index}]", lots, come, supplied)
+
+
+def stocks_of(file: PlantFile) -> Iterator[tuple[str, Stock]]:
+    """What lies in storages and warehouses, with its field."""
+    for index, storage in enumerate(file.storages):
+        yield from ((f"storages[{index}].stocks[{at}]", stock) for at, stock in enumerate(storage.stocks))
+    for index, warehouse in enumerate(file.warehouses):
+        yield from ((f"warehouses[{index}].stocks[{at}]", stock) for at, stock in enumerate(warehouse.stocks))
+
+
+def stored_for_machines(file: PlantFile) -> set[str]:
+    """What machines can fetch somewhere: in storages, and in warehouses that give it to them."""
+    direct = [stock for warehouse in file.warehouses if warehouse.direct for stock in warehouse.stocks]
+    return {stock.material for storage in file.storages for stock in storage.stocks} | {
+        stock.material for stock in direct
+    }
+
+
+def once(names: Iterable[str], where: str, key: str) -> Iterator[Fault]:
+    """Each name at most once within one list."""
+    seen: set[str] = set()
+    for at, name in enumerate(names):
+        if name in seen:
+            yield f"{where}[{at}].{key}", Reason("plant_twice", name=name)
+        seen.add(name)
+
+
+def _warehouse(warehouse: Warehouse, where: str, parts: Collection[str]) -> Iterator[Fault]:
+    if warehouse.stocks and warehouse.kind != "source":
+        reason = "nothing is fetched from a warehouse that products go to: leave it out"
+        yield f"{where}.stocks", reason
+    if warehouse.direct and not warehouse.stocks:
+        yield f"{where}.direct", f"{warehouse.id} has no `stocks`: say what machines fetch there"
+    for at, stock in enumerate(warehouse.stocks):
+        if stock.material in parts:
+            reason = f"{stock.material} is made here and comes from nowhere else: keep it in a storage"
+            yield f"{where}.stocks[{at}].material", reason
+        yield from _unused(stock, f"{where}.stocks[{at}]")
+
+
+def _refill(
+    storage: Storage, where: str, lots: Mapping[str, int], come: set[str], supplied: set[str]
+) -> Iterator[Fault]:
+    for at, stock in enumerate(storage.stocks):
+        field, item = f"{where}.stocks[{at}]", stock.material
+        if storage.refill != "vehicles" or item not in come:
+            yield from _unused(stock, field)
+            continue
+        whole = lots[item]
+        lot = whole if stock.lot is None else stock.lot
+        if item not in supplied:
+            reason = (
+                f"no source warehouse has {item}: add it to the `stocks` of one, for vehicles to fetch it"
+            )
+            yield f"{field}.material", reason
+        if lot > whole:
+            reason = f"{lot} pieces are more than a vehicle brings at once: a container holds {whole}"
+            yield f"{field}.lot", reason
+        elif stock.reorder_point is not None and stock.reorder_point + lot > stock.capacity:
+            room = f"above {stock.reorder_point} there is no room for {lot} more, of {stock.capacity}"
+            reason = f"{room}: lower it to {max(0, stock.capacity - lot)} at most"
+            yield f"{field}.reorder_point", reason
+
+
+def _unused(stock: Stock, where: str) -> Iterator[Fault]:
+    for name in ("reorder_point", "lot"):
+        if getattr(stock, name) is not None:
+            reason = "it means something for materials of a storage with `refill: vehicles` only"
+            yield f"{where}.{name}", reason

@@ -1,0 +1,38 @@
+"""What does not fit together of a plant's working times."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from datetime import date
+from zoneinfo import ZoneInfo
+
+from msgspec.structs import replace
+
+from dray.plant.model import PlantFile
+from dray.plant.working_time import WEEK_S, WorkingHours, WorkingTime
+
+
+def working_time_faults(file: PlantFile) -> Iterator[tuple[str, str]]:
+    """As (field, reason); nothing where all fits."""
+    try:
+        ZoneInfo(file.time_zone)
+    except (OSError, ValueError, KeyError):
+        yield (
+            "time_zone",
+            f"{file.time_zone} is no time zone that is known: write its IANA name, as Europe/Berlin",
+        )
+    told = [(f"machines[{at}].working_time", each.working_time) for at, each in enumerate(file.machines)]
+    there = [(f"areas[{at}].working_time", each.working_time) for at, each in enumerate(file.areas)]
+    for field, hours in (("working_time", file.working_time), *told, *there):
+        if hours is not None:
+            yield from _hours_faults(field, hours)
+
+
+def _hours_faults(field: str, hours: WorkingHours) -> Iterator[tuple[str, str]]:
+    for at, holiday in enumerate(hours.holidays):
+        try:
+            date.fromisoformat(holiday)
+        except ValueError:
+            yield f"{field}.holidays[{at}]", f"{holiday} is no day of any year: write one as 2026-12-25"
+    if not WorkingTime(replace(hours, holidays=())).between_s(WEEK_S, 2 * WEEK_S):
+        yield f"{field}.breaks", "they leave nothing of its shifts: make them shorter"

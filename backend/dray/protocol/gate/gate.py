@@ -1,0 +1,266 @@
+"""The gate of the delivery warehouses: says what has arrived, lets in what it was told to, and lets one strategist hold each order.
+
+Its body counts pieces by goal, lets in no more than is admitted, and goes on with that while its agent is away; so no goods wait for a
+process. The agent adds what a strategist has to rely on:
+
+- every piece is told once: counts are totals, noted before they are told, and told again until they were heard; what came in while the agent
+  was away is sensed when it is back, and counted then;
+- a goal is admitted on the word of the strategist alone that holds its order, and an old word about it changes nothing;
+- an order is held by one strategist, with an epoch, over the gate's own lives.
+
+It coordinates nothing and hires nobody. Pieces of a goal that is shut stay with whoever has brought them.
+"""
+
+from __future__ import annotations
+
+from msgspec.structs import replace
+
+from dray.body import Admit, BodyState, GateState, GoodsArrived
+from dray.errors import ProtocolViolation
+from dray.memory import WHOLE, GateGoal, GateMemory, Memory, Note
+from dray.messages import (
+    AdmissionAsked,
+    CountHeard,
+    GateAsked,
+    GateTold,
+    GoodsCounted,
+    HolderHeard,
+    HolderTold,
+    OrderClaimed,
+    StationHeartbeat,
+)
+from dray.messages.keys import GATE, Keys
+from dray.plant import Plant
+from dray.protocol.gate.admissions import KEPT_GOALS, Admissions
+from dray.protocol.gate.order_holders import OrderHolders
+from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S
+from dray.protocol.runtime.agent import AgentBase
+from dray.protocol.runtime.bounded_map import BoundedMap
+from dray.protocol.runtime.events import Ignore, Instruct, Publish, Send
+from dray.protocol.runtime.heartbeat_timer import BEAT, HeartbeatTimer
+from dray.protocol.runtime.retransmission import Retransmitter
+from dray.protocol.runtime.shutdown import COORDINATOR_LEAVES_WITHIN_S
+
+COUNT, HOLDER = "count", "holder"
+"""The alarms for telling a count again, by goal, and a lost order, by order."""
+
+
+class DeliveryGate(AgentBase):
+    """The agent of one plant's gate.
+
+    Args:
+        plant: whose.
+        agent: its id.
+        incarnation: how often it has been started.
+        software: the version it runs, for its heartbeat.
+        kept: how many goals it keeps in mind.
+    """
+
+    def __init__(
+        self,
+        plant: Plant,
+        *,
+        agent: str = GATE,
+        incarnation: int = 1,
+        software: str = "",
+        kept: int = KEPT_GOALS,
+    ) -> None:
+        super().__init__(agent, incarnation, leaves_within_s=COORDINATOR_LEAVES_WITHIN_S)
+        self._software = software
+        self._beat_key = Keys(plant.id).station_heartbeat(agent)
+        self._heartbeat_timer = HeartbeatTimer(agent, self._timers)
+        self._since = incarnation
+        self._goals = Admissions(kept)
+        self._orders = OrderHolders(self._goals)
+        self._obeyed: BoundedMap[str, int] = BoundedMap(kept)
+        """By goal, how many the body has said to admit since this life began."""
+        self._counts = Retransmitter(COUNT, self._timers, self._out)
+        self._holders = Retransmitter(HOLDER, self._timers, self._out)
+        self._committers += [self._goals.commits, self._orders.commits]
+        self._message_handlers = {
+            GateAsked: self._on_gate_asked,
+            AdmissionAsked: self._on_admission,
+            CountHeard: self._on_count_heard,
+            OrderClaimed: self._on_claimed,
+            HolderHeard: self._on_holder_heard,
+        }
+        self._report_handlers = {GoodsArrived: self._on_arrived}
+        self._alarm_handlers = {BEAT: self._beat, COUNT: self._counts.wake, HOLDER: self._holders.wake}
+
+    # --- the beginning, time passing, and the end ---
+
+    def _start(self, body: BodyState | None, memory: Memory, now_s: float) -> None:
+        if not isinstance(body, GateState):
+            raise ProtocolViolation(f"{self.id}: the delivery gate needs a gate, not {body!r}")
+        note = memory.get(WHOLE)
+        if isinstance(note, GateMemory):
+            self._since = note.since
+        else:
+            self._commit()
+        self._goals.restore(memory)
+        self._orders.restore(memory)
+        for goal in self._goals:
+            self._take_up(goal, body.arrived, now_s)
+        for order in self._orders.lost():
+            self._say_lost(order.order, order.lost_by, now_s)
+        self._heartbeat_timer.at_once(now_s)
+
+    def _take_up(self, goal: GateGoal, arrived: dict[str, int], now_s: float) -> None:
+        """Count what has come while the agent was away; the body is told again what it may not have heard."""
+        if arrived.get(goal.goal, 0) > goal.arrived:
+            goal = self._count(goal, arrived[goal.goal], "")
+        if goal.arrived < goal.admitted:
+            # A body that has forgotten what is in would let it in again.
+            if goal.goal in arrived or not goal.arrived:
+                self._out.append(Instruct(Admit(goal.goal, goal.admitted)))
+        elif not goal.admitted:
+            self._out.append(Instruct(Admit(goal.goal, 0)))
+        if goal.arrived > goal.heard:
+            self._tell(goal, goal.admitted or goal.arrived, now_s)
+
+    def _memory(self) -> Note:
+        return GateMemory(self._since)
+
+    def _beat(self, _about: None, now_s: float) -> None:
+        self._say_status(now_s)
+        self._heartbeat_timer.go_on(IDLE_INTERVAL_S, now_s)
+
+    def _say_status(self, now_s: float) -> None:
+        said = StationHeartbeat(
+            station=self.id,
+            incarnation=self.incarnation,
+            seq=self._heartbeat_timer.count(),
+            at_s=now_s,
+            software=self._software,
+            draining=self._shutdown.begun,
+        )
+        self._out.append(Publish(self._beat_key, said))
+
+    def _take_leave(self, now_s: float) -> None:
+        self._say_status(now_s)
+
+    # --- goods ---
+
+    def _on_arrived(self, report: GoodsArrived, now_s: float) -> None:
+        """Something is in, or the body has heard how much may get in."""
+        goal = self._goals.get(report.goal)
+        if goal is None:
+            self._out.append(Ignore("goods of a goal that nobody has asked for"))
+            return
+        self._obeyed[goal.goal] = report.admitted
+        if report.arrived > goal.arrived:
+            goal = self._count(goal, report.arrived, report.vehicle)
+        self._tell(goal, report.admitted, now_s)
+
+    def _count(self, goal: GateGoal, arrived: int, vehicle: str) -> GateGoal:
+        if goal.of is not None:
+            self._orders.count(goal.of.order, goal.of.item, arrived - goal.arrived)
+        return self._goals.count(goal, arrived, vehicle)
+
+    def _tell(self, goal: GateGoal, admitted: int, now_s: float) -> None:
+        """Tell the strategist of a goal what is in; what it has not heard is told again."""
+        obeyed = self._obeyed.get(goal.goal) == goal.admitted
+        counted = GoodsCounted(
+            goal.goal,
+            goal.arrived,
+            admitted,
+            incarnation=goal.incarnation if obeyed else 0,
+            number=goal.number if obeyed else 0,
+            brought=goal.brought,
+        )
+        if goal.arrived > goal.heard:
+            self._counts.say(goal.goal, Send(goal.asker, counted), now_s)
+        else:
+            self._out.append(Send(goal.asker, counted))
+
+    def _on_count_heard(self, sender: str, message: CountHeard, _now_s: float) -> None:
+        goal = self._goals.get(message.goal)
+        if goal is None or goal.asker != sender or message.arrived <= goal.heard:
+            self._out.append(Ignore("a count that was heard before, or by another one"))
+            return
+        goal = replace(goal, heard=min(message.arrived, goal.arrived))
+        self._goals.put(goal)
+        if goal.heard == goal.arrived:
+            self._counts.settle(goal.goal)
+
+    # --- what is let in ---
+
+    def _on_admission(self, sender: str, asked: AdmissionAsked, _now_s: float) -> None:
+        goal = self._goals.get(asked.goal)
+        of = asked.of if goal is None or goal.of is None else goal.of
+        if of is not None:
+            refusal = self._orders.refusal(sender, of.order, asked.held)
+            if refusal is not None:
+                self._out.append(Send(sender, HolderTold(refusal)))
+                return
+        word = (asked.incarnation, asked.number)
+        if goal is None:
+            goal = GateGoal(asked.goal, sender, asked.quantity, *word, of=of)
+        elif goal.asker == sender and word < (goal.incarnation, goal.number):
+            self._out.append(Ignore("an old word about a goal"))
+            return
+        else:
+            heard = goal.heard if goal.asker == sender else 0
+            goal = GateGoal(
+                goal.goal,
+                sender,
+                asked.quantity,
+                *word,
+                arrived=goal.arrived,
+                heard=heard,
+                of=of,
+                brought=goal.brought,
+            )
+        if self._goals.get(goal.goal) != goal:
+            self._goals.put(goal)
+        self._obeyed.pop(goal.goal, None)
+        self._out.append(Instruct(Admit(goal.goal, goal.admitted)))
+
+    # --- who holds what ---
+
+    def _on_claimed(self, sender: str, claimed: OrderClaimed, now_s: float) -> None:
+        told = self._orders.claim(sender, claimed.order, claimed.epoch, claimed.over)
+        if told.holder == sender:
+            self._hand_over(claimed.order, sender)
+            if loser := self._orders.loser(claimed.order):
+                self._say_lost(claimed.order, loser, now_s)
+        self._out.append(Send(sender, HolderTold(told)))
+
+    def _hand_over(self, order: str, holder: str) -> None:
+        """What is known of an order is told to its new holder, and to the old one no more."""
+        for goal in self._goals.of_order(order):
+            if goal.asker != holder:
+                self._counts.settle(goal.goal)
+                # The count is in what the holder is told of the order.
+                self._goals.put(replace(goal, asker=holder, incarnation=0, number=0, heard=goal.arrived))
+
+    def _say_lost(self, order: str, by: str, now_s: float) -> None:
+        self._holders.say(order, Send(by, HolderTold(self._orders.told(order, by))), now_s)
+
+    def _on_holder_heard(self, sender: str, message: HolderHeard, _now_s: float) -> None:
+        if self._orders.heard(sender, message.order, message.epoch):
+            self._holders.settle(message.order)
+
+    # --- a strategist begins ---
+
+    def _on_gate_asked(self, sender: str, asked: GateAsked, _now_s: float) -> None:
+        if asked.forgotten and not self._is_shut_for(sender):
+            self._out.append(Ignore("a question that is answered when the gate is shut"))
+            return
+        held, more = self._orders.held_by(sender, asked.after)
+        self._out.append(Send(sender, GateTold(asked.after, held, more, self._since)))
+
+    def _is_shut_for(self, strategist: str) -> bool:
+        """Shut the gate for all goals of a strategist's earlier lives; returns whether it is."""
+        is_shut = True
+        for goal in self._goals:
+            if goal.asker != strategist or 0 < goal.admitted <= goal.arrived:
+                continue
+            if goal.admitted:
+                # Whatever was said about it before is old from now on.
+                self._goals.put(replace(goal, admitted=0, number=goal.number + 1))
+                self._obeyed.pop(goal.goal, None)
+            if self._obeyed.get(goal.goal) != 0:
+                is_shut = False
+                self._out.append(Instruct(Admit(goal.goal, 0)))
+        return is_shut

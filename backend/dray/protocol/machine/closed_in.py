@@ -1,0 +1,81 @@
+"""Whether what people have closed leaves a machine's dock without a way, and until when: then its goods cannot leave, and nothing comes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from dray.plant import Routes
+from dray.protocol.closures.closure_listener import ClosureListener
+from dray.protocol.closures.closure_rules import restrictions_of
+from dray.protocol.closures.known_floor import KnownFloor
+from dray.protocol.runtime.events import NEVER_S, Effect
+from dray.protocol.runtime.timers import Timers
+
+SHUT = "what is closed leaves no way to it"
+
+
+class ClosedIn(ClosureListener):
+    """Of one machine; it drives nowhere, so the word of a gateway is enough for it.
+
+    Args:
+        machine: whose dock.
+        floor: as the machine knows it.
+        changed: called with now_s when the floor is another.
+        timers, out: as of every listener.
+
+    Attributes:
+        until_s: when the first way leads to the dock and from there again, as far as closures end by themselves (plant clock);
+            `NEVER_S` where none of them does that; -`NEVER_S` while there is a way.
+    """
+
+    def __init__(
+        self,
+        machine: str,
+        floor: KnownFloor,
+        changed: Callable[[float], None],
+        timers: Timers,
+        out: list[Effect],
+    ) -> None:
+        super().__init__(floor, None, timers, out)
+        self._machine, self._changed = machine, changed
+        self.until_s = -NEVER_S
+
+    def keeps_late(self, deadline_s: float) -> bool:
+        """Whether what is to be done by then is late, whatever the machine does."""
+        return deadline_s < self.until_s
+
+    def objection(self, deadline_s: float) -> str:
+        """Why it takes nothing that is to be done by then; empty when it does."""
+        return SHUT if self.keeps_late(deadline_s) else ""
+
+    def _follow(self, now_s: float) -> None:
+        self.until_s = self._reopens_s(now_s)
+        self._changed(now_s)
+
+    def _reopens_s(self, now_s: float) -> float:
+        floor = self._floor
+        said = () if floor.said is None else floor.said.closures
+        if self._is_reached(floor.routes(self._type)):
+            return -NEVER_S
+        for at_s in sorted(
+            {each.until_s for each in said if each.until_s is not None and each.until_s > now_s}
+        ):
+            left = [each for each in said if each.until_s is None or each.until_s > at_s]
+            if self._is_reached(floor.routes(self._type, restrictions_of(floor, left))):
+                return at_s
+        return NEVER_S
+
+    @property
+    def _type(self) -> str:
+        """Whose ways are looked at: closures are the same for all."""
+        return next(iter(self._floor.vehicle_types))
+
+    def _is_reached(self, routes: Routes) -> bool:
+        """Whether a way leads to the dock from another one, and from the dock to another one."""
+        floor = self._floor
+        here = floor.node_of(self._machine)
+        others = dict.fromkeys(floor.node_of(place) for place in floor.places)
+        others.pop(here, None)
+        return any(routes.leads(each, here) for each in others) and any(
+            routes.leads(here, each) for each in others
+        )

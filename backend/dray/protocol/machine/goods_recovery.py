@@ -1,0 +1,104 @@
+"""Goods of a machine that failed vehicles have on board: people are asked to hand them over, and say what becomes of them.
+
+For each of these goods the machine calls for help where they are (`protocol.calls`), until a person has handed them over or written them off,
+they go on, or are given up (`takeover.left_aboard`). Where their vehicle is heard and calls somebody itself, nobody is asked twice.
+"""
+
+from __future__ import annotations
+
+from math import hypot
+from typing import cast
+
+from dray.messages import CommandRefusal, Problem, ProblemKind, Reason, Transport
+from dray.plant import Plant
+from dray.protocol.calls.help_calls import HelpCalls
+from dray.protocol.contract_net.task import OpenTask
+from dray.protocol.machine.production import GoalBook
+from dray.protocol.transports.transports import Transports
+
+LEFT_ABOARD = Problem(kind=ProblemKind.LOAD, needs_person=True)
+"""Why a person is asked to come for goods."""
+
+
+class GoodsRecovery:
+    """For one machine.
+
+    Args:
+        plant: where vehicles can be sent.
+        tasks: its transports.
+        goals: whose pieces these are.
+    """
+
+    def __init__(self, plant: Plant, tasks: Transports, goals: GoalBook) -> None:
+        self._plant = plant
+        self._tasks = tasks
+        self._goals = goals
+        self._aboard = tasks.failover.aboard
+
+    def review(self) -> None:
+        """Tell each goal how many of its pieces wait for a word: nobody else makes them meanwhile."""
+        works = [cast(Transport, task.work) for task in self._tasks if task.stranded is not None]
+        for goal in self._goals:
+            goal.stranded = sum(work.quantity for work in works if work.goal == goal.id)
+
+    def update_calls(self, calls: HelpCalls, now_s: float, *, expected: bool) -> None:
+        """Call somebody for each of these goods while a person is needed, and nobody longer than that.
+
+        Args:
+            calls: the machine's.
+            now_s: the present time.
+            expected: False for one that leaves: its next life calls.
+        """
+        waiting = [task for task in self._tasks if expected and _needs_person(task, now_s)]
+        for goods in [each for each in calls.goods if each not in {task.id for task in waiting}]:
+            calls.close(now_s, goods=goods)
+        for task in waiting:
+            atv = task.primary if task.stranded is None else task.stranded.atv
+            reason = f"{cast(Transport, task.work).quantity} {task.work_item} on board of {atv}"
+            calls.open(LEFT_ABOARD, reason, now_s, goods=task.id, place_m=self.place_m(task.id))
+
+    def fetch(self, task: str, node: str, now_s: float) -> CommandRefusal | None:
+        """A person hands them over at a node; why that changes nothing, None when they are fetched there now.
+
+        Args:
+            task: their transport.
+            node: where; empty for the nearest node beside the vehicle.
+            now_s: the present time.
+        """
+        node = node or self._beside(self._aboard.node_of(task))
+        return self._aboard.fetch(task, node, now_s) if node in self._nodes else CommandRefusal.NO_SUCH_NODE
+
+    @property
+    def _nodes(self) -> tuple[str, ...]:
+        """Where vehicles can be sent; a place's name means the place."""
+        return tuple(node for node in self._plant.stops if not self._plant.has_place(node))
+
+    def _beside(self, node: str) -> str:
+        """The nearest node where another vehicle can come to one that stands at this node: no dock, if possible. Empty where there is none."""
+        here = self._plant.nodes.get(node)
+        docks = {self._plant.node_of(place) for place in self._plant.places}
+
+        def away(other: str) -> tuple[bool, float]:
+            spot = self._plant.nodes[other]
+            x_m, y_m = (spot.x_m, spot.y_m) if here is None else (here.x_m, here.y_m)
+            return other in docks, hypot(spot.x_m - x_m, spot.y_m - y_m)
+
+        return min((other for other in self._nodes if other != node), key=away, default="")
+
+    def write_off(self, task: str, now_s: float) -> CommandRefusal | None:
+        """They are lost; why that changes nothing, None when they are made again now."""
+        return self._aboard.write_off(task, now_s)
+
+    def place_m(self, task: str) -> tuple[float, float] | None:
+        """Where they are (x, y); None where nobody knows."""
+        node = self._plant.nodes.get(self._aboard.node_of(task))
+        return None if node is None else (node.x_m, node.y_m)
+
+
+def _needs_person(task: OpenTask, now_s: float) -> bool:
+    """Whether goods wait for a person who is not asked yet by their vehicle, and who has not handed them over."""
+    if task.stranded is None or task.stranded.handed_at:
+        return False
+    detector = task.contract.detector
+    calls_itself = detector is not None and detector.last is not None and bool(detector.last.problem)
+    return detector is None or not calls_itself or detector.failure(now_s) is Reason.SILENT

@@ -1,0 +1,200 @@
+"""How a strategist changes an order in work: at once where nobody has begun, else as far as the machines can still spare it.
+
+What nobody has taken is put up anew as it is wanted now. A machine is told what would do (`GoalRevised`), and answers what it keeps; it is told
+again with each of its heartbeats that shows the goal otherwise, so nothing is remembered of what was said. One machine after another is
+asked to spare pieces, always in the same order: whatever is lost and whoever is started again, no more is spared than was asked.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from msgspec import UNSET
+from msgspec.structs import replace
+
+from dray.body import Admit
+from dray.messages import GoalBrief, GoalRevised, GoalRevisionTaken, OrderItem, OrderReleased, OrderTaken
+from dray.messages.fact import GoalReduced, OrderChanged, Outcome
+from dray.protocol.runtime.events import Effect, Ignore, Instruct, Record, Send
+from dray.protocol.strategist.order_book import DELIVERY_S, OpenGoal, OrderBook, OrderInWork
+
+
+class OrderChanges:
+    """For one strategist.
+
+    Args:
+        book: all orders and goals.
+        out: where effects go.
+        end: follows a goal no longer, whatever has become of it.
+        deliver: called with a goal of which all that is wanted has arrived.
+        done: called with a goal of which nothing is wanted any more, and that is followed no longer.
+        ask: puts up the next goal of a product.
+    """
+
+    def __init__(
+        self,
+        book: OrderBook,
+        out: list[Effect],
+        end: Callable[[OpenGoal, Outcome], None],
+        deliver: Callable[[OpenGoal], None],
+        done: Callable[[OpenGoal], None],
+        ask: Callable[[str, float], None],
+    ) -> None:
+        self._book, self._out = book, out
+        self._end, self._deliver, self._done, self._ask = end, deliver, done, ask
+        self._askers: dict[str, str] = {}
+        """Who waits for the end of a change, by order; one that is not known asks again."""
+
+    def on_changed(self, sender: str, message: OrderReleased, order: OrderInWork, now_s: float) -> None:
+        """An order in work is said again; with a newer change it becomes what is wanted now. It is answered when that is done."""
+        self._askers[order.id] = sender
+        if message.change > order.change:
+            self._begin(message, order)
+        self.settle(order, now_s)
+
+    def _begin(self, message: OrderReleased, order: OrderInWork) -> None:
+        order.change = message.change
+        pairs = zip(message.items, order.items, strict=False)
+        order.wanted = [max(0, asked.quantity + asked.arrived - item.arrived) for asked, item in pairs]
+        is_later, order.due_s = message.due_s != order.due_s, message.due_s
+        self._book.touch(order)
+        for goal in list(order.goals.values()):
+            goal.asked, goal.keeps = None, False
+            if goal.work.part_of:
+                if is_later and not goal.machine:
+                    # It is lacking anew, with another time.
+                    self._replace(goal, 0)
+            elif is_later and not goal.machine:
+                self._replace(goal, goal.work.quantity)
+            elif is_later:
+                goal.deadline_s = order.due_s - DELIVERY_S
+                self._say(goal)
+        for index, item in enumerate(message.items):
+            self._add(order, index, item)
+
+    def settle(self, order: OrderInWork, now_s: float) -> None:
+        """Go on with a change of an order, and say so when it is done."""
+        if self._book.order(order.id) is not order or order.revoked_by:
+            return
+        if order.wanted:
+            settled = [self._spare(order, index) for index in range(len(order.items))]
+            if all(settled):
+                self.close(order)
+        for product in dict.fromkeys(goal.work.product for goal in order.goals.values() if not goal.machine):
+            self._ask(product, now_s)
+        if not order.wanted:
+            self._answer(order)
+
+    def close(self, order: OrderInWork) -> None:
+        """Nothing more comes of a change, if one is under way: as it is now the order stands."""
+        if order.wanted:
+            order.wanted = []
+            self._book.touch(order)
+            changed = OrderChanged(order.id, order.release, order.change, order.quantities)
+            self._out.append(Record(changed))
+
+    def on_taken(self, sender: str, message: GoalRevisionTaken, now_s: float) -> None:
+        """A machine has said what it keeps."""
+        goal = self._book.goal(message.task)
+        if goal is None or goal.machine != sender or goal.epoch != message.epoch:
+            self._out.append(Ignore("what is kept of a goal that has ended or moved on"))
+            return
+        self._note(goal, message.quantity, message.asked, now_s)
+
+    def on_named(self, goal: OpenGoal, brief: GoalBrief, now_s: float) -> None:
+        """Its machine tells of a goal: what it has not heard is said again, what it has is believed."""
+        if brief.quantity < goal.work.quantity:
+            self._note(goal, brief.quantity, goal.asked, now_s)
+        elif goal.asked is not None or brief.deadline_s not in (UNSET, goal.deadline_s):
+            self._say(goal)
+
+    # --- how it is done ---
+
+    def _note(self, goal: OpenGoal, quantity: int, asked: int | None, now_s: float) -> None:
+        """Its machine makes no more than this of a goal, as it was asked to or not."""
+        if goal.failure:
+            return  # The gate is being shut for it; what has not arrived is given to others.
+        order, work = self._book.order_of(goal), goal.work
+        is_answer = goal.asked is not None and goal.asked == asked
+        if is_answer:
+            goal.asked, goal.keeps = None, True
+        kept = max(quantity, goal.arrived)
+        if kept < work.quantity:
+            stands = order.items[work.item].quantity
+            self._reduce(goal, kept)
+            wanted = order.wanted[work.item] if order.wanted else stands
+            missing = wanted - order.items[work.item].quantity
+            if missing > 0:
+                # It has spared what is wanted back.
+                self._book.resize(order, work.item, missing)
+                rest = OrderItem(work.product, missing, work.definition)
+                self._book.add_goals(order, work.item, rest)
+        self.settle(order, now_s)
+        if not goal.work.quantity:
+            self._end(goal, "withdrawn")
+            self._done(goal)
+        elif goal.arrived >= goal.work.quantity and self._book.goal(goal.id) is goal:
+            self._deliver(goal)
+
+    def _reduce(self, goal: OpenGoal, kept: int) -> None:
+        work = goal.work
+        self._book.reduce(goal, kept)
+        self._out.append(Instruct(Admit(goal=goal.id, quantity=kept)))
+        held = self._book.held_with(work.order)
+        reduced = GoalReduced(goal.id, work.order, work.item, work.product, goal.machine, kept, held)
+        self._out.append(Record(reduced))
+
+    def _add(self, order: OrderInWork, index: int, item: OrderItem) -> None:
+        """Have made what is wanted more of an item."""
+        if index < len(order.wanted) and (more := order.wanted[index] - order.items[index].quantity) > 0:
+            self._book.resize(order, index, more)
+            self._book.add_goals(order, index, replace(item, quantity=more))
+
+    def _spare(self, order: OrderInWork, index: int) -> bool:
+        """Have less made of an item; returns whether nobody is to be asked any more."""
+        whole = [goal for goal in order.goals.values() if not goal.work.part_of]
+        goals = [goal for goal in whole if goal.work.item == index]
+        for goal in reversed([goal for goal in goals if not goal.machine]):
+            surplus = order.items[index].quantity - order.wanted[index]
+            if surplus > 0:
+                left = max(0, goal.work.quantity - surplus)
+                self._book.resize(order, index, left - goal.work.quantity)
+                self._replace(goal, left)
+        for goal in reversed([goal for goal in goals if goal.machine]):
+            surplus = order.items[index].quantity - order.wanted[index]
+            least = max(goal.arrived, goal.work.quantity - surplus)
+            if surplus <= 0:
+                break
+            if goal.failure:
+                return False
+            if not goal.keeps and least < goal.work.quantity:
+                if goal.asked != least:
+                    goal.asked = least
+                    self._say(goal)
+                return False
+        return True
+
+    def _replace(self, goal: OpenGoal, quantity: int) -> None:
+        """Put a goal up anew that nobody has taken, or not at all."""
+        self._end(goal, "withdrawn")
+        if quantity:
+            self._book.succeed(goal, quantity)
+        else:
+            self._book.close(goal)
+
+    def _say(self, goal: OpenGoal) -> None:
+        quantity = goal.work.quantity if goal.asked is None else goal.asked
+        self._out.append(Send(goal.machine, GoalRevised(goal.id, goal.epoch, quantity, goal.deadline_s)))
+
+    def _answer(self, order: OrderInWork) -> None:
+        asker = self._askers.pop(order.id, "")
+        if asker:
+            self._out.append(Send(asker, self.taken(order.id, order.release, order.change)))
+
+    def taken(self, order: str, release: int, change: int) -> OrderTaken:
+        """The answer to an order that is in work, or has ended; with its quantities where it was changed."""
+        in_work, ended = self._book.order(order), self._book.ended(order)
+        if in_work is not None:
+            quantities = in_work.quantities if change else ()
+            return OrderTaken(order, release, change=in_work.change, quantities=quantities)
+        return OrderTaken(order, release, ended.fulfilled, ended.change, ended.quantities if change else ())

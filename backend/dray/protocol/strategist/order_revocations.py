@@ -1,0 +1,106 @@
+"""How a strategist drops an order that was cancelled, or takes one back.
+
+An order that is taken back ends when the gate is shut for all of its goals, and what the gate has counted by then is the last word.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from dray.body import Admit
+from dray.gate import EVERY_RELEASE
+from dray.messages import CancellationTaken, OrderCancelled, OrderRevoked, Reason, RevocationTaken
+from dray.messages.fact import GoalWithdrawn, OrderDropped, Outcome
+from dray.protocol.runtime.events import Effect, Ignore, Instruct, Record, Send
+from dray.protocol.strategist.order_book import OpenGoal, OrderBook, OrderInWork
+from dray.protocol.strategist.part_goals import PartGoals
+
+
+class OrderRevocations:
+    """For one strategist.
+
+    Args:
+        book: all orders and goals.
+        parts: goals of parts.
+        out: where effects go.
+        end: follows a goal no longer, whatever has become of it.
+        end_if_done: ends an order of which no goal is open any more.
+        has_ended: called with an order that was dropped, or will not be begun, and the last release of which that holds.
+        ask: puts up the next goal of a product.
+    """
+
+    def __init__(
+        self,
+        book: OrderBook,
+        parts: PartGoals,
+        out: list[Effect],
+        *,
+        end: Callable[[OpenGoal, Outcome], None],
+        end_if_done: Callable[[OrderInWork], None],
+        has_ended: Callable[[str, int], None],
+        ask: Callable[[str, float], None],
+    ) -> None:
+        self._book, self._parts, self._out = book, parts, out
+        self._end, self._end_if_done, self._has_ended, self._ask = end, end_if_done, has_ended, ask
+
+    def on_cancelled(self, sender: str, message: OrderCancelled, now_s: float) -> None:
+        """Drop an order, and say so as often as it is asked for, also of one that has not come yet."""
+        order = self._book.close_order(message.order)
+        if order is not None:
+            self._drop(order, now_s)
+        self._has_ended(message.order, EVERY_RELEASE)
+        self._out.append(Send(sender, CancellationTaken(order=message.order)))
+
+    def _drop(self, order: OrderInWork, now_s: float) -> None:
+        for goal in order.goals.values():
+            if goal.machine and not goal.work.part_of:
+                # From now on the gate is shut for it, as for any goal that nobody is to make.
+                self._out.append(Instruct(Admit(goal=goal.id, quantity=0)))
+            self._end(goal, "withdrawn")
+        for goal in order.goals.values():
+            self._ask(goal.work.product, now_s)
+        self._out.append(Record(OrderDropped(order=order.id)))
+
+    def on_revoked(self, sender: str, message: OrderRevoked, now_s: float) -> None:
+        """Take an order back, and answer when the gate is shut for all of it, as often as it is asked for."""
+        order = self._book.order(message.order)
+        if order is None:
+            self._answer(sender, message)
+        elif message.release != order.release:
+            self._out.append(Ignore("another release of an order was taken back"))
+        elif not order.revoked_by:
+            self._book.revoke(order, sender)
+            self.shut(order)
+            for item in order.items:
+                self._ask(item.product, now_s)
+
+    def shut(self, order: OrderInWork) -> None:
+        """Withdraw what nobody makes yet, and shut the gate for the rest, whose last count is awaited."""
+        self._parts.withdraw(order)
+        for goal in list(order.goals.values()):
+            if goal.machine:
+                goal.failure = goal.failure or Reason.WITHDRAWN
+                self._out.append(Instruct(Admit(goal=goal.id, quantity=0)))
+            else:
+                self._end(goal, "withdrawn")
+                self._book.withdraw(goal)
+        self._end_if_done(order)
+
+    def take_out(self, goal: OpenGoal) -> None:
+        """The gate is shut and has counted: a goal of an order that was taken back is over."""
+        self._end(goal, "withdrawn")
+        order = self._book.withdraw(goal)
+        held = self._book.held_with(order.id)
+        self._out.append(Record(GoalWithdrawn(goal.id, goal.machine, goal.arrived, held)))
+        self._end_if_done(order)
+
+    def _answer(self, asker: str, message: OrderRevoked) -> None:
+        """Say again how an order was taken back; one that has not come will not be begun."""
+        outstanding: tuple[int, ...] = ()
+        returned = self._book.returned(message.order)
+        if not self._book.knows(message.order, message.release):
+            self._book.give_back(message.order, message.release)
+            self._has_ended(message.order, message.release)
+        elif returned is not None and returned.release == message.release:
+            outstanding = returned.outstanding
+        self._out.append(Send(asker, RevocationTaken(message.order, message.release, outstanding)))

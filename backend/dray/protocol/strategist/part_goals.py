@@ -1,0 +1,115 @@
+"""Goals whose pieces go to no customer: parts that other machines use, where the goal ends with the making of its pieces."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from msgspec import UNSET
+
+from dray.messages import AtvHeartbeat, GoalBrief, MachineHeartbeat, Message, StationHeartbeat
+from dray.messages.fact import GoalWithdrawn, Outcome
+from dray.messages.keys import Keys
+from dray.plant import Plant
+from dray.protocol.runtime.events import Effect, Record, Subscribe
+from dray.protocol.runtime.shutdown import GracefulShutdown
+from dray.protocol.runtime.timers import Timers
+from dray.protocol.strategist.machine_monitor import MachineMonitor
+from dray.protocol.strategist.order_book import OpenGoal, OrderBook, OrderInWork
+from dray.protocol.strategist.part_leads import PartLeads
+from dray.protocol.strategist.part_planning import PLAN_EVERY_S, PartPlanner
+from dray.protocol.strategist.part_stock import PartStock
+
+PLAN = "plan"
+"""The alarm for looking which parts are lacking."""
+
+
+class PartGoals:
+    """Those of one strategist.
+
+    Args:
+        plant: which items are parts; in one without any nobody is listened to.
+        keys: the plant's bus keys.
+        book: all goals.
+        machines: who makes what.
+        timers: the strategist's alarms; this class uses `PLAN`.
+        out: where effects go.
+        shutdown: of the strategist: one that was asked to leave gives nothing out.
+        ask_next: called with a product of which there are goals to be put up, and now_s.
+        end: called with a goal that is followed no longer, and how it has ended.
+
+    Attributes:
+        message_handlers, alarms: for the strategist's tables.
+    """
+
+    def __init__(
+        self,
+        plant: Plant,
+        keys: Keys,
+        book: OrderBook,
+        machines: MachineMonitor,
+        timers: Timers,
+        out: list[Effect],
+        shutdown: GracefulShutdown,
+        *,
+        ask_next: Callable[[str, float], None],
+        end: Callable[[OpenGoal, Outcome], None],
+    ) -> None:
+        self._plant, self._keys, self._book = plant, keys, book
+        self._timers, self._out, self._shutdown = timers, out, shutdown
+        self._ask_next, self._end = ask_next, end
+        self._leads = PartLeads(machines, plant.working_time)
+        self._stock = PartStock(plant)
+        self._planner = PartPlanner(plant, book, self._stock, self._leads)
+        self.message_handlers: dict[type[Message], Callable[..., None]] = {
+            StationHeartbeat: self._stock.on_station,
+            AtvHeartbeat: self._stock.on_vehicle,
+        }
+        self.alarms: dict[str, Callable[[Any, float], None]] = {PLAN: self._plan}
+
+    def start(self, now_s: float) -> None:
+        """Hear what lies where, and plan from now on."""
+        if self._plant.parts:
+            keys = self._keys
+            self._out += (Subscribe(keys.all_station_heartbeats), Subscribe(keys.all_atv_heartbeats))
+            self._timers.set(PLAN, now_s + PLAN_EVERY_S)
+
+    def excuse(self, span_s: float) -> None:
+        """The strategist was deaf for so long."""
+        self._stock.excuse(span_s)
+
+    def on_machine(self, heartbeat: MachineHeartbeat, now_s: float) -> None:
+        """What lies at a machine."""
+        if self._plant.parts:
+            self._stock.on_machine(heartbeat, now_s)
+
+    def on_brief(self, goal: OpenGoal, brief: GoalBrief, now_s: float) -> bool:
+        """How far a machine is with any goal of its own; returns whether all of a part's is made."""
+        goal.to_begin = brief.quantity - brief.made if brief.to_begin is UNSET else brief.to_begin
+        if not goal.work.part_of or brief.made <= goal.arrived:
+            return False
+        self._book.count(goal, brief.made)
+        is_made = goal.arrived >= goal.work.quantity
+        if is_made:
+            self._leads.note(goal, now_s)
+        return is_made
+
+    def lose(self, goal: OpenGoal) -> None:
+        """A machine has failed, or nobody waits any more: what is made is where it is, and whoever lacks the rest has it made."""
+        self._end(goal, "withdrawn")
+        self._book.close(goal)
+        if goal.machine:
+            self._out.append(
+                Record(GoalWithdrawn(goal.id, goal.machine, 0, self._book.held_with(goal.work.order)))
+            )
+
+    def withdraw(self, order: OrderInWork) -> None:
+        """Nobody waits for an order's parts any more."""
+        for goal in order.goals_of_parts:
+            self.lose(goal)
+
+    def _plan(self, _about: None, now_s: float) -> None:
+        self._timers.set(PLAN, now_s + PLAN_EVERY_S)
+        if not self._shutdown.begun:
+            for part in dict.fromkeys(goal.work.product for goal in self._planner.plan(now_s)):
+                self._ask_next(part, now_s)

@@ -1,0 +1,90 @@
+"""The other strategists of a plant: who is there, and how much each of them has in work."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from dray.messages import StrategistHeartbeat
+from dray.messages.keys import Keys
+from dray.protocol.liveness.suspicion import GOAL_SILENCE_S, WORKING_INTERVAL_S
+from dray.protocol.runtime.events import Effect, Publish, Subscribe
+from dray.protocol.runtime.heartbeat_timer import HeartbeatTimer
+from dray.protocol.runtime.timers import Timers, spread_frac
+
+PEER_SILENCE_S = GOAL_SILENCE_S
+"""How long a strategist may be silent before its orders are taken over: its software starts again in less."""
+
+
+class Peers:
+    """Those of one strategist.
+
+    Args:
+        agent: whose.
+        incarnation: how often that one was started.
+        others: all other strategists of the plant.
+        keys: the plant's bus keys.
+        timers: the strategist's alarms; this class uses that of a heartbeat timer.
+        out: where effects go.
+        orders: how many orders the strategist has in work.
+    """
+
+    def __init__(
+        self,
+        agent: str,
+        incarnation: int,
+        others: tuple[str, ...],
+        keys: Keys,
+        timers: Timers,
+        out: list[Effect],
+        orders: Callable[[], int],
+    ) -> None:
+        self._agent, self._incarnation, self._keys, self._out = agent, incarnation, keys, out
+        self._orders = orders
+        self._rhythm = HeartbeatTimer(agent, timers)
+        self._heard_s = dict.fromkeys(others, 0.0)
+        self._newest = dict.fromkeys(others, (0, 0))
+        """Incarnation and number of the newest heartbeat."""
+        self._load = dict.fromkeys(others, 0)
+
+    def start(self, now_s: float) -> None:
+        """Speak and listen; until they have had time to speak all are believed to be there."""
+        self._heard_s = dict.fromkeys(self._heard_s, now_s)
+        self._out.append(Subscribe(self._keys.all_strategist_heartbeats))
+        self._out += [Subscribe(self._keys.events(other)) for other in self._heard_s]
+        self._rhythm.at_once(now_s)
+
+    def beat(self, now_s: float) -> None:
+        """Say that this one is there."""
+        said = StrategistHeartbeat(
+            self._agent, self._incarnation, self._rhythm.count(), now_s, self._orders()
+        )
+        self._out.append(Publish(self._keys.strategist_heartbeat(self._agent), said))
+        self._rhythm.go_on(WORKING_INTERVAL_S, now_s)
+
+    def on_heartbeat(self, sender: str, heartbeat: StrategistHeartbeat, now_s: float) -> None:
+        """Another one is there."""
+        newest = (heartbeat.incarnation, heartbeat.seq)
+        if sender in self._heard_s and newest > self._newest[sender]:
+            self._newest[sender], self._heard_s[sender] = newest, now_s
+            self._load[sender] = heartbeat.orders
+
+    def excuse(self, span_s: float) -> None:
+        """The strategist's own process was held up for so long: that is no silence of others."""
+        for other in self._heard_s:
+            self._heard_s[other] += span_s
+
+    def is_silent(self, other: str, now_s: float) -> bool:
+        """Whether another one has failed; somebody who is no strategist of this plant has."""
+        heard_s = self._heard_s.get(other)
+        return heard_s is None or now_s >= heard_s + PEER_SILENCE_S
+
+    def any_silent(self, now_s: float) -> bool:
+        return any(self.is_silent(other, now_s) for other in self._heard_s)
+
+    def before(self, order: str, now_s: float) -> int:
+        """How many of the others bid less for an order: they have fewer in work, or as many and an earlier place by its name."""
+        own = (self._orders(), spread_frac(f"{order} {self._agent}"), self._agent)
+        return sum(
+            not self.is_silent(other, now_s) and (load, spread_frac(f"{order} {other}"), other) < own
+            for other, load in self._load.items()
+        )

@@ -1,0 +1,127 @@
+"""Finished goods on board of a vehicle that has failed: they wait for a person's word, and are made again only then.
+
+Each piece exists once, so nobody else can carry them as long as they are on board, and nobody makes them again while they may still
+come. Their task keeps its carrier, its epoch and its secondary:
+
+    IN_TRANSIT --its carrier has failed--> STRANDED --heard again--> IN_TRANSIT
+                                              |
+                                              +-- FETCH_GOODS: a person hands them over at a node. Epoch + 1; the
+                                              |   secondary is asked first, then all, to fetch them there
+                                              +-- WRITE_OFF, or WRITTEN_OFF_AFTER_S without a word: they are made again
+
+Until another vehicle has them on board that time runs on: who has promised to hand them over may forget it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Protocol, cast
+
+from msgspec.structs import replace
+
+from dray.messages import CommandRefusal, Reason, StrandedGoods, Transport
+from dray.protocol.contract_net.task import OpenTask
+from dray.protocol.contract_net.task_state import TaskState
+from dray.protocol.runtime.timers import Timers
+
+WRITTEN_OFF_AFTER_S = 900.0
+"""How long goods wait for a word: as long as a person who has promised to come is waited for."""
+
+GOODS_WAIT = "goods wait"
+
+
+class Remedies(Protocol):
+    """What a coordinator can do for goods that were left on board."""
+
+    def pass_on(self, task: OpenTask, reason: Reason, now_s: float) -> None:
+        """Ask the secondary of their task to carry it, with a higher epoch; announce it when that will not."""
+
+    def give_up(self, task: OpenTask, now_s: float) -> None:
+        """They are lost."""
+
+
+class LeftAboard:
+    """The goods of one coordinator that were left on board of failed vehicles.
+
+    Args:
+        tasks: its open tasks, by id.
+        timers: its alarms; this class uses names ``(GOODS_WAIT, task)``.
+        remedies: the coordinator.
+
+    Attributes:
+        alarms: what to call when an alarm of this class has come, with (task, now_s).
+    """
+
+    def __init__(self, tasks: Mapping[str, OpenTask], timers: Timers, remedies: Remedies) -> None:
+        self._tasks = tasks
+        self._timers = timers
+        self._remedies = remedies
+        self.alarms = {GOODS_WAIT: self._end_wait}
+
+    def restore(self, task: OpenTask, goods: StrandedGoods | None) -> None:
+        """Go on with what an earlier life has waited for."""
+        task.stranded = goods
+        if goods is None:
+            return
+        if task.is_loaded:
+            task.states.enter(TaskState.STRANDED)
+        self._timers.set((GOODS_WAIT, task.id), goods.until_s)
+
+    # --- how it comes to that ---
+
+    def strand(self, task: OpenTask, now_s: float) -> None:
+        """The carrier of goods has failed; harmless when that is known."""
+        if task.state is TaskState.STRANDED:
+            return
+        task.states.enter(TaskState.STRANDED)
+        last = task.contract.detector.last if task.contract.detector is not None else None
+        node = last.node if last is not None else ""
+        task.stranded = StrandedGoods(atv=task.primary, node=node, until_s=now_s + WRITTEN_OFF_AFTER_S)
+        self._timers.set((GOODS_WAIT, task.id), task.stranded.until_s)
+
+    def goes_on(self, task: OpenTask) -> None:
+        """Their carrier is well again; harmless when it was."""
+        if task.state is TaskState.STRANDED:
+            task.states.enter(TaskState.IN_TRANSIT)
+            self.forget(task)
+
+    def forget(self, task: OpenTask) -> None:
+        """They wait no more: somebody has them on board who can go on, or they are back."""
+        task.stranded = None
+        self._timers.clear((GOODS_WAIT, task.id))
+
+    # --- what people say ---
+
+    def fetch(self, task_id: str, node: str, now_s: float) -> CommandRefusal | None:
+        """A person hands them over at a node; why that changes nothing, None when they are fetched there now."""
+        task = self._tasks.get(task_id)
+        if task is None or task.stranded is None or task.state is not TaskState.STRANDED:
+            return CommandRefusal.NOT_STRANDED
+        task.stranded = replace(task.stranded, handed_at=node)
+        task.work = replace(cast(Transport, task.work), sources=(node,), handed_at=node)
+        self._remedies.pass_on(task, Reason.HANDED_BY_PERSON, now_s)
+        return None
+
+    def write_off(self, task_id: str, now_s: float) -> CommandRefusal | None:
+        """They are lost; why that changes nothing, None when they are made again now."""
+        task = self._tasks.get(task_id)
+        if task is None or task.stranded is None:
+            return CommandRefusal.NOT_STRANDED
+        self._give_up(task, now_s)
+        return None
+
+    def node_of(self, task_id: str) -> str:
+        """Where they are, by the last that was heard of their carrier; empty where nobody knows."""
+        task = self._tasks.get(task_id)
+        return "" if task is None or task.stranded is None else task.stranded.node
+
+    # --- how it is done ---
+
+    def _end_wait(self, task_id: str, now_s: float) -> None:
+        task = self._tasks.get(task_id)
+        if task is not None and task.stranded is not None:
+            self._give_up(task, now_s)
+
+    def _give_up(self, task: OpenTask, now_s: float) -> None:
+        self._timers.clear((GOODS_WAIT, task.id))
+        self._remedies.give_up(task, now_s)

@@ -1,0 +1,102 @@
+"""Silent vehicles that stand in the way, as the one remembers them that has told of them as obstacles.
+
+It listens for each, and tells that the way is free when the vehicle is heard again and can move, or was carried away. When that is
+missed, the obstacle is forgotten after a time as any other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from dray.messages import AtvHeartbeat, AtvStatus, Removals
+from dray.messages.keys import Keys
+from dray.plant.restrictions import Ends
+from dray.protocol.closures.obstacles import Obstacles
+from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
+from dray.protocol.runtime.bounded_map import BoundedMap
+from dray.protocol.runtime.events import Effect, Subscribe, Unsubscribe
+from dray.protocol.traffic.driving.place_requests import SHUT_OUT_S
+
+STANDS = frozenset({AtvStatus.ERROR, AtvStatus.STOPPED})
+"""A vehicle stands until a person has seen to it."""
+
+REMEMBERED = 16
+"""Vehicles that were in the way: more than stand silent on one floor."""
+
+
+class SilentVehicles:
+    """Those that one vehicle has told of.
+
+    Args:
+        obstacles: what it knows to lie on lanes.
+        subscriptions: whose heartbeats it hears.
+        tell_gone: called with the ends of a lane, and now_s: what was there is gone.
+        out: where effects go.
+        keys: of the plant.
+    """
+
+    def __init__(
+        self,
+        obstacles: Obstacles,
+        subscriptions: HeartbeatSubscriptions,
+        tell_gone: Callable[[str, str, float], None],
+        out: list[Effect],
+        keys: Keys,
+    ) -> None:
+        self._obstacles = obstacles
+        self._subscriptions = subscriptions
+        self._tell_gone = tell_gone
+        self._out = out
+        self._keys = keys
+        self._lanes: dict[str, tuple[Ends, ...]] = {}
+        """Vehicle -> the lanes that it blocks."""
+        self._ended_s: BoundedMap[str, float] = BoundedMap(REMEMBERED)
+        """Vehicle -> when it was last heard again, or carried away."""
+
+    def __contains__(self, atv: str) -> bool:
+        return atv in self._lanes
+
+    def was_heard_lately(self, atv: str, now_s: float) -> bool:
+        """Whether it was heard or carried away a moment ago: then it may be out of the way soon, whatever a book says."""
+        return now_s - self._ended_s.get(atv, -SHUT_OUT_S) < SHUT_OUT_S
+
+    def meet(self, atv: str, lanes: Sequence[Ends]) -> list[Ends]:
+        """A vehicle was waited for in vain. Returns those lanes of which nobody has told yet."""
+        if atv not in self._lanes:
+            if not self._lanes:
+                self._out.append(Subscribe(self._keys.removals))
+            self._subscriptions.follow(atv)
+        self._lanes[atv] = tuple(dict.fromkeys((*self._lanes.get(atv, ()), *lanes)))
+        return [ends for ends in lanes if not self._obstacles.is_on(*ends)]
+
+    def on_heartbeat(self, heartbeat: AtvHeartbeat, now_s: float) -> None:
+        """It is heard again. One that stands until a person has seen to it is as much in the way as before."""
+        if heartbeat.status not in STANDS:
+            self._end(heartbeat.atv, now_s)
+
+    def on_removals(self, _sender: str, said: Removals, now_s: float) -> None:
+        """People have carried vehicles away."""
+        for removal in said.removals:
+            if not removal.node:
+                self._end(removal.atv, now_s)
+
+    def look(self) -> None:
+        """Something was forgotten: nobody need be listened for because of it."""
+        for atv, lanes in list(self._lanes.items()):
+            if not any(self._obstacles.is_on(*ends) for ends in lanes):
+                self._forget(atv)
+
+    def _end(self, atv: str, now_s: float) -> None:
+        lanes = self._lanes.get(atv, ())
+        if lanes:
+            self._ended_s[atv] = now_s
+            self._forget(atv)
+        for ends in lanes:
+            if self._obstacles.is_on(*ends):
+                self._tell_gone(*ends, now_s)
+
+    def _forget(self, atv: str) -> None:
+        del self._lanes[atv]
+        self._subscriptions.unfollow(atv)
+        if not self._lanes:
+            self._out.append(Unsubscribe(self._keys.removals))

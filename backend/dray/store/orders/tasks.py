@@ -1,0 +1,348 @@
+"""Tasks in SQL: what was to be carried or made, who did it, and when. A row per task, long after its auction is forgotten.
+
+A coordinator tells of its tasks in numbered events that come late, doubled and in any order: the newest counts, and an end stays.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, Literal, get_args
+
+import msgspec
+from sqlalchemy import (
+    CheckConstraint,
+    Column,
+    ColumnElement,
+    Double,
+    Index,
+    Integer,
+    String,
+    Table,
+    Text,
+    case,
+    delete,
+    func,
+    literal_column,
+    or_,
+    select,
+    tuple_,
+)
+from sqlalchemy.ext.asyncio import AsyncConnection
+
+from dray.messages import Event, Production, Role, Transport
+from dray.messages.fact import AwardAnswered, CarrierChanged, TaskClosed, TaskOpened, WatchLost
+from dray.store.database.dialect import insert_new
+from dray.store.database.searching import Sought, searched
+from dray.store.history.clocks import ToWall
+from dray.store.tables import Id, events, goals, metadata, orders
+
+TaskState = Literal["bidding", "contracted", "delivered", "withdrawn"]
+
+tasks = Table(
+    "tasks",
+    metadata,
+    Column("id", Id, primary_key=True),
+    Column("kind", String(16), nullable=False),
+    Column("coordinator", Id, nullable=False),
+    Column("item", Id, nullable=False),
+    Column("quantity", Integer, nullable=False),
+    Column("source", Id, nullable=False),
+    Column("destination", Id, nullable=False),
+    Column("goal", Id, nullable=False),
+    Column("order_id", Id, nullable=False),
+    Column("state", String(16), nullable=False),
+    Column("carrier", Id, nullable=False),
+    Column("standby", Id, nullable=False),
+    Column("epoch", Integer, nullable=False),
+    Column("round", Integer, nullable=False),
+    Column("opened_at_s", Double, nullable=False),
+    Column("contracted_at_s", Double),
+    Column("promised_at_s", Double),
+    Column("deadline_at_s", Double, nullable=False),
+    Column("closed_at_s", Double),
+    Column("incarnation", Integer, nullable=False),
+    Column("number", Integer, nullable=False),
+    Column("search", Text, nullable=False),
+    CheckConstraint("state IN ('bidding', 'contracted', 'delivered', 'withdrawn')", name="state"),
+    Index(None, "opened_at_s", "id"),
+    Index(None, "state", "opened_at_s", "id"),
+    Index(None, "order_id"),
+    comment="Tasks as their coordinators told of them. incarnation, number: the newest event that was told about it.",
+)
+
+
+class TaskRow(msgspec.Struct, kw_only=True, gc=False):
+    """A task. Times are wall clock seconds."""
+
+    id: str
+    kind: Literal["transport", "production"]
+    coordinator: str
+    item: str
+    """A material or product."""
+    quantity: int
+    source: str = ""
+    """Several that may be it have "/" between them, as long as none was chosen."""
+    destination: str = ""
+    goal: str = ""
+    """The goal whose goods these are; of a goal its own name."""
+    order_id: str = ""
+    """The order for which it is made, where that is known."""
+    state: TaskState = "bidding"
+    carrier: str = ""
+    """Who carries or makes it, or did so last."""
+    standby: str = ""
+    """Who watches over its carrier."""
+    epoch: int = 1
+    round: int = 1
+    opened_at_s: float
+    contracted_at_s: float | None = None
+    promised_at_s: float | None = None
+    """When its last carrier had promised to be done; told at its end."""
+    deadline_at_s: float
+    closed_at_s: float | None = None
+    incarnation: int = 0
+    number: int = 0
+
+
+_COLUMNS = [column for column in tasks.c if column.name != "search"]
+
+
+class TaskFilter(msgspec.Struct, frozen=True, kw_only=True, gc=False):
+    """Which tasks are wanted; empty fields want all. Times are wall clock seconds."""
+
+    states: Sequence[TaskState] = ()
+    kind: str = ""
+    item: str = ""
+    order: str = ""
+    since_s: float | None = None
+    """Opened then or later, as the one below before then."""
+    before_s: float | None = None
+    late_at_s: float | None = None
+    """Promised for before that, and not done by then; or done later than was promised."""
+    words: tuple[Sought, ...] = ()
+    """All of them stand somewhere in its id, its coordinator, carriers or places, in what it carries, or in the order's texts."""
+
+    def conditions(self) -> list[ColumnElement[bool]]:
+        """What a row has to fulfil."""
+        c = tasks.c
+        exact = {c.kind: self.kind, c.item: self.item, c.order_id: self.order}
+        wanted: list[ColumnElement[bool]] = [column == value for column, value in exact.items() if value]
+        if self.states:
+            wanted.append(c.state.in_(self.states))
+        if self.since_s is not None:
+            wanted.append(c.opened_at_s >= self.since_s)
+        if self.before_s is not None:
+            wanted.append(c.opened_at_s < self.before_s)
+        if self.late_at_s is not None:
+            wanted.append(c.state != "withdrawn")
+            wanted.append(c.promised_at_s < func.coalesce(c.closed_at_s, self.late_at_s))
+        return [*wanted, *(_holds(word) for word in self.words)]
+
+
+SortedBy = Literal["opened", "work", "promised", "late"]
+"""`work`: open ones first, each kind the newest first. `late`: by how much later than promised it was done."""
+
+Place = tuple[float, str]
+
+_NEVER_S = 1e15
+_NEVER: ColumnElement[float] = literal_column(f"{_NEVER_S:.0f}.0")
+_KEYS: Mapping[SortedBy, ColumnElement[Any]] = {
+    "opened": tasks.c.opened_at_s,
+    "work": tasks.c.opened_at_s + case((tasks.c.closed_at_s.is_(None), _NEVER), else_=literal_column("0.0")),
+    "promised": func.coalesce(tasks.c.promised_at_s, _NEVER),
+    "late": func.coalesce(tasks.c.closed_at_s - tasks.c.promised_at_s, literal_column(f"-{_NEVER_S:.0f}.0")),
+}
+
+for _by in ("work", "promised", "late"):
+    # As with orders (`dray.store.orders.order_sorting`).
+    Index(f"ix_tasks_by_{_by}", _KEYS[_by], tasks.c.id)
+
+
+class Tasks:
+    """The tasks, inside one transaction."""
+
+    def __init__(self, connection: AsyncConnection) -> None:
+        self._connection = connection
+
+    async def many(self, ids: Iterable[str]) -> dict[str, TaskRow]:
+        """Those of these names that there are."""
+        rows = await self._connection.execute(select(*_COLUMNS).where(tasks.c.id.in_(list(ids))))
+        return {row.id: TaskRow(**row._mapping) for row in rows}  # noqa: SLF001 - SQLAlchemy's public name
+
+    async def page(
+        self,
+        wanted: TaskFilter,
+        after: Place | None,
+        limit: int,
+        by: SortedBy = "opened",
+        *,
+        descending: bool = True,
+    ) -> list[tuple[TaskRow, Place]]:
+        """A part of a list, with the place of each.
+
+        Args:
+            wanted: which ones.
+            after: the place of the last one of the page before.
+            limit: how many at most.
+            by: what they are sorted by; those that are alike stand by their names.
+            descending: the direction.
+        """
+        key, name = _KEYS[by], tasks.c.id
+        query = select(*_COLUMNS, key.label("place")).where(*wanted.conditions()).limit(limit)
+        query = query.order_by(key.desc(), name.desc()) if descending else query.order_by(key, name)
+        if after is not None:
+            here, there = tuple_(key, name), tuple_(*after)
+            query = query.where(here < there if descending else here > there)
+        found = []
+        for row in await self._connection.execute(query):
+            fields = dict(row._mapping)  # noqa: SLF001 - SQLAlchemy's public name
+            place = fields.pop("place")
+            found.append((TaskRow(**fields), (place, row.id)))
+        return found
+
+    async def follow(self, new: Iterable[Event], to_wall_s: ToWall) -> None:
+        """Bring them up to date with what coordinators have told."""
+        told = [event for event in new if isinstance(event.fact, _OfTask)]
+        if not told:
+            return
+        known = await self.many({_task_of(event) for event in told})
+        born = [
+            event for event in told if isinstance(event.fact, TaskOpened) and event.fact.task not in known
+        ]
+        for event in sorted(born, key=_when, reverse=True):
+            # Of what its coordinator told of it first the rest is known by it, and nothing of before.
+            known[_task_of(event)] = _born(event, to_wall_s)
+        if born:
+            told += await self._told_before({_task_of(event) for event in born})
+        for event in sorted(told, key=_when):
+            row = known.get(_task_of(event))
+            if row is not None and row.coordinator == event.agent:
+                note(row, event, to_wall_s)
+        rows = list(known.values())
+        await self._find_orders(rows)
+        await self._put(rows)
+
+    async def _told_before(self, born: Iterable[str]) -> list[Event]:
+        """What is kept of tasks whose beginning has only come now: it was fetched again, say."""
+        kinds = [fact.__name__ for fact in get_args(_OfTask)]
+        query = select(events).where(events.c.task.in_(list(born)), events.c.kind.in_(kinds))
+        rows = (await self._connection.execute(query)).all()
+        return [
+            Event(row.agent, row.incarnation, row.number, row.plant_s, _READ.decode(row.fact)) for row in rows
+        ]
+
+    async def prune(self, before_s: float, at_most: int) -> int:
+        """Forget some that ended before then; returns how many."""
+        c = tasks.c
+        old = select(c.id).where(c.opened_at_s < before_s, c.closed_at_s < before_s).limit(at_most)
+        return (await self._connection.execute(delete(tasks).where(c.id.in_(old)))).rowcount
+
+    async def _find_orders(self, rows: Iterable[TaskRow]) -> None:
+        lacking = {row.goal for row in rows if row.goal and not row.order_id}
+        if lacking:
+            query = select(goals.c.id, goals.c.order_id).where(goals.c.id.in_(list(lacking)))
+            of = {row.id: row.order_id for row in await self._connection.execute(query)}
+            for row in rows:
+                row.order_id = row.order_id or of.get(row.goal) or ""
+
+    async def _put(self, rows: Sequence[TaskRow]) -> None:
+        if not rows:
+            return
+        known = select(orders.c.id, orders.c.search).where(orders.c.id.in_({row.order_id for row in rows}))
+        of_order = {row.id: row.search for row in await self._connection.execute(known)}
+        values = [row_of_task(row, of_order.get(row.order_id, "")) for row in rows]
+        await self._connection.execute(delete(tasks).where(tasks.c.id.in_([row.id for row in rows])))
+        await self._connection.execute(insert_new(self._connection, tasks), values)
+
+
+def row_of_task(row: TaskRow, of_order: str) -> dict[str, object]:
+    """A task, as the table has it.
+
+    Args:
+        row: the task.
+        of_order: what words are looked for in of its order; empty where it is for none.
+    """
+    return msgspec.structs.asdict(row) | {"search": _search(row, of_order)}
+
+
+_OfTask = TaskOpened | AwardAnswered | WatchLost | CarrierChanged | TaskClosed
+
+_READ = msgspec.json.Decoder(_OfTask)
+
+
+def _task_of(event: Event) -> str:
+    fact = event.fact
+    assert isinstance(fact, _OfTask)  # noqa: S101 - chosen before
+    return fact.task
+
+
+def _when(event: Event) -> tuple[int, int]:
+    return event.incarnation, event.number
+
+
+def _born(event: Event, to_wall_s: ToWall) -> TaskRow:
+    fact = event.fact
+    assert isinstance(fact, TaskOpened)  # noqa: S101 - chosen before
+    row = TaskRow(
+        id=fact.task,
+        kind="transport" if isinstance(fact.work, Transport) else "production",
+        coordinator=event.agent,
+        item="",
+        quantity=fact.work.quantity,
+        opened_at_s=to_wall_s(event.at_s),
+        deadline_at_s=to_wall_s(fact.deadline_s),
+    )
+    match fact.work:
+        case Transport() as work:
+            row.item, row.goal = work.item, work.goal
+            row.source, row.destination = "/".join(work.sources)[:128], work.destination
+        case Production() as work:
+            row.item, row.goal, row.order_id = work.product, fact.task, work.order
+    return row
+
+
+def note(row: TaskRow, event: Event, to_wall_s: ToWall) -> None:
+    """Add to a task what its coordinator tells of it; what is older than what is known changes nothing but an end."""
+    is_new = (event.incarnation, event.number) > (row.incarnation, row.number)
+    if isinstance(event.fact, TaskClosed):
+        fact = event.fact
+        row.state = "delivered" if fact.outcome == "delivered" else "withdrawn"
+        row.closed_at_s, row.carrier = to_wall_s(event.at_s), fact.carrier or row.carrier
+        row.epoch = max(row.epoch, fact.epoch)
+        row.promised_at_s = to_wall_s(fact.promised_s) if fact.promised_s > 0 else None
+    elif is_new and row.closed_at_s is None:
+        _go_on(row, event, to_wall_s)
+    if is_new:
+        row.incarnation, row.number = event.incarnation, event.number
+
+
+def _go_on(row: TaskRow, event: Event, to_wall_s: ToWall) -> None:
+    match event.fact:
+        case TaskOpened(role=Role.PRIMARY) as fact:
+            if fact.epoch > row.epoch:
+                row.state, row.carrier, row.standby = "bidding", "", ""
+            row.epoch, row.round = max(row.epoch, fact.epoch), fact.round
+            row.deadline_at_s = to_wall_s(fact.deadline_s)
+        case AwardAnswered(answer="accepted", role=Role.SECONDARY) as fact:
+            row.standby = fact.bidder
+        case AwardAnswered(answer="accepted") as fact:
+            row.state, row.carrier, row.epoch = "contracted", fact.bidder, fact.epoch
+            row.contracted_at_s = to_wall_s(event.at_s)
+        case WatchLost():
+            row.standby = ""
+        case CarrierChanged() as fact:
+            row.state = "contracted" if fact.carrier else "bidding"
+            row.carrier, row.standby, row.epoch = fact.carrier, "", fact.epoch
+        case _:
+            pass
+
+
+def _search(row: TaskRow, of_order: str) -> str:
+    """What words are looked for in: its own texts, and those of the order for which it is made."""
+    own = (row.id, row.coordinator, row.carrier, row.standby, row.source, row.destination)
+    return searched((*own, of_order), (row.item,))
+
+
+def _holds(word: Sought) -> ColumnElement[bool]:
+    texts = (word.text, *(f"|{item}|" for item in word.named))
+    return or_(*(tasks.c.search.contains(text.casefold(), autoescape=True) for text in texts))

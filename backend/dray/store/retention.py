@@ -1,0 +1,119 @@
+"""Retention: what is kept for how long. Everything is forgotten by its age, in small transactions, so that nobody waits for the database.
+
+What the pages of an order and of its customer need is kept with the order before the log forgets it. There is a bound on rows,
+too, so that no plant fills its disk; it is meant to be out of reach, and when it is reached that is told.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import Awaitable, Callable
+
+import msgspec
+
+from dray.errors import UnavailableError
+from dray.store.work import Store, Work
+
+DAY_S = 86_400.0
+
+LOOK_EVERY_S = 60.0
+"""Wall seconds between two looks at what has become too old."""
+
+AT_ONCE = 200
+"""Rows that one transaction forgets: some milliseconds, in which nobody else writes."""
+
+PAUSE_S = 0.02
+"""Wall seconds between two of these, for whoever waits to write."""
+
+_log = logging.getLogger(__name__)
+
+
+class KeptFor(msgspec.Struct, frozen=True, kw_only=True):
+    """For how many wall seconds what is kept, since it happened or ended."""
+
+    events_s: float
+    samples_s: float
+    figures_s: float
+    tasks_s: float
+    alerts_s: float
+    audit_s: float
+    events_most: int
+    """Rows of the log of events, of whatever age."""
+
+
+class Retention:
+    """Forgets what is too old.
+
+    Args:
+        store: where.
+        kept_for: how long what is kept.
+        wall_s: the wall clock.
+    """
+
+    def __init__(self, store: Store, kept_for: KeptFor, wall_s: Callable[[], float]) -> None:
+        self._store, self._kept_for, self._wall_s = store, kept_for, wall_s
+        self.too_many = 0
+        """Events that were forgotten before their time, because there were too many."""
+
+    async def run(self) -> None:
+        """Forget until cancelled."""
+        while True:
+            await asyncio.sleep(LOOK_EVERY_S)
+            try:
+                await self.forget()
+            except UnavailableError as error:
+                _log.warning("what is too old is not forgotten yet: %s", error)
+
+    async def forget(self) -> None:
+        """Forget all that is too old now.
+
+        Raises:
+            UnavailableError: the database cannot be written; what was forgotten by then stays so.
+        """
+        now_s, kept = self._wall_s(), self._kept_for
+        before = self.too_many
+        await self._all(lambda: self._events(now_s - kept.events_s, now_s))
+        await self._rows(lambda work: work.samples.prune(now_s - kept.samples_s, AT_ONCE, now_s))
+        await self._rows(lambda work: work.kpis.prune(now_s - kept.figures_s, AT_ONCE))
+        await self._rows(lambda work: work.piece_hours.prune(now_s - kept.figures_s, AT_ONCE))
+        await self._rows(lambda work: work.takeovers.prune(now_s - kept.figures_s, AT_ONCE))
+        await self._rows(lambda work: work.tasks.prune(now_s - kept.tasks_s, AT_ONCE))
+        await self._rows(lambda work: work.alerts.prune(now_s - kept.alerts_s, AT_ONCE))
+        await self._rows(lambda work: work.audit.prune(now_s - kept.audit_s, AT_ONCE))
+        if self.too_many > before:
+            _log.warning(
+                "%d events were forgotten before their time: there are more than DRAY_EVENTS_MOST=%d; make it more where "
+                "the disk has room, or keep them for fewer days (DRAY_EVENTS_DAYS)",
+                self.too_many - before,
+                kept.events_most,
+            )
+
+    async def _all(self, some: Callable[[], Awaitable[int]]) -> None:
+        forgotten = AT_ONCE
+        while forgotten >= AT_ONCE:
+            forgotten = await some()
+            await asyncio.sleep(PAUSE_S)
+
+    async def _rows(self, prune: Callable[[Work], Awaitable[int]]) -> None:
+        async def some() -> int:
+            async with self._store.write() as work:
+                return await prune(work)
+
+        await self._all(some)
+
+    async def _events(self, before_s: float, now_s: float) -> int:
+        # What stays with the orders is put together while others may write.
+        async with self._store.read() as work:
+            found = await work.events.oldest(before_s, self._kept_for.events_most, AT_ONCE, now_s)
+            if found is None:
+                return 0
+            first, last, too_many = found
+            histories = await work.order_histories.gathered(first, last)
+        async with self._store.write() as work:
+            # Another historian has forgotten them meanwhile, and perhaps more: what was read here is older than what is kept by now.
+            if await work.events.first() == first:
+                await work.order_histories.put(histories)
+                await work.events.forget(first, last)
+                self.too_many += too_many
+        return last - first + 1

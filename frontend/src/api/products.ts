@@ -1,0 +1,29 @@
+/** Products as master data: asked for by the view that defines them. */
+import { bodyOf, gateway } from "./gateway";
+import type { components } from "./types";
+
+type Schemas = components["schemas"];
+
+/** All products, page after page. */
+export async function fetchProducts(): Promise<Schemas["ProductAnswer"][]> {
+  const found: Schemas["ProductAnswer"][] = [];
+  let cursor: string | null = null;
+  do {
+    const query: { limit: number; cursor?: string } = cursor === null ? { limit: 200 } : { limit: 200, cursor };
+    const page: { items: Schemas["ProductAnswer"][]; next_cursor: string | null } = await bodyOf(gateway.GET("/api/products", { params: { query } }));
+    found.push(...page.items);
+    cursor = page.next_cursor;
+  } while (cursor !== null);
+  return found;
+}
+
+/** @param etag of the revision that is changed; empty for a new product */
+export async function defineProduct(product: string, draft: Schemas["ProductDraft"], etag: string): Promise<Schemas["ProductAnswer"]> {
+  const header = etag === "" ? { "If-None-Match": "*" } : { "If-Match": etag };
+  return await bodyOf(gateway.PUT("/api/products/{product}", { params: { path: { product }, header }, body: draft }));
+}
+
+/** What is in a file of products; unless it is a dry run, all of it is defined, or nothing. */
+export async function importProducts(csv: string, dryRun: boolean): Promise<Schemas["ProductsAnswer"]> {
+  return await bodyOf(gateway.POST("/api/products/import", { body: { csv, dry_run: dryRun } }));
+}

@@ -1,0 +1,27 @@
+/** Plain transports: something is brought to a place, or taken away from it. */
+import { bodyOf, gateway } from "./gateway";
+import type { components } from "./types";
+
+export type TransportAnswer = components["schemas"]["TransportAnswer"];
+export type TransportState = components["schemas"]["TransportState"];
+export type TransportDraft = components["schemas"]["TransportDraft"];
+
+/** The newest from or to a place. */
+export async function fetchTransports(place: string, limit: number): Promise<TransportAnswer[]> {
+  return (await bodyOf(gateway.GET("/api/transports", { params: { query: { place, limit } } }))).items;
+}
+
+/** A page of all there ever were, the newest first. */
+export async function fetchCalled(query: { q?: string; status?: TransportState[]; place?: string; limit: number; cursor?: string }): Promise<{ items: TransportAnswer[]; next_cursor: string | null }> {
+  return await bodyOf(gateway.GET("/api/transports", { params: { query } }));
+}
+
+/** @param key the same for every try: however often it is sent, it is done once */
+export async function callTransport(draft: TransportDraft, key: string): Promise<TransportAnswer> {
+  return await bodyOf(gateway.POST("/api/transports", { body: draft, params: { header: { "Idempotency-Key": key } } }));
+}
+
+/** Calls it off, as long as it is not on board. */
+export async function callOff(transport: string): Promise<TransportAnswer> {
+  return await bodyOf(gateway.POST("/api/transports/{transport}/cancel", { params: { path: { transport } } }));
+}

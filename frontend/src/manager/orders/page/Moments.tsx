@@ -1,0 +1,64 @@
+import { type Signal, useSignal } from "@preact/signals";
+import { Tag } from "../../../parts/Tag";
+import { nowS } from "../../../stream/stream";
+import { format, t } from "../../../text/views/order";
+import { MomentLink } from "../../replay/MomentLink";
+import { isProblem, isWanted, type Moment, momentText, type Wanted } from "./moments";
+
+const FILTERS = ["all", "transports", "problems"] as const;
+/** Before somebody asks for more. */
+const AT_FIRST = 40;
+
+/** What happened, newest first; one selection with the lanes. */
+export function Moments({ chosen, isWhole, moments }: { moments: readonly Moment[]; isWhole: boolean; chosen: Signal<string> }) {
+  const wanted = useSignal<Wanted>("all");
+  const all = useSignal(false);
+  const fitting = moments.filter((moment) => isWanted(moment, wanted.value)).reverse();
+  const shown = all.value ? fitting : fitting.slice(0, AT_FIRST);
+  return (
+    <section class="card order-moments" aria-labelledby="order-moments">
+      <header class="card-head">
+        <h2 id="order-moments">{t("moments.title")}</h2>
+        <span class="count">{t("moments.count", { n: format.count(fitting.length) })}</span>
+        <div class="card-aside">
+          <span class="segments" role="group" aria-label={t("moments.show")}>
+            {FILTERS.map((each) => (
+              <button key={each} type="button" aria-pressed={wanted.value === each} onClick={() => (wanted.value = each)}>
+                {t(`moments.${each}`)}
+              </button>
+            ))}
+          </span>
+        </div>
+      </header>
+      {!isWhole && <p class="table-hint">{t("moments.partly")}</p>}
+      {fitting.length === 0 && <p class="empty">{t("moments.none")}</p>}
+      <ol>
+        {shown.map((moment, index) => (
+          <li key={`${moment.at_s}-${moment.kind}-${moment.task}-${index}`} class={moment.task !== "" && moment.task === chosen.value ? "chosen" : ""}>
+            <time class="num muted" dateTime={new Date(moment.at_s * 1000).toISOString()}>
+              {format.when(moment.at_s, nowS.value)}
+            </time>
+            <span>
+              <Tag tone={isProblem(moment) ? "warn" : "normal"}>{t(`moments.kind.${moment.kind}`)}</Tag>
+            </span>
+            {moment.task === "" ? (
+              <span>{momentText(moment)}</span>
+            ) : (
+              <button type="button" class="moment-text" aria-pressed={moment.task === chosen.value} onClick={() => (chosen.value = moment.task)}>
+                {momentText(moment)}
+              </button>
+            )}
+            <MomentLink atS={moment.at_s} about={momentText(moment)} />
+          </li>
+        ))}
+      </ol>
+      {shown.length < fitting.length && (
+        <p class="empty">
+          <button type="button" class="button small" onClick={() => (all.value = true)}>
+            {t("moments.more", { n: format.count(fitting.length - shown.length) })}
+          </button>
+        </p>
+      )}
+    </section>
+  );
+}

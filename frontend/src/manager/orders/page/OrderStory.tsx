@@ -1,0 +1,131 @@
+import { type Signal, useSignal } from "@preact/signals";
+import { fetchOrder, fetchTimeline } from "../../../api/client";
+import type { OrderView } from "../../../api/types";
+import { Card } from "../../../parts/Card";
+import { choose } from "../../../selection/selection";
+import { nowS, world } from "../../../stream/stream";
+import { speakAlso } from "../../../text/speech";
+import { t, tables } from "../../../text/views/order";
+import { useRefreshed } from "../../refreshed";
+import { go, shownOrder } from "../../views";
+import { isClosed } from "../progress";
+import { WaitsText } from "../WaitsText";
+import { ChangeCard } from "./ChangeCard";
+import { Head } from "./Head";
+import { Lanes } from "./Lanes";
+import { groupsOf, spanOf, type Story, type Transport } from "./lanes";
+import { LinkCard } from "./LinkCard";
+import { Moments } from "./Moments";
+import { transportText } from "./moments";
+
+/** A page of one order is looked at for minutes; its timeline is read from history. */
+const AGAIN_MS = 3000;
+
+/** The page, once it has its words. */
+export async function load(): Promise<typeof OrderStory> {
+  await speakAlso(tables);
+  return OrderStory;
+}
+
+/** The order that the address names: what was made of it, who carried it, and what is still to come. */
+export function OrderStory() {
+  const id = shownOrder.value;
+  const chosen = useSignal("");
+  const { again, answer, failed } = useRefreshed(async () => {
+    const order = shownOrder.value;
+    const [kept, story] = await Promise.all([fetchOrder(order), fetchTimeline(order)]);
+    return { kept, story };
+  }, AGAIN_MS);
+  const found = answer.value?.kept.id === id ? answer.value : null;
+  if (found === null) {
+    return (
+      <main class="table-view" id="content" tabIndex={-1} aria-busy={failed.value === null}>
+        <section class="card">
+          <header class="card-head">
+            <h1>{id}</h1>
+          </header>
+          <p class="empty" role="status">
+            {failed.value === null ? t("view.loading") : t("orderPage.failed", { reason: failed.value })}{" "}
+            <a href="#orders">{t("orderPage.all")}</a>
+          </p>
+        </section>
+      </main>
+    );
+  }
+  const order: OrderView = world.value?.orders.get(id) ?? found.kept;
+  const { story } = found;
+  return (
+    <main class="order-page" id="content" tabIndex={-1}>
+      {failed.value !== null && (
+        <p class="tone-warn" role="status">
+          {t("orderPage.failed", { reason: failed.value })}
+        </p>
+      )}
+      <Head order={order} story={story} />
+      <div class="order-columns">
+        <div class="order-main">
+          <LanesCard order={order} story={story} chosen={chosen} />
+          <Moments moments={story.moments} isWhole={story.is_whole} chosen={chosen} />
+        </div>
+        <div class="order-side">
+          {order.waits !== null && (
+            <Card title={t("orderPage.waits")} class="order-waits">
+              <WaitsText waits={order.waits} />
+            </Card>
+          )}
+          <ChangeCard key={`change ${id}`} kept={found.kept} onChanged={again} />
+          <LinkCard key={id} order={id} links={story.links} onChanged={again} />
+        </div>
+      </div>
+    </main>
+  );
+}
+
+function LanesCard({ chosen, order, story }: { order: OrderView; story: Story; chosen: Signal<string> }) {
+  const lastS = order.delivered_at_s ?? story.moments.at(-1)?.at_s ?? order.created_at_s;
+  const untilS = isClosed(order) ? lastS : nowS.value;
+  const groups = groupsOf(story, untilS);
+  const span = spanOf(story, [untilS, order.due_at_s, story.expected?.to_at_s ?? null], order.created_at_s);
+  const transport = story.transports.find((each) => each.task === chosen.value);
+  return (
+    <Card title={t("lanes.title")} class="order-lanes">
+      {groups.length === 0 ? (
+        <p class="empty">{t("lanes.none")}</p>
+      ) : (
+        <Lanes groups={groups} span={span} nowS={isClosed(order) ? Infinity : nowS.value} dueS={order.due_at_s} chosen={chosen} />
+      )}
+      {groups.length > 0 && (
+        <p class="lane-legend" aria-hidden="true">
+          {(["fetch", "carry", "lost", "made", "open"] as const).map((kind) => (
+            <span key={kind}>
+              <i class={`lane-bar lane-${kind}`} /> {t(`lanes.legend.${kind}`)}
+            </span>
+          ))}
+        </p>
+      )}
+      {transport && <Told transport={transport} />}
+    </Card>
+  );
+}
+
+/** The chosen transport, in words. */
+function Told({ transport }: { transport: Transport }) {
+  const carrier = transport.legs.at(-1)?.carrier ?? "";
+  return (
+    <div class="order-told" role="status">
+      <p>{transportText(transport)}</p>
+      {world.value?.atvs.has(carrier) === true && (
+        <button
+          type="button"
+          class="button small"
+          onClick={() => {
+            choose({ kind: "atv", id: carrier });
+            go("plant");
+          }}
+        >
+          {t("lanes.onMap", { carrier })}
+        </button>
+      )}
+    </div>
+  );
+}

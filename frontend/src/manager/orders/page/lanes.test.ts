@@ -1,0 +1,81 @@
+import { describe, expect, test } from "vitest";
+import { barsOfGoal, barsOfLeg, type Goal, groupsOf, type Leg, percentOf, spanOf, type Story, ticksOf, type Transport } from "./lanes";
+import { momentText, transportText } from "./moments";
+
+const goal = (more: Partial<Goal>): Goal => ({
+  goal: "O-1.1", product: "g2", quantity: 10, machine: "M9", made: 0, delivered: 0, taken_at_s: 100, begun_at_s: null, last_at_s: null,
+  promised_at_s: null, ended: "", ended_at_s: null, successor: "", ...more,
+});
+const leg = (more: Partial<Leg>): Leg => ({ carrier: "ATV1", since_at_s: 200, aboard_at_s: null, until_at_s: null, replaced: "", ...more });
+const transport = (legs: Leg[], more: Partial<Transport> = {}): Transport => ({
+  task: "M9.1-1", goal: "O-1.1", item: "g2", quantity: 5, source: "M9", destination: "OUT", opened_at_s: 190, closed_at_s: null, outcome: "", legs, ...more,
+});
+const story = (more: Partial<Story>): Story => ({ goals: [], transports: [], moments: [], is_whole: true, expected: null, late: "", links: [], ...more });
+
+describe("a goal's bars", () => {
+  test("end where its last piece was made, or go on to what is promised", () => {
+    expect(barsOfGoal(goal({ made: 10, last_at_s: 300, promised_at_s: 400 }), 900)).toEqual([{ kind: "made", fromS: 100, toS: 300 }]);
+    expect(barsOfGoal(goal({ made: 4, last_at_s: 150, promised_at_s: 400 }), 200)).toEqual([
+      { kind: "made", fromS: 100, toS: 200 },
+      { kind: "open", fromS: 200, toS: 400 },
+    ]);
+    // Later than promised there is nothing left to promise.
+    expect(barsOfGoal(goal({ promised_at_s: 400 }), 500)).toEqual([{ kind: "made", fromS: 100, toS: 500 }]);
+    expect(barsOfGoal(goal({ ended: "lost", ended_at_s: 250 }), 900)).toEqual([{ kind: "made", fromS: 100, toS: 250 }]);
+    expect(barsOfGoal(goal({ taken_at_s: null }), 900)).toEqual([]);
+  });
+});
+
+describe("a carrier's bars", () => {
+  test("tell fetching from carrying, and who was replaced", () => {
+    expect(barsOfLeg(leg({}), 230)).toEqual([{ kind: "fetch", fromS: 200, toS: 230 }]);
+    expect(barsOfLeg(leg({ aboard_at_s: 240, until_at_s: 300 }), 900)).toEqual([
+      { kind: "fetch", fromS: 200, toS: 240 },
+      { kind: "carry", fromS: 240, toS: 300 },
+    ]);
+    expect(barsOfLeg(leg({ aboard_at_s: 240, until_at_s: 260, replaced: "silent" }), 900)).toEqual([{ kind: "lost", fromS: 200, toS: 260 }]);
+    // A clock that is behind makes no bar of a negative length.
+    expect(barsOfLeg(leg({}), 150)).toEqual([{ kind: "fetch", fromS: 200, toS: 200 }]);
+  });
+});
+
+test("transports stand under the goal whose pieces they carry", () => {
+  const groups = groupsOf(story({ goals: [goal({}), goal({ goal: "O-1.2" })], transports: [transport([leg({})])] }), 300);
+  expect(groups.map((group) => group.transports.length)).toEqual([1, 0]);
+});
+
+describe("the axis", () => {
+  test("reaches from the order's beginning over all that is told, due and expected", () => {
+    const span = spanOf(story({ goals: [goal({})] }), [500, null, 700], 90);
+    expect(span.fromS).toBe(90);
+    expect(span.toS).toBeGreaterThan(700);
+    expect(percentOf(span, 90)).toBe(0);
+    expect(percentOf(span, 1e6)).toBe(100);
+    expect(percentOf(span, 0)).toBe(0);
+  });
+
+  test("has round ticks, and never too many", () => {
+    expect(ticksOf({ fromS: 95, toS: 400 }, 8)).toEqual([120, 180, 240, 300, 360]);
+    for (const lengthS of [60, 500, 4000, 90_000, 4_000_000]) {
+      const ticks = ticksOf({ fromS: 1_893_456_007, toS: 1_893_456_007 + lengthS }, 8);
+      expect(ticks.length).toBeLessThanOrEqual(9);
+      expect(ticks.length).toBeGreaterThan(0);
+    }
+  });
+});
+
+describe("in words", () => {
+  test("a transport says who was replaced, and who goes on", () => {
+    const legs = [leg({ carrier: "ATV3", until_at_s: 220, replaced: "silent" }), leg({ aboard_at_s: 240 })];
+    expect(transportText(transport(legs))).toMatch(/^ATV3 was replaced at .+: silent\. ATV1 carries it since .+\.$/);
+    expect(transportText(transport([]))).toBe("Nobody carries it yet.");
+    expect(transportText(transport([leg({ until_at_s: 210, replaced: "silent" })]))).toContain("Nobody carries it yet.");
+    expect(transportText(transport([], { outcome: "withdrawn", closed_at_s: 300 }))).toBe("It was withdrawn.");
+  });
+
+  test("an event says why", () => {
+    const moment = { kind: "took_over" as const, at_s: 1, task: "t", goal: "g", agent: "ATV1", other: "ATV3", item: "g2", quantity: 20, reason: "silent", silent_s: 5.5 };
+    expect(momentText(moment)).toMatch(/^ATV1 took 20 g2 over from ATV3: silent for 5\.5/);
+    expect(momentText({ ...moment, reason: "", silent_s: null })).toBe("ATV1 took 20 g2 over from ATV3");
+  });
+});

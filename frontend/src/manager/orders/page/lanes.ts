@@ -1,0 +1,89 @@
+/** What an order's lanes show: goals and transports as bars in time. Pure. */
+import type { components } from "../../../api/types";
+
+export type Story = components["schemas"]["OrderStory"];
+export type Goal = components["schemas"]["OrderGoalView"];
+export type Transport = components["schemas"]["WayOutView"];
+export type Leg = components["schemas"]["LegView"];
+
+/** `fetch`: to the source; `carry`: with the load; `lost`: replaced on the way; `made`: a machine works; `open`: what is still to come. */
+export type BarKind = "fetch" | "carry" | "lost" | "made" | "open";
+
+export interface Bar {
+  readonly kind: BarKind;
+  readonly fromS: number;
+  readonly toS: number;
+}
+
+/** Wall clock, seconds. */
+export interface Span {
+  readonly fromS: number;
+  readonly toS: number;
+}
+
+/** A goal, and the transports of what it has made. */
+export interface Group {
+  readonly goal: Goal;
+  readonly bars: readonly Bar[];
+  readonly transports: readonly { transport: Transport; bars: readonly Bar[] }[];
+}
+
+const HOUR_S = 3600;
+const STEPS_S = [10, 30, 60, 120, 300, 600, 900, 1800, HOUR_S, 2 * HOUR_S, 6 * HOUR_S, 12 * HOUR_S, 24 * HOUR_S, 168 * HOUR_S];
+/** What is shorter has no ticks that tell anything. */
+const LEAST_SPAN_S = 60;
+
+export function groupsOf(story: Story, nowS: number): Group[] {
+  return story.goals.map((goal) => ({
+    goal,
+    bars: barsOfGoal(goal, nowS),
+    transports: story.transports
+      .filter((transport) => transport.goal === goal.goal)
+      .map((transport) => ({ transport, bars: transport.legs.flatMap((leg) => barsOfLeg(leg, nowS)) })),
+  }));
+}
+
+export function barsOfGoal(goal: Goal, nowS: number): Bar[] {
+  const { begun_at_s: begunS, ended_at_s: endedS, last_at_s: lastS, promised_at_s: promisedS, taken_at_s: takenS } = goal;
+  const bars: Bar[] = [];
+  const isDone = goal.made >= goal.quantity || goal.ended !== "";
+  const untilS = isDone ? (endedS ?? lastS ?? nowS) : nowS;
+  const sinceS = takenS ?? begunS;
+  if (sinceS !== null) bars.push({ kind: "made", fromS: sinceS, toS: Math.max(sinceS, untilS) });
+  if (!isDone && promisedS !== null && promisedS > untilS) bars.push({ kind: "open", fromS: untilS, toS: promisedS });
+  return bars;
+}
+
+export function barsOfLeg(leg: Leg, nowS: number): Bar[] {
+  const untilS = Math.max(leg.since_at_s, leg.until_at_s ?? nowS);
+  if (leg.replaced !== "") return [{ kind: "lost", fromS: leg.since_at_s, toS: untilS }];
+  const aboardS = leg.aboard_at_s;
+  if (aboardS === null) return [{ kind: "fetch", fromS: leg.since_at_s, toS: untilS }];
+  return [
+    { kind: "fetch", fromS: leg.since_at_s, toS: aboardS },
+    { kind: "carry", fromS: aboardS, toS: Math.max(aboardS, untilS) },
+  ];
+}
+
+/** From the first of an order to the last of it, with what is expected and due, and a little room at the end. */
+export function spanOf(story: Story, marks: readonly (number | null)[], startS: number): Span {
+  const bars = groupsOf(story, startS).flatMap((group) => [...group.bars, ...group.transports.flatMap((each) => each.bars)]);
+  const ends = [...bars.map((bar) => bar.toS), ...marks.filter((mark) => mark !== null)];
+  const fromS = Math.min(startS, ...bars.map((bar) => bar.fromS));
+  const lastS = Math.max(fromS + LEAST_SPAN_S, ...ends);
+  return { fromS, toS: lastS + (lastS - fromS) * 0.04 };
+}
+
+/** How far along the span a moment lies, in percent; what lies outside is at its edge. */
+export function percentOf(span: Span, atS: number): number {
+  return Math.min(100, Math.max(0, ((atS - span.fromS) / (span.toS - span.fromS)) * 100));
+}
+
+/** Round times within the span, `most` of them at most. */
+export function ticksOf(span: Span, most: number): number[] {
+  const lengthS = span.toS - span.fromS;
+  const stepS = STEPS_S.find((step) => lengthS / step <= most) ?? lengthS;
+  const ticks: number[] = [];
+  for (let atS = Math.ceil(span.fromS / stepS) * stepS; atS < span.toS; atS += stepS) ticks.push(atS);
+  return ticks;
+}

@@ -1,0 +1,58 @@
+/** What happened to an order, in words. */
+import type { components } from "../../../api/types";
+import { format, t, word } from "../../../text/views/order";
+import { names, plant } from "../../state";
+import type { Transport } from "./lanes";
+
+export type Moment = components["schemas"]["MomentView"];
+export type Wanted = "all" | "transports" | "problems";
+
+const OF_TRANSPORTS: ReadonlySet<Moment["kind"]> = new Set(["fetched", "handed_over", "took_over", "announced_anew", "arrived"]);
+const PROBLEMS: ReadonlySet<Moment["kind"]> = new Set(["moved", "waits", "took_over", "announced_anew", "withdrawn", "dropped"]);
+
+export function isWanted(moment: Moment, wanted: Wanted): boolean {
+  if (wanted === "transports") return OF_TRANSPORTS.has(moment.kind);
+  return wanted === "all" || PROBLEMS.has(moment.kind);
+}
+
+export function isProblem(moment: Moment): boolean {
+  return PROBLEMS.has(moment.kind);
+}
+
+/** What people call a place: warehouses and storages have names, machines their ids. */
+export function placeOf(id: string): string {
+  return plant.value?.warehouses.find((each) => each.id === id)?.name ?? id;
+}
+
+export function loadOf(item: string, quantity: number): string {
+  return `${format.count(quantity)} ${names.value(item)}`;
+}
+
+export function momentText(moment: Moment): string {
+  const text = t(`moment.${moment.kind}`, {
+    agent: moment.agent,
+    other: placeOf(moment.other),
+    load: loadOf(moment.item, moment.quantity),
+    item: names.value(moment.item),
+  });
+  if (moment.reason === "") return text;
+  const reason = word("reason.why", moment.reason);
+  return moment.silent_s === null
+    ? t("moment.because", { text, reason })
+    : t("moment.becauseSilent", { text, reason, age: format.age(moment.silent_s) });
+}
+
+/** Who carried it and who carries it now, in one sentence or two. */
+export function transportText(transport: Transport): string {
+  const told = transport.legs.map((leg) => {
+    if (leg.replaced !== "") {
+      return t("leg.replaced", { carrier: leg.carrier, at: format.clock(leg.until_at_s ?? leg.since_at_s), reason: word("reason.why", leg.replaced) });
+    }
+    if (leg.until_at_s !== null) return t("leg.done", { carrier: leg.carrier, at: format.clock(leg.until_at_s), to: placeOf(transport.destination) });
+    if (leg.aboard_at_s !== null) return t("leg.carries", { carrier: leg.carrier, at: format.clock(leg.aboard_at_s) });
+    return t("leg.fetches", { carrier: leg.carrier, at: format.clock(leg.since_at_s), from: placeOf(transport.source) });
+  });
+  if (transport.outcome === "withdrawn") told.push(t("leg.withdrawn"));
+  else if (transport.closed_at_s === null && transport.legs.every((leg) => leg.until_at_s !== null)) told.push(t("leg.nobody"));
+  return told.join(" ");
+}

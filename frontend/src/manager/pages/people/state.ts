@@ -1,0 +1,146 @@
+/** What is being done to people and keys: the forms' state, and the sending of it. */
+import { signal } from "@preact/signals";
+import { addPerson, giveSecret, type Key, letIn, makeKey, makeLoginLink, movePerson, type Person, revokeKey, type SecretKind } from "../../../api/people";
+import { Problem } from "../../../api/problem";
+import { t } from "../../../text/views/people";
+import { problemText } from "../../problem-text";
+
+export type Role = "manager" | "operator";
+
+/** Whom the sheet is about; null for somebody new. */
+export const chosen = signal<Person | null>(null);
+export const written = signal(somebody());
+export const secret = signal("");
+export const kind = signal<SecretKind>("pin");
+/** A login link that was made for whom is chosen; empty for none. */
+export const link = signal("");
+
+export const key = signal(something());
+/** The token of the key that was made; empty for none. */
+export const token = signal("");
+/** Which key somebody is asked about before it is taken back; empty for none. */
+export const asked = signal("");
+
+export const busy = signal(false);
+/** What is wrong with fields, by the gateway's names of them. */
+export const complaints = signal<Readonly<Record<string, string>>>({});
+export const outcome = signal<{ good: boolean; text: string } | null>(null);
+
+function somebody() {
+  return { id: "", name: "", role: "operator" as Role, areas: [] as string[] };
+}
+
+function something() {
+  return { name: "", scopes: [] as string[], days: "", place: "" };
+}
+
+function forget(): void {
+  complaints.value = {};
+  outcome.value = null;
+}
+
+export function edit(change: Partial<ReturnType<typeof somebody>>): void {
+  written.value = { ...written.value, ...change };
+  forget();
+}
+
+export function editKey(change: Partial<ReturnType<typeof something>>): void {
+  key.value = { ...key.value, ...change };
+  forget();
+}
+
+export function editSecret(change: string): void {
+  secret.value = change;
+  forget();
+}
+
+/** @param person null for somebody new */
+export function begin(person: Person | null): void {
+  chosen.value = person;
+  written.value = person ? { ...person, role: person.role === "manager" ? "manager" : "operator", areas: [...person.areas] } : somebody();
+  secret.value = "";
+  kind.value = person?.role === "manager" ? "password" : "pin";
+  link.value = "";
+  forget();
+}
+
+export function beginKey(): void {
+  key.value = something();
+  token.value = "";
+  forget();
+}
+
+/** With or without one, in the order in which they were chosen. */
+export function ticked(list: readonly string[], one: string, on: boolean): string[] {
+  return on ? [...list, one] : list.filter((each) => each !== one);
+}
+
+export const add = (): Promise<boolean> =>
+  ask(async () => {
+    const { areas, id, name, role } = written.value;
+    begin(await addPerson({ id: id.trim(), name: name.trim() || id.trim(), role, areas: role === "manager" ? [] : areas }));
+    return t("people.added");
+  });
+
+export const makeLink = (person: Person): Promise<boolean> =>
+  ask(async () => {
+    link.value = await makeLoginLink(person.id);
+    return "";
+  });
+
+export const give = (person: Person): Promise<boolean> =>
+  ask(async () => {
+    begin(await giveSecret(person.id, kind.value, secret.value));
+    return t("people.given");
+  });
+
+export const move = (person: Person): Promise<boolean> =>
+  ask(async () => {
+    begin(await movePerson(person.id, written.value.areas));
+    return t("people.moved");
+  });
+
+export const setMay = (person: Person, may: boolean): Promise<boolean> =>
+  ask(async () => {
+    begin(await letIn(person.id, may));
+    return t(may ? "people.enabled" : "people.disabled");
+  });
+
+export const addKey = (): Promise<boolean> =>
+  ask(async () => {
+    const { days, name, place, scopes } = key.value;
+    // What is no number goes as it was written, for the gateway says best what is wrong with it.
+    const until = days.trim() === "" ? null : /^\d+$/.test(days.trim()) ? Number(days) : (days as unknown as number);
+    // The gateway says best which of them it does not know.
+    token.value = await makeKey({ name: name.trim(), scopes: scopes as never, days: until, place: isButton(scopes) ? place : "" });
+    key.value = something();
+    return "";
+  });
+
+export const takeBack = ({ id }: Key): Promise<boolean> =>
+  ask(async () => {
+    await revokeKey(id);
+    asked.value = "";
+    return "";
+  });
+
+/** Only what may do nothing but call for transports has a place. */
+export const isButton = (scopes: readonly string[]): boolean => scopes.length === 1 && scopes[0] === "transports:call";
+
+async function ask(act: () => Promise<string>): Promise<boolean> {
+  if (busy.value) return false;
+  busy.value = true;
+  forget();
+  try {
+    const text = await act();
+    if (text !== "") outcome.value = { good: true, text };
+    return true;
+  } catch (error) {
+    const errors = error instanceof Problem ? error.errors : [];
+    complaints.value = Object.fromEntries(errors.map(({ field, reason }) => [field.split("[")[0] ?? "", reason]));
+    if (errors.length === 0) outcome.value = { good: false, text: t("people.failed", { reason: problemText(error) }) };
+    return false;
+  } finally {
+    busy.value = false;
+  }
+}

@@ -1,0 +1,70 @@
+/** The form's state, and the sending of it. */
+import { signal } from "@preact/signals";
+import { defineProduct } from "../../../../api/products";
+import { Problem } from "../../../../api/problem";
+import { loadPlant } from "../../../../plant/load";
+import { t } from "../../../../text/views/products";
+import { problemText } from "../../../problem-text";
+import { plant, plantFailed } from "../../../state";
+import { draftOf, empty, partOf, type ProductAnswer, twice, type Written, writtenOf } from "./draft";
+
+export const written = signal<Written>(empty(""));
+export const complaints = signal<Readonly<Record<string, string>>>({});
+export const sending = signal(false);
+export const outcome = signal<{ good: boolean; text: string } | null>(null);
+
+export function edit(change: Partial<Written>): void {
+  written.value = { ...written.value, ...change };
+  complaints.value = {};
+  outcome.value = null;
+}
+
+export function begin(product: ProductAnswer | null): void {
+  written.value = product ? writtenOf(product) : empty(plant.value?.vehicle_types[0]?.abilities[0] ?? "");
+  complaints.value = {};
+  outcome.value = null;
+}
+
+export async function send(): Promise<boolean> {
+  const wanted = written.value;
+  const wrong: Record<string, string> = {};
+  for (const part of ["bill", "machines"] as const) {
+    const double = twice(wanted[part]);
+    if (double !== null) wrong[part] = t("products.twice", { what: double });
+  }
+  if (wanted.id.trim() === "") wrong.id = t("products.needId");
+  complaints.value = wrong;
+  outcome.value = null;
+  if (sending.value || Object.keys(wrong).length > 0) return false;
+  sending.value = true;
+  try {
+    const defined = await defineProduct(wanted.id.trim(), draftOf(wanted), wanted.etag);
+    written.value = writtenOf(defined);
+    outcome.value = { good: true, text: t("products.defined", { name: defined.name, revision: defined.revision }) };
+    // Whatever names products by the plant knows it at once.
+    void loadPlant(plant, plantFailed, problemText);
+    return true;
+  } catch (error) {
+    complain(error, wanted);
+    return false;
+  } finally {
+    sending.value = false;
+  }
+}
+
+function complain(error: unknown, wanted: Written): void {
+  const at: Record<string, string> = {};
+  const elsewhere: string[] = [];
+  for (const each of error instanceof Problem ? error.errors : []) {
+    const part = partOf(each.field, wanted);
+    if (part === "") elsewhere.push(`${each.field}: ${each.reason}`);
+    else at[part] = [at[part], each.reason].filter(Boolean).join("; ");
+  }
+  complaints.value = at;
+  if (error instanceof Problem && error.kind === "exists") {
+    complaints.value = { id: t("products.exists") };
+  } else if (Object.keys(at).length === 0 || elsewhere.length > 0) {
+    const reason = elsewhere.length > 0 ? elsewhere.join("; ") : problemText(error);
+    outcome.value = { good: false, text: t("products.failed", { reason }) };
+  }
+}

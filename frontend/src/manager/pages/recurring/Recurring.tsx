@@ -1,0 +1,163 @@
+import { signal } from "@preact/signals";
+import { changeSchedule, fetchSchedules, removeSchedule, type Schedule } from "../../../api/schedules";
+import { Table } from "../../../parts/Table";
+import { Tag } from "../../../parts/Tag";
+import { language, speakAlso } from "../../../text/speech";
+import { format, t, tables } from "../../../text/views/recurring";
+import { Sure } from "../../parts/Sure";
+import { problemText } from "../../problem-text";
+import { useRefreshed } from "../../refreshed";
+import { names } from "../../state";
+import { addressOf } from "../../views";
+import { dayName, shown, timesOf } from "./draft";
+import { begin } from "./form";
+import "./recurring.css";
+import { FORM, RecurringForm } from "./RecurringForm";
+
+const EVERY_MS = 10_000;
+
+const HEADS = ["name", "what", "calendar", "next", "last", "actions"] as const;
+
+/** Which one somebody is asked about before it is removed; empty for none. */
+const asked = signal("");
+const failed = signal("");
+
+/** The view, once it has its words. */
+export async function load(): Promise<typeof Recurring> {
+  await speakAlso(tables);
+  return Recurring;
+}
+
+/** What is brought or ordered again and again: by which calendar, when next, and what came of it last. */
+export function Recurring() {
+  const { again, answer, failed: unread } = useRefreshed(fetchSchedules, EVERY_MS);
+  const schedules = answer.value ?? [];
+  const act = async (what: Promise<unknown>): Promise<void> => {
+    failed.value = "";
+    try {
+      await what;
+    } catch (error) {
+      failed.value = t("recurring.failed", { reason: problemText(error) });
+    }
+    asked.value = "";
+    again();
+  };
+  return (
+    <Table
+      title={t("recurring.title")}
+      heads={HEADS.map((head) => t(`recurring.${head}`))}
+      hint={t("recurring.hint")}
+      empty={unread.value === null ? t(answer.value ? "recurring.none" : "view.loading") : t("list.failed", { reason: unread.value })}
+      busy={answer.value === null && unread.value === null}
+      aside={
+        <button type="button" class="button primary" popovertarget={FORM} onClick={() => { begin(null); }}>
+          {t("recurring.add")}
+        </button>
+      }
+      below={
+        <>
+          {failed.value !== "" && (
+            <p class="complaint" role="alert">
+              {failed.value}
+            </p>
+          )}
+          <RecurringForm onKept={again} />
+        </>
+      }
+    >
+      {schedules.map((schedule) => (
+        <Row key={schedule.id} schedule={schedule} act={act} />
+      ))}
+    </Table>
+  );
+}
+
+function Row({ act, schedule }: { schedule: Schedule; act: (what: Promise<unknown>) => Promise<void> }) {
+  const { calendar, name, next_runs, paused, time_zone } = schedule;
+  const times = timesOf(schedule);
+  const named = times?.days.map((day) => dayName(day, language.value)) ?? [];
+  const days = named.length > 0 ? named.join(", ") : t("recurring.everyDay");
+  const [next, ...later] = next_runs.map((moment) => shown(moment, time_zone, language.value));
+  return (
+    <tr>
+      <th scope="row">
+        <button type="button" class="link" popovertarget={FORM} title={t("recurring.change", { name })} onClick={() => { begin(schedule); }}>
+          {name}
+        </button>
+      </th>
+      <td>
+        <What schedule={schedule} />
+      </td>
+      <td>
+        {times === null ? <code>{calendar}</code> : t("recurring.daysAt", { days, time: times.time })}
+        <small class="line muted">{time_zone}</small>
+      </td>
+      <td>
+        {paused ? <Tag tone="warn">{t("recurring.paused")}</Tag> : (next ?? "–")}
+        <small class="line muted">{later.join(" · ")}</small>
+      </td>
+      <td>
+        <Last schedule={schedule} />
+      </td>
+      <td class="recurring-actions">
+        {asked.value === schedule.id ? (
+          <Sure
+            asked={t("recurring.sure", { name })}
+            no={t("recurring.keep")}
+            yes={t("recurring.remove")}
+            busy={false}
+            onNo={() => { asked.value = ""; }}
+            onYes={() => void act(removeSchedule(schedule))}
+          />
+        ) : (
+          <>
+            <button type="button" class="button small" aria-label={t(paused ? "recurring.goOnWith" : "recurring.pauseOf", { name })} onClick={() => void act(changeSchedule(schedule, { paused: !paused }))}>
+              {t(paused ? "recurring.goOn" : "recurring.pause")}
+            </button>
+            <button type="button" class="button small" aria-label={t("recurring.removeOf", { name })} onClick={() => { asked.value = schedule.id; }}>
+              {t("recurring.remove")}
+            </button>
+          </>
+        )}
+      </td>
+    </tr>
+  );
+}
+
+function What({ schedule: { order, transport } }: { schedule: Schedule }) {
+  if (order) {
+    const { customer, due_after_s, items, reference } = order;
+    const parts = [t("recurring.orderOf", { customer }), reference, due_after_s !== null && t("recurring.dueAfter", { hours: format.number(due_after_s / 3600, 1) })];
+    return (
+      <>
+        {items.map(({ product, quantity }) => `${format.count(quantity)} ${names.value(product)}`).join(", ")}
+        <small class="line muted">{parts.filter(Boolean).join(" · ")}</small>
+      </>
+    );
+  }
+  if (!transport) return null;
+  const way = t("recurring.way", { from: transport.from ?? t("recurring.nearest"), to: transport.to ?? t("recurring.nearest") });
+  return (
+    <>
+      {format.count(transport.quantity)} {names.value(transport.item)}
+      <small class="line muted">{[way, transport.vehicle, transport.ability].filter(Boolean).join(" · ")}</small>
+    </>
+  );
+}
+
+function Last({ schedule: { last, missed_at, time_zone } }: { schedule: Schedule }) {
+  const at = (moment: string): string => shown(moment, time_zone, language.value);
+  return (
+    <>
+      {last === null ? "–" : at(last.planned_at)}
+      {last?.transport != null && <small class="line muted">{last.transport}</small>}
+      {last?.order != null && (
+        <small class="line">
+          <a href={addressOf(last.order)}>{last.order}</a>
+        </small>
+      )}
+      {last?.refused != null && <small class="line complaint">{t("recurring.refused", { reason: last.refused })}</small>}
+      {missed_at !== null && <small class="line muted">{t("recurring.leftOut", { at: at(missed_at) })}</small>}
+    </>
+  );
+}

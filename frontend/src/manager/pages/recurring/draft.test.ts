@@ -1,0 +1,66 @@
+import { describe, expect, test } from "vitest";
+import type { Schedule } from "../../../api/schedules";
+import { calendarOf, dayName, draftOf, empty, partOf, shown, timesOf, writtenOf } from "./draft";
+
+const schedule: Schedule = {
+  id: "S-1", etag: '"1-0-0"', name: "Shafts", calendar: "45 5 * * 1,2,3", time_zone: "Europe/Berlin", holidays: ["2030-12-25"],
+  missed: "catch_up", paused: false, transport: { from: "S3", to: "M8", item: "shaft", quantity: 40, priority: "high", vehicle: "ATV3", vehicle_only: false, ability: "pallet" },
+  order: null,
+  next_runs: [], last: null, missed_at: null, changed_by: "Mia", changed_at: "2030-01-01T00:00:00.000Z",
+};
+
+describe("a calendar", () => {
+  test.each([
+    [{ days: ["0", "5"], time: "06:05" }, "5 6 * * 5,0"],
+    [{ days: [] }, "0 6 * * *"],
+    [{ days: ["0", "1", "2", "3", "4", "5", "6"] }, "0 6 * * *"],
+    [{ cron: " */30 * * * * ", time: "06:05" }, "*/30 * * * *"],
+  ])("of %j is %s", (change, cron) => {
+    expect(calendarOf({ ...empty("UTC"), ...change })).toBe(cron);
+  });
+
+  test.each(["45 5 * * 1,2,3", "0 22 * * *", "*/30 * * * *", "0 6 1 * *", "0 6 * * MON-FRI"])("of %s comes back as it was", (calendar) => {
+    expect(calendarOf(writtenOf({ ...schedule, calendar }))).toBe(calendar);
+  });
+});
+
+test.each([
+  ["45 5 * * 3,1", { days: ["1", "3"], time: "05:45" }],
+  ["0 22 * * *", { days: [], time: "22:00" }],
+  ["0 22 * * 0,1,2,3,4,5,6", { days: [], time: "22:00" }],
+  ["0 6 1 * *", null],
+])("the days and the time of %s", (calendar, times) => {
+  expect(timesOf({ ...schedule, calendar })).toEqual(times);
+});
+
+test("what is there is sent as it was", () => {
+  const { calendar, holidays, missed, name, time_zone, transport } = schedule;
+  expect(draftOf(writtenOf(schedule))).toEqual({ calendar, holidays, missed, name, time_zone, transport });
+});
+
+test("an order is sent as it was", () => {
+  const order = { customer: "Hall 3", reference: "weekly", items: [{ product: "P1", quantity: 20 }, { product: "P2", quantity: 1 }], priority: "urgent", due_after_s: 5400 };
+  const written = writtenOf({ ...schedule, transport: null, order });
+  expect([written.kind, written.dueH]).toEqual(["order", "1.5"]);
+  expect(draftOf(written).order).toEqual(order);
+  expect(draftOf(written).transport).toBeUndefined();
+  expect(draftOf({ ...written, dueH: " ", reference: "" }).order).toMatchObject({ due_after_s: null, reference: null });
+  expect(draftOf({ ...written, dueH: "2,5" }).order?.due_after_s).toBe(9000);
+  expect(draftOf({ ...written, dueH: "soon" }).order?.due_after_s).toBe("soon");
+});
+
+test("what is no number goes as it was written", () => {
+  expect(draftOf({ ...empty("UTC"), quantity: "many", holidays: "2030-01-01,\n2030-01-06" })).toMatchObject({
+    holidays: ["2030-01-01", "2030-01-06"],
+    transport: { quantity: "many", from: null },
+  });
+});
+
+test.each([["calendar", "cron"], ["holidays[3]", "holidays"], ["transport.item", "item"], ["transport.ability", "ability"], ["transport.source", ""], ["paused", ""], ["order.items[2].product", "line.2"], ["order.items", "lines"], ["order.due_after_s", "dueH"], ["order.customer", "customer"]])(
+  "a complaint about %s stands at %j", (field, part) => { expect(partOf(field)).toBe(part); },
+);
+
+test("a moment is told by the clock of its zone", () => {
+  expect(shown("2030-03-18T06:00:00+01:00", "Europe/Berlin", "en")).toContain("06:00");
+  expect(dayName("1", "de")).toBe("Mo");
+});

@@ -1,0 +1,80 @@
+/** The form's state, and the sending of it. */
+import { signal } from "@preact/signals";
+import { Problem } from "../../../api/problem";
+import { addSchedule, changeSchedule, previewRuns, type Schedule } from "../../../api/schedules";
+import { t } from "../../../text/views/recurring";
+import { problemText } from "../../problem-text";
+import { calendarOf, daysOf, draftOf, empty, partOf, type Written, writtenOf } from "./draft";
+
+/** What is changed; null for something new. */
+export const before = signal<Schedule | null>(null);
+export const written = signal<Written>(empty("UTC"));
+export const complaints = signal<Readonly<Record<string, string>>>({});
+export const busy = signal(false);
+export const outcome = signal<{ good: boolean; text: string } | null>(null);
+/** The next moments, of the time zone in which they are told; null before they were asked for. */
+export const runs = signal<{ zone: string; moments: readonly string[] } | null>(null);
+
+export function edit(change: Partial<Written>): void {
+  written.value = { ...written.value, ...change };
+  forget();
+}
+
+export function begin(schedule: Schedule | null): void {
+  before.value = schedule;
+  written.value = schedule ? writtenOf(schedule) : empty(Intl.DateTimeFormat().resolvedOptions().timeZone);
+  forget();
+}
+
+function forget(): void {
+  complaints.value = {};
+  outcome.value = null;
+  runs.value = null;
+}
+
+export async function preview(): Promise<void> {
+  const zone = written.value.zone.trim();
+  await ask(async () => {
+    const moments = await previewRuns({ calendar: calendarOf(written.value), time_zone: zone, holidays: daysOf(written.value.holidays), count: 10 });
+    runs.value = { zone, moments };
+  });
+}
+
+export async function send(): Promise<boolean> {
+  const draft = draftOf(written.value);
+  return await ask(async () => {
+    const kept = before.value === null ? await addSchedule({ ...draft, paused: false }) : await changeSchedule(before.value, draft);
+    begin(kept);
+    outcome.value = { good: true, text: t("recurring.kept", { name: kept.name }) };
+  });
+}
+
+async function ask(what: () => Promise<void>): Promise<boolean> {
+  if (busy.value) return false;
+  busy.value = true;
+  forget();
+  try {
+    await what();
+    return true;
+  } catch (error) {
+    complain(error);
+    return false;
+  } finally {
+    busy.value = false;
+  }
+}
+
+function complain(error: unknown): void {
+  const at: Record<string, string> = {};
+  const elsewhere: string[] = [];
+  for (const each of error instanceof Problem ? error.errors : []) {
+    const part = partOf(each.field);
+    if (part === "") elsewhere.push(`${each.field}: ${each.reason}`);
+    else at[part] = [at[part], each.reason].filter(Boolean).join("; ");
+  }
+  complaints.value = at;
+  if (Object.keys(at).length === 0 || elsewhere.length > 0) {
+    const reason = elsewhere.length > 0 ? elsewhere.join("; ") : problemText(error);
+    outcome.value = { good: false, text: t("recurring.failed", { reason }) };
+  }
+}

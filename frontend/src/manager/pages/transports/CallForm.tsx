@@ -1,0 +1,89 @@
+import type { ComponentProps } from "preact";
+import { t } from "../../../text/views/transports";
+import { PrioritySelect } from "../../orders/PrioritySelect";
+import * as parts from "../../parts/Field";
+import { Sheet } from "../../parts/Sheet";
+import { plant } from "../../state";
+import { busy, complaints, edit, outcome, send, type Written, written } from "./call";
+
+/** What the button opens. */
+export const FORM = "call-form";
+
+type TextPart = { [K in keyof Written]: Written[K] extends string ? K : never }[keyof Written];
+
+/** Calls for one load: refusals stand at their fields. */
+export function CallForm({ onCalled }: { onCalled: () => void }) {
+  const { due, only, priority, quantity, vehicle } = written.value;
+  const file = plant.value;
+  const places = [...(file?.storages ?? []), ...(file?.machines ?? [])];
+  const abilities = [...new Set(file?.vehicle_types.flatMap((type) => type.abilities) ?? [])];
+  return (
+    <Sheet id={FORM} title={t("called.callTitle")}>
+      <form
+        class="call-form"
+        noValidate
+        onSubmit={(event) => {
+          event.preventDefault();
+          void send().then((called) => {
+            if (called) onCalled();
+          });
+        }}
+      >
+        <div class="form">
+          <Choice part="item" label={t("called.item")} none={t("called.choose")} options={file?.materials ?? []} />
+          <Field part="quantity" label={t("called.quantity")}>
+            {(attributes) => <input {...attributes} inputMode="numeric" autoComplete="off" value={quantity} onInput={(event) => { edit({ quantity: event.currentTarget.value }); }} />}
+          </Field>
+          <Choice part="from" label={t("called.source")} none={t("called.nearest")} options={places} />
+          <Choice part="to" label={t("called.to")} none={t("called.nearest")} options={places} />
+          <Field part="priority" label={t("orders.priority")}>
+            {(attributes) => <PrioritySelect {...attributes} value={priority} onChoose={(chosen) => { edit({ priority: chosen }); }} />}
+          </Field>
+          <Field part="due" label={t("called.dueAt")}>
+            {(attributes) => <input {...attributes} type="datetime-local" value={due} onChange={(event) => { edit({ due: event.currentTarget.value }); }} />}
+          </Field>
+          <Choice part="vehicle" label={t("called.vehicle")} none={t("called.anyVehicle")} options={file?.fleet ?? []} />
+          <Choice part="ability" label={t("called.ability")} none={t("called.noAbility")} options={abilities.map((id) => ({ id }))} />
+          {vehicle !== "" && (
+            <label class="only">
+              <input type="checkbox" checked={only} onChange={(event) => { edit({ only: event.currentTarget.checked }); }} />
+              {t("called.only")}
+            </label>
+          )}
+        </div>
+        <p class="form-actions">
+          <span role="status" class={`outcome outcome-${outcome.value?.good ? "good" : "bad"}`}>
+            {outcome.value?.text}
+          </span>
+          <button type="submit" class="button primary" disabled={busy.value}>
+            {t("called.send")}
+          </button>
+        </p>
+      </form>
+    </Sheet>
+  );
+}
+
+type PartProps = Pick<ComponentProps<typeof parts.Field>, "children"> & { part: string; label: string };
+
+function Field({ children, label, part }: PartProps) {
+  return (
+    <parts.Field id={`call-${part}`} label={label} complaint={complaints.value[part]}>
+      {children}
+    </parts.Field>
+  );
+}
+
+type ChoiceProps = Pick<ComponentProps<typeof parts.Choice>, "none" | "options"> & { part: TextPart; label: string };
+
+function Choice({ part, ...choice }: ChoiceProps) {
+  return (
+    <parts.Choice
+      {...choice}
+      id={`call-${part}`}
+      complaint={complaints.value[part]}
+      value={written.value[part]}
+      onChosen={(value) => { edit({ [part]: value }); }}
+    />
+  );
+}

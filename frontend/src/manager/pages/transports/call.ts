@@ -1,0 +1,83 @@
+/** A plain transport as somebody calls for it: the form's state, and the sending of it. */
+import { signal } from "@preact/signals";
+import { newKey } from "../../../api/client";
+import { Problem } from "../../../api/problem";
+import { callTransport, type TransportDraft } from "../../../api/transports";
+import { t } from "../../../text/views/transports";
+import type { Priority } from "../../orders/priority";
+import { problemText } from "../../problem-text";
+
+export interface Written {
+  readonly item: string;
+  readonly quantity: string;
+  readonly from: string;
+  readonly to: string;
+  readonly priority: Priority;
+  /** In the reader's zone, as the browser writes it; empty for none. */
+  readonly due: string;
+  readonly vehicle: string;
+  readonly only: boolean;
+  readonly ability: string;
+}
+
+export const EMPTY: Written = { item: "", quantity: "", from: "", to: "", priority: "normal", due: "", vehicle: "", only: true, ability: "" };
+
+export const written = signal<Written>(EMPTY);
+export const complaints = signal<Readonly<Record<string, string>>>({});
+export const busy = signal(false);
+export const outcome = signal<{ good: boolean; text: string } | null>(null);
+
+/** The same for every try at what is written: a transport whose answer was lost is not called twice. */
+let key = "";
+
+export function edit(change: Partial<Written>): void {
+  written.value = { ...written.value, ...change };
+  complaints.value = {};
+  outcome.value = null;
+  key = "";
+}
+
+/** What is sent. What is no number goes as it was written, for the gateway says best what is wrong with it. */
+export function draftOf({ ability, due, from, item, only, priority, quantity, to, vehicle }: Written): TransportDraft {
+  const pieces = quantity.trim();
+  const or = (text: string): string | null => (text === "" ? null : text);
+  return {
+    from: or(from), to: or(to), item, priority, vehicle: or(vehicle), vehicle_only: only, ability: or(ability),
+    quantity: /^\d+$/.test(pieces) ? Number(pieces) : (pieces as unknown as number),
+    due_at: due === "" ? null : new Date(due).toISOString(),
+  };
+}
+
+const PARTS: Readonly<Record<string, string>> = { due_at: "due", from: "from", to: "to", item: "item", quantity: "quantity", vehicle: "vehicle", ability: "ability" };
+
+/** Each complaint at its field, and those together that have none. */
+export function complaintsOf(errors: readonly { field: string; reason: string }[]): { at: Record<string, string>; elsewhere: string } {
+  const at: Record<string, string> = {};
+  const elsewhere: string[] = [];
+  for (const { field, reason } of errors) {
+    const part = PARTS[field];
+    if (part === undefined) elsewhere.push(`${field}: ${reason}`);
+    else at[part] = [at[part], reason].filter(Boolean).join("; ");
+  }
+  return { at, elsewhere: elsewhere.join("; ") };
+}
+
+export async function send(): Promise<boolean> {
+  if (busy.value) return false;
+  busy.value = true;
+  if (key === "") key = newKey();
+  try {
+    const { id } = await callTransport(draftOf(written.value), key);
+    edit(EMPTY);
+    outcome.value = { good: true, text: t("called.sent", { id }) };
+    return true;
+  } catch (error) {
+    const { at, elsewhere } = complaintsOf(error instanceof Problem ? error.errors : []);
+    complaints.value = at;
+    const reason = elsewhere === "" && Object.keys(at).length === 0 ? problemText(error) : elsewhere;
+    outcome.value = reason === "" ? null : { good: false, text: t("called.failed", { reason }) };
+    return false;
+  } finally {
+    busy.value = false;
+  }
+}

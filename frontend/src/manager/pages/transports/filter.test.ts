@@ -1,0 +1,22 @@
+import { expect, test } from "vitest";
+import { complaintsOf, draftOf, EMPTY } from "./call";
+import { queryOf } from "./filter";
+
+test.each([
+  [{}, {}],
+  [{ state: "open" }, { status: ["waiting", "assigned", "on_board"] }],
+  [{ state: "delivered", place: "M8" }, { status: ["delivered"], place: "M8" }],
+  [{ state: "eaten" }, {}],
+  [{ q: "bearing M8" }, { q: "bearing M8" }],
+])("the address %j asks for %j", (said, query) => { expect(queryOf(said)).toEqual(query); });
+
+test("what is left empty is left to the gateway, and what is no number it refuses", () => {
+  expect(draftOf({ ...EMPTY, item: "shaft", quantity: " 40 ", to: "M8" })).toEqual({
+    from: null, to: "M8", item: "shaft", quantity: 40, priority: "normal", vehicle: null, vehicle_only: true, ability: null, due_at: null,
+  });
+  expect(draftOf({ ...EMPTY, quantity: "many" }).quantity).toBe("many");
+});
+
+test("a complaint stands at its field", () => {
+  expect(complaintsOf([{ field: "due_at", reason: "past" }, { field: "colour", reason: "none" }])).toEqual({ at: { due: "past" }, elsewhere: "colour: none" });
+});

@@ -1,0 +1,81 @@
+/** A list of all there ever was, page by page, as the address asks for it. */
+import { type ReadonlySignal, signal, useComputed, useSignal } from "@preact/signals";
+import type { Printing } from "../paper/PrintAll";
+import { type Refreshed, useRefreshed } from "../../refreshed";
+import { ask, type Asked, asked } from "../../views";
+
+export interface PageOf<T> {
+  readonly items: readonly T[];
+  readonly next_cursor: string | null;
+}
+
+interface Paged<T> extends Pick<Refreshed<unknown>, "again" | "failed"> {
+  /** All that there is, while it is printed. */
+  readonly page: ReadonlySignal<PageOf<T> | null>;
+  readonly printing: Printing;
+}
+
+/** As many as can be looked through at once. */
+const PAGE = 50;
+/** As many as the gateway gives at once: for who reads all of them. */
+const PAGE_MOST = 500;
+/** What people and agents do shows itself in that time; what the stream tells of shows itself at once. */
+const AGAIN_MS = 5000;
+
+const NOTHING_NEW = signal("");
+
+/** Where the pages began that led to the one that is shown; who came by a link has none. */
+const before = signal<readonly string[]>([]);
+
+/** Where a page begins, and how many are on it, as the gateway is asked. */
+interface Place {
+  readonly limit: number;
+  readonly cursor?: string;
+}
+
+function placeOf(after: string, limit: number): Place {
+  return after === "" ? { limit } : { limit, cursor: after };
+}
+
+/**
+ * @param fetchPage asks for what the address says; its signals are followed
+ * @param newest another value whenever there is something new to be read
+ */
+export function usePaged<T>(fetchPage: (said: Asked, place: Place) => Promise<PageOf<T>>, newest: ReadonlySignal<string> = NOTHING_NEW): Paged<T> {
+  const { again, answer, failed } = useRefreshed(async () => {
+    const said = asked.value;
+    return { said, newest: newest.value, page: await fetchPage(said, placeOf(said.after ?? "", PAGE)) };
+  }, AGAIN_MS);
+  const whole = useSignal<PageOf<T> | null>(null);
+  const page = useComputed(() => {
+    if (whole.value) return whole.value;
+    const found = answer.value;
+    // Where a page of another list ended is no place in this one: it is not turned before this one has come.
+    return found && (found.said === asked.value ? found.page : { ...found.page, next_cursor: null });
+  });
+  const fetchAfter = (after: string): Promise<PageOf<T>> => fetchPage(asked.peek(), placeOf(after, PAGE_MOST));
+  return { again, failed, page, printing: { fetchAfter, whole } };
+}
+
+/** Narrows a list down; what was looked at before is another list. */
+export function narrow(by: Asked, how: "step" | "replace" = "step"): void {
+  before.value = [];
+  ask({ ...by, after: "" }, how);
+}
+
+export function turnTo(next: string): void {
+  before.value = [...before.value, asked.value.after ?? ""];
+  ask({ after: next });
+}
+
+export function turnBack(): void {
+  const to = before.value.at(-1) ?? "";
+  before.value = before.value.slice(0, -1);
+  ask({ after: to });
+}
+
+/** The next order by this column: another one begins as people read it, the same one turns round. */
+export function sortBy(name: string, descendingAtFirst = false): void {
+  const { sort, down } = asked.value;
+  narrow({ sort: name, down: sort === name ? (down === "yes" ? "no" : "yes") : descendingAtFirst ? "yes" : "no" });
+}

@@ -1,0 +1,143 @@
+import { useEffect } from "preact/hooks";
+import type { BufferView, MachineSpec } from "../../api/types";
+import type { TransportAnswer } from "../../api/transports";
+import { isLow } from "../../plant/stock";
+import { nowS, world } from "../../stream/stream";
+import { format, t, word } from "../../text/operator";
+import { moment, names, plant, station } from "../state";
+import { busy, calls, choice, choose, failed, followCalls, send, withdraw } from "./call";
+import "./call.css";
+import { canCallOff, LOADS, shownCalls, stepOf, STEPS } from "./steps";
+
+/** Bring and take away for the own station: first touch what, second touch, in another place, how much; that sends. */
+export function CallCard() {
+  useEffect(followCalls, []);
+  const spec = station.value;
+  if (!spec) return null;
+  const buffers = world.value?.machines.get(spec.id)?.buffers ?? [];
+  const shown = shownCalls(calls.value, nowS.value * 1000);
+  return (
+    <section class="transport-call card" aria-label={t("calling.title", { place: spec.id })}>
+      <header>
+        <h2>{t("calling.title", { place: spec.id })}</h2>
+      </header>
+      <div class="call-what">
+        <Tiles buffers={buffers} way="bring" />
+        <Tiles buffers={buffers.filter(({ level }) => level > 0)} way="take" />
+      </div>
+      <Second spec={spec} />
+      {shown.length > 0 && (
+        <ul class="call-jobs">
+          {shown.map((call) => (
+            <Job key={call.id} call={call} place={spec.id} />
+          ))}
+        </ul>
+      )}
+    </section>
+  );
+}
+
+function Tiles({ buffers, way }: { buffers: readonly BufferView[]; way: "bring" | "take" }) {
+  if (buffers.length === 0) return null;
+  return (
+    <div role="group" aria-label={t(`calling.${way}`)}>
+      <h3>{t(`calling.${way}`)}</h3>
+      <div class="call-tiles">
+        {buffers.map((buffer) => (
+          <button
+            key={buffer.item}
+            type="button"
+            class="call-tile"
+            aria-pressed={choice.value?.item === buffer.item && choice.value.way === way}
+            onClick={() => { choose(buffer.item, way); }}
+          >
+            <b>{names.value(buffer.item)}</b>
+            <small class={way === "bring" && isLow(buffer) ? "tone-warn" : ""}>
+              {t("calling.level", { level: format.count(buffer.level) })}
+              {way === "bring" && buffer.on_order > 0 && ` · ${t("calling.coming", { quantity: format.count(buffer.on_order) })}`}
+            </small>
+          </button>
+        ))}
+      </div>
+    </div>
+  );
+}
+
+/** The place of the second touch is always there, so that nothing moves under a finger. */
+function Second({ spec }: { spec: MachineSpec }) {
+  const chosen = choice.value;
+  const lot = plant.value?.materials.find(({ id }) => id === chosen?.item)?.lot;
+  if (!chosen || lot === undefined) {
+    return (
+      <div class="call-send" role="status">
+        <p class="muted">{failed.value === "" ? t("calling.first") : t("calling.failed", { reason: failed.value })}</p>
+      </div>
+    );
+  }
+  const what = names.value(chosen.item);
+  return (
+    <div class="call-send" role="status">
+      <p>
+        <b>{t(`calling.${chosen.way}What`, { what, place: spec.id })}</b>{" "}
+        <span class="muted">{failed.value === "" ? t("calling.notSent") : t("calling.failed", { reason: failed.value })}</span>
+      </p>
+      <div class="call-amounts">
+        {(chosen.way === "bring" ? LOADS : [1]).map((loads) => (
+          <button key={loads} type="button" class={`button act ${loads === 1 ? "primary" : ""}`} disabled={busy.value} onClick={() => void send(lot, loads, false)}>
+            {t(`calling.${chosen.way}Amount`, { quantity: format.count(lot * loads) })}
+          </button>
+        ))}
+        <button type="button" class="button act" disabled={busy.value} onClick={() => void send(lot, 1, true)}>
+          {t("calling.urgent", { quantity: format.count(lot) })}
+        </button>
+      </div>
+    </div>
+  );
+}
+
+function Job({ call, place }: { call: TransportAnswer; place: string }) {
+  const step = stepOf(call);
+  const brought = call.to === place;
+  const what = t(brought ? "calling.jobBring" : "calling.jobTake", {
+    quantity: format.count(call.quantity), what: names.value(call.item), place: brought ? call.from : call.to,
+  });
+  return (
+    <li>
+      <div>
+        <b>{what}</b>
+        {step === null ? (
+          <p class="muted">{t("calling.off")}</p>
+        ) : (
+          <ol class="call-steps">
+            {STEPS.map((name, i) => (
+              <li key={name} class={i < step ? "done" : i === step ? "now" : ""} aria-current={i === step ? "step" : undefined}>
+                {t(`calling.step.${name}`)}
+              </li>
+            ))}
+          </ol>
+        )}
+        {why(call) !== "" && <small class={call.wait === null || call.wait === "undecided" ? "muted" : "tone-warn"}>{why(call)}</small>}
+      </div>
+      {canCallOff(call) && (
+        <button type="button" class="button act call-off" disabled={busy.value} onClick={() => void withdraw(call.id)}>
+          {t("calling.callOff")}
+        </button>
+      )}
+    </li>
+  );
+}
+
+/** Why it stays where it is, or when it is expected. */
+function why(call: TransportAnswer): string {
+  if (call.refused !== null) return t("calling.refused");
+  if (call.cancel_at !== null && call.ended_at === null) return t("calling.beingOff");
+  if (call.ended_at !== null) return "";
+  if (call.status === "waiting") {
+    const { vehicle, vehicle_waits: waits } = call;
+    if (vehicle !== null && waits !== null && call.wait !== "no_room" && call.wait !== "short")
+      return t("calling.wait.vehicle", { vehicle, why: word("unwilling", waits) });
+    return call.wait === "no_room" || call.wait === "short" || call.wait === "no_bid" ? t(`calling.wait.${call.wait}`) : t("calling.wait.undecided");
+  }
+  const at = call.expected_at === null ? "" : ` · ${t("card.there", { at: format.due(Date.parse(call.expected_at) / 1000, moment.value.nowS) })}`;
+  return `${call.carrier ?? ""}${at}${call.status === "on_board" ? ` · ${t("calling.tooLate")}` : ""}`;
+}

@@ -1,0 +1,32 @@
+import { expect, test } from "vitest";
+import type { TransportAnswer } from "../../api/transports";
+import { canCallOff, loadOf, shownCalls, stepOf } from "./steps";
+
+const call = (more: Partial<TransportAnswer> = {}): TransportAnswer => ({
+  id: "T1", status: "waiting", from: "S3", to: "M8", item: "shaft", quantity: 40, priority: "normal", vehicle: null, vehicle_until: null, vehicle_waits: null, ability: null, called_by: "anna",
+  created_at: "2030-01-01T10:00:00Z", due_at: "2030-01-01T10:15:00Z", cancel_at: null, ended_at: null, updated_at: "2030-01-01T10:00:00Z",
+  carrier: null, expected_at: null, task: null, wait: null, refused: null, ...more,
+});
+
+test.each([["waiting", 0], ["assigned", 1], ["on_board", 2], ["delivered", 3], ["cancelled", null]])("%s is step %s", (status, step) => {
+  expect(stepOf(call({ status }))).toBe(step);
+});
+
+test("it is called off until it is on board, and once", () => {
+  expect(canCallOff(call())).toBe(true);
+  expect(canCallOff(call({ status: "on_board" }))).toBe(false);
+  expect(canCallOff(call({ cancel_at: "2030-01-01T10:01:00Z" }))).toBe(false);
+});
+
+test("what has ended leaves after ten minutes", () => {
+  const ended = call({ status: "delivered", ended_at: "2030-01-01T10:05:00Z" });
+  expect(shownCalls([ended], Date.parse("2030-01-01T10:14:00Z"))).toHaveLength(1);
+  expect(shownCalls([ended], Date.parse("2030-01-01T10:16:00Z"))).toHaveLength(0);
+});
+
+test("each load of a choice is sent under a key of its own, and again under the same", () => {
+  const choice = { item: "shaft", way: "take", key: "k" } as const;
+  expect(loadOf(choice, "M8", 40, false, 1).draft).toEqual({ from: "M8", item: "shaft", quantity: 40, priority: "normal" });
+  expect(loadOf(choice, "M8", 40, false, 1).key).toBe(loadOf(choice, "M8", 40, false, 1).key);
+  expect(loadOf(choice, "M8", 40, false, 2).key).not.toBe(loadOf(choice, "M8", 40, false, 1).key);
+});

@@ -1,0 +1,43 @@
+/** How far a call is: four steps, and the reason where it stays at one. */
+import type { TransportAnswer } from "../../api/transports";
+
+export const STEPS = ["called", "taken", "aboard", "here"] as const;
+
+const AT: Readonly<Record<string, number>> = { waiting: 0, assigned: 1, on_board: 2, delivered: 3 };
+
+/** At which step it is; null for one that was called off. */
+export function stepOf(call: TransportAnswer): number | null {
+  return AT[call.status] ?? null;
+}
+
+/** Whether it can be called off: not once it is on board, and not twice. */
+export function canCallOff(call: TransportAnswer): boolean {
+  return (call.status === "waiting" || call.status === "assigned") && call.cancel_at === null;
+}
+
+/** What has ended is shown for so long. */
+const SHOWN_MS = 10 * 60_000;
+
+/** What is under way, and what has ended lately, the newest first. */
+export function shownCalls(calls: readonly TransportAnswer[], nowMs: number): TransportAnswer[] {
+  return calls.filter(({ ended_at: ended }) => ended === null || nowMs - Date.parse(ended) < SHOWN_MS);
+}
+
+export interface Choice {
+  readonly item: string;
+  readonly way: "bring" | "take";
+  /** The same for every try at this choice. */
+  readonly key: string;
+}
+
+/** How many loads the second touch offers: a pallet more is a transport more. */
+export const LOADS = [1, 2] as const;
+
+/** One load as it is sent; each has a key of its own, so that none is done twice. */
+export function loadOf(choice: Choice, place: string, lot: number, urgent: boolean, load: number) {
+  const end = choice.way === "bring" ? { to: place } : { from: place };
+  return {
+    draft: { ...end, item: choice.item, quantity: lot, priority: urgent ? ("urgent" as const) : ("normal" as const) },
+    key: `${choice.key}-${urgent ? "u" : "n"}-${load}`,
+  };
+}

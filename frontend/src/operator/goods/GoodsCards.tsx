@@ -1,0 +1,81 @@
+import { useEffect } from "preact/hooks";
+import type { TaskView } from "../../api/types";
+import { Tag } from "../../parts/Tag";
+import { freshness, world } from "../../stream/stream";
+import { isPast } from "../../stream/freshness";
+import { format, t } from "../../text/operator";
+import { CommandLine } from "../commands/CommandLine";
+import { giveMachine } from "../commands/given";
+import { HoldButton } from "../cards/HoldButton";
+import { ended } from "../session/session";
+import { moment, names } from "../state";
+import { strandedOf } from "./stranded";
+
+/** Goods on board of failed vehicles: somebody hands them over, or writes them off; that is held, for nothing takes it back. */
+export function GoodsCards() {
+  const tasks = strandedOf(world.value?.tasks.values() ?? []);
+  if (tasks.length === 0) return null;
+  return (
+    <ul class="cards needing" aria-label={t("goods.label")}>
+      {tasks.map((task) => (
+        <GoodsCard key={task.id} task={task} />
+      ))}
+    </ul>
+  );
+}
+
+function GoodsCard({ task }: { task: TaskView }) {
+  const { coordinator, id, stranded } = task;
+  useEffect(() => {
+    // The address of an alert leads here; the card comes after its page.
+    if (location.hash === `#goods-${encodeURIComponent(id)}`) document.getElementById(`goods-${id}`)?.scrollIntoView({ block: "nearest" });
+  }, [id]);
+  if (stranded === null) return null;
+  const disabled = ended.value !== null || isPast(freshness.value) || freshness.value === "connecting";
+  const said = stranded.handed_at;
+  const until = format.due(stranded.until_at_s, moment.value.nowS);
+  return (
+    <li class="vehicle card machine-need need-help" id={`goods-${id}`}>
+      <div class="vehicle-body">
+        <header>
+          <h2>{t("goods.title", { atv: stranded.atv })}</h2>
+          <Tag tone="warn">{id}</Tag>
+        </header>
+        <div class="vehicle-now">
+          <p class="help-what">{goodsText(task)}</p>
+          <p class="doing">{said === "" ? t("goods.waits", { at: until }) : t("goods.fetched", { node: said })}</p>
+        </div>
+        <div class="vehicle-acts">
+          {said === "" && (
+            <button
+              type="button"
+              class="button fault-gone primary"
+              disabled={disabled}
+              onClick={() => void giveMachine(coordinator, { kind: "fetch_goods", task: id })}
+            >
+              <b>{t("command.fetch_goods")}</b>
+              <small>{t("goods.more.fetch_goods")}</small>
+            </button>
+          )}
+          <HoldButton
+            class="button fault-gone"
+            disabled={disabled}
+            onHeld={() => void giveMachine(coordinator, { kind: "write_off", task: id })}
+          >
+            <b>{t("command.write_off")}</b>
+            <small>{t("goods.more.write_off")}</small>
+          </HoldButton>
+        </div>
+        <CommandLine atv={coordinator} stopped={false} />
+      </div>
+    </li>
+  );
+}
+
+/** What is on board, whose it is, for which order and where. */
+export function goodsText({ coordinator: machine, item, quantity, stranded }: TaskView): string {
+  const order = stranded?.order_name ?? "";
+  const node = stranded?.node ?? "";
+  const said = { quantity: format.count(quantity), item: names.value(item), machine, order, node: node === "" ? t("goods.nowhere") : node };
+  return t(order === "" ? "goods.what" : "goods.whatFor", said);
+}

@@ -1,0 +1,22 @@
+/** What the management panel says of what is chosen, in English. */
+export const story = {
+  "story.label": "What is chosen",
+  "story.none": "Choose anything on the map or in a list: all that belongs to it is shown together.",
+  "story.unknown": "Nothing in this plant is called {id}.",
+  "story.transport": "Transport",
+  "story.production": "Goal",
+  "story.vehicle": "Vehicle",
+  "story.standby": "Stands by",
+  "story.machine": "Machine",
+  "story.place": "Place",
+  "story.order": "Order",
+  "story.follow": "Follow",
+  "story.followTitle": "The map and the cards go along with what is chosen, until somebody moves the map",
+  "story.copy": "Copy link",
+  "story.copied": "Copied",
+  "story.notCopied": "Take it from the address bar",
+  "legend.open": "Legend",
+  "legend.title": "What the signs of the map mean",
+  "tour.again": "Show the tour",
+  "orderPage.show": "Show on the plant",
+} as const;

@@ -1,0 +1,16 @@
+/** What the row of people on duty says, loaded when somebody looks at it, in Spanish. */
+import type { Catalogue } from "../../catalogue";
+import type { duty as en } from "./en";
+
+export const duty: Catalogue<typeof en> = {
+  "duty.title": "De servicio",
+  "duty.nobodyAtAll": "nadie",
+  "duty.count": "{count} de servicio",
+  "duty.nobodyIn": "Nadie de servicio: {areas}",
+  "duty.nobodyUntil": "{area} (hasta {at})",
+  "duty.busyWith": "con {caller}",
+  "duty.until": "hasta las {at}",
+  "duty.status.free": "libre",
+  "duty.status.busy": "ocupado",
+  "duty.status.break": "pausa",
+};

@@ -1,0 +1,36 @@
+import type { Catalogue } from "../../catalogue";
+import type { kept as en } from "./en";
+
+/** What tells for how long history is kept, in German. */
+export const kept: Catalogue<typeof en> = {
+  "kept.open": "Was aufbewahrt wird",
+  "kept.title": "Was wie lange aufbewahrt wird",
+  "kept.hint": "Nach dem Alter. Älteres wird von selbst gelöscht; die Tage stellt ein, wer den Rechner betreibt.",
+  "kept.what": "Was",
+  "kept.for": "Wie lange",
+  "kept.since": "Vorhanden seit",
+  "kept.setting": "Einstellung",
+  "kept.always": "solange es die Datenbank gibt",
+  "kept.notAtAll": "wird nicht aufbewahrt",
+  "kept.days.one": "{n} Tag",
+  "kept.days.other": "{n} Tage",
+  "kept.nothing": "noch nichts",
+  "kept.full": "Das Protokoll hat so viele Zeilen, wie es haben darf (DRAY_EVENTS_MOST): Die ältesten werden vor ihrer Zeit gelöscht.",
+  "kept.failed": "Was aufbewahrt wird, lässt sich nicht sagen: {reason}",
+  "kept.of.orders": "Aufträge und was ihre Seiten zeigen",
+  "kept.of.events": "Protokoll dessen, was Fahrzeuge und Maschinen melden",
+  "kept.of.replay": "Was war: das Werk, wie es gezeigt wurde",
+  "kept.of.samples": "Stichproben der Lebenszeichen",
+  "kept.of.figures": "Kennzahlen je Minute, Teile je Stunde, Übernahmen",
+  "kept.of.lanes": "Verkehr der Fahrwege je Stunde",
+  "kept.of.tasks": "Transporte und Fertigungsaufträge",
+  "kept.of.alerts": "Meldungen",
+  "kept.of.audit": "Protokoll: wer was tat",
+  "kept.gone.tasks": "Transporte, die vor {at} endeten, werden nicht mehr aufbewahrt ({days}).",
+  "kept.gone.alerts": "Meldungen, die vor {at} endeten, werden nicht mehr aufbewahrt ({days}).",
+  "kept.gone.audit": "Zeilen vor {at} werden nicht mehr aufbewahrt ({days}).",
+  "kept.gone.replay": "Was vor {at} war, wird nicht mehr aufbewahrt ({days}).",
+  "kept.gone.figures": "Kennzahlen vor {at} werden nicht mehr aufbewahrt ({days}).",
+  "kept.begins": "Der älteste Eintrag, den es gibt, ist von {at}.",
+  "kept.replayOff": "Was gezeigt wird, wird hier nicht aufbewahrt (DRAY_REPLAY_DAYS ist 0).",
+};

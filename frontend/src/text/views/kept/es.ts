@@ -1,0 +1,36 @@
+import type { Catalogue } from "../../catalogue";
+import type { kept as en } from "./en";
+
+/** What tells for how long history is kept, in Spanish. */
+export const kept: Catalogue<typeof en> = {
+  "kept.open": "Qué se guarda",
+  "kept.title": "Qué se guarda y cuánto tiempo",
+  "kept.hint": "Según su antigüedad. Lo más antiguo se borra solo; los días los fija quien administra el ordenador.",
+  "kept.what": "Qué",
+  "kept.for": "Cuánto",
+  "kept.since": "Hay algo desde",
+  "kept.setting": "Ajuste",
+  "kept.always": "mientras exista la base de datos",
+  "kept.notAtAll": "no se guarda",
+  "kept.days.one": "{n} día",
+  "kept.days.other": "{n} días",
+  "kept.nothing": "todavía nada",
+  "kept.full": "El registro tiene tantas filas como puede tener (DRAY_EVENTS_MOST): las más antiguas se borran antes de tiempo.",
+  "kept.failed": "No se puede decir qué se guarda: {reason}",
+  "kept.of.orders": "Pedidos y lo que cuentan sus páginas",
+  "kept.of.events": "Registro de lo que comunican vehículos y máquinas",
+  "kept.of.replay": "Lo que fue: la planta tal como se mostró",
+  "kept.of.samples": "Muestras de señales de vida",
+  "kept.of.figures": "Cifras por minuto, piezas por hora, relevos",
+  "kept.of.lanes": "Tráfico de los carriles por hora",
+  "kept.of.tasks": "Transportes y trabajos de fabricación",
+  "kept.of.alerts": "Avisos",
+  "kept.of.audit": "Registro de acciones",
+  "kept.gone.tasks": "Los transportes que terminaron antes de {at} ya no se guardan ({days}).",
+  "kept.gone.alerts": "Los avisos que terminaron antes de {at} ya no se guardan ({days}).",
+  "kept.gone.audit": "Las líneas anteriores a {at} ya no se guardan ({days}).",
+  "kept.gone.replay": "Lo anterior a {at} ya no se guarda ({days}).",
+  "kept.gone.figures": "Las cifras anteriores a {at} ya no se guardan ({days}).",
+  "kept.begins": "La entrada más antigua que hay es de {at}.",
+  "kept.replayOff": "Aquí no se guarda lo que muestran los paneles (DRAY_REPLAY_DAYS es 0).",
+};

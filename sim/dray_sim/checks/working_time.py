@@ -1,0 +1,43 @@
+"""Invariant 25: a machine begins no piece while it rests by its working time.
+
+A check like those of `dray_sim.checks.invariants`: it hears what they say of themselves, and takes no part. Of one rest a machine tells of
+one piece at most: the one that it had begun before. What it tells is judged by its own clock.
+"""
+
+from __future__ import annotations
+
+from dray.messages import Event, Message
+from dray.messages.fact import PieceMade, PieceScrapped, SparePieceMade
+from dray.plant import Plant
+from dray_sim.checks.broken import InvariantBroken
+
+
+class RestsKept:
+    """Nobody makes a second piece in one rest.
+
+    Args:
+        plant: when its machines work.
+    """
+
+    def __init__(self, plant: Plant) -> None:
+        times = {machine: plant.working_time_of(machine) for machine in plant.machines}
+        self._times = {machine: time for machine, time in times.items() if not time.is_always}
+        self._made_in: dict[str, float] = {}
+        """By machine, the end of the rest in which its newest piece came out."""
+
+    def on_message(self, at_s: float, sender: str, _address: str, message: Message) -> None:
+        """Note one utterance."""
+        time = self._times.get(sender)
+        if time is None or type(message) is not Event:
+            return
+        fact = message.fact
+        if not isinstance(fact, PieceMade | SparePieceMade | PieceScrapped):
+            return
+        if (isinstance(fact, PieceMade) and fact.from_stock) or time.is_on(message.at_s):
+            return
+        ends_s = time.next_on_s(message.at_s)
+        if self._made_in.get(sender) == ends_s:
+            raise InvariantBroken(
+                25, at_s, f"{sender} has made a second piece in its rest until {ends_s:.0f} s"
+            )
+        self._made_in[sender] = ends_s

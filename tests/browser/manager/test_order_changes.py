@@ -1,0 +1,80 @@
+"""Orders in work in a real browser: changed by a form, and moved in the queue by hand and by a button."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from complaints import Complaints
+from playwright.sync_api import Locator, Page, expect
+
+OpenPage = Callable[..., Page]
+Screenshot = Callable[..., Path]
+
+OPTIONS = ("--no-demand",)
+
+
+def place(page: Page, factory: str, reference: str, quantity: int) -> str:
+    """Place an order that takes hours; its id."""
+    items = [{"product": "motor-e4", "quantity": quantity}]
+    said = page.request.post(
+        f"{factory}/api/orders", data={"customer": "Acme", "reference": reference, "items": items}
+    )
+    assert said.status == 201, said.text()
+    return str(said.json()["id"])
+
+
+def references(rows: Locator) -> list[str]:
+    return [row.get_by_role("link").first.inner_text() for row in rows.all()]
+
+
+def test_an_order_in_work_is_changed_and_moved_and_who_comes_too_late_is_told_so(
+    factory: str, open_page: OpenPage, screenshot: Screenshot, complaints: Complaints
+) -> None:
+    page = open_page(f"{factory}/#orders")
+    first = place(page, factory, "FIRST", 300)
+    place(page, factory, "SECOND", 300)
+    third = place(page, factory, "THIRD", 300)
+
+    # By hand, then by the button.
+    rows = page.locator("tbody tr[draggable=true]")
+    expect(rows).to_have_count(3)
+    expect(rows.first).to_contain_text("FIRST")
+    page.locator("tr", has_text="THIRD").drag_to(page.locator("tr", has_text="FIRST"))
+    expect(rows.first).to_contain_text("THIRD")
+    assert references(rows) == ["THIRD", "FIRST", "SECOND"]
+    page.get_by_role("button", name="Sooner: SECOND one place on").click()
+    expect(rows.nth(1)).to_contain_text("SECOND")
+    screenshot(page, "orders-moved")
+
+    # By the form of its page, beside somebody else.
+    page.goto(f"{factory}/#orders/{first}")
+    form = page.locator(".order-change")
+    save = form.get_by_role("button", name="Save changes")
+    expect(save).to_be_disabled()
+    form.get_by_label("Priority").select_option("urgent")
+    form.get_by_label("Reference").fill("FIRST-B")
+    expect(form).to_contain_text("not saved yet")
+    screenshot(page, "order-changing")
+    save.click()
+    expect(page.get_by_role("heading", level=1)).to_have_text("FIRST-B")
+    expect(form).to_contain_text("nothing changed yet")
+
+    form.get_by_label("Reference").fill("FIRST-C")
+    kept = page.request.get(f"{factory}/api/orders/{first}")
+    other = page.request.patch(
+        f"{factory}/api/orders/{first}",
+        data={"reference": "FIRST-D"},
+        headers={"If-Match": kept.headers["etag"]},
+    )
+    assert other.ok, other.text()
+    save.click()
+    expect(form.get_by_role("alert")).to_contain_text("somebody has changed it meanwhile")
+    complaints.clear()
+    form.get_by_role("button", name="Undo").click()
+    expect(form.get_by_label("Reference")).to_have_value("FIRST-D")
+
+    form.locator("input[inputmode=numeric]").fill("0")
+    expect(form).to_contain_text("That is not possible")
+    expect(save).to_be_disabled()
+    assert page.request.get(f"{factory}/api/orders/{third}").json()["items"][0]["quantity"] == 300

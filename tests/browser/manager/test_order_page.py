@@ -1,0 +1,123 @@
+"""The page of one order in a real browser: from what was made to who has brought it, and its customer's links."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from complaints import Complaints
+from looks import THEMES, WIDTHS_PX
+from playwright.sync_api import Page, expect
+
+OpenPage = Callable[..., Page]
+Screenshot = Callable[[Page, str], Path]
+
+
+OPTIONS = ("--speed", "20", "--no-demand")
+
+
+def publish(page: Page, customer: str, reference: str, quantity: int) -> None:
+    page.get_by_label("Quantity").fill(str(quantity))
+    page.get_by_label("Customer").fill(customer)
+    page.get_by_label("Reference").fill(reference)
+    page.get_by_role("button", name="Publish", exact=True).click()
+    expect(page.locator(".outcome-good")).to_contain_text("Published as")
+
+
+def test_an_order_tells_its_whole_story_on_a_page_of_its_own(
+    factory: str, open_page: OpenPage, screenshot: Screenshot
+) -> None:
+    page = open_page(factory)
+    publish(page, "Waterworks South", "PO-48213", 10)
+    page.get_by_role("link", name="Orders", exact=True).click()
+    page.get_by_role("link", name="PO-48213").click()
+    expect(page.get_by_role("heading", level=1)).to_have_text("PO-48213")
+    address = page.evaluate("location.hash")
+    assert re.fullmatch(r"#orders/O-.+", address)
+    expect(page.get_by_role("link", name="Orders", exact=True).first).to_have_attribute(
+        "aria-current", "page"
+    )
+
+    # From the machine that takes it to the vehicle that hands it over.
+    lanes = page.locator(".lane-transport")
+    expect(lanes.first).to_be_visible(timeout=90_000)
+    expect(page.locator(".order-head .tag").first).to_have_text("delivered", timeout=90_000)
+    expect(page.locator(".order-figures")).to_contain_text("10 of 10")
+    moments = page.locator(".order-moments li")
+    expect(moments.first).to_contain_text("All of it is delivered")
+    lanes.first.click()
+    expect(page.locator(".order-told")).to_contain_text(re.compile(r"ATV\d+ handed it over at .+ at "))
+    expect(page.locator(".order-moments li.chosen").first).to_be_visible()
+    screenshot(page, "order-page")
+    page.get_by_role("button", name="Problems").click()
+    expect(page.locator(".order-moments")).to_contain_text("Nothing of that kind has happened.")
+
+    # Its address leads here again, and the browser's way back leads to the list.
+    page.reload()
+    expect(page.get_by_role("heading", level=1)).to_have_text("PO-48213")
+    page.get_by_role("link", name="Orders", exact=True).first.click()
+    expect(page.get_by_role("row").filter(has_text="PO-48213")).to_be_visible()
+    page.go_back()
+    expect(page.get_by_role("heading", level=1)).to_have_text("PO-48213")
+
+
+def test_links_for_the_customer_are_made_and_taken_back_there(
+    factory: str, open_page: OpenPage, screenshot: Screenshot
+) -> None:
+    page = open_page(factory)
+    publish(page, "Nordwerk", "PO-7", 5)
+    page.get_by_role("link", name="Orders", exact=True).click()
+    page.get_by_role("link", name="PO-7").click()
+    links = page.locator(".order-links")
+    expect(links).to_contain_text("1 valid")
+    links.get_by_role("button", name="Make a link").click()
+    expect(links).to_contain_text("2 valid")
+    address = links.get_by_label("Address of the customer").input_value()
+    assert page.request.get(address).status == 200
+    screenshot(page, "order-links")
+    links.get_by_role("button", name="Take all back").click()
+    safe = links.get_by_role("button", name="Keep links")
+    expect(safe).to_be_focused()
+    links.get_by_role("button", name="Take links back").click()
+    expect(links).to_contain_text("0 valid")
+    assert "taken back" in page.request.get(address).text() or page.request.get(address).status >= 400
+
+
+def test_an_order_that_there_is_not_says_so(
+    factory: str, open_page: OpenPage, complaints: Complaints
+) -> None:
+    page = open_page(factory + "/#orders/O-1M9K3X2A4-K7QM")
+    expect(page.get_by_role("main")).to_contain_text("could not be read")
+    page.get_by_role("link", name="All orders").click()
+    expect(page.get_by_role("heading", level=1)).to_have_text("Orders")
+    # The browser tells of every 404 by itself, and of nothing else.
+    assert all("status of 404" in each for each in complaints)
+    complaints.clear()
+
+
+CLOCKS_OVERLAP = """() => {
+    const clocks = [...document.querySelectorAll(".lane-tick")].filter((each) => getComputedStyle(each).visibility === "visible");
+    const boxes = clocks.map((each) => each.getBoundingClientRect());
+    return boxes.some(({ left }, i) => i > 0 && left < boxes[i - 1].right);
+}"""
+"""Whether the clock of one moment lies over that of the next."""
+
+
+@pytest.mark.parametrize("width", WIDTHS_PX)
+@pytest.mark.parametrize("theme", THEMES)
+def test_the_page_fits(
+    factory: str, open_page: OpenPage, screenshot: Screenshot, width: int, theme: str
+) -> None:
+    page = open_page(factory, viewport={"width": width, "height": 900}, color_scheme=theme)
+    publish(
+        page, "A customer whose name is long enough for two lines on a telephone", f"PO-{width}-{theme}", 10
+    )
+    page.goto(f"{factory}/#orders")
+    page.get_by_role("link", name=f"PO-{width}-{theme}").click()
+    expect(page.locator(".lane-goal").first).to_be_visible(timeout=60_000)
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    assert page.evaluate("document.querySelector('.order-page').scrollWidth <= innerWidth")
+    assert not page.evaluate(CLOCKS_OVERLAP)
+    screenshot(page, f"order-page-{width}-{theme}")

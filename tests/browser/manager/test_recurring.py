@@ -1,0 +1,141 @@
+"""Recurring work in a real browser: planned, seen before it is kept, paused, and removed after being asked twice."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from complaints import Complaints
+from looks import LOCALES, WIDTHS_PX, in_every_look
+from playwright.sync_api import Page, expect
+
+OpenPage = Callable[..., Page]
+Screenshot = Callable[..., Path]
+
+OPTIONS = ("--no-demand",)
+
+
+@pytest.fixture
+def page(factory: str, open_page: OpenPage) -> Page:
+    """The view, by the link on the page of orders."""
+    page = open_page(f"{factory}/#orders", timezone_id="Europe/Berlin")
+    page.get_by_role("link", name="Recurring work").click()
+    expect(page.get_by_role("heading", level=1)).to_contain_text("Recurring work")
+    expect(page.locator("[aria-busy=true]")).to_have_count(0)
+    return page
+
+
+def plan(page: Page, name: str, quantity: str) -> None:
+    page.get_by_role("button", name="Add…").click()
+    page.get_by_label("Name", exact=True).fill(name)
+    page.get_by_label("Material").select_option("shaft")
+    page.get_by_label("Pieces each time").fill(quantity)
+    page.get_by_label("To", exact=True).select_option("M8")
+
+
+def test_work_is_planned_seen_in_advance_paused_and_removed(
+    page: Page, screenshot: Screenshot, complaints: Complaints
+) -> None:
+    plan(page, "Early", "0")
+    page.get_by_label("Sun").check()
+    page.get_by_label("at", exact=True).fill("02:30")
+    expect(page.get_by_label("Time zone")).to_have_value("Europe/Berlin")
+    page.get_by_role("button", name="Show the next moments").click()
+    runs = page.get_by_role("region", name="Next").get_by_role("listitem")
+    expect(runs).to_have_count(10)
+    screenshot(page, "recurring-form")
+
+    page.get_by_role("button", name="Keep", exact=True).click()
+    expect(page.locator("#recurring-quantity-wrong")).not_to_be_empty()
+    page.get_by_label("Pieces each time").fill("4")
+    page.get_by_role("button", name="Keep", exact=True).click()
+    expect(page.get_by_text("Early is kept.")).to_be_visible()
+    page.get_by_role("button", name="Close").click()
+    row = page.get_by_role("row", name="Early")
+    expect(row).to_contain_text("Mon, Tue, Wed, Thu, Fri, Sun at 02:30")
+    screenshot(page, "recurring-list")
+
+    row.get_by_role("button", name="Early", exact=True).click()
+    expect(page.get_by_label("Sun")).to_be_checked()
+    expect(page.get_by_label("Sat")).not_to_be_checked()
+    page.get_by_label("Or cron's five fields").fill("61 * * * *")
+    page.get_by_role("button", name="Keep", exact=True).click()
+    expect(page.locator("#recurring-cron-wrong")).to_contain_text("This is no calendar of cron")
+    page.get_by_role("button", name="Close").click()
+    # What is refused, the browser tells of by itself.
+    assert all("status of 422" in each for each in complaints)
+    complaints.clear()
+
+    page.get_by_role("button", name="Pause Early").click()
+    expect(row).to_contain_text("paused")
+    page.get_by_role("button", name="Go on with Early").click()
+    expect(page.get_by_role("button", name="Pause Early")).to_be_visible()
+    page.get_by_role("button", name="Remove Early").click()
+    page.get_by_role("button", name="Keep it").click()
+    expect(row).to_be_visible()
+    page.get_by_role("button", name="Remove Early").click()
+    page.get_by_role("group", name="Remove Early?").get_by_role("button", name="Remove").click()
+    expect(page.get_by_text("Nothing recurs yet.")).to_be_visible()
+
+
+def test_an_order_is_planned_line_by_line_and_becomes_a_transport(
+    page: Page, screenshot: Screenshot, complaints: Complaints
+) -> None:
+    page.get_by_role("button", name="Add…").click()
+    page.get_by_label("Name", exact=True).fill("Weekly")
+    page.get_by_label("What recurs").select_option("order")
+    expect(page.get_by_label("Material")).to_have_count(0)
+    page.get_by_label("Customer").fill("Hall 3")
+    page.get_by_label("Due after so many hours").fill("0.1")
+    page.get_by_label("Product in line 1").select_option("pump-p3")
+    page.get_by_label("Pieces in line 1").fill("20")
+    page.get_by_role("button", name="Add a line").click()
+    page.get_by_label("Product in line 2").select_option("gear-unit-g1")
+    page.get_by_role("button", name="Keep", exact=True).click()
+    expect(page.locator("[id='recurring-line.1-wrong']")).not_to_be_empty()
+    expect(page.locator("#recurring-dueH-wrong")).not_to_be_empty()
+    page.get_by_label("Pieces in line 2").fill("2")
+    page.get_by_label("Due after so many hours").fill("1.5")
+    screenshot(page, "recurring-order-form")
+    page.get_by_role("button", name="Keep", exact=True).click()
+    expect(page.get_by_text("Weekly is kept.")).to_be_visible()
+    page.get_by_role("button", name="Close").click()
+    row = page.get_by_role("row", name="Weekly")
+    expect(row).to_contain_text("order for Hall 3")
+    expect(row).to_contain_text("20 Pump P3, 2 Gear unit G1")
+    screenshot(page, "recurring-order-list")
+
+    row.get_by_role("button", name="Weekly", exact=True).click()
+    expect(page.get_by_label("Pieces in line 2")).to_have_value("2")
+    expect(page.get_by_label("Due after so many hours")).to_have_value("1.5")
+    page.get_by_label("What recurs").select_option("transport")
+    page.get_by_label("Material").select_option("shaft")
+    page.get_by_label("Pieces each time").fill("4")
+    page.get_by_label("To", exact=True).select_option("M8")
+    page.get_by_role("button", name="Keep", exact=True).click()
+    expect(page.get_by_text("Weekly is kept.")).to_be_visible()
+    page.get_by_role("button", name="Close").click()
+    expect(row).to_contain_text("nearest storage to M8")
+    # What is refused, the browser tells of by itself.
+    assert all("status of 422" in each for each in complaints)
+    complaints.clear()
+
+    page.get_by_role("button", name="Remove Weekly").click()
+    page.get_by_role("group", name="Remove Weekly?").get_by_role("button", name="Remove").click()
+    expect(page.get_by_text("Nothing recurs yet.")).to_be_visible()
+
+
+@in_every_look
+def test_it_fits_every_width(
+    factory: str, open_page: OpenPage, screenshot: Screenshot, language: str, theme: str
+) -> None:
+    page = open_page(f"{factory}/#recurring", locale=LOCALES[language], color_scheme=theme)
+    expect(page.locator("[aria-busy=true]")).to_have_count(0)
+    page.locator("[popovertarget=recurring-form]").first.click()
+    for kind in ("transport", "order"):
+        page.locator("#recurring-kind").select_option(kind)
+        for width in WIDTHS_PX:
+            page.set_viewport_size({"width": width, "height": 900})
+            assert page.evaluate("document.documentElement.scrollWidth <= innerWidth"), width
+            screenshot(page, f"recurring-{kind}-{language}-{theme}-{width}")

@@ -1,0 +1,37 @@
+"""Cases and experiments that `dray up --scenario` plays, in the real panel: the card tells all steps, and the claim holds (paper, 4.2 and 4.3)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from playwright.sync_api import Page, expect
+
+from dray_sim.scenarios import LIVE
+
+OpenPage = Callable[..., Page]
+Screenshot = Callable[..., Path]
+
+SPEED = 100
+
+PLAYED_MS = 1_500_000
+"""Minutes on a computer with nothing else to do: case-6 goes on for more than four hours of the factory's time."""
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(1800)
+@pytest.mark.parametrize("name", sorted(LIVE))
+def test_a_scenario_is_played_to_its_end_and_its_card_tells_every_step(
+    start_dray: Callable[..., Any], open_page: OpenPage, screenshot: Screenshot, name: str
+) -> None:
+    dray = start_dray("--scenario", name, "--speed", str(SPEED))
+    page = open_page(dray.url)
+    card = page.locator(".scenario")
+    expect(card).to_contain_text(name)
+    expect(card.get_by_role("status")).to_contain_text("after", timeout=PLAYED_MS)
+    screenshot(page, f"scenario-live-{name}")
+    expect(card.get_by_role("status")).to_contain_text("Held")
+    expect(card.locator("li.todo")).to_have_count(0)
+    assert dray.stop() == 0, dray.output()

@@ -1,0 +1,101 @@
+"""The shift report in a real browser: chosen, set against targets, printed on A4, and read by everybody."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from accessibility import violations
+from playwright.sync_api import Page, expect
+
+OpenPage = Callable[..., Page]
+Screenshot = Callable[..., Path]
+
+
+OPTIONS = ("--speed", "10")
+
+
+def open_report(factory: str, open_page: OpenPage, **look: object) -> Page:
+    """The report on the shift that goes on, once vehicles are in it."""
+    page = open_page(f"{factory}/#shift", **look)
+    expect(page.locator(".shift-states").first).to_be_attached(timeout=90_000)
+    return page
+
+
+def test_a_shift_is_found_by_the_figures_chosen_and_sent_as_an_address(
+    factory: str, open_page: OpenPage
+) -> None:
+    page = open_page(f"{factory}/#kpis")
+    page.get_by_role("link", name="Shift report").click()
+    expect(page.get_by_role("heading", level=1)).to_contain_text("Shift report", timeout=30_000)
+    now = page.get_by_role("heading", level=1).inner_text()
+    page.get_by_role("button", name="Shift before").click()
+    expect(page).to_have_url(re.compile("from="))
+    expect(page.get_by_role("heading", level=1)).not_to_have_text(now)
+    # Of a time in which nothing ran no figure is made up.
+    expect(page.locator("tr", has_text="Energy per transport").locator(".shift-value")).to_have_text("\u2013")
+    before = page.get_by_role("heading", level=1).inner_text()
+    page.reload()
+    expect(page.get_by_role("heading", level=1)).to_have_text(before, timeout=30_000)
+    page.go_back()
+    expect(page.get_by_role("heading", level=1)).to_have_text(now)
+
+
+def test_a_manager_sets_a_target_and_a_missed_one_says_so_in_words(
+    factory: str, open_page: OpenPage, screenshot: Screenshot
+) -> None:
+    page = open_report(factory, open_page)
+    page.get_by_role("button", name="Targets …").click()
+    # It is counted from the orders themselves, and not from the minutes that are written down of everything else.
+    page.get_by_label("Orders delivered ≥").fill("1000000")
+    page.get_by_label("Takeovers").fill("1000000")
+    page.get_by_role("button", name="Save targets").click()
+    row = page.locator("tr", has_text="Orders delivered").first
+    expect(row).to_contain_text("missed")
+    expect(row).to_contain_text("at least 1,000,000")
+    expect(page.locator("tr", has_text="Takeovers").first).not_to_contain_text("missed")
+    expect(page.locator(".shift-said")).to_contain_text("Look at: Orders delivered")
+    page.keyboard.press("Escape")
+    # What a figure means, by the keyboard.
+    row = page.locator("tr", has_text="Machines making pieces")
+    row.locator(".term").focus()
+    expect(row.get_by_role("tooltip")).to_be_visible()
+    expect(row.get_by_role("tooltip")).to_contain_text("ISO 22400-2")
+    screenshot(page, "shift-report-missed")
+
+
+def test_it_prints_on_pages_of_a4_without_buttons(factory: str, open_page: OpenPage, tmp_path: Path) -> None:
+    page = open_report(factory, open_page, color_scheme="dark")
+    page.emulate_media(media="print", color_scheme="dark")
+    expect(page.get_by_role("button", name="Print or PDF")).to_be_hidden()
+    assert page.evaluate("getComputedStyle(document.querySelector('.shift-paper')).backgroundColor") == (
+        "rgb(255, 255, 255)"
+    )
+    pdf = page.pdf(path=tmp_path / "shift.pdf", prefer_css_page_size=True)
+    # 210 x 297 mm in points, and all of it: one page would be the window alone.
+    sizes = re.findall(rb"/MediaBox \[0 0 ([\d.]+) ([\d.]+)\]", pdf)
+    assert {(round(float(width)), round(float(height))) for width, height in sizes} == {(595, 842)}
+    assert 2 <= len(sizes) <= 5
+
+
+@pytest.mark.parametrize(
+    ("width", "theme", "locale"),
+    [
+        (390, "light", "en-GB"),
+        (390, "dark", "de-DE"),
+        (1024, "light", "de-DE"),
+        (1440, "light", "en-GB"),
+        (1440, "dark", "es-ES"),
+        (2560, "light", "es-ES"),
+    ],
+)
+def test_the_report_fits_and_can_be_read_by_everybody(
+    factory: str, open_page: OpenPage, screenshot: Screenshot, width: int, theme: str, locale: str
+) -> None:
+    look = {"viewport": {"width": width, "height": 900}, "color_scheme": theme, "locale": locale}
+    page = open_report(factory, open_page, **look)
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    assert violations(page) == []
+    screenshot(page, f"shift-report-{width}-{theme}-{locale[:2]}")

@@ -1,0 +1,88 @@
+"""Plain transports in a real browser: called for by a form, followed with the reason why they wait, and called off."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from complaints import Complaints
+from looks import LOCALES, WIDTHS_PX, in_every_look
+from playwright.sync_api import Page, expect
+
+OpenPage = Callable[..., Page]
+Screenshot = Callable[..., Path]
+
+OPTIONS = ("--no-demand",)
+
+
+def test_a_load_is_called_for_and_seen_and_one_that_waits_for_its_vehicle_tells_why_and_is_called_off(
+    factory: str, open_page: OpenPage, screenshot: Screenshot, complaints: Complaints
+) -> None:
+    page = open_page(f"{factory}/#tasks")
+    page.get_by_role("link", name="Plain transports").click()
+    expect(page.get_by_role("heading", level=1)).to_contain_text("Plain transports")
+    expect(page.get_by_text("Nobody has called for anything yet.")).to_be_visible()
+
+    page.get_by_role("button", name="Call…").click()
+    page.get_by_label("Material").select_option("shaft")
+    page.get_by_label("Pieces").fill("4000")
+    page.get_by_label("To", exact=True).select_option("M8")
+    page.get_by_label("Vehicle that carries").select_option("pallet")
+    page.get_by_role("button", name="Call for it").click()
+    expect(page.locator("#call-quantity-wrong")).to_contain_text("One load of shaft is")
+    screenshot(page, "transports-form")
+    # What is refused, the browser tells of by itself.
+    assert all("status of 422" in each for each in complaints)
+    complaints.clear()
+
+    page.get_by_label("Pieces").fill("4")
+    page.get_by_label("Priority").select_option("low")
+    page.get_by_role("button", name="Call for it").click()
+    expect(page.get_by_role("status").filter(has_text="Called: T-")).to_be_visible()
+    page.get_by_role("button", name="Close").click()
+    row = page.get_by_role("row", name="4 Shaft")
+    expect(row).to_contain_text("to M8")
+    expect(row).to_contain_text("only those that carry pallet")
+    expect(row).to_contain_text("low")
+    screenshot(page, "transports-list")
+
+    page.get_by_label("State").select_option("cancelled")
+    expect(page.get_by_text("Nothing")).to_be_visible()
+    page.get_by_label("State").select_option("")
+    expect(row).to_be_visible()
+
+    # Nobody else may carry it, and that one takes no work.
+    taken_out = page.request.post(
+        f"{factory}/api/atvs/ATV3/commands", data={"command": "out-1", "kind": "take_out"}
+    )
+    assert taken_out.ok, taken_out.text()
+    page.get_by_role("button", name="Call…").click()
+    page.get_by_label("Material").select_option("shaft")
+    page.get_by_label("Pieces").fill("7")
+    page.get_by_label("From", exact=True).select_option("M8")
+    page.get_by_label("Vehicle", exact=True).select_option("ATV3")
+    page.get_by_role("button", name="Call for it").click()
+    expect(page.get_by_role("status").filter(has_text="Called: T-")).to_be_visible()
+    page.get_by_role("button", name="Close").click()
+    waiting = page.get_by_role("row", name="7 Shaft")
+    expect(waiting).to_contain_text("ATV3: it is out of service")
+    waiting.get_by_role("button", name="Call off").click()
+    waiting.get_by_role("button", name="Keep it").click()
+    waiting.get_by_role("button", name="Call off").click()
+    waiting.get_by_role("group").get_by_role("button", name="Call off").click()
+    expect(waiting).to_contain_text("called off")
+    expect(waiting).not_to_contain_text("being called off")
+    screenshot(page, "transports-called-off")
+
+
+@in_every_look
+def test_it_fits_every_width(
+    factory: str, open_page: OpenPage, screenshot: Screenshot, language: str, theme: str
+) -> None:
+    page = open_page(f"{factory}/#transports", locale=LOCALES[language], color_scheme=theme)
+    expect(page.locator("[aria-busy=true]")).to_have_count(0)
+    page.locator("[popovertarget=call-form]").first.click()
+    for width in WIDTHS_PX:
+        page.set_viewport_size({"width": width, "height": 900})
+        assert page.evaluate("document.documentElement.scrollWidth <= innerWidth"), width
+        screenshot(page, f"transports-{language}-{theme}-{width}")
