@@ -1,4 +1,7 @@
-"""docs/benchmarks.md: figures that were measured, beside their baselines and aims, made by one command."""
+"""A document of the figures that one command has measured, beside their baselines and aims.
+
+docs/benchmarks.md is put together by hand from such documents.
+"""
 
 from __future__ import annotations
 
