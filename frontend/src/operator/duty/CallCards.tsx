@@ -23,7 +23,8 @@ export function CallCards() {
     <div class="calls-live" aria-live="assertive">
       {said !== "" && calls.length === 0 && <p class="card call-failed">{said}</p>}
       {calls.length > 0 && (
-        <ul class={`cards calls ${calls.some(({ part }) => part === "asked") ? "asking" : ""}`} aria-label={t("call.title")}>
+        // Focusable itself: it scrolls, and in its first half second no button can have the focus.
+        <ul tabIndex={0} class={`cards calls ${calls.some(({ part }) => part === "asked") ? "asking" : ""}`} aria-label={t("call.title")}>
           {/* With the cards, which stay in sight: above them nobody would see it. */}
           {said !== "" && <li class="card call-failed">{said}</li>}
           {calls.map((call) => (
