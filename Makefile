@@ -12,6 +12,8 @@ STAMPS := $(VENV)/.stamps
 NPM := PATH="$(abspath $(BIN)):$$PATH" npm --prefix frontend
 PIP := $(PY) -m pip install --quiet --disable-pip-version-check
 PYTEST := $(PY) -m pytest
+# On all workers; what fails there is run again alone, twice at most.
+RUN_TESTS := $(PY) tools/run_tests.py
 # Two more than there are processors: half of the time a test waits for a process, a page or a database.
 WORKERS ?= $(shell $(PY) -c 'import os; print(min(4, os.cpu_count() or 1) + 2)')
 ARGS ?=
@@ -22,7 +24,7 @@ SYNC := $(if $(filter output-sync,$(.FEATURES)),--output-sync=target)
 export PYTHONDONTWRITEBYTECODE :=
 
 .DEFAULT_GOAL := help
-.PHONY: help setup panels run test test-long test-quick programs bench lint format types imports frontend panels-types panels-test \
+.PHONY: help setup panels run test test-long campaign test-quick programs bench lint format types imports frontend panels-types panels-test \
 	collected pytest screenshots 	sdist-and-wheel lock clean
 
 help: ## What can be done
@@ -71,12 +73,17 @@ test: ## All checks, without the tests of `test-long`
 	@$(MAKE) --no-print-directory --jobs 3 $(SYNC) setup programs lint imports collected
 	@$(MAKE) --no-print-directory --jobs 4 $(SYNC) AT_ONCE='>&3' pytest types panels-types panels-test 3>&1
 
-test-long: setup programs ## What takes minutes: fleets as processes, shifts, searches, fuzz at length, packaging
+test-long: setup programs ## What takes minutes: fleets as processes, shifts, journeys of cases, packaging
 	$(call stage,pytest of what takes long)
-	DRAY_TEST_EXAMPLES=all $(PYTEST) --timeout 1800 -n $(WORKERS) --dist worksteal --durations 20 -m "slow or hypothesis" $(ARGS)
+	$(RUN_TESTS) test-long -n $(WORKERS) --dist worksteal --durations 20 -m "slow and not campaign" $(ARGS)
+
+campaign: setup programs ## What takes hours: searches, mutants, losses, kills and fuzz at length; ARGS="-k mutants"
+	$(call stage,pytest of campaigns)
+	DRAY_TEST_EXAMPLES=all $(RUN_TESTS) campaign --timeout 7200 -o faulthandler_timeout=7260 \
+		-n $(WORKERS) --dist worksteal --durations 20 -m "campaign or hypothesis" $(ARGS)
 
 test-quick: setup ## Python's tests without the slow and the browser ones
-	$(PYTEST) -q -m "not slow and not browser" $(ARGS)
+	$(PYTEST) -q -m "not slow and not campaign and not browser" $(ARGS)
 
 lint: $(STAMPS)/installed ## Format and style of the Python code
 	$(call stage,ruff format)
@@ -112,7 +119,7 @@ collected: setup
 # `AT_ONCE` leads past the output that make keeps back until a target is done: how far it is, is told meanwhile.
 pytest: setup programs ## Python's tests: units, simulation, gateway, store, browser
 	$(call stage,pytest) $(AT_ONCE)
-	$(PYTEST) -n $(WORKERS) --dist worksteal --durations 20 -m "not slow" $(ARGS) $(AT_ONCE)
+	$(RUN_TESTS) test -n $(WORKERS) --dist worksteal --durations 20 -m "not slow and not campaign" $(ARGS) $(AT_ONCE)
 
 programs: ## What tests need besides Python, where it may be installed: Chromium, PostgreSQL, iproute2
 	$(call stage,Chromium)

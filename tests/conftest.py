@@ -2,9 +2,7 @@
 
 On a developer's machine a test may be skipped, for want of a browser say; the run then ends with a loud
 line that names it. Under CI (`CI=true`) nothing may be skipped: what would be, fails. What the machine itself
-forbids (see `forbidden`) is named as loudly, and fails nowhere. A test that runs in real time,
-where a busy machine has a say, is run once more when it fails; that is named as loudly, and more than `SECOND_TRIES_MAX` of them
-fail the run.
+forbids (see `forbidden`) is named as loudly, and fails nowhere. `tools/run_tests.py` runs a failed test again, alone.
 """
 
 from __future__ import annotations
@@ -90,16 +88,9 @@ def fail_when_skipped(report: Report) -> Report:
     return report
 
 
-SECOND_TRY = "rerun"
-"""The outcome of a first try, as pytest-rerunfailures calls it."""
-
-SECOND_TRIES_MAX = 3
-"""As many may be chance; more of them have a cause."""
-
 LOUD = (
     ("skipped", "WERE SKIPPED"),
     (FORBIDDEN, "ARE FORBIDDEN BY THIS MACHINE"),
-    (SECOND_TRY, "FAILED AND RAN ONCE MORE"),
 )
 
 
@@ -110,15 +101,6 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
             terminalreporter.write_sep("!", f"{len(reports)} TESTS {words}", red=True, bold=True)
         for report in reports:
             terminalreporter.write_line(f"!!! {report.nodeid}: {reason_of(report)}", red=True, bold=True)
-
-
-@pytest.hookimpl(trylast=True)
-def pytest_sessionfinish(session: pytest.Session) -> None:
-    reporter: pytest.TerminalReporter | None = session.config.pluginmanager.get_plugin("terminalreporter")
-    if reporter is None or session.exitstatus != pytest.ExitCode.OK:
-        return
-    if len(reporter.stats.get(SECOND_TRY, [])) > SECOND_TRIES_MAX:
-        session.exitstatus = pytest.ExitCode.TESTS_FAILED
 
 
 # --- what runs when -----------------------------------------------------------------------------------
@@ -208,9 +190,6 @@ SQLITE_ONLY = frozenset(
 """Modules of the gateway in which the kind of database has no part, or none that the store's own tests do not have:
 on both, they would take two minutes for nothing."""
 
-IN_REAL_TIME = tuple(map(Path, ("adapters", "browser", "cli/fleet", "delivery", "simulation/bench")))
-"""Tests of browsers, processes and real networks. All others fail by what they test alone, and a second try would hide it."""
-
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     items[:] = [item for item in items if not _is_needless(item)]
@@ -218,8 +197,6 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         # What depends on the kind of database is the store's, whose own tests run on both in `make test`.
         if _is_on_postgresql(item) and _place(item).parts[0] != "store":
             item.add_marker(pytest.mark.slow)
-        if any(_place(item).is_relative_to(folder) for folder in IN_REAL_TIME):
-            item.add_marker(pytest.mark.flaky(reruns=1))
     items.sort(key=lambda item: item.path.stem != LONGEST)
 
 

@@ -8,7 +8,7 @@ from dray_sim.bench.panels import paint
 from dray_sim.bench.panels import plant_map as plantmap
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_the_map_is_measured_far_and_near_beside_its_baselines(monkeypatch: pytest.MonkeyPatch) -> None:
     for name, value in (("VEHICLES", (30, 40)), ("QUICK_SPAN_S", 0.5), ("SETTLED_S", 0.5)):
         monkeypatch.setattr(plantmap, name, value)
@@ -22,7 +22,7 @@ def test_the_map_is_measured_far_and_near_beside_its_baselines(monkeypatch: pyte
     assert all(row.figure > 0.0 and row.baseline > 0.0 and row.less for row in rows)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_the_first_paint_of_each_page_is_measured_beside_the_plainest_page(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

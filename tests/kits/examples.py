@@ -1,7 +1,4 @@
-"""How many examples Hypothesis tries: a part in `make test`, all of them in `make test-long`.
-
-Both run every test that Hypothesis leads: `make test-long` asks for its marker.
-"""
+"""How many examples Hypothesis tries: all of them in `make campaign`, which runs every test that Hypothesis leads, else a part."""
 
 from __future__ import annotations
 
@@ -13,5 +10,5 @@ SHARE = 5
 
 
 def examples(count: int) -> int:
-    """That many in `make test-long`, a fifth of them in `make test`."""
+    """That many in `make campaign`, else a fifth of them."""
     return count if ALL else max(1, count // SHARE)

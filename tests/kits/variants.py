@@ -1,4 +1,4 @@
-"""What is tried in several ways: one of them in `make test`, all of them in `make test-long`."""
+"""What is tried in several ways: one of them in `make test`, the others in `make test-long`."""
 
 from __future__ import annotations
 

@@ -59,7 +59,7 @@ def test_a_document_has_every_figure_and_says_how_many_aims_are_missed() -> None
     ]
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_the_adapter_is_measured_beside_bare_zenoh_between_two_processes(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -80,7 +80,7 @@ def test_the_adapter_is_measured_beside_bare_zenoh_between_two_processes(
     assert all(row.figure > 0.0 and row.baseline > 0.0 for row in rows)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_orders_are_measured_on_each_database_and_beside_open_ones(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(orders, "OPEN", (0, 50))
     monkeypatch.setattr(orders, "ORDERS", {1: 3, 16: 16})

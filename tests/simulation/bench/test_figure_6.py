@@ -38,7 +38,7 @@ def interfaces(*of: str) -> str:
     return subprocess.run(["ip", *of, "-brief", "link"], capture_output=True, text=True, check=True).stdout
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_a_cut_link_is_gone_round_and_a_dead_vehicle_is_replaced_once(tmp_path: Path) -> None:
     with Field.opened(tmp_path) as field:
         task = field.contract()

@@ -173,7 +173,7 @@ def test_a_fleet_that_does_not_end_is_killed_with_all_its_processes(
 # --- a small fleet ----------------------------------------------------------------------------------
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @pytest.mark.timeout(1500)  # it ends when all has arrived, however busy the computer is
 def test_a_small_fleet_loses_nothing_when_one_of_every_kind_is_killed(
     tmp_path: Path, mortal_postgres: PostgresServer

@@ -77,7 +77,7 @@ def test_all_live_when_the_killing_is_over() -> None:
     assert told == (4, {2, 3})
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_what_is_asked_for_over_rest_is_done_once_and_no_login_link_is_printed(
     capsys: pytest.CaptureFixture[str],
 ) -> None:

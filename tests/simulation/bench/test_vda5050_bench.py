@@ -7,7 +7,7 @@ import pytest
 from dray_sim.bench import BENCHES
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_a_driver_is_measured() -> None:
     cpu, delay = BENCHES["vda5050"](True)
     assert "bare MQTT client" in cpu.baseline_name

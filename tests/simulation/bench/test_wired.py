@@ -27,7 +27,7 @@ PLANT = generate_plant(1, machines=3, vehicles=2)
 PATIENCE_S = 180.0
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_no_place_is_held_twice_by_processes_that_are_killed(tmp_path: Path) -> None:
     campaign = Campaign(PLANT, killing_s=25.0, calm_s=20.0, pause_s=4.0, away_s=(2.0, 8.0))
     rows = asyncio.run(play(campaign, tmp_path))
@@ -55,7 +55,7 @@ class Manager:
         return [atv for item in self._ask()["items"] for atv in item["not_known_by"]]
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_what_is_closed_at_the_gateway_is_entered_by_no_vehicle_in_a_process(tmp_path: Path) -> None:
     log, places = tmp_path / "traffic", Places(PLANT)
     kept_open = places.docks | set(places.mouths.values())

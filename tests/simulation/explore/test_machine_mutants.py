@@ -48,12 +48,12 @@ def with_machines_that_never_rest(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(Cycle, "look", lambda _self, _now_s: None)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_the_search_finds_a_machine_that_never_rests(monkeypatch: pytest.MonkeyPatch) -> None:
     find(with_machines_that_never_rest, lambda seed: draw(seed, "rests"), 1, "invariant 25", monkeypatch)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @pytest.mark.parametrize(
     ("mutant", "first", "finding"),
     [

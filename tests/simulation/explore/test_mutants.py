@@ -11,7 +11,7 @@ from typing import cast
 
 import pytest
 from msgspec.structs import replace
-from mutants import find
+from mutants import find, searches
 
 from dray.body import OpenDock, WayBlocked
 from dray.messages import (
@@ -221,9 +221,6 @@ def with_clocks_that_jump(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(computer, "SLEW_FRAC", 1e6)
 
 
-pytestmark = pytest.mark.slow
-
-
 def that_believes_that_vehicles_are_away_which_are_heard(patch: pytest.MonkeyPatch) -> None:
     """Whoever keeps a book frees a vehicle's places at the word, whether or not the vehicle is heard."""
     patch.setattr(RemovalAuthorisation, "objection", lambda *_: "")
@@ -383,14 +380,14 @@ TRAFFIC_MUTANTS = [
 """Likewise, with right of way."""
 
 
-@pytest.mark.parametrize(("mutant", "profile", "first", "finding"), MUTANTS)
+@pytest.mark.parametrize(("mutant", "profile", "first", "finding"), searches(MUTANTS, "no-fence"))
 def test_the_search_finds_a_mutant(
     mutant: Mutant, profile: str, first: int, finding: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     find(mutant, lambda seed: draw(seed, profile), first, finding, monkeypatch)
 
 
-@pytest.mark.parametrize(("mutant", "profile", "first", "finding"), TRAFFIC_MUTANTS)
+@pytest.mark.parametrize(("mutant", "profile", "first", "finding"), searches(TRAFFIC_MUTANTS, "no-book"))
 def test_the_search_finds_a_mutant_of_right_of_way(
     mutant: Mutant, profile: str, first: int, finding: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:

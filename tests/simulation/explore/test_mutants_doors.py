@@ -27,6 +27,7 @@ def with_bodies_that_see_no_door(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(Travel, "_is_shut", lambda *_: False)
 
 
+@pytest.mark.campaign
 @pytest.mark.parametrize("mutant", [with_doors_that_shut_on_vehicles, with_bodies_that_see_no_door])
 def test_the_search_finds_a_mutant_of_doors(mutant: Mutant, monkeypatch: pytest.MonkeyPatch) -> None:
     find(mutant, lambda seed: draw(seed, "doors-alone"), 0, "invariant 20", monkeypatch)

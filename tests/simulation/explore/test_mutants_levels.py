@@ -62,7 +62,7 @@ def with_storages_that_open_for_two(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(Issuing, "_open", open_too)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @pytest.mark.parametrize(
     ("mutant", "profile", "first", "finding"),
     [

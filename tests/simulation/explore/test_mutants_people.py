@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
 from typing import Any
 
 import pytest
+from mutants import find
 
 from dray.messages import CallState
 from dray.protocol.calls.help_calls import CALL, HelpCalls
 from dray.protocol.machine.goods_recovery import GoodsRecovery
-from dray_sim.explore.play import play
 from dray_sim.explore.run import draw
-
-WITHIN = 40
-"""Seeds in which a mutant must be found; it takes one to eight."""
 
 Mutant = Callable[[pytest.MonkeyPatch], None]
 
@@ -69,14 +65,9 @@ MUTANTS = [
 """A mutant, from where runs are drawn, the seed to begin with, and what will be seen."""
 
 
+@pytest.mark.campaign
 @pytest.mark.parametrize(("mutant", "profile", "first", "finding"), MUTANTS)
 def test_the_search_finds_what_calls_for_help_guard_against(
     mutant: Mutant, profile: str, first: int, finding: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    for seed in range(first, first + WITHIN):
-        with monkeypatch.context() as patch:
-            mutant(patch)
-            found = re.search(finding, play(draw(seed, profile)).broken)
-        if found and not play(draw(seed, profile)).broken:
-            return
-    pytest.fail(f"{WITHIN} seeds, and nothing was found")
+    find(mutant, lambda seed: draw(seed, profile), first, finding, monkeypatch)

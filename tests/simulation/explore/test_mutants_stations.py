@@ -38,7 +38,7 @@ def that_forgets_what_is_carried(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(Refilling, "_missing", look)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @pytest.mark.parametrize(
     ("mutant", "finding"),
     [

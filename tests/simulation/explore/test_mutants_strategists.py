@@ -35,6 +35,7 @@ MUTANTS = [
 ]
 
 
+@pytest.mark.campaign
 @pytest.mark.parametrize(("mutant", "finding"), MUTANTS)
 def test_the_search_finds_a_mutant(mutant: Mutant, finding: str, monkeypatch: pytest.MonkeyPatch) -> None:
     find(mutant, lambda seed: draw(seed, "strategists"), 0, finding, monkeypatch)

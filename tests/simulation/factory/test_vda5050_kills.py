@@ -17,7 +17,7 @@ KILLS = 60
 """`dray sim vehicles --kills 200` plays more; its figures are in docs/vehicles.md."""
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 # 2: a vehicle loses its power on a lane, near the node behind it, and its agent its memory. 4: an order whose horizon is left.
 @pytest.mark.parametrize(("seed", "traffic"), [(2, True), (4, True)])
 def test_every_task_is_delivered_once_and_no_action_is_carried_out_twice(seed: int, traffic: bool) -> None:

@@ -114,7 +114,7 @@ def test_small_plants_are_served(sample: list) -> None:
     assert [(each.seed, each.failures) for each in sample if each.failures and not each.named] == []
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_more_small_plants_are_served() -> None:
     more = play_seeds(4, 12, small=True, hours=1.0)
     assert [(each.seed, each.failures) for each in more if each.failures and not each.named] == []

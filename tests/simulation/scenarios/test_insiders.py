@@ -54,7 +54,7 @@ async def lossy(stage: Stage) -> set[str]:
     return {seen.said.contractor for seen in stage.witness.all(ContractorRated) if seen.said.restricted}
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_honest_vehicles_on_bad_links_are_never_restricted() -> None:
     played = play(replace(SHORT, keep=(ContractorRated,)), default_plant(), 1, lossy)
     assert played.told == set()

@@ -86,19 +86,19 @@ def short(shift: Shift, duration_s: float) -> Shift:
     return dataclasses.replace(shift, duration_s=duration_s)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_delays_of_two_seconds_are_endured() -> None:
     found = latency_sweep.sweep(1, (2.0,), short(latency_sweep.SHIFT, 900.0), endured_s=2.0)
     assert failed(found) == []
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_a_loss_of_a_fifth_is_endured() -> None:
     found = loss_sweep.sweep(1, (0.2,), short(loss_sweep.SHIFT, 900.0))
     assert failed(found) == []
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_agents_have_no_more_to_do_in_a_plant_of_twice_the_size() -> None:
     found = scale.grow(1, (10, 20), short(scale.SHIFT, scale.WARM_UP_S + 300.0), reference=10)
     assert failed(found) == []
@@ -109,26 +109,26 @@ def test_a_plant_that_was_not_played_to_the_end_shows_no_growth() -> None:
     assert [name.split(",")[0] for name in failed(found)] == ["From 50 to 4 vehicles"]
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_a_season_in_short_holds() -> None:
     found = peak_season.peak(1, short(peak_season.SHIFT, 3.5 * 1800.0), span_s=1800.0)
     assert failed(found) == []
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_days_leave_nothing_behind() -> None:
     found = soak.soak(1, days=2, full_after_days=1)
     assert [name for name in failed(found) if not name.startswith("Memory")] == []
     assert len(found.tables[0].rows) == 1
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_dead_primaries_are_replaced_within_the_bound() -> None:
     found = takeover.takeover(2, runs=60, cut_runs=15)
     assert failed(found) == []
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_faults_cost_no_order() -> None:
     found = fault_cost.cost(1, short(fault_cost.SHIFT, 3600.0))
     assert failed(found) == []
@@ -141,7 +141,7 @@ DEAD_DRIVES_IN_SEEDS = 4
 """One seed has three dead drives or fewer, and one load that nobody can bring instead outweighs them; four seeds have nine or more."""
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_judging_problems_saves_time() -> None:
     found = problems.problems(1, DEAD_DRIVES_IN_SEEDS)
     assert failed(found) == []
@@ -169,7 +169,7 @@ def test_people_carry_away_what_cannot_drive_where_it_is_in_the_way(
     assert not still_away
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_urgent_orders_come_sooner_and_nothing_starves() -> None:
     found = priorities.compared(1)
     assert failed(found) == []
@@ -240,7 +240,7 @@ def test_without_a_radio_the_experiment_does_not_hold() -> None:
     assert not held[2]
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_of_bodies_that_have_words_alone_both_times_nothing_is_said_to_save_time(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -105,7 +105,7 @@ async def roll_out(fleet: Fleet, python: Path) -> tuple[int, Report]:
     return code, report
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_bad_versions_go_back_by_themselves_and_a_good_one_comes_to_all(fleet: Fleet, tmp_path: Path) -> None:
     good = make_version(tmp_path / "good", "9.0")
     dead = make_version(tmp_path / "dead", "9.1", DOES_NOT_START)

@@ -162,7 +162,7 @@ def test_a_moment_that_is_shown_again_is_what_panels_showed_then(files: Files, t
     assert day.faults >= 10
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @pytest.mark.timeout(1800)
 def test_at_1000_moments_of_an_hour_with_faults_it_is_what_panels_showed_then(
     files: Files, tmp_path: Path

@@ -1,0 +1,110 @@
+"""Run pytest on all workers, then run each failed test again alone.
+
+Usage: python tools/run_tests.py NAME [options of pytest]
+
+A failure beside other tests may say that the machine was busy. A failure alone, twice in a row, is one of the
+test or of what it tests. So the tests that fail in the parallel run are run again after it, on one worker,
+at most `TRIES_ALONE` times. Tests that pass then are `unsteady`: they are named loudly at the end and kept in
+`artifacts/unsteady.json`, by the run's NAME, and the run is green.
+
+A test that hangs is a failure once pytest's `timeout` ends it. A test whose process dies is a failure of that test;
+pytest-xdist starts another worker.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Iterable
+from pathlib import Path
+
+import pytest
+
+TRIES_ALONE = 2
+
+AGAIN = ("--last-failed", "--last-failed-no-failures", "none")
+
+FAILED_MAX = 40
+"""Most failed tests that are run again. More of them have one cause, and are too many for the time of a check."""
+
+UNSTEADY = Path("artifacts/unsteady.json")
+"""Per name of a run its unsteady tests, each with the first line of its first failure."""
+
+
+class Failures:
+    """A plugin of pytest that keeps what failed.
+
+    Attributes:
+        tests: per failed test the first line of its first failure.
+        is_collected: whether every module was read.
+    """
+
+    def __init__(self, again: Iterable[str] = ()) -> None:
+        """Start with the tests that are run again: each has failed until it passes."""
+        self.tests = dict.fromkeys(again, "did not run again")
+        self.is_collected = True
+        self._failed: set[str] = set()
+
+    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+        if report.failed and report.nodeid not in self._failed:
+            self._failed.add(report.nodeid)
+            self.tests[report.nodeid] = first_line(report)
+        elif report.passed and report.when == "call" and report.nodeid not in self._failed:
+            self.tests.pop(report.nodeid, None)
+
+    def pytest_collectreport(self, report: pytest.CollectReport) -> None:
+        self.is_collected &= not report.failed
+
+
+def first_line(report: pytest.TestReport) -> str:
+    """Why the test failed. The report of a worker that died has no crash, and its text is the reason."""
+    crash = getattr(report.longrepr, "reprcrash", None)
+    return str(report.longrepr if crash is None else crash.message).strip().partition("\n")[0]
+
+
+def main(name: str, options: list[str]) -> int:
+    """Run the tests, and again alone what failed; the exit code of pytest that the whole amounts to."""
+    # The cache tells the later runs which tests had failed; a cache per name, since two runs may go on at once.
+    options = [*options, "-o", f"cache_dir=.pytest_cache/{name}"]
+    first = Failures()
+    code = int(pytest.main([*options, "--cache-clear"], plugins=[first]))
+    failed = first
+    for attempt in range(1, TRIES_ALONE + 1):
+        if not may_be_chance(code, failed):
+            break
+        _say(f"{len(failed.tests)} failed: again alone, {attempt} of {TRIES_ALONE}")
+        failed = Failures(failed.tests)
+        code = int(pytest.main([*options, *AGAIN, "-n", "1"], plugins=[failed])) or int(bool(failed.tests))
+    unsteady = {test: reason for test, reason in first.tests.items() if test not in failed.tests}
+    keep(name, unsteady)
+    _say(f"unsteady: {len(unsteady)}", unsteady)
+    if code:
+        _say(f"failed: {len(failed.tests)}", failed.tests)
+    return code
+
+
+def may_be_chance(code: int, failures: Failures) -> bool:
+    """Whether tests failed, so few that each may have failed by chance, and nothing else went wrong."""
+    return (
+        code == pytest.ExitCode.TESTS_FAILED
+        and failures.is_collected
+        and 0 < len(failures.tests) <= FAILED_MAX
+    )
+
+
+def keep(name: str, unsteady: dict[str, str]) -> None:
+    """Write the unsteady tests of this run beside those of runs of other names."""
+    UNSTEADY.parent.mkdir(exist_ok=True)
+    runs = json.loads(UNSTEADY.read_text(encoding="utf-8")) if UNSTEADY.exists() else {}
+    told = [{"test": test, "first_failure": reason} for test, reason in unsteady.items()]
+    UNSTEADY.write_text(json.dumps(runs | {name: told}, indent=2) + "\n", encoding="utf-8")
+
+
+def _say(title: str, tests: dict[str, str] | None = None) -> None:
+    print(f"\n!!!!!! {title} !!!!!!", flush=True)
+    for test, reason in (tests or {}).items():
+        print(f"!!! {test}: {reason}", flush=True)
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1], sys.argv[2:]))
