@@ -79,7 +79,7 @@ test-long: setup programs ## What takes minutes: fleets as processes, shifts, jo
 
 campaign: setup programs ## What takes hours: searches, mutants, losses, kills and fuzz at length; ARGS="-k mutants"
 	$(call stage,pytest of campaigns)
-	DRAY_TEST_EXAMPLES=all $(RUN_TESTS) campaign --timeout 7200 -o faulthandler_timeout=7260 \
+	DRAY_TEST_EXAMPLES=all $(PY) tools/run_campaign.py --timeout 7200 -o faulthandler_timeout=7260 \
 		-n $(WORKERS) --dist worksteal --durations 20 -m "campaign or hypothesis" $(ARGS)
 
 test-quick: setup ## Python's tests without the slow and the browser ones

@@ -1,4 +1,4 @@
-"""What is tried in several ways: one of them in `make test`, the others in `make test-long`."""
+"""What is tried in several ways: one of them in `make test`, the others in `make test-long`; or in `make campaign`."""
 
 from __future__ import annotations
 
@@ -24,3 +24,18 @@ def variants(ways: Iterable[Any], *quick: Any) -> list[Any]:
     chosen = quick or (every[0],)
     assert all(way in every for way in chosen), "there is no such way"
     return [way if way in chosen else pytest.param(way, marks=pytest.mark.slow) for way in every]
+
+
+def in_campaigns(ways: Iterable[Any], *soon: Any) -> list[Any]:
+    """Parameters of a test that takes long in every way.
+
+    Args:
+        ways: all of them; several values are a tuple.
+        soon: those that are in `make test-long`; the others are left to `make campaign`.
+    """
+    every = list(ways)
+    assert all(way in every for way in soon), "there is no such way"
+    marks = {True: pytest.mark.slow, False: pytest.mark.campaign}
+    return [
+        pytest.param(*(way if isinstance(way, tuple) else (way,)), marks=marks[way in soon]) for way in every
+    ]

@@ -56,7 +56,7 @@ class Watched:
         return len(self._heard_at_s) >= HEARD
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_a_vehicle_that_is_switched_off_is_taken_over_from_and_its_load_delivered(
     factory: Any, open_page: OpenPage, screenshot: Screenshot
 ) -> None:

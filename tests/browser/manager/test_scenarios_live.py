@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 from playwright.sync_api import Page, expect
+from variants import in_campaigns
 
 from dray_sim.scenarios import LIVE
 
@@ -20,9 +21,11 @@ PLAYED_MS = 1_500_000
 """Minutes on a computer with nothing else to do: case-6 goes on for more than four hours of the factory's time."""
 
 
-@pytest.mark.slow
+QUICK = ("case-3", "case-4", "case-5", "experiment-power-off", "experiment-wlan")
+
+
 @pytest.mark.timeout(1800)
-@pytest.mark.parametrize("name", sorted(LIVE))
+@pytest.mark.parametrize("name", in_campaigns(sorted(LIVE), *QUICK))
 def test_a_scenario_is_played_to_its_end_and_its_card_tells_every_step(
     start_dray: Callable[..., Any], open_page: OpenPage, screenshot: Screenshot, name: str
 ) -> None:

@@ -152,7 +152,7 @@ def commands_to(dray: Any, agent: str) -> list[str]:
     ]
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_a_vehicle_whose_way_is_blocked_is_waited_for_while_somebody_comes_and_replaced_when_nobody_can(
     dray: Any, open_page: OpenPage, tablets: dict[str, Page], screenshot: Screenshot
 ) -> None:
@@ -191,7 +191,7 @@ def test_a_vehicle_whose_way_is_blocked_is_waited_for_while_somebody_comes_and_r
     bring_back(dray, fault)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_a_machine_keeps_its_goals_while_somebody_mends_it_and_others_make_them_when_that_takes_too_long(
     dray: Any, open_page: OpenPage, tablets: dict[str, Page], screenshot: Screenshot
 ) -> None:

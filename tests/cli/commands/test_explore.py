@@ -35,7 +35,7 @@ def test_a_search_that_holds_sums_up(explore, tmp_path) -> None:
     assert summary["violations"] == []
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_a_violation_comes_with_its_story_and_the_command_that_replays_it(explore, impatient) -> None:
     code, out, _ = explore("--seeds", "7:9", "--jobs", "1")
     assert code == 1

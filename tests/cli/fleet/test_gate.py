@@ -17,7 +17,7 @@ AWAY_S = 60.0
 """Real seconds: 600 s of the plant, in which all of the order is made and brought."""
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_what_comes_in_while_the_gate_is_killed_is_told_once_when_it_is_back(fleet: Fleet) -> None:
     product = next(each for each in PLANT.ordered if PLANT.machines_for(each))
 

@@ -29,7 +29,7 @@ def pair(tmp_path: Path) -> Iterator[Fleet]:
         started.stop()
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_the_order_of_a_killed_strategist_is_delivered_by_the_other_one_exactly_once(pair: Fleet) -> None:
     product = next(each for each in PLANT.ordered if PLANT.machines_for(each))
 

@@ -112,7 +112,7 @@ def test_whichever_message_is_lost_or_doubled_the_load_arrives_once_and_nobody_s
     check(play({number: again_s}))
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @settings(deadline=None, derandomize=True, max_examples=300)
 @given(
     st.dictionaries(st.integers(0, 2 * MESSAGES), st.sampled_from([LOST, LOST, 0.005, 0.5, 3.0]), max_size=10)

@@ -9,11 +9,12 @@ two-lane roads and smaller batteries. What `one-level` has found, it has found a
 from __future__ import annotations
 
 import pytest
+from variants import in_campaigns
 
 from dray_sim.explore.play import play
 from dray_sim.explore.run import draw
 
-pytestmark = pytest.mark.slow
+QUICK = (("mishaps", 20), ("links", 15), ("deaths", 1), ("hands", 2))
 
 FOUND = [
     # A carrier that had been given up came back, found the dock still open and took the goods away; its
@@ -112,11 +113,11 @@ FOUND_WITH_TRAFFIC = [
 ]
 
 
-@pytest.mark.parametrize(("profile", "seed"), FOUND)
+@pytest.mark.parametrize(("profile", "seed"), in_campaigns(FOUND, *QUICK))
 def test_a_seed_that_has_found_something_holds(profile: str, seed: int) -> None:
     assert play(draw(seed, profile)).broken == ""
 
 
-@pytest.mark.parametrize(("profile", "seed"), FOUND_WITH_TRAFFIC)
+@pytest.mark.parametrize(("profile", "seed"), in_campaigns(FOUND_WITH_TRAFFIC, ("one-level", 21)))
 def test_a_seed_that_has_found_something_with_right_of_way_holds(profile: str, seed: int) -> None:
     assert play(draw(seed, profile, traffic=True)).broken == ""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from mutants import Mutant, find
+from mutants import Find, Mutant
 
 from dray.messages import Award, Release, TaskAnnounced, Withdrawn
 from dray.protocol.machine.cycle import Cycle
@@ -49,8 +49,8 @@ def with_machines_that_never_rest(patch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.campaign
-def test_the_search_finds_a_machine_that_never_rests(monkeypatch: pytest.MonkeyPatch) -> None:
-    find(with_machines_that_never_rest, lambda seed: draw(seed, "rests"), 1, "invariant 25", monkeypatch)
+def test_the_search_finds_a_machine_that_never_rests(find: Find) -> None:
+    find(with_machines_that_never_rest, lambda seed: draw(seed, "rests"), 1, "invariant 25")
 
 
 @pytest.mark.campaign
@@ -62,7 +62,5 @@ def test_the_search_finds_a_machine_that_never_rests(monkeypatch: pytest.MonkeyP
         pytest.param(with_goals_that_are_handed_over_and_kept, 76, "invariant 22", id="handed-over-and-kept"),
     ],
 )
-def test_the_search_finds_a_mutant_of_machines(
-    mutant: Mutant, first: int, finding: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    find(mutant, lambda seed: draw(seed, "machines"), first, finding, monkeypatch)
+def test_the_search_finds_a_mutant_of_machines(mutant: Mutant, first: int, finding: str, find: Find) -> None:
+    find(mutant, lambda seed: draw(seed, "machines"), first, finding)

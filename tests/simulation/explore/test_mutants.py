@@ -11,7 +11,7 @@ from typing import cast
 
 import pytest
 from msgspec.structs import replace
-from mutants import find, searches
+from mutants import Find, searches
 
 from dray.body import OpenDock, WayBlocked
 from dray.messages import (
@@ -382,13 +382,13 @@ TRAFFIC_MUTANTS = [
 
 @pytest.mark.parametrize(("mutant", "profile", "first", "finding"), searches(MUTANTS, "no-fence"))
 def test_the_search_finds_a_mutant(
-    mutant: Mutant, profile: str, first: int, finding: str, monkeypatch: pytest.MonkeyPatch
+    mutant: Mutant, profile: str, first: int, finding: str, find: Find
 ) -> None:
-    find(mutant, lambda seed: draw(seed, profile), first, finding, monkeypatch)
+    find(mutant, lambda seed: draw(seed, profile), first, finding)
 
 
 @pytest.mark.parametrize(("mutant", "profile", "first", "finding"), searches(TRAFFIC_MUTANTS, "no-book"))
 def test_the_search_finds_a_mutant_of_right_of_way(
-    mutant: Mutant, profile: str, first: int, finding: str, monkeypatch: pytest.MonkeyPatch
+    mutant: Mutant, profile: str, first: int, finding: str, find: Find
 ) -> None:
-    find(mutant, lambda seed: draw(seed, profile, traffic=True), first, finding, monkeypatch)
+    find(mutant, lambda seed: draw(seed, profile, traffic=True), first, finding)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from mutants import Mutant, find
+from mutants import Find, Mutant
 
 from dray_sim.bodies.doors import Doors, DoorState, _Door
 from dray_sim.bodies.vehicle.travel import Travel
@@ -29,5 +29,5 @@ def with_bodies_that_see_no_door(patch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.campaign
 @pytest.mark.parametrize("mutant", [with_doors_that_shut_on_vehicles, with_bodies_that_see_no_door])
-def test_the_search_finds_a_mutant_of_doors(mutant: Mutant, monkeypatch: pytest.MonkeyPatch) -> None:
-    find(mutant, lambda seed: draw(seed, "doors-alone"), 0, "invariant 20", monkeypatch)
+def test_the_search_finds_a_mutant_of_doors(mutant: Mutant, find: Find) -> None:
+    find(mutant, lambda seed: draw(seed, "doors-alone"), 0, "invariant 20")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from mutants import Mutant, find
+from mutants import Find, Mutant
 
 from dray.messages import AtvHeartbeat, Docked
 from dray.protocol.machine.cycle import Cycle
@@ -75,6 +75,6 @@ def with_storages_that_open_for_two(patch: pytest.MonkeyPatch) -> None:
     ],
 )
 def test_the_search_finds_a_mutant_of_parts(
-    mutant: Mutant, profile: str, first: int, finding: str, monkeypatch: pytest.MonkeyPatch
+    mutant: Mutant, profile: str, first: int, finding: str, find: Find
 ) -> None:
-    find(mutant, lambda seed: draw(seed, profile), first, finding, monkeypatch)
+    find(mutant, lambda seed: draw(seed, profile), first, finding)

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
-from mutants import find
+from mutants import Find
 
 from dray.messages import CallState
 from dray.protocol.calls.help_calls import CALL, HelpCalls
@@ -68,6 +68,6 @@ MUTANTS = [
 @pytest.mark.campaign
 @pytest.mark.parametrize(("mutant", "profile", "first", "finding"), MUTANTS)
 def test_the_search_finds_what_calls_for_help_guard_against(
-    mutant: Mutant, profile: str, first: int, finding: str, monkeypatch: pytest.MonkeyPatch
+    mutant: Mutant, profile: str, first: int, finding: str, find: Find
 ) -> None:
-    find(mutant, lambda seed: draw(seed, profile), first, finding, monkeypatch)
+    find(mutant, lambda seed: draw(seed, profile), first, finding)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from mutants import Mutant, find
+from mutants import Find, Mutant
 
 from dray.body import StockChanged
 from dray.protocol.station.refilling import Refilling
@@ -46,7 +46,5 @@ def that_forgets_what_is_carried(patch: pytest.MonkeyPatch) -> None:
         pytest.param(that_forgets_what_is_carried, "invariant 28", id="ordered-twice"),
     ],
 )
-def test_the_search_finds_a_mutant_of_a_station(
-    mutant: Mutant, finding: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    find(mutant, lambda seed: draw(seed, "stations-alone"), 0, finding, monkeypatch)
+def test_the_search_finds_a_mutant_of_a_station(mutant: Mutant, finding: str, find: Find) -> None:
+    find(mutant, lambda seed: draw(seed, "stations-alone"), 0, finding)

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 
 import pytest
 from gate_mutants import with_a_gate_that_lets_everybody_hold_an_order
-from mutants import find
+from mutants import Find
 
 from dray.messages import OrderReleased
 from dray.messages.gate import GoalHeld
@@ -37,5 +37,5 @@ MUTANTS = [
 
 @pytest.mark.campaign
 @pytest.mark.parametrize(("mutant", "finding"), MUTANTS)
-def test_the_search_finds_a_mutant(mutant: Mutant, finding: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    find(mutant, lambda seed: draw(seed, "strategists"), 0, finding, monkeypatch)
+def test_the_search_finds_a_mutant(mutant: Mutant, finding: str, find: Find) -> None:
+    find(mutant, lambda seed: draw(seed, "strategists"), 0, finding)

@@ -17,6 +17,9 @@ of the protocol has made other runs of the seeds."""
 
 Mutant = Callable[[pytest.MonkeyPatch], None]
 
+Find = Callable[[Mutant, Callable[[int], Run], int, str], None]
+"""Find a mutant: it, how a seed's run is drawn, the seed to begin with, and a pattern of what will be told."""
+
 
 def searches(mutants: Iterable[Any], *quick: str) -> list[Any]:
     """Parameters of a test of mutants: the quick ones are for `make test-long`, the others for `make campaign`.
@@ -31,14 +34,14 @@ def searches(mutants: Iterable[Any], *quick: str) -> list[Any]:
     return [pytest.param(*each.values, id=each.id, marks=marks[each.id in quick]) for each in every]
 
 
-def find(
+def search(
     mutant: Mutant, drawn: Callable[[int], Run], first: int, finding: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Play runs until one tells the finding with the mutant, and nothing without it."""
+) -> int:
+    """Play runs until one tells the finding with the mutant, and nothing without it; its seed."""
     for seed in range(first, first + WITHIN):
         with monkeypatch.context() as patch:
             mutant(patch)
             found = re.search(finding, play(drawn(seed)).broken)
         if found and not play(drawn(seed)).broken:
-            return
-    pytest.fail(f"{WITHIN} seeds, and nothing was found")
+            return seed
+    pytest.fail(f"{WITHIN} seeds from {first} on, and nothing was found")

@@ -50,7 +50,7 @@ def test_no_order_asks_for_more_than_a_gateway_takes(lot: int) -> None:
         assert all(1 <= item.quantity <= MAX_PIECES for item in order.items)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_it_is_played_with_people_and_faults(plant: Plant) -> None:
     async def fail_and_recover(stage: Stage) -> bool:
         schedule = random_schedule(plant, stage.random("faults"), 400.0, 2.0)

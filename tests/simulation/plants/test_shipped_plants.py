@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+from variants import in_campaigns
 
 from dray.plant import Plant, load_plant
 from dray.plant.planning.sketch import Wishes, sketch
@@ -12,13 +13,8 @@ from dray_sim.run.stage import Shift, Stage, play
 HOUR_S = 3600.0
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
-    "name",
-    [
-        "workshop",
-        *(pytest.param(name, marks=pytest.mark.slow) for name in ("single-track", "two-halls", "large")),
-    ],
+    "name", in_campaigns(["workshop", "single-track", "two-halls", "large"], "workshop", "two-halls")
 )
 def test_a_shipped_plant_delivers_all_that_is_ordered_in_an_hour(name: str) -> None:
     plant = load_plant(name)

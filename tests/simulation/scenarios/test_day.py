@@ -78,7 +78,7 @@ def test_a_day_through_the_codec_leaves_the_same_trace(hour: Report) -> None:
     assert describe(through_codec) == describe(hour)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_at_least_95_percent_of_a_morning_is_on_time() -> None:
     report = report_of(dataclasses.replace(SHIFT, duration_s=3 * 3600.0), 1)
     assert report.invariants == HELD

@@ -17,6 +17,6 @@ def test_a_few_orders_of_three_levels_are_delivered_and_the_balance_closes() -> 
     held(6)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_with_kills_orders_of_three_levels_are_delivered_and_the_balance_closes() -> None:
     held(30)

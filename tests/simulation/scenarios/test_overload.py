@@ -19,7 +19,7 @@ MESSAGES_MAX = 140
 """Per transport, in the first hour and a half of an overload. There were 178 when everything was announced again and again."""
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_an_overload_is_told_and_not_multiplied_by_words() -> None:
     file = default_plant().file
     plant = Plant(structs.replace(file, fleet=tuple(spec for spec in file.fleet if spec.id in FLEET)))
