@@ -34,11 +34,16 @@ def _written_moment(value: Any) -> datetime:
     return moment
 
 
+EARLIEST, LATEST = datetime(2000, 1, 1, tzinfo=UTC), datetime(2100, 1, 1, tzinfo=UTC)
+"""Beyond these a time is a slip of the keyboard, and reckoning with it leaves the calendar."""
+
+
 def _in_utc(moment: datetime) -> datetime:
-    try:
-        return moment.astimezone(UTC)
-    except (OverflowError, ValueError):
-        raise PydanticCustomError("moment_off_calendar", "it is out of the calendar") from None
+    # Compared before it is converted: at both ends of the calendar that raises.
+    if not EARLIEST <= moment < LATEST:
+        reason = f"it is out of the calendar; give a time from {EARLIEST.year} to {LATEST.year - 1}"
+        raise PydanticCustomError("moment_off_calendar", reason)
+    return moment.astimezone(UTC)
 
 
 Moment = Annotated[
