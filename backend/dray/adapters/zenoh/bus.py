@@ -366,7 +366,7 @@ class ZenohBus:
             self.refused[reason] += 1
 
     def leave(self) -> None:
-        """Let all agents leave. Nothing is declared on the links any more."""
+        """Let all agents leave; nothing is declared on the links any more."""
         for session in tuple(self._sessions.values()):
             session.leave()
         if self._present is not None:
@@ -374,11 +374,8 @@ class ZenohBus:
             self._present = None
 
     def close(self) -> None:
-        """Let all agents leave, and close the links. Twice is harmless.
-
-        A thread of Zenoh 1.10 may panic where two neighbours close at once with something still declared
-        (`resource.rs:491`, `hat/router/mod.rs:87`), so everything is undeclared first. Whoever stays is not disturbed.
-        """
+        """Let all agents leave, and close the links. Twice is harmless."""
+        # Zenoh 1.10 panics in threads of two neighbours that close at once with something declared (`resource.rs:491`).
         self.leave()
         self.inner.close()
 
