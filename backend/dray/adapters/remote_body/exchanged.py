@@ -7,7 +7,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable
 
 from dray.adapters.remote_body.exchange import Exchange, Part
-from dray.body import BodyState, Instruction, Report, bounded
+from dray.body import BodyState, Instruction, Report
 
 LOOK_EVERY_S = 1.0
 SILENT_LOOKS = 10
@@ -51,9 +51,9 @@ class ExchangedBody(ABC):
 
     def _told(self, state: BodyState, reports: Iterable[Report]) -> None:
         """A letter has come: how the body is, and what is new."""
-        self._silent, self._state = False, bounded(state)
+        self._silent, self._state = False, state
         for report in reports:
-            self._report(bounded(report))
+            self._report(report)
         if self._exchange.due:
             self._write()
 
