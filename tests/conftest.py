@@ -105,7 +105,7 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
 
 # --- what runs when -----------------------------------------------------------------------------------
 
-LONGEST = "test_fleet_update"
+LONGEST = "test_scenarios"
 """Begins first: one that takes minutes and begins last holds everybody up."""
 
 

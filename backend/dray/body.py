@@ -12,6 +12,9 @@ report about something that was replaced meanwhile is recognised and ignored.
 from __future__ import annotations
 
 from enum import StrEnum
+from typing import TypeVar
+
+import msgspec
 
 from dray.document import DocumentRead as DocumentRead  # noqa: PLC0414 - told from here, too
 from dray.document import ReadDocument as ReadDocument  # noqa: PLC0414
@@ -19,7 +22,15 @@ from dray.gate import Admit as Admit  # noqa: PLC0414 - told from here, too
 from dray.gate import GateState as GateState  # noqa: PLC0414
 from dray.gate import GoodsArrived as GoodsArrived  # noqa: PLC0414
 from dray.gate import HoldOrder as HoldOrder  # noqa: PLC0414
-from dray.messages.base import Part
+from dray.messages.base import (
+    COUNT_MAX,
+    HEADING_MAX_RAD,
+    LONGEST_S,
+    METRES_MAX,
+    SPEED_MAX_MPS,
+    Part,
+    encodable,
+)
 from dray.messages.floor.obstacle import WayBlocked as WayBlocked  # noqa: PLC0414
 from dray.messages.floor.obstacle import WayFree as WayFree  # noqa: PLC0414
 from dray.messages.gate import OrderHeld
@@ -398,3 +409,60 @@ OperatorReport = DutyChanged | CallReplied
 Instruction = VehicleInstruction | WorkcellInstruction | StorageInstruction | Admit | HoldOrder | ShowCalls
 Report = VehicleReport | WorkcellReport | GoodsArrived | OrderHeld | OperatorReport
 BodyState = VehicleState | WorkcellState | StorageState | GateState | DutyState
+
+Said = TypeVar("Said", bound=Report | BodyState)
+
+# --- what a body may say ----------------------------------------------------------------------------
+
+WORDS_MAX = 500
+"""Characters of a body's own words: half of what a message may carry, since its agent says more around them."""
+
+
+def bounded(said: Said) -> Said:
+    """A report or a state of a real body, within what its agent may tell others.
+
+    A message that breaks a bound of the wire is refused by everybody who reads it, so one long word would silence a vehicle.
+    Words are cut, and end with an ellipsis then. Numbers become the nearest that is possible, and what is no number 0.
+    """
+    match said:
+        case VehicleState(pose=pose):
+            return msgspec.structs.replace(
+                said,
+                pose=Pose(
+                    x_m=_between(pose.x_m, METRES_MAX),
+                    y_m=_between(pose.y_m, METRES_MAX),
+                    heading_rad=_between(pose.heading_rad, HEADING_MAX_RAD),
+                ),
+                next_node_s=max(0.0, _between(said.next_node_s, LONGEST_S)),
+                speed_mps=_between(said.speed_mps, SPEED_MAX_MPS),
+                battery_frac=max(0.0, _between(said.battery_frac, 1.0)),
+                load_quantity=_count(said.load_quantity),
+                problem=_words(said.problem),
+            )
+        case ProblemRaised() | ActionFailed() | CycleFailed() | Broken():
+            return msgspec.structs.replace(said, reason=_words(said.reason))
+        case NodePassed():
+            return msgspec.structs.replace(said, battery_frac=max(0.0, _between(said.battery_frac, 1.0)))
+        case WorkcellState():
+            return msgspec.structs.replace(said, broken=_words(said.broken), stock=_stock(said.stock))
+        case StorageState():
+            return msgspec.structs.replace(said, stock=_stock(said.stock))
+        case _:
+            return said
+
+
+def _words(text: str) -> str:
+    text = encodable(text)
+    return text if len(text) <= WORDS_MAX else text[: WORDS_MAX - 1] + "…"
+
+
+def _between(value: float, most: float) -> float:
+    return min(max(value, -most), most) if value == value else 0.0  # noqa: PLR0124 - NaN differs from itself
+
+
+def _count(value: int) -> int:
+    return min(max(value, 0), COUNT_MAX)
+
+
+def _stock(stock: dict[str, int]) -> dict[str, int]:
+    return {item: _count(count) for item, count in stock.items()}

@@ -64,6 +64,7 @@ class Row:
 
     def __init__(self, count: int, plant: str = "p", identities: Sequence[Identity] = ()) -> None:
         self.buses: list[ZenohBus] = []
+        self._markers: list[zenoh.Subscriber[None]] = []
         before: tuple[str, ...] = ()
         for place in range(count):
             bus, own = _listening(plant, before, identities[place] if identities else None)
@@ -73,7 +74,8 @@ class Row:
         self._marks: set[tuple[int, int]] = set()
         self._complete = asyncio.Event()
         for place, bus in enumerate(self.buses):
-            bus.inner.declare_subscriber("settle/*", Callback(self._marker(place, bus), indirect=False))
+            marker = Callback(self._marker(place, bus), indirect=False)
+            self._markers.append(bus.inner.declare_subscriber("settle/*", marker))
 
     async def settle(self) -> None:
         """Wait until all that was asked for before has taken effect, and all that was said has arrived.
@@ -96,6 +98,11 @@ class Row:
                     await asyncio.wait_for(self._complete.wait(), AGAIN_S)
 
     def close(self) -> None:
+        for marker in self._markers:
+            with suppress(zenoh.ZError):  # its bus is closed already
+                marker.undeclare()
+        for bus in self.buses:
+            bus.leave()
         for bus in self.buses:
             bus.close()
 

@@ -22,24 +22,42 @@ matches, and white space."""
 
 IdOrNone = Annotated[str, Meta(pattern=r"^[^\s/*?#$@]{0,128}(?!\n)$", description="An id; empty for none.")]
 
-Text = Annotated[str, Meta(max_length=1000)]
-"""Words for people. What is longer than a page is no message."""
+TEXT_MAX = 1000
+"""Characters. What is longer than a page is no message."""
 
-Count = Annotated[int, Meta(ge=0, le=2**53)]
+Text = Annotated[str, Meta(max_length=TEXT_MAX)]
+"""Words for people."""
+
+COUNT_MAX = 2**53
+
+Count = Annotated[int, Meta(ge=0, le=COUNT_MAX)]
 """Pieces and numbers in a sequence; up to what every JSON reader, a browser's too, holds exactly."""
 
-Seconds = Annotated[float, Meta(ge=-1e11, le=1e11)]
+LONGEST_S = 1e11
+
+Seconds = Annotated[float, Meta(ge=-LONGEST_S, le=LONGEST_S)]
 """A time on the plant's clock, or a length of time: at most three thousand years."""
 
-Metres = Annotated[float, Meta(ge=-1e6, le=1e6)]
+METRES_MAX = 1e6
+
+Metres = Annotated[float, Meta(ge=-METRES_MAX, le=METRES_MAX)]
 """A place or a distance in the plant: none is a thousand kilometres wide."""
 
-MetresPerSecond = Annotated[float, Meta(ge=-100.0, le=100.0)]
+SPEED_MAX_MPS = 100.0
 
-Radians = Annotated[float, Meta(ge=-1e3, le=1e3)]
+MetresPerSecond = Annotated[float, Meta(ge=-SPEED_MAX_MPS, le=SPEED_MAX_MPS)]
+
+HEADING_MAX_RAD = 1e3
+
+Radians = Annotated[float, Meta(ge=-HEADING_MAX_RAD, le=HEADING_MAX_RAD)]
 """Not wrapped: a vehicle that has turned round often may say so."""
 
 Fraction = Annotated[float, Meta(ge=0.0, le=1.0)]
+
+
+def encodable(text: str) -> str:
+    """Text from outside that can be written as UTF-8: a lone surrogate, which JSON and YAML can hold, becomes U+FFFD."""
+    return text if text.isascii() else text.encode("utf-16", "surrogatepass").decode("utf-16", "replace")
 
 
 CLOCKS_AGREE_S = 1.0

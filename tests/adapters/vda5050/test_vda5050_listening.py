@@ -10,7 +10,7 @@ import pytest
 from vda_rig import PROFILE, Rig
 from yard import PICK, TO_CORNER, drive
 
-from dray.body import ActionDone, NodePassed, ProblemCleared, WayDone
+from dray.body import WORDS_MAX, ActionDone, NodePassed, ProblemCleared, VehicleState, WayDone
 from dray.messages.problem import Problem, ProblemKind
 from dray_sim.vda5050.misbehaviour import Misbehaviour
 
@@ -307,3 +307,35 @@ def test_poses_that_come_in_visualization_alone_are_poses() -> None:
     assert 2.0 < rig.body.sense().pose.x_m < 8.0
     rig.run(20.0)
     assert [report.node for report in rig.of(NodePassed)] == ["west", "middle"]
+
+
+def fatal(words: str) -> list[dict[str, str]]:
+    return [{"errorType": "motorFailure", "errorLevel": "FATAL", "errorDescription": words}]
+
+
+def test_words_that_nobody_can_encode_and_whole_pages_are_told_all_the_same() -> None:
+    rig = Rig()
+    rig.run(1.0)
+    rig.give("state", state_of(rig, errors=fatal("jammed \ud800 at the lift " + "x" * 2000)))
+    rig.run(0.1)
+    [reason] = rig.problems()
+    assert "jammed \ufffd at the lift" in reason
+    assert reason.endswith("x…")
+    assert len(reason) == WORDS_MAX
+    assert rig.body.sense().problem == reason
+    assert msgspec.json.decode(msgspec.json.encode(rig.body.sense()), type=VehicleState).problem == reason
+
+
+@pytest.mark.parametrize(("x", "y"), [(2e6, 1.0), (1.0, -2e6), (1e300, -1e300)])
+def test_a_position_that_cannot_be_is_a_problem_and_the_last_one_stays(x: float, y: float) -> None:
+    rig = Rig()
+    rig.run(1.0)
+    before = rig.body.sense().pose
+    position = rig.said("state", "it")[-1]["agvPosition"] | {"x": x, "y": y}
+    rig.give("state", state_of(rig, agvPosition=position))
+    rig.run(0.1)
+    assert rig.body.sense().pose == before
+    [reason] = rig.problems()
+    assert reason.startswith("its position cannot be: x ")
+    rig.run(40.0)  # It says where it is again.
+    assert rig.of(ProblemCleared) == [ProblemCleared()]

@@ -249,6 +249,23 @@ def test_a_bus_that_is_closed_says_and_hears_nothing_any_more() -> None:
     on(2, test)
 
 
+def test_neighbours_that_close_at_once_disturb_nobody_who_stays() -> None:
+    async def test(row: Row) -> None:
+        agents = [Agent(bus, f"A{number}") for number, bus in enumerate(row.buses)]
+        await row.settle()
+        await asyncio.gather(*(asyncio.to_thread(bus.inner.close) for bus in row.buses[2:]))
+        assert await until_present(row.buses[0], {"A0", "A1"}) == {"A0", "A1"}
+        assert await until_present(row.buses[1], {"A0", "A1"}) == {"A0", "A1"}
+        agents[0].session.send("A1", OrderTaken(order="1"))
+        agents[1].session.send("A0", OrderTaken(order="2"))
+        async with asyncio.timeout(PATIENCE_S):
+            while not (agents[0].heard and agents[1].heard):
+                await row.buses[0].roll_call()
+        assert (agents[0].heard, agents[1].heard) == (["2"], ["1"])
+
+    on(5, test)
+
+
 # --- links -----------------------------------------------------------------------------------------
 
 

@@ -143,6 +143,8 @@ async def test_whether_to_release_is_yes_or_no(house: House, release: Any) -> No
         ("2030-03-17T17:46:39Z", "it is past: here it is 2030-03-17T17:46:40+00:00"),
         ("2030-03-17T17:46:40Z", "it is past"),
         ("0001-01-01T00:00:00Z", "it is past"),
+        ("2100-01-01T00:00:00Z", "before 2100"),
+        ("9999-12-31T23:59:59Z", "before 2100"),
         ("2030-03-17T20:00:00", "time zone"),
         ("2030-03-17", "time zone"),
         ("tomorrow", "no ISO 8601 time"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+from collections.abc import AsyncIterator
 from typing import Any
 
 import pytest
@@ -12,7 +13,7 @@ from gateway_kit import PRODUCT, House
 from heartbeats import atv_heartbeat, events
 from wall_clock import NOW_S
 
-from dray.gateway.http.csv_tables import header_of, line
+from dray.gateway.http.csv_tables import CUT_SHORT, header_of, line, table
 from dray.gateway.routes.orders import orders as orders_module
 from dray.messages import AtvStatus, Role, Transport
 from dray.messages.fact import TaskOpened
@@ -109,3 +110,19 @@ async def test_the_tasks_are_a_table(house: House) -> None:
     [row] = await rows(house, "/api/tasks", state="bidding")
     assert (row["id"], row["item"], row["quantity"], row["state"]) == ("M1-1", "shaft", "20", "bidding")
     assert await rows(house, "/api/tasks", state="delivered") == []
+
+
+async def test_a_table_that_fails_says_so_in_its_last_row_and_has_no_end() -> None:
+    async def broken() -> AsyncIterator[tuple[str]]:
+        yield ("O-1",)
+        raise OverflowError("date value out of range")
+
+    written: list[object] = []
+
+    async def read() -> None:
+        async for part in table("orders", ["id"], broken()).body_iterator:
+            written.append(part)  # noqa: PERF401 - what came before it failed counts
+
+    with pytest.raises(OverflowError):
+        await read()
+    assert written == ["id\r\n", "O-1\r\n", f"{CUT_SHORT}\r\n"]

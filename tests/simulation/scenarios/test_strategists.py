@@ -40,7 +40,7 @@ def test_any_scenario_is_played_with_as_many_strategists_as_are_asked_for() -> N
     assert not Site(strategists=2).is_other
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_for_eight_hours_every_order_is_begun_in_time_and_delivered_once() -> None:
     found = strategists(2)
     assert found.checks, [run.invariants for run in found.runs]

@@ -7,7 +7,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable
 
 from dray.adapters.remote_body.exchange import Exchange, Part
-from dray.body import BodyState, Instruction, Report
+from dray.body import BodyState, Instruction, Report, bounded
 
 LOOK_EVERY_S = 1.0
 SILENT_LOOKS = 10
@@ -51,9 +51,9 @@ class ExchangedBody(ABC):
 
     def _told(self, state: BodyState, reports: Iterable[Report]) -> None:
         """A letter has come: how the body is, and what is new."""
-        self._silent, self._state = False, state
+        self._silent, self._state = False, bounded(state)
         for report in reports:
-            self._report(report)
+            self._report(bounded(report))
         if self._exchange.due:
             self._write()
 

@@ -24,7 +24,7 @@ from dray.adapters.vda5050.events import (
     Woke,
 )
 from dray.adapters.vda5050.profile import Profile
-from dray.body import Instruction, Report, VehicleInstruction, VehicleState
+from dray.body import Instruction, Report, VehicleInstruction, VehicleState, bounded
 from dray.ports import Clock
 
 HEARD = ("state", "visualization", "connection", "factsheet")
@@ -97,7 +97,7 @@ class VehicleBody:
 
     def sense(self) -> VehicleState:
         """See `dray.ports.Body`: how it was when the vehicle told it last. Not before `control.is_known`."""
-        return self.control.sense()
+        return bounded(self.control.sense())
 
     def attach(self, report: Callable[[Report], None]) -> None:
         """See `dray.ports.Body`."""
@@ -163,7 +163,7 @@ class VehicleBody:
     def _flush(self) -> None:
         """No report comes inside an instruction."""
         while self._waiting:
-            self._report(self._waiting.pop(0))
+            self._report(bounded(self._waiting.pop(0)))
 
     def _arm(self) -> None:
         wake_s = self.control.wake_at_s

@@ -251,6 +251,7 @@ class ZenohBus:
         self.letters = None if self.seals is None else Letters(self.seals)
         self.tokens = Tokens(self.keys.alive, self.seals, self.refuse)
         self.inner = links.open()
+        self._present: zenoh.Subscriber[None] | None = None
         if self.seals is not None:
             # Whom a letter can be written to: everybody's token brings a certificate.
             meet = _on_zenohs_thread(self._meet)
@@ -364,10 +365,18 @@ class ZenohBus:
         with self.lock:
             self.refused[reason] += 1
 
-    def close(self) -> None:
-        """Let all agents leave, and close the links. Twice is harmless."""
+    def leave(self) -> None:
+        """Let all agents leave; nothing is declared on the links any more."""
         for session in tuple(self._sessions.values()):
             session.leave()
+        if self._present is not None:
+            self._present.undeclare()
+            self._present = None
+
+    def close(self) -> None:
+        """Let all agents leave, and close the links. Twice is harmless."""
+        # Zenoh 1.10 panics in threads of two neighbours that close at once with something declared (`resource.rs:491`).
+        self.leave()
         self.inner.close()
 
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import csv
 import io
+import logging
 import re
 from collections.abc import AsyncIterable, AsyncIterator, Iterable, Sequence
 from typing import Annotated, Any, Literal
@@ -19,6 +20,11 @@ from fastapi import Query
 from fastapi.responses import StreamingResponse
 
 from dray.gateway.http.responses import iso
+
+_log = logging.getLogger(__name__)
+
+CUT_SHORT = "error: this table was cut short and is not whole. Ask for it again."
+"""The last row of a table that could not be written to its end: the status was sent long before."""
 
 _FORMULA = re.compile(
     r"""
@@ -82,12 +88,18 @@ def line(cells: Row) -> str:
 
 async def _written(header: Row, rows: Iterable[Row] | AsyncIterable[Row]) -> AsyncIterator[str]:
     yield line(header)
-    if isinstance(rows, AsyncIterable):
-        async for row in rows:
-            yield line(row)
-    else:
-        for row in rows:
-            yield line(row)
+    try:
+        if isinstance(rows, AsyncIterable):
+            async for row in rows:
+                yield line(row)
+        else:
+            for row in rows:
+                yield line(row)
+    except Exception:
+        _log.exception("a table could not be written to its end")
+        yield line([CUT_SHORT])
+        # Whoever reads to the end of the answer learns that it has none.
+        raise
 
 
 def _readable(name: str, value: object) -> object:

@@ -18,7 +18,7 @@ from dray.gateway.http.problems import FieldError, Problem, unusable
 from dray.gateway.http.request_bodies import Line
 from dray.gateway.http.versions import changed_since, check_version
 from dray.gateway.live.projection import Projection
-from dray.gateway.orders.drafts import MAX_ITEMS, MAX_QUANTITY, Moment
+from dray.gateway.orders.drafts import MAX_ITEMS, MAX_QUANTITY, DueMoment
 from dray.gateway.orders.outbox import Outbox
 from dray.priorities import Priority, order_wanted_s
 from dray.store import Store
@@ -40,7 +40,7 @@ class OrderChangeDraft(BaseModel):
         list[Annotated[int, Field(strict=True, ge=1, le=MAX_QUANTITY)]] | None, Field(max_length=MAX_ITEMS)
     ] = None
     """Pieces of each of its items, in their order. No less than is made."""
-    due_at: Moment | None = None
+    due_at: DueMoment | None = None
     """Null for none."""
     priority: Priority | None = None
     reference: Line | None = None

@@ -41,6 +41,17 @@ def _in_utc(moment: datetime) -> datetime:
         raise PydanticCustomError("moment_off_calendar", "it is out of the calendar") from None
 
 
+LATEST = datetime(2100, 1, 1, tzinfo=UTC)
+"""A later due time is a slip of the keyboard, and reckoning with it leaves the calendar."""
+
+
+def _before_latest(moment: datetime) -> datetime:
+    if moment >= LATEST:
+        reason = f"it is out of the calendar; give a time before {LATEST.year}"
+        raise PydanticCustomError("moment_off_calendar", reason)
+    return moment
+
+
 Moment = Annotated[
     datetime,
     BeforeValidator(_written_moment),
@@ -48,6 +59,9 @@ Moment = Annotated[
     WithJsonSchema({"type": "string", "format": "date-time"}),
 ]
 """A moment with its time zone, as ISO 8601 writes it; numbers are refused, for nobody knows their unit."""
+
+DueMoment = Annotated[Moment, AfterValidator(_before_latest)]
+"""A moment for which something may be due."""
 
 
 class ItemDraft(BaseModel):
@@ -67,7 +81,7 @@ class WorkDraft(BaseModel):
     model_config = ConfigDict(extra="forbid")
 
     items: Annotated[list[ItemDraft], Field(min_length=1, max_length=MAX_ITEMS)]
-    due_at: Moment | None = None
+    due_at: DueMoment | None = None
     """When all of it should be in the delivery warehouse, with a time zone; not in the past."""
 
 

@@ -6,7 +6,7 @@ from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from dray.gateway.orders.drafts import Moment
+from dray.gateway.orders.drafts import DueMoment
 from dray.priorities import Priority
 
 WISH_S = 300.0
@@ -29,7 +29,7 @@ class TransportDraft(BaseModel):
     """A material; `GET /api/materials` lists them, and where they are kept."""
     quantity: Annotated[int, Field(strict=True, ge=1, le=10_000)]
     """Pieces: one load, so at most the lot of the material."""
-    due_at: Moment | None = None
+    due_at: DueMoment | None = None
     """When it should be there, with a time zone; not in the past."""
     priority: Priority = Priority.NORMAL
     vehicle: _PlantId | None = None

@@ -10,6 +10,7 @@ from dray.adapters.vda5050.control.view import NEVER_S, VehicleView
 from dray.adapters.vda5050.profile import Profile
 from dray.adapters.vda5050.wire.messages import State
 from dray.body import ProblemRaised
+from dray.messages.base import METRES_MAX
 from dray.messages.problem import Problem, ProblemKind
 
 AWAY_S = 5.0
@@ -80,6 +81,9 @@ def complaint(state: State, profile: Profile) -> ProblemRaised | None:
     position = state.position
     if position is not None and not position.is_localised:
         return problem("it does not know where it is: not localised", ProblemKind.LOST_POSITION)
+    if position is not None and max(abs(position.x or 0.0), abs(position.y or 0.0)) > METRES_MAX:
+        where = f"x {position.x or 0.0:g} m, y {position.y or 0.0:g} m"
+        return problem(f"its position cannot be: {where}", ProblemKind.LOST_POSITION)
     return None
 
 

@@ -20,6 +20,7 @@ from dray.adapters.vda5050.wire.messages import (
     Visualization,
 )
 from dray.messages import Pose
+from dray.messages.base import METRES_MAX
 
 NEVER_S = float("-inf")
 
@@ -32,10 +33,11 @@ REORDERED_S = 5.0
 STANDING_MPS = 0.02
 """Slower is standing: odometry is never quite still."""
 
-DOUBLED, REORDERED, OTHER_MAP, OTHER_TOPIC = (
+DOUBLED, REORDERED, OTHER_MAP, NOWHERE, OTHER_TOPIC = (
     "a doubled state",
     "an older state",
     "a pose on another map",
+    "a pose that cannot be",
     "another topic",
 )
 """What is counted, beside what is odd in a message."""
@@ -163,6 +165,9 @@ class VehicleView:
         if position is None or position.x is None or position.y is None or not position.is_localised:
             return
         self.map_id = self.map_id or position.map_id or ""
+        if abs(position.x) > METRES_MAX or abs(position.y) > METRES_MAX:
+            self.odd[NOWHERE] += 1
+            return
         self.is_on_map = not position.map_id or position.map_id == self.map_id
         if not self.is_on_map:
             self.odd[OTHER_MAP] += 1

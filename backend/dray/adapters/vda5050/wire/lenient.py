@@ -15,6 +15,7 @@ from typing import Any, TypeVar, Union, get_args, get_origin
 import msgspec
 
 from dray.adapters.vda5050.wire.messages import Said
+from dray.messages.base import encodable
 
 S = TypeVar("S", bound=Said)
 
@@ -86,4 +87,4 @@ def _fit(wanted: Any, value: Any, odd: Counter[str]) -> Any:
     if isinstance(fitted, float) and not isfinite(fitted):
         odd[ODD_FIELD] += 1
         return None
-    return fitted
+    return encodable(fitted) if isinstance(fitted, str) else fitted
