@@ -240,10 +240,12 @@ def start_dray(
 ) -> Iterator[StartDray]:
     """Start `dray up` on a free port, by default with a database of its own; whatever still runs is stopped."""
 
-    def start(*options: str, python: Path | str = sys.executable, url: str = "") -> DrayProcess:
+    def start(
+        *options: str, python: Path | str = sys.executable, url: str = "", stepped: bool = False
+    ) -> DrayProcess:
         home = tmp_path_factory.mktemp("dray")
         url = url or f"sqlite:///{home / 'dray.db'}"
-        dray = DrayProcess(python, "--port", "0", "--db", url, *options, cwd=home)
+        dray = DrayProcess(python, "--port", "0", "--db", url, *options, cwd=home, stepped=stepped)
         running[dray.url] = dray
         return dray
 

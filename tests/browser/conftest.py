@@ -1,4 +1,4 @@
-"""A real Chromium before a real `dray up`.
+"""A real Chromium before a real `dray up`, whose time passes where a test lets it.
 
 The browser is an installed one; the pages are those of the built panels. Whatever the page complains of
 (a console error, an exception, a request that failed) fails the test that opened it; so does a request
@@ -71,6 +71,30 @@ def browser() -> Iterator[Browser]:
         browser = playwright.chromium.launch(executable_path=path, args=list(QUIET))
         yield browser
         browser.close()
+
+
+@pytest.fixture(scope="session")
+def quiet(start_dray: Callable[..., Any]) -> Iterator[Any]:
+    """A factory in which nobody orders but tests. Its time stands; a test lets it pass."""
+    dray = start_dray("--speed", "20", "--no-demand", stepped=True)
+    # Everybody has been heard.
+    dray.advance(5.0)
+    yield dray
+    assert dray.stop() == 0, dray.output()
+
+
+@pytest.fixture(scope="session")
+def busy(start_dray: Callable[..., Any]) -> Iterator[Any]:
+    """A factory with customers, which has worked for a while. Its time stands; a test lets it pass."""
+    dray = start_dray("--speed", "10", "--seed", "3", stepped=True)
+    dray.advance_until(lambda: is_busy(dray.ask("/api/kpis")), step_s=10.0)
+    yield dray
+    assert dray.stop() == 0, dray.output()
+
+
+def is_busy(figures: dict[str, Any]) -> bool:
+    """Whether a plant is at work: transports were finished, and several vehicles drive."""
+    return bool(figures["transport_p50_s"]) and figures["atvs_by_status"].get("working", 0) >= 3
 
 
 @pytest.fixture

@@ -7,6 +7,8 @@ import time
 from collections.abc import Callable
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import Any
+from urllib.parse import urlencode
 
 from open_house import OpenHouse
 from playwright.sync_api import Page, expect
@@ -23,8 +25,8 @@ OpenPage = Callable[..., Page]
 BEAT_S = 0.5
 """How often vehicles of a house say how they are."""
 
-ASKED = 200
-"""Times, before it is given up: a busy computer takes a minute."""
+ASKED = 60
+"""Times, before it is given up."""
 
 BEFORE_S = 5
 """Kept before a moment of the past that is shown: a test goes back by less."""
@@ -85,17 +87,15 @@ def on_map(page: Page, plant: PlantFile, x_m: float, y_m: float) -> tuple[float,
     return box["x"] + left_px + x_m * scale, box["y"] + low_px - y_m * scale
 
 
-def kept_moment(factory: str, page: Page, before_s: float = BEFORE_S) -> float:
-    """Four seconds ago, once enough was kept before it to go back to: so many seconds."""
+def kept_moment(dray: Any, before_s: float = BEFORE_S) -> float:
+    """Four seconds ago at a stepped factory, once enough was kept before it to go back to: so many seconds."""
     for _ in range(ASKED):
-        now_s = float(page.evaluate("Date.now() / 1000"))
-        span = {"since": iso(now_s - 60), "until": iso(now_s)}
-        # Not the page asks: a browser tells of every 404 by itself.
-        kept = page.request.get(f"{factory}/api/replay/overview", params={**span}).json()
-        from_s = kept["kept_from_at_s"]
+        now_s = dray.wall_s
+        span = urlencode({"since": iso(now_s - 60), "until": iso(now_s)})
+        from_s = dray.ask(f"/api/replay/overview?{span}")["kept_from_at_s"]
         if from_s is not None and from_s < now_s - before_s - 4:
-            return now_s - 4
-        page.wait_for_timeout(250)
+            return float(now_s - 4)
+        dray.advance(10.0)
     raise AssertionError("nothing was kept")
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -40,12 +40,10 @@ PAGES = {
 """The customer's page has tests of its own."""
 
 
-@pytest.fixture(scope="module")
-def factory(start_dray: Callable[..., Any]) -> Iterator[Any]:
-    """A factory in which there is something to see, and which does not hurry."""
-    dray = start_dray("--speed", "4", "--seed", "3")
-    yield dray
-    assert dray.stop() == 0, dray.output()
+@pytest.fixture
+def factory(busy: Any) -> Any:
+    """A factory in which there is something to see."""
+    return busy
 
 
 def opened(factory: Any, open_page: OpenPage, shown: Shown, **options: Any) -> Page:

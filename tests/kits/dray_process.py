@@ -7,10 +7,13 @@ import os
 import queue
 import re
 import signal
+import socket
 import subprocess
 import threading
 import time
 import urllib.request
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from http.cookiejar import CookieJar
 from pathlib import Path
 from typing import Any
@@ -27,6 +30,9 @@ STOP_S = 60.0
 ANSWER_S = 60.0
 """Longest wait for one answer."""
 
+STEPPED = Path(__file__).with_name("stepped_up.py")
+"""`dray up` whose time passes only when it is told to."""
+
 SESSION = "dray_session"
 """The cookie of a login."""
 
@@ -41,6 +47,12 @@ class _StayHere(urllib.request.HTTPRedirectHandler):
 class DrayProcess:
     """`dray up` in a process of its own.
 
+    Args:
+        python: runs it.
+        options: of `dray up`.
+        cwd: where it runs.
+        stepped: whether its time stands until `advance`, `advance_until` or `going` let it pass.
+
     Attributes:
         url: where the panel is, without a slash at the end.
         token: the administrator's.
@@ -48,14 +60,16 @@ class DrayProcess:
         lines: what it has printed so far, stdout and stderr together.
     """
 
-    def __init__(self, python: Path | str, *options: str, cwd: Path) -> None:
-        command = [str(python), "-m", "dray", "up", *options]
+    def __init__(self, python: Path | str, *options: str, cwd: Path, stepped: bool = False) -> None:
+        program = [str(STEPPED)] if stepped else ["-m", "dray", "up"]
+        command = [str(python), *program, *options]
         inherited = {name: value for name, value in os.environ.items() if name != "DRAY_ADMIN_TOKEN"}
         env = {**inherited, "PYTHONUNBUFFERED": "1", "COLUMNS": "200", "NO_COLOR": "1"}
         self.process = subprocess.Popen(
             command, cwd=cwd, env=env, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
         )
         self.lines: list[str] = []
+        self._clock: _Clock | None = None
         self._sessions: dict[str, str] = {}
         self._arrived: queue.Queue[str | None] = queue.Queue()
         self._reader = threading.Thread(target=self._read, daemon=True)
@@ -67,6 +81,8 @@ class DrayProcess:
             self.process.wait()
             self._close()
             raise
+        if stepped:
+            self._clock = _Clock(_found(r"^Clock (\S+)$", greeting))
         self.url = _found(r"Management panel\s+(\S+?)/?$", greeting)
         self.token = _found(r"Admin token\s+(\S+)$", greeting)
         self.links = dict(re.findall(r"^ +(\S+)\s+(http://\S+/login/\S+)$", greeting, re.MULTILINE))
@@ -87,6 +103,41 @@ class DrayProcess:
             opener.open(urllib.request.Request(self.links[person], b""), timeout=ANSWER_S).close()
             self._sessions[person] = next(cookie.value or "" for cookie in jar if cookie.name == SESSION)
         return self._sessions[person]
+
+    @property
+    def wall_s(self) -> float:
+        """Its clock on the wall (stepped)."""
+        return self.advance(0.0)
+
+    def advance(self, span_s: float) -> float:
+        """Let factory time pass (stepped), and return the clock on the wall then.
+
+        What the gateway tells by REST is of then; panels are told within a tenth of a second.
+        """
+        assert self._clock is not None, "it was not started as stepped"
+        return self._clock.say(advance_s=span_s)
+
+    def advance_until(self, is_so: Callable[[], object], most_s: float = 3600.0, step_s: float = 2.0) -> None:
+        """Let factory time pass (stepped) until it is so.
+
+        Raises:
+            AssertionError: it is not so after `most_s` factory seconds.
+        """
+        passed_s = 0.0
+        while not is_so():
+            assert passed_s < most_s, f"it is not so after {passed_s:g} s of the factory's time"
+            self.advance(step_s)
+            passed_s += step_s
+
+    @contextmanager
+    def going(self) -> Iterator[None]:
+        """Let time pass (stepped) as it does at the factory's speed, meanwhile."""
+        assert self._clock is not None, "it was not started as stepped"
+        self._clock.say(goes=True)
+        try:
+            yield
+        finally:
+            self._clock.say(goes=False)
 
     def stop(self, by: signal.Signals = signal.SIGTERM) -> int:
         """Ask it to stop, as a terminal or a service manager does; its exit code."""
@@ -133,9 +184,34 @@ class DrayProcess:
         return said
 
     def _close(self) -> None:
+        if self._clock is not None:
+            self._clock.close()
         self._reader.join(STOP_S)
         if self.process.stdout is not None:
             self.process.stdout.close()
+
+
+class _Clock:
+    """Moves the clock of a stepped `dray up`."""
+
+    def __init__(self, address: str) -> None:
+        host, _, port = address.rpartition(":")
+        self._socket = socket.create_connection((host, int(port)), ANSWER_S)
+        # A plant of many vehicles may take its time for a long span.
+        self._socket.settimeout(READY_S)
+        self._lines = self._socket.makefile("rw", encoding="utf-8")
+
+    def say(self, **asked: object) -> float:
+        """Ask for something; the clock on the wall once it is done."""
+        self._lines.write(json.dumps(asked) + "\n")
+        self._lines.flush()
+        answer = self._lines.readline()
+        assert answer, "the factory has ended"
+        return float(json.loads(answer)["wall_s"])
+
+    def close(self) -> None:
+        self._lines.close()
+        self._socket.close()
 
 
 def _found(pattern: str, text: str) -> str:

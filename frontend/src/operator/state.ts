@@ -4,7 +4,7 @@ import type { PlantFile } from "../api/types";
 import { namesOf } from "../plant/names";
 import { isLost, type Seen } from "../plant/silence";
 import { isPast } from "../stream/freshness";
-import { freshness, nowS, world } from "../stream/stream";
+import { freshness, presentS, world } from "../stream/stream";
 import { format, t } from "../text/operator";
 import type { Moment } from "./cards/need";
 import type { Circumstances } from "../commands/hindrance";
@@ -17,15 +17,9 @@ export const plantFailed = signal<string | null>(null);
 /** Names of materials and products by id. */
 export const names = computed(() => namesOf(plant.value));
 
-/** A frame comes at least once a second, and is shown a quarter of a second later at most. */
-const FRAME_S = 1.5;
-
-/**
- * The moment that is shown. It does not go on without news: what does not reach this tablet is no silence of a
- * vehicle's.
- */
+/** The moment that is shown. */
 export const moment = computed<Moment>(() => ({
-  nowS: Math.min(nowS.value, (world.value?.atS ?? Infinity) + FRAME_S) - (world.value?.factory.behind_s ?? 0),
+  nowS: presentS.value,
   speed: world.value?.factory.speed ?? 1,
 }));
 

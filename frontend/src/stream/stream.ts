@@ -18,13 +18,19 @@ const TICK_MS = 500;
 /** A tab that nobody sees for so long is told once a second: whoever only looks elsewhere for a moment misses nothing. */
 const HIDDEN_AFTER_MS = 10_000;
 
+/** A frame comes at least once a second, and is shown a quarter of a second later at most. */
+const FRAME_S = 1.5;
+
 export const world = signal<World | null>(null);
 export const connected = signal(false);
 /** The server's clock, seconds since 1970, moving on even when no frames come. */
 export const nowS = signal(Date.now() / 1000);
 
-/** The plant's present on the server's clock: of a plant that is behind, that of what is heard of it. */
-export const presentS = computed(() => nowS.value - (world.value?.factory.behind_s ?? 0));
+/**
+ * The plant's present on the server's clock: of a plant that is behind, that of what is heard of it. It does not go on without
+ * news: what does not reach this browser is nobody's silence.
+ */
+export const presentS = computed(() => presentOf(world.value, nowS.value));
 
 const heardAtMs = signal<number | null>(null);
 /** This browser's own clock, some times a second. */
@@ -57,7 +63,11 @@ export function serverNowS(): number {
 
 /** As `presentS`, at this very moment. */
 export function newestPresentS(): number {
-  return serverNowS() - (newest?.factory.behind_s ?? 0);
+  return presentOf(newest, serverNowS());
+}
+
+function presentOf(shown: World | null, serverS: number): number {
+  return Math.min(serverS, (shown?.atS ?? Infinity) + FRAME_S) - (shown?.factory.behind_s ?? 0);
 }
 
 export function newestWorld(): World | null {

@@ -54,9 +54,6 @@ from dray_sim.people.technicians import Skill, Technician, employ
 from dray_sim.people.transport_caller import TransportCaller
 from dray_sim.run.trace import Trace
 
-LONGEST_S = 6 * 3600.0
-"""Nothing in a run takes so long; a run that does is broken, too."""
-
 QUICK = Skill(
     walk_s=(5.0, 30.0), other_s=(10.0, 90.0), estimate=(0.4, 1.5), promises_frac=0.7, longest_s=60.0
 )
@@ -222,7 +219,9 @@ class _Game:
         broken = asyncio.create_task(checks.wait_broken())
         end = asyncio.create_task(self._await_end(factory, liveness))
         try:
-            await asyncio.wait({life, broken, end}, timeout=LONGEST_S, return_when=asyncio.FIRST_COMPLETED)
+            await asyncio.wait(
+                {life, broken, end}, timeout=self._run.longest_s, return_when=asyncio.FIRST_COMPLETED
+            )
             checks.check_end(factory.clock.now_s())
             self.broken = self._verdict(checks, life, end)
         finally:
@@ -350,7 +349,7 @@ class _Game:
         for task in (life, end):
             if task.done() and (error := task.exception()) is not None:
                 return _in_words(error)
-        return "" if end.done() else f"the quiet phase has not ended after {LONGEST_S:.0f} s"
+        return "" if end.done() else f"the quiet phase has not ended after {self._run.longest_s:.0f} s"
 
 
 def _in_words(error: BaseException) -> str:

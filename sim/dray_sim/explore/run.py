@@ -18,7 +18,7 @@ from dray.priorities import Priority
 from dray_sim.explore.closings import draw_closings, draw_outline
 from dray_sim.explore.levels import with_priorities
 from dray_sim.explore.profile import PROFILES, Profile
-from dray_sim.explore.small_plant import bearable_load, small_plant
+from dray_sim.explore.small_plant import TRANSPORT_S, bearable_load, loads_per_piece, small_plant
 from dray_sim.faults import (
     CLOCKS,
     DOORS,
@@ -44,6 +44,13 @@ DURATION_S = 1200.0
 
 FAULTS_UNTIL_S = 900.0
 """Then every fault has ended and no order comes any more: the quiet phase in which everything must end."""
+
+LONGEST_S = 6 * 3600.0
+"""A run that takes longer is broken, unless its vehicles have more to carry than this allows for."""
+
+LONGEST_PER_WORK = 3.0
+"""How much longer a run may take than its whole fleet would need for what is carried, busy all the time. Parts that
+come in less than whole containers make twice as many ways (seed 10, one vehicle: 2.2)."""
 
 TAKEN_BACK_TIMES = (1, 1, 1, 2, 3)
 """How often an order is taken back that is taken back at all."""
@@ -113,6 +120,16 @@ class Run:
     def has_scrap(self) -> bool:
         """Whether machines make bad pieces."""
         return any(making.scrap_frac for spec in self.plant.machines.values() for making in spec.makes)
+
+    @property
+    def longest_s(self) -> float:
+        """A run that has not ended by then is broken."""
+        loads = sum(
+            item.quantity * loads_per_piece(self.plant, item.product)
+            for order in self.orders
+            for item in order.items
+        )
+        return max(LONGEST_S, LONGEST_PER_WORK * loads * TRANSPORT_S / len(self.plant.fleet))
 
     def __str__(self) -> str:
         """In one line, for a reader."""

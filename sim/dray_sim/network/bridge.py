@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 from dray.adapters.crossing import Crossing
 from dray.errors import UnavailableError
 from dray_sim.clock.loop import VirtualLoop
+from dray_sim.clock.wall import Wall, steady_wall
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine
@@ -147,6 +148,7 @@ class SimThread(Generic[T]):
             needs of it (the network, say), and then runs it until it is cancelled.
         pace: `paced(speed)`.
         start_s: the first reading of the factory's clock.
+        wall: by which it is paced; the computer's when None.
 
     Attributes:
         loop: the factory's loop; call into it by `call_soon_threadsafe` only.
@@ -158,8 +160,10 @@ class SimThread(Generic[T]):
         main: Callable[[Callable[[T], None]], Coroutine[Any, Any, None]],
         pace: Pace,
         start_s: float = 0.0,
+        wall: Wall | None = None,
     ) -> None:
-        self.loop = VirtualLoop(pace, start_s)
+        wall = wall or steady_wall()
+        self.loop = VirtualLoop(pace, start_s, selector=wall.selector, wall_s=wall.now_s)
         self.ended: Future[None] = Future()
         self._main = main
         self._ready: Future[T] = Future()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -14,9 +14,6 @@ from variants import later, variants
 OpenPage = Callable[..., Page]
 Screenshot = Callable[[Page, str], Path]
 
-DELIVERED_MS = 180_000
-"""An order of a few pieces is delivered within a minute at this speed, where the computer keeps pace."""
-
 CUT = """() => {
     const real = window.fetch;
     window.cut = true;
@@ -24,18 +21,13 @@ CUT = """() => {
 }"""
 """From now on no question arrives, as long as `cut` is true."""
 
-PIECES = 16
-"""So many that the page, which asks every five seconds, sees some of them being made."""
-
 PHONE = {"width": 360, "height": 740}
 
 
-@pytest.fixture(scope="module")
-def factory(start_dray) -> Iterator[Any]:
+@pytest.fixture
+def factory(quiet: Any) -> Any:
     """A factory in which nobody orders but the test."""
-    dray = start_dray("--speed", "50", "--no-demand")
-    yield dray
-    assert dray.stop() == 0, dray.output()
+    return quiet
 
 
 def order(factory: Any, quantity: int, **fields: Any) -> str:
@@ -55,12 +47,15 @@ def test_a_customer_follows_an_order_to_its_delivery_without_touching_the_page(
     asked: list[str] = []
     page = open_page("about:blank")
     page.on("request", lambda request: asked.append(request.url))
-    page.goto(order(factory, PIECES, reference="PO-browser"))
-    expect(page.get_by_role("heading", level=1)).to_have_text(re.compile(f"{PIECES} . Gear unit G1"))
-    expect(page.get_by_text("Order PO-browser")).to_be_visible()
-    expect(stage(page, "In production")).to_have_attribute("aria-current", "step", timeout=DELIVERED_MS)
+    page.goto(order(factory, 4, reference="PO-customer"))
+    expect(page.get_by_role("heading", level=1)).to_have_text(re.compile("4 . Gear unit G1"))
+    expect(page.get_by_text("Order PO-customer")).to_be_visible()
+    found = "/api/orders?q=PO-customer"
+    factory.advance_until(lambda: factory.ask(found)["items"][0]["status"] == "in_production")
+    expect(stage(page, "In production")).to_have_attribute("aria-current", "step")
     screenshot(page, "customer-in-production")
-    expect(page.locator("main")).to_have_attribute("data-ended", "", timeout=DELIVERED_MS)
+    factory.advance_until(lambda: factory.ask(found)["items"][0]["status"] == "delivered")
+    expect(page.locator("main")).to_have_attribute("data-ended", "")
     expect(stage(page, "Delivered").first).to_have_class("done")
     expect(page.locator("#said")).to_contain_text("Today")
     screenshot(page, "customer-delivered")

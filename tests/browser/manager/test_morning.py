@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
 import pytest
 from complaints import Complaints
@@ -15,7 +15,13 @@ from tablet_kit import forgive
 OpenPage = Callable[..., Page]
 Screenshot = Callable[..., Path]
 
-OPTIONS = ("--speed", "10", "--seed", "3", "--no-demand")
+
+@pytest.fixture
+def factory(quiet: Any) -> Iterator[str]:
+    """Time goes on while somebody works."""
+    with quiet.going():
+        yield str(quiet.url)
+
 
 MOST_TABS = 300
 """On one page: more than any has, and less than anybody would press."""

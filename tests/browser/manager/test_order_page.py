@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 from complaints import Complaints
@@ -15,7 +16,9 @@ OpenPage = Callable[..., Page]
 Screenshot = Callable[[Page, str], Path]
 
 
-OPTIONS = ("--speed", "20", "--no-demand")
+@pytest.fixture
+def factory(quiet: Any) -> str:
+    return str(quiet.url)
 
 
 def publish(page: Page, customer: str, reference: str, quantity: int) -> None:
@@ -27,7 +30,7 @@ def publish(page: Page, customer: str, reference: str, quantity: int) -> None:
 
 
 def test_an_order_tells_its_whole_story_on_a_page_of_its_own(
-    factory: str, open_page: OpenPage, screenshot: Screenshot
+    quiet: Any, factory: str, open_page: OpenPage, screenshot: Screenshot
 ) -> None:
     page = open_page(factory)
     publish(page, "Waterworks South", "PO-48213", 10)
@@ -41,9 +44,12 @@ def test_an_order_tells_its_whole_story_on_a_page_of_its_own(
     )
 
     # From the machine that takes it to the vehicle that hands it over.
-    lanes = page.locator(".lane-transport")
-    expect(lanes.first).to_be_visible(timeout=90_000)
-    expect(page.locator(".order-head .tag").first).to_have_text("delivered", timeout=90_000)
+    lanes, tag = page.locator(".lane-transport"), page.locator(".order-head .tag").first
+    quiet.advance_until(lambda: quiet.ask(f"/api/orders/{address[8:]}")["status"] == "in_delivery")
+    expect(lanes.first).to_be_visible()
+    expect(tag).to_have_text("in delivery")
+    quiet.advance_until(lambda: quiet.ask(f"/api/orders/{address[8:]}")["status"] == "delivered")
+    expect(tag).to_have_text("delivered")
     expect(page.locator(".order-figures")).to_contain_text("10 of 10")
     moments = page.locator(".order-moments li")
     expect(moments.first).to_contain_text("All of it is delivered")
@@ -108,15 +114,16 @@ CLOCKS_OVERLAP = """() => {
 @pytest.mark.parametrize("width", WIDTHS_PX)
 @pytest.mark.parametrize("theme", THEMES)
 def test_the_page_fits(
-    factory: str, open_page: OpenPage, screenshot: Screenshot, width: int, theme: str
+    quiet: Any, factory: str, open_page: OpenPage, screenshot: Screenshot, width: int, theme: str
 ) -> None:
     page = open_page(factory, viewport={"width": width, "height": 900}, color_scheme=theme)
     publish(
         page, "A customer whose name is long enough for two lines on a telephone", f"PO-{width}-{theme}", 10
     )
+    quiet.advance(10.0)
     page.goto(f"{factory}/#orders")
     page.get_by_role("link", name=f"PO-{width}-{theme}").click()
-    expect(page.locator(".lane-goal").first).to_be_visible(timeout=60_000)
+    expect(page.locator(".lane-goal").first).to_be_visible()
     assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
     assert page.evaluate("document.querySelector('.order-page').scrollWidth <= innerWidth")
     assert not page.evaluate(CLOCKS_OVERLAP)

@@ -15,11 +15,13 @@ OpenPage = Callable[..., Page]
 Screenshot = Callable[[Page, str], Path]
 
 
-OPTIONS = ("--speed", "20", "--no-demand")
+@pytest.fixture
+def factory(quiet: Any) -> str:
+    return str(quiet.url)
 
 
 def test_production_is_defined_published_taken_back_and_published_again(
-    factory: str, open_page: OpenPage, screenshot: Screenshot
+    quiet: Any, factory: str, open_page: OpenPage, screenshot: Screenshot
 ) -> None:
     page = open_page(factory)
     page.get_by_label("Quantity").fill("400")
@@ -38,6 +40,8 @@ def test_production_is_defined_published_taken_back_and_published_again(
     row = page.get_by_role("row").filter(has_text="Hall 3")
     expect(row).to_contain_text("defined")
     row.get_by_role("button", name="Publish").click()
+    expect(row).to_contain_text("published")
+    quiet.advance(10.0)
     expect(row).to_contain_text("in production")
     row.get_by_role("button", name="Cancel").dblclick()
     expect(row).to_contain_text("Cancel this order?")
@@ -50,9 +54,13 @@ def test_production_is_defined_published_taken_back_and_published_again(
     expect(row).to_contain_text("What has arrived stays delivered")
     screenshot(page, "production-take-back")
     row.get_by_role("button", name="Take the order back").click()
+    expect(row).to_contain_text("being taken back")
+    quiet.advance(10.0)
     expect(row).to_contain_text("taken back")
     expect(row.get_by_role("button", name="Publish")).to_be_visible()
     row.get_by_role("button", name="Publish").click()
+    expect(row).to_contain_text("published")
+    quiet.advance(10.0)
     expect(row).to_contain_text("in production")
 
 

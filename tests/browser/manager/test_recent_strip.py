@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 from accessibility import violations
@@ -14,7 +15,9 @@ OpenPage = Callable[..., Page]
 Screenshot = Callable[..., Path]
 
 
-OPTIONS = ("--speed", "10")
+@pytest.fixture
+def factory(busy: Any) -> str:
+    return str(busy.url)
 
 
 @pytest.mark.parametrize(
@@ -37,9 +40,9 @@ def test_a_card_says_what_its_vehicle_and_its_machine_did(
     look = {"viewport": {"width": width, "height": 900}, "color_scheme": theme, "locale": locale}
     page = open_page(f"{factory}/#plant?at=atv:ATV2", **look)
     strip = page.locator(".atv .recent [role=img]")
-    expect(strip).to_have_attribute("aria-label", re.compile(rf"ATV\d {said}"), timeout=60_000)
+    expect(strip).to_have_attribute("aria-label", re.compile(rf"ATV\d {said}"))
     # What goes on is in it, and grows; what ends is followed by what comes then.
-    expect(strip.locator(".doing").nth(1)).to_be_attached(timeout=90_000)
+    expect(strip.locator(".doing").nth(1)).to_be_attached()
     expect(strip.locator(".doing").first).to_have_attribute("title", re.compile(r"\d\d:\d\d:\d\d .+ \(.+\)"))
     assert violations(page) == []
     screenshot(page, f"recent-strip-{width}-{theme}-{locale[:2]}")

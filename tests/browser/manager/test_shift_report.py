@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 from accessibility import violations
@@ -14,13 +15,15 @@ OpenPage = Callable[..., Page]
 Screenshot = Callable[..., Path]
 
 
-OPTIONS = ("--speed", "10")
+@pytest.fixture
+def factory(busy: Any) -> str:
+    return str(busy.url)
 
 
 def open_report(factory: str, open_page: OpenPage, **look: object) -> Page:
     """The report on the shift that goes on, once vehicles are in it."""
     page = open_page(f"{factory}/#shift", **look)
-    expect(page.locator(".shift-states").first).to_be_attached(timeout=90_000)
+    expect(page.locator(".shift-states").first).to_be_attached()
     return page
 
 
@@ -29,7 +32,7 @@ def test_a_shift_is_found_by_the_figures_chosen_and_sent_as_an_address(
 ) -> None:
     page = open_page(f"{factory}/#kpis")
     page.get_by_role("link", name="Shift report").click()
-    expect(page.get_by_role("heading", level=1)).to_contain_text("Shift report", timeout=30_000)
+    expect(page.get_by_role("heading", level=1)).to_contain_text("Shift report")
     now = page.get_by_role("heading", level=1).inner_text()
     page.get_by_role("button", name="Shift before").click()
     expect(page).to_have_url(re.compile("from="))
@@ -38,7 +41,7 @@ def test_a_shift_is_found_by_the_figures_chosen_and_sent_as_an_address(
     expect(page.locator("tr", has_text="Energy per transport").locator(".shift-value")).to_have_text("\u2013")
     before = page.get_by_role("heading", level=1).inner_text()
     page.reload()
-    expect(page.get_by_role("heading", level=1)).to_have_text(before, timeout=30_000)
+    expect(page.get_by_role("heading", level=1)).to_have_text(before)
     page.go_back()
     expect(page.get_by_role("heading", level=1)).to_have_text(now)
 

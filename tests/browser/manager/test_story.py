@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 from looks import LOCALES, WIDTHS_PX, in_every_look
@@ -14,10 +15,10 @@ from playwright.sync_api import Locator, Page, expect
 OpenPage = Callable[..., Page]
 Screenshot = Callable[..., Path]
 
-BUSY_MS = 90_000
 
-
-OPTIONS = ("--speed", "10", "--seed", "3")
+@pytest.fixture
+def factory(busy: Any) -> str:
+    return str(busy.url)
 
 
 def _story(page: Page) -> Locator:
@@ -106,7 +107,7 @@ def test_a_transport_chosen_in_a_list_is_a_whole_story_and_is_followed(
 ) -> None:
     page = open_page(f"{factory}/#tasks?state=contracted&kind=transport")
     rows = page.locator("tbody tr")
-    expect(rows.first).to_be_visible(timeout=BUSY_MS)
+    expect(rows.first).to_be_visible()
     rows.first.get_by_role("button").first.click()
     story = _story(page)
     expect(story).to_contain_text("Transport")
@@ -140,7 +141,7 @@ def test_a_transport_chosen_in_a_list_is_a_whole_story_and_is_followed(
 
 def test_an_order_is_shown_on_the_plant_with_what_is_done_for_it(factory: str, open_page: OpenPage) -> None:
     page = open_page(factory)
-    reference = page.locator(".order .small .clip").first.inner_text(timeout=BUSY_MS).split(" · ")[0]
+    reference = page.locator(".order .small .clip").first.inner_text().split(" · ")[0]
     page.locator(".order .link").first.click()
     page.get_by_role("button", name="Show on the plant").click()
     expect(page).to_have_url(re.compile(r"#plant\?at=order%3AO"))
@@ -222,10 +223,17 @@ def test_the_story_fits_every_width(
         screenshot(page, f"story-{language}-{theme}-{width}")
 
 
+def _is_watched(dray: Any) -> bool:
+    """Whether somebody stands by for a transport."""
+    tasks = dray.ask("/api/tasks/history?state=contracted&kind=transport")["items"]
+    return any(task["standby"] for task in tasks)
+
+
 @pytest.mark.parametrize("width_px", [1024, 1280, 1440])
 def test_the_whole_story_stands_in_one_line_beside_the_map(
-    factory: str, open_page: OpenPage, screenshot: Screenshot, width_px: int
+    busy: Any, factory: str, open_page: OpenPage, screenshot: Screenshot, width_px: int
 ) -> None:
+    busy.advance_until(lambda: _is_watched(busy))
     page = open_page(f"{factory}/#tasks?state=contracted&kind=transport")
     page.set_viewport_size({"width": width_px, "height": 900})
     watched = page.locator("tbody tr").filter(has=page.locator("td:nth-of-type(6)", has_text="ATV")).first

@@ -60,7 +60,15 @@ class Stage:
     def __init__(self, *told: Message) -> None:
         self.wall = Wall()
         self.projection = Projection(PLANT, TimeScale(0.0, NOW_S))
-        self.hub = Hub(self.projection, wall_s=self.wall, rate_hz=10.0, queue_frames=50, clients=20, each=20)
+        self.hub = Hub(
+            self.projection,
+            wall_s=self.wall,
+            steady_s=self.wall,
+            rate_hz=10.0,
+            queue_frames=50,
+            clients=20,
+            each=20,
+        )
         self.tell(*told)
 
     def tell(self, *messages: Message) -> None:
@@ -312,9 +320,15 @@ async def test_a_mirror_of_the_deltas_is_the_same_as_a_fresh_snapshot() -> None:
                 del mirror[kinds[kind]][entity]
             for kind, known in mirror.items():
                 known |= {each["id"]: known.get(each["id"], {}) | each for each in frame[kind]}
-    fresh = Hub(stage.projection, wall_s=stage.wall, rate_hz=10.0, queue_frames=5, clients=1, each=1).join(
-        operator(AREAS[0])
-    )
+    fresh = Hub(
+        stage.projection,
+        wall_s=stage.wall,
+        steady_s=stage.wall,
+        rate_hz=10.0,
+        queue_frames=5,
+        clients=1,
+        each=1,
+    ).join(operator(AREAS[0]))
     assert fresh is not None
     snapshot = await next_of(fresh)
     assert mirror == {kind: {each["id"]: each for each in snapshot[kind]} for kind in kinds.values()}

@@ -34,7 +34,13 @@ class Stage:
         self.wall = Wall()
         self.projection = Projection(PLANT, TimeScale(0.0, NOW_S))
         self.hub = Hub(
-            self.projection, wall_s=self.wall, rate_hz=10.0, queue_frames=QUEUE, clients=clients, each=clients
+            self.projection,
+            wall_s=self.wall,
+            steady_s=self.wall,
+            rate_hz=10.0,
+            queue_frames=QUEUE,
+            clients=clients,
+            each=clients,
         )
         self.seq = 0
 
@@ -216,11 +222,20 @@ async def test_an_empty_delta_keeps_a_quiet_stream_alive(stage: Stage) -> None:
     assert (frame["type"], frame["atvs"], frame["tasks"]) == ("delta", [], [])
 
 
-async def test_a_wall_clock_that_goes_back_silences_nothing(stage: Stage) -> None:
+@pytest.mark.parametrize("by_s", [-3600.0, 0.0], ids=["goes-back", "stands"])
+async def test_a_wall_clock_that_does_not_go_on_silences_nothing(by_s: float) -> None:
+    stage, steady = Stage(), Wall()
+    stage.hub = Hub(
+        stage.projection, wall_s=stage.wall, steady_s=steady, rate_hz=10.0, queue_frames=1, clients=1, each=1
+    )
     client = stage.join()
     stage.hub.tick()
     await read(client)
-    stage.wall.now_s -= 3600.0
+    stage.wall.now_s += by_s
+    steady.now_s += 0.9 * QUIET_S
+    stage.hub.tick()
+    assert waits(client)
+    steady.now_s += 0.1 * QUIET_S
     stage.hub.tick()
     assert not waits(client)
 
@@ -288,7 +303,15 @@ def test_frames_are_made_at_the_rate_that_was_asked_for_however_much_happens() -
     async def main() -> int:
         loop = asyncio.get_running_loop()
         projection = Projection(PLANT, TimeScale(0.0, 0.0))
-        hub = Hub(projection, wall_s=loop.time, rate_hz=10.0, queue_frames=1000, clients=1, each=1)
+        hub = Hub(
+            projection,
+            wall_s=loop.time,
+            steady_s=loop.time,
+            rate_hz=10.0,
+            queue_frames=1000,
+            clients=1,
+            each=1,
+        )
         client = hub.join(ADMIN)
         assert client is not None
         await client.next_frame()

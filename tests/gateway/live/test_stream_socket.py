@@ -150,7 +150,15 @@ async def test_whoever_may_not_read_orders_sees_the_factory_and_nothing_of_its_o
 
 async def test_one_caller_has_so_many_streams_and_leaves_places_to_others(still: House) -> None:
     projection = still.projection
-    hub = Hub(projection, wall_s=still.wall, rate_hz=10.0, queue_frames=QUEUE, clients=200, each=2)
+    hub = Hub(
+        projection,
+        wall_s=still.wall,
+        steady_s=still.wall,
+        rate_hz=10.0,
+        queue_frames=QUEUE,
+        clients=200,
+        each=2,
+    )
     first, second = hub.join(ADMIN), hub.join(ADMIN)
     assert first is not None
     assert second is not None

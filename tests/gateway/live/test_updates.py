@@ -104,7 +104,7 @@ def test_a_panel_that_is_told_by_changes_alone_sees_at_every_moment_what_the_gat
     """Nobody is slow and nobody comes later, so nothing but the first snapshot is told whole."""
     plant, wall = default_plant(), Wall()
     projection = Projection(plant.file, TimeScale(0.0, NOW_S))
-    hub = Hub(projection, wall_s=wall, rate_hz=10.0, queue_frames=QUEUE, clients=20, each=20)
+    hub = Hub(projection, wall_s=wall, steady_s=wall, rate_hz=10.0, queue_frames=QUEUE, clients=20, each=20)
 
     async def main() -> None:
         panels = {Panel(hub): ADMIN, Panel(hub, OPERATOR): OPERATOR}
@@ -126,7 +126,7 @@ def test_panels_of_every_pace_see_what_the_gateway_knows_while_a_factory_runs() 
     """Four panels come at some time, some read late, and at the end all of them show the same as the projection."""
     plant, chance, wall = default_plant(), Random(7), Wall()
     projection = Projection(plant.file, TimeScale(0.0, NOW_S))
-    hub = Hub(projection, wall_s=wall, rate_hz=10.0, queue_frames=QUEUE, clients=20, each=20)
+    hub = Hub(projection, wall_s=wall, steady_s=wall, rate_hz=10.0, queue_frames=QUEUE, clients=20, each=20)
 
     async def main() -> list[Panel]:
         panels: list[Panel] = []
@@ -159,10 +159,16 @@ class Stage:
     """A projection, a hub and a wall clock, without a server."""
 
     def __init__(self) -> None:
-        self.wall = Wall()
+        self.wall, self.steady = Wall(), Wall()
         self.projection = Projection(PLANT, TimeScale(0.0, NOW_S))
         self.hub = Hub(
-            self.projection, wall_s=self.wall, rate_hz=10.0, queue_frames=QUEUE, clients=10, each=10
+            self.projection,
+            wall_s=self.wall,
+            steady_s=self.steady,
+            rate_hz=10.0,
+            queue_frames=QUEUE,
+            clients=10,
+            each=10,
         )
         self.seq = 0
 
@@ -170,6 +176,7 @@ class Stage:
         for message in messages:
             self.projection.fold(message)
         self.wall.now_s += passes_s
+        self.steady.now_s += abs(passes_s)
         self.hub.tick()
 
     def beat(self, passes_s: float = 0.1, **fields: Any) -> None:

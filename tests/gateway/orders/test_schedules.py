@@ -88,7 +88,7 @@ async def test_a_death_before_the_end_of_the_transaction_leaves_the_moment_to_th
             dying.setattr(Transports, "add", died)
             with pytest.raises(UnavailableError):
                 await look(house, SIX_S)
-        assert (await house.get(f"{PATH}/{schedule['id']}"))["last"] is None
+            assert (await house.get(f"{PATH}/{schedule['id']}"))["last"] is None
     async with gateway(url, incarnation=2, wall=Wall(SIX_S + 60)) as house:
         await look(house, SIX_S + 60)
         assert len(await brought(house)) == 1

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import asyncio
 import logging
 from datetime import UTC, datetime
 from random import Random
 
 from dray.cli.runtime.gateway.service import Customers
 from dray.gateway.http.problems import Problem
+from dray.gateway.live.timescale import wait_until
 from dray.gateway.orders.drafts import OrderDraft
 from dray.gateway.orders.placement import OrderPlacement
 from dray.plant import Plant
@@ -59,11 +59,10 @@ async def place_demand(placement: OrderPlacement, plant: Plant, *, speed: float,
         speed: factory seconds per real second.
         seed: the same orders at the same times follow from it.
     """
-    loop = asyncio.get_running_loop()
-    began_s = loop.time() + FIRST_S
+    began_s = placement.now_s + FIRST_S
     for order in demand.orders(plant, Random(f"{seed} demand"), load=LOAD, until_s=FOREVER_S):
         at_s = max(0.0, order.at_s - HEAD_START_S)
-        await asyncio.sleep(began_s + at_s / speed - loop.time())
+        await wait_until(began_s + at_s / speed, lambda: placement.now_s)
         if placement.open >= MAX_OPEN:
             continue
         due_s = placement.now_s + (order.due_s - order.at_s) / speed

@@ -9,7 +9,6 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import socket
-import time
 from collections.abc import Callable, Coroutine, Iterator
 from dataclasses import dataclass
 from functools import partial
@@ -45,6 +44,7 @@ from dray.ports import Bus
 from dray.store import Store, open_store
 from dray_sim.bodies.floor import NEARLY_EMPTY_FRAC
 from dray_sim.clock.loop import clock, paced
+from dray_sim.clock.wall import Wall, steady_wall
 from dray_sim.factory.installation import directly
 from dray_sim.factory.sim_factory import SimFactory
 from dray_sim.faults import Faults
@@ -79,7 +79,11 @@ Factory = SimThread[Inside]
 
 
 async def run_service(
-    service: Service, seed: int, broker: BrokerAddress | None = None, live: LivePart | None = None
+    service: Service,
+    seed: int,
+    broker: BrokerAddress | None = None,
+    live: LivePart | None = None,
+    wall: Wall | None = None,
 ) -> None:
     """Run until a signal.
 
@@ -88,11 +92,13 @@ async def run_service(
         seed: of everything that is left to chance in the factory.
         broker: through which vehicles speak VDA 5050 with their agents; None for vehicles without it.
         live: what is played in the factory, in whose plant the service is; None for a factory without a script.
+        wall: the clock of factory and gateway; the computer's when None.
 
     Raises:
         UnavailableError: the port or the database is not to be had.
         whatever ended the factory.
     """
+    wall = wall or steady_wall()
     service, token = with_admin_token(service)
     settings = service.settings
     prepare_logs(settings)
@@ -106,14 +112,16 @@ async def run_service(
             incarnation = await store.next_incarnation(service.plant.id)
             authority = await authority_of(store)
             tracing = stack.enter_context(traced(settings))
-            life = _life(service, seed, incarnation, authority, tracing, broker, live)
-            factory = SimThread(life, paced(service.speed))
+            life = _life(service, seed, incarnation, authority, tracing, broker, live, wall)
+            factory = SimThread(life, paced(service.speed), wall=wall)
             try:
                 inside = await asyncio.to_thread(factory.start, BUILDING_S)
-                app = _app(service, store, authority, factory, inside, incarnation, (stops, port), live)
+                app = _app(
+                    service, store, authority, factory, inside, incarnation, (stops, port), live, wall
+                )
                 url = address_of(listener, settings.host)
                 greeting = greeting_of(
-                    service, url, token, await welcome(store, service.plant.file, time.time())
+                    service, url, token, await welcome(store, service.plant.file, wall.now_s())
                 )
                 await serve(service, app, listener, greeting, factory.wait)
             finally:
@@ -130,6 +138,7 @@ def _life(
     tracing: TracerProvider | None,
     broker: BrokerAddress | None,
     live_part: LivePart | None,
+    wall: Wall,
 ) -> Callable[[Callable[[Inside], None]], Coroutine[None, None, None]]:
     """What the factory's thread runs."""
 
@@ -163,7 +172,7 @@ def _life(
             with with_right_of_way(service.settings.traffic):
                 play = LivePlay(live_part.part, service.plant, seed, make)
             factory, faults = play.stage.factory, play.stage.faults
-        scale = TimeScale(now.now_s(), time.time(), service.speed)
+        scale = TimeScale(now.now_s(), wall.now_s(), service.speed)
         documents = FetchedDocuments()
         for workcell in factory.workcells.values():
             workcell.documents = documents
@@ -189,6 +198,7 @@ def _app(
     incarnation: int,
     stops: tuple[socket.socket, int],
     live: LivePart | None,
+    wall: Wall,
 ) -> FastAPI:
     settings, plant = service.settings, service.plant
 
@@ -197,7 +207,8 @@ def _app(
         yield BridgedBus(inside.factory.bus, factory.loop, asyncio.get_running_loop())
 
     bus = BridgedBus(inside.factory.bus, factory.loop, asyncio.get_running_loop())
-    historian = historian_of(settings, plant, store, bus, inside.time, incarnation)
+    wall.met(factory.loop, bus.outbound)
+    historian = historian_of(settings, plant, store, bus, inside.time, incarnation, wall.now_s)
     return create_app(
         settings=settings,
         plant=plant.file,
@@ -206,11 +217,12 @@ def _app(
         time=inside.time,
         authority=authority,
         incarnation=incarnation,
+        wall_s=wall.now_s,
         historian=historian,
         collectors=(FactoryMeter(inside.factory, bus),),
-        faults=SimFaultInjector(inside.faults, factory.loop, time.time),
-        beside=StopPath(*stops, settings, beside, authority, inside.time, incarnation).beside,
-        operators=OperatorWorkers(bus, Keys(plant.id), inside.time, time.time),
+        faults=SimFaultInjector(inside.faults, factory.loop, wall.now_s),
+        beside=StopPath(*stops, settings, beside, authority, inside.time, incarnation, wall.now_s).beside,
+        operators=OperatorWorkers(bus, Keys(plant.id), inside.time, wall.now_s),
         scenario=None
         if inside.play is None or live is None
         else SimScenarioPlayer(inside.play, factory.loop, live.shows),

@@ -7,7 +7,6 @@ rest of that minute may be missing.
 
 from __future__ import annotations
 
-import asyncio
 import logging
 from collections.abc import Callable
 
@@ -16,6 +15,7 @@ import msgspec
 from dray.errors import UnavailableError
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.projection.figures.traffic import lanes_added
+from dray.gateway.live.timescale import wait_until
 from dray.store import Store
 from dray.store.factory.kpis import KpiSample
 
@@ -49,7 +49,8 @@ class Sampler:
     async def run(self) -> None:
         """Sample at every full minute, until cancelled."""
         while True:
-            await asyncio.sleep(SAMPLE_S - self._wall_s() % SAMPLE_S)
+            now_s = self._wall_s()
+            await wait_until(now_s + SAMPLE_S - now_s % SAMPLE_S, self._wall_s)
             await self.sample()
 
     async def sample(self) -> None:

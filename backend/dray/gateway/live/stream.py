@@ -10,6 +10,8 @@ waits for anybody else.
 from __future__ import annotations
 
 import asyncio
+import math
+import time
 from collections import Counter, deque
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -141,7 +143,7 @@ class Room:
         self._updates = Updates()
         self.clients: set[Client] = set()
         self._number = 0
-        self._told_s = -1.0
+        self._told_s = -math.inf
         self._snapshot: str | None = None
         self.owes_figures = False
         """A snapshot held figures that no delta has told: the next ones are told whatever they are."""
@@ -156,22 +158,26 @@ class Room:
             self.owes_figures = True
         return self._snapshot
 
-    def is_quiet(self, now_s: float) -> bool:
+    def is_quiet(self, steady_s: float) -> bool:
         """Whether it is time for a frame, whatever there is to tell."""
-        return not 0 <= now_s - self._told_s < QUIET_S
+        return steady_s - self._told_s >= QUIET_S
 
-    def tell(self, told: Delta) -> list[Client]:
+    def tell(self, told: Delta, steady_s: float) -> list[Client]:
         """Make a frame of what has changed in the plant, if it is time for one and there is something to see of it here.
+
+        Args:
+            told: what has changed.
+            steady_s: now, on the clock of `is_quiet`.
 
         Returns:
             The clients that were too slow for it.
         """
         self._updates.note(self._scope.delta(told))
-        if not self.is_quiet(told.at_s) and (self._pace is Pace.CALM or not self._updates.waiting):
+        if not self.is_quiet(steady_s) and (self._pace is Pace.CALM or not self._updates.waiting):
             return []
         self._number += 1
         self._made.frames += 1
-        self._told_s = told.at_s
+        self._told_s = steady_s
         self._snapshot = None
         frame = _encoder.encode(self._updates.frame(self._number, told.at_s)).decode()
         return [client for client in self.clients if not client.offer(frame)]
@@ -182,8 +188,9 @@ class Hub:
 
     Args:
         projection: what is shown.
-        wall_s: the wall clock.
-        rate_hz: frames per wall second at most.
+        wall_s: the wall clock, whose moments are told.
+        steady_s: goes on whatever is done to the wall clock.
+        rate_hz: frames per second at most.
         queue_frames: frames that wait for one client at most.
         clients: how many there may be.
         each: of one caller.
@@ -200,8 +207,10 @@ class Hub:
         clients: int,
         each: int,
         record: Callable[[Delta], None] | None = None,
+        steady_s: Callable[[], float] = time.monotonic,
     ) -> None:
         self._record, self._recorded_s = record, -1.0
+        self._steady_s = steady_s
         self._projection, self._wall_s = projection, wall_s
         self._pause_s, self._queue_frames = 1.0 / rate_hz, queue_frames
         self._most, self._each = clients, each
@@ -212,7 +221,7 @@ class Hub:
         self._slow: dict[Client, tuple[Extent, float]] = {}
         """Clients that are in a calm room because they were too slow -> what they see, and until when."""
         self._made = Made()
-        self._figured_s = -1.0
+        self._figured_s = -math.inf
         self._factory: FactoryView | None = None
 
     def join(self, who: Principal, pace: Pace = Pace.LIVE) -> Client | None:
@@ -257,14 +266,14 @@ class Hub:
         if not self._rooms and self._record is None:
             self._projection.discard_changes()
             return
-        now_s = self._wall_s()
-        self._try_again(now_s)
-        factory = self._new_figures(now_s)
+        now_s, steady_s = self._wall_s(), self._steady_s()
+        self._try_again(steady_s)
+        factory = self._new_figures(now_s, steady_s)
         rooms = self._rooms.values()
         if not (
             self._projection.changed
             or factory is not None
-            or any(room.is_quiet(now_s) for room in rooms)
+            or any(room.is_quiet(steady_s) for room in rooms)
             or (self._record is not None and not 0 <= now_s - self._recorded_s < QUIET_S)
         ):
             return
@@ -272,11 +281,11 @@ class Hub:
         if self._record is not None:
             self._recorded_s = now_s
             self._record(told)
-        slow = [(client, *key) for key, room in self._rooms.items() for client in room.tell(told)]
+        slow = [(client, *key) for key, room in self._rooms.items() for client in room.tell(told, steady_s)]
         for client, extent, pace in slow:
             if pace is Pace.LIVE:
                 self._move(client, extent, Pace.CALM)
-                self._slow[client] = extent, now_s + CALM_S
+                self._slow[client] = extent, steady_s + CALM_S
 
     async def run(self) -> None:
         """Make frames until cancelled."""
@@ -302,19 +311,19 @@ class Hub:
         client.start_anew(room)
         self._close_empty_rooms()
 
-    def _try_again(self, now_s: float) -> None:
+    def _try_again(self, steady_s: float) -> None:
         """Those that were too slow a while ago may keep up now."""
         for client, (extent, until_s) in list(self._slow.items()):
-            if not now_s < until_s <= now_s + CALM_S:  # Also when the clock was set back.
+            if steady_s >= until_s:
                 del self._slow[client]
                 self._move(client, extent, Pace.LIVE)
 
-    def _new_figures(self, now_s: float) -> FactoryView | None:
+    def _new_figures(self, now_s: float, steady_s: float) -> FactoryView | None:
         """The factory's figures, when it is time for them, somebody sees them and they have changed."""
         whole = [room for (extent, _), room in self._rooms.items() if isinstance(extent, Whole)]
-        if not (whole or self._record) or 0 <= now_s - self._figured_s < FACTORY_S:
+        if not (whole or self._record) or steady_s - self._figured_s < FACTORY_S:
             return None
-        self._figured_s = now_s
+        self._figured_s = steady_s
         factory = self._projection.factory(now_s)
         if factory == self._factory and not any(room.owes_figures for room in whole):
             return None

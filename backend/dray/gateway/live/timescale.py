@@ -6,9 +6,15 @@ on the wall clock; here, and nowhere else, one is turned into the other.
 
 from __future__ import annotations
 
+import asyncio
+import contextlib
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from dray.plant.working_time import WorkingTime
+
+LOOK_S = 0.25
+"""The wall clock may be set, and need not run as the loop's does: whoever waits for a moment of it looks so often."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,6 +42,23 @@ class TimeScale:
     def to_plant_s(self, wall_s: float) -> float:
         """Wall clock to plant clock."""
         return self.plant_epoch_s + (wall_s - self.wall_epoch_s) * self.speed
+
+
+async def wait_until(at_s: float, wall_s: Callable[[], float], news: asyncio.Event | None = None) -> None:
+    """Return when the wall clock shows `at_s`, or before, when `news` is set.
+
+    Args:
+        at_s: a moment on the wall clock; infinite for never.
+        wall_s: the wall clock.
+        news: what ends the wait, too.
+    """
+    while (left_s := at_s - wall_s()) > 0 and not (news is not None and news.is_set()):
+        if news is None:
+            await asyncio.sleep(min(left_s, LOOK_S))
+        else:
+            with contextlib.suppress(TimeoutError):
+                async with asyncio.timeout(min(left_s, LOOK_S)):
+                    await news.wait()
 
 
 class WallWorkingTime:

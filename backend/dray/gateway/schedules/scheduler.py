@@ -8,7 +8,9 @@ a key that is made of the schedule and the moment. So neither a second gateway n
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import logging
+import math
 import secrets
 from collections.abc import Callable
 from datetime import date
@@ -19,6 +21,7 @@ import msgspec
 from dray.errors import UnavailableError
 from dray.gateway.http.problems import FieldError, Problem, unusable
 from dray.gateway.http.versions import changed_since, check_version
+from dray.gateway.live.timescale import wait_until
 from dray.gateway.orders.idempotency import own_key
 from dray.gateway.orders.transport_draft import TransportDraft
 from dray.gateway.schedules.calendar import Calendar, CalendarError
@@ -35,7 +38,7 @@ PUNCTUAL_S = 300.0
 """Wall seconds by which a moment may be used late and is not missed: a gateway is started anew meanwhile, or its database is."""
 
 LOOK_EVERY_S = 10.0
-"""Wall seconds after which SQL is asked again: another gateway may have got a new schedule, or somebody has set the clock."""
+"""Seconds after which SQL is asked again: another gateway may have got a new schedule, or somebody has set the clock."""
 
 REFUSED_MAX = 300
 """Characters that are kept of why a moment's work was refused."""
@@ -153,20 +156,16 @@ class Scheduler:
         """Use every moment as it comes, until cancelled."""
         while True:
             self._news.clear()
-            wait_s = LOOK_EVERY_S
+            next_s = None
             try:
                 await self.look()
                 async with self._store.read() as work:
                     next_s = await work.schedules.next_s()
-                if next_s is not None:
-                    wait_s = min(wait_s, max(0.0, next_s - self._wall_s()))
             except UnavailableError as error:
                 _log.info("recurring work waits for the database: %s", error)
-            try:
-                async with asyncio.timeout(wait_s):
-                    await self._news.wait()
-            except TimeoutError:
-                pass
+            with contextlib.suppress(TimeoutError):
+                async with asyncio.timeout(LOOK_EVERY_S):
+                    await wait_until(math.inf if next_s is None else next_s, self._wall_s, self._news)
 
     async def look(self) -> None:
         """Use every moment that has come.

@@ -167,7 +167,9 @@ def _projection() -> Projection:
 
 
 def _hub(projection: Projection, wall_s: Callable[[], float]) -> Hub:
-    return Hub(projection, wall_s=wall_s, rate_hz=RATE_HZ, queue_frames=32, clients=1, each=1)
+    return Hub(
+        projection, wall_s=wall_s, steady_s=wall_s, rate_hz=RATE_HZ, queue_frames=32, clients=1, each=1
+    )
 
 
 def _room(projection: Projection) -> Room:

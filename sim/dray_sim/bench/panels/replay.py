@@ -74,6 +74,7 @@ def _recorded(length_s: float) -> tuple[list[Piece], Projection]:
         hub = Hub(
             projection,
             wall_s=lambda: now_s[0],
+            steady_s=lambda: now_s[0],
             rate_hz=10.0,
             queue_frames=4,
             clients=1,

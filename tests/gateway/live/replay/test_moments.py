@@ -78,7 +78,16 @@ def recorded(store: Store, length_s: int, moments: int) -> Day:
     plant, wall, chance = default_plant(), Wall(), Random(18)
     projection = Projection(plant.file, TimeScale(0.0, NOW_S))
     recorder = Recorder(projection, store, wall, name="g.1", kept_s=1e6)
-    hub = Hub(projection, wall_s=wall, rate_hz=10.0, queue_frames=4, clients=2, each=2, record=recorder.note)
+    hub = Hub(
+        projection,
+        wall_s=wall,
+        steady_s=wall,
+        rate_hz=10.0,
+        queue_frames=4,
+        clients=2,
+        each=2,
+        record=recorder.note,
+    )
     day = Day(projection, recorder, hub)
     chosen = set(chance.sample(range(10, length_s), moments))
 

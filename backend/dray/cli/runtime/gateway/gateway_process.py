@@ -119,7 +119,11 @@ async def run_historian(where: Surroundings) -> None:
     try:
         async with where.bus(HISTORIAN, give_way) as bus:
             life = await store.next_incarnation(where.plant.id)
-            historian = historian_of(where.settings, where.plant, store, bus, where.time, life)
+            # Steered as the gateway's: should the computer's be set ahead, what is young is not too old at once.
+            wall = SystemClock(asyncio.get_running_loop())
+            historian = historian_of(
+                where.settings, where.plant, store, bus, where.time, life, wall.now_s
+            )
             async with where.told(BusMeter(bus), History(historian)):
                 with stopped_by_signals(stopped.set):
                     async with historian.running():

@@ -8,7 +8,7 @@ from collections.abc import AsyncIterator, Callable, Sequence
 from contextlib import asynccontextmanager
 
 from dray.gateway.factory.duty import Employed
-from dray.gateway.live.timescale import TimeScale
+from dray.gateway.live.timescale import LOOK_S, TimeScale
 from dray.memory import Changes, Memory
 from dray.messages import Event
 from dray.messages.keys import Keys
@@ -33,8 +33,12 @@ class _PlantClock:
 
     def call_at(self, when_s: float, callback: Callable[[], None]) -> None:
         """See `dray.ports.Clock`."""
-        wait_s = max(0.0, when_s - self.now_s()) / self._time.speed
-        asyncio.get_running_loop().call_later(wait_s, callback)
+        wait_s = (when_s - self.now_s()) / self._time.speed
+        loop = asyncio.get_running_loop()
+        if wait_s <= 0:
+            loop.call_soon(callback)
+        else:
+            loop.call_later(min(wait_s, LOOK_S), self.call_at, when_s, callback)
 
 
 class _NoNotes:

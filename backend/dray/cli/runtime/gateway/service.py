@@ -16,7 +16,6 @@ from pydantic import SecretStr
 from sqlalchemy import URL, make_url
 
 from dray import __version__
-from dray.adapters.system_clock import SystemClock
 from dray.adapters.telemetry.metrics_port import metrics_port
 from dray.cli.runtime.gateway.serving import Server, stopped_by_signals
 from dray.cli.runtime.readiness import tell_ready
@@ -93,11 +92,15 @@ def with_stop_port(service: Service, listener: socket.socket) -> Service:
 
 
 def historian_of(
-    settings: Settings, plant: Plant, store: Store, bus: Bus, scale: TimeScale, life: int
+    settings: Settings,
+    plant: Plant,
+    store: Store,
+    bus: Bus,
+    scale: TimeScale,
+    life: int,
+    wall_s: Callable[[], float],
 ) -> Historian:
     """The historian of a plant, which is not running yet. Call it on the loop on which it will run."""
-    # Steered as the gateway's: should the computer's be set ahead, what is young is not too old at once.
-    wall = SystemClock(asyncio.get_running_loop())
     return Historian(
         store=store,
         bus=bus,
@@ -108,7 +111,8 @@ def historian_of(
         life=life,
         agents=(*plant.fleet, *plant.machines, *plant.stores, GATE, *strategists_of(settings.strategists)),
         linger_s=settings.historian_linger_s,
-        retention=Retention(store, _kept_for(settings), wall.now_s),
+        wall_s=wall_s,
+        retention=Retention(store, _kept_for(settings), wall_s),
     )
 
 

@@ -62,6 +62,7 @@ class StopPath:
         authority: grants what is sent.
         time: the two clocks.
         incarnation: of the plant's agents.
+        wall_s: the wall clock, callable from any thread; the computer's, steered, when None.
     """
 
     listener: socket.socket
@@ -71,6 +72,7 @@ class StopPath:
     authority: SigningKey
     time: TimeScale
     incarnation: int
+    wall_s: Callable[[], float] | None = None
 
     @asynccontextmanager
     async def beside(self, commands: Commands, access: Access) -> AsyncIterator[None]:
@@ -135,7 +137,7 @@ class _Thread:
     async def _live(self) -> None:
         way, settings = self._way, self._way.settings
         # The gateway's own clock is read on its own thread.
-        wall = SystemClock(asyncio.get_running_loop())
+        wall_s = way.wall_s or SystemClock(asyncio.get_running_loop()).now_s
         with way.bus() as bus:
             sender = StopSender(
                 bus,
@@ -143,7 +145,7 @@ class _Thread:
                 incarnation=way.incarnation,
                 authority=way.authority,
                 time=way.time,
-                wall_s=wall.now_s,
+                wall_s=wall_s,
                 timeout_s=settings.command_timeout_s,
                 ahead_s=self._ahead_s,
                 sent=self._sent,
@@ -155,7 +157,7 @@ class _Thread:
                 hosts=Hosts.of(settings),
                 origin_port=way.origin_port,
                 public_url=settings.public_url,
-                wall_s=wall.now_s,
+                wall_s=wall_s,
             )
             guard = Guard(most=CONNECTIONS, each=CONNECTIONS_EACH, exempt=proxies(settings))
             loop = asyncio.get_running_loop()
