@@ -6,7 +6,7 @@ import asyncio
 from random import Random
 
 import pytest
-from variants import variants
+from variants import in_campaigns, variants
 
 from dray.messages import Event, Message
 from dray.messages.fact import TaskClosed
@@ -57,11 +57,12 @@ async def played(plant: Plant, seed: int, *, traffic: bool) -> tuple[int, Invari
     return delivered.count, invariants, overlaps
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    "plant", [load_plant("single-track"), default_plant()], ids=["single track", "two lanes"]
-)
-def test_vehicles_with_right_of_way_carry_on_and_never_touch(plant: Plant) -> None:
+TOUCHING = {"single track": load_plant("single-track"), "two lanes": default_plant()}
+
+
+@pytest.mark.parametrize("name", in_campaigns(TOUCHING, "single track"))
+def test_vehicles_with_right_of_way_carry_on_and_never_touch(name: str) -> None:
+    plant = TOUCHING[name]
     alone = carried = 0
     for seed in (1, 2):
         by_ghosts, _, ghosts = run(played(plant, seed, traffic=False), JUMP)

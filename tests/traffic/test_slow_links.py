@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import pytest
+from variants import in_campaigns
 
 from dray.plant import default_plant
 from dray_sim.network.latency import WLAN, Latency
 from dray_sim.run.evidence import HELD
 from dray_sim.run.stage import Shift, Stage, play, with_right_of_way
-
-pytestmark = pytest.mark.slow
 
 
 async def shift(stage: Stage) -> None:
@@ -18,7 +17,8 @@ async def shift(stage: Stage) -> None:
 
 
 @pytest.mark.parametrize(
-    ("latency_s", "p50_s", "starved_frac"), [(0.0, 95.0, 0.01), (1.0, 150.0, 0.02), (2.0, 250.0, 0.06)]
+    ("latency_s", "p50_s", "starved_frac"),
+    in_campaigns([(0.0, 95.0, 0.01), (1.0, 150.0, 0.02), (2.0, 250.0, 0.06)], (2.0, 250.0, 0.06)),
 )
 def test_transports_take_longer_by_what_the_link_takes_and_not_by_every_place(
     latency_s: float, p50_s: float, starved_frac: float

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import asyncio
 import math
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dray.gateway.live.timescale import TimeScale
+from dray.gateway.live.timescale import LOOK_S, TimeScale, wait_until
+from dray_sim.clock.loop import clock, run
 
 
 def test_both_epochs_are_the_same_moment() -> None:
@@ -54,3 +56,28 @@ def test_neither_clock_goes_back(earlier_s: float, later_s: float, speed: float)
 def test_a_clock_that_does_not_go_on_is_refused(speed: float) -> None:
     with pytest.raises(ValueError, match="above 0"):
         TimeScale(0.0, 0.0, speed)
+
+
+def test_a_moment_of_the_wall_clock_is_waited_for_whatever_is_done_to_the_clock() -> None:
+    async def main() -> tuple[float, float]:
+        loop, ahead_s = asyncio.get_running_loop(), 0.0
+        told = asyncio.create_task(wait_until(100.0, lambda: clock().now_s() + ahead_s))
+        await asyncio.sleep(30.0)
+        ahead_s = -30.0
+        await asyncio.sleep(75.0)
+        assert not told.done()
+        ahead_s = 0.0
+        await told
+        late_s = loop.time()
+        await asyncio.wait_for(wait_until(math.inf, loop.time, _set_at(loop, late_s + 7.0)), 8.0)
+        return late_s, loop.time()
+
+    set_s, news_s = run(main())
+    assert 105.0 <= set_s <= 105.0 + LOOK_S
+    assert news_s == set_s + 7.0
+
+
+def _set_at(loop: asyncio.AbstractEventLoop, at_s: float) -> asyncio.Event:
+    news = asyncio.Event()
+    loop.call_at(at_s, news.set)
+    return news

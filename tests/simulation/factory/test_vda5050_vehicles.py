@@ -9,6 +9,7 @@ from random import Random
 
 import pytest
 from msgspec.structs import replace
+from variants import in_campaigns
 
 from dray.adapters.vda5050.profile import Profile, load_profile
 from dray.messages import Event, Message
@@ -122,8 +123,7 @@ def test_with_right_of_way_they_never_touch() -> None:
     assert done_twice(fleet) == []
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("traffic", [False, True])
+@pytest.mark.parametrize("traffic", in_campaigns([False, True], True))
 def test_restarts_of_agents_and_vehicles_lose_nothing_and_do_nothing_twice(traffic: bool) -> None:
     closed, fleet, invariants, overlaps = run(played(3600.0, traffic=traffic, restarts=60), JUMP)
     assert invariants.broken is None

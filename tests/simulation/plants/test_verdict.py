@@ -8,7 +8,7 @@ from __future__ import annotations
 import msgspec
 import pytest
 from msgspec.structs import replace
-from variants import variants
+from variants import in_campaigns
 
 from dray.plant import Making, Plant, PlantFile, Stock, VehicleSpec, shipped_plant
 from dray_sim.run.evidence import HELD
@@ -95,8 +95,7 @@ def played(file: PlantFile, load: float, hours: float = HOURS) -> Report:
     return report
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("kind", variants(SHORT, "vehicles"))
+@pytest.mark.parametrize("kind", in_campaigns(SHORT, "vehicles", "charger", "dock"))
 def test_the_verdict_names_what_was_short(kind: str) -> None:
     verdict = played(*SHORT[kind]).verdict
     assert verdict.bottleneck == kind, "\n".join(verdict.lines())
