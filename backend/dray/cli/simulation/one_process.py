@@ -116,9 +116,7 @@ async def run_service(
             factory = SimThread(life, paced(service.speed), wall=wall)
             try:
                 inside = await asyncio.to_thread(factory.start, BUILDING_S)
-                app = _app(
-                    service, store, authority, factory, inside, incarnation, (stops, port), live, wall
-                )
+                app = _app(service, store, authority, factory, inside, incarnation, (stops, port), live, wall)
                 url = address_of(listener, settings.host)
                 greeting = greeting_of(
                     service, url, token, await welcome(store, service.plant.file, wall.now_s())

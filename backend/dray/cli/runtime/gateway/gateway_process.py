@@ -121,9 +121,7 @@ async def run_historian(where: Surroundings) -> None:
             life = await store.next_incarnation(where.plant.id)
             # Steered as the gateway's: should the computer's be set ahead, what is young is not too old at once.
             wall = SystemClock(asyncio.get_running_loop())
-            historian = historian_of(
-                where.settings, where.plant, store, bus, where.time, life, wall.now_s
-            )
+            historian = historian_of(where.settings, where.plant, store, bus, where.time, life, wall.now_s)
             async with where.told(BusMeter(bus), History(historian)):
                 with stopped_by_signals(stopped.set):
                     async with historian.running():
