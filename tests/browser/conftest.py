@@ -73,9 +73,9 @@ def browser() -> Iterator[Browser]:
         browser.close()
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def quiet(start_dray: Callable[..., Any]) -> Iterator[Any]:
-    """A factory in which nobody orders but tests. Its time stands; a test lets it pass."""
+    """A factory in which nobody orders but the tests of a module. Its time stands; a test lets it pass."""
     dray = start_dray("--speed", "20", "--no-demand", stepped=True)
     # Everybody has been heard.
     dray.advance(5.0)
@@ -85,7 +85,10 @@ def quiet(start_dray: Callable[..., Any]) -> Iterator[Any]:
 
 @pytest.fixture(scope="session")
 def busy(start_dray: Callable[..., Any]) -> Iterator[Any]:
-    """A factory with customers, which has worked for a while. Its time stands; a test lets it pass."""
+    """A factory with customers, which has worked for a while. Its time stands; a test lets it pass.
+
+    It is for all tests, and none orders anything there.
+    """
     dray = start_dray("--speed", "10", "--seed", "3", stepped=True)
     dray.advance_until(lambda: is_busy(dray.ask("/api/kpis")), step_s=10.0)
     yield dray

@@ -15,10 +15,12 @@ AREAS = ("AREA1", "AREA2", "AREA3", "AREA4")
 
 
 @contextmanager
-def dray_with_floater(start_dray: Callable[..., Any], folder: Path, speed: float) -> Iterator[Any]:
+def dray_with_floater(
+    start_dray: Callable[..., Any], folder: Path, speed: float, *, stepped: bool = False
+) -> Iterator[Any]:
     """Start it on a database in this folder; the operator's link is in its `links`. It must stop cleanly."""
     database = f"sqlite:///{folder / 'dray.db'}"
-    dray = start_dray("--speed", str(speed), "--seed", "3", url=database)
+    dray = start_dray("--speed", str(speed), "--seed", "3", url=database, stepped=stepped)
 
     def user(*arguments: str) -> str:
         command = [sys.executable, "-m", "dray", "user", *arguments, "--db", database]

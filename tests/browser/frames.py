@@ -39,6 +39,20 @@ class Frames:
             self._page.wait_for_timeout(LOOK_MS)
         raise AssertionError(f"no frame within {timeout_ms:.0f} ms is the one that was waited for")
 
+    def wait_while(self, passes: Callable[[], object], times: int) -> None:
+        """Let something pass, time at a factory that stands, say, until it has come.
+
+        Raises:
+            AssertionError: it has not come after so many times.
+        """
+        for _ in range(times):
+            if self._come:
+                return
+            passes()
+            # A frame comes ten times a second at most.
+            self._page.wait_for_timeout(2 * LOOK_MS)
+        raise AssertionError(f"no frame of {times} is the one that was waited for")
+
     def _opened(self, socket: WebSocket) -> None:
         socket.on("framereceived", self._take)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from math import cos, sin
+from math import cos, inf, sin
 
 import networkx as nx
 import pytest
@@ -12,8 +12,20 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dray.errors import NoWay
-from dray.plant import Lane, Node, Plant, Roads, Routes, VehicleType, bends, default_plant, parse_plant
+from dray.plant import (
+    Lane,
+    Node,
+    Plant,
+    Roads,
+    Routes,
+    VehicleType,
+    bends,
+    default_plant,
+    load_plant,
+    parse_plant,
+)
 from dray.plant import routes as routes_module
+from dray.plant.lane_times import LaneTimes
 from dray_sim.bodies.vehicle.motion import Stretch, plan
 
 FAST = VehicleType(id="fast", name="Fast", max_speed_mps=1.5, acceleration_mps2=0.6, turn_speed_mps=0.5)
@@ -287,3 +299,37 @@ def test_parts_are_the_strongly_connected_components(roads: Roads) -> None:
 def test_reached_and_reaching_are_two_sides_of_one_thing(roads: Roads) -> None:
     for start in roads.leaving:
         assert all(start in roads.reaching(goal) for goal in roads.reached_from(start))
+
+
+@pytest.mark.parametrize("name", ["single-track", "workshop"])
+def test_the_nearest_of_several_is_the_one_with_the_shortest_way_and_of_equals_the_first(name: str) -> None:
+    plant = load_plant(name)
+    places = tuple(plant.places)
+    for kind in plant.vehicle_types:
+        nodes = {place: plant.node_of(place) for place in places}
+        routes, asked_once = plant.routes(kind), Routes(plant.roads, plant.vehicle_types[kind], nodes)
+        for start in sorted(plant.nodes)[::7]:
+            ways = {
+                place: routes.duration_s(start, plant.node_of(place))
+                for place in places
+                if routes.leads(start, plant.node_of(place))
+            }
+            assert asked_once.nearest(start, places)[0] == min(ways, key=ways.__getitem__)
+            starts = [node for node in sorted(plant.nodes)[::5] if routes.leads(node, start)]
+            shortest_s = min((routes.duration_s(node, start) for node in starts), default=inf)
+            assert asked_once.nearest_s(starts, start) == shortest_s
+
+
+def test_lane_times_are_the_same_in_whatever_order_they_are_asked_for() -> None:
+    lanes: dict[str, list[tuple[str, float]]] = {
+        "a": [("b", 1.0), ("c", 5.0)],
+        "b": [("c", 2.0)],
+        "c": [],
+        "d": [],
+    }
+    near_first, far_first = (LaneTimes("a", lanes.__getitem__) for _ in range(2))
+    assert [near_first(node) for node in "abcd"] == [0.0, 1.0, 3.0, inf]
+    assert [far_first(node) for node in "dcba"] == [inf, 3.0, 1.0, 0.0]
+    seen = near_first.nearest_first()
+    assert next(seen) == ("a", 0.0)
+    assert list(seen) == [("b", 1.0), ("c", 3.0)]

@@ -4,15 +4,14 @@ A way is the one with the least lane time (length over the lower of lane limit a
 among equals the one that goes straight on, because every bend costs a vehicle its speed, and then
 the first in file order. The duration of a way, once chosen, is that of the real motion.
 
-One search backwards from a goal answers for all starts. It is done when a goal is first asked for
-and kept as one array of floats; finished ways are kept as well, so that a second question costs
-two dictionary lookups.
+One search backwards from a goal answers for all starts. It goes as far as somebody asks, and is kept (`lane_times`); finished
+ways are kept as well, so that a second question costs two dictionary lookups.
 """
 
 from __future__ import annotations
 
-from array import array
-from collections.abc import Container, Iterable, Mapping, Sequence
+from collections.abc import Container, Iterable, Mapping
+from contextlib import suppress
 from heapq import heappop, heappush
 from math import inf
 
@@ -21,6 +20,7 @@ import msgspec
 from dray.errors import NoWay
 from dray.plant.floor.motion import Run, joint_mps, limit_mps, runs_s
 from dray.plant.floor.motion import lane_s as lane_time_s
+from dray.plant.lane_times import LaneTimes
 from dray.plant.model import VehicleType
 from dray.plant.restrictions import OPEN, Restrictions
 from dray.plant.roads import DirectedLane, Roads, bends
@@ -103,7 +103,7 @@ class Routes:
         for steps in self._leaving:
             for step in steps:
                 self._entering[step.end].append((step.start, step.lane_s))
-        self._left_s: dict[str, Sequence[float]] = {}
+        self._left_s: dict[int, LaneTimes[int]] = {}
         self._found: dict[str, dict[str, Way]] = {}
         self._kept = 0
 
@@ -149,9 +149,25 @@ class Routes:
         goal = self._index.get(goal_node)
         if goal is None:
             raise NoWay("any node", goal_node)
-        left_s = self._left_to(goal_node, goal)
-        farthest = max((index for index in range(len(left_s)) if left_s[index] < inf), key=left_s.__getitem__)
+        left_s = {index: self._left_to(goal)(index) for index in range(len(self._nodes))}
+        farthest = max((index for index in left_s if left_s[index] < inf), key=left_s.__getitem__)
         return self.duration_s(self._nodes[farthest], goal_node)
+
+    def nearest_s(self, start_nodes: Iterable[str], goal_node: str) -> float:
+        """Seconds from whichever of some nodes is nearest to another one; infinite where no way leads there from any."""
+        goal, best_s = self._index.get(goal_node), inf
+        if goal is None or goal_node in self.restrictions.nodes:
+            return best_s
+        wanted = {self._index[node] for node in start_nodes}
+        # No way is shorter than its lane time, so whoever is farther off than the best way takes is not nearer.
+        for index, least_s in self._left_to(goal).nearest_first():
+            if least_s > best_s or not wanted:
+                break
+            if index in wanted:
+                wanted.discard(index)
+                with suppress(NoWay):
+                    best_s = min(best_s, self.duration_s(self._nodes[index], goal_node))
+        return best_s
 
     def nearest(self, start_node: str, places: Iterable[str]) -> tuple[str, Way]:
         """The place of `places` that is reached first, and the way there.
@@ -164,17 +180,27 @@ class Routes:
         Raises:
             NoWay: none of them can be reached.
         """
-        best: tuple[str, Way] | None = None
-        for place in places:
-            try:
-                way = self.way(start_node, self._places[place])
-            except NoWay:
+        here, best = self._index.get(start_node), None
+        wanted: dict[int, tuple[int, str]] = {}
+        for number, place in enumerate(places):
+            wanted.setdefault(self._index[self._places[place]], (number, place))
+        # No way is shorter than its lane time, so whoever is farther off than the best way takes is not nearer.
+        reached = LaneTimes(here, self._after).nearest_first() if here is not None else iter(())
+        for index, least_s in reached:
+            if best is not None and least_s > best[0]:
+                break
+            if index not in wanted:
                 continue
-            if best is None or way.duration_s < best[1].duration_s:
-                best = place, way
+            number, place = wanted.pop(index)
+            with suppress(NoWay):
+                way = self.way(start_node, self._nodes[index])
+                if best is None or (way.duration_s, number) < best[:2]:
+                    best = way.duration_s, number, place, way
+            if not wanted:
+                break
         if best is None:
             raise NoWay(start_node, "any of the places asked for")
-        return best
+        return best[2:]
 
     def way_out(self, start_node: str, stops: Container[str]) -> Way:
         """The way from a closed node to the next one where a vehicle may stand.
@@ -206,8 +232,8 @@ class Routes:
         here, goal = self._index.get(start_node), self._index.get(goal_node)
         if here is None or goal is None or (goal_node in self.restrictions.nodes and here != goal):
             raise NoWay(start_node, goal_node)
-        left_s = self._left_to(goal_node, goal)
-        if left_s[here] == inf:
+        left_s = self._left_to(goal)
+        if left_s(here) == inf:
             raise NoWay(start_node, goal_node)
         way = self._follow(start_node, goal_node, left_s)
         if self._kept >= MAX_WAYS:
@@ -217,30 +243,17 @@ class Routes:
         self._kept += 1
         return way
 
-    def _left_to(self, goal_node: str, goal: int) -> Sequence[float]:
-        """Least lane time from every node to one in seconds; searched for when it is asked for first."""
-        left_s = self._left_s.get(goal_node)
+    def _left_to(self, goal: int) -> LaneTimes[int]:
+        """Least lane times to one node."""
+        left_s = self._left_s.get(goal)
         if left_s is None:
-            left_s = self._left_s[goal_node] = self._search(goal)
+            left_s = self._left_s[goal] = LaneTimes(goal, self._entering.__getitem__)
         return left_s
 
-    def _search(self, goal: int) -> Sequence[float]:
-        """Least lane time from every node to `goal` in seconds, infinite where no way leads there."""
-        left_s = [inf] * len(self._index)
-        left_s[goal] = 0.0
-        frontier = [(0.0, goal)]
-        while frontier:
-            so_far_s, node = heappop(frontier)
-            if so_far_s > left_s[node]:
-                continue
-            for before, lane_s in self._entering[node]:
-                through_s = so_far_s + lane_s
-                if through_s < left_s[before]:
-                    left_s[before] = through_s
-                    heappush(frontier, (through_s, before))
-        return array("d", left_s)
+    def _after(self, index: int) -> Iterable[tuple[int, float]]:
+        return ((step.end, step.lane_s) for step in self._leaving[index])
 
-    def _follow(self, start_node: str, goal_node: str, left_s: Sequence[float]) -> Way:
+    def _follow(self, start_node: str, goal_node: str, left_s: LaneTimes[int]) -> Way:
         """The way along the least lane time, straight on where there is a choice."""
         here, goal = self._index[start_node], self._index[goal_node]
         nodes = [start_node]
@@ -249,10 +262,10 @@ class Routes:
         # From standstill it is all the same in which direction.
         onward: Iterable[tuple[_Step, float]] = ((step, 0.0) for step in self._leaving[here])
         while here != goal:
-            left_here_s = left_s[here]
+            left_here_s = left_s(here)
             bound_s = left_here_s + _SLACK_S
             for step, corner_mps in onward:
-                left_there_s = left_s[step.end]
+                left_there_s = left_s(step.end)
                 # Ever nearer, or lanes shorter than the slack would lead in circles.
                 if left_there_s >= left_here_s or step.lane_s + left_there_s > bound_s:
                     continue

@@ -225,8 +225,8 @@ def test_the_story_fits_every_width(
 
 def _is_watched(dray: Any) -> bool:
     """Whether somebody stands by for a transport."""
-    tasks = dray.ask("/api/tasks/history?state=contracted&kind=transport")["items"]
-    return any(task["standby"] for task in tasks)
+    tasks = dray.ask("/api/tasks?state=contracted")["items"]
+    return any(task["secondary"] for task in tasks)
 
 
 @pytest.mark.parametrize("width_px", [1024, 1280, 1440])

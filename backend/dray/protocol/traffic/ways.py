@@ -14,6 +14,7 @@ from math import cos, inf, sin
 
 from dray.plant import Plant, bends
 from dray.plant.floor.motion import lane_s
+from dray.plant.lane_times import LaneTimes
 from dray.plant.model import VehicleType
 from dray.protocol.traffic.places import Places
 from dray.protocol.traffic.prices import OBSTRUCTED_S, STANDS_S, Prices
@@ -91,16 +92,16 @@ class Ways:
                     (roads[after.start, after.end], slows_s if bends(lane, after) else 0.0)
                     for after in own.leaving[lane.end]
                 ]
-        self._left_s: dict[str, dict[str, float]] = {}
+        self._left_s: dict[str, LaneTimes[str]] = {}
 
     def way(self, start: str, goal: str, prices: Prices | None = None) -> tuple[str, ...] | None:
         """The cheapest way from one node to another, both included; None when no lanes lead there."""
         left_s = self._left_s.get(goal)
         if left_s is None:
-            left_s = self._left_s[goal] = self._search_back(goal)
+            left_s = self._left_s[goal] = LaneTimes(goal, self._before)
         if start == goal:
             return (start,)
-        if start not in left_s:
+        if left_s(start) == inf:
             return None
 
         def cost_s(road: _Road) -> float:
@@ -121,7 +122,7 @@ class Ways:
                 price_s += THROUGH_DOCK_S
             return price_s
 
-        return self._search(start, lambda node: left_s.get(node, inf), cost_s, lambda node: node == goal)
+        return self._search(start, left_s, cost_s, lambda node: node == goal)
 
     def refuge(
         self,
@@ -215,19 +216,8 @@ class Ways:
                     )
         return None
 
-    def _search_back(self, goal: str) -> dict[str, float]:
-        """Least lane time to a node from every node that leads there."""
-        left_s: dict[str, float] = {}
-        open_nodes = [(0.0, goal)]
-        while open_nodes:
-            so_far_s, node = heappop(open_nodes)
-            if node in left_s:
-                continue
-            left_s[node] = so_far_s
-            for road in self._entering[node]:
-                if road.start not in left_s:
-                    heappush(open_nodes, (so_far_s + road.lane_s, road.start))
-        return left_s
+    def _before(self, node: str) -> Iterable[tuple[str, float]]:
+        return ((road.start, road.lane_s) for road in self._entering[node])
 
 
 def _way_back(road: _Road | None, came_from: Mapping[_Road, _Road | None]) -> tuple[str, ...]:

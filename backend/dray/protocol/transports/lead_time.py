@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from contextlib import suppress
 from math import inf
 
-from dray.errors import NoWay
 from dray.plant import Plant
 from dray.plant.restrictions import OPEN
 
@@ -19,12 +17,7 @@ def first_lead_s(plant: Plant, place: str, sources: Collection[str]) -> float:
 
     The ways are those of the plant file: what is closed at the moment may be open when somebody comes. Vehicles that have none count for nothing.
     """
-    node = plant.node_of(place)
-    nearest_s = inf
-    for kind in plant.vehicle_types:
-        routes = plant.routes(kind, OPEN)
-        for source in sources:
-            with suppress(NoWay):
-                nearest_s = min(nearest_s, routes.duration_s(plant.node_of(source), node))
+    node, starts = plant.node_of(place), tuple(map(plant.node_of, sources))
+    nearest_s = min(plant.routes(kind, OPEN).nearest_s(starts, node) for kind in plant.vehicle_types)
     handling_s = max(kind.load_s + kind.unload_s for kind in plant.vehicle_types.values())
     return TYPICAL_APPROACH_S + (0.0 if nearest_s == inf else nearest_s) + handling_s
