@@ -11,6 +11,7 @@
     dray fault ...      let something go wrong in a running `dray up`
     dray bench          benchmarks
     dray shut-out       let nobody hear an agent any more; `dray readmit` takes it back
+    dray carried-away   say that a vehicle is off the floor: what it held is free
     dray user ...       who may log in, and by what
     dray key ...        keys by which other systems use the API
     dray link ...       customers' links to their orders
@@ -36,7 +37,7 @@ import typer
 
 from dray import __version__
 from dray.cli.commands import agent, gateway, plant, vehicle, wire
-from dray.cli.commands.administration import certs, db, key, link, shut_out, user
+from dray.cli.commands.administration import carried_away, certs, db, key, link, shut_out, user
 from dray.cli.commands.compose import compose
 from dray.cli.commands.fleet import app as fleet_app
 from dray.cli.commands.simulation import bench, fault, floor, sim, up
@@ -62,6 +63,7 @@ app.add_typer(sim.app, name="sim")
 app.add_typer(fault.app, name="fault")
 app.command("shut-out")(shut_out.shut_out)
 app.command("readmit")(shut_out.readmit)
+app.command("carried-away")(carried_away.carried_away)
 app.add_typer(user.app, name="user")
 app.add_typer(key.app, name="key")
 app.add_typer(link.app, name="link")

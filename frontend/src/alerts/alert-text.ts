@@ -33,6 +33,8 @@ function kindText(alert: AlertView, nowS: number, speed: number): string {
       return t("alerts.what.part_lost", { age: format.age(nowS - (seen_at_s ?? nowS)), agents: format.list(alert.agents) });
     case "atv_awaited":
       return t("alerts.what.atv_awaited", { keepers: format.list(alert.keepers) });
+    case "atv_unheard":
+      return t("alerts.what.atv_unheard", { agents: format.list(alert.agents) });
     case "station_lost":
       return t("alerts.what.station_lost", { age: format.age(nowS - (seen_at_s ?? nowS)) });
     case "gate_lost":

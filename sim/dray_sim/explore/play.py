@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections import Counter
+from contextlib import suppress
 from random import Random
 
 from dray.adapters.system_clock import SLEW_FRAC
@@ -11,6 +12,7 @@ from dray.errors import DrayError
 from dray.messages import AtvHeartbeat, Event, Message
 from dray.messages.fact import TaskClosed, TookOver
 from dray.messages.speakers import Kind
+from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S, gone_s
 from dray_sim.bodies.vehicle.condition import BATTERY_EMPTY
 from dray_sim.checks.bounds import Bounds
 from dray_sim.checks.broken import InvariantBroken
@@ -276,7 +278,7 @@ class _Game:
                 group.create_task(self._press_at_random(factory))
                 group.create_task(self._meddle_with_machines(factory))
             if run.insider:
-                group.create_task(self._lie(factory))
+                group.create_task(self._lie(factory, office))
 
     def _ask_for_work(self, factory: SimFactory, group: asyncio.TaskGroup) -> None:
         """Customers order, and think again; people have something brought."""
@@ -289,9 +291,20 @@ class _Game:
         if run.calls:
             group.create_task(TransportCaller(bus, now).call(run.calls))
 
-    async def _lie(self, factory: SimFactory) -> None:
-        """Somebody lies to the end: in the quiet phase as well, whatever is open must end."""
-        await bring_in(factory, BEHAVIOURS[self._run.insider]).run()
+    async def _lie(self, factory: SimFactory, office: FloorOffice | None) -> None:
+        """Somebody lies to the end: in the quiet phase as well, whatever is open must end.
+
+        Who holds floor is sent away before: people have seen who holds it, and a person's word frees it.
+        """
+        behaviour = BEHAVIOURS[self._run.insider]
+        lies = bring_in(factory, behaviour).run()
+        if office is None or not behaviour.claims_floor:
+            await lies
+            return
+        with suppress(TimeoutError):
+            await asyncio.wait_for(lies, self._run.faults_until_s - gone_s(IDLE_INTERVAL_S))
+        await asyncio.sleep(gone_s(IDLE_INTERVAL_S))
+        office.carry_away(INSIDER)
 
     async def _press_at_random(self, factory: SimFactory) -> None:
         run = self._run

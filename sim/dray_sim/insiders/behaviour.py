@@ -49,6 +49,7 @@ class Behaviour:
         pretends: it tells of ways and phases as if it worked at each of its tasks.
         hands_over: it says that loads are down which it never had.
         claims_all: it claims every charger and parking place, as if it stood there.
+        claims_floor: it says to all keepers of books that it holds every place, and wants every place.
         names_others: it names tasks that others carry as its own.
         flood_hz: so many messages it sends a second, to all coordinators in turn.
         betrays_every: of so many tasks that it has taken it betrays one: it says that all is well, and stands.
@@ -69,6 +70,7 @@ class Behaviour:
     pretends: bool = False
     hands_over: bool = False
     claims_all: bool = False
+    claims_floor: bool = False
     names_others: bool = False
     flood_hz: float = 0.0
     betrays_every: int = 0
@@ -115,6 +117,11 @@ _ALL = (
         hands_over=True,
     ),
     Behaviour("claims-dwell-points", "claims every charger and parking place", claims_all=True),
+    Behaviour(
+        "claims-the-floor",
+        "says to all keepers of books that it holds every place, and wants every place",
+        claims_floor=True,
+    ),
     Behaviour("names-others-tasks", "names as its own what others carry", names_others=True),
     Behaviour("floods", "sends 20 messages a second to the coordinators", price=Price.LEAST, flood_hz=20.0),
     Behaviour(

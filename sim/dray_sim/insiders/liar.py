@@ -35,6 +35,7 @@ from dray.messages import (
     TransportCost,
     Withdrawn,
 )
+from dray.messages.floor.traffic import FIRST_S, HOLDS_MAX, HoldsAsked, PlaceGranted, PlaceWished
 from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.protocol.contract_net.dock import dock_of
@@ -51,6 +52,7 @@ from dray.protocol.runtime.events import (
     Subscribe,
     Woke,
 )
+from dray.protocol.traffic.places import Places
 from dray_sim.insiders.behaviour import Answer, Behaviour, Price
 
 SPEAKS_S = 1.0
@@ -103,6 +105,11 @@ class Liar:
         self._others: dict[str, tuple[str, TaskBrief]] = {}
         """What it has overheard: tasks of others, and whose they are."""
         self._turns = cycle(plant.machines)
+        self._places = Places(plant)
+        self._wishes = 0
+        self._epochs: dict[str, int] = {}
+        """District -> of its book, as it was told."""
+        self._removal = 0
         self._out: list[Effect] = []
 
     def handle(self, event: Event, now_s: float) -> list[Effect]:
@@ -139,6 +146,10 @@ class Liar:
             # Let go by one epoch it may have been awarded the next one already.
             if held is not None and held.epoch <= message.epoch:
                 del self._held[message.task]
+        elif isinstance(message, PlaceGranted | HoldsAsked):
+            self._epochs[message.district] = message.epoch
+            if isinstance(message, PlaceGranted):
+                self._removal = max(self._removal, message.removal)
         elif isinstance(message, MachineHeartbeat):
             self._others = {task: each for task, each in self._others.items() if each[0] != sender}
             self._others |= {brief.task: (sender, brief) for brief in message.tasks if brief.primary}
@@ -218,6 +229,8 @@ class Liar:
             self._fall_silent(now_s)
         if self._behaviour.claims_all:
             self._claim_all()
+        if self._behaviour.claims_floor:
+            self._claim_floor()
         if flood_hz:
             self._flood(now_s)
 
@@ -281,6 +294,25 @@ class Liar:
         for dwell_point in self._plant.dwell_points:
             claim = DwellPointClaimed(dwell_point=dwell_point, atv=self.id, battery_frac=0.0, standing=True)
             self._out.append(Publish(self._keys.dwell_point(dwell_point), claim))
+
+    def _claim_floor(self) -> None:
+        self._wishes += 1
+        for district, keepers in self._places.keepers_of.items():
+            inside = sorted(self._places.places_in(district))
+            wish = PlaceWished(
+                district=district,
+                life=self.incarnation,
+                seq=self._wishes,
+                epoch=self._epochs.get(district, 0),
+                rank=(0, FIRST_S, self.id),
+                holds=tuple(inside[:HOLDS_MAX]),
+                groups=tuple((place,) for place in inside[:HOLDS_MAX]),
+                seen=0,
+                stands=True,
+                docked=True,
+                removal=self._removal,
+            )
+            self._out += [Send(keeper, wish) for keeper in keepers]
 
     def _flood(self, now_s: float) -> None:
         machine = next(self._turns)

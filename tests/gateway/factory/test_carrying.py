@@ -18,6 +18,7 @@ from dray.gateway.http.provided import provided
 from dray.messages import Event, Message, Removal, Removals, removed_words
 from dray.messages.fact import PlaceKept, PlacesFreed
 from dray.messages.heartbeat import FloorBrief
+from dray.store.factory.removals import FROM_CONSOLE, RemovalRow
 
 pytestmark = pytest.mark.anyio
 
@@ -154,3 +155,33 @@ async def test_a_vehicle_that_nobody_knows_is_not_found(house: House) -> None:
 
 def fact(told: PlacesFreed | PlaceKept, number: int = 1) -> Event:
     return Event(agent="M4", incarnation=1, number=number, at_s=0.0, fact=told)
+
+
+async def test_whoever_a_book_names_can_be_carried_away_and_shut_out_though_nobody_has_heard_it(
+    house: House,
+) -> None:
+    for what, body in (("atvs/GHOST/carried-away", OFF), ("agents/GHOST/shut-out", {"reason": "no body"})):
+        unknown = await house.client.post(f"/api/{what}", json=body)
+        assert unknown.status_code == 404
+    told = listener(house.bus)
+    heard(house, ago_s=0.0, waits=True, waits_for="GHOST")
+    for what, body in (("atvs/GHOST/carried-away", OFF), ("agents/GHOST/shut-out", {"reason": "no body"})):
+        answer = await house.client.post(f"/api/{what}", json=body)
+        assert answer.status_code == 200, answer.text
+    (removal,) = told
+    assert (removal.atv, removal.life, removal.seq) == ("GHOST", 0, 0)
+
+
+async def test_a_word_from_the_console_is_told_with_the_heartbeat_that_was_heard_last(house: House) -> None:
+    told = listener(house.bus)
+    for atv, ago_s in (("ATV1", 60.0), ("ATV2", 0.0)):
+        heard(house, atv=atv, ago_s=ago_s)
+    rows = [
+        RemovalRow(atv, 0, 0, 0, "", "null", "maria", f"{FROM_CONSOLE}maria", NOW_S)
+        for atv in ("ATV1", "ATV2", "GHOST")
+    ]
+    async with house.store.write() as work:
+        for row in rows:
+            await work.removals.put(row)
+    await provided(house.app, Carrying).look()
+    assert [(each.atv, each.life, each.seq) for each in told] == [("ATV1", 1, 7), ("GHOST", 0, 0)]

@@ -44,6 +44,7 @@ from dray.protocol.takeover import left_aboard
 from dray.protocol.traffic.books import bookkeeping
 from dray.protocol.traffic.books.book import Book
 from dray.protocol.traffic.books.district import District
+from dray.protocol.traffic.books.reach import Reach
 from dray.protocol.traffic.driving import yielding
 from dray.protocol.traffic.places import Places
 from dray.protocol.traffic.removal_authorisation import RemovalAuthorisation
@@ -282,6 +283,11 @@ def that_believes_releases_too_early(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(Book, "strike", strike)
 
 
+def that_gives_whatever_is_asked_for(patch: pytest.MonkeyPatch) -> None:
+    """A book gives a vehicle all that it says it wants, wherever that is."""
+    patch.setattr(Reach, "covers", lambda *_: True)
+
+
 def that_takes_groups_in_halves(patch: pytest.MonkeyPatch) -> None:
     """A vehicle takes a mouth without its dock, and waits there."""
     patch.setattr(Places, "group_end", lambda _self, _nodes, first: first)
@@ -374,6 +380,7 @@ TRAFFIC_MUTANTS = [
     ),
     pytest.param(that_grants_without_the_book, "one-level", 0, "invariant 1[34]", id="no-book"),
     pytest.param(that_believes_releases_too_early, "one-level", 69, "invariant 1[34]", id="released-early"),
+    pytest.param(that_gives_whatever_is_asked_for, "liars", 42, "invariant 29", id="no-reach"),
     pytest.param(that_takes_groups_in_halves, "batteries", 4, "invariant [16]", id="half-groups"),
     pytest.param(that_keeps_inherited_ranks_for_ever, "faultless", 1, "invariant [16] ", id="no-lapse"),
 ]
@@ -387,7 +394,7 @@ def test_the_search_finds_a_mutant(
     find(mutant, lambda seed: draw(seed, profile), first, finding)
 
 
-@pytest.mark.parametrize(("mutant", "profile", "first", "finding"), searches(TRAFFIC_MUTANTS, "no-book"))
+@pytest.mark.parametrize(("mutant", "profile", "first", "finding"), searches(TRAFFIC_MUTANTS, "no-book", "no-reach"))
 def test_the_search_finds_a_mutant_of_right_of_way(
     mutant: Mutant, profile: str, first: int, finding: str, find: Find
 ) -> None:

@@ -5,148 +5,40 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+from book_keeper import (
+    AREA,
+    DIED_S,
+    DISTRICT,
+    ELSEWHERE,
+    FORGER,
+    GONE_S,
+    HERE,
+    LATER_S,
+    PLANT,
+    Keeper,
+    answers,
+    beat,
+    facts,
+    wish,
+    word,
+)
 from msgspec import UNSET
 
-from dray.adapters.security.signing import SigningKey, TrustedKeys
-from dray.memory import BookMemory, Note
-from dray.messages import AtvHeartbeat, AtvStatus, Message, Pose, Removal, Removals
+from dray.memory import BookMemory
+from dray.messages import Removals
 from dray.messages.fact import PlaceKept, PlacesFreed
-from dray.messages.floor.traffic import Blocked, HoldsAsked, PlaceGranted, PlaceWished
-from dray.messages.heartbeat import AWAITED_MAX, FloorBrief
-from dray.messages.keys import Keys
-from dray.plant import default_plant
-from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
-from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S, gone_s
-from dray.protocol.runtime.events import Effect, Ignore, Publish, Record, Send, Subscribe, Unsubscribe
-from dray.protocol.runtime.timers import Timers
-from dray.protocol.traffic.books.bookkeeping import NOTE, Bookkeeping
+from dray.messages.floor.traffic import Blocked, HoldsAsked
+from dray.messages.heartbeat import AWAITED_MAX
+from dray.protocol.runtime.events import Publish, Send, Subscribe, Unsubscribe
 from dray.protocol.traffic.books.roll_call import QUIET_S, ROLL_S
-from dray.protocol.traffic.places import Places
 from dray.protocol.traffic.removal_authorisation import EXPIRED, IS_HEARD, NOT_THERE, NOT_TRUSTED, TOO_EARLY
-from dray.protocol.traffic.traffic_map import TrafficMap
-
-PLANT = default_plant()
-KEY, FORGER = SigningKey(b"k" * 32), SigningKey(b"f" * 32)
-GONE_S = gone_s(IDLE_INTERVAL_S)
-DIED_S = 100.0
-LATER_S = DIED_S + GONE_S + 1.0
-AREA = next(iter(PLANT.areas))
-
-
-PLACES = Places(PLANT, keepers=("M4",))
-(DISTRICT,) = PLACES.keepers_of
-
-
-def node_in(area: str, *, other: bool = False) -> str:
-    return next(
-        node.id
-        for node in PLANT.nodes.values()
-        if (area in PLANT.areas_at(node.x_m, node.y_m)) is not other and node.id in PLANT.stops
-    )
-
-
-HERE, ELSEWHERE = node_in(AREA), node_in(AREA, other=True)
-
-
-class Keeper:
-    """One machine that keeps all books of the plant alone."""
-
-    def __init__(self, memory: dict[str, Note] | None = None, now_s: float = 0.0) -> None:
-        traffic = TrafficMap(PLANT)
-        traffic.places = PLACES
-        self.out: list[Effect] = []
-        self.books = Bookkeeping(
-            "M4",
-            PLANT,
-            traffic,
-            TrustedKeys(KEY.public),
-            HeartbeatSubscriptions(Keys(PLANT.id).atv_heartbeat, self.out),
-            Timers(),
-            self.out,
-        )
-        self.books.start(memory or {NOTE + DISTRICT: BookMemory(0, 0, 0)}, now_s)
-        self.table = self.books.handlers({})
-
-    def told(self, sender: str, message: Message, now_s: float) -> list[Effect]:
-        self.out.clear()
-        self.table[type(message)](sender, message, now_s)
-        return list(self.out)
-
-    def remove(self, now_s: float = LATER_S, **how: Any) -> list[str]:
-        """Returns why it is not believed."""
-        effects = self.told("gateway", Removals(removals=(word(**how),)), now_s)
-        return [effect.reason for effect in effects if isinstance(effect, Ignore)]
-
-    def holder(self, place: str) -> str:
-        books = self.books.books
-        assert books is not None
-        return books.districts[DISTRICT].book.holder(place)
-
-
-def word(
-    number: int = 1,
-    *,
-    key: SigningKey = KEY,
-    areas: tuple[str, ...] | None = None,
-    until_s: float = 1e6,
-    heard: tuple[int, int] = (1, 7),
-    node: str = "",
-    atv: str = "A",
-) -> Removal:
-    return key.remove(atv, number, heard=heard, node=node, person="eve", areas=areas, valid_until_s=until_s)
-
-
-def wish(
-    *holds: str, removal: int = 0, life: int = 1, seq: int = 1, epoch: int = 0, **more: Any
-) -> PlaceWished:
-    said: dict[str, Any] = {"seen": 0, "groups": (), **more}
-    return PlaceWished(
-        district=DISTRICT,
-        life=life,
-        seq=seq,
-        epoch=epoch,
-        rank=(0, 0.0, "A"),
-        holds=holds,
-        stands=True,
-        docked=False,
-        removal=removal,
-        **said,
-    )
-
-
-def beat(seq: int = 7, life: int = 1, removal: int = 0, node: str = HERE) -> AtvHeartbeat:
-    return AtvHeartbeat(
-        atv="A",
-        incarnation=life,
-        seq=seq,
-        at_s=0.0,
-        status=AtvStatus.IDLE,
-        pose=Pose(x_m=0.0, y_m=0.0, heading_rad=0.0),
-        node=node,
-        speed_mps=0.0,
-        battery_frac=1.0,
-        floor=FloorBrief(holds=(node,), removal=removal),
-    )
-
-
-def facts(effects: list[Effect], kind: type) -> list[Any]:
-    return [effect.fact for effect in effects if isinstance(effect, Record) and isinstance(effect.fact, kind)]
-
-
-def answers(effects: list[Effect]) -> list[PlaceGranted]:
-    return [
-        effect.message
-        for effect in effects
-        if isinstance(effect, Send) and isinstance(effect.message, PlaceGranted)
-    ]
 
 
 @pytest.fixture
 def keeper() -> Keeper:
     """A has died with two places."""
     keeper = Keeper()
-    keeper.told("A", wish(HERE, ELSEWHERE), 99.0)
-    keeper.told("A", beat(), DIED_S)
+    keeper.comes("A", HERE, ELSEWHERE, now_s=DIED_S)
     return keeper
 
 
@@ -204,6 +96,7 @@ def test_the_area_where_it_was_heard_last_is_enough_for_all_that_it_held(keeper:
 def test_a_stale_word_frees_nothing_that_was_granted_since(keeper: Keeper) -> None:
     keeper.remove()
     keeper.told("A", wish(removal=1, life=2, groups=((HERE,),)), LATER_S + 10.0)
+    keeper.told("A", beat(life=2, seq=1, removal=1), LATER_S + 10.0)
     assert keeper.holder(HERE) == "A"
     for number in (0, 1):
         keeper.remove(LATER_S + 1000.0, number=number)
@@ -214,12 +107,13 @@ def test_who_comes_back_with_a_removal_that_this_book_has_not_heard_of_holds_not
     keeper: Keeper,
 ) -> None:
     keeper.told("A", wish(removal=5, life=2, groups=((HERE,),)), LATER_S)
+    keeper.told("A", beat(life=2, seq=1, removal=5), LATER_S)
     assert (keeper.holder(HERE), keeper.holder(ELSEWHERE)) == ("A", "")
 
 
 def test_one_that_stands_there_and_was_only_deaf_is_told_that_nothing_is_its_own(keeper: Keeper) -> None:
     keeper.remove()
-    keeper.told("B", wish(groups=((HERE,),)), LATER_S + 1.0)
+    keeper.comes("B", HERE, now_s=LATER_S + 1.0)
     (told,) = answers(keeper.told("A", beat(seq=8), LATER_S + 2.0))
     assert (told.removal, told.grants) == (1, ())
     (told,) = answers(keeper.told("A", wish(HERE, ELSEWHERE, seq=2), LATER_S + 2.0))
@@ -234,6 +128,7 @@ def test_the_place_to_which_it_comes_back_is_kept_for_it(keeper: Keeper) -> None
     effects = keeper.told("gateway", Removals(removals=(word(2, node=ELSEWHERE),)), LATER_S + 1.0)
     assert facts(effects, PlaceKept) == [PlaceKept(atv="A", number=2, place=ELSEWHERE)]
     keeper.told("B", wish(groups=((ELSEWHERE,),)), LATER_S + 2.0)
+    keeper.told("B", beat(atv="B"), LATER_S + 2.0)
     assert keeper.holder(ELSEWHERE) == "A"
     (told,) = answers(keeper.told("A", wish(life=2, groups=((ELSEWHERE,),)), LATER_S + 3.0))
     assert (told.removal, [line.place for line in told.grants]) == (2, [ELSEWHERE])
@@ -241,10 +136,10 @@ def test_the_place_to_which_it_comes_back_is_kept_for_it(keeper: Keeper) -> None
 
 def test_a_place_that_another_one_holds_is_not_kept_before_it_is_free(keeper: Keeper) -> None:
     keeper.remove()
-    keeper.told("B", wish(HERE), LATER_S + 1.0)
+    keeper.comes("B", HERE, now_s=LATER_S + 1.0)
     word_of = Removals(removals=(word(2, node=HERE),))
     assert facts(keeper.told("gateway", word_of, LATER_S + 2.0), PlaceKept) == []
-    given_back = keeper.told("B", wish(seq=2, seen=10**6), LATER_S + 3.0)
+    given_back = keeper.told("B", wish(seq=2, seen=keeper.book.version), LATER_S + 3.0)
     assert facts(given_back, PlaceKept) == [PlaceKept(atv="A", number=2, place=HERE)]
 
 
@@ -292,9 +187,10 @@ def test_of_vehicles_that_have_had_no_time_to_tell_nobody_is_awaited() -> None:
 
 def test_a_wish_that_was_overtaken_gives_nothing_back(keeper: Keeper) -> None:
     """It was said before the vehicle knew that the place where it stands is its own."""
-    keeper.told("A", wish(HERE, seq=3, seen=10), 101.0)
-    keeper.told("A", wish(seq=2, seen=10, groups=((HERE,),)), 102.0)
+    keeper.told("A", wish(HERE, seq=3, seen=2), 101.0)
+    keeper.told("A", wish(seq=2, seen=2, groups=((HERE,),)), 102.0)
     keeper.told("B", wish(groups=((HERE,),)), 103.0)
+    keeper.told("B", beat(atv="B"), 103.0)
     assert keeper.holder(HERE) == "A"
 
 
@@ -309,11 +205,12 @@ def listened_to(keeper: Keeper, before: int) -> list[tuple[type, str]]:
 def test_a_keeper_listens_to_those_that_its_book_is_about_and_to_nobody_else() -> None:
     keeper = Keeper()
     assert listened_to(keeper, 0) == [(Subscribe, "removals")]
-    keeper.told("A", wish(HERE), 99.0)
+    keeper.told("A", wish(groups=((HERE,),)), 99.0)
     assert listened_to(keeper, 0) == [(Subscribe, "A")]
+    keeper.told("A", beat(), 99.5)
     keeper.told("A", wish(HERE, seq=2, groups=((ELSEWHERE,),)), 100.0)
     assert listened_to(keeper, 0) == []
-    keeper.told("A", wish(seq=3, seen=10), 101.0)
+    keeper.told("A", wish(seq=3, seen=keeper.book.version), 101.0)
     assert listened_to(keeper, 0) == [(Unsubscribe, "A")]
     keeper.told("gateway", Removals(removals=(word(),)), LATER_S)
     assert listened_to(keeper, 0) == [(Subscribe, "A")]
@@ -321,16 +218,15 @@ def test_a_keeper_listens_to_those_that_its_book_is_about_and_to_nobody_else() -
 
 def test_whoever_is_in_a_book_and_was_never_heard_is_silent_after_a_while() -> None:
     keeper = Keeper()
-    keeper.told("A", wish(HERE), 99.0)
+    keeper.told("ATV1", wish(groups=((HERE,),)), 99.0)
     for now_s, why in ((100.0, Blocked.WAIT), (200.0, Blocked.SILENT)):
-        told = keeper.told("B", wish(seq=int(now_s), groups=((HERE,),)), now_s)
+        told = keeper.told("ATV2", wish(seq=int(now_s), groups=((HERE,),)), now_s)
         assert [answer.blocked for answer in answers(told)] == [why]
 
 
 def test_a_keeper_tells_who_holds_something_in_its_district() -> None:
     keeper = Keeper()
-    keeper.told("A", wish(HERE), 99.0)
-    keeper.told("A", beat(), DIED_S)
+    keeper.comes("A", HERE, now_s=DIED_S)
     (district,) = keeper.books.books.districts.values()  # type: ignore[union-attr]
     words = []
     for now_s in (101.0, 101.2, 102.0, 104.1, 200.0):

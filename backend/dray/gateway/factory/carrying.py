@@ -128,17 +128,22 @@ class Carrying:
             self._say_all()
 
     def _refuse_if_heard(self, atv: str) -> None:
-        last, view = self._projection.atvs.last(atv), self._projection.atvs.view(atv)
-        if last is None or view is None:
-            return
-        silent_s = (self._wall_s() - view.seen_at_s) * self._time.speed
-        if silent_s <= view.silence.lost_after_s:
+        heard_s = self._heard_s(atv)
+        if heard_s is not None:
             raise Problem(
                 HTTPStatus.CONFLICT,
                 "is-heard",
                 "The vehicle is heard",
-                f"{atv} was heard {max(silent_s, 0.0):.0f} s ago: switch it off, and say so when nobody hears it any more",
+                f"{atv} was heard {heard_s:.0f} s ago: switch it off, and say so when nobody hears it any more",
             )
+
+    def _heard_s(self, atv: str) -> float | None:
+        """How long ago a vehicle was heard that is heard (factory seconds); None for one that is silent, or was never heard."""
+        view = self._projection.atvs.view(atv)
+        if view is None:
+            return None
+        silent_s = (self._wall_s() - view.seen_at_s) * self._time.speed
+        return max(silent_s, 0.0) if silent_s <= view.silence.lost_after_s else None
 
     async def _put(self, atv: str, node: str, by: Principal) -> None:
         last = self._projection.atvs.last(atv)
@@ -161,6 +166,7 @@ class Carrying:
     async def _read(self) -> None:
         async with self._store.read() as work:
             rows = await work.removals.all()
+        rows = [await self._completed(row) for row in rows]
         back = [row for row in rows if self._is_back(row)]
         if back:
             async with self._store.write() as work:
@@ -168,6 +174,14 @@ class Carrying:
                     await work.removals.end(row.atv, row.number, self._wall_s())
         self._rows = [row for row in rows if row not in back]
         self._projection.show_removals((row.atv, self._view(row)) for row in self._rows)
+
+    async def _completed(self, row: RemovalRow) -> RemovalRow:
+        """A word that was said at a console names the last heartbeat from now on; of a vehicle that is heard it stays void."""
+        last = self._projection.atvs.last(row.atv)
+        if not row.is_bare or last is None or self._heard_s(row.atv) is not None:
+            return row
+        async with self._store.write() as work:
+            return await work.removals.put(msgspec.structs.replace(row, life=last.incarnation, seq=last.seq))
 
     def _is_back(self, row: RemovalRow) -> bool:
         last = self._projection.atvs.last(row.atv)

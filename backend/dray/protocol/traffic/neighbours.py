@@ -32,10 +32,22 @@ class Seen(msgspec.Struct, frozen=True, gc=False):
     """Its life, and the number of the heartbeat."""
 
 
+class Beat(msgspec.Struct, frozen=True, gc=False):
+    """Where a vehicle was by its own heartbeat, which is the same for all that hear it."""
+
+    at_s: float
+    """When it was heard."""
+    node: str
+    every_s: float
+    """How often it beats."""
+
+
 class Neighbours:
     """The newest word of each vehicle that a keeper listens to."""
 
     def __init__(self) -> None:
+        self._beats: dict[str, Beat] = {}
+        """Vehicle -> its newest heartbeat, also of one that is listened to no more."""
         self._expected_s: dict[str, float] = {}
         """Vehicle -> since when it is listened to."""
         self._seen: dict[str, Seen] = {}
@@ -47,6 +59,7 @@ class Neighbours:
     def on_heartbeat(self, atv: str, seen: Seen) -> None:
         """A heartbeat has come."""
         self._seen[atv] = seen
+        self._beats[atv] = Beat(seen.at_s, seen.route[0], seen.every_s)
 
     def on_vehicle(self, heartbeat: AtvHeartbeat, now_s: float) -> bool:
         """A vehicle's heartbeat. One that tells nothing of traffic is shortened for the radio, or drives without right of way.
@@ -62,6 +75,7 @@ class Neighbours:
                 return False
             del self._away[heartbeat.atv]
         every_s = interval_s(heartbeat)
+        self._beats[heartbeat.atv] = Beat(now_s, heartbeat.node, every_s)
         stuck = heartbeat.status in (AtvStatus.ERROR, AtvStatus.STOPPED)
         if floor is not UNSET:
             seen = Seen(
@@ -109,8 +123,13 @@ class Neighbours:
         self._seen.pop(atv, None)
         self._brief.pop(atv, None)
 
+    def beat_of(self, atv: str) -> Beat | None:
+        """Where a vehicle was by its newest heartbeat; None where none was heard since it was carried away."""
+        return self._beats.get(atv)
+
     def carry_away(self, atv: str, said: tuple[int, int]) -> None:
         """It was carried away: what it has said up to this heartbeat, by its life and number, counts no more."""
+        self._beats.pop(atv, None)
         seen = self._seen.get(atv)
         brief = self._brief.get(atv)
         if brief is not None and brief.said <= said:

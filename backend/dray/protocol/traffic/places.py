@@ -32,6 +32,9 @@ NEAR_M = 8.0
 STILL_M = 0.01
 """So near to a place counts as there."""
 
+AHEAD_S = 10.0
+"""So far ahead, at the highest speed, a vehicle asks at the most: what it brakes in, and what it drives until an answer comes on a slow link."""
+
 
 class Footprint(msgspec.Struct, frozen=True):
     """The floor that the largest vehicle covers (m), by default that of a MiR250."""
@@ -90,6 +93,7 @@ class Places:
 
     Attributes:
         all: every place, in the order of the plant file.
+        at_m: place -> where it is.
         mouths: dock node -> the node before it, where nobody waits for the dock.
         district_of: place -> district. A district has the name of the machine that is nearest to its first place, and a checksum
             of its places, keepers and lanes: whoever goes by another plant file means another district, so
@@ -130,6 +134,9 @@ class Places:
         spots = {node.id: (node.x_m, node.y_m) for node in plant.nodes.values() if node.id not in inner}
         spots |= {crossing.id: (crossing.x_m, crossing.y_m) for crossing in crossings}
         self.all: tuple[str, ...] = tuple(spots)
+        self.at_m: Mapping[str, tuple[float, float]] = spots
+        self._fastest_mps = max(kind.max_speed_mps for kind in plant.vehicle_types.values())
+        self._longest_m = max((lane.length_m for lane in plant.roads.lanes), default=0.0)
         chosen = tuple(keepers) if keepers is not None else _keepers(plant)
         at_m = {keeper: plant.position_of(keeper) for keeper in chosen}
         nearest = self._divide(spots, at_m)
@@ -146,6 +153,10 @@ class Places:
     def around(self, district: str) -> tuple[str, ...]:
         """A district, and those side by side with it: lanes lead from one to the other, or they are near (`NEAR_M`)."""
         return self._around[district]
+
+    def reach_m(self, since_s: float) -> float:
+        """As the crow flies, how far what a vehicle holds or wants may be from where it was heard to be so long ago."""
+        return 2.0 * self._longest_m + self._fastest_mps * (AHEAD_S + since_s)
 
     def places_in(self, district: str) -> frozenset[str]:
         """All places of a district."""

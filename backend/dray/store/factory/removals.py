@@ -26,6 +26,10 @@ removals = Table(
 )
 
 
+FROM_CONSOLE = "console:"
+"""Begins the person of a word that was said beside the gateways: which heartbeat was heard last is not known to it."""
+
+
 class RemovalRow(msgspec.Struct, frozen=True, gc=False):
     """The newest word about one vehicle. `at_s` is of the wall clock."""
 
@@ -49,6 +53,11 @@ class RemovalRow(msgspec.Struct, frozen=True, gc=False):
     def heard(self) -> tuple[int, int]:
         """The heartbeat after which it was said."""
         return self.life, self.seq
+
+    @property
+    def is_bare(self) -> bool:
+        """Whether it names no heartbeat, for nobody was asked which one was the last."""
+        return self.person.startswith(FROM_CONSOLE) and self.heard == (0, 0)
 
     @property
     def granted_in(self) -> tuple[str, ...] | None:

@@ -8,6 +8,7 @@ import { speakAlso } from "../../text/speech";
 import { format, t, tables } from "../../text/views/alerts";
 import { NewsList } from "../cards/news/NewsList";
 import { alerts } from "../state";
+import { ShutOutMenu } from "../cards/agents/ShutOutMenu";
 import { MomentLink } from "../replay/MomentLink";
 import { AwaitedActions } from "./AwaitedActions";
 import { AlertLog } from "./history/AlertLog";
@@ -54,7 +55,8 @@ function Row({ alert }: { alert: AlertView }) {
         <Tag tone={alert.level === "alarm" ? "alarm" : "warn"}>{t(`alerts.kind.${alert.level}`)}</Tag> {what}
       </td>
       <td>
-        {asksText(alert)} {alert.kind === "atv_awaited" && <AwaitedActions atv={alert.agent} />}
+        {asksText(alert)} {(alert.kind === "atv_awaited" || alert.kind === "atv_unheard") && <AwaitedActions atv={alert.agent} />}{" "}
+        {alert.kind === "atv_unheard" && <ShutOutMenu agent={alert.agent} kind="atv" />}
         {alert.goods !== null && alert.by !== "" && <span class="muted">{t("alerts.goods.by", { by: alert.by })}</span>}{" "}
         {alert.goods !== null && (
           <a class="quiet-link" href={`/operator#goods-${encodeURIComponent(alert.task)}`}>

@@ -1,17 +1,18 @@
-"""Invariant 14: no place is held by two vehicles, whatever was lost, restarted or torn apart.
+"""Invariants 14 and 29: no place is held by two vehicles, whatever was lost, restarted or torn apart, and nobody is granted more than one needs.
 
 What a vehicle holds is asked of the vehicle itself, also of one whose process has ended: it holds what it held,
-until people carry it away. One that lies is not asked.
+until people carry it away. One that lies is not asked; what books grant it is seen in their answers.
 """
 
 from __future__ import annotations
 
-from dray.messages import Message
+from dray.messages import Message, PlaceGranted
+from dray.protocol.traffic.books.reach import RUN_MAX
 from dray.protocol.vehicle.atv import Atv
 from dray_sim.checks.broken import InvariantBroken
 from dray_sim.factory.sim_factory import SimFactory
 
-NUMBER = 14
+HELD_TWICE, TOO_MUCH = 14, 29
 
 
 class HeldPlaces:
@@ -26,12 +27,15 @@ class HeldPlaces:
         self._holders: dict[str, str] = {}
         """Place -> who was seen last to hold it."""
 
-    def on_message(self, at_s: float, sender: str, address: str, _message: Message) -> None:
+    def on_message(self, at_s: float, sender: str, address: str, message: Message) -> None:
         """See `Listener`.
 
         Raises:
-            InvariantBroken: two vehicles hold one place.
+            InvariantBroken: two vehicles hold one place, or one was granted more than it can need.
         """
+        if type(message) is PlaceGranted and len(message.grants) > RUN_MAX:
+            count, atv = len(message.grants), address.removeprefix(">")
+            raise InvariantBroken(TOO_MUCH, at_s, f"{atv} has {count} places of {message.district}")
         for atv in (sender, address.removeprefix(">")):
             if atv in self._factory.vehicles:
                 self.check(at_s, atv)
@@ -45,7 +49,7 @@ class HeldPlaces:
         for place in self._holds(atv):
             other = self._holders.get(place, atv)
             if other != atv and place in self._holds(other):
-                raise InvariantBroken(NUMBER, at_s, f"{other} and {atv} both hold {place}")
+                raise InvariantBroken(HELD_TWICE, at_s, f"{other} and {atv} both hold {place}")
             self._holders[place] = atv
 
     def _holds(self, atv: str) -> tuple[str, ...]:

@@ -11,7 +11,7 @@ from heartbeats import atv_heartbeat
 from wall_clock import NOW_S
 
 from dray.gateway.live.projection import Projection
-from dray.gateway.live.projection.alerting.wait_rules import CIRCLE_S, LONG_WAIT_S
+from dray.gateway.live.projection.alerting.wait_rules import CIRCLE_S, LONG_WAIT_S, UNHEARD_S
 from dray.gateway.live.timescale import TimeScale
 from dray.gateway.live.views import WaitView
 from dray.messages import AtvHeartbeat, AtvStatus, Brief, Phase, Pose, Role
@@ -247,6 +247,30 @@ def test_three_behind_one_dock_are_one_alert_that_names_all(projection: Projecti
     assert (jam.id, jam.kind, jam.level, jam.place, jam.agent) == ("jam-M8", "jam", "alarm", "M8", "ATV9")
     assert jam.agents == ("ATV1", "ATV2", "ATV3")
     assert jam.cause.text == "ATV1, ATV2, ATV3 wait for ATV9 at the dock of M8"
+
+
+def test_whoever_was_never_heard_and_holds_what_others_need_is_an_alarm_by_name(
+    projection: Projection,
+) -> None:
+    of = (("ATV1", "GHOST"), ("ATV2", "ATV1"))
+    beat(projection, UNHEARD_S - 1, *of)
+    assert now(projection, UNHEARD_S - 1) == []
+    beat(projection, UNHEARD_S + 2, *of)
+    (alert,) = now(projection, UNHEARD_S + 2)
+    assert (alert.kind, alert.level, alert.agent) == ("atv_unheard", "alarm", "GHOST")
+    assert (alert.response, alert.agents) == ("shut_out_and_clear", ("ATV1", "ATV2"))
+    assert projection.waits.names("GHOST")
+    fold(projection, driving("GHOST", at_s=UNHEARD_S + 3))
+    assert now(projection, UNHEARD_S + 3) == []
+    assert not projection.waits.names("GHOST")
+
+
+def test_a_name_for_which_nobody_waits_any_more_is_none_that_is_known(projection: Projection) -> None:
+    beat(projection, UNHEARD_S + 2, ("ATV1", "GHOST"))
+    assert projection.waits.names("GHOST")
+    fold(projection, driving("ATV1", at_s=UNHEARD_S + 3))
+    assert now(projection, UNHEARD_S + 3) == []
+    assert not projection.waits.names("GHOST")
 
 
 def test_a_jam_stays_the_same_when_another_one_comes_to_the_dock(projection: Projection) -> None:

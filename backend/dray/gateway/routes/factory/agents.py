@@ -98,6 +98,7 @@ async def readmit(exclusions: Provided[Exclusions], note: Noted, agent: AgentId)
 def _is_known(projection: Projection, agent: str) -> bool:
     return (
         agent in projection.atvs
+        or projection.waits.names(agent)
         or agent in projection.site.plant.machines
         or agent in projection.site.plant.stores
         or agent in STRATEGISTS

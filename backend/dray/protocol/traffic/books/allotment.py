@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from operator import itemgetter
 
 import msgspec
@@ -27,7 +27,10 @@ FREE = Hindrance(Blocked.NO, "", "", holds=False)
 
 
 def allot(
-    book: Book, wishes: Mapping[str, PlaceWished], is_silent: Callable[[str], bool]
+    book: Book,
+    wishes: Mapping[str, PlaceWished],
+    is_silent: Callable[[str], bool],
+    is_within_reach: Callable[[str, Sequence[str]], bool],
 ) -> tuple[dict[str, Hindrance], set[str]]:
     """Grant every group that is free and whose turn it is; the book is changed.
 
@@ -39,6 +42,7 @@ def allot(
         book: of the district.
         wishes: the newest one of every vehicle.
         is_silent: whether nobody has heard of a vehicle for a while.
+        is_within_reach: whether a vehicle may have these places, as far as one knows where it is.
 
     Returns:
         Vehicle -> what keeps it from its next group, for those that are not granted all that they want; and those that were
@@ -55,7 +59,10 @@ def allot(
             missing = [place for place in group if book.holder(place) != atv]
             if not missing:
                 continue
-            hindrance = _hindrance(book, wishes, is_silent, atv, missing, kept)
+            if is_within_reach(atv, missing):
+                hindrance = _hindrance(book, wishes, is_silent, atv, missing, kept)
+            else:
+                hindrance = Hindrance(Blocked.WAIT, atv, missing[0], holds=False)
             if hindrance is None:
                 book.grant(atv, missing)
                 granted.add(atv)

@@ -74,11 +74,16 @@ class Book:
         return bool(gone)
 
     def claim(self, atv: str, places: Iterable[str]) -> bool:
-        """Write down what a vehicle says it holds, as far as nobody does: it has joined, or was put there; True when there was something."""
+        """Write down what a vehicle tells in a roll call that it holds, as far as nobody does; True when there was something."""
         unknown = [place for place in places if not self.holder(place)]
         if unknown:
             self.grant(atv, unknown)
         return bool(unknown)
+
+    def tell_late(self, atv: str, wish: PlaceWished) -> None:
+        """A vehicle of which nobody knew was not asked in the roll call from which this book was made, and tells now."""
+        self.version = max(self.version, wish.seen)
+        self.claim(atv, wish.holds)
 
     def begin_life(self, atv: str, wish: PlaceWished) -> bool:
         """Note a vehicle's life. What a new one has not seen is granted anew, under a number that only a majority can make count.

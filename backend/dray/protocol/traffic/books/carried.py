@@ -52,6 +52,10 @@ class Carried:
         """Keep a place for a vehicle that is being put back."""
         self._keeping[removal.atv] = (removal.number, place)
 
+    def is_being_put_back(self, atv: str) -> bool:
+        """Whether a place is asked for in the vehicle's stead."""
+        return atv in self._keeping
+
     def tell(self, book: Book, counted: int) -> None:
         """Tell people what was freed and kept, once that counts."""
         self._out += [Record(fact) for version, fact in self._to_tell if version <= counted]

@@ -29,11 +29,15 @@ from dray.protocol.traffic.books.book import Book
 from dray.protocol.traffic.books.carried import Carried, absent
 from dray.protocol.traffic.books.copies import Copies, Kept
 from dray.protocol.traffic.books.floor_report import NEWS_S, FloorReport
+from dray.protocol.traffic.books.reach import Reach
 from dray.protocol.traffic.books.roll_call import RollCall
 from dray.protocol.traffic.books.turns import ASK_S, Turns
 from dray.protocol.traffic.neighbours import Neighbours
 
 BOOK_TICK = "book tick"
+
+NEVER_GRANTED = "it says to have seen a grant that nobody has given"
+NOT_ONE_RUN = "it says to hold more than one vehicle needs"
 
 TICK_S = 1.0
 """A holder is asked to make room, and a copy that was not answered for is sent, once in so long."""
@@ -50,6 +54,7 @@ class District:
         atvs: the vehicles of the plant: a roll call is over when all of them have told.
         kept: what an earlier life has left; None for nothing.
         neighbours: what is known of the vehicles.
+        reach: how much of the floor one vehicle may have.
         report: what is told of them to other vehicles.
         timers: the agent's alarms; this one's is ``(BOOK_TICK, district)``.
         out: where effects go.
@@ -64,6 +69,7 @@ class District:
         atvs: Sequence[str],
         kept: Kept | None,
         neighbours: Neighbours,
+        reach: Reach,
         report: FloorReport,
         timers: Timers,
         out: list[Effect],
@@ -74,6 +80,7 @@ class District:
         self._me = me
         self._atvs = tuple(atvs)
         self._neighbours = neighbours
+        self._reach = reach
         self._report = report
         self._turns = Turns(me, keepers)
         self._timers = timers
@@ -92,6 +99,8 @@ class District:
         """Holder -> when it was asked to make room."""
         self._roll: RollCall | None = None
         """While vehicles are asked what they hold."""
+        self._called_in: set[str] | None = None
+        """Who has told in the roll call from which the book was made; None where it was made otherwise."""
         self._led_epoch = -1
         """Under which this keeper has taken the book over last."""
         self._carried = Carried(out)
@@ -165,14 +174,17 @@ class District:
             self._out.append(Ignore("a place that is not in this district"))
             return
         if self._roll is not None:
-            if self._roll.note(sender, wish, now_s):
-                self._close_roll(now_s)
+            self._on_roll_answered(self._roll, sender, wish, now_s)
             return
         if not self.copies.leads:
             if not self.copies.lost and self.copies.leader != self._me:
                 asked = HoldsAsked(district=self._district, epoch=self.copies.kept.epoch)
                 self._out.append(Send(sender, asked))
                 self._doubt(now_s)
+            return
+        self._hear_late(sender, wish)
+        if wish.seen > self._book.version:
+            self._out.append(Ignore(NEVER_GRANTED))
             return
         known = self._book.removal_of(sender)
         self._book.remove(sender, wish.removal)
@@ -189,10 +201,22 @@ class District:
             self._newest[sender] = (wish.life, wish.seq)
             self._wishes[sender] = wish
             self._owed.add(sender)
-            self._book.claim(sender, wish.holds)
             if wish.removal >= known:
                 self._neighbours.on_wish(sender, wish, now_s)
         self._settle(now_s)
+
+    def _on_roll_answered(self, roll: RollCall, sender: str, wish: PlaceWished, now_s: float) -> None:
+        if not self._reach.is_run(wish.holds):
+            self._out.append(Ignore(NOT_ONE_RUN))
+            wish = replace(wish, holds=())
+        if roll.note(sender, wish, now_s):
+            self._close_roll(now_s)
+
+    def _hear_late(self, sender: str, wish: PlaceWished) -> None:
+        """One of whom nobody knew was not asked in the roll call from which the book was made: it tells now what it holds."""
+        if self._called_in is not None and sender not in self._called_in and self._reach.is_run(wish.holds):
+            self._called_in.add(sender)
+            self._book.tell_late(sender, wish)
 
     def remove(self, removal: Removal, place: str, now_s: float) -> None:
         """A person has carried a vehicle away: whatever it held is free. One that is being put back has `place` kept for it."""
@@ -221,6 +245,9 @@ class District:
             return
         if is_news and self._book.of(atv):
             self._look_within(NEWS_S, now_s)
+        if self._hindrances.get(atv, FREE).by == atv:
+            # It waits for nothing but this: where it is.
+            self._settle(now_s)
         known = self._book.removal_of(atv)
         if removal is None:
             return
@@ -298,6 +325,7 @@ class District:
         # Under a number of its own, so that a majority has it under this epoch before anything of it is said.
         self._book = Book(kept.bookings, kept.version + 1, kept.removed)
         self._wishes, self._hindrances, self._newest, self._owed = {}, {}, {}, set()
+        self._called_in = None
         self._carried.take_over(one.atv for one in kept.removed)
         self._write()
         for atv in self._atvs:
@@ -313,7 +341,7 @@ class District:
             return
         self.copies.end_roll_call(roll.epoch)
         self._roll = None
-        self._book = roll.book()
+        self._book, self._called_in = roll.book(), set(roll.told)
         self._led_epoch = roll.epoch
         # Who has said that it holds and wants nothing here waits for no answer, and need not be listened to.
         self._wishes = {atv: wish for atv, wish in roll.told.items() if wish.holds or wish.groups}
@@ -328,7 +356,10 @@ class District:
     def _settle(self, now_s: float) -> None:
         """Grant what can be granted, let it be kept, answer, and ask for room."""
         self._hindrances, granted = allot(
-            self._book, self._wishes, lambda atv: self._neighbours.is_silent(atv, now_s)
+            self._book,
+            self._wishes,
+            lambda atv: self._neighbours.is_silent(atv, now_s),
+            lambda atv, missing: self._is_within_reach(atv, missing, now_s),
         )
         self._owed |= granted
         if self._book.version > self.copies.kept.version:
@@ -384,6 +415,13 @@ class District:
                 district=self._district, waiting=atv, rank=wish.rank, avoid=wish.avoid, chain=wish.chain
             )
             self._out.append(Send(holder, room))
+
+    def _is_within_reach(self, atv: str, missing: Sequence[str], now_s: float) -> bool:
+        """Whether a vehicle may have these places too; people may put one back wherever they like."""
+        if self._carried.is_being_put_back(atv):
+            return True
+        held = [line.place for line in self._book.of(atv)]
+        return self._reach.covers(atv, held, missing, now_s)
 
     def _moves(self, atv: str) -> bool:
         """Whether a vehicle is under way, as far as one knows: it need not be asked."""

@@ -10,6 +10,7 @@ from dray.protocol.runtime.timers import Timers
 from dray.protocol.traffic.books.copies import Kept
 from dray.protocol.traffic.books.district import District
 from dray.protocol.traffic.books.floor_report import FloorReport
+from dray.protocol.traffic.books.reach import Reach
 from dray.protocol.traffic.neighbours import Neighbours
 from dray.protocol.traffic.places import Places
 
@@ -42,6 +43,7 @@ class Districts:
         timers: Timers,
         out: list[Effect],
     ) -> None:
+        reach = Reach(places, neighbours, atvs)
         self.districts = {
             name: District(
                 name,
@@ -51,6 +53,7 @@ class Districts:
                 atvs,
                 kept.get(name),
                 neighbours,
+                reach,
                 FloorReport(name, key_of(name), neighbours, out),
                 timers,
                 out,

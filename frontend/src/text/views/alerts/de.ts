@@ -56,6 +56,7 @@ export const alerts: Catalogue<typeof en> = {
   "alertLog.is.no_strategist": "Kein Stratege",
   "alertLog.is.atv_lost": "Fahrzeug stumm",
   "alertLog.is.atv_awaited": "Fahrzeug erwartet",
+  "alertLog.is.atv_unheard": "Hält Plätze, nie gehört",
   "alertLog.is.call_nobody": "Ruf, niemand im Dienst",
   "alertLog.is.call_unanswered": "Ruf nicht angenommen",
   "alertLog.is.atv_help": "Fahrzeug braucht Hilfe",

@@ -56,6 +56,7 @@ export const alerts: Catalogue<typeof en> = {
   "alertLog.is.no_strategist": "Ningún estratega",
   "alertLog.is.atv_lost": "Vehículo en silencio",
   "alertLog.is.atv_awaited": "Vehículo esperado",
+  "alertLog.is.atv_unheard": "Ocupa lugares, nunca oído",
   "alertLog.is.call_nobody": "Llamada, nadie de servicio",
   "alertLog.is.call_unanswered": "Llamada sin atender",
   "alertLog.is.atv_help": "Vehículo necesita ayuda",

@@ -21,12 +21,15 @@ LONG_WAIT_S = 120.0
 CIRCLE_S = 30.0
 """Factory seconds for which vehicles may wait in a circle: one of them makes room within a few."""
 
+UNHEARD_S = 30.0
+"""Factory seconds for which a vehicle may wait for one that nobody has heard: whoever has just joined is heard by then."""
+
 JAM_LEAST = 3
 """Vehicles that wait for one and the same are a jam, when one of them has waited long."""
 
 
 def of_waits(waits: Waits, told_of: Container[str], now: Moment) -> Iterator[Condition]:
-    """Jams, each with all that wait in it, and vehicles that have waited for too long elsewhere.
+    """Jams, each with all that wait in it, vehicles that have waited for too long elsewhere, and those that were never heard and hold what others need.
 
     Where none of them has a task nobody is late: idle vehicles that look for room ask nothing of people.
 
@@ -42,6 +45,10 @@ def of_waits(waits: Waits, told_of: Container[str], now: Moment) -> Iterator[Con
     for views in behind.values():
         views.sort(key=lambda view: (view.since_at_s, view.id))
         if not any(waits.has_task(view.id) for view in views):
+            continue
+        unheard = waits.unheard_at_end(views[0].id)
+        if unheard is not None and now.heard_s - unheard[1] > UNHEARD_S:
+            yield Condition(kind="atv_unheard", agent=unheard[0], agents=tuple(view.id for view in views))
             continue
         long = [view for view in views if (present_s - view.since_at_s) * now.speed > LONG_WAIT_S]
         if _is_circle_stuck(views, waits, present_s, now.speed) or (len(views) >= JAM_LEAST and long):

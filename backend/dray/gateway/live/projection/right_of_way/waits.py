@@ -49,6 +49,8 @@ class Waits:
         self._waiting: dict[str, None] = {}
         self._views: dict[str, WaitView] = {}
         self._chains: Mapping[str, Chain] = {}
+        self._unheard_s: dict[str, float] = {}
+        """Whom others wait for and nobody has heard -> since when that is told (plant clock)."""
         self._is_stale = False
         self._docks: tuple[Plant, dict[str, str]] | None = None
         """Of this plant: node -> whose dock it is."""
@@ -63,6 +65,9 @@ class Waits:
         if now == before:
             return
         self._told[atv] = now
+        self._unheard_s.pop(atv, None)
+        if now.standing.waits_for and now.standing.waits_for not in self._told:
+            self._unheard_s.setdefault(now.standing.waits_for, heartbeat.at_s)
         if now.standing.waits:
             self._waiting[atv] = None
         else:
@@ -77,6 +82,9 @@ class Waits:
             plant: knows docks.
         """
         self._is_stale = False
+        if self._unheard_s:
+            named = {self._told[atv].standing.waits_for for atv in self._waiting}
+            self._unheard_s = {atv: since_s for atv, since_s in self._unheard_s.items() if atv in named}
         if not (self._waiting or self._views):
             return
         self._chains = chains_of(self._concerned(is_heard))
@@ -99,6 +107,16 @@ class Waits:
     def chain(self, atv: str) -> Chain:
         """For whom one of `views` waits."""
         return self._chains[atv]
+
+    def unheard_at_end(self, atv: str) -> tuple[str, float] | None:
+        """Who holds one of `views` up in the end and was never heard, and since when that is told (plant clock); None for nobody."""
+        last = self._chains[atv].last
+        since_s = self._unheard_s.get(last)
+        return None if since_s is None else (last, since_s)
+
+    def names(self, agent: str) -> bool:
+        """Whether a vehicle waits for one that was never heard and has this name: the keeper of a book has told it."""
+        return agent in self._unheard_s
 
     def has_task(self, atv: str) -> bool:
         """Whether one of `views` is held up at work."""

@@ -64,9 +64,12 @@ async def carry_away(
 ) -> Json:
     """Say that a vehicle was carried away: nobody hears it, and it is off the floor. What it held is free once it was silent for long enough.
 
+    That may be said of whoever holds what others need, also of one that nobody has ever heard.
+
     Whoever keeps the books of places believes it from `believed_at_s` on, and not while anybody hears the vehicle.
     """
-    area_rule(projection, caller, atv, CommandKind.ACKNOWLEDGE)
+    if caller.areas is not None or not projection.waits.names(atv):
+        area_rule(projection, caller, atv, CommandKind.ACKNOWLEDGE)
     if not request.off_the_floor:
         raise unusable(FieldError("off_the_floor", "say true when it is off the floor, and nothing before"))
     await carrying.carry_away(atv, caller)

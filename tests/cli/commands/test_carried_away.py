@@ -1,0 +1,60 @@
+"""`dray carried-away`: a person's word in the database, with a line in the audit log."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+
+import pytest
+
+from dray.store import open_store
+from dray.store.access.audit import AuditFilter, AuditRow
+from dray.store.factory.removals import RemovalRow
+
+Run = Callable[..., tuple[int, str, str]]
+
+
+@pytest.fixture
+def dray(call: Run, monkeypatch: pytest.MonkeyPatch, database: str) -> Run:
+    monkeypatch.setattr("dray.cli.commands.administration.console.getpass.getuser", lambda: "maria")
+    return lambda *args: call("carried-away", *args, "--db", database)
+
+
+def look(database: str) -> tuple[list[RemovalRow], list[AuditRow]]:
+    async def read() -> tuple[list[RemovalRow], list[AuditRow]]:
+        store = await open_store(database.replace("sqlite:", "sqlite+aiosqlite:"))
+        async with store.read() as work:
+            found = await work.removals.all(), await work.audit.page(AuditFilter(), None, 10)
+        await store.close()
+        return found
+
+    return asyncio.run(read())
+
+
+def test_a_word_is_kept_with_who_has_said_it_and_names_no_heartbeat(dray: Run, database: str) -> None:
+    code, out, _ = dray("GHOST", "--off-the-floor")
+    assert code == 0
+    assert "GHOST is said to be off the floor" in out
+    (row,), (line,) = look(database)
+    assert (row.atv, row.by, row.node, row.is_bare, row.granted_in) == ("GHOST", "maria", "", True, None)
+    assert (line.action, line.target, line.who) == ("vehicle.carry_away", "GHOST", "maria")
+
+
+def test_a_later_word_has_a_higher_number(dray: Run, database: str) -> None:
+    dray("ATV3", "--off-the-floor")
+    (first,), _ = look(database)
+    dray("ATV3", "--off-the-floor")
+    (then,), _ = look(database)
+    assert then.number > first.number
+
+
+@pytest.mark.parametrize(
+    ("args", "said"), [(("ATV3",), "--off-the-floor"), (("no id!", "--off-the-floor"), "ATV")]
+)
+def test_what_is_not_said_in_so_many_words_is_not_said(
+    dray: Run, database: str, args: tuple[str, ...], said: str
+) -> None:
+    code, _, error = dray(*args)
+    assert code != 0
+    assert said in error
+    assert look(database) == ([], [])
