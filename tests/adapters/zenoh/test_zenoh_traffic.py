@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Iterable
+from itertools import count
 
 import pytest
 from zenoh_stage import LATEST_S, PLANT, Stage, on_zenoh
 
-from dray.messages import Closure, ClosureKind, OrderItem, Phase
-from dray.messages.fact import AnyFact, ClosuresKnown, OrderFulfilled, PhaseEntered
+from dray.messages import Closure, ClosureKind, Message, OrderItem, Phase, PlaceGranted, PlaceWished
+from dray.messages.fact import AnyFact, AtvStatusChanged, ClosuresKnown, OrderFulfilled, PhaseEntered
+from dray.messages.floor.traffic import FIRST_S, HOLDS_MAX
 from dray.protocol.vehicle.atv import Atv
 from dray_sim.checks.floor.closed_lanes import ClosedLanes
 from dray_sim.checks.floor.held_places import HeldPlaces
@@ -59,6 +61,58 @@ async def keepers_and_the_vehicle_are_killed_on_the_way(stage: Stage) -> int:
 @pytest.mark.slow
 def test_no_place_is_held_twice_when_a_vehicle_and_the_keepers_of_its_places_are_killed_on_zenoh() -> None:
     assert on_zenoh(keepers_and_the_vehicle_are_killed_on_the_way, traffic=True, checks=watched) in (1, 2)
+
+
+STRANGER = "ATV9"
+"""It has a place on the bus, no body, and no heartbeat."""
+
+
+async def a_stranger_claims_every_place(stage: Stage) -> int:
+    """How many places it was granted while an order was delivered, though it says to all keepers that it holds and wants all."""
+    traffic = stage.factory.traffic
+    assert traffic is not None
+    granted: set[str] = set()
+
+    def receive(_sender: str, message: Message) -> None:
+        if isinstance(message, PlaceGranted):
+            granted.update(line.place for line in message.grants)
+
+    session = stage.bus.join(STRANGER, receive, 1)
+
+    async def claim() -> None:
+        for seq in count(1):
+            for district, keepers in traffic.places.keepers_of.items():
+                all_places = sorted(traffic.places.places_in(district))[:HOLDS_MAX]
+                wish = PlaceWished(
+                    district=district,
+                    life=1,
+                    seq=seq,
+                    epoch=0,
+                    rank=(0, FIRST_S, STRANGER),
+                    holds=tuple(all_places),
+                    groups=tuple((place,) for place in all_places),
+                    seen=0,
+                    stands=True,
+                    docked=True,
+                )
+                for keeper in keepers:
+                    session.send(keeper, wish)
+            await asyncio.sleep(5.0)
+
+    claims = asyncio.create_task(claim())
+    try:
+        await stage.until(lambda _, fact: isinstance(fact, AtvStatusChanged))
+        await stage.customers.order(ORDER)
+        await stage.until(lambda _, fact: isinstance(fact, OrderFulfilled))
+    finally:
+        claims.cancel()
+        session.leave()
+    return len(granted)
+
+
+@pytest.mark.slow
+def test_who_claims_every_place_is_granted_none_and_an_order_is_delivered_on_zenoh() -> None:
+    assert on_zenoh(a_stranger_claims_every_place, traffic=True, checks=watched) == 0
 
 
 async def a_node_is_closed_while_an_order_is_on_its_way(stage: Stage) -> set[str]:

@@ -11,7 +11,7 @@ from dray.memory import BookMemory
 from dray.messages import Message, Removals
 from dray.messages.floor.traffic import Blocked, HoldsAsked
 from dray.protocol.runtime.events import Effect, Ignore, Send
-from dray.protocol.traffic.books.district import NEVER_GRANTED, NOT_ONE_RUN
+from dray.protocol.traffic.books.district import NEVER_GRANTED, NOT_HEARD_THERE
 from dray.protocol.traffic.books.reach import RUN_MAX
 from dray.protocol.traffic.books.roll_call import ROLL_S
 
@@ -21,6 +21,7 @@ STRANGER = "A"
 NEAREST = sorted(PLACES.all, key=lambda place: dist(PLACES.at_m[place], PLACES.at_m[HERE]))
 GROUPS = tuple((place,) for place in NEAREST[:64])
 FARTHEST = NEAREST[-1]
+FAR_OFF = next(node for node in PLANT.nodes if PLACES.place_of(node) == FARTHEST)
 ACROSS = max(PLACES.all, key=lambda place: dist(PLACES.at_m[place], PLACES.at_m[FARTHEST]))
 
 
@@ -73,8 +74,7 @@ def test_what_is_far_from_where_it_was_heard_is_not_granted_before_it_is_heard_t
     keeper.told("ATV1", wish(HERE, seq=2, groups=((FARTHEST,),)), 100.0)
     keeper.told("ATV1", wish(seq=3, seen=keeper.book.version, groups=((FARTHEST,),)), 100.0)
     assert held(keeper, "ATV1") == set()
-    there = next(node for node in PLANT.nodes if PLACES.place_of(node) == FARTHEST)
-    keeper.told("ATV1", beat(atv="ATV1", seq=8, node=there), 101.0)
+    keeper.told("ATV1", beat(atv="ATV1", seq=8, node=FAR_OFF), 101.0)
     assert held(keeper, "ATV1") == {FARTHEST}
 
 
@@ -86,27 +86,46 @@ def test_whoever_was_not_heard_for_long_is_granted_nothing_more(keeper: Keeper) 
     assert held(keeper, "ATV1") == {HERE, NEAREST[1]}
 
 
+def called() -> tuple[Keeper, int]:
+    """A keeper that has lost its books, and the epoch of its roll call."""
+    keeper = Keeper({"nothing": BookMemory(0, 0, 0)})
+    asked = [effect.message for effect in keeper.out if isinstance(effect, Send)]
+    (epoch,) = {message.epoch for message in asked if isinstance(message, HoldsAsked)}
+    return keeper, epoch
+
+
 def test_in_a_roll_call_nobody_holds_more_than_one_run() -> None:
-    keeper = Keeper({"nothing": BookMemory(0, 0, 0)})
-    asked = [effect.message for effect in keeper.out if isinstance(effect, Send)]
-    (epoch,) = {message.epoch for message in asked if isinstance(message, HoldsAsked)}
-    assert ignored(keeper.told(STRANGER, wish(*NEAREST[:64], epoch=epoch), 1.0)) == [NOT_ONE_RUN]
-    assert ignored(keeper.told("B", wish(ACROSS, FARTHEST, epoch=epoch), 1.0)) == [NOT_ONE_RUN]
-    for number, atv in enumerate(PLANT.fleet):
+    keeper, epoch = called()
+    first, second, *others = PLANT.fleet
+    keeper.told(first, wish(*NEAREST[100:164], epoch=epoch), 1.0)
+    keeper.told(second, wish(ACROSS, FARTHEST, epoch=epoch), 1.0)
+    for number, atv in enumerate(others):
         keeper.told(atv, wish(NEAREST[number], epoch=epoch, seen=number), ROLL_S + 1.0)
-    assert keeper.book.atvs == tuple(PLANT.fleet)
+    assert keeper.book.atvs == tuple(others)
 
 
-def test_one_that_nobody_has_asked_in_a_roll_call_tells_later_what_it_holds() -> None:
-    keeper = Keeper({"nothing": BookMemory(0, 0, 0)})
-    asked = [effect.message for effect in keeper.out if isinstance(effect, Send)]
-    (epoch,) = {message.epoch for message in asked if isinstance(message, HoldsAsked)}
+@pytest.mark.parametrize(("node", "holds"), [("", set()), (HERE, {HERE}), (FAR_OFF, set())])
+def test_in_a_roll_call_a_stranger_holds_what_is_where_it_is_heard(node: str, holds: set[str]) -> None:
+    keeper, epoch = called()
+    if node:
+        keeper.told(STRANGER, beat(node=node), 1.0)
+    keeper.told(STRANGER, wish(HERE, epoch=epoch), 1.0)
     for atv in PLANT.fleet:
         keeper.told(atv, wish(epoch=epoch), ROLL_S + 1.0)
-    keeper.told(STRANGER, wish(HERE, epoch=epoch, seen=70), ROLL_S + 2.0)
+    assert held(keeper, STRANGER) == holds
+
+
+def test_one_that_nobody_has_asked_in_a_roll_call_tells_later_what_it_holds_once_it_is_heard_there() -> None:
+    keeper, epoch = called()
+    for atv in PLANT.fleet:
+        keeper.told(atv, wish(epoch=epoch), ROLL_S + 1.0)
+    late = wish(HERE, epoch=epoch, seen=70)
+    assert ignored(keeper.told(STRANGER, late, ROLL_S + 2.0)) == [NOT_HEARD_THERE]
+    keeper.told(STRANGER, beat(), ROLL_S + 3.0)
+    keeper.told(STRANGER, late, ROLL_S + 4.0)
     assert held(keeper, STRANGER) == {HERE}
     assert keeper.book.version > 70
-    keeper.told(STRANGER, wish(HERE, NEAREST[1], seq=2, epoch=epoch, seen=70), ROLL_S + 3.0)
+    keeper.told(STRANGER, wish(HERE, NEAREST[1], seq=2, epoch=epoch, seen=70), ROLL_S + 5.0)
     assert held(keeper, STRANGER) == {HERE}
 
 

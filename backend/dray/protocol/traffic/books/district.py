@@ -37,7 +37,7 @@ from dray.protocol.traffic.neighbours import Neighbours
 BOOK_TICK = "book tick"
 
 NEVER_GRANTED = "it says to have seen a grant that nobody has given"
-NOT_ONE_RUN = "it says to hold more than one vehicle needs"
+NOT_HEARD_THERE = "it says to hold what no book has granted, and is not heard there"
 
 TICK_S = 1.0
 """A holder is asked to make room, and a copy that was not answered for is sent, once in so long."""
@@ -101,6 +101,8 @@ class District:
         """While vehicles are asked what they hold."""
         self._called_in: set[str] | None = None
         """Who has told in the roll call from which the book was made; None where it was made otherwise."""
+        self._late: set[str] = set()
+        """Those that were not, and say to hold something; it is not known whether they are there."""
         self._led_epoch = -1
         """Under which this keeper has taken the book over last."""
         self._carried = Carried(out)
@@ -125,7 +127,9 @@ class District:
     @property
     def listens_to(self) -> set[str]:
         """The vehicles whose heartbeats it must hear: those in its book, or that want to be, or are to be told something."""
-        return {*self._book.atvs, *self._wishes, *self._carried.unaware} if self.leads else set()
+        if not self.leads:
+            return set()
+        return {*self._book.atvs, *self._wishes, *self._carried.unaware, *self._late}
 
     @property
     def leads(self) -> bool:
@@ -174,7 +178,8 @@ class District:
             self._out.append(Ignore("a place that is not in this district"))
             return
         if self._roll is not None:
-            self._on_roll_answered(self._roll, sender, wish, now_s)
+            if self._roll.note(sender, wish, now_s):
+                self._close_roll(now_s)
             return
         if not self.copies.leads:
             if not self.copies.lost and self.copies.leader != self._me:
@@ -182,7 +187,9 @@ class District:
                 self._out.append(Send(sender, asked))
                 self._doubt(now_s)
             return
-        self._hear_late(sender, wish)
+        if not self._hear_late(sender, wish, now_s):
+            self._out.append(Ignore(NOT_HEARD_THERE))
+            return
         if wish.seen > self._book.version:
             self._out.append(Ignore(NEVER_GRANTED))
             return
@@ -205,18 +212,21 @@ class District:
                 self._neighbours.on_wish(sender, wish, now_s)
         self._settle(now_s)
 
-    def _on_roll_answered(self, roll: RollCall, sender: str, wish: PlaceWished, now_s: float) -> None:
-        if not self._reach.is_run(wish.holds):
-            self._out.append(Ignore(NOT_ONE_RUN))
-            wish = replace(wish, holds=())
-        if roll.note(sender, wish, now_s):
-            self._close_roll(now_s)
+    def _hear_late(self, sender: str, wish: PlaceWished, now_s: float) -> bool:
+        """One of whom nobody knew was not asked in the roll call from which the book was made: it tells now what it holds.
 
-    def _hear_late(self, sender: str, wish: PlaceWished) -> None:
-        """One of whom nobody knew was not asked in the roll call from which the book was made: it tells now what it holds."""
-        if self._called_in is not None and sender not in self._called_in and self._reach.is_run(wish.holds):
-            self._called_in.add(sender)
-            self._book.tell_late(sender, wish)
+        Returns:
+            Whether its word counts; else it is not known yet whether it is there, and it will say it again.
+        """
+        if self._called_in is None or sender in self._called_in:
+            return True
+        if not self._reach.may_hold(sender, wish.holds, now_s):
+            self._late.add(sender)
+            return False
+        self._late.discard(sender)
+        self._called_in.add(sender)
+        self._book.tell_late(sender, wish)
+        return True
 
     def remove(self, removal: Removal, place: str, now_s: float) -> None:
         """A person has carried a vehicle away: whatever it held is free. One that is being put back has `place` kept for it."""
@@ -325,7 +335,7 @@ class District:
         # Under a number of its own, so that a majority has it under this epoch before anything of it is said.
         self._book = Book(kept.bookings, kept.version + 1, kept.removed)
         self._wishes, self._hindrances, self._newest, self._owed = {}, {}, {}, set()
-        self._called_in = None
+        self._called_in, self._late = None, set()
         self._carried.take_over(one.atv for one in kept.removed)
         self._write()
         for atv in self._atvs:
@@ -341,7 +351,8 @@ class District:
             return
         self.copies.end_roll_call(roll.epoch)
         self._roll = None
-        self._book, self._called_in = roll.book(), set(roll.told)
+        self._book = roll.book(lambda atv, holds: self._reach.may_hold(atv, holds, now_s))
+        self._called_in, self._late = set(roll.told), set()
         self._led_epoch = roll.epoch
         # Who has said that it holds and wants nothing here waits for no answer, and need not be listened to.
         self._wishes = {atv: wish for atv, wish in roll.told.items() if wish.holds or wish.groups}

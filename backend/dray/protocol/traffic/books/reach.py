@@ -49,11 +49,13 @@ class Reach:
             return atv in self._planned and not held
         return self._is_within(beat.node, wanted, self._places.reach_m(now_s - beat.at_s))
 
-    def is_run(self, holds: Collection[str]) -> bool:
-        """Whether one vehicle may hold these, wherever it is."""
-        if len(holds) > RUN_MAX:
-            return False
-        return not holds or self._is_within(next(iter(holds)), holds, 2.0 * self._places.reach_m(0.0))
+    def may_hold(self, atv: str, holds: Collection[str], now_s: float) -> bool:
+        """Whether a vehicle is believed that it holds these, where there is no book to ask: a stranger only where it is heard to be."""
+        if not holds or atv not in self._planned:
+            return not holds or self.covers(atv, (), holds, now_s)
+        return len(holds) <= RUN_MAX and self._is_within(
+            next(iter(holds)), holds, 2.0 * self._places.reach_m(0.0)
+        )
 
     def _is_within(self, node: str, places: Iterable[str], radius_m: float) -> bool:
         at_m = self._places.at_m

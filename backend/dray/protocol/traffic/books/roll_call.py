@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator
 
 from dray.messages.floor.traffic import HoldsAsked, PlaceGranted, PlaceWished
 from dray.protocol.runtime.events import Effect, Send
@@ -103,13 +103,18 @@ class RollCall:
         if now_s >= max(self._until_s, self._news_s + QUIET_S):
             yield from (atv for atv in atvs if atv not in self.told)
 
-    def book(self) -> Book:
-        """The book as they have told it; of two that hold one place the first counts."""
+    def book(self, may_hold: Callable[[str, Collection[str]], bool]) -> Book:
+        """The book as they have told it; of two that hold one place the first counts.
+
+        Args:
+            may_hold: whether a vehicle is believed that it holds these places; else it has none.
+        """
         book = Book(version=max((wish.seen for wish in self.told.values()), default=0))
         for atv, wish in self.told.items():
             book.remove(atv, wish.removal)
             book.lives[atv] = wish.life
-            book.claim(atv, wish.holds)
+            if may_hold(atv, wish.holds):
+                book.claim(atv, wish.holds)
         return book
 
 
