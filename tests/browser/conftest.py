@@ -152,9 +152,9 @@ def open_page(
 
 @pytest.fixture
 def screenshot(complaints: Complaints) -> Callable[..., Path]:
-    """Keep a picture in artifacts/screenshots, and complain of what is not accessible in it."""
+    """Keep a picture in artifacts/screenshots, and complain of what is not accessible in it where it is `audited`."""
 
-    def keep(page: Page, name: str, *, whole: bool = False, of: str = "") -> Path:
+    def keep(page: Page, name: str, *, whole: bool = False, of: str = "", audited: bool = True) -> Path:
         ARTIFACTS.mkdir(parents=True, exist_ok=True)
         path = ARTIFACTS / f"{name}.png"
         _capture(
@@ -162,7 +162,8 @@ def screenshot(complaints: Complaints) -> Callable[..., Path]:
                 page.locator(of).screenshot(path=path) if of else page.screenshot(path=path, full_page=whole)
             )
         )
-        complaints.audit(page)
+        if audited:
+            complaints.audit(page)
         return path
 
     return keep

@@ -65,6 +65,9 @@ def test_every_page_is_itself_in_every_language_and_theme(
         screenshot(page, f"{name}-{language}-{theme}")
 
 
+AUDITED_PX = (390, 1440)
+"""Each view is audited as a telephone shows it and as a laptop does."""
+
 LED_TO = ("alerts", "transports", "recurring", "shift", "people")
 """Views that are not in the menu; the past has tests of its own, once something of it is kept."""
 
@@ -88,7 +91,9 @@ def test_every_view_of_the_management_panel_fits_and_is_fit_for_all(
             expect(page.locator(f'nav a[href="{address}"]')).to_have_attribute("aria-current", "page")
         expect(page.locator("[aria-busy=true]")).to_have_count(0)
         assert page.evaluate("document.documentElement.scrollWidth <= innerWidth"), address
-        screenshot(page, f"management-{address.removeprefix('#')}-{width}-{language}-{theme}")
+        # In between the same elements stand in the same colours: blocks as on a telephone, tables as on a laptop.
+        name = f"management-{address.removeprefix('#')}-{width}-{language}-{theme}"
+        screenshot(page, name, audited=width in AUDITED_PX)
 
 
 OUTSIDE = """() => [...document.querySelectorAll(".stacked :is(th, td)")]
