@@ -394,7 +394,9 @@ def test_the_search_finds_a_mutant(
     find(mutant, lambda seed: draw(seed, profile), first, finding)
 
 
-@pytest.mark.parametrize(("mutant", "profile", "first", "finding"), searches(TRAFFIC_MUTANTS, "no-book", "no-reach"))
+@pytest.mark.parametrize(
+    ("mutant", "profile", "first", "finding"), searches(TRAFFIC_MUTANTS, "no-book", "no-reach")
+)
 def test_the_search_finds_a_mutant_of_right_of_way(
     mutant: Mutant, profile: str, first: int, finding: str, find: Find
 ) -> None:

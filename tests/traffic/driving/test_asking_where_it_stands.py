@@ -169,3 +169,30 @@ def test_what_it_held_elsewhere_in_an_earlier_life_is_given_back_while_it_still_
     assert isinstance(said, PlaceWished)
     assert (said.district, said.holds, said.seen) == (other, (), 27)
     assert vehicle.said.seen == 0, "what it asks for there is its own perhaps"
+
+
+def test_who_is_answered_what_it_has_not_said_asks_anew_for_where_it_is_and_says_so_under_a_higher_number() -> (
+    None
+):
+    vehicle = Vehicle().placed()
+    vehicle.row.go(NEXT, 0, 2.0)
+    vehicle.grant(HERE, NEXT, upto=vehicle.said.seq)
+    assert vehicle.drives
+    assert not vehicle.row.is_doubled
+    vehicle.grant(upto=10**6)
+    assert vehicle.row.is_doubled
+    assert vehicle.row.holds == ()
+    assert vehicle.said.seq > 10**6
+    assert HERE in {place for group in vehicle.said.groups for place in group}
+    vehicle.row.is_doubled = False
+    vehicle.grant(HERE, NEXT)
+    assert not vehicle.row.is_doubled
+
+
+def test_an_answer_to_an_earlier_life_is_nobodys_word_under_this_name() -> None:
+    vehicle = Vehicle().placed()
+    later = PlaceGranted(district=DISTRICT, epoch=0, life=2, upto=10**6, grants=())
+    vehicle.row.on_granted(KEEPER, later, 1.0)
+    stranger = PlaceGranted(district=DISTRICT, epoch=0, life=1, upto=10**6, grants=())
+    vehicle.row.on_granted("M12", stranger, 1.0)
+    assert not vehicle.row.is_doubled

@@ -178,6 +178,7 @@ export const en = {
   "failure.stopped by an operator": "stopped by an operator",
   "failure.on the radio mesh": "on the radio mesh",
   "failure.out of service": "taken out of service",
+  "failure.its name is used by another": "its name is used by another",
   "failure.draining": "leaving",
   "failure.a load is on board": "a load is still on board",
   "reason.why.silent": "silent",

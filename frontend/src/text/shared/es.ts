@@ -181,6 +181,7 @@ export const es: Catalogue<typeof en> = {
   "failure.stopped by an operator": "parado por un operario",
   "failure.on the radio mesh": "solo por radio",
   "failure.out of service": "puesto fuera de servicio",
+  "failure.its name is used by another": "otro usa su nombre",
   "failure.draining": "se está retirando",
   "failure.a load is on board": "aún lleva una carga",
   "reason.why.silent": "en silencio",

@@ -36,9 +36,11 @@ class RightOfWay(PlaceRequests):
 
     Attributes:
         is_denied: it was driving when it heard that it had been carried away: it drives on what is not its own.
+        is_doubled: it has just heard an answer to what it has not said: what it holds may have been given back in its name.
     """
 
     is_denied = False
+    is_doubled = False
 
     # --- what its owner asks ---------------------------------------------------------------------
 
@@ -170,6 +172,10 @@ class RightOfWay(PlaceRequests):
 
     def on_granted(self, sender: str, granted: PlaceGranted, now_s: float) -> None:
         """A keeper has answered, or grants something."""
+        if self.wishes.is_anothers(sender, granted):
+            self.is_doubled, self._asked = True, set(self.way.held)
+            self._settle(now_s, anew=True)
+            return
         fresh = self.wishes.on_granted(sender, granted, now_s)
         if fresh is None:
             return

@@ -237,6 +237,16 @@ class Wishes:
         """Whether an answer was given after what was said last had come."""
         return granted.upto >= self._lines[granted.district].since
 
+    def is_anothers(self, sender: str, granted: PlaceGranted) -> bool:
+        """Whether a keeper answers a wish of this life that was never said: somebody else speaks under its name. Its next wish outbids that one."""
+        keepers = self._keepers_of.get(granted.district, ())
+        line = self._lines.get(granted.district)
+        said = line.seq if line is not None else 0
+        if sender not in keepers or granted.life != self.life or granted.upto <= said:
+            return False
+        self._lines.setdefault(granted.district, _Line()).seq = granted.upto
+        return True
+
     def on_granted(self, sender: str, granted: PlaceGranted, now_s: float) -> tuple[str, ...] | None:
         """What an answer grants that was not seen before; None when it is not to be believed."""
         keepers = self._keepers_of.get(granted.district, ())

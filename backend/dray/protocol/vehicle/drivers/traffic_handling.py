@@ -47,6 +47,9 @@ class Problems(Protocol):
     def raise_problem(self, report: ProblemRaised, now_s: float) -> None:
         """It stands until a person has seen to it."""
 
+    def note_doubled(self, now_s: float) -> None:
+        """Somebody else speaks under its name."""
+
 
 class Obstacles(Protocol):
     """What is done about what lies in a vehicle's way."""
@@ -117,6 +120,10 @@ class TrafficHandling:
         row = self._driver.right_of_way
         before, removal = row.errand, row.removal
         take(row)
+        if row.is_doubled:
+            row.is_doubled = False
+            self._owner.problems.note_doubled(now_s)
+            return
         if row.removal != removal:
             self._driver.begin_anew(now_s)
             if row.is_denied:

@@ -55,6 +55,12 @@ class Owner(Protocol):
 NO_WLAN = "no WLAN"
 """What a vehicle calls for in words; panels know them (`failure.` in their texts)."""
 
+DOUBLED = "its name is used by another"
+"""Likewise. Also the alarm that ends that."""
+
+DOUBLED_S = 60.0
+"""Whoever has spoken under its name has stopped when nothing more is heard of that for so long."""
+
 WLAN_LOST = Problem(kind=ProblemKind.LINK, needs_person=True)
 
 WLAN_LOST_S = 10.0
@@ -110,6 +116,7 @@ class ProblemHandling:
         self._contracts = contracts
         self._commands = commands
         self._assistance = commands.assistance
+        self._timers = timers
         self._out = out
         self._experience = Experience()
         self._calls = calls = HelpCalls(_Caller(owner, driver), plant, timers, out, self._not_coming)
@@ -118,7 +125,10 @@ class ProblemHandling:
             ProblemEnded: self._on_ended,
             **calls.message_handlers,
         }
-        self.alarms = calls.alarms
+        self.alarms = {
+            **calls.alarms,
+            DOUBLED: lambda _about, now_s: self.end_problem(DOUBLED, now_s),
+        }
         self.reports: dict[type, Callable[[Any, float], None]] = {
             ProblemRaised: self.raise_problem,
             ProblemCleared: self._problem_cleared,
@@ -146,6 +156,12 @@ class ProblemHandling:
         self._contracts.standby.resign(Reason.PROBLEM)
         self._owner.update_status(now_s, report.reason)
         self._owner.beat_soon(now_s)
+
+    def note_doubled(self, now_s: float) -> None:
+        """Somebody else speaks under its name: stop until a person has seen to it, and that one has been quiet for a while."""
+        self._commands.stop()
+        self._timers.set(DOUBLED, now_s + DOUBLED_S)
+        self.raise_problem(ProblemRaised(reason=DOUBLED), now_s)
 
     def update_call(self, now_s: float) -> None:
         """Call somebody while a person is needed, and nobody longer than that.
