@@ -148,6 +148,8 @@ class GoalMemory(Part, frozen=True):
     """Whether its strategist has heard that it was taken."""
     held: int = 1
     """With which epoch the order is held by the strategist that it obeys."""
+    disputes: int = 0
+    """Handovers of its pieces, one after the other, of which the gate has counted nothing."""
 
 
 class TaskMemory(Part, frozen=True):
@@ -174,6 +176,10 @@ class TaskMemory(Part, frozen=True):
     """A carrier was told that no epoch below this one is right any more; 0 where none was."""
     stranded: StrandedGoods | None = None
     """Its goods wait for a person's word, or to be fetched by another vehicle."""
+    disputes: int = 0
+    """Handovers of which nothing was counted, since a person has looked last."""
+    held: bool = False
+    """Nobody carries it before a person has looked whether its load is there."""
 
 
 class StationMemory(Part, tag_field="kind", tag="station", frozen=True):
@@ -181,6 +187,8 @@ class StationMemory(Part, tag_field="kind", tag="station", frozen=True):
 
     reserved: tuple[ReservationMemory, ...] = ()
     tasks: tuple[TaskMemory, ...] = ()
+    answered: tuple[CommandMemory, ...] = ()
+    """People's words that it would obey if they came again."""
 
 
 class ReservationMemory(Part, frozen=True):

@@ -284,6 +284,10 @@ class Settings(Keeping):
     body: Literal["floor", "vda5050", "controller"] = "floor"
     """Simulated, on a floor; a real vehicle by VDA 5050 (docs/vehicles.md); a station's or the gate's controller (docs/stations.md)."""
 
+    foreign: Several = ()
+    """Several, with commas: vehicles with a body of their own (`vda5050`) that work at places of a simulated floor. The floor
+    counts what they say they have picked and dropped. The same for the floor and for their agents."""
+
     broker: Annotated[str, AfterValidator(_broker)] = ""
     """Of a real body: mqtt://HOST:1883, or mqtts://HOST:8883 for TLS."""
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable, Coroutine
+from collections.abc import Callable, Collection, Coroutine
 from random import Random
 from typing import Any
 
@@ -27,8 +27,8 @@ ATV = next(iter(PLANT.fleet))
 class House:
     """A floor in one session, the session of its agents, and one for the floor that comes after it."""
 
-    def __init__(self, row: Row, group: asyncio.TaskGroup) -> None:
-        self._row, self._group = row, group
+    def __init__(self, row: Row, group: asyncio.TaskGroup, foreign: Collection[str] = ()) -> None:
+        self._row, self._group, self._foreign = row, group, foreign
         self.here = row.buses[1].inner
         self.there = row.buses[0].inner
         self.refusal: Callable[[BodySpec], str] = lambda _: ""
@@ -49,7 +49,7 @@ class House:
 
     def _serve(self, bus: ZenohBus) -> tuple[Floor, asyncio.Task[None]]:
         floor = Floor(PLANT, clock(), seed=1)
-        self.server = FloorServer(bus.inner, PLANT.id, floor, self._refuse)
+        self.server = FloorServer(bus.inner, PLANT.id, floor, self._refuse, self._foreign)
         return floor, self._group.create_task(self.server.run())
 
     def _refuse(self, spec: BodySpec) -> str:
@@ -61,12 +61,12 @@ class House:
         return body
 
 
-def in_a_house(test: Callable[[House], Coroutine[Any, Any, None]]) -> None:
+def in_a_house(test: Callable[[House], Coroutine[Any, Any, None]], foreign: Collection[str] = ()) -> None:
     async def main() -> None:
         row = Row(3, PLANT.id)
         try:
             async with asyncio.TaskGroup() as group:
-                house = House(row, group)
+                house = House(row, group, foreign)
                 await row.settle()
                 await test(house)
                 house.serving.cancel()

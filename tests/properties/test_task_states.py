@@ -175,6 +175,23 @@ class Walk(TransportsRig):
         if self.task.primary and not self.goods and not self.task.is_counted:
             self.task.states.enter(TaskState.COUNTED)
 
+    def is_disputed_again(self) -> None:
+        if self.task.primary and not self.task.is_counted:
+            self.transports.hold(self.task, self.now_s)
+
+    def person_finds_the_load(self) -> None:
+        if self.task.is_held:
+            self.transports.conclude(self.task, self.now_s)
+
+    def person_finds_nothing(self) -> None:
+        if self.task.is_held:
+            self.transports.resume(self.task, self.now_s)
+
+    def life_begins_anew_while_held(self) -> None:
+        if self.task.is_held:
+            memory = self.task.memory()
+            self.transports.restore(memory, self.now_s)
+
     def load_is_handed_over(self) -> None:
         self.transports.close(self.task, "delivered")
 
@@ -198,6 +215,10 @@ HAPPENINGS: tuple[Callable[[Walk], None], ...] = (
     Walk.goods_leave_unheard,
     Walk.goods_come_back,
     Walk.load_is_counted,
+    Walk.is_disputed_again,
+    Walk.person_finds_the_load,
+    Walk.person_finds_nothing,
+    Walk.life_begins_anew_while_held,
     Walk.load_is_handed_over,
     Walk.is_not_needed,
 )
@@ -237,6 +258,6 @@ def test_no_walk_leaves_the_table_and_none_of_it_is_out_of_reach() -> None:
     for walk in walks():
         seen |= walk.seen
         if not walk.ended:
-            assert bool(walk.task.primary) == (walk.task.state is not TaskState.UNASSIGNED)
+            assert bool(walk.task.primary) == (walk.task.state not in (TaskState.UNASSIGNED, TaskState.HELD))
     table = {(state, after) for state, row in TRANSITIONS.items() for after in row}
     assert seen == table, f"never seen: {sorted(table - seen)}"

@@ -289,7 +289,7 @@ TELLERS: Mapping[type[Fact], frozenset[Kind]] = {
     HelpPromised: _BIDDERS,
     PhaseEntered: _ATVS,
     AtvStatusChanged: _ATVS,
-    CommandObeyed: _BIDDERS,
+    CommandObeyed: _BIDDERS | _STATIONS,
     ClosuresKnown: _ATVS,
     MachineStatusChanged: _MACHINES,
     PieceMade: _MACHINES,

@@ -8,6 +8,7 @@ import type {
   CommandRequest,
   DutyRequest,
   DutyView,
+  LoadSeenRequest,
   MachineCommandRequest,
   FaultRequest,
   ImportAnswer,
@@ -149,6 +150,11 @@ export async function commandAtv(atv: string, command: CommandRequest): Promise<
 /** Sends a command to a machine. */
 export async function commandMachine(machine: string, command: MachineCommandRequest): Promise<CommandAnswer> {
   return await bodyOf(gateway.POST("/api/machines/{machine}/commands", { params: { path: { machine } }, body: command }));
+}
+
+/** Says what somebody has seen of a load that was said to be there twice and not counted. */
+export async function loadSeen(task: string, seen: LoadSeenRequest): Promise<CommandAnswer> {
+  return await bodyOf(gateway.POST("/api/tasks/{task}/load", { params: { path: { task } }, body: seen }));
 }
 
 /** Ends the session of this browser. Not by a form: on pages without a referrer it would not tell where it comes from. */

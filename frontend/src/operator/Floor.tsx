@@ -11,6 +11,8 @@ import { DutyCard } from "./duty/DutyCard";
 import { groupsOf, type Groups, shownGroups } from "./cards/need";
 import { watchTouch } from "./cards/touch";
 import { GoodsCards } from "./goods/GoodsCards";
+import { heldOf } from "./goods/held";
+import { HeldCards } from "./goods/HeldCards";
 import { strandedOf } from "./goods/stranded";
 import { MachineCards } from "./machines/MachineCards";
 import { needsSomebody } from "./machines/need";
@@ -43,7 +45,8 @@ export function Floor() {
   const { needing, well } = groups.value;
   const name = placeName.value;
   const goods = strandedOf(world.value?.tasks.values() ?? []).length;
-  const count = needing.length + goods + needsSomebody(world.value?.machines.values() ?? [], moment.value);
+  const disputed = heldOf(world.value?.tasks.values() ?? []).length;
+  const count = needing.length + goods + disputed + needsSomebody(world.value?.machines.values() ?? [], moment.value);
   return (
     <>
       <main ref={page} id="vehicles" tabIndex={-1}>
@@ -55,6 +58,7 @@ export function Floor() {
         )}
         <Cards class="needing" ids={needing} label={t("cards.needing")} />
         <GoodsCards />
+        <HeldCards />
         <MachineCards />
         <Place />
         <CallCard />

@@ -13,6 +13,7 @@ from random import Random
 
 import msgspec
 
+from dray.body import Drop, Pick
 from dray.errors import PlantError
 from dray.messages.keys import GATE
 from dray.plant import Plant, with_machine
@@ -148,6 +149,31 @@ class Floor:
         if atv in self.lifted:
             self.lifted.remove(atv)
             self.vehicles[atv].place_at(node)
+
+    def follow(self, atv: str, action: Pick | Drop) -> str:
+        """A vehicle that is not simulated here has picked or dropped: its double does so, and the place counts it as ever.
+
+        What the place refuses is not counted. Pieces that were put down past it, or that the vehicle no longer has, are in
+        people's hands.
+
+        Returns:
+            "" when it is counted, else why not.
+
+        Raises:
+            KeyError: there is no such vehicle.
+        """
+        double = self.vehicles[atv]
+        if isinstance(action, Pick):
+            self._take_off(double)
+        reason = double.follow(action)
+        if reason and isinstance(action, Drop):
+            self._take_off(double)
+        return reason
+
+    def _take_off(self, double: SimVehicle) -> None:
+        item, quantity = double.recover_load()
+        if item:
+            self.in_hands[item] += quantity
 
     def obstruct(self, lane: Ends, thing: str) -> bool:
         """Put something in the middle of a lane.

@@ -44,6 +44,7 @@ from dray_sim.people.carriers import Carriers
 from dray_sim.people.crew import hire
 from dray_sim.people.floor_manager import FloorManager
 from dray_sim.people.floor_office import FloorOffice
+from dray_sim.people.load_looker import LoadLooker
 from dray_sim.people.operators import Operator
 from dray_sim.people.order_client import OrderClient
 from dray_sim.people.random.canceller import Canceller
@@ -212,12 +213,14 @@ class _Game:
         if run.traffic:
             checks.add(HeldPlaces(factory))
             checks.add(Overlaps(factory.vehicles))
+        looker = LoadLooker(factory.bus, factory.clock, factory.authority)
         listeners.add(
+            looker,
             *(listener for listener in (self._story, self._trace) if listener is not None),
             self._tally,
             checks,
         )
-        life = asyncio.create_task(self._live(factory, faults, office, crew))
+        life = asyncio.create_task(self._live(factory, faults, office, crew, looker))
         broken = asyncio.create_task(checks.wait_broken())
         end = asyncio.create_task(self._await_end(factory, liveness))
         try:
@@ -255,10 +258,12 @@ class _Game:
         faults: Faults,
         office: FloorOffice | None,
         crew: tuple[Operator | Technician, ...],
+        looker: LoadLooker,
     ) -> None:
         run = self._run
         async with asyncio.TaskGroup() as group:
             group.create_task(factory.run())
+            group.create_task(looker.run())
             self._ask_for_work(factory, group)
             if run.closings:
                 manager = FloorManager(factory.bus, factory.clock, factory.keys, factory.authority)

@@ -1,10 +1,10 @@
-"""The floor's side: agents elsewhere use its bodies, one agent each."""
+"""The floor's side: agents elsewhere use its bodies, one agent each; vehicles with bodies of their own say what they pick and drop."""
 
 from __future__ import annotations
 
 import asyncio
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 
 import msgspec
@@ -18,12 +18,14 @@ from dray.adapters.remote_body.wire import (
     NO_LIFE,
     BodySpec,
     Do,
+    Moved,
     Taken,
     Told,
     added_key,
     body_key,
     encode,
     from_part,
+    moved_key,
     to_part,
 )
 from dray.body import Report
@@ -72,6 +74,11 @@ class FloorServer:
         plant: the plant's id.
         floor: further bodies are put down here.
         refusal: why one more body cannot be put down; by default nobody is in its way.
+        foreign: vehicles that are not simulated: places count what these say they have picked and dropped. Their doubles here are off the
+            floor, and no agent has them. Of any other vehicle only its body here is believed.
+
+    Raises:
+        KeyError: a foreign one is no vehicle of the floor.
     """
 
     def __init__(
@@ -80,12 +87,22 @@ class FloorServer:
         plant: str,
         floor: Floor,
         refusal: Callable[[BodySpec], str] = lambda _: "",
+        foreign: Collection[str] = (),
     ) -> None:
         self._session, self._plant, self._floor = session, plant, floor
         self._refusal = refusal
         self._crossing = Crossing(asyncio.get_running_loop())
-        self._served = [self._serve(agent, body) for agent, body in floor.bodies.items()]
+        self._moved: dict[str, tuple[tuple[int, int], bytes]] = {}
+        """Of each foreign vehicle the newest transfer, by its life and number, and what was answered."""
+        self._foreign = frozenset(foreign)
+        for atv in self._foreign:
+            floor.lift(atv)
+            session.declare_queryable(body_key(plant, atv), _answering(self._crossing, _refuse_double))
+        self._served = [
+            self._serve(agent, body) for agent, body in floor.bodies.items() if agent not in self._foreign
+        ]
         session.declare_queryable(added_key(plant), _answering(self._crossing, self._receive))
+        session.declare_queryable(moved_key(plant), _answering(self._crossing, self._follow))
         session.declare_queryable(pieces_key(plant), _answering(self._crossing, self._count))
 
     async def run(self) -> None:
@@ -134,6 +151,26 @@ class FloorServer:
                 query.reply_err(str(error), encoding=REFUSED)
             else:
                 query.reply(added_key(self._plant), b"there")
+
+    def _follow(self, query: zenoh.Query) -> None:
+        with query:
+            data = b"" if query.payload is None else query.payload.to_bytes()
+            moved = msgspec.msgpack.decode(data, type=Moved)
+            if moved.vehicle not in self._foreign:
+                reason = f"{moved.vehicle} is simulated here; start the floor with it in DRAY_FOREIGN"
+                query.reply_err(reason, encoding=REFUSED)
+                return
+            query.reply(moved_key(self._plant), self._counted(moved))
+
+    def _counted(self, moved: Moved) -> bytes:
+        """Count a transfer once, however often it is told."""
+        if moved.action is None:
+            return b""
+        action = from_part(moved.action)
+        number, before = (moved.life, action.order), self._moved.get(moved.vehicle)
+        if before is None or before[0] < number:
+            before = self._moved[moved.vehicle] = number, self._floor.follow(moved.vehicle, action).encode()
+        return before[1]
 
     def _count(self, query: zenoh.Query) -> None:
         with query:
@@ -215,6 +252,11 @@ class _Served:
             return
         for instruction in self._exchange.read(done.letter):
             self._body.instruct(from_part(instruction))
+
+
+def _refuse_double(query: zenoh.Query) -> None:
+    with query:
+        query.reply_err("it has a body of its own, as DRAY_FOREIGN says", encoding=REFUSED)
 
 
 def _answering(crossing: Crossing, answer: Callable[[zenoh.Query], None]) -> Callback[zenoh.Query]:

@@ -34,6 +34,7 @@ from dray_sim.people import demand
 from dray_sim.people.crew import hire
 from dray_sim.people.floor_office import FloorOffice
 from dray_sim.people.habits import Habits
+from dray_sim.people.load_looker import LoadLooker
 from dray_sim.people.operators import Operator
 from dray_sim.people.order_client import OrderClient
 from dray_sim.run.evidence import HELD
@@ -146,6 +147,7 @@ class Stage:
         factory: bodies, network, agents.
         faults: what goes wrong in it.
         people: the operators.
+        looker: looks for loads that were disputed twice; None where real people may.
         office: says which vehicles people have carried away; None where nobody needs to be told.
         overlaps: vehicles in one spot so far; None where they are not looked for.
         witness: what was said.
@@ -193,6 +195,10 @@ class Stage:
         self.people: tuple[Operator, ...] = ()
         if shift.people is not None:
             self.people = hire(self.factory, seed=seed, habits=shift.people, office=self.office)
+        self.looker: LoadLooker | None = None
+        if make is SimFactory:
+            self.looker = LoadLooker(self.factory.bus, self.factory.clock, self.factory.authority)
+            listeners.add(self.looker)
         self.checks = Invariants(self.factory)
         self.checks.add(OneTakerEach(person.duty for person in self.people))
         self.checks.add(NoCallIsLost())
@@ -274,6 +280,8 @@ class Stage:
                 group.create_task(self._customers.place(self._demand))
                 if self.office is not None:
                     group.create_task(self.office.run())
+                if self.looker is not None:
+                    group.create_task(self.looker.run())
                 for operator in self.people:
                     group.create_task(operator.run(), name=operator.name)
         finally:

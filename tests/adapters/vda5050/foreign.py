@@ -162,7 +162,7 @@ class ForeignBody:
             case NodePassed(_, node_id):
                 self._double.place_at(node_id)
             case ActionDone(order) if (task := self._tasks.pop(order, None)) is not None:
-                if reason := self._double._handling._transfer(task):
+                if reason := self._double.follow(task):
                     report = ActionFailed(order=order, reason=reason)
                 else:
                     self.did.append(task)

@@ -21,9 +21,10 @@ from yard import LIGHT, PICK, PLANT, Yard, drive
 from dray.adapters.system_clock import SystemClock
 from dray.adapters.vda5050.link import BrokerAddress
 from dray.body import ActionDone, ActionFailed, ProblemCleared, ProblemRaised, Report, WayDone
-from dray.cli.runtime.bodies import RealVehicle, by_vda5050
+from dray.cli.runtime import bodies
+from dray.cli.runtime.bodies import Embodied, RealVehicle, by_vda5050, counted_on_floor
 from dray.cli.runtime.surroundings import Surroundings
-from dray.errors import SettingsError
+from dray.errors import SettingsError, UnavailableError
 from dray.ports import Body
 from dray.settings import Settings
 from dray_sim.vda5050.on_broker import VehicleOnBroker, on_broker, words_of
@@ -125,6 +126,36 @@ def test_a_real_vehicle_is_driven_over_a_broker_by_one_life_of_its_agent_after_t
             await play()
 
     asyncio.run(bounded())
+
+
+def test_a_real_vehicle_at_simulated_places_is_lost_when_the_floor_counts_no_more(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    yard, told = Yard(), []
+
+    async def tell(_session: Any, plant: str, vehicle: str, life: int, done: Any = None) -> str:
+        told.append((plant, vehicle, life, done))
+        if done is not None:
+            raise UnavailableError("the floor", "nobody answers", "start it")
+        return ""
+
+    @asynccontextmanager
+    async def embody(_bus: Any, _journal: Any) -> AsyncIterator[Embodied]:
+        yield Embodied(yard.vehicle(), asyncio.Event().wait)
+
+    async def play() -> None:
+        monkeypatch.setattr(bodies, "tell_moved", tell)
+        where = Surroundings(Settings(), PLANT)
+        make = counted_on_floor(where, "ATV1", embody)
+        async with make(SimpleNamespace(inner=None), SimpleNamespace(incarnation=3)) as embodied:  # type: ignore[arg-type]
+            assert told == [(PLANT.id, "ATV1", 3, None)]
+            embodied.body.instruct(PICK)  # type: ignore[union-attr]
+            embodied.body._on_report(ActionDone(order=PICK.order))  # type: ignore[union-attr]
+            with pytest.raises(UnavailableError, match="nobody answers"):
+                await embodied.lost()
+        assert told[1:] == [(PLANT.id, "ATV1", 3, PICK)]
+
+    asyncio.run(play())
 
 
 @pytest.mark.parametrize("missing", ["broker", "manufacturer", "serial"])

@@ -63,6 +63,8 @@ async def ask(house: House, body: Any, machine: str = "M1") -> httpx.Response:
         {"kind": "put_in"},
         {"kind": "fetch_goods", "task": "M1-1", "node": "c2"},
         {"kind": "write_off", "task": "M1-1"},
+        {"kind": "load_there", "task": "M1-1"},
+        {"kind": "load_missing", "task": "M1-1"},
     ],
     ids=lambda body: body["kind"],
 )
@@ -101,6 +103,7 @@ async def test_a_refusal_is_told_with_its_reason(house: House) -> None:
         {"kind": "put_in", "after_work": True},
         {"kind": "fetch_goods", "node": "c2"},
         {"kind": "write_off"},
+        {"kind": "load_missing"},
         {"kind": "write_off", "task": "M1-1", "node": "c2"},
         {"kind": "put_in", "task": "M1-1"},
     ],

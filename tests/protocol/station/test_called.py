@@ -10,17 +10,25 @@ from closed import closure, closures
 from defaults import PLANT
 from effects import award_number, committed, facts, instructed, published, sent
 from rigs import MachineRig, Rig
+from seals import granted, trusts_seals
 from spoken import accepted, bid, rhb
 
 from dray.body import OpenDock, StockChanged, StorageState
 from dray.memory import TransportMemory
 from dray.messages import (
     AtvHeartbeat,
+    Award,
     Brief,
+    CallState,
+    CommandAnswered,
+    CommandRefusal,
     Docked,
     DockOpened,
     Handover,
     HandoverAccepted,
+    HelpCall,
+    MachineCommand,
+    MachineCommandKind,
     Message,
     Phase,
     Reason,
@@ -43,6 +51,7 @@ from dray.protocol.machine.machine import Machine
 from dray.protocol.runtime.events import Effect, Ignore
 from dray.protocol.station.station import Station
 from dray.protocol.transports.called import LOOK_AGAIN_S, OPEN_MAX
+from dray.protocol.transports.receiving import COUNT_S
 
 ORDER = TransportOrdered("T-1", "S3", "shaft", 40, 600.0)
 TASK = "T-1-1"
@@ -52,7 +61,7 @@ class StorageRig(Rig):
     """The station of S1, and one vehicle."""
 
     def __init__(self, stock: int = 100, incarnation: int = 1) -> None:
-        super().__init__(Station("S1", PLANT, incarnation=incarnation))
+        super().__init__(Station("S1", PLANT, incarnation=incarnation, trusts=trusts_seals))
         self.stock = {kept.material: 0 for kept in PLANT.storages["S1"].stocks} | {"shaft": stock}
         self.seq = self.beats = 0
 
@@ -387,3 +396,67 @@ def test_when_the_only_vehicle_dies_with_the_load_it_is_asked_again_and_nobody_e
     assert again
     assert {each.role for each in published(rig.all, TaskAnnounced)} == {Role.PRIMARY}
     assert set(wanted(rig).values()) == {"ATV1"}
+
+
+# --- a load that was said to be there twice --------------------------------------------------------
+
+
+def held() -> StorageRig:
+    """Two vehicles have said that they have brought it, and the storage has counted nothing."""
+    rig = started()
+    rig.asks()
+    rig.carried()
+    boasts(rig, 1)
+    rig.on_message("ATV2", bid(200.0, task=TASK, epoch=2, finish_s=rig.now_s + 300.0))
+    effects: list[Effect] = []
+    while not sent(effects, Award, to="ATV2") and rig.now_s < 120.0:
+        effects = rig.run(rig.now_s + 0.1)
+    rig.on_message("ATV2", accepted(TASK, epoch=2, number=award_number(effects, "ATV2", TASK)))
+    boasts(rig, 2)
+    return rig
+
+
+def boasts(rig: StorageRig, epoch: int) -> None:
+    atv = f"ATV{epoch}"
+    rig.on_message(atv, Handover(TASK, epoch, 40))
+    until_s = rig.now_s + COUNT_S + 1.0
+    while rig.now_s < until_s:
+        rig.run(rig.now_s + 1.0)
+        rig.beats += 1
+        brief = Brief(TASK, epoch, Role.PRIMARY, "S1", phase=Phase.HANDING_OVER, item="shaft", quantity=40)
+        heartbeat = rhb(atv, rig.beats, rig.now_s)
+        rig.on_message(atv, msgspec.structs.replace(heartbeat, task=brief))
+    rig.on_message(atv, Handover(TASK, epoch, 40))
+
+
+def word(rig: StorageRig, kind: MachineCommandKind) -> CommandRefusal | None:
+    command = MachineCommand(command=f"C{len(rig.all)}", kind=kind, task=TASK, issued_by="Maria")
+    [answer] = sent(rig.on_message("gateway", granted("S1", command)), CommandAnswered)
+    return answer.reason
+
+
+def test_a_transport_to_a_storage_that_is_disputed_twice_waits_for_a_person_over_a_restart() -> None:
+    rig = restarted(held())
+    rig.run(rig.now_s + 1800.0)
+    assert published(rig.all, TaskAnnounced) == []
+    [brief] = rig.heartbeats(StationHeartbeat)[-1].tasks
+    assert (brief.primary, brief.trouble) == ("", Reason.DISPUTED)
+    assert published(rig.all, HelpCall)[-1].goods == TASK
+    assert word(rig, MachineCommandKind.LOAD_MISSING) is None
+    rig.run(rig.now_s + 10.0)
+    assert {each.epoch for each in published(rig.all, TaskAnnounced)} == {3}
+    assert published(rig.all, HelpCall)[-1].state is CallState.ENDED
+
+
+def test_a_load_that_a_person_has_seen_in_a_storage_ends_its_transport() -> None:
+    rig = held()
+    assert word(rig, MachineCommandKind.RESTART) is CommandRefusal.NOT_SUPPORTED
+    assert word(rig, MachineCommandKind.LOAD_THERE) is None
+    assert rig.states[-1] is TransportState.DELIVERED
+
+
+def test_a_transport_that_waits_for_a_person_can_be_called_off() -> None:
+    rig = held()
+    answer = sent(rig.on_message("gateway", TransportCancelled("T-1")), TransportAnswered)[-1]
+    assert answer.state is TransportState.CANCELLED
+    assert word(rig, MachineCommandKind.LOAD_THERE) is CommandRefusal.NOT_HELD

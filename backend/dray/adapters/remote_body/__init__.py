@@ -5,6 +5,7 @@
     Body.attach  <-- {plant}/body/@{agent}/told <-- reports, and the state after them, ten times a second
     Body.sense   is the state that was told last
     put_down      -- query {plant}/floor/@joining: a body that the plant file does not know
+    tell_moved    -- query {plant}/floor/@moved: a transfer of a vehicle that is not simulated, to be counted
     connect       -- query {plant}/body/@{agent} -> the state now; from then on this life's word counts
 
 A real vehicle has its body on its own computer, and wires lose nothing. The bus may: who passes on what others
@@ -18,14 +19,15 @@ question is refused.
 
 There is no seal on these keys: whoever is on the bus may move bodies.
 
-`body` is the agent's side, `wire` is what goes between the two sides; `questions` asks what is answered, and
+`body` is the agent's side, `counted` that of a vehicle that is not simulated and works at places that are, `wire` is what goes between the two sides; `questions` asks what is answered, and
 `exchange` sees to it that what is said is heard. Simulated bodies have their side in `dray_sim.remote`.
 """
 
 from __future__ import annotations
 
 from dray.adapters.remote_body.body import RemoteBody
-from dray.adapters.remote_body.questions import put_down
+from dray.adapters.remote_body.counted import CountedBody
+from dray.adapters.remote_body.questions import put_down, tell_moved
 from dray.adapters.remote_body.wire import BodySpec
 
-__all__ = ["BodySpec", "RemoteBody", "put_down"]
+__all__ = ["BodySpec", "CountedBody", "RemoteBody", "put_down", "tell_moved"]

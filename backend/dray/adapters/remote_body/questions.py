@@ -7,7 +7,8 @@ import asyncio
 import zenoh
 from zenoh.handlers import Callback
 
-from dray.adapters.remote_body.wire import BodySpec, added_key, encode, to_part
+from dray.adapters.remote_body.wire import BodySpec, Moved, added_key, encode, moved_key, to_part
+from dray.body import Drop, Pick
 from dray.errors import UnavailableError
 
 PATIENCE_S = 30.0
@@ -64,7 +65,9 @@ async def ask(session: zenoh.Session, key: str, question: bytes) -> bytes | None
             return reply.ok.payload.to_bytes()
         if reply.err is not None and reply.err.encoding == REFUSED:
             refusal = reply.err.payload.to_string()
-            raise UnavailableError("the floor", f"refuses: {refusal}", "see which plant file it has")
+            raise UnavailableError(
+                "the floor", f"refuses: {refusal}", "see which plant file and settings it has"
+            )
     return None
 
 
@@ -85,3 +88,26 @@ async def put_down(session: zenoh.Session, plant: str, spec: BodySpec) -> None:
         UnavailableError: there is no floor, or it does not fit there.
     """
     await ask_until_answered(session, added_key(plant), encode(to_part(spec)), "the floor")
+
+
+async def tell_moved(
+    session: zenoh.Session, plant: str, vehicle: str, life: int, action: Pick | Drop | None = None
+) -> str:
+    """Tell a floor elsewhere what a vehicle has picked or dropped that is not simulated there.
+
+    Args:
+        session: of the agent's process.
+        plant: the plant's id.
+        vehicle: its id.
+        life: of its agent.
+        action: what it has done; None only asks whether the floor counts for this vehicle.
+
+    Returns:
+        Why the place does not count it; empty when it does.
+
+    Raises:
+        UnavailableError: there is no floor, or it does not count for this vehicle.
+    """
+    moved = Moved(vehicle, life, None if action is None else to_part(action))
+    answer = await ask_until_answered(session, moved_key(plant), encode(moved), "the floor")
+    return answer.decode()

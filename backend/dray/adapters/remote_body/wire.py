@@ -44,6 +44,16 @@ class Told(msgspec.Struct, array_like=True, frozen=True):
     state: Part
 
 
+class Moved(msgspec.Struct, array_like=True, frozen=True):
+    """A vehicle that is not simulated has picked or dropped at a place that is."""
+
+    vehicle: str
+    life: int
+    """Of its agent."""
+    action: Part | None
+    """Numbered in its life by `order`; None only asks whether the floor counts for this vehicle."""
+
+
 encode = msgspec.msgpack.Encoder().encode
 
 
@@ -61,6 +71,11 @@ def from_part(part: Part) -> Any:
 def added_key(plant: str) -> str:
     """Where a floor is asked to take one more body in."""
     return f"{plant}/floor/@joining"
+
+
+def moved_key(plant: str) -> str:
+    """Where a floor is told what a vehicle has picked or dropped that is not simulated there; it answers why that is not counted."""
+    return f"{plant}/floor/@moved"
 
 
 def body_key(plant: str, agent: str) -> str:

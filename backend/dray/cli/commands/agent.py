@@ -132,7 +132,7 @@ def atv(
 
     from dray import __version__
     from dray.cli.runtime.agent_process import run_agent
-    from dray.cli.runtime.bodies import RealVehicle, by_vda5050, on_floor
+    from dray.cli.runtime.bodies import RealVehicle, by_vda5050, counted_on_floor, on_floor
     from dray.cli.runtime.output import one_of
     from dray.protocol.vehicle.atv import Atv
 
@@ -164,6 +164,8 @@ def atv(
     if where.settings.body == "vda5050":
         kind = where.plant.vehicle_types[spec.type]
         embody = by_vda5050(where, name, kind, RealVehicle.of(where.settings))
+        if name in where.settings.foreign:
+            embody = counted_on_floor(where, name, embody)
     else:
         embody = on_floor(where, name, joining)
     asyncio.run(run_agent(where, name, make, embody))

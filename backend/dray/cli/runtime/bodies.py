@@ -13,7 +13,7 @@ from dray.adapters.controller.body import ControllerBody
 from dray.adapters.controller.letters import TOLD, prefix
 from dray.adapters.documents import DocumentReader, FetchedDocuments
 from dray.adapters.journal.sqlite_journal import SqliteJournal
-from dray.adapters.remote_body import BodySpec, RemoteBody, put_down
+from dray.adapters.remote_body import BodySpec, CountedBody, RemoteBody, put_down, tell_moved
 from dray.adapters.vda5050.body import HEARD, Address, VehicleBody
 from dray.adapters.vda5050.control.master import MasterControl
 from dray.adapters.vda5050.dialogue import Head, Recorder
@@ -22,7 +22,7 @@ from dray.adapters.vda5050.link import BrokerAddress, MqttLink, read_address
 from dray.adapters.vda5050.memory_file import MemoryFile
 from dray.adapters.vda5050.profile import Profile, load_profile
 from dray.adapters.zenoh.bus import ZenohBus
-from dray.body import StorageState
+from dray.body import Drop, Pick, StorageState
 from dray.cli.runtime.surroundings import Surroundings
 from dray.errors import SettingsError, UnavailableError
 from dray.gate import GateState
@@ -250,6 +250,44 @@ def by_vda5050(surroundings: Surroundings, name: str, kind: VehicleType, real: R
             yield Embodied(body, lost)
 
     return embody
+
+
+def counted_on_floor(surroundings: Surroundings, name: str, embody: Embody) -> Embody:
+    """The body of a real vehicle whose places are simulated: the floor counts what it picks and drops.
+
+    Args:
+        surroundings: of the process.
+        name: the agent's id.
+        embody: makes the vehicle's own body.
+    """
+
+    @asynccontextmanager
+    async def with_floor(bus: ZenohBus, journal: SqliteJournal) -> AsyncIterator[Embodied]:
+        session, plant, life = bus.inner, surroundings.plant.id, journal.incarnation
+        await tell_moved(session, plant, name, life)
+
+        async def tell(done: Pick | Drop) -> str:
+            return await tell_moved(session, plant, name, life, done)
+
+        async with embody(bus, journal) as inner:
+            assert inner.body is not None  # noqa: S101 - a vehicle has one
+            body = CountedBody(name, inner.body, tell)
+            telling = asyncio.ensure_future(body.run())
+            gone = asyncio.ensure_future(inner.lost())
+
+            async def lost() -> None:
+                ended, _ = await asyncio.wait((telling, gone), return_when=asyncio.FIRST_COMPLETED)
+                for each in ended:
+                    each.result()
+
+            try:
+                yield Embodied(body, lost)
+            finally:
+                for each in (telling, gone):
+                    each.cancel()
+                await asyncio.gather(telling, gone, return_exceptions=True)
+
+    return with_floor
 
 
 @asynccontextmanager

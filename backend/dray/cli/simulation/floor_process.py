@@ -13,7 +13,7 @@ from dray.cli.runtime.roster import FLOOR
 from dray.cli.runtime.surroundings import Surroundings
 from dray.cli.runtime.telemetry.clock_meter import ClockMeter
 from dray.cli.simulation.floor_meter import FloorMeter
-from dray.errors import UnavailableError
+from dray.errors import SettingsError, UnavailableError
 from dray_sim.bodies.floor import NEARLY_EMPTY_FRAC, Floor
 from dray_sim.remote import FloorMonitor, FloorServer
 
@@ -22,11 +22,14 @@ async def serve_floor(surroundings: Surroundings, seed: int) -> None:
     """Run the simulated floor until a signal.
 
     Raises:
+        SettingsError: a foreign vehicle is none of the plant's.
         UnavailableError: the bus is not to be had, or the plant has a floor already, whose bodies are at work.
     """
     stopped = asyncio.Event()
     second = False
-    plant = surroundings.plant
+    plant, foreign = surroundings.plant, surroundings.settings.foreign
+    if unknown := [atv for atv in foreign if atv not in plant.fleet]:
+        raise SettingsError("DRAY_FOREIGN", f"the plant has no vehicle {', '.join(unknown)}")
 
     def give_way() -> None:
         nonlocal second
@@ -39,10 +42,10 @@ async def serve_floor(surroundings: Surroundings, seed: int) -> None:
         floor = Floor(plant, clock, seed=seed, stock_frac=NEARLY_EMPTY_FRAC)
         monitor = _monitor(surroundings, floor, clock)
         if monitor is None:
-            server = FloorServer(bus.inner, plant.id, floor)
+            server = FloorServer(bus.inner, plant.id, floor, foreign=foreign)
             running = [group.create_task(server.run())]
         else:
-            server = FloorServer(bus.inner, plant.id, floor, monitor.occupied)
+            server = FloorServer(bus.inner, plant.id, floor, monitor.occupied, foreign)
             running = [group.create_task(server.run()), group.create_task(monitor.run())]
         async with surroundings.told(FloorMeter(server, monitor), ClockMeter(clock)):
             with stopped_by_signals(stopped.set):

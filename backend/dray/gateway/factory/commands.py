@@ -139,7 +139,7 @@ class Commands:
         """Send a command in these words with a grant, and wait for the word of whom it is for.
 
         Args:
-            agent: a vehicle or a machine.
+            agent: a vehicle, a machine or a station.
             said: the command, without a grant; one whose name is known is only waited for.
             by: who asks.
 
@@ -255,7 +255,7 @@ class Commands:
         if isinstance(said, VehicleCommand):
             place_m = self._projection.atvs.place_m(sent.agent)
         else:
-            place_m = self._floor.position_of(sent.agent) if sent.agent in self._floor.machines else None
+            place_m = self._floor.position_of(sent.agent) if self._floor.has_place(sent.agent) else None
         view = CommandView(
             id=said.command,
             atv=sent.agent,

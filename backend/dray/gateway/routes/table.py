@@ -13,6 +13,7 @@ from dray.gateway.routes.factory import (
     duty,
     faults,
     inventory,
+    loads,
     machine_commands,
     machines,
     plant_drafts,
@@ -46,6 +47,7 @@ API = (
     # Its path looks like that of a task, so it comes first.
     task_history,
     tasks,
+    loads,
     alerts,
     alert_history,
     agents,

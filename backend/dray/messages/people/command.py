@@ -121,15 +121,29 @@ class MachineCommandKind(StrEnum):
     """Goods on board of a vehicle that has failed can be handed over: have another one fetch them there."""
     WRITE_OFF = "write_off"
     """They cannot: make them again."""
+    LOAD_THERE = "load_there"
+    """Somebody has looked: the load of a transport that is held is where it was to go."""
+    LOAD_MISSING = "load_missing"
+    """It is not: have it fetched or made again."""
 
     @property
     def is_about_goods(self) -> bool:
-        """Whether it is about the goods of a transport, and is granted for the place where those are."""
+        """Whether it is about goods on board of a failed vehicle, and is granted for the place where those are."""
         return self in (MachineCommandKind.FETCH_GOODS, MachineCommandKind.WRITE_OFF)
+
+    @property
+    def is_about_held(self) -> bool:
+        """Whether it is about the load of a transport that is held, and is granted for the place where that was to go."""
+        return self in (MachineCommandKind.LOAD_THERE, MachineCommandKind.LOAD_MISSING)
+
+    @property
+    def names_task(self) -> bool:
+        """Whether it is about one transport."""
+        return self.is_about_goods or self.is_about_held
 
 
 class MachineCommand(Message, frozen=True):
-    """A person's command to one machine."""
+    """A person's command to one machine. A station obeys those about transports that are held, too."""
 
     command: Id
     """Names this command, so that its answer can be told from others."""
@@ -144,7 +158,7 @@ class MachineCommand(Message, frozen=True):
     after_work: bool = False
     """For TAKE_OUT: the goal that it works at it finishes first."""
     task: IdOrNone = ""
-    """For FETCH_GOODS and WRITE_OFF: the transport whose goods are meant."""
+    """For FETCH_GOODS, WRITE_OFF, LOAD_THERE and LOAD_MISSING: the transport whose load is meant."""
     node: IdOrNone = ""
     """For FETCH_GOODS: where they are handed over; empty for the nearest node beside the vehicle."""
     issued_by: Text = ""
@@ -189,7 +203,7 @@ def signed_words(agent: str, command: VehicleCommand | MachineCommand, grant: Gr
     )
     if command.kind in (CommandKind.TAKE_OUT, MachineCommandKind.TAKE_OUT):
         words += (command.reason, command.after_work)
-    if isinstance(command, MachineCommand) and command.kind.is_about_goods:
+    if isinstance(command, MachineCommand) and command.kind.names_task:
         words += (command.task, command.node)
     return _encoder.encode(words)
 

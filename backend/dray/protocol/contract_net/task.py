@@ -121,10 +121,12 @@ class OpenTask:
         "auction",
         "contract",
         "detail",
+        "disputes",
         "due_s",
         "epoch",
         "id",
         "least_epoch",
+        "left",
         "opened_s",
         "recovered",
         "standby",
@@ -161,6 +163,10 @@ class OpenTask:
         """Why it does not go on; None when all is well."""
         self.detail = ""
         """Which problem its carrier reports."""
+        self.disputes = 0
+        """How often its carrier has handed over and nothing was counted, since a person has looked last."""
+        self.left = False
+        """While it is held: its goods had left their machine."""
         self.stranded: StrandedGoods | None = None
         """Its goods were left with a carrier that has failed, and no other one has them on board yet."""
 
@@ -193,7 +199,13 @@ class OpenTask:
     @property
     def lies_at_source(self) -> bool:
         """Whether its load waits where it was made: on board of nobody, and in nobody's hands."""
-        return not self.is_loaded and not (isinstance(self.work, Transport) and self.work.handed_at)
+        elsewhere = self.is_loaded or self.left
+        return not elsewhere and not (isinstance(self.work, Transport) and self.work.handed_at)
+
+    @property
+    def is_held(self) -> bool:
+        """Whether a person is to look whether its load is there, before anybody carries it again."""
+        return self.state is TaskState.HELD
 
     @property
     def is_counted(self) -> bool:
@@ -253,13 +265,15 @@ class OpenTask:
             primary=self.primary,
             source=self.contract.source,
             promised_s=self.contract.promised_s,
-            loaded=self.is_loaded,
+            loaded=self.is_loaded or self.left,
             secondary=self.secondary,
             watch_number=self.standby.number,
             offered=self.is_offered,
             recovered=self.recovered,
             least_epoch=self.least_epoch,
             stranded=self.stranded,
+            disputes=self.disputes,
+            held=self.is_held,
         )
 
     @property

@@ -23,6 +23,8 @@ class TaskState(StrEnum):
     """Goods have left with its primary: nobody else could fetch them again."""
     STRANDED = "stranded"
     """Its primary has failed with the goods on board: they wait for a person's word (`takeover.stranded`)."""
+    HELD = "held"
+    """Its handover was disputed twice: nobody carries it before a person has looked (`transports.held`)."""
     COUNTED = "counted"
     """The coordinator has seen the load in its own buffer; the handover is still to come."""
     DELIVERED = "delivered"
@@ -34,6 +36,7 @@ _S = TaskState
 TRANSITIONS: Transitions[TaskState] = {
     _S.UNASSIGNED: {
         _S.ASSIGNED: "accepted, or named by its carrier after a restart",
+        _S.HELD: "an earlier life has held it",
         _S.DELIVERED: "what was ordered has arrived all the same",
         _S.WITHDRAWN: "not needed any more",
     },
@@ -43,6 +46,7 @@ TRANSITIONS: Transitions[TaskState] = {
         _S.UNASSIGNED: "failed, given back, forgotten, or without progress",
         _S.IN_TRANSIT: "goods have left",
         _S.COUNTED: "the load is counted",
+        _S.HELD: "its handover is disputed again",
         _S.DELIVERED: "handed over",
         _S.WITHDRAWN: "not needed any more, or lost",
     },
@@ -51,6 +55,7 @@ TRANSITIONS: Transitions[TaskState] = {
         _S.UNASSIGNED: "nobody has taken over",
         _S.IN_TRANSIT: "goods have left",
         _S.COUNTED: "the load is counted",
+        _S.HELD: "its handover is disputed again",
         _S.DELIVERED: "handed over",
         _S.WITHDRAWN: "not needed any more",
     },
@@ -58,13 +63,20 @@ TRANSITIONS: Transitions[TaskState] = {
         _S.UNASSIGNED: "the goods are back",
         _S.DELIVERED: "handed over",
         _S.STRANDED: "its primary has failed",
+        _S.HELD: "its handover is disputed again",
         _S.WITHDRAWN: "lost, or not needed any more",
     },
     _S.STRANDED: {
         _S.IN_TRANSIT: "its primary goes on",
         _S.UNASSIGNED: "they can be handed over, or are back",
         _S.DELIVERED: "handed over",
+        _S.HELD: "its handover is disputed again",
         _S.WITHDRAWN: "written off, or not needed any more",
+    },
+    _S.HELD: {
+        _S.UNASSIGNED: "a person says that the load is not there, or it is back",
+        _S.DELIVERED: "a person says that it is there",
+        _S.WITHDRAWN: "goods are not there, or it is not needed any more",
     },
     _S.COUNTED: {
         _S.DELIVERED: "handed over, or its carrier has failed",

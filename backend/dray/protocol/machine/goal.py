@@ -31,6 +31,7 @@ class Goal:
         "credited",
         "deadline_s",
         "delivered",
+        "disputes",
         "epoch",
         "given_back_s",
         "heard_s",
@@ -80,6 +81,8 @@ class Goal:
         """Pieces of handovers that this life has accepted, by vehicle."""
         self.heard_s = -NEVER_S
         """When the strategist has last told what has arrived."""
+        self.disputes = 0
+        """Handovers of its pieces, one after the other, of which the gate has counted nothing."""
         self.stranded = 0
         """Pieces on board of failed vehicles, which wait for a person's word."""
 
@@ -200,4 +203,5 @@ class Goal:
             number=self.number,
             confirmed=self.confirmed,
             held=self.held,
+            disputes=self.disputes,
         )

@@ -14,6 +14,7 @@ from dray.plant import Plant
 from dray.protocol.calls.help_calls import HelpCalls
 from dray.protocol.contract_net.task import OpenTask
 from dray.protocol.machine.production import GoalBook
+from dray.protocol.transports.held import HeldTransports
 from dray.protocol.transports.transports import Transports
 
 LEFT_ABOARD = Problem(kind=ProblemKind.LOAD, needs_person=True)
@@ -26,10 +27,12 @@ class GoodsRecovery:
     Args:
         plant: where vehicles can be sent.
         tasks: its transports.
+        held: those for whose loads a person has to look; they are called for in the same way.
         goals: whose pieces these are.
     """
 
-    def __init__(self, plant: Plant, tasks: Transports, goals: GoalBook) -> None:
+    def __init__(self, plant: Plant, tasks: Transports, held: HeldTransports, goals: GoalBook) -> None:
+        self._held = held
         self._plant = plant
         self._tasks = tasks
         self._goals = goals
@@ -37,7 +40,8 @@ class GoodsRecovery:
 
     def review(self) -> None:
         """Tell each goal how many of its pieces wait for a word: nobody else makes them meanwhile."""
-        works = [cast(Transport, task.work) for task in self._tasks if task.stranded is not None]
+        waiting = [task for task in self._tasks if task.stranded is not None or task.left]
+        works = [cast(Transport, task.work) for task in waiting]
         for goal in self._goals:
             goal.stranded = sum(work.quantity for work in works if work.goal == goal.id)
 
@@ -50,8 +54,12 @@ class GoodsRecovery:
             expected: False for one that leaves: its next life calls.
         """
         waiting = [task for task in self._tasks if expected and _needs_person(task, now_s)]
-        for goods in [each for each in calls.goods if each not in {task.id for task in waiting}]:
+        held = self._held.names() if expected else ()
+        called_for = {*held, *(task.id for task in waiting)}
+        for goods in [each for each in calls.goods if each not in called_for]:
             calls.close(now_s, goods=goods)
+        if expected:
+            self._held.call(calls, now_s)
         for task in waiting:
             atv = task.primary if task.stranded is None else task.stranded.atv
             reason = f"{cast(Transport, task.work).quantity} {task.work_item} on board of {atv}"

@@ -117,7 +117,10 @@ class Machine(AgentBase):
         self._cycle = Cycle(self._goals, self._supply, self._documents, self._timers, self._out, self._commit)
         self._breakdown = Breakdown(machine, incarnation, plant, self._goals, self._timers, self._out)
         authority, goods = CommandAuthorisation(machine, plant, trusts), self._flow.goods_recovery
-        self._commands = MachineCommandHandling(authority, self._breakdown, self, goods, running, self._out)
+        held = self._flow.held
+        self._commands = MachineCommandHandling(
+            authority, self._breakdown, self, goods, held, running, self._out
+        )
         parts = (self._goals, self._supply, self._flow, self._breakdown)
         self._sharing = GoalSharing(*parts, self._commands.service, self._closures)
         self._message_handlers = {

@@ -110,7 +110,7 @@ class MaterialFlow(TransportFlow):
         self.goods = FinishedGoods(
             machine, plant, goals, supply, self.tasks, send=self._send_goods, lose=owner.miss_goods
         )
-        self.goods_recovery = GoodsRecovery(plant, self.tasks, goals)
+        self.goods_recovery = GoodsRecovery(plant, self.tasks, self.held, goals)
         self.cycling = ""
         self.put_away = PutAway(
             machine, plant, timers, out, owner.commit, self._put_away, incarnation=incarnation
@@ -267,6 +267,8 @@ class MaterialFlow(TransportFlow):
 
     def _on_carrier_changed(self, task: OpenTask, now_s: float) -> None:
         super()._on_carrier_changed(task, now_s)
+        if task.is_held:
+            self.goods_recovery.review()
         self.goods.keep_unwanted()
 
     def _on_restored(self, work: Transport) -> None:

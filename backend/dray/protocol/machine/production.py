@@ -84,7 +84,7 @@ class GoalBook:
         goal = Goal(
             memory.goal, memory.work, memory.deadline_s, memory.strategist, memory.epoch, memory.number
         )
-        goal.confirmed, goal.held = memory.confirmed, memory.held
+        goal.confirmed, goal.held, goal.disputes = memory.confirmed, memory.held, memory.disputes
         goal.made, goal.delivered, goal.lost_in_transit = (
             memory.made,
             memory.delivered,

@@ -16,18 +16,20 @@ from msgspec.structs import replace
 from dray.body import BodyState, Refill, StockChanged, StorageState
 from dray.errors import ProtocolViolation
 from dray.memory import WHOLE, Memory, Note, ReservationMemory, StationMemory
-from dray.messages import Docked, StationHeartbeat, StockLevel, WorkSought
+from dray.messages import Docked, MachineCommand, StationHeartbeat, StockLevel, WorkSought
 from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.protocol.closures.closure_listener import ClosureListener
 from dray.protocol.closures.known_floor import KnownFloor
 from dray.protocol.contract_net.auction_rules import AuctionRules
 from dray.protocol.liveness.suspicion import interval_s
+from dray.protocol.people.command_authorisation import CommandAuthorisation
 from dray.protocol.runtime.agent import AgentBase
 from dray.protocol.runtime.events import Ignore, Instruct, Publish, Subscribe
 from dray.protocol.runtime.heartbeat_timer import BEAT, HeartbeatTimer
 from dray.protocol.runtime.shutdown import COORDINATOR_LEAVES_WITHIN_S
 from dray.protocol.runtime.trust import Trusts, trusts_nobody
+from dray.protocol.station.held_loads import HeldLoads
 from dray.protocol.station.refilling import Refilling
 from dray.protocol.traffic.books.bookkeeping import Bookkeeping
 from dray.protocol.traffic.traffic_map import TrafficMap
@@ -46,7 +48,7 @@ class Station(AgentBase):
         incarnation: how often it has been started.
         software: the version it runs, for its heartbeat.
         traffic: of the plant; None where vehicles drive without right of way.
-        trusts: whose word counts when people carry vehicles away.
+        trusts: whose word counts when people carry vehicles away, or have looked for a load.
         rules: patience and reach of its auctions.
     """
 
@@ -93,12 +95,18 @@ class Station(AgentBase):
             self,
             incarnation=incarnation,
         )
+        authority = CommandAuthorisation(storage, plant, trusts)
+        self._held_loads = HeldLoads(
+            storage, incarnation, plant, self._flow.held, authority, self._timers, self._out
+        )
         self._fills_itself = spec.refill == "itself"
         self._refilling = Refilling(spec, plant, self._book, self._flow, incarnation)
         self._message_handlers = {
             **self._flow.message_handlers,
             **self._issuing.message_handlers,
             **self._closures.message_handlers,
+            **self._held_loads.message_handlers,
+            MachineCommand: self._on_command,
             Docked: self._on_docked,
             WorkSought: self._on_sought,
         }
@@ -113,6 +121,7 @@ class Station(AgentBase):
             **self._closures.alarms,
             **self._issuing.alarms,
             **self._flow.alarms,
+            **self._held_loads.alarms,
             **self._bookkeeping.alarms,
         }
 
@@ -127,6 +136,7 @@ class Station(AgentBase):
             for reserved in note.reserved:
                 self._book.restore(reserved, state.opened, now_s)
             self._flow.restore_tasks(note.tasks, memory, now_s)
+            self._held_loads.restore(note.answered)
             # Tasks without a carrier have a higher epoch now: no life may use one that an earlier one has used.
             self._commit()
         else:
@@ -151,7 +161,11 @@ class Station(AgentBase):
         return body
 
     def _memory(self) -> Note:
-        return StationMemory(reserved=self._written, tasks=tuple(task.memory() for task in self._flow.tasks))
+        return StationMemory(
+            reserved=self._written,
+            tasks=tuple(task.memory() for task in self._flow.tasks),
+            answered=self._held_loads.answered,
+        )
 
     def _was_deaf(self, span_s: float) -> None:
         self._flow.subscriptions.arrivals.deaf_s += span_s
@@ -159,6 +173,7 @@ class Station(AgentBase):
     def _beat(self, _about: None, now_s: float) -> None:
         if self._flow.called:
             self._go_on(now_s)
+        self._held_loads.update_calls(now_s, expected=not self._shutdown.begun)
         self._heartbeat_timer.go_on(interval_s(self._say_status(now_s)), now_s)
 
     def _say_status(self, now_s: float) -> StationHeartbeat:
@@ -209,6 +224,12 @@ class Station(AgentBase):
             self._issuing.on_docked(sender, docked, now_s)
         else:
             self._flow.message_handlers[Docked](sender, docked, now_s)
+
+    def _on_command(self, sender: str, command: MachineCommand, now_s: float) -> None:
+        self._held_loads.on_command(sender, command, now_s)
+        self._commit()
+        self._go_on(now_s)
+        self._heartbeat_timer.at_once(now_s)
 
     def _on_sought(self, sender: str, message: WorkSought, now_s: float) -> None:
         if not self._shutdown.begun:

@@ -15,6 +15,9 @@ from dray.protocol.transports.dock import Dock
 from dray.protocol.transports.receiving import GateCount, Verdict, verdict_on
 from dray.protocol.transports.transports import Transports
 
+DISPUTES_MAX = 2
+"""Handovers of one load that may be disputed. One may be a lie, or a sensor that was dirty; after two of them another load would be lost too."""
+
 
 class Handovers:
     """Compares what carriers say with what is counted (`receiving`), and ends their transports.
@@ -106,12 +109,28 @@ class Handovers:
         if verdict is Verdict.SHORT or counted != receipt.said:
             self._dispute(task, counted)
         if not counted:
-            self._tasks.failover.replace(task, Reason.NOT_COUNTED, now_s)
+            self._count_dispute(task, goal, now_s)
             return
+        if goal is not None:
+            goal.disputes = 0
         self._dock.accept(task)
         if counted < work.quantity:
             self._tasks.reliability.note_dropped(carrier, task.id, Reason.NOT_COUNTED, now_s)
         self._settled(task, carrier, counted, now_s)
+
+    def _count_dispute(self, task: OpenTask, goal: GateCount | None, now_s: float) -> None:
+        """Nothing of a load was counted: another carrier is sought, or a person who looks."""
+        task.disputes += 1
+        disputes = task.disputes
+        if goal is not None and task.is_loaded:
+            # Its next load has another name.
+            goal.disputes += 1
+            disputes = max(disputes, goal.disputes)
+        if disputes < DISPUTES_MAX:
+            self._tasks.failover.replace(task, Reason.NOT_COUNTED, now_s)
+            return
+        self._tasks.failover.blame(task, Reason.NOT_COUNTED, now_s)
+        self._tasks.hold(task, now_s)
 
     def _dispute(self, task: OpenTask, counted: int) -> None:
         work = cast(Transport, task.work)

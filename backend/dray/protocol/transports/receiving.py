@@ -2,7 +2,8 @@
 
     counted     that much is there, and the transport has ended
     waits       the dock may still tell: its count may come later than the carrier's word
-    short       the dock has told something else by COUNT_S: the difference is disputed, and what is missing is missing
+    short       the dock has told something else by COUNT_S: the difference is disputed, and what is missing is missing.
+                Where nothing was counted twice, a person is asked to look (`held`)
 
 Material is counted by the coordinator's own body, and taken by its carrier's name (`StockChanged`). Finished goods are counted as
 they leave by the machine's own body, and as they arrive by the gate of the delivery warehouses: the strategist tells
@@ -28,6 +29,9 @@ the half minute after which a carrier gives its machine up."""
 
 class GateCount(Protocol):
     """What the gate of the delivery warehouses has counted of one goal, as its machine has heard it."""
+
+    disputes: int
+    """Handovers of its pieces, one after the other, of which nothing was counted."""
 
     @property
     def heard_s(self) -> float:

@@ -220,7 +220,7 @@ class Sourcing:
             return
         held = self._held.get(task.id, {})
         held.pop(sender, None)
-        if not held and not task.primary:
+        if not held and not task.primary and not task.is_held:
             self._starve(task, now_s)
 
     # --- while somebody carries it ---

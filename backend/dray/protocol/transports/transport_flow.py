@@ -44,6 +44,7 @@ from dray.protocol.runtime.timers import Timers
 from dray.protocol.transports.called import CalledTransports
 from dray.protocol.transports.dock import Dock, Stock
 from dray.protocol.transports.handovers import Handovers
+from dray.protocol.transports.held import HeldTransports
 from dray.protocol.transports.lead_time import first_lead_s
 from dray.protocol.transports.receiving import GateCount
 from dray.protocol.transports.recovery import RECOVERY_WAIT, Recovery
@@ -87,6 +88,7 @@ class TransportFlow:
     Attributes:
         tasks: its open transports.
         sourcing: what is waited for before anybody is hired.
+        held: those for whose loads a person has to look.
         called: what people and programs have asked for.
         message_handlers: by the type of a message, what to call with (sender, message, now_s).
         alarms: what to call when an alarm of these names has come.
@@ -141,6 +143,7 @@ class TransportFlow:
             changed=owner.beat_soon,
             resized=self._resize,
         )
+        self.held = HeldTransports(plant, self.tasks)
         self._dock = Dock(place, self.tasks, stock, out)
         self._handovers = Handovers(
             place,
@@ -180,7 +183,8 @@ class TransportFlow:
     def restore_tasks(self, memories: Iterable[TaskMemory], memory: Memory, now_s: float) -> None:
         """Go on with the transports of an earlier life, and with those that people have asked for."""
         for kept in memories:
-            self.sourcing.follow(self.tasks.restore(kept, now_s), now_s)
+            if not (task := self.tasks.restore(kept, now_s)).is_held:
+                self.sourcing.follow(task, now_s)
             self._on_restored(kept.work)
         self.called.restore(memory)
 
@@ -320,7 +324,11 @@ class TransportFlow:
     def _on_carrier_changed(self, task: OpenTask, now_s: float) -> None:
         self._owner.commit()
         self._owner.beat_soon(now_s)
-        self.sourcing.follow(task, now_s)
+        if task.is_held:
+            # What was set aside for it others may need meanwhile.
+            self.sourcing.on_task_closed(task, fetched=False)
+        else:
+            self.sourcing.follow(task, now_s)
         self.called.review(now_s)
 
     def _on_task_ended(self, task: OpenTask, outcome: Outcome) -> None:

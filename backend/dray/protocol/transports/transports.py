@@ -8,6 +8,8 @@ Beyond what every coordinator does (`coordinator`), a transport has a secondary 
        |                    |  +-- taken over: epoch + 1, another carrier
        +--- epoch + 1 ------+ nobody carries it any more; where its primary has given it
                               back, the secondary is asked before anything is announced
+
+One whose handover was disputed twice is held instead of announced a third time, until a person has looked (`held`).
 """
 
 from __future__ import annotations
@@ -146,6 +148,33 @@ class Transports(Coordinator):
         task.trouble, task.detail = trouble, ""
         self._contracted(task, now_s)
 
+    def hold(self, task: OpenTask, now_s: float) -> None:
+        """Release the carrier of a task, and let nobody carry it before a person has looked whether its load is there."""
+        left = task.is_loaded
+        self.failover.aboard.forget(task)
+        replaced, silent_s = self._supersede(task, task.epoch + 1, Reason.NOT_COUNTED, now_s)
+        task.states.enter(TaskState.HELD)
+        task.left = left
+        task.auction = self._auction(task.id, task.epoch, task.work, task.deadline_s)
+        task.auction.cancel()
+        self._timers.clear((PRIMARY_AUCTION, task.id))
+        task.trouble = Reason.DISPUTED
+        self.failover.note_change(task, replaced, Reason.DISPUTED, silent_s)
+        self._contracted(task, now_s)
+
+    def resume(self, task: OpenTask, now_s: float) -> None:
+        """A person has looked, and the load of a held task is not there: it is announced anew, or made again where it was goods that had left."""
+        if task.recovered or task.left:
+            self.give_up(task, now_s)
+            return
+        task.disputes = 0
+        task.clear_trouble()
+        task.states.enter(TaskState.UNASSIGNED)
+        deadline_s = max(prolonged_s(task.due_s, task.opened_s, now_s), now_s + task.auction.span_s)
+        task.auction = self._auction(task.id, task.epoch, task.work, deadline_s)
+        self._announce(task, now_s)
+        self._contracted(task, now_s)
+
     def give_up(self, task: OpenTask, now_s: float) -> None:
         """Finished goods are lost with their carrier, or it has left nothing that others could go on with."""
         self.close(task, "withdrawn")
@@ -178,8 +207,12 @@ class Transports(Coordinator):
         auction = self._auction(memory.task, epoch, memory.work, deadline_s)
         task = self._open[memory.task] = OpenTask(memory.task, memory.work, auction, memory.opened_s)
         task.due_s, task.witnessed, task.least_epoch = memory.deadline_s, False, memory.least_epoch
-        task.recovered = memory.recovered
-        if memory.primary:
+        task.recovered, task.disputes = memory.recovered, memory.disputes
+        if memory.held:
+            auction.cancel()
+            task.states.enter(TaskState.HELD)
+            task.left, task.trouble = memory.loaded, Reason.DISPUTED
+        elif memory.primary:
             auction.cancel()
             self._restore_carrier(task, memory, now_s)
         else:
@@ -326,7 +359,8 @@ class Transports(Coordinator):
         Once others were asked, or a carrier was told of an epoch, in this life or before, the epoch must not fall.
         """
         least = max(task.epoch - 1, task.least_epoch)
-        return not task.primary and not task.is_offered and least <= epoch <= task.epoch
+        is_free = not task.primary and not task.is_offered and not task.is_held
+        return is_free and least <= epoch <= task.epoch
 
     def _bind_carrier(self, task: OpenTask, atv: str, epoch: int, promised_s: float, now_s: float) -> None:
         task.auction.cancel()

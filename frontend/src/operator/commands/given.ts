@@ -1,6 +1,6 @@
 /** The commands that were given on this page, and what has become of them. */
 import { computed, signal } from "@preact/signals";
-import { commandAtv, commandMachine, newKey } from "../../api/client";
+import { commandAtv, commandMachine, loadSeen, newKey } from "../../api/client";
 import { NOT_SENT, Problem } from "../../api/problem";
 import type { CommandAnswer, CommandRequest, CommandView, MachineCommandRequest } from "../../api/types";
 import { serverNowS, world } from "../../stream/stream";
@@ -52,6 +52,11 @@ export async function give(atv: string, request: CommandRequest): Promise<void> 
 /** The same to a machine. */
 export async function giveMachine(machine: string, request: MachineCommandRequest): Promise<void> {
   await follow(machine, request, (command) => commandMachine(machine, { ...request, command }));
+}
+
+/** What somebody has seen of a load that was disputed, to the machine or station that waits for that word. */
+export async function sayLoad(place: string, task: string, there: boolean): Promise<void> {
+  await follow(place, { kind: there ? "load_there" : "load_missing" }, (command) => loadSeen(task, { there, command }));
 }
 
 interface Request {

@@ -73,7 +73,7 @@ export interface Command {
   readonly atS: number;
 }
 
-export type Kind = VehicleKind | "clear_fault" | "restart" | "update" | "fetch_goods" | "write_off";
+export type Kind = VehicleKind | "clear_fault" | "restart" | "update" | "fetch_goods" | "write_off" | "load_there" | "load_missing";
 
 /** The command after a word about it; the same one where the word is no news. */
 /** What somebody has said of why not. */

@@ -7,6 +7,8 @@ import { format, t, word } from "../../text/operator";
 import { factoryTime, inFactoryTime } from "../../text/plant-time";
 import { world } from "../../stream/stream";
 import { goodsText } from "../goods/GoodsCards";
+import { isHeld } from "../goods/held";
+import { heldText } from "../goods/HeldCards";
 import { moment, station } from "../state";
 import { distanceM } from "../area/region";
 import { answer, callFailed, duty, missedCaller } from "./duty";
@@ -101,6 +103,7 @@ function whereText({ area, ...place }: CallView): string {
 function wrongText({ goods, problem, reason }: CallView) {
   if (goods !== "") {
     const task = world.value?.tasks.get(goods);
+    if (task !== undefined && isHeld(task)) return <b>{`${heldText(task)} ${t("held.look")}`}</b>;
     return <b>{task?.stranded ? `${t("goods.title", { atv: task.stranded.atv })}: ${goodsText(task)}` : t("goods.called")}</b>;
   }
   return (

@@ -102,6 +102,14 @@ class Handling:
             self.finish_action()
             self._reporter.say(ActionDone(order=action.order))
 
+    def follow(self, action: Pick | Drop) -> str:
+        """Do what the vehicle that this is the double of has done already; returns why the load cannot change hands here."""
+        if action.station not in self._places:
+            return f"no station {action.station}"
+        if isinstance(action, Drop):
+            return self._transfer(action) if self.load else "nothing on board"
+        return f"{self.load} is on board" if self.load else self._transfer(action)
+
     def abort(self, reason: str) -> None:
         """End the action, if any, without effect; a charge has had its effect and ends without a word."""
         if self.action is not None and not isinstance(self.action, Charge):

@@ -216,6 +216,10 @@ class SimVehicle:
         self.break_down(LOAD_SHIFTED, SHIFTED)
         return True
 
+    def follow(self, action: Pick | Drop) -> str:
+        """Pick or drop what the vehicle that this is the double of has; returns "" when the place has counted it, else why not."""
+        return self._handling.follow(action)
+
     def recover_load(self) -> tuple[str, int]:
         """A person takes the load off (item, pieces; `("", 0)` for nothing), and answers for it from now on."""
         self._settle()

@@ -149,6 +149,7 @@ class Projection:
                 told = self.stations.fold(message)
                 if told:
                     self._silence.note(message.station, message, delay_s)
+                    self.tasks.on_heartbeat(message)
             case StrategistHeartbeat():
                 told = self.strategists.fold(message)
             case Event():

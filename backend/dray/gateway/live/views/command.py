@@ -10,12 +10,12 @@ CommandState = Literal["sent", "confirmed", "refused", "not_confirmed"]
 
 
 class CommandView(View, kw_only=True):
-    """What a person has asked of a vehicle or a machine, and its word on it."""
+    """What a person has asked of a vehicle, a machine or a station, and its word on it."""
 
     id: str
     """As whoever gave it has named it, else as the gateway has."""
     atv: str
-    """Whom it was given to: a vehicle, or a machine."""
+    """Whom it was given to: a vehicle, a machine, or a station."""
     kind: Literal[
         "stop",
         "acknowledge",
@@ -31,6 +31,8 @@ class CommandView(View, kw_only=True):
         "update",
         "fetch_goods",
         "write_off",
+        "load_there",
+        "load_missing",
     ]
     speed_frac: float | None = None
     by: str

@@ -43,6 +43,7 @@ class MachineCommandRequest(BaseModel):
                 {"kind": "put_in"},
                 {"kind": "fetch_goods", "task": "M3-12", "node": "c2"},
                 {"kind": "write_off", "task": "M3-12"},
+                {"kind": "load_missing", "task": "M3-13"},
             ]
         },
     )
@@ -58,7 +59,8 @@ class MachineCommandRequest(BaseModel):
     after_work: bool = False
     """For `take_out` only: the goal that it works at it finishes first."""
     task: Annotated[str, Field(max_length=64)] = ""
-    """For `fetch_goods` and `write_off` only: the transport whose goods a failed vehicle has on board."""
+    """For `fetch_goods` and `write_off`: the transport whose goods a failed vehicle has on board. For `load_there` and `load_missing`: the one
+    that is held until somebody has looked for its load (`POST /api/tasks/{task}/load` finds the machine by itself)."""
     node: Annotated[str, Field(max_length=64)] = ""
     """For `fetch_goods` only: where a person hands them over; left out for the nearest node beside the vehicle."""
     command: Annotated[str | None, Field(pattern=r"^[A-Za-z0-9._:-]{1,64}$")] = None
@@ -76,8 +78,9 @@ class MachineCommandRequest(BaseModel):
             raise ValueError(f"a promise is for {PROMISE_MAX_S:g} s at most")
         if not out and (self.reason or self.after_work):
             raise ValueError("reason and after_work are given with kind take_out, and with no other")
-        if bool(self.task) != self.kind.is_about_goods:
-            raise ValueError("task is given with kind fetch_goods or write_off, and with no other")
+        if bool(self.task) != self.kind.names_task:
+            kinds = "fetch_goods, write_off, load_there or load_missing"
+            raise ValueError(f"task is given with kind {kinds}, and with no other")
         if self.node and self.kind is not MachineCommandKind.FETCH_GOODS:
             raise ValueError("node may be given with kind fetch_goods, and with no other")
         return self

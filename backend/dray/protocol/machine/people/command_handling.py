@@ -1,8 +1,9 @@
 """People's commands to a machine (paper, case 1), and to the goods that a failed vehicle has on board.
 
-Promise help, clear a fault, hand over, work slowly, restart, update, out of service; fetch goods, write them off.
+Promise help, clear a fault, hand over, work slowly, restart, update, out of service; fetch goods, write them off; a load that was
+disputed is there, or missing.
 
-Nothing is obeyed without a grant for the area where the machine stands, or for that where those goods are (invariant 9). What its body, or whoever runs its agent, cannot
+Nothing is obeyed without a grant for the area where the machine stands, or for that where those goods are or that load was to go (invariant 9). What its body, or whoever runs its agent, cannot
 do is refused with that as the reason.
 """
 
@@ -49,6 +50,16 @@ class Goods(Protocol):
         """Where they are (x, y); None where nobody knows."""
 
 
+class Held(Protocol):
+    """Its transports that are held until somebody has looked for their loads."""
+
+    def obey(self, command: MachineCommand, now_s: float) -> CommandRefusal | None:
+        """A person has looked; why that changes nothing, None when the transport has ended or goes on."""
+
+    def place_m(self, task: str) -> tuple[float, float] | None:
+        """Where a load was to go (x, y); None where its transport is not held."""
+
+
 class MachineCommandHandling:
     """What people have told one machine.
 
@@ -57,6 +68,7 @@ class MachineCommandHandling:
         breakdown: what its sensors report.
         owner: the machine.
         goods: those that wait for a word.
+        held: its transports that are held.
         running: what can be done with its agent where that runs.
         out: where effects go.
 
@@ -71,11 +83,12 @@ class MachineCommandHandling:
         breakdown: Breakdown,
         owner: Owner,
         goods: Goods,
+        held: Held,
         running: Running,
         out: list[Effect],
     ) -> None:
         self._breakdown = breakdown
-        self._goods = goods
+        self._goods, self._held = goods, held
         self._owner = owner
         self._running = running
         self._out = out
@@ -86,7 +99,9 @@ class MachineCommandHandling:
     def on_command(
         self, sender: str, command: MachineCommand, place_m: tuple[float, float], now_s: float
     ) -> None:
-        """Take a command; see `GrantedCommands.on_command`. What is about goods is granted for the place where they are."""
+        """Take a command; see `GrantedCommands.on_command`. What is about a load is granted for the place where that is, or was to go."""
+        if command.kind.is_about_held:
+            place_m = self._held.place_m(command.task) or place_m
         if command.kind.is_about_goods:
             place_m = self._goods.place_m(command.task) or place_m
         self._granted.on_command(sender, command, place_m, now_s)
@@ -118,6 +133,8 @@ class MachineCommandHandling:
             return self._goods.fetch(command.task, command.node, now_s)
         if kind is MachineCommandKind.WRITE_OFF:
             return self._goods.write_off(command.task, now_s)
+        if kind.is_about_held:
+            return self._held.obey(command, now_s)
         if kind is MachineCommandKind.TAKE_OUT:
             return self.service.take_out(command, by, now_s)
         if kind is MachineCommandKind.PUT_IN:

@@ -11,6 +11,7 @@ import { Term } from "../../story/Term";
 import { auctionOf, isWon, shownTask } from "./auction";
 import { BidLine } from "./BidLine";
 import { Carriers } from "./Carriers";
+import { LoadSeen } from "./LoadSeen";
 import { RefusalLine } from "./RefusalLine";
 import { taskTimes } from "./times";
 import { WatchBids } from "./WatchBids";
@@ -105,6 +106,7 @@ function Bids({ task }: { task: TaskView }) {
         {why}
         {task.trouble !== null && <span class="tone-warn"> {t("why.trouble", { reason: causeText(task.trouble) })}</span>}
       </p>
+      {task.trouble?.reason === "disputed" && <LoadSeen key={task.id} task={task.id} />}
       <ul class="bids">
         {bids.map((row) => (
           <BidLine key={row.bid.bidder} row={row} parts={parts} mostS={mostS} won={isWon(task)} />

@@ -32,6 +32,7 @@ from dray.messages import (
     Production,
     Refusal,
     Role,
+    StationHeartbeat,
     TaskBrief,
     Transport,
 )
@@ -134,8 +135,8 @@ class Tasks:
         self._mark(name)
         return True
 
-    def on_heartbeat(self, heartbeat: MachineHeartbeat) -> None:
-        """Take in what a machine says about its open tasks."""
+    def on_heartbeat(self, heartbeat: MachineHeartbeat | StationHeartbeat) -> None:
+        """Take in what a machine or a station says about its open tasks."""
         for brief in heartbeat.tasks:
             task = self._open.get(brief.task)
             if task is None:
@@ -264,7 +265,9 @@ class Tasks:
         add_carrier(task, won)
         return True
 
-    def _recovered(self, task: TaskView, brief: TaskBrief, heartbeat: MachineHeartbeat) -> None:
+    def _recovered(
+        self, task: TaskView, brief: TaskBrief, heartbeat: MachineHeartbeat | StationHeartbeat
+    ) -> None:
         """A coordinator that was away names a carrier that has accepted while it could not hear that."""
         if task.state != "bidding" or not brief.primary or brief.epoch < task.epoch:
             return

@@ -1,0 +1,116 @@
+"""What a person has seen of a load that was said to be there twice and not counted."""
+
+from __future__ import annotations
+
+from http import HTTPStatus
+from typing import Annotated
+
+from fastapi import APIRouter, Depends
+from pydantic import BaseModel, ConfigDict, Field
+
+from dray.gateway.access.audit_log import Noted
+from dray.gateway.access.caller import Caller
+from dray.gateway.access.gate import forbidden
+from dray.gateway.access.principal import Principal
+from dray.gateway.factory.commands import Commands
+from dray.gateway.http.problems import Problem, not_found
+from dray.gateway.http.provided import Provided
+from dray.gateway.http.request_bodies import json_only
+from dray.gateway.http.responses import Json, described, problems
+from dray.gateway.live.projection import Projection
+from dray.gateway.live.reasons import refusal_text
+from dray.gateway.live.views import TaskView
+from dray.gateway.routes.factory.atvs import CommandAnswer
+from dray.gateway.routes.parameters import Visible
+from dray.messages import MachineCommand, MachineCommandKind
+
+router = APIRouter(tags=["factory"])
+
+
+class LoadSeenRequest(BaseModel):
+    """What somebody has seen who has looked."""
+
+    model_config = ConfigDict(
+        extra="forbid", json_schema_extra={"examples": [{"there": False}, {"there": True}]}
+    )
+
+    there: Annotated[bool, Field(strict=True)]
+    """Whether the load is where it was to go."""
+    command: Annotated[str | None, Field(pattern=r"^[A-Za-z0-9._:-]{1,64}$")] = None
+    """A name for this word, by which the caller finds it in the stream. One that is sent again under its name is not given again."""
+
+
+@router.post(
+    "/tasks/{task}/load",
+    dependencies=[Depends(json_only)],
+    responses={
+        200: described(
+            CommandAnswer,
+            "The word of who coordinates the transport",
+            CommandAnswer("gateway.1-7", done=True),
+        ),
+        **problems(
+            p403="The load was to go to a place that is not in the caller's areas",
+            p404="There is no such transport",
+            p409="The name of the command was used for another one, or who coordinates the transport is shut out",
+            p503="Too many commands wait for an answer",
+            p504="Who coordinates the transport has not confirmed in time",
+        ),
+    },
+    response_class=Json,
+)
+async def load_seen(
+    commands: Provided[Commands],
+    projection: Provided[Projection],
+    caller: Caller,
+    visible: Visible,
+    note: Noted,
+    task: str,
+    seen: LoadSeenRequest,
+) -> Json:
+    """Say whether the load of a transport that is held (`trouble` is `disputed`) is there: it has been delivered then, or is given out anew."""
+    note.detail |= seen.model_dump(mode="json", exclude_none=True)
+    note.waits = True
+    view = projection.tasks.view(task)
+    if view is None or view.kind != "transport" or visible.task(view) is None:
+        raise not_found("task", task, "GET /api/tasks")
+    _area_rule(projection, caller, view)
+    place = view.coordinator
+    if place in projection.outsiders:
+        reason = f"nobody hears {place}; readmit it first"
+        raise Problem(HTTPStatus.CONFLICT, "shut-out", "Who coordinates it is shut out", reason)
+    said = MachineCommand(
+        command=seen.command or commands.new_name(),
+        kind=MachineCommandKind.LOAD_THERE if seen.there else MachineCommandKind.LOAD_MISSING,
+        task=task,
+        issued_by=caller.name,
+    )
+    answer = await commands.give(place, said, by=caller)
+    note.detail["command"] = answer.command
+    if not answer.done:
+        note.result, note.detail["reason"] = "refused", refusal_text(answer)
+    return Json(
+        CommandAnswer(
+            answer.command,
+            answer.done,
+            answer.reason,
+            visible.words(answer.detail),
+            visible.words(refusal_text(answer)),
+        )
+    )
+
+
+def _area_rule(projection: Projection, caller: Principal, view: TaskView) -> None:
+    """Who answers for the place where the load was to go has looked there, and nobody else.
+
+    Raises:
+        Problem: 403, it is elsewhere.
+    """
+    plant = projection.site.plant
+    if caller.areas is None:
+        return
+    known = plant.has_place(view.destination)
+    near = plant.areas_near(*plant.position_of(view.destination), 0.0) if known else ()
+    if caller.areas.isdisjoint(near):
+        areas = ", ".join(sorted(caller.areas)) or "none"
+        raise forbidden(f"{view.destination} is not in your areas ({areas})")

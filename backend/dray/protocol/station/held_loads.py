@@ -1,0 +1,111 @@
+"""People at a station: whom it calls to look for a load that was disputed twice, and whose word it takes about that.
+
+A station has no other commands. It begins to hear who is on duty when it calls somebody for the first time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import Any
+
+from dray.memory import CommandMemory
+from dray.messages import CommandRefusal, Grant, MachineCommand, Message
+from dray.plant import Plant
+from dray.protocol.calls.help_calls import HelpCalls
+from dray.protocol.people.command_authorisation import CommandAuthorisation
+from dray.protocol.people.granted_commands import GrantedCommands
+from dray.protocol.runtime.events import Effect
+from dray.protocol.runtime.timers import Timers
+from dray.protocol.transports.held import HeldTransports
+
+ONLY_LOADS = "a station takes a person's word about loads alone"
+"""What stands beside a refusal, for people."""
+
+
+class _Caller:
+    """A station as its calls see it."""
+
+    hears_all = True
+
+    def __init__(self, station: str, incarnation: int, plant: Plant) -> None:
+        self.id, self.incarnation, self._plant = station, incarnation, plant
+
+    @property
+    def place_m(self) -> tuple[float, float]:
+        return self._plant.position_of(self.id)
+
+
+class HeldLoads:
+    """For one station.
+
+    Args:
+        station: its id.
+        incarnation: of its agent.
+        plant: where areas and places are.
+        held: its transports that are held.
+        authority: whom it obeys.
+        timers: its alarms, as for `HelpCalls`.
+        out: where effects go.
+
+    Attributes:
+        message_handlers, alarms: for the agent's tables.
+    """
+
+    def __init__(
+        self,
+        station: str,
+        incarnation: int,
+        plant: Plant,
+        held: HeldTransports,
+        authority: CommandAuthorisation,
+        timers: Timers,
+        out: list[Effect],
+    ) -> None:
+        self._held = held
+        self._place_m = plant.position_of(station)
+        self._granted = GrantedCommands[MachineCommand](authority, self._try, _detail, out)
+        self._calls = HelpCalls(_Caller(station, incarnation, plant), plant, timers, out)
+        self._listens = False
+        self.message_handlers: dict[type[Message], Callable[[str, Any, float], None]] = {
+            **self._calls.message_handlers
+        }
+        self.alarms = self._calls.alarms
+
+    @property
+    def answered(self) -> tuple[CommandMemory, ...]:
+        """What the next life must know: words that it would obey if they came again."""
+        return self._granted.answered
+
+    def restore(self, answered: Iterable[CommandMemory]) -> None:
+        """Go on with what an earlier life was told."""
+        self._granted.restore(answered)
+
+    def on_command(self, sender: str, command: MachineCommand, now_s: float) -> None:
+        """Take a person's word; see `GrantedCommands.on_command`."""
+        self._granted.on_command(sender, command, self._held.place_m(command.task) or self._place_m, now_s)
+
+    def update_calls(self, now_s: float, *, expected: bool) -> None:
+        """Call somebody for each load that is to be looked for, and nobody longer than that.
+
+        Args:
+            now_s: the present time.
+            expected: False for a station that leaves: its next life calls.
+        """
+        held = self._held.names() if expected else ()
+        for goods in [each for each in self._calls.goods if each not in held]:
+            self._calls.close(now_s, goods=goods)
+        if not held:
+            return
+        if not self._listens:
+            self._listens = True
+            self._calls.listen()
+        self._held.call(self._calls, now_s)
+
+    def _try(self, command: MachineCommand, _grant: Grant, now_s: float) -> CommandRefusal | None:
+        if not command.kind.is_about_held:
+            return CommandRefusal.NOT_SUPPORTED
+        return self._held.obey(command, now_s)
+
+
+def _detail(_command: MachineCommand, refused: CommandRefusal) -> str:
+    return ONLY_LOADS if refused is CommandRefusal.NOT_SUPPORTED else ""

@@ -1,0 +1,93 @@
+"""Somebody who looks for loads that were said to be there twice and not counted.
+
+A simulated place counts all that is put down there. So whoever looks finds nothing, and says so (`LOAD_MISSING`). The looker takes part
+in a run only when a transport is held: a run without disputes is the same with and without one.
+"""
+
+from __future__ import annotations
+
+import asyncio
+
+from dray.adapters.security.signing import SigningKey
+from dray.messages import (
+    CommandAnswered,
+    MachineCommand,
+    MachineCommandKind,
+    MachineHeartbeat,
+    Message,
+    Reason,
+    StationHeartbeat,
+)
+from dray.ports import Bus, Clock, Session
+from dray_sim.people.answers import Answers
+
+NAME = "load-looker"
+"""On the bus, and the person in whose name it says what it has seen."""
+
+WALK_S = 60.0
+"""From the news to the place."""
+
+AGAIN_S = 5.0
+"""What is not answered is said again after this long."""
+
+GRANT_S = 60.0
+"""How long a word is good for."""
+
+
+class LoadLooker:
+    """Implements `dray_sim.network.listeners.Listener`.
+
+    Args:
+        bus: joined when the first transport is held.
+        clock: the plant's clock.
+        authority: grants what is said.
+
+    Attributes:
+        looked: transports that it has looked for, the oldest first.
+    """
+
+    def __init__(self, bus: Bus, clock: Clock, authority: SigningKey) -> None:
+        self._bus, self._clock, self._authority = bus, clock, authority
+        self._session: Session | None = None
+        self._answers = Answers()
+        self._held: dict[str, str] = {}
+        """Transports that somebody has to look for, and who coordinates each."""
+        self._news = asyncio.Event()
+        self.looked: list[str] = []
+
+    def on_message(self, _at_s: float, _sender: str, _address: str, message: Message) -> None:
+        """See `dray_sim.network.listeners.Listener`."""
+        if not isinstance(message, MachineHeartbeat | StationHeartbeat):
+            return
+        for brief in message.tasks:
+            if brief.trouble is Reason.DISPUTED:
+                place = message.machine if isinstance(message, MachineHeartbeat) else message.station
+                self._held[brief.task] = place
+                self._news.set()
+
+    async def run(self) -> None:
+        """Look for one load after the other, until cancelled."""
+        while True:
+            await self._news.wait()
+            self._news.clear()
+            await asyncio.sleep(WALK_S)
+            held, self._held = self._held, {}
+            for task, place in held.items():
+                await self._say(place, task)
+                self.looked.append(task)
+
+    async def _say(self, place: str, task: str) -> None:
+        if self._session is None:
+            self._session = self._bus.join(NAME, self._on_message)
+        name = f"{NAME}-{len(self.looked) + 1}"
+        word = MachineCommand(command=name, kind=MachineCommandKind.LOAD_MISSING, task=task, issued_by=NAME)
+        with self._answers.to(name) as answer:
+            while not answer.done():
+                until_s = self._clock.now_s() + GRANT_S
+                granted = self._authority.grant(place, word, person=NAME, areas=None, valid_until_s=until_s)
+                self._session.send(place, granted)
+                await asyncio.wait((answer,), timeout=AGAIN_S)
+
+    def _on_message(self, _sender: str, message: Message) -> None:
+        if isinstance(message, CommandAnswered):
+            self._answers.take(message)

@@ -1,0 +1,40 @@
+"""A load that was said to be there twice, in the manager's panel: the alert names its transport, whose card takes the word."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+import pytest
+from held_load import TASK, MachineThatWaits
+from manager_kit import GoingWall, as_manager
+from open_house import OpenHouse, open_house
+from playwright.sync_api import Page, expect
+
+from dray.messages import MachineCommandKind
+
+from gateway_kit import House  # isort: skip - its folder is on the path since `manager_kit` is
+
+OpenPage = Callable[..., Page]
+
+
+@pytest.fixture
+def house(sqlite_url: str) -> Iterator[OpenHouse]:
+    with open_house(sqlite_url, wall=GoingWall()) as house:
+        yield house
+
+
+def test_the_alert_leads_to_the_card_which_says_that_the_load_is_missing(
+    house: OpenHouse, open_page: OpenPage
+) -> None:
+    async def join(inside: House) -> MachineThatWaits:
+        return MachineThatWaits(inside, 0.0)
+
+    machine = house.do(join)
+    page = as_manager(house, open_page)
+    page.locator(".alerts-button").click()
+    row = page.locator("main > section").first.get_by_role("row").filter(has_text="twice said to be there")
+    row.get_by_role("button").first.click()
+    page.get_by_role("button", name="It is not there").click()
+    expect(page.locator(".load-seen")).to_have_count(0)
+    said = [(command.kind, command.task) for command in machine.heard]
+    assert said == [(MachineCommandKind.LOAD_MISSING, TASK)]

@@ -1,0 +1,151 @@
+"""A load that was said to be there twice and not counted: its alert, and who may say what they have seen."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from alerts_kit import the_alert
+from answers import problem
+from gateway_kit import House
+from heartbeats import events, machine_heartbeat, station_heartbeat
+from msgspec.structs import replace
+
+from dray.gateway.access.principal import Role as PersonRole
+from dray.gateway.live.projection import Projection
+from dray.messages import (
+    CommandAnswered,
+    CommandRefusal,
+    MachineCommand,
+    MachineCommandKind,
+    Message,
+    Reason,
+    Role,
+    TaskBrief,
+    Transport,
+)
+from dray.messages.fact import TaskOpened
+from dray.plant import load_plant
+
+pytestmark = pytest.mark.anyio
+
+FLOOR = load_plant("single-track")
+MACHINE, STATION = "M1", next(iter(FLOOR.storages))
+
+
+def area_of(place: str) -> str:
+    return min(FLOOR.areas_near(*FLOOR.position_of(place), 0.0))
+
+
+OTHER = next(area for area in FLOOR.areas if area not in {area_of(MACHINE), area_of(STATION)})
+
+
+def task_of(place: str) -> str:
+    return f"{place}-7"
+
+
+def path_of(place: str) -> str:
+    return f"/api/tasks/{task_of(place)}/load"
+
+
+def held(projection: Projection, place: str) -> None:
+    """A place waits for a person who looks for the housings that were to come."""
+    work = Transport(item="housing", quantity=24, sources=("S3",), destination=place, ability="tote")
+    opened = TaskOpened(
+        task=task_of(place),
+        epoch=1,
+        round=1,
+        role=Role.PRIMARY,
+        work=work,
+        radius_m=15.0,
+        deadline_s=400.0,
+        bids_until_s=2.0,
+    )
+    for event in events(place, opened, at_s=0.0):
+        projection.fold(event)
+    brief = TaskBrief(
+        task=task_of(place),
+        epoch=3,
+        item="housing",
+        quantity=24,
+        source="",
+        destination=place,
+        deadline_s=400.0,
+        trouble=Reason.DISPUTED,
+    )
+    if place == MACHINE:
+        projection.fold(machine_heartbeat(place, 1, tasks=(brief,)))
+    else:
+        projection.fold(replace(station_heartbeat(place, 1), tasks=(brief,)))
+
+
+def listening(
+    house: House, place: str, *, refusal: CommandRefusal | None = None
+) -> list[tuple[MachineCommandKind, str]]:
+    """A place takes part; the words that it will have heard."""
+    heard: list[tuple[MachineCommandKind, str]] = []
+
+    def receive(sender: str, message: Message) -> None:
+        if isinstance(message, MachineCommand):
+            assert message.grant is not None
+            heard.append((message.kind, message.task))
+            answer = CommandAnswered(command=message.command, done=refusal is None, reason=refusal)
+            house.bus.tell(place, sender, answer)
+
+    house.bus.join(place, receive)
+    held(house.projection, place)
+    return heard
+
+
+places = pytest.mark.parametrize("place", [MACHINE, STATION])
+
+
+@places
+def test_the_alert_names_the_transport_and_asks_for_somebody_who_looks(
+    projection: Projection, place: str
+) -> None:
+    held(projection, place)
+    alert = the_alert(projection)
+    assert (alert.kind, alert.agent, alert.task) == ("task_trouble", place, task_of(place))
+    assert alert.cause is not None
+    assert alert.cause.reason == "disputed"
+    assert alert.cause.text == "twice said to be there and not counted: somebody has to look"
+
+
+@places
+@pytest.mark.parametrize("there", [True, False])
+async def test_an_operator_of_the_place_says_what_is_there(house: House, place: str, there: bool) -> None:
+    heard = listening(house, place)
+    anna = await house.log_in("anna", PersonRole.OPERATOR, area_of(place))
+    answer = await anna.post(path_of(place), json={"there": there})
+    assert (answer.status_code, answer.json()["done"]) == (200, True)
+    kind = MachineCommandKind.LOAD_THERE if there else MachineCommandKind.LOAD_MISSING
+    assert heard == [(kind, task_of(place))]
+    [row] = await house.audit(action="load.see")
+    assert (row.who, row.target, row.result) == ("anna", task_of(place), "done")
+
+
+async def test_somebody_elsewhere_may_not_and_nothing_is_said(house: House) -> None:
+    heard = listening(house, MACHINE)
+    ben = await house.log_in("ben", PersonRole.OPERATOR, OTHER)
+    answer = await ben.post(path_of(MACHINE), json={"there": True})
+    assert answer.status_code in {403, 404}
+    assert heard == []
+
+
+async def test_what_the_place_refuses_is_told_with_its_reason(house: House) -> None:
+    listening(house, MACHINE, refusal=CommandRefusal.NOT_HELD)
+    said = (await house.client.post(path_of(MACHINE), json={"there": False})).json()
+    assert (said["done"], said["reason"]) == (False, "not_held")
+    assert said["text"] == "nobody has to look for the load of that transport"
+
+
+async def test_of_a_transport_that_nobody_knows_nothing_is_asked(house: House) -> None:
+    problem(await house.client.post("/api/tasks/M1-99/load", json={"there": True}), 404, "no-such-task")
+
+
+@pytest.mark.parametrize("body", [{}, {"there": "yes"}, {"there": True, "task": "M1-7"}])
+async def test_what_says_nothing_is_not_sent(house: House, body: dict[str, Any]) -> None:
+    heard = listening(house, MACHINE)
+    assert (await house.client.post(path_of(MACHINE), json=body)).status_code == 422
+    assert heard == []
