@@ -141,7 +141,7 @@ async def test_what_the_place_refuses_is_told_with_its_reason(house: House) -> N
 
 
 async def test_of_a_transport_that_nobody_knows_nothing_is_asked(house: House) -> None:
-    problem(await house.client.post("/api/tasks/M1-99/load", json={"there": True}), 404, "no-such-task")
+    problem(await house.client.post("/api/tasks/M1-99/load", json={"there": True}), 404, "unknown-task")
 
 
 @pytest.mark.parametrize("body", [{}, {"there": "yes"}, {"there": True, "task": "M1-7"}])
