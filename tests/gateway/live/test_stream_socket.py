@@ -243,6 +243,8 @@ async def test_a_browser_that_leaves_while_it_is_sent_to_leaves_nothing_behind(s
 async def test_one_browser_too_many_is_asked_to_come_later(still: House) -> None:
     async with opened(still), opened(still):
         refused = Socket(still)
+        # Browsers hide the status of a refused handshake: the socket opens, and its close says why.
+        assert (await refused.from_app.get())["type"] == "websocket.accept"
         message = await refused.from_app.get()
         assert (message["type"], message["code"]) == ("websocket.close", TRY_LATER)
         await refused.served

@@ -172,8 +172,8 @@ def test_no_text_is_too_odd_to_be_read(text: str) -> None:
 # --- over REST -----------------------------------------------------------------------------------
 
 
-async def send(house: House, text: str, *, dry_run: bool = False, key: str = "") -> Any:
-    headers = {"Idempotency-Key": key} if key else {}
+async def send(house: House, text: str, *, dry_run: bool = False, key: str = "", **headers: str) -> Any:
+    headers |= {"Idempotency-Key": key} if key else {}
     body = {"csv": text, "dry_run": dry_run}
     return await house.client.post("/api/orders/import", json=body, headers=headers)
 
@@ -250,7 +250,9 @@ async def test_a_file_is_read_beside_the_loop_and_only_so_many_wait_for_it(
 
     monkeypatch.setattr(imports_module, "read_orders", held)
     async with asyncio.TaskGroup() as group:
-        reading = [group.create_task(send(house, GOOD, dry_run=True)) for _ in range(WAITING)]
+        # One caller has only some of them read at a time (`test_shares.py`).
+        keys = [(await house.key(Scope.ORDERS_WRITE))[1] for _ in range(WAITING)]
+        reading = [group.create_task(send(house, GOOD, dry_run=True, **key)) for key in keys]
         await asyncio.to_thread(begun.wait)
         # The loop answers meanwhile: also whoever comes with one file too many.
         problem(await send(house, GOOD, dry_run=True), 503, "too-many-files")

@@ -18,8 +18,8 @@ from dray.gateway.http.shares import Shares
 T = TypeVar("T")
 Ts = TypeVarTuple("Ts")
 
-WAITING = 8
-"""Pieces that are done or wait for their turn: a second of work. A plant imports a file now and then."""
+WAITING = 12
+"""Pieces that are done or wait for their turn: one or two seconds of work. A plant imports a file now and then."""
 
 AGAIN_S = 5
 """When to try again: a second of work has long been done then."""

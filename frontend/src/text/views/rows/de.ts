@@ -151,6 +151,7 @@ export const rows: Catalogue<typeof en> = {
   "problem.too-many-drafts": "Es gibt zu viele Entwürfe. Einen entfernen.",
   "problem.too-many-faults": "Zu viele Störungen sind im Gang. Einige beenden.",
   "problem.too-many-files": "Gerade werden zu viele Dateien gelesen. In einigen Sekunden noch einmal versuchen.",
+  "problem.too-many-links": "Zur Seite dieses Auftrags führen so viele Links, wie es sein dürfen. Einen davon benutzen oder alle zurücknehmen.",
   "problem.too-many-orders": "Zu viele Aufträge sind offen. Einige stornieren oder später noch einmal versuchen.",
   "problem.too-many-schedules": "Es gibt zu viel wiederkehrende Arbeit. Etwas entfernen.",
   "problem.too-many-shut-out": "Zu viele sind ausgesperrt. Einige wieder zulassen.",

@@ -148,6 +148,7 @@ export const rows = {
   "problem.too-many-drafts": "There are too many drafts. Remove one.",
   "problem.too-many-faults": "Too many faults are at work. End some.",
   "problem.too-many-files": "Too many files are being read at this moment. Try again in some seconds.",
+  "problem.too-many-links": "As many links lead to the page of this order as may be. Use one of them, or take all back.",
   "problem.too-many-orders": "Too many orders are open. Cancel some, or try again later.",
   "problem.too-many-schedules": "There is too much recurring work. Remove some.",
   "problem.too-many-shut-out": "Too many are shut out. Readmit some.",

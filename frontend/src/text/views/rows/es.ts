@@ -151,6 +151,7 @@ export const rows: Catalogue<typeof en> = {
   "problem.too-many-drafts": "Hay demasiados borradores. Quite uno.",
   "problem.too-many-faults": "Hay demasiados fallos en curso. Termine algunos.",
   "problem.too-many-files": "Se leen demasiados archivos en este momento. Inténtelo de nuevo en unos segundos.",
+  "problem.too-many-links": "A la página de este pedido llevan tantos enlaces como puede haber. Use uno de ellos o retírelos todos.",
   "problem.too-many-orders": "Hay demasiados pedidos abiertos. Anule algunos o inténtelo más tarde.",
   "problem.too-many-schedules": "Hay demasiado trabajo periódico. Quite algo.",
   "problem.too-many-shut-out": "Hay demasiados excluidos. Readmita algunos.",
