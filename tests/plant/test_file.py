@@ -31,6 +31,16 @@ def test_a_wrong_shape_is_named_by_line_and_field(small_text: str) -> None:
     assert str(error_of(text)) == "plant.yaml:41: machines[0].makes[0].cycle_s: expected `float`, got `str`"
 
 
+@pytest.mark.parametrize("turns", ["\u202e", "\u2066", "\x07"])
+def test_a_name_that_reads_as_another_one_is_refused(small_text: str, turns: str) -> None:
+    line = next(each for each in small_text.splitlines() if each.strip().startswith(("name:", "- name:")))
+    name = line.partition("name: ")[2]
+    escaped = turns.encode("unicode_escape").decode()
+    error = error_of(small_text.replace(f"name: {name}", f'name: "Hall{escaped}A"', 1))
+    assert error.field.endswith("name")
+    assert "holds a character that cannot be seen or turns text round" in error.reason
+
+
 def test_a_missing_field_is_named_by_the_line_of_its_entry(small_text: str) -> None:
     text = small_text.replace("    station: WS1\n", "")
     assert str(error_of(text)) == "plant.yaml:36: machines[0]: `station` is missing: add it"

@@ -11,6 +11,8 @@ from sqlalchemy import inspect, text
 
 from dray.errors import UnavailableError
 from dray.store import Store, downgrade, open_store, upgrade
+from dray.store.access.api_keys import ApiKey
+from dray.store.access.digest import digest
 from dray.store.database.migrate import configuration, migrations_folder
 from dray.store.history.events import EventFilter
 from dray.store.orders.tracking_links import Link
@@ -74,6 +76,34 @@ async def test_down_to_an_older_dray_and_up_again_keeps_orders_and_history(
         assert await work.links.find(order().token) == Link("O-1", order().created_at_s)
 
 
+async def test_keys_of_an_older_dray_keep_working_and_get_bounds(store: Store) -> None:
+    await downgrade(store.database, "0034")
+    async with store.database.write() as connection:
+        for name, place in (("wide", ""), ("button", "M8")):
+            await connection.execute(
+                text(
+                    "INSERT INTO api_keys (id, name, token_hash, scopes, created_at_s, place)"
+                    f" VALUES ('{name}', '{name}', '{digest(name)}', 'transports:call', 1.0, '{place}')"
+                )
+            )
+    await upgrade(store.database)
+    async with store.read() as work:
+        wide, button = await work.api_keys.find("wide"), await work.api_keys.find("button")
+    assert wide is not None
+    assert button is not None
+    assert (wide.places, wide.open_max, wide.open_each_max, wide.priority) == ("", 500, 200, "urgent")
+    assert (button.places, button.open_max, button.open_each_max, button.priority) == ("M8", 50, 20, "urgent")
+    async with store.write() as work:
+        await work.api_keys.add(
+            "cell", ApiKey(id="cell", name="cell", scopes="transports:call", created_at_s=2.0, places="M8 M9")
+        )
+    await downgrade(store.database, "0034")
+    async with store.database.read() as connection:
+        rows = await connection.execute(text("SELECT id, place FROM api_keys ORDER BY id"))
+    assert [tuple(row) for row in rows] == [("button", "M8"), ("cell", "M8"), ("wide", "")]
+    await upgrade(store.database)
+
+
 async def test_a_database_of_a_newer_dray_is_left_alone(store: Store, url: str) -> None:
     async with store.database.write() as connection:
         await connection.execute(text("UPDATE alembic_version SET version_num = '9999'"))
@@ -83,4 +113,4 @@ async def test_a_database_of_a_newer_dray_is_left_alone(store: Store, url: str) 
 
 def test_the_migrations_are_found_and_have_one_head() -> None:
     assert (migrations_folder() / "env.py").is_file()
-    assert ScriptDirectory.from_config(configuration()).get_current_head() == "0034"
+    assert ScriptDirectory.from_config(configuration()).get_current_head() == "0036"

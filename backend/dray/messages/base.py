@@ -55,9 +55,18 @@ Radians = Annotated[float, Meta(ge=-HEADING_MAX_RAD, le=HEADING_MAX_RAD)]
 Fraction = Annotated[float, Meta(ge=0.0, le=1.0)]
 
 
+_TURNING = dict.fromkeys((*range(0x202A, 0x202F), *range(0x2066, 0x206A)), "\ufffd")
+"""Characters that turn the direction of the text behind them (Unicode, TR9)."""
+
+
 def encodable(text: str) -> str:
-    """Text from outside that can be written as UTF-8: a lone surrogate, which JSON and YAML can hold, becomes U+FFFD."""
-    return text if text.isascii() else text.encode("utf-16", "surrogatepass").decode("utf-16", "replace")
+    """Text from outside that can be written as UTF-8, and reads as it is written.
+
+    A lone surrogate, which JSON and YAML can hold, becomes U+FFFD, and so does what makes text read in another order.
+    """
+    if text.isascii():
+        return text
+    return text.encode("utf-16", "surrogatepass").decode("utf-16", "replace").translate(_TURNING)
 
 
 CLOCKS_AGREE_S = 1.0

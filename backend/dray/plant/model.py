@@ -34,7 +34,11 @@ Positive = Annotated[float, Meta(gt=0)]
 NotNegative = Annotated[float, Meta(ge=0)]
 Fraction = Annotated[float, Meta(ge=0, le=1)]
 Count = Annotated[int, Meta(ge=1, le=100_000)]
-Name = Annotated[str, Meta(min_length=1, max_length=80)]
+Name = Annotated[
+    str,
+    Meta(min_length=1, max_length=80, pattern=r"^[^\x00-\x1f\x7f\u202a-\u202e\u2066-\u2069]*(?!\n)$"),
+]
+"""For people: without what cannot be seen, and what makes text read in another order, as U+202E does."""
 
 
 class Item(msgspec.Struct, frozen=True, forbid_unknown_fields=True):

@@ -74,6 +74,7 @@ orders = Table(
     Column("priority", String(8), nullable=False, server_default="normal"),
     Column("wanted_at_s", Double),
     Column("search", Text, nullable=False, server_default=""),
+    Column("caller", String(200), nullable=False, server_default=""),
     CheckConstraint(
         "status IN ('stored', 'released', 'in_production', 'in_delivery', 'delivered', 'cancelled')",
         name="status",
@@ -331,8 +332,11 @@ api_keys = Table(
     Column("scopes", Text, nullable=False),
     Column("created_at_s", Double, nullable=False),
     *(Column(name, Double) for name in ("expires_at_s", "revoked_at_s", "used_at_s")),
-    # Where alone it calls for transports; empty for everywhere.
-    Column("place", Id, nullable=False, server_default=""),
+    # Which transports it may call for; names with spaces between them, empty for all.
+    *(Column(name, Text, nullable=False, server_default="") for name in ("places", "items")),
+    Column("open_max", Integer, nullable=False, server_default="50"),
+    Column("open_each_max", Integer, nullable=False, server_default="20"),
+    Column("priority", String(8), nullable=False, server_default="normal"),
     UniqueConstraint("token_hash"),
     comment="Keys of other systems. scopes: their names, with spaces between them.",
 )

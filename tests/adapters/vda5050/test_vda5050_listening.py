@@ -316,10 +316,10 @@ def fatal(words: str) -> list[dict[str, str]]:
 def test_words_that_nobody_can_encode_and_whole_pages_are_told_all_the_same() -> None:
     rig = Rig()
     rig.run(1.0)
-    rig.give("state", state_of(rig, errors=fatal("jammed \ud800 at the lift " + "x" * 2000)))
+    rig.give("state", state_of(rig, errors=fatal("jammed \ud800 at\u202e the\u2069 lift " + "x" * 2000)))
     rig.run(0.1)
     [reason] = rig.problems()
-    assert "jammed \ufffd at the lift" in reason
+    assert "jammed \ufffd at\ufffd the\ufffd lift" in reason
     assert reason.endswith("x…")
     assert len(reason) == WORDS_MAX
     assert rig.body.sense().problem == reason

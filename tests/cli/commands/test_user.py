@@ -15,8 +15,10 @@ from argon2 import PasswordHasher
 from variants import later, variants
 
 from dray.adapters.security.signing import TrustedKeys
+from dray.cli.commands.administration import key as key_command
 from dray.gateway.access.login.hasher import Hasher
 from dray.gateway.access.login.login import BADGE_SALT
+from dray.gateway.routes.keys import KEY_OPEN_MOST, NAMES_MAX
 from dray.store import Work, open_store
 from dray.store.access.audit import AuditFilter
 from dray.store.access.login_links import LoginLink
@@ -266,9 +268,35 @@ def test_a_key_is_printed_once_listed_and_taken_back(dray: Run, database: str) -
     ]
 
 
+def test_a_key_that_calls_is_made_with_limits_and_listed_with_them(dray: Run, database: str) -> None:
+    calls = ("--scope", "transports:call")
+    limits = ("--place", "M8", "--place", "M9", "--item", "shaft", "--open", "4", "--open-each", "2")
+    code, out, err = dray("key", "create", "Cell", *calls, *limits, "--priority", "high")
+    assert code == 0, err
+    key = look(database, lambda work: work.api_keys.find(out.strip()))
+    assert key is not None
+    assert (key.places, key.items, key.open_max, key.open_each_max) == ("M8 M9", "shaft", 4, 2)
+    assert key.priority == "high"
+    assert "(4 open, 2 for a place, high at the highest, at M8 M9, of shaft)" in dray("key", "list")[1]
+    token = dray("key", "create", "WMS", *calls)[1].strip()
+    usual = look(database, lambda work: work.api_keys.find(token))
+    assert usual is not None
+    assert (usual.places, usual.open_max, usual.open_each_max, usual.priority) == ("", 50, 20, "normal")
+
+
+def test_the_command_and_the_gateway_have_the_same_bounds_of_a_key() -> None:
+    assert (key_command.OPEN_MOST, key_command.NAMES_MAX) == (KEY_OPEN_MOST, NAMES_MAX)
+
+
 @pytest.mark.parametrize(
     ("args", "told"),
     [
+        (("create", "ERP", "--scope", "orders:read", "--open", "5"), "--open"),
+        (("create", "ERP", "--scope", "transports:call", "--place", "M 8"), "--place"),
+        (("create", "ERP", "--scope", "transports:call", "--item", ""), "--item"),
+        (("create", "ERP", "--scope", "transports:call", "--open", "5", "--open-each", "6"), "together, 5"),
+        (("create", "ERP", "--scope", "transports:call", "--priority", "now"), "urgent"),
+        (("create", "ERP", "--scope", "transports:call", "--open", "1251"), "1250"),
         (("create", "ERP", "--scope", "orders:eat"), "orders:read"),
         (("create", " ", "--scope", "orders:read"), "characters"),
         (("create", "ERP"), "--scope"),

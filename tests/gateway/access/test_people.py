@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from typing import Any
+
+import msgspec
 import pytest
 from answers import problem
 from fake_bus import PLANT
@@ -128,17 +131,51 @@ async def test_a_key_is_shown_once_works_and_is_taken_back(house: House) -> None
     assert token not in str(await house.audit())
 
 
-async def test_a_call_button_has_a_place_of_the_plant_and_nothing_else(house: House) -> None:
-    boss, machine = await house.log_in("boss"), PLANT.machines[0].id
-    button = {"name": "Button", "scopes": [Scope.TRANSPORTS_CALL.value], "place": machine}
-    assert (await boss.post("/api/keys", json=button)).json()["key"]["place"] == machine
-    for change, code in (
-        ({"place": "NOWHERE"}, "place_unknown"),
-        ({"scopes": ["orders:read"]}, "place_alone"),
-        ({"scopes": [], "place": ""}, "scope_needed"),
-    ):
-        body = problem(await boss.post("/api/keys", json=button | change), 422, "unusable-fields")
-        assert [each["code"] for each in body["errors"]] == [code]
+BUTTON = {"name": "Button", "scopes": [Scope.TRANSPORTS_CALL.value]}
+
+
+async def test_a_key_that_calls_has_limits_and_is_listed_with_them(house: House) -> None:
+    boss, machines = await house.log_in("boss"), [each.id for each in PLANT.machines[:2]]
+    limits = {"places": machines, "items": ["shaft"], "open_max": 4, "open_each_max": 2, "priority": "high"}
+    made = await boss.post("/api/keys", json=BUTTON | limits)
+    assert made.status_code == 201, made.text
+    [listed] = (await boss.get("/api/keys")).json()["items"]
+    assert {name: listed[name] for name in limits} == limits
+    line = next(each for each in await house.audit() if each.action == "key.create")
+    detail = msgspec.json.decode(msgspec.json.encode(line.detail))
+    assert (detail["places"], detail["open"], detail["priority"]) == (machines, 4, "high")
+
+
+async def test_a_key_for_which_nothing_is_said_is_bounded_and_not_urgent(house: House) -> None:
+    boss = await house.log_in("boss")
+    key = (await boss.post("/api/keys", json=BUTTON)).json()["key"]
+    assert (key["open_max"], key["open_each_max"], key["priority"]) == (50, 20, "normal")
+    key = (await boss.post("/api/keys", json=BUTTON | {"open_max": 3})).json()["key"]
+    assert (key["open_max"], key["open_each_max"]) == (3, 3)
+
+
+@pytest.mark.parametrize(
+    ("change", "field", "code"),
+    [
+        ({"places": ["M1", "NOWHERE"]}, "places[1]", "place_unknown"),
+        ({"items": ["nothing"]}, "items[0]", "material_unknown"),
+        ({"open_max": 5, "open_each_max": 6}, "open_each_max", "bound_above_all"),
+        ({"open_each_max": 51}, "open_each_max", "bound_above_all"),
+        ({"open_max": 0}, "open_max", "at_least"),
+        ({"open_max": 1251}, "open_max", "at_most"),
+        ({"priority": "at once"}, "priority", "one_of"),
+        ({"scopes": ["orders:read"], "places": ["M1"]}, "places", "calls_only"),
+        ({"scopes": ["orders:read"], "priority": "urgent"}, "priority", "calls_only"),
+        ({"scopes": []}, "scopes", "scope_needed"),
+    ],
+)
+async def test_limits_that_cannot_be_are_refused(
+    house: House, change: dict[str, Any], field: str, code: str
+) -> None:
+    boss = await house.log_in("boss")
+    body = problem(await boss.post("/api/keys", json=BUTTON | change), 422, "unusable-fields")
+    assert [(each["field"], each["code"]) for each in body["errors"]] == [(field, code)]
+    assert (await boss.get("/api/keys")).json()["items"] == []
 
 
 async def test_nobody_gives_away_what_they_may_not_do_themselves(house: House) -> None:

@@ -117,7 +117,22 @@ async def test_a_product_is_named_by_an_id(house: House, product: Any) -> None:
 
 @pytest.mark.parametrize(
     "customer",
-    ["", "   ", "\t", "a\nb", "a\u0000b", "a\u007f", "x" * 201, "\ud800", 5, None, [], MISSING],
+    [
+        "",
+        "   ",
+        "\t",
+        "a\nb",
+        "a\u0000b",
+        "a\u007f",
+        "a\u202eb",
+        "\u2066a",
+        "x" * 201,
+        "\ud800",
+        5,
+        None,
+        [],
+        MISSING,
+    ],
     ids=repr,
 )
 async def test_a_customer_has_a_name_of_one_line(house: House, customer: Any) -> None:

@@ -9,15 +9,21 @@ from contextlib import asynccontextmanager
 from typing import Any
 
 import pytest
-from gateway_kit import BEARER, House, draft, gateway
-from heartbeats import atv_heartbeat
+from gateway_kit import BEARER, PRODUCT, House, draft, gateway
+from heartbeats import atv_heartbeat, events
+from makings import ANY
+from msgspec.structs import replace
 from wall_clock import NOW_S
 
 from dray.gateway.access.gate import COOKIE
 from dray.gateway.access.principal import ADMIN, Principal, Role, Scope
 from dray.gateway.live.stream import Hub
+from dray.gateway.live.stream_scopes import FactoryScope
+from dray.gateway.live.visibility import FactoryVisibility
 from dray.gateway.routes.stream import INCOMING_MESSAGES, POLICY, TRY_LATER
-from dray.messages import Pose
+from dray.messages import Pose, Production
+from dray.messages import Role as Part
+from dray.messages.fact import GoalLost, TaskOpened
 
 PATIENCE_S = 60.0
 
@@ -148,6 +154,45 @@ async def test_whoever_may_not_read_orders_sees_the_factory_and_nothing_of_its_o
         assert words not in "".join(frames)
 
 
+async def test_no_name_in_the_stream_tells_of_an_order_who_may_not_read_them(still: House) -> None:
+    """A goal has its order's name in its own: as a task, at its machine, in news, and when it is gone."""
+    order, goal = "O-1M9K3X2A4-K7QM", "O-1M9K3X2A4-K7QM-1.1"
+    hub, projection = still.hub, still.projection
+    client = hub.join(Principal(kind="key", id="k", name="Display", scopes=frozenset({Scope.FACTORY_READ})))
+    assert client is not None
+    frames = [await client.next_frame()]
+    work = Production(PRODUCT, 5, order, 0, ANY)
+    opened = TaskOpened(goal, 1, Part.PRIMARY, 1, work, 0.0, 900.0, 2.0)
+    lost = GoalLost(goal, "M1", 0, f"{order}-1.2")
+    for event in events("strategist", opened, lost):
+        still.bus.say(event)
+    hub.tick()
+    frames.append(await client.next_frame())
+    told = json.loads(frames[-1])
+    [task], [news] = told["tasks"], told["news"]
+    assert task["id"].startswith("goal-")
+    assert (news["id"], news["goal"]) == (f"lost-{task['id']}", task["id"])
+    assert news["successor"] not in ("", task["id"])
+    assert FactoryScope(projection, FactoryVisibility(projection.site)).delta(
+        replace(projection.delta(1, NOW_S, None), gone=(f"task:{goal}", f"news:lost-{goal}", "atv:ATV1"))
+    ).gone == (f"task:{task['id']}", f"news:lost-{task['id']}", "atv:ATV1")
+    assert "O-1M9K3X2A4" not in "".join(frames)
+    _, header = await still.key(Scope.FACTORY_READ)
+    display = still.visitor(**header)
+    assert (await display.get(f"/api/tasks/{task['id']}")).json()["id"] == task["id"]
+    assert (await display.get(f"/api/tasks/{goal}")).status_code == 404
+    assert "O-1M9K3X2A4" not in (await display.get("/api/tasks")).text
+    assert (await still.client.get(f"/api/tasks/{goal}")).json()["order"] == order
+    await still.historian.written()
+    kept = (await still.get("/api/tasks/history"))["items"]
+    assert [(each["id"], each["order"]) for each in kept] == [(goal, order)]
+    [record] = (await display.get("/api/tasks/history")).json()["items"]
+    assert (record["id"], record["order"], record["reference"]) == (task["id"], "", None)
+    assert "O-1M9K3X2A4" not in (await display.get("/api/tasks/history", params={"format": "csv"})).text
+    asked = await display.get("/api/tasks/history", params={"order": order})
+    assert asked.status_code == 403
+
+
 async def test_one_caller_has_so_many_streams_and_leaves_places_to_others(still: House) -> None:
     projection = still.projection
     hub = Hub(
@@ -243,6 +288,8 @@ async def test_a_browser_that_leaves_while_it_is_sent_to_leaves_nothing_behind(s
 async def test_one_browser_too_many_is_asked_to_come_later(still: House) -> None:
     async with opened(still), opened(still):
         refused = Socket(still)
+        # Browsers hide the status of a refused handshake: the socket opens, and its close says why.
+        assert (await refused.from_app.get())["type"] == "websocket.accept"
         message = await refused.from_app.get()
         assert (message["type"], message["code"]) == ("websocket.close", TRY_LATER)
         await refused.served

@@ -7,6 +7,7 @@ from typing import Any
 
 import httpx
 import pytest
+from answers import problem
 from gateway_kit import NOW_S, House
 
 from dray.gateway.access.principal import Scope
@@ -35,14 +36,26 @@ async def pressed(house: House, token: str, page: str, way: str) -> httpx.Respon
 
 
 async def test_a_key_of_a_place_calls_for_that_place_only(house: House) -> None:
-    _, header = await key_of(house, Scope.TRANSPORTS_CALL, place="M8")
+    _, header = await key_of(house, Scope.TRANSPORTS_CALL, places="M8")
     visitor = house.visitor(**header)
     brought = await visitor.post(PATH, json={"to": "M8", "item": "shaft", "quantity": 40})
     assert brought.status_code == 201, brought.text
-    elsewhere = await visitor.post(PATH, json={"from": "S3", "to": "M7", "item": "shaft", "quantity": 40})
-    assert elsewhere.status_code == 422
-    reasons = [error["reason"] for error in elsewhere.json()["errors"]]
-    assert "this key calls for M8 only: it must be one of both places" in reasons
+    elsewhere = await visitor.post(PATH, json={"from": "S3", "to": "M9", "item": "shaft", "quantity": 40})
+    told = problem(elsewhere, 403, "beyond-key")
+    assert [(error["field"], error["reason"]) for error in told["errors"]] == [
+        ("to", "this key calls for M8 only: it must be one of both places")
+    ]
+
+
+async def test_the_page_shows_what_its_key_calls_for_and_says_when_it_has_called_enough(house: House) -> None:
+    token, header = await key_of(house, Scope.TRANSPORTS_CALL, places="M8", items="shaft", open_max=1)
+    assert set(re.findall(r"[?]item=(\w+)", (await opened(house, token)).text)) == {"shaft"}
+    page = (await opened(house, token, item="shaft")).text
+    assert (await pressed(house, token, page, "bring")).status_code == 303
+    second = await pressed(house, token, (await opened(house, token, item="shaft")).text, "bring")
+    assert second.status_code == 422
+    assert "1 calls of this key may be open at once, and are" in second.text
+    assert len((await house.visitor(**header).get(PATH)).json()["items"]) == 1
 
 
 @pytest.mark.parametrize(("named", "other"), [("to", "from"), ("from", "to")])
@@ -66,7 +79,7 @@ async def test_one_place_must_be_named(house: House) -> None:
 
 
 async def test_two_touches_without_a_script_call_once_and_the_page_tells_how_far_it_is(house: House) -> None:
-    token, _ = await key_of(house, Scope.TRANSPORTS_CALL, place="M8", expires_at_s=NOW_S + 86_400.0)
+    token, _ = await key_of(house, Scope.TRANSPORTS_CALL, places="M8", expires_at_s=NOW_S + 86_400.0)
     first = await opened(house, token)
     assert first.status_code == 200
     assert "M8" in first.text
@@ -90,7 +103,7 @@ async def test_two_touches_without_a_script_call_once_and_the_page_tells_how_far
 
 
 async def test_what_is_taken_away_begins_at_the_place(house: House) -> None:
-    token, header = await key_of(house, Scope.TRANSPORTS_CALL, place="M8")
+    token, header = await key_of(house, Scope.TRANSPORTS_CALL, places="M8")
     page = (await opened(house, token, item="shaft")).text
     await pressed(house, token, page, "take")
     [row] = (await house.visitor(**header).get(PATH)).json()["items"]
@@ -108,7 +121,7 @@ async def test_what_is_taken_away_begins_at_the_place(house: House) -> None:
 async def test_no_key_that_may_do_more_opens_a_page(
     house: House, scopes: tuple[Scope, ...], place: str
 ) -> None:
-    token, _ = await key_of(house, *scopes, place=place)
+    token, _ = await key_of(house, *scopes, places=place)
     assert (await opened(house, token)).status_code == 404
     answer = await house.visitor().post(
         f"/call/{token}", data={"item": "shaft", "quantity": "40", "way": "bring"}
@@ -118,13 +131,13 @@ async def test_no_key_that_may_do_more_opens_a_page(
 
 
 async def test_the_administrators_token_and_a_key_that_was_taken_back_open_none(house: House) -> None:
-    token, _ = await key_of(house, Scope.TRANSPORTS_CALL, place="M8", revoked_at_s=NOW_S - 1.0)
+    token, _ = await key_of(house, Scope.TRANSPORTS_CALL, places="M8", revoked_at_s=NOW_S - 1.0)
     assert (await opened(house, token)).status_code == 404
     assert (await opened(house, "no-key-at-all")).status_code == 404
 
 
 async def test_a_form_that_means_nothing_is_refused_in_words_and_does_nothing(house: House) -> None:
-    token, _ = await key_of(house, Scope.TRANSPORTS_CALL, place="M8")
+    token, _ = await key_of(house, Scope.TRANSPORTS_CALL, places="M8")
     for data in ({"item": "gold", "quantity": "4"}, {"item": "shaft", "quantity": "-1"}, {"way": "bring"}):
         answer = await house.visitor().post(f"/call/{token}", data=data)
         assert answer.status_code == 422

@@ -18,7 +18,9 @@ from hypothesis import strategies as st
 from dray.gateway.access.principal import Scope
 from dray.gateway.http import csv_rows
 from dray.gateway.http.csv_rows import MAX_ROWS
-from dray.gateway.http.side_work import WAITING
+from dray.gateway.http.provided import provided
+from dray.gateway.http.shares import PARTS, Shares
+from dray.gateway.http.side_work import WAITING, SideWork
 from dray.gateway.orders.csv_import import COLUMNS, read_orders
 from dray.gateway.routes.orders import imports as imports_module
 
@@ -249,6 +251,9 @@ async def test_a_file_is_read_beside_the_loop_and_only_so_many_wait_for_it(
         return read_orders(text)
 
     monkeypatch.setattr(imports_module, "read_orders", held)
+    # Here one caller may have all of them; its share is a claim of `test_shares.py`.
+    all_of_it = Shares(PARTS * WAITING, "files", again_s=1)
+    monkeypatch.setattr(provided(house.app, SideWork), "_shares", all_of_it)
     async with asyncio.TaskGroup() as group:
         reading = [group.create_task(send(house, GOOD, dry_run=True)) for _ in range(WAITING)]
         await asyncio.to_thread(begun.wait)

@@ -12,6 +12,7 @@ from gateway_kit import OTHER_PRODUCT, PRODUCT, House, draft, gateway
 from heartbeats import events
 from wall_clock import NOW_S, Wall
 
+from dray.gateway.access.principal import Scope
 from dray.messages import OrderCancelled, OrderReleased, OrderTaken
 from dray.messages.fact import GoalContracted, GoodsDelivered, OrderAccepted, OrderDropped, PieceMade
 from dray.plant.model import PlantFile
@@ -259,12 +260,17 @@ async def test_an_order_may_have_no_due_time_and_then_a_shift(house: House) -> N
 async def test_more_orders_than_can_be_open_are_refused_until_one_has_ended(
     house: House, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("dray.gateway.orders.placement.MAX_OPEN_ORDERS", 1)
+    monkeypatch.setattr("dray.gateway.orders.placement.MAX_OPEN_ORDERS", 2)
     order = await house.place()
+    _, other = await house.key(Scope.ORDERS_WRITE)
+    assert (await house.client.post("/api/orders", json=draft(), headers=other)).status_code == 201
+    await house.client.post(f"/api/orders/{order['id']}/cancel")
+    _, third = await house.key(Scope.ORDERS_WRITE)
+    last = await house.client.post("/api/orders", json=draft(), headers=third)
     response = await house.client.post("/api/orders", json=draft())
     problem(response, 503, "too-many-orders")
     assert int(response.headers["retry-after"]) > 0
-    await house.client.post(f"/api/orders/{order['id']}/cancel")
+    await house.client.post(f"/api/orders/{last.json()['id']}/cancel")
     await house.place()
 
 

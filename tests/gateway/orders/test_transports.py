@@ -216,7 +216,7 @@ async def test_a_key_may_call_and_nothing_else_and_sees_its_own(house: House) ->
 
 @pytest.mark.parametrize("place", ["", "M8"])
 async def test_a_call_button_is_refused_everywhere_else(house: House, place: str) -> None:
-    _, button = await house.key(Scope.TRANSPORTS_CALL, **({"place": place} if place else {}))
+    _, button = await house.key(Scope.TRANSPORTS_CALL, **({"places": place} if place else {}))
     visitor = house.visitor(**button)
     refused = {}
     for (method, route), rule in RULES.items():

@@ -206,3 +206,29 @@ async def test_a_head_request_is_answered_like_the_page(house: House) -> None:
     assert answer.headers["etag"] == (await house.client.get(story.path)).headers["etag"]
     assert (await house.client.head("/track/guess")).status_code == 404
     problem(await house.client.post(story.path), 405, "method-not-allowed")
+
+
+async def test_an_order_has_only_so_many_links_and_those_that_ended_do_not_pile_up(
+    house: House, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("dray.store.orders.tracking_links.WORKING_MAX", 3)
+    monkeypatch.setattr("dray.store.orders.tracking_links.ENDED_KEPT", 4)
+    order = (await house.place())["id"]
+    path = f"/api/orders/{order}/links"
+    for _ in range(2):
+        assert (await house.client.post(path, json={})).status_code == 201
+    told = problem(await house.client.post(path, json={}), 409, "too-many-links")
+    assert f"DELETE {path}" in told["detail"]
+    for _ in range(3):
+        assert (await house.client.delete(path)).status_code == 200
+        house.wall.now_s += 1.0
+        answers = [await house.client.post(path, json={"days": 1}) for _ in range(3)]
+        assert [each.status_code for each in answers] == [201] * 3
+    house.wall.now_s += 86_400.0
+    newest = await house.client.post(path, json={})
+    assert newest.status_code == 201, "what has run out counts no more"
+    async with house.store.read() as work:
+        links = await work.links.of_order(order)
+    assert len(links) == 5
+    page = newest.json()["tracking_url"].rpartition("/")[2]
+    assert (await house.visitor().get(f"/api/track/{page}")).status_code == 200

@@ -381,3 +381,8 @@ def test_things_of_the_wrong_kind_are_said_and_not_stumbled_over() -> None:
         assert text in told
     assert [one["id"] for one in found.data["unassigned"]] == ["U"]
     drawn(found)
+
+
+def test_a_name_that_turns_text_round_comes_without_that() -> None:
+    file = lif(layout(LINE, [edge("a", "b")])).replace(b'"Hall"', b'"Hall \\u202eA\\u0007"')
+    assert read_layout(file, "hall.json").data["name"] == "Hall A"

@@ -11,7 +11,8 @@ import msgspec
 
 from dray.errors import UnavailableError
 from dray.gateway.access.limits import Limit
-from dray.gateway.access.principal import STOP_ONLY, Principal, Scope
+from dray.gateway.access.principal import STOP_ONLY, CallLimits, Principal, Scope
+from dray.priorities import Priority
 from dray.store import Store
 from dray.store.access.api_keys import ApiKey
 from dray.store.access.digest import digest
@@ -109,11 +110,19 @@ def usable(key: ApiKey, now_s: float) -> bool:
 def principal_of(key: ApiKey) -> Principal:
     """Who has this key; scopes of another Dray mean nothing."""
     known = {scope.value: scope for scope in Scope}
+    places = frozenset(key.places.split())
     return Principal(
         kind="key",
         id=key.id,
         name=key.name,
         scopes=frozenset(known[name] for name in key.scopes.split() if name in known),
-        station=key.place,
+        station=next(iter(places)) if len(places) == 1 else "",
+        calls=CallLimits(
+            places=places,
+            items=frozenset(key.items.split()),
+            open_max=key.open_max,
+            open_each_max=key.open_each_max,
+            priority=Priority(key.priority),
+        ),
         expires_at_s=key.expires_at_s,
     )

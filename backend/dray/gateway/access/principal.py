@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Literal
 
+from dray.priorities import Priority
+
 
 class Role(StrEnum):
     """What a person is here for."""
@@ -55,6 +57,25 @@ SCOPES: dict[Role, frozenset[Scope]] = {
 """What each role may; an operator in the areas of its own only."""
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CallLimits:
+    """Which transports a key may call for.
+
+    Attributes:
+        places: machines and storages, one of which must be one end of each; empty for all of the plant.
+        items: materials; empty for all.
+        open_max: how many may be open at once.
+        open_each_max: how many of them at one place.
+        priority: the highest. Unless it is urgent, no transport is due sooner than such a one.
+    """
+
+    places: frozenset[str]
+    items: frozenset[str]
+    open_max: int
+    open_each_max: int
+    priority: Priority
+
+
 class Over(StrEnum):
     """Why a session is good for a stop and for nothing else any more."""
 
@@ -75,8 +96,9 @@ class Principal:
         role: of a person; None for others.
         scopes: what it may do.
         areas: where it may do so; None for the whole plant.
-        station: the machine at which an operator works; of a key, the place for which alone it calls for transports. Empty where that
-            matters nothing.
+        station: the machine at which an operator works; of a key, the place for which alone it calls for transports, where that is one.
+            Empty where that matters nothing.
+        calls: of a key, which transports it may call for; None for whatever there is.
         session: the session's id, which is no secret; empty where there is none.
         expires_at_s: when it will have to be recognised anew, in wall clock seconds; None for never.
         over: why its session is over, where it is; what it may still do is left in `scopes`.
@@ -89,9 +111,15 @@ class Principal:
     scopes: frozenset[Scope]
     areas: frozenset[str] | None = None
     station: str = ""
+    calls: CallLimits | None = None
     session: str = ""
     expires_at_s: float | None = None
     over: Over | None = None
+
+    @property
+    def key(self) -> str:
+        """Its kind and id: whose a transport, a share or a stream is."""
+        return f"{self.kind} {self.id}"
 
     def may(self, scope: Scope) -> bool:
         """Whether it is allowed this, if only in some areas."""

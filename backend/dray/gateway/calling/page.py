@@ -39,9 +39,12 @@ class Called(msgspec.Struct, frozen=True):
     """Whether it can be called off."""
 
 
-def tiles(projection: Projection, place: str, chosen: str, texts: Mapping[str, str]) -> tuple[Tile, ...]:
-    """What the place keeps."""
-    plant = projection.site.plant
+def tiles(
+    projection: Projection, caller: Principal, chosen: str, texts: Mapping[str, str]
+) -> tuple[Tile, ...]:
+    """What the place keeps, of what the key calls for."""
+    plant, place = projection.site.plant, caller.station
+    items = frozenset() if caller.calls is None else caller.calls.items
     machine, station = projection.machines.view(place), projection.stations.view(place)
     levels = {each.item: each.level for each in (machine.buffers if machine else ())}
     levels |= {each.item: each.level for each in (station.stocks if station else ())}
@@ -54,7 +57,7 @@ def tiles(projection: Projection, place: str, chosen: str, texts: Mapping[str, s
             lot=spec.lot,
         )
         for item, spec in plant.materials.items()
-        if place in plant.keepers_of(item)
+        if place in plant.keepers_of(item) and (not items or item in items)
     )
 
 

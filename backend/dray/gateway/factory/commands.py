@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-from collections import OrderedDict
+from collections import Counter, OrderedDict
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from http import HTTPStatus
@@ -28,6 +28,9 @@ STOP_VALID_S = 30.0
 
 PENDING = 1_000
 """Commands that wait for an answer at once: some per vehicle of the largest plant."""
+
+PENDING_EACH = 400
+"""Of one caller: all vehicles of a large plant. One caller cannot use up PENDING."""
 
 NAMES_KEPT = 2_000
 """Commands that are known by their names when they are sent again: more than may wait at once."""
@@ -91,7 +94,8 @@ class Commands:
         self._name, self._timeout_s = name, timeout_s
         self._sent: OrderedDict[str, Sent] = OrderedDict()
         """By their names, the oldest first."""
-        self._waiting = 0
+        self._waiting: Counter[str] = Counter()
+        """How many wait, by who asked."""
         self._count = 0
 
     async def order(
@@ -225,8 +229,9 @@ class Commands:
                 return name
 
     def _say(self, agent: str, said: VehicleCommand | MachineCommand, person: str, by: Principal) -> Sent:
-        if self._waiting >= PENDING:
-            raise too_many_wait(PENDING)
+        for waiting, most in ((self._waiting.total(), PENDING), (self._waiting[person], PENDING_EACH)):
+            if waiting >= most:
+                raise too_many_wait(most)
         sent = self._keep(Sent(agent, person, said, _nothing_yet()))
         self._show(sent, by)
         self._send(agent, self._granted(sent, by))
@@ -239,7 +244,7 @@ class Commands:
         return sent
 
     async def _wait(self, name: str, sent: Sent) -> CommandAnswered:
-        self._waiting += 1
+        self._waiting[sent.person] += 1
         try:
             async with asyncio.timeout(self._timeout_s):
                 return await asyncio.shield(sent.answer)
@@ -247,7 +252,9 @@ class Commands:
             self._projection.commands.end(name, "not_confirmed")
             raise not_confirmed(sent.agent, self._timeout_s) from None
         finally:
-            self._waiting -= 1
+            self._waiting[sent.person] -= 1
+            if not self._waiting[sent.person]:
+                del self._waiting[sent.person]
 
     def _show(self, sent: Sent, by: Principal) -> None:
         said = sent.said

@@ -11,8 +11,15 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from dray.gateway.http.problems import Problem
 
-LINE = r"^[^\x00-\x1f\x7f]*[^\x00-\x20\x7f][^\x00-\x1f\x7f]*$"
-"""One line of text that is more than spaces: control characters would spoil logs and tables."""
+_UNSEEN = r"\x00-\x1f\x7f\u202a-\u202e\u2066-\u2069"
+"""Control characters, which would spoil logs and tables, and those of the direction of text: with U+202E a name reads as another one
+(Unicode, TR9 and TR36)."""
+
+LINE = rf"^[^{_UNSEEN}]*[^ {_UNSEEN}][^{_UNSEEN}]*$"
+"""One line of text that is more than spaces."""
+
+NOTE = rf"^[^{_UNSEEN}]*$"
+"""One line of text, or nothing."""
 
 FORM = "application/x-www-form-urlencoded"
 

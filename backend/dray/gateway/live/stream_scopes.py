@@ -15,7 +15,7 @@ from msgspec.structs import replace
 from dray.gateway.live.frames import Delta, Snapshot
 from dray.gateway.live.plant_picture import PlantPicture
 from dray.gateway.live.views import FactoryView
-from dray.gateway.live.visibility import AreaVisibility, FactoryVisibility
+from dray.gateway.live.visibility import AreaVisibility, FactoryVisibility, goal_alias, news_alias
 
 Show = Callable[[Any], Any]
 """A view as it is seen from the areas; None when it is not."""
@@ -74,12 +74,13 @@ class FactoryScope:
 
     def delta(self, told: Delta) -> Delta:
         """See `StreamScope.delta`."""
-        gone = tuple(name for name in told.gone if not name.startswith(OF_ORDERS))
+        gone = tuple(_alias(name) for name in told.gone if not name.startswith(OF_ORDERS))
         return replace(told, orders=(), gone=gone, **self._of(told))
 
     def _of(self, frame: Snapshot | Delta) -> dict[str, tuple[Any, ...]]:
         visibility = self._visibility
         shows: dict[str, tuple[Show, tuple[Any, ...]]] = {
+            "machines": (visibility.machine, frame.machines),
             "tasks": (visibility.task, frame.tasks),
             "news": (visibility.news, frame.news),
             "alerts": (visibility.alert, frame.alerts),
@@ -88,6 +89,12 @@ class FactoryScope:
             kind: tuple(seen for view in views if (seen := show(view)) is not None)
             for kind, (show, views) in shows.items()
         }
+
+
+def _alias(gone: str) -> str:
+    """What is gone, by the name under which it was told."""
+    kind, _, name = gone.partition(":")
+    return f"{kind}:{news_alias(name) if kind == 'news' else goal_alias(name)}"
 
 
 class AreaScope:

@@ -9,6 +9,8 @@ named: where there is one it says `ELSEWHERE`. Only commands that were given to 
 from __future__ import annotations
 
 import re
+import secrets
+from hashlib import blake2s
 from itertools import groupby, takewhile
 
 from msgspec.structs import replace
@@ -49,6 +51,28 @@ OF_VEHICLES = frozenset({"link_lost", "link_back", "help_asked", "help_promised"
 
 _WORDS = re.compile(r"\w[\w.-]*")
 """Ids of a plant file, with the full stop after them when they end a sentence."""
+
+
+_GOAL = re.compile(r"O-.+\.\d+")
+"""A goal of an order that was placed here: the order's name, and where in it the goal stands."""
+
+_LOST = "lost-"
+"""How the names of news about lost goals begin."""
+
+_SECRET = secrets.token_bytes(16)
+"""Orders' names follow from the time: without it whoever tries them all finds the one behind an alias."""
+
+
+def goal_alias(name: str) -> str:
+    """What a goal is called before who may not read orders, the same while this process lives; any other name stays as it is."""
+    if not _GOAL.fullmatch(name):
+        return name
+    return f"goal-{blake2s(name.encode(), key=_SECRET, digest_size=8).hexdigest()}"
+
+
+def news_alias(name: str) -> str:
+    """The same for the name of news."""
+    return _LOST + goal_alias(name.removeprefix(_LOST)) if name.startswith(_LOST) else name
 
 
 class WholeVisibility:
@@ -105,17 +129,30 @@ class WholeVisibility:
 class FactoryVisibility(WholeVisibility):
     """What is seen of the whole plant by whoever may not read orders: how the factory does, and not for whom.
 
-    An order's own name stays where goals and transports carry it in theirs: it tells nothing by itself.
+    Goals carry the name of their order, which tells when it was placed: they have other names here (`goal_alias`).
     """
+
+    def machine(self, view: MachineView) -> MachineView | None:
+        """A machine, whose goals have other names."""
+        goals = tuple(replace(goal, goal=goal_alias(goal.goal)) for goal in view.goals)
+        return replace(view, goals=goals) if goals else view
 
     def task(self, view: TaskView) -> TaskView | None:
         """A task, without the order that it is for."""
         stranded = view.stranded and replace(view.stranded, order="")
-        return replace(view, order="", stranded=stranded) if view.order or stranded else view
+        return replace(view, id=goal_alias(view.id), goal=goal_alias(view.goal), order="", stranded=stranded)
 
     def news(self, view: NewsView) -> NewsView | None:
         """News, unless it is of an order."""
-        return None if view.order else view
+        if view.order:
+            return None
+        return replace(
+            view,
+            id=news_alias(view.id),
+            goal=goal_alias(view.goal),
+            successor=goal_alias(view.successor),
+            task=goal_alias(view.task),
+        )
 
     def alert(self, view: AlertView) -> AlertView | None:
         """What is wrong, unless it is with an order; of goods, without the order that they are for."""

@@ -8,12 +8,14 @@ that was not can be sent again under its key.
 from __future__ import annotations
 
 import hashlib
+from collections import Counter
 from collections.abc import Callable, Sequence
 from contextlib import nullcontext
 from http import HTTPStatus
 
 from dray.gateway.access.audit_log import Note
 from dray.gateway.http.problems import Problem, unusable
+from dray.gateway.http.shares import share_of, share_used
 from dray.gateway.live.projection import Projection
 from dray.gateway.orders.drafts import OrderDraft, WorkDraft, nonsense
 from dray.gateway.orders.feasibility import OrderPreview, Situation, Wanted, preview
@@ -34,6 +36,9 @@ from dray.store.work import Work
 
 MAX_OPEN_ORDERS = 10_000
 """Orders that have not ended: months of work. They are kept in memory and sent to every new panel."""
+
+SHARES = 2
+"""One caller may have half of them: one system places nearly all orders of many plants."""
 
 
 class OrderPlacement:
@@ -61,8 +66,8 @@ class OrderPlacement:
         self._store, self._placing = store, placing
         self._projection, self._outbox, self._wall_s = projection, outbox, wall_s
         self.keys_at_work: set[str] = set()
-        self._coming = 0
-        """How many are being written at this moment."""
+        self._coming: Counter[str] = Counter()
+        """How many are being written at this moment, by who has placed them."""
 
     @property
     def open(self) -> int:
@@ -102,26 +107,27 @@ class OrderPlacement:
         wanted = [Wanted(item.product, item.quantity) for item in draft.items]
         return preview(self.plant, wanted, due_at_s, situation)
 
-    async def place(self, draft: OrderDraft) -> Order:
+    async def place(self, draft: OrderDraft, caller: str = "") -> Order:
         """Take an order that nobody asks for twice.
 
         Args:
             draft: a body that has the right shape.
+            caller: kind and id of who asks; empty for nobody whose share is counted.
 
         Raises:
             Problem: what the order names does not exist or is past, or too many are open.
         """
-        wish = Wish(prepare=lambda: self._prepared([draft], lambda _orders: b""))
-        orders, _ = await self._placed(wish, 1)
+        wish = Wish(prepare=lambda: self._prepared([draft], lambda _orders: b"", caller))
+        orders, _ = await self._placed(wish, 1, caller)
         return orders[0]
 
-    def order(self, draft: OrderDraft) -> Order:
-        """What a draft comes to now, for who keeps it in a transaction of its own; not kept yet.
+    def order(self, draft: OrderDraft, caller: str) -> Order:
+        """What a draft of somebody comes to now, for who keeps it in a transaction of its own; not kept yet.
 
         Raises:
             Problem: as `place`.
         """
-        return self._prepared([draft], lambda _orders: b"").orders[0]
+        return self._prepared([draft], lambda _orders: b"", caller).orders[0]
 
     async def keep(self, work: Work, order: Order, key: str) -> None:
         """Take an order in a transaction, under a key that nobody else has; `publish` is for after it."""
@@ -138,6 +144,7 @@ class OrderPlacement:
     async def place_once(
         self,
         draft: OrderDraft,
+        caller: str,
         key: str | None,
         render: Callable[[Order], bytes],
         note: Note | None = None,
@@ -146,6 +153,7 @@ class OrderPlacement:
 
         Args:
             draft: a body that has the right shape.
+            caller: kind and id of who asks.
             key: the Idempotency-Key; None for none.
             render: writes the answer.
             note: of the request, whose line of the audit log is written together with the order.
@@ -156,11 +164,12 @@ class OrderPlacement:
         Raises:
             Problem: as `place`; or the key was used for another body, or is at work.
         """
-        return await self.place_all_once([draft], key, lambda orders: render(orders[0]), note)
+        return await self.place_all_once([draft], caller, key, lambda orders: render(orders[0]), note)
 
     async def place_all_once(
         self,
         drafts: Sequence[OrderDraft],
+        caller: str,
         key: str | None,
         render: Callable[[Sequence[Order]], bytes],
         note: Note | None = None,
@@ -169,6 +178,7 @@ class OrderPlacement:
 
         Args:
             drafts: at least one.
+            caller: kind and id of who asks.
             key: the Idempotency-Key; None for none.
             render: writes the answer.
             note: of the request.
@@ -179,32 +189,34 @@ class OrderPlacement:
         wish = Wish(
             key=key or "",
             fingerprint=fingerprint,
-            prepare=lambda: self._prepared(drafts, render),
+            prepare=lambda: self._prepared(drafts, render, caller),
             line=None if note is None else note.line,
         )
         async with alone(self.keys_at_work, key) if key else nullcontext():
-            orders, kept = await self._placed(wish, len(drafts))
+            orders, kept = await self._placed(wish, len(drafts), caller)
         refuse_other_body(kept, fingerprint)
         if note is not None:
             note.target, note.written = kept.order_id, True
         return kept, not orders
 
-    async def _placed(self, wish: Wish, count: int) -> tuple[Sequence[Order], KeptAnswer]:
+    async def _placed(self, wish: Wish, count: int, caller: str) -> tuple[Sequence[Order], KeptAnswer]:
         """Have so many orders written, and let panels and the strategist know."""
-        self._coming += count
+        self._coming[caller] += count
         try:
             orders, kept = await self._placing.place(wish)
             for order in orders:
                 self._projection.orders.put(order)
         finally:
-            self._coming -= count
+            self._coming[caller] -= count
+            if not self._coming[caller]:
+                del self._coming[caller]
         for order in orders:
             if order.status is OrderStatus.RELEASED:
                 self._outbox.release(order)
         return orders, kept
 
     def _prepared(
-        self, drafts: Sequence[OrderDraft], render: Callable[[Sequence[Order]], bytes]
+        self, drafts: Sequence[OrderDraft], render: Callable[[Sequence[Order]], bytes], caller: str
     ) -> Placement:
         """The orders of some drafts, as of now.
 
@@ -214,7 +226,13 @@ class OrderPlacement:
         now_s = self._wall_s()
         for draft in drafts:
             self._refuse_nonsense(draft, now_s)
-        if self.open + self._coming > MAX_OPEN_ORDERS:
+        if caller and self._projection.orders.open_of(caller) + self._coming[caller] > share_of(
+            MAX_OPEN_ORDERS, SHARES
+        ):
+            raise share_used(
+                "open orders", MAX_OPEN_ORDERS, "cancel some, or wait until some have ended", parts=SHARES
+            )
+        if self.open + self._coming.total() > MAX_OPEN_ORDERS:
             raise Problem(
                 HTTPStatus.SERVICE_UNAVAILABLE,
                 "too-many-orders",
@@ -224,7 +242,8 @@ class OrderPlacement:
             )
         # A millisecond apart: their ids differ by that, and they are listed in this order.
         orders = [
-            _order(draft, now_s + index / 1000, self._projection.speed) for index, draft in enumerate(drafts)
+            _order(draft, caller, now_s + index / 1000, self._projection.speed)
+            for index, draft in enumerate(drafts)
         ]
         return Placement(orders, render(orders).decode())
 
@@ -239,7 +258,7 @@ class OrderPlacement:
             raise unusable(*errors)
 
 
-def _order(draft: OrderDraft, now_s: float, speed: float) -> Order:
+def _order(draft: OrderDraft, caller: str, now_s: float, speed: float) -> Order:
     due_at_s = None if draft.due_at is None else draft.due_at.timestamp()
     return Order(
         id=new_order_id(now_s),
@@ -254,5 +273,6 @@ def _order(draft: OrderDraft, now_s: float, speed: float) -> Order:
         releases=int(draft.release),
         updated_at_s=now_s,
         priority=draft.priority,
+        caller=caller,
         wanted_at_s=order_wanted_s(draft.priority, now_s, due_at_s, speed) if draft.release else None,
     )

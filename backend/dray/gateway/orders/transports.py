@@ -17,10 +17,12 @@ from http import HTTPStatus
 import msgspec
 
 from dray.errors import UnavailableError
-from dray.gateway.access.principal import Principal, Scope
+from dray.gateway.access.principal import CallLimits, Principal, Scope
 from dray.gateway.http.problems import FieldError, Problem, unusable
+from dray.gateway.http.shares import share_of, share_used
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.timescale import TimeScale
+from dray.gateway.orders.call_limits import AGAIN_S, refuse_beyond, refuse_full
 from dray.gateway.orders.idempotency import alone, key_at_work, refuse_other_body
 from dray.gateway.orders.order_ids import new_transport_id
 from dray.gateway.orders.outbox import Reminders
@@ -94,7 +96,8 @@ class PlainTransports:
             The answer, and whether it is that of an earlier request.
 
         Raises:
-            Problem: what it names does not exist or is not kept there, too many are open, or the key was used for another body.
+            Problem: what it names does not exist or is not kept there, it is beyond what the caller's key may call for, too many are
+                open, or the Idempotency-Key was used for another body.
         """
         body = f"transport {draft.text()}"
         fingerprint = hashlib.sha256(body.encode()).hexdigest()
@@ -104,17 +107,32 @@ class PlainTransports:
                 return _kept(known), True
             row = self.row(draft, caller)
             row = msgspec.structs.replace(row, key=key, fingerprint=fingerprint, answer=render(row).decode())
-            await self.keep(work, row)
+            if caller.calls is not None:
+                await work.api_keys.hold(caller.id)
+            await self.keep(work, row, caller.calls)
         self.ask(row)
         return _kept(row), False
 
-    async def keep(self, work: Work, row: TransportRow) -> None:
+    async def keep(self, work: Work, row: TransportRow, limits: CallLimits | None = None) -> None:
         """Take a transport in a transaction; `ask` is for after it.
 
+        Args:
+            work: the transaction.
+            row: the transport.
+            limits: of the key that calls for it, if one does.
+
         Raises:
-            Problem: 503 too many are open, 409 its key has just been used: the transaction is to be undone.
+            Problem: 503 too many are open, 429 too many of this caller are, 409 its Idempotency-Key has just been used: the
+                transaction is to be undone.
         """
-        if len(await work.transports.open()) >= OPEN_MAX:
+        open_ends = await work.transports.open_ends_of(row.caller)
+        if limits is not None:
+            refuse_full(limits, row.source, row.destination, open_ends)
+        if len(open_ends) >= share_of(OPEN_MAX):
+            raise share_used(
+                "open transports", OPEN_MAX, "call some off, or wait until some have ended", again_s=AGAIN_S
+            )
+        if await work.transports.open_count() >= OPEN_MAX:
             raise _too_many()
         if not await work.transports.add(row):
             raise key_at_work()
@@ -145,14 +163,12 @@ class PlainTransports:
     def may_see(self, row: TransportRow, caller: Principal) -> bool:
         """Whether a caller may be told of a transport: it begins or ends in its areas, or it has asked for it itself."""
         if not caller.may(Scope.FACTORY_READ):
-            return row.caller == caller_key(caller)
+            return row.caller == caller.key
         places = self.places_of(caller)
         return places is None or row.source in places or row.destination in places
 
     def places_of(self, caller: Principal) -> frozenset[str] | None:
-        """The places for which a caller may ask; None for all."""
-        if caller.kind == "key" and caller.station:
-            return frozenset({caller.station})
+        """The places whose transports a caller is shown, and for which one may ask who is limited to areas; None for all."""
         if caller.areas is None:
             return None
         plant, areas = self._plant, caller.areas
@@ -274,7 +290,7 @@ class PlainTransports:
         """What a draft comes to now; not kept yet.
 
         Raises:
-            Problem: 422, it names what does not exist or is not kept there.
+            Problem: 422, it names what does not exist or is not kept there; 403, the caller's key may not call for it.
         """
         now_s = self._wall_s()
         source, destination = places_for(
@@ -287,7 +303,10 @@ class PlainTransports:
         )
         if errors := self._nonsense(draft, source, destination, caller, now_s):
             raise unusable(*errors)
-        within_s = now_s + TRANSPORT_WITHIN_S[draft.priority] / self._projection.speed
+        speed = self._projection.speed
+        if caller.calls is not None:
+            refuse_beyond(caller.calls, draft, source, destination, now_s, speed)
+        within_s = now_s + TRANSPORT_WITHIN_S[draft.priority] / speed
         due_s = within_s if draft.due_at is None else draft.due_at.timestamp()
         if draft.priority in (Priority.HIGH, Priority.URGENT):
             due_s = min(due_s, within_s)
@@ -299,12 +318,10 @@ class PlainTransports:
             quantity=draft.quantity,
             priority=draft.priority.value,
             vehicle=draft.vehicle or "",
-            vehicle_until_s=now_s + WISH_S / self._projection.speed
-            if draft.vehicle and not draft.vehicle_only
-            else None,
+            vehicle_until_s=now_s + WISH_S / speed if draft.vehicle and not draft.vehicle_only else None,
             ability=draft.ability or "",
             called_by=caller.name,
-            caller=caller_key(caller),
+            caller=caller.key,
             created_at_s=now_s,
             due_at_s=due_s,
             updated_at_s=now_s,
@@ -324,11 +341,7 @@ class PlainTransports:
             errors.append(FieldError.of("quantity", "load_too_large", item=item, most=spec.lot))
         places = self.places_of(caller)
         if places is not None and places.isdisjoint((source, to)):
-            errors.append(
-                FieldError.of("to", "only_for", place=caller.station)
-                if caller.areas is None
-                else FieldError.of("to", "not_your_area")
-            )
+            errors.append(FieldError.of("to", "not_your_area"))
         wanted = {spec.ability, draft.ability or spec.ability}
         if draft.vehicle is not None:
             errors += self._unfit(draft.vehicle, wanted)
@@ -365,11 +378,6 @@ class PlainTransports:
             abilities = ", ".join(sorted(lacking))
             return [FieldError.of("vehicle", "vehicle_lacks", vehicle=vehicle, abilities=abilities)]
         return []
-
-
-def caller_key(caller: Principal) -> str:
-    """Whose transport it is."""
-    return f"{caller.kind} {caller.id}"
 
 
 def _kept(row: TransportRow) -> KeptAnswer:

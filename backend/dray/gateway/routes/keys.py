@@ -19,9 +19,12 @@ from dray.gateway.http.problems import FieldError, not_found, unusable
 from dray.gateway.http.provided import Now, Provided
 from dray.gateway.http.request_bodies import LINE, json_only
 from dray.gateway.http.responses import PAGE, Cursor, Json, Limit, described, list_of, page, problems
+from dray.gateway.http.shares import share_of
 from dray.gateway.live.projection import Projection
+from dray.gateway.orders.transports import OPEN_MAX as TRANSPORTS_MAX
+from dray.priorities import Priority
 from dray.store import Store
-from dray.store.access.api_keys import ApiKey
+from dray.store.access.api_keys import OPEN_EACH_MAX, OPEN_MAX, ApiKey
 
 router = APIRouter(tags=["access"])
 
@@ -34,6 +37,14 @@ LONGEST_DAYS = 3650
 
 NAME_CHARS = 80
 
+NAMES_MAX = 100
+"""Places or materials of a key: a hall of machines. Whoever wants more wants all of them, or several keys."""
+
+KEY_OPEN_MOST = share_of(TRANSPORTS_MAX)
+"""No caller has more open."""
+
+Name = Annotated[str, Field(min_length=1, max_length=32)]
+
 KeyId = Annotated[str, Path(max_length=64)]
 
 
@@ -45,8 +56,16 @@ class KeyAnswer(msgspec.Struct, frozen=True, kw_only=True):
     """What it is for."""
     scopes: tuple[str, ...]
     """What it may do."""
-    place: str = ""
-    """The machine or storage for which alone a call button calls; empty for all."""
+    places: tuple[str, ...] = ()
+    """The machines and storages for which alone it calls for transports; empty for all."""
+    items: tuple[str, ...] = ()
+    """The materials for which alone it does; empty for all."""
+    open_max: int
+    """Transports of it that may be open at once..."""
+    open_each_max: int
+    """...and for one place: one of its own, or the one to which something goes where it has none of its own."""
+    priority: str
+    """The highest with which it calls: low, normal, high or urgent."""
     created_at_s: float
     expires_at_s: float | None = None
     """Null for until it is taken back."""
@@ -67,6 +86,9 @@ EXAMPLE = KeyAnswer(
     id="5f0c81d2a94e",
     name="ERP",
     scopes=("orders:read", "orders:write"),
+    open_max=OPEN_MAX,
+    open_each_max=OPEN_EACH_MAX,
+    priority=Priority.NORMAL.value,
     created_at_s=1_893_456_000.0,
     used_at_s=1_893_459_600.0,
 )
@@ -79,7 +101,19 @@ class KeyDraft(BaseModel):
 
     model_config = ConfigDict(
         extra="forbid",
-        json_schema_extra={"examples": [{"name": "ERP", "scopes": ["orders:read", "orders:write"]}]},
+        json_schema_extra={
+            "examples": [
+                {"name": "ERP", "scopes": ["orders:read", "orders:write"]},
+                {
+                    "name": "Button M8",
+                    "scopes": ["transports:call"],
+                    "places": ["M8"],
+                    "items": ["bearing"],
+                    "open_max": 4,
+                    "priority": "high",
+                },
+            ]
+        },
     )
 
     name: Annotated[str, Field(min_length=1, max_length=NAME_CHARS, pattern=LINE)]
@@ -88,8 +122,16 @@ class KeyDraft(BaseModel):
     """What it may do: nothing that you may not do yourself."""
     days: Annotated[int, Field(ge=1, le=LONGEST_DAYS)] | None = None
     """How long it works; else until it is taken back."""
-    place: Annotated[str, Field(max_length=32)] = ""
-    """Of a call button, whose one scope is `transports:call`: the machine or storage for which alone it calls."""
+    places: Annotated[tuple[Name, ...], Field(max_length=NAMES_MAX)] = ()
+    """Of a key with `transports:call`: the machines and storages for which alone it calls; empty for all."""
+    items: Annotated[tuple[Name, ...], Field(max_length=NAMES_MAX)] = ()
+    """Likewise, the materials for which alone it calls; empty for all."""
+    open_max: Annotated[int, Field(strict=True, ge=1, le=KEY_OPEN_MOST)] | None = None
+    """Likewise, how many of its transports may be open at once; else 50."""
+    open_each_max: Annotated[int, Field(strict=True, ge=1, le=KEY_OPEN_MOST)] | None = None
+    """Likewise, how many of them for one place; else 20, or `open_max` where that is less."""
+    priority: Priority | None = None
+    """Likewise, the highest with which it calls; else normal. No due time may be sooner than that of such a one, unless it is urgent."""
 
 
 @router.get("/keys", responses={200: list_of(KeyAnswer, "Keys, by id")}, response_class=Json)
@@ -121,7 +163,14 @@ async def make_key(
 ) -> Json:
     """Make a key for another system, or for a call button."""
     scopes = tuple(dict.fromkeys(each.value for each in draft.scopes))
-    note.detail = {"name": draft.name, "scopes": list(scopes), "days": draft.days, "place": draft.place}
+    places, items = tuple(dict.fromkeys(draft.places)), tuple(dict.fromkeys(draft.items))
+    open_max = draft.open_max or OPEN_MAX
+    open_each_max = draft.open_each_max or min(OPEN_EACH_MAX, open_max)
+    priority = draft.priority or Priority.NORMAL
+    note.detail = {"name": draft.name, "scopes": list(scopes), "days": draft.days}
+    if Scope.TRANSPORTS_CALL in draft.scopes:
+        note.detail |= {"places": list(places), "items": list(items)}
+        note.detail |= {"open": open_max, "open_each": open_each_max, "priority": priority.value}
     if faults := _faults_of(draft, scopes, projection):
         raise unusable(*faults)
     if not may_give(caller, frozenset(draft.scopes)):
@@ -133,7 +182,11 @@ async def make_key(
         scopes=" ".join(scopes),
         created_at_s=now_s,
         expires_at_s=None if draft.days is None else now_s + draft.days * DAY_S,
-        place=draft.place,
+        places=" ".join(places),
+        items=" ".join(items),
+        open_max=open_max,
+        open_each_max=open_each_max,
+        priority=priority.value,
     )
     note.target = key.id
     async with store.write() as work:
@@ -164,11 +217,24 @@ async def revoke_key(store: Provided[Store], note: Noted, now_s: Now, key: KeyId
 
 def _faults_of(draft: KeyDraft, scopes: tuple[str, ...], projection: Projection) -> list[FieldError]:
     plant = projection.site.plant
-    faults = [] if scopes else [FieldError.of("scopes", "scope_needed")]
-    if draft.place and scopes != (Scope.TRANSPORTS_CALL.value,):
-        faults.append(FieldError.of("place", "place_alone"))
-    elif draft.place and draft.place not in {*plant.machines, *plant.storages}:
-        faults.append(FieldError.of("place", "place_unknown", place=draft.place))
+    if not scopes:
+        return [FieldError.of("scopes", "scope_needed")]
+    if Scope.TRANSPORTS_CALL not in draft.scopes:
+        limits = ("places", "items", "open_max", "open_each_max", "priority")
+        return [FieldError.of(each, "calls_only") for each in limits if getattr(draft, each)]
+    known = {*plant.machines, *plant.stores}
+    faults = [
+        FieldError.of(f"places[{index}]", "place_unknown", place=place)
+        for index, place in enumerate(draft.places)
+        if place not in known
+    ]
+    faults += [
+        FieldError.of(f"items[{index}]", "material_unknown", item=item)
+        for index, item in enumerate(draft.items)
+        if item not in plant.materials
+    ]
+    if draft.open_each_max is not None and draft.open_each_max > (most := draft.open_max or OPEN_MAX):
+        faults.append(FieldError.of("open_each_max", "bound_above_all", most=most))
     return faults
 
 
@@ -177,7 +243,11 @@ def _answer(key: ApiKey) -> KeyAnswer:
         id=key.id,
         name=key.name,
         scopes=tuple(key.scopes.split()),
-        place=key.place,
+        places=tuple(key.places.split()),
+        items=tuple(key.items.split()),
+        open_max=key.open_max,
+        open_each_max=key.open_each_max,
+        priority=key.priority,
         created_at_s=key.created_at_s,
         expires_at_s=key.expires_at_s,
         revoked_at_s=key.revoked_at_s,

@@ -39,6 +39,8 @@ async def stream(
     """First a snapshot, then numbered deltas, as text, as long as its caller may see them; a calm one once a second."""
     client = hub.join(caller, Pace(pace))
     if client is None:
+        # A handshake that is refused has a status, which browsers hide; only an open socket is closed with a code (RFC 6455, 7.4).
+        await socket.accept()
         await socket.close(TRY_LATER, "too many panels are open")
         return
     try:

@@ -73,7 +73,7 @@ class Runs:
         """
         if row.order_draft:
             draft = RecurringOrder.model_validate_json(row.order_draft).draft(begin_s)
-            return _OrderRun(self._orders, self._orders.order(draft))
+            return _OrderRun(self._orders, self._orders.order(draft, principal(row).key))
         transport = TransportDraft.model_validate_json(row.transport)
         return _TransportRun(self._transports, self._transports.row(transport, principal(row)))
 

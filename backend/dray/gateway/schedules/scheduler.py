@@ -19,7 +19,9 @@ from http import HTTPStatus
 import msgspec
 
 from dray.errors import UnavailableError
+from dray.gateway.access.principal import Principal
 from dray.gateway.http.problems import FieldError, Problem, unusable
+from dray.gateway.http.shares import share_of, share_used
 from dray.gateway.http.versions import changed_since, check_version
 from dray.gateway.live.timescale import wait_until
 from dray.gateway.orders.idempotency import own_key
@@ -61,11 +63,12 @@ class Scheduler:
 
     # --- what people ask ---
 
-    async def define(self, draft: ScheduleDraft, by: str) -> ScheduleRow:
+    async def define(self, draft: ScheduleDraft, by: Principal) -> ScheduleRow:
         """Begin to do something again and again.
 
         Raises:
-            Problem: 422 its calendar or its work cannot be, 409 its name is taken or there are too many.
+            Problem: 422 its calendar or its work cannot be, 409 its name is taken or there are too many, 429 too many are this
+                caller's.
         """
         now_s = self._wall_s()
         row = ScheduleRow(
@@ -79,14 +82,20 @@ class Scheduler:
             transport=_kept_transport(draft.transport),
             order_draft=_kept_order(draft.order),
             revision=1,
-            by=by,
+            by=by.name,
             at_s=now_s,
             next_at_s=None,
+            owner=by.key,
         )
         row = self._begun(row, now_s)
         self._runs.check(row, now_s)
         async with self._store.write() as work:
-            if len(await work.schedules.all()) >= SCHEDULES_MAX:
+            kept = await work.schedules.all()
+            if sum(each.owner == row.owner for each in kept) >= share_of(SCHEDULES_MAX):
+                raise share_used(
+                    "pieces of recurring work", SCHEDULES_MAX, "remove one (GET /api/schedules lists them)"
+                )
+            if len(kept) >= SCHEDULES_MAX:
                 raise _too_many()
             if await work.schedules.named(row.name) is not None or not await work.schedules.add(row):
                 raise _name_taken(row.name)

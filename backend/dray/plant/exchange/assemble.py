@@ -8,7 +8,7 @@ from typing import Any
 import msgspec
 
 from dray.plant.exchange.admission import Admission
-from dray.plant.exchange.names import Ids
+from dray.plant.exchange.names import Ids, shown
 from dray.plant.exchange.notes import Note, Notes
 from dray.plant.exchange.track_layout import TrackEdge, TrackLayout, TrackStation
 from dray.plant.file.check import RESERVED
@@ -64,7 +64,7 @@ class _Assembly:
 
     def make(self, plant: str, name: str) -> Imported:
         layout = self._layout
-        data: Data = {"plant": plant, "name": name[:80], "width_m": 0.0, "height_m": 0.0}
+        data: Data = {"plant": plant, "name": shown(name), "width_m": 0.0, "height_m": 0.0}
         data["nodes"] = [
             {"id": self._node[node.original], **self._spot(node.original, node.x_m, node.y_m)}
             for node in layout.nodes
@@ -243,9 +243,9 @@ class _Assembly:
             if kind == "chargers":
                 place["box"] = None
             elif kind == "unassigned":
-                place["name"] = station.name[:80] or name
+                place["name"] = shown(station.name) or name
                 if number > 1:
-                    place["name"] = f"{station.name[:70]} ({number} of {count})"
+                    place["name"] = f"{shown(station.name, 70)} ({number} of {count})"
                     place["part_of"] = first
             places[kind].append(place)
             entry = {"id": name, "original": station.original, "section": kind, "node": self._node[node]}
@@ -263,7 +263,7 @@ class _Assembly:
             name = self._kind[kind.original]
             made: Data = {
                 "id": name,
-                "name": kind.original[:80],
+                "name": shown(kind.original),
                 "length_m": kind.length_m,
                 "width_m": kind.width_m,
                 "max_speed_mps": kind.max_speed_mps,

@@ -9,6 +9,14 @@ from dray.plant.model import is_id
 
 FOREIGN = re.compile(r"[^A-Za-z0-9_.]+")
 
+UNSEEN = re.compile(r"[\x00-\x1f\x7f\u202a-\u202e\u2066-\u2069]")
+"""What may not stand in a name (`dray.plant.model.Name`)."""
+
+
+def shown(name: str, most: int = 80) -> str:
+    """A name of another system as it can be shown: without what cannot be seen, and cut."""
+    return UNSEEN.sub("", name)[:most]
+
 
 class Ids:
     """Ids in one space: each name gets one, and none is given twice.

@@ -37,6 +37,10 @@ OUR_WORDS = (
     (re.compile("^Object missing required field (`.*`)$"), r"\1 is missing: add it"),
     (re.compile("^Object contains unknown field (`.*`)$"), r"\1 is no field of this: check its spelling"),
     (re.compile("^Expected `array` of length >= 1$"), "is empty: write at least one entry"),
+    (
+        re.compile(r"^Expected `str` matching regex .*202e.*$"),
+        "holds a character that cannot be seen or turns text round, as U+202E does: write it anew",
+    ),
 )
 """Where msgspec does not say what to do."""
 

@@ -6,8 +6,15 @@ import msgspec
 from sqlalchemy import ColumnElement, insert, select, update
 from sqlalchemy.ext.asyncio import AsyncConnection
 
+from dray.priorities import Priority
 from dray.store.access.digest import digest
 from dray.store.tables import api_keys
+
+OPEN_MAX = 50
+"""Open transports of a key for which nothing else is said: what a cell of some machines asks for at once."""
+
+OPEN_EACH_MAX = 20
+"""The same at one place: more loads than any place has room for."""
 
 
 class ApiKey(msgspec.Struct, frozen=True, kw_only=True):
@@ -21,8 +28,16 @@ class ApiKey(msgspec.Struct, frozen=True, kw_only=True):
     expires_at_s: float | None = None
     revoked_at_s: float | None = None
     used_at_s: float | None = None
-    place: str = ""
-    """The machine or storage for which alone it has something brought or taken away; empty for all."""
+    places: str = ""
+    """The machines and storages for which alone it has something brought or taken away, with spaces between them; empty for all."""
+    items: str = ""
+    """The materials of which alone it has something brought, likewise."""
+    open_max: int = OPEN_MAX
+    """Transports of it that may be open at once..."""
+    open_each_max: int = OPEN_EACH_MAX
+    """...and at one place."""
+    priority: str = Priority.NORMAL.value
+    """The highest priority that it may ask for."""
 
 
 _NAMES = ApiKey.__struct_fields__
@@ -48,6 +63,10 @@ class ApiKeys:
     async def get(self, key_id: str) -> ApiKey | None:
         """The key with this id, usable or not."""
         return await self._one(api_keys.c.id == key_id)
+
+    async def hold(self, key_id: str) -> None:
+        """Let nobody else hold this key before this transaction ends: what is counted of it stays so until then."""
+        await self._connection.execute(select(api_keys.c.id).where(api_keys.c.id == key_id).with_for_update())
 
     async def all(self) -> list[ApiKey]:
         """All keys, oldest first."""

@@ -33,6 +33,7 @@ plant_drafts = Table(
     Column("plan", LargeBinary),
     Column("by", String(80), nullable=False),
     Column("at_s", Double, nullable=False),
+    Column("owner", String(200), nullable=False, server_default=""),
     comment="Plants that people draw beside the running one. data: JSON; plan: the picture that lies under it.",
 )
 
@@ -59,6 +60,8 @@ class DraftRow(DraftLine, frozen=True, gc=False):
     """What was said when its file was read, as a JSON list of lines."""
     plan_type: str = ""
     """The media type of its floor plan; empty if it has none."""
+    owner: str = ""
+    """Kind and id of who has begun it; empty where nobody knows."""
 
 
 _LINE = [plant_drafts.c[name] for name in DraftLine.__struct_fields__]
@@ -79,6 +82,11 @@ class PlantDrafts:
     async def count(self) -> int:
         """How many there are."""
         return (await self._connection.execute(select(func.count()).select_from(plant_drafts))).scalar_one()
+
+    async def count_of(self, owner: str) -> int:
+        """How many somebody has begun."""
+        query = select(func.count()).select_from(plant_drafts).where(plant_drafts.c.owner == owner)
+        return (await self._connection.execute(query)).scalar_one()
 
     async def get(self, draft: str) -> DraftRow | None:
         """One, or None."""

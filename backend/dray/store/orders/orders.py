@@ -61,6 +61,8 @@ class Order(msgspec.Struct, kw_only=True, gc=False):
     """How often it was changed."""
     change_taken: int = 0
     """The last of these that the strategist has taken, or that it need not know."""
+    caller: str = ""
+    """Kind and id of who has placed it; empty where nobody knows."""
 
     @property
     def quantities(self) -> tuple[int, ...]:

@@ -9,7 +9,7 @@ read that table may read all that the page could tell.
 from __future__ import annotations
 
 import msgspec
-from sqlalchemy import insert, select, update
+from sqlalchemy import delete, insert, select, update
 from sqlalchemy.ext.asyncio import AsyncConnection
 
 from dray.store.access.digest import digest
@@ -25,6 +25,17 @@ class Link(msgspec.Struct, frozen=True, gc=False):
     """None: it ends some time after the order has."""
     revoked_at_s: float | None = None
 
+    def works(self, now_s: float) -> bool:
+        """Whether nobody has taken it back, and its own time is not over."""
+        return self.revoked_at_s is None and (self.expires_at_s is None or now_s < self.expires_at_s)
+
+
+WORKING_MAX = 50
+"""Links of one order that lead to its page at once: more than it has readers."""
+
+ENDED_KEPT = 50
+"""Ended links of one order whose pages say that they have ended; older ones are forgotten."""
+
 
 class Links:
     """The links, inside one transaction."""
@@ -36,6 +47,15 @@ class Links:
         """Keep a new link."""
         row = msgspec.structs.asdict(link)
         await self._connection.execute(insert(tracking_links), [{"token_hash": digest(token), **row}])
+
+    async def add_another(self, token: str, link: Link) -> bool:
+        """Keep another link to an order's page; False when it has as many as may be."""
+        known = await self.of_order(link.order_id)
+        if sum(each.works(link.created_at_s) for each in known) >= WORKING_MAX:
+            return False
+        await self.add(token, link)
+        await self._forget_ended(link.order_id, link.created_at_s)
+        return True
 
     async def find(self, token: str) -> Link | None:
         """The link with this token, ended or not; None when there never was one."""
@@ -58,6 +78,15 @@ class Links:
     async def revoke_all(self, order_id: str, at_s: float) -> int:
         """Take back all links of an order; returns how many were taken back by this."""
         return await self._revoke(tracking_links.c.order_id == order_id, at_s)
+
+    async def _forget_ended(self, order_id: str, now_s: float) -> None:
+        columns = tracking_links.c
+        ended = columns.revoked_at_s.is_not(None) | (columns.expires_at_s <= now_s)
+        newest_first = (columns.created_at_s.desc(), columns.token_hash)
+        query = select(columns.token_hash).where(columns.order_id == order_id, ended).order_by(*newest_first)
+        found = list((await self._connection.execute(query)).scalars())
+        if oldest := found[ENDED_KEPT:]:
+            await self._connection.execute(delete(tracking_links).where(columns.token_hash.in_(oldest)))
 
     async def _revoke(self, condition: object, at_s: float) -> int:
         done = await self._connection.execute(

@@ -20,6 +20,7 @@ from sqlalchemy import (
     Table,
     Text,
     UniqueConstraint,
+    func,
     insert,
     or_,
     select,
@@ -122,6 +123,8 @@ class TransportRow(msgspec.Struct, frozen=True, kw_only=True, gc=False):
         return self.status in TRANSPORT_ENDED
 
 
+_OPEN = [state.value for state in TransportState if state not in TRANSPORT_ENDED]
+
 _COLUMNS = [transports.c[name] for name in TransportRow.__struct_fields__]
 
 
@@ -156,9 +159,19 @@ class Transports:
 
     async def open(self) -> list[TransportRow]:
         """Those that have not ended, the oldest first."""
-        ended = [state.value for state in TRANSPORT_ENDED]
-        query = select(*_COLUMNS).where(transports.c.status.not_in(ended)).order_by(transports.c.created_at_s)
+        query = select(*_COLUMNS).where(transports.c.status.in_(_OPEN)).order_by(transports.c.created_at_s)
         return [_row(row) for row in await self._connection.execute(query)]
+
+    async def open_count(self) -> int:
+        """How many have not ended."""
+        query = select(func.count()).select_from(transports).where(transports.c.status.in_(_OPEN))
+        return (await self._connection.execute(query)).scalar_one()
+
+    async def open_ends_of(self, caller: str) -> list[tuple[str, str]]:
+        """Source and destination of each that one caller has open."""
+        c = transports.c
+        query = select(c.source, c.destination).where(c.status.in_(_OPEN), c.caller == caller)
+        return [(source, destination) for source, destination in await self._connection.execute(query)]
 
     async def page(
         self,

@@ -26,7 +26,13 @@ LONGEST_DAYS = 3650
 
 NAME_CHARS = 80
 
-PLACE = re.compile(r"([A-Za-z][A-Za-z0-9_.-]{0,31})?")
+NAMES_MAX = 100
+"""Places or materials of a key."""
+
+OPEN_MOST = 1_250
+"""No caller has more transports open (`dray.gateway.routes.keys.KEY_OPEN_MOST`)."""
+
+NAME = re.compile(r"[A-Za-z][A-Za-z0-9_.-]{0,31}")
 
 
 @app.callback()
@@ -42,8 +48,27 @@ def create(
         int | None, typer.Option(min=1, max=LONGEST_DAYS, help="How long it works; else until it is revoked.")
     ] = None,
     place: Annotated[
-        str, typer.Option(help="Of a call button: the machine or storage for which alone it calls, as M8.")
-    ] = "",
+        list[str] | None,
+        typer.Option(help="A machine or storage for which alone it calls for transports; may be repeated."),
+    ] = None,
+    item: Annotated[
+        list[str] | None,
+        typer.Option(help="A material for which alone it calls for transports; may be repeated."),
+    ] = None,
+    open_max: Annotated[
+        int | None,
+        typer.Option(
+            "--open", min=1, max=OPEN_MOST, help="Its transports that may be open at once; else 50."
+        ),
+    ] = None,
+    open_each_max: Annotated[
+        int | None,
+        typer.Option("--open-each", min=1, max=OPEN_MOST, help="The same for one place; else 20."),
+    ] = None,
+    priority: Annotated[
+        str | None,
+        typer.Option(help="The highest with which it calls for transports; else normal."),
+    ] = None,
     db: Database = None,
 ) -> None:
     """Make a key; it is printed once and kept nowhere."""
@@ -52,16 +77,27 @@ def create(
     from dray.errors import SettingsError
     from dray.gateway.access.principal import Scope
     from dray.gateway.access.tokens import new_id, new_key
-    from dray.store.access.api_keys import ApiKey
+    from dray.priorities import Priority
+    from dray.store.access.api_keys import OPEN_EACH_MAX, OPEN_MAX, ApiKey
 
     known = {each.value: each for each in Scope}
     scopes = [one_of(known, each, "--scope").value for each in dict.fromkeys(scope)]
     if not (name.isprintable() and name.strip() and len(name) <= NAME_CHARS):
         raise SettingsError("NAME", f"it has 1 to {NAME_CHARS} characters that can be printed")
-    if place and scopes != [Scope.TRANSPORTS_CALL.value]:
-        raise SettingsError("--place", f"it is of keys with the scope {Scope.TRANSPORTS_CALL.value} alone")
-    if not PLACE.fullmatch(place):
-        raise SettingsError("--place", "name a machine or a storage by its id in the plant, as M8")
+    places, items = list(dict.fromkeys(place or [])), list(dict.fromkeys(item or []))
+    limits = {"--place": places, "--item": items, "--open": open_max, "--open-each": open_each_max}
+    for option, given in (limits | {"--priority": priority}).items():
+        if given and Scope.TRANSPORTS_CALL.value not in scopes:
+            raise SettingsError(option, f"it is of keys with the scope {Scope.TRANSPORTS_CALL.value}")
+    for option, names in (("--place", places), ("--item", items)):
+        if len(names) > NAMES_MAX or not all(map(NAME.fullmatch, names)):
+            raise SettingsError(option, f"name at most {NAMES_MAX} by their ids in the plant, as M8 or shaft")
+    priorities = {each.value: each for each in Priority}
+    highest = Priority.NORMAL if priority is None else one_of(priorities, priority, "--priority")
+    at_once = open_max or OPEN_MAX
+    if open_each_max is not None and open_each_max > at_once:
+        raise SettingsError("--open-each", f"it is more than of all places together, {at_once}")
+    at_one = open_each_max or min(OPEN_EACH_MAX, at_once)
     now_s, token = time.time(), new_key()
     made = ApiKey(
         id=new_id(),
@@ -69,12 +105,20 @@ def create(
         scopes=" ".join(scopes),
         created_at_s=now_s,
         expires_at_s=None if days is None else now_s + days * DAY_S,
-        place=place,
+        places=" ".join(places),
+        items=" ".join(items),
+        open_max=at_once,
+        open_each_max=at_one,
+        priority=highest.value,
     )
+    detail = {"name": name, "scopes": scopes, "days": days}
+    if Scope.TRANSPORTS_CALL.value in scopes:
+        detail |= {"places": places, "items": items}
+        detail |= {"open": at_once, "open_each": at_one, "priority": highest.value}
 
     async def keep(work: Work) -> None:
         await work.api_keys.add(token, made)
-        await note(work, "key.create", made.id, name=name, scopes=scopes, days=days, place=place)
+        await note(work, "key.create", made.id, **detail)
 
     transact(db, keep)
     typer.echo(token)
@@ -94,7 +138,7 @@ def list_keys(db: Database = None) -> None:
         (
             each.id,
             each.name,
-            f"{each.scopes} at {each.place}" if each.place else each.scopes,
+            _may(each),
             _day(each.used_at_s) or "never",
             _state(each, now_s),
         )
@@ -140,6 +184,16 @@ def revoke(
         return done
 
     typer.echo("taken back" if transact(db, take_back) else "it was taken back already")
+
+
+def _may(key: ApiKey) -> str:
+    """What it may do, and within which limits."""
+    if "transports:call" not in key.scopes.split():
+        return key.scopes
+    within = [f"{key.open_max} open, {key.open_each_max} for a place, {key.priority} at the highest"]
+    within += [f"at {key.places}"] if key.places else []
+    within += [f"of {key.items}"] if key.items else []
+    return f"{key.scopes} ({', '.join(within)})"
 
 
 def _state(key: ApiKey, now_s: float) -> str:

@@ -51,7 +51,7 @@ def create(
     from dray.cli.runtime.options import load_settings
     from dray.errors import SettingsError
     from dray.gateway.orders.order_ids import new_token
-    from dray.store.orders.tracking_links import Link
+    from dray.store.orders.tracking_links import WORKING_MAX, Link
 
     settings = load_settings(database_url=db)
     base = (url or f"http://{settings.host}:{settings.port}").rstrip("/")
@@ -61,7 +61,11 @@ def create(
         if await work.orders.get(order) is None:
             raise SettingsError("ORDER", f"there is no order {order!r}; GET /api/orders lists them")
         ends_s = None if days is None else now_s + days * DAY_S
-        await work.links.add(token, Link(order, now_s, expires_at_s=ends_s))
+        if not await work.links.add_another(token, Link(order, now_s, expires_at_s=ends_s)):
+            raise SettingsError(
+                "ORDER",
+                f"{WORKING_MAX} links lead to its page already: `dray link revoke {order}` takes them back",
+            )
         await note(work, "link.create", order, days=days)
 
     transact(db, keep)

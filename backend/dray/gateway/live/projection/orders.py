@@ -71,6 +71,8 @@ class Orders:
         """Those that have, and had not ended when it was looked at."""
         self._ended: dict[str, None] = {}
         """Ended orders, oldest first."""
+        self._open_of: Counter[str] = Counter()
+        """How many have not ended, by who has placed them."""
         self.delivered, self.on_time = 0, 0
         """Over all orders there ever were."""
         self.changes = Changes("order")
@@ -79,6 +81,10 @@ class Orders:
     def open(self) -> int:
         """How many have not ended."""
         return len(self._orders) - len(self._ended)
+
+    def open_of(self, caller: str) -> int:
+        """How many of those that somebody has placed have not ended."""
+        return self._open_of[caller]
 
     @property
     def by_status(self) -> Counter[OrderStatus]:
@@ -292,6 +298,11 @@ class Orders:
             self.on_time += 1
 
     def _keep(self, order: Order) -> None:
+        known = self._orders.get(order.id)
+        was_open = known is not None and known.status not in ENDED
+        self._open_of[order.caller] += (order.status not in ENDED) - was_open
+        if not self._open_of[order.caller]:
+            del self._open_of[order.caller]
         if order.id not in self._orders and order.due_at_s is not None and order.status not in ENDED:
             heappush(self._due, (order.due_at_s, order.id))
         self._orders[order.id] = order

@@ -12,6 +12,7 @@ from dray.gateway.access.caller import Caller
 from dray.gateway.factory.alerts import AlertMonitor
 from dray.gateway.http.problems import FieldError, not_found, unusable
 from dray.gateway.http.provided import Provided
+from dray.gateway.http.request_bodies import NOTE
 from dray.gateway.http.responses import PAGE, Cursor, Json, Limit, described, list_of, page, problems
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.views import AlertView, CauseView
@@ -35,8 +36,6 @@ EXAMPLE = AlertView(
 SNOOZE_MAX_S = 7 * 86_400.0
 """Wall seconds for which an alert may be put aside: what lasts longer is to be looked at again."""
 
-COMMENT = r"^[^\x00-\x1f\x7f]*$"
-
 
 class AcknowledgeRequest(BaseModel):
     """What is said of an alert by whoever takes it on."""
@@ -48,7 +47,7 @@ class AcknowledgeRequest(BaseModel):
         },
     )
 
-    comment: Annotated[str, Field(max_length=500, pattern=COMMENT)] = ""
+    comment: Annotated[str, Field(max_length=500, pattern=NOTE)] = ""
     """One line; empty for none."""
     until_at: Moment | None = None
     """Until when it is in good hands, in ISO 8601 with its zone, within seven days; left out for as long as it lasts. Then it asks again,

@@ -15,7 +15,7 @@ from dray.gateway.access.principal import Principal
 from dray.gateway.factory.commands import Commands
 from dray.gateway.http.problems import Problem, not_found
 from dray.gateway.http.provided import Provided
-from dray.gateway.http.request_bodies import json_only
+from dray.gateway.http.request_bodies import NOTE, json_only
 from dray.gateway.http.responses import Json, described, problems
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.reasons import refusal_text
@@ -54,7 +54,7 @@ class MachineCommandRequest(BaseModel):
     wait_s: Annotated[float | None, Field(strict=True, gt=0, le=OUT_MAX_S)] = None
     """For `promise`: how long from now the help will take, in factory seconds, 900 at most. For `take_out`: how long it is expected to be out
     of service; left out where nobody knows."""
-    reason: Annotated[str, Field(max_length=200)] = ""
+    reason: Annotated[str, Field(max_length=200, pattern=NOTE)] = ""
     """For `take_out` only: why."""
     after_work: bool = False
     """For `take_out` only: the goal that it works at it finishes first."""

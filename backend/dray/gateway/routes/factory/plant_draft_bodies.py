@@ -9,7 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from dray.gateway.factory.plant_drafts import FindingView
 from dray.gateway.factory.shift_player import PlayView, ShiftFigures
-from dray.gateway.http.request_bodies import Line
+from dray.gateway.http.request_bodies import NOTE, Line
 from dray.store.factory.plant_drafts import DraftLine
 
 LONGEST_H = 8.0
@@ -89,7 +89,7 @@ class NewDraft(BaseModel):
     name: Line
     file: str | None = None
     """The text of a plant file (YAML), a LIF file (JSON) or a plant model of openTCS (XML); left out, the running plant."""
-    file_name: Annotated[str, Field(max_length=200)] = "draft"
+    file_name: Annotated[str, Field(max_length=200, pattern=NOTE)] = "draft"
     onto_running: Annotated[bool, Field(strict=True)] = False
     """What a layout cannot tell is taken from the running plant, as far as its nodes are there."""
 

@@ -14,6 +14,7 @@ from starlette.responses import Response
 from dray.errors import PlantError
 from dray.gateway.access.audit_log import Noted
 from dray.gateway.access.caller import Caller
+from dray.gateway.access.principal import Principal
 from dray.gateway.factory.dxf_plans import DxfPlans, NoPlan
 from dray.gateway.factory.plant_drafts import (
     MAX_DEPTH,
@@ -27,6 +28,7 @@ from dray.gateway.http.problems import FieldError, Problem, not_found, unusable
 from dray.gateway.http.provided import Now, Provided
 from dray.gateway.http.request_bodies import json_only
 from dray.gateway.http.responses import PAGE, Cursor, Json, Limit, described, list_of, page, problems
+from dray.gateway.http.shares import share_of, share_used
 from dray.gateway.http.side_work import SideWork
 from dray.gateway.http.versions import check_version, version_tag
 from dray.gateway.live.projection import Projection
@@ -85,7 +87,11 @@ async def list_drafts(store: Provided[Store], cursor: Cursor = None, limit: Limi
     dependencies=[Depends(json_only)],
     responses={
         201: described(DraftView, "The draft", EXAMPLE),
-        **problems(p409="There are too many drafts", p503="Too many files are being read"),
+        **problems(
+            p409="There are too many drafts",
+            p429="Too many drafts are this caller's",
+            p503="Too many files are being read",
+        ),
     },
     response_class=Json,
 )
@@ -106,11 +112,24 @@ async def begin(
     else:
         try:
             onto = projection.site.plant if request.onto_running else None
-            data, notes = await side_work.do(read_file, request.file, request.file_name, onto)
+            data, notes = await side_work.do(caller.key, read_file, request.file, request.file_name, onto)
         except PlantError as error:
             raise unusable(FieldError("file", error.reason)) from None
-    row = DraftRow(new_token()[:12], request.name, 1, caller.name, now_s, _encoded(data), _encoded(notes))
+    row = DraftRow(
+        new_token()[:12],
+        request.name,
+        1,
+        caller.name,
+        now_s,
+        _encoded(data),
+        _encoded(notes),
+        owner=caller.key,
+    )
+    # Before it is kept: whoever is told that too many files are being read has begun nothing.
+    view = await _view(row, side_work, caller)
     async with store.write() as work:
+        if await work.plant_drafts.count_of(caller.key) >= share_of(MAX_DRAFTS):
+            raise share_used("drafts", MAX_DRAFTS, f"remove one of yours ({LISTED} lists them)")
         if await work.plant_drafts.count() >= MAX_DRAFTS:
             raise Problem(
                 HTTPStatus.CONFLICT,
@@ -120,7 +139,6 @@ async def begin(
             )
         await work.plant_drafts.put(row)
     note.target = row.id
-    view = await _view(row, side_work)
     return Json(
         view, HTTPStatus.CREATED, headers={"Location": f"/api/plant-drafts/{row.id}", "ETag": version_tag(1)}
     )
@@ -141,10 +159,12 @@ async def get_running(projection: Provided[Projection]) -> Json:
     responses={200: described(DraftView, "The draft", EXAMPLE), **problems(p404="There is no such draft")},
     response_class=Json,
 )
-async def get_draft(store: Provided[Store], side_work: Provided[SideWork], draft: DraftId) -> Json:
+async def get_draft(
+    store: Provided[Store], side_work: Provided[SideWork], caller: Caller, draft: DraftId
+) -> Json:
     """A draft with its content, its faults and its warnings."""
     row = await _row(store, draft)
-    return Json(await _view(row, side_work), headers={"ETag": version_tag(row.version)})
+    return Json(await _view(row, side_work, caller), headers={"ETag": version_tag(row.version)})
 
 
 @router.put(
@@ -184,10 +204,11 @@ async def change(
         by=caller.name,
         at_s=now_s,
     )
+    view = await _view(row, side_work, caller)
     async with store.write() as work:
         if not await work.plant_drafts.change(row):
             raise _changed(before)
-    return Json(await _view(row, side_work), headers={"ETag": version_tag(row.version)})
+    return Json(view, headers={"ETag": version_tag(row.version)})
 
 
 @router.delete(
@@ -301,6 +322,7 @@ async def play(
     store: Provided[Store],
     side_work: Provided[SideWork],
     player: Provided[ShiftPlayer],
+    caller: Caller,
     note: Noted,
     draft: DraftId,
     request: Shift,
@@ -312,7 +334,7 @@ async def play(
     note.target = draft
     row = await _row(store, draft)
     data = msgspec.json.decode(row.data)
-    found = await side_work.do(findings, data)
+    found = await side_work.do(caller.key, findings, data)
     faults = [each for each in found if each.level != "warning"]
     if faults:
         errors = [
@@ -342,7 +364,7 @@ async def _row(store: Store, draft: str) -> DraftRow:
     return row
 
 
-async def _view(row: DraftRow, side_work: SideWork) -> DraftView:
+async def _view(row: DraftRow, side_work: SideWork, caller: Principal) -> DraftView:
     data = msgspec.json.decode(row.data)
     return DraftView(
         id=row.id,
@@ -351,7 +373,7 @@ async def _view(row: DraftRow, side_work: SideWork) -> DraftView:
         by=row.by,
         at_s=row.at_s,
         data=data,
-        findings=tuple(await side_work.do(findings, data)),
+        findings=tuple(await side_work.do(caller.key, findings, data)),
         notes=tuple(msgspec.json.decode(row.notes)),
         plan_type=row.plan_type,
     )

@@ -74,7 +74,9 @@ async def list_tasks(
 async def get_task(projection: Provided[Projection], visible: Visible, task: str) -> Json:
     """One task, open or lately ended."""
     whole = projection.tasks.view(task)
-    view = whole and visible.task(whole)
+    # Whoever may not read orders knows goals by other names, and asks by these.
+    views = projection.tasks.views() if whole is None else (whole,)
+    view = next((seen for each in views if (seen := visible.task(each)) and seen.id == task), None)
     if view is None:
         raise not_found("task", task, "GET /api/tasks")
     return Json(view)

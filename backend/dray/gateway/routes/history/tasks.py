@@ -9,9 +9,13 @@ import msgspec
 from fastapi import APIRouter, Query
 from fastapi.responses import Response
 
+from dray.gateway.access.caller import Caller
+from dray.gateway.access.gate import missing
+from dray.gateway.access.principal import Scope
 from dray.gateway.http.csv_tables import Format, Row, header_of, row_of, table, with_csv
 from dray.gateway.http.provided import Provided
 from dray.gateway.http.responses import PAGE, Cursor, Json, Limit, list_of, listing, read_cursor, write_cursor
+from dray.gateway.live.visibility import goal_alias
 from dray.gateway.orders.drafts import Moment
 from dray.gateway.routes.search import NowS, Words
 from dray.store import Store
@@ -87,6 +91,7 @@ COLUMNS = TaskRecord.__struct_fields__
 )
 async def list_task_history(
     store: Provided[Store],
+    caller: Caller,
     words: Words,
     now_s: NowS,
     state: Annotated[list[TaskState] | None, Query(description="Only these; may be repeated")] = None,
@@ -106,7 +111,10 @@ async def list_task_history(
     limit: Limit = PAGE,
     format: Format = "json",  # noqa: A002 - the word that others use
 ) -> Response:
-    """All tasks that are kept, open or ended, found by words, filters and times."""
+    """All tasks that are kept, open or ended, found by words, filters and times. Without `orders:read` none says for which order it is."""
+    sees_orders = caller.may(Scope.ORDERS_READ)
+    if order and not sees_orders:
+        raise missing(caller, Scope.ORDERS_READ)
     wanted = TaskFilter(
         states=state or (),
         kind=kind,
@@ -118,32 +126,47 @@ async def list_task_history(
         words=words,
     )
     if format == "csv":
-        return table("tasks", header_of(COLUMNS), _rows(store, wanted, sort, descending))
+        return table("tasks", header_of(COLUMNS), _rows(store, wanted, sort, descending, sees_orders))
     after = read_cursor(cursor, tuple[float, str])
-    records, last = await _page(store, wanted, sort, descending, after, limit)
+    records, last = await _page(store, wanted, sort, descending, after, limit, sees_orders)
     return listing(records, None if last is None else write_cursor(*last))
 
 
 async def _page(
-    store: Store, wanted: TaskFilter, sort: SortedBy, descending: bool, after: Place | None, limit: int
+    store: Store,
+    wanted: TaskFilter,
+    sort: SortedBy,
+    descending: bool,
+    after: Place | None,
+    limit: int,
+    sees_orders: bool,
 ) -> tuple[list[TaskRecord], Place | None]:
     """Some, and where to go on; None at the end."""
     async with store.read() as work:
         found = await work.tasks.page(wanted, after, limit + 1, sort, descending=descending)
         references = await work.orders.references({row.order_id for row, _ in found if row.order_id})
     last = found[limit - 1][1] if len(found) > limit else None
-    return [_record(row, references.get(row.order_id)) for row, _ in found[:limit]], last
+    records = [_record(row, references.get(row.order_id)) for row, _ in found[:limit]]
+    return (records if sees_orders else [_without_order(each) for each in records]), last
 
 
-async def _rows(store: Store, wanted: TaskFilter, sort: SortedBy, descending: bool) -> AsyncIterator[Row]:
+async def _rows(
+    store: Store, wanted: TaskFilter, sort: SortedBy, descending: bool, sees_orders: bool
+) -> AsyncIterator[Row]:
     """All that are wanted, as cells."""
     after: Place | None = None
     while True:
-        records, after = await _page(store, wanted, sort, descending, after, ROWS_AT_ONCE)
+        records, after = await _page(store, wanted, sort, descending, after, ROWS_AT_ONCE, sees_orders)
         for record in records:
             yield row_of(COLUMNS, record)
         if after is None:
             return
+
+
+def _without_order(record: TaskRecord) -> TaskRecord:
+    return msgspec.structs.replace(
+        record, id=goal_alias(record.id), goal=goal_alias(record.goal), order="", reference=None
+    )
 
 
 def _record(row: TaskRow, reference: str | None) -> TaskRecord:

@@ -88,7 +88,7 @@ async def import_orders(
     that follow one another with the same customer and reference are one order. A dry run places nothing and
     tells what is wrong in which row; without one, a single fault refuses the whole file.
     """
-    drafts, faults = await side_work.do(_read, file.csv, placement.plant, placement.now_s)
+    drafts, faults = await side_work.do(caller.key, _read, file.csv, placement.plant, placement.now_s)
     note.detail |= {"orders": len(drafts), "dry_run": file.dry_run}
     if file.dry_run:
         return Json(_imported([(draft, "") for draft in drafts], faults[:MAX_FIELD_ERRORS]))
@@ -102,7 +102,7 @@ async def import_orders(
     # Without a key of its own every request is another one. An order and a file of that order alone are
     # answered differently, so a key stands for another thing here.
     own = own_key(caller, f"import {key or new_token()}")
-    kept, _replayed = await placement.place_all_once(drafts, own, render, note)
+    kept, _replayed = await placement.place_all_once(drafts, caller.key, own, render, note)
     return Json(kept.answer.encode())
 
 

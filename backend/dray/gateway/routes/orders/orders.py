@@ -167,6 +167,7 @@ DRAFTS = {
         },
         **problems(
             p409="A request with this key is still being answered",
+            p429="Too many orders of this caller are open",
             p503="Too many orders are open",
         ),
     },
@@ -177,9 +178,11 @@ async def place_order(request: Request, draft: OrderDraft, key: Key = None) -> J
     """Place an order."""
     # What others ask for by parameters: each of those costs as much as the JSON of an order.
     base = public_url(provided(request.app, Settings), request)
+    caller = caller_of(request)
     kept, replayed = await provided(request.app, OrderPlacement).place_once(
         draft,
-        None if key is None else own_key(caller_of(request), key),
+        caller.key,
+        None if key is None else own_key(caller, key),
         lambda order: msgspec.json.encode(order_answer(order, base)),
         note_of(request),
     )

@@ -166,7 +166,7 @@ async def add_schedule(
     """
     note.detail |= draft.model_dump(mode="json", exclude_none=True, by_alias=True)
     _admit(caller, draft.order)
-    row = await scheduler.define(draft, caller.name)
+    row = await scheduler.define(draft, caller)
     note.target = row.id
     headers = {"Location": f"/api/schedules/{row.id}", "ETag": version_tag(row.revision)}
     return Json(_answer(row), HTTPStatus.CREATED, headers=headers)

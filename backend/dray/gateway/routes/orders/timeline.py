@@ -9,7 +9,7 @@ from fastapi import APIRouter, Depends
 from pydantic import BaseModel, ConfigDict, Field
 
 from dray.gateway.access.audit_log import Noted
-from dray.gateway.http.problems import not_found
+from dray.gateway.http.problems import Problem, not_found
 from dray.gateway.http.provided import Now, Provided
 from dray.gateway.http.public_urls import BaseUrl
 from dray.gateway.http.request_bodies import json_only
@@ -29,7 +29,7 @@ from dray.gateway.tracking.track import track
 from dray.store import Store
 from dray.store.history.events import EventFilter
 from dray.store.orders.order_histories import KINDS, together
-from dray.store.orders.tracking_links import Link
+from dray.store.orders.tracking_links import WORKING_MAX, Link
 
 router = APIRouter(tags=["orders"])
 
@@ -179,7 +179,10 @@ async def order_timeline(
     "/orders/{order}/links",
     status_code=HTTPStatus.CREATED,
     dependencies=[Depends(json_only)],
-    responses={201: described(NewLink, "The link"), **problems(p404="There is no such order")},
+    responses={
+        201: described(NewLink, "The link"),
+        **problems(p404="There is no such order", p409="As many links lead to its page as may be"),
+    },
     response_class=Json,
 )
 async def make_link(
@@ -196,7 +199,14 @@ async def make_link(
     async with store.write() as work:
         if await work.orders.get(order) is None:
             raise not_found("order", order, "GET /api/orders")
-        await work.links.add(token, Link(order, now_s, expires_at_s=ends_s))
+        if not await work.links.add_another(token, Link(order, now_s, expires_at_s=ends_s)):
+            raise Problem(
+                HTTPStatus.CONFLICT,
+                "too-many-links",
+                "The order has too many links",
+                f"{WORKING_MAX} links lead to the page of order {order}: use one of them, or take all back "
+                f"(DELETE /api/orders/{order}/links)",
+            )
     note.detail["days"] = draft.days
     return Json(NewLink(f"{base}/track/{token}", ends_s), HTTPStatus.CREATED)
 

@@ -30,7 +30,7 @@ from dray.gateway.http.responses import (
 from dray.gateway.live.projection import Projection
 from dray.gateway.orders.idempotency import Key, own_key
 from dray.gateway.orders.transport_draft import TransportDraft
-from dray.gateway.orders.transports import PlainTransports, caller_key
+from dray.gateway.orders.transports import PlainTransports
 from dray.gateway.orders.wanted_vehicle import why_not
 from dray.gateway.routes.search import Words
 from dray.messages import TransportState
@@ -119,7 +119,9 @@ DRAFTS = {
             }
         },
         **problems(
+            p403="The caller's key may not call for this: a place, a material or a priority is beyond its limits",
             p409="A request with this key is still being answered",
+            p429="As many transports of this caller are open as may be",
             p503="Too many transports are open",
         ),
     },
@@ -260,4 +262,4 @@ def transport_answer(row: TransportRow, vehicle_waits: str | None = None) -> Tra
 
 def _only_own(caller: Principal) -> str:
     """Whose transports the caller is shown; empty for everybody's."""
-    return "" if caller.may(Scope.FACTORY_READ) else caller_key(caller)
+    return "" if caller.may(Scope.FACTORY_READ) else caller.key

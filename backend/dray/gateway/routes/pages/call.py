@@ -29,7 +29,7 @@ from dray.gateway.http.request_bodies import read_form
 from dray.gateway.live.projection import Projection
 from dray.gateway.orders.idempotency import own_key
 from dray.gateway.orders.transport_draft import TransportDraft
-from dray.gateway.orders.transports import PlainTransports, caller_key
+from dray.gateway.orders.transports import PlainTransports
 from dray.gateway.routes.orders.transports import transport_answer
 from dray.store import Store
 
@@ -155,9 +155,9 @@ async def _shown(
     texts = TEXTS[language_of(request)]
     async with store.read() as work:
         rows = await work.transports.page(
-            statuses=(), places=None, caller=caller_key(caller), after=None, limit=SHOWN
+            statuses=(), places=None, caller=caller.key, after=None, limit=SHOWN
         )
-    choices = tiles(projection, caller.station, item, texts)
+    choices = tiles(projection, caller, item, texts)
     chosen = next((tile for tile in choices if tile.chosen), None)
     return _page(
         panels,

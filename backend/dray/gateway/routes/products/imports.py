@@ -86,7 +86,7 @@ async def import_products(
     of its bill, one machine and one document. One that exists becomes another revision, unless nothing has changed. A dry run
     defines nothing and tells what is wrong in which row; without one, a single fault refuses the whole file.
     """
-    read, faults = await side_work.do(read_products, file.csv)
+    read, faults = await side_work.do(caller.key, read_products, file.csv)
     wishes = []
     for each in read:
         known = each.id in projection.site.products

@@ -1,12 +1,13 @@
 import { useLayoutEffect, useRef } from "preact/hooks";
 import { t, word } from "../../../text/views/people";
-import { Choice, Field } from "../../parts/Field";
+import { Field } from "../../parts/Field";
 import { keepFocus } from "../../parts/keep-focus";
+import { PrioritySelect } from "../../orders/PrioritySelect";
 import { Once } from "../../parts/Once";
 import { Sheet } from "../../parts/Sheet";
 import { me } from "../../shell/session";
 import { plant } from "../../state";
-import { addKey, complaints, editKey, isButton, key, outcome, ticked, token } from "./state";
+import { addKey, calls, complaints, editKey, key, outcome, ticked, token } from "./state";
 
 /** What the button opens. */
 export const KEY = "key-sheet";
@@ -36,8 +37,7 @@ export function KeySheet({ onChanged }: { onChanged: () => void }) {
 }
 
 function Draft({ onChanged }: { onChanged: () => void }) {
-  const { days, name, place, scopes } = key.value;
-  const file = plant.value;
+  const { days, name, scopes } = key.value;
   return (
     <form
       noValidate
@@ -68,22 +68,63 @@ function Draft({ onChanged }: { onChanged: () => void }) {
           {complaints.value.scopes}
         </span>
       </fieldset>
-      {isButton(scopes) && (
-        <Choice
-          id="key-place"
-          label={t("people.place")}
-          complaint={complaints.value.place}
-          none={t("people.everywhere")}
-          value={place}
-          options={[...(file?.machines ?? []), ...(file?.storages ?? [])]}
-          onChosen={(value) => { editKey({ place: value }); }}
-        />
-      )}
+      {calls(scopes) && <Limits />}
       <p class="people-actions">
         <button type="submit" class="button primary">
           {t("people.keyMake")}
         </button>
       </p>
     </form>
+  );
+}
+
+/** Which transports the key may call for. */
+function Limits() {
+  const { items, open, openEach, places, priority } = key.value;
+  const file = plant.value;
+  return (
+    <>
+      <p class="muted">{t("people.limitsHint")}</p>
+      <Ticks id="key-places" label={t("people.places")} complaint={complaints.value.places} of={[...(file?.machines ?? []), ...(file?.storages ?? [])]} ticked={places} onTicked={(chosen) => { editKey({ places: chosen }); }} />
+      <Ticks id="key-items" label={t("people.items")} complaint={complaints.value.items} of={file?.materials ?? []} ticked={items} onTicked={(chosen) => { editKey({ items: chosen }); }} />
+      <div class="form">
+        <Field id="key-open" label={t("people.open")} complaint={complaints.value.open_max}>
+          {(attributes) => <input {...attributes} autoComplete="off" inputMode="numeric" placeholder="50" value={open} onInput={(event) => { editKey({ open: event.currentTarget.value }); }} />}
+        </Field>
+        <Field id="key-open-each" label={t("people.openEach")} complaint={complaints.value.open_each_max}>
+          {(attributes) => <input {...attributes} autoComplete="off" inputMode="numeric" placeholder="20" value={openEach} onInput={(event) => { editKey({ openEach: event.currentTarget.value }); }} />}
+        </Field>
+        <Field id="key-priority" label={t("people.priority")} complaint={complaints.value.priority}>
+          {(attributes) => <PrioritySelect {...attributes} value={priority} onChoose={(chosen) => { editKey({ priority: chosen }); }} />}
+        </Field>
+      </div>
+    </>
+  );
+}
+
+interface TicksProps {
+  readonly id: string;
+  readonly label: string;
+  readonly complaint: string | undefined;
+  readonly of: readonly { id: string; name?: string }[];
+  readonly ticked: readonly string[];
+  readonly onTicked: (chosen: string[]) => void;
+}
+
+/** Some things of the plant; none of them ticked stands for all. */
+function Ticks({ complaint, id, label, of, onTicked, ticked: chosen }: TicksProps) {
+  return (
+    <fieldset class="people-many" aria-describedby={`${id}-wrong`}>
+      <legend>{label}</legend>
+      {of.map(({ id: each, name = each }) => (
+        <label key={each} class="people-tick">
+          <input type="checkbox" checked={chosen.includes(each)} onChange={(event) => { onTicked(ticked(chosen, each, event.currentTarget.checked)); }} />
+          {name === each ? each : `${each} · ${name}`}
+        </label>
+      ))}
+      <span id={`${id}-wrong`} class="complaint">
+        {complaint}
+      </span>
+    </fieldset>
   );
 }

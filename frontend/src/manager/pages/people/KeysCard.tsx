@@ -6,11 +6,11 @@ import { format, t, word } from "../../../text/views/people";
 import { Sure } from "../../parts/Sure";
 import { useRefreshed } from "../../refreshed";
 import { KEY, KeySheet } from "./KeySheet";
-import { asked, beginKey, busy, takeBack } from "./state";
+import { asked, beginKey, busy, calls, takeBack } from "./state";
 
 const EVERY_MS = 10_000;
 
-const HEADS = ["keyName", "scopes", "place", "used", "keyState", "actions"] as const;
+const HEADS = ["keyName", "scopes", "limits", "used", "keyState", "actions"] as const;
 
 /** Keys by which other systems and call buttons use the API. */
 export function KeysCard() {
@@ -56,7 +56,7 @@ export function KeysCard() {
 }
 
 function Row({ of, onChanged }: { of: Key; onChanged: () => void }) {
-  const { id, name, place, scopes, used_at_s: usedAtS } = of;
+  const { id, name, scopes, used_at_s: usedAtS } = of;
   const state = stateOf(of);
   return (
     <tr>
@@ -65,7 +65,13 @@ function Row({ of, onChanged }: { of: Key; onChanged: () => void }) {
         <small class="line muted">{id}</small>
       </th>
       <td class="people-scopes">{format.list(scopes.map((each) => word("audit.value", each)))}</td>
-      <td>{place === "" ? t("people.everywhere") : place}</td>
+      <td class="people-limits">
+        {limitsOf(of).map((line) => (
+          <span key={line} class="line">
+            {line}
+          </span>
+        ))}
+      </td>
       <td>{usedAtS === null ? t("people.never") : format.when(usedAtS, nowS.value)}</td>
       <td>{state.text}</td>
       <td>
@@ -87,6 +93,17 @@ function Row({ of, onChanged }: { of: Key; onChanged: () => void }) {
       </td>
     </tr>
   );
+}
+
+/** Which transports a key may call for; nothing of one that calls for none. */
+function limitsOf({ items, open_each_max: openEach, open_max: open, places, priority, scopes }: Key): string[] {
+  if (!calls(scopes)) return [];
+  return [
+    places.length === 0 ? t("people.everywhere") : format.list(places),
+    ...(items.length === 0 ? [] : [format.list(items)]),
+    t("people.limitsOpen", { each: openEach, most: open }),
+    t("people.limitsPriority", { priority: word("priority", priority) }),
+  ];
 }
 
 function stateOf({ expires_at_s: endsS, revoked_at_s: revokedAtS }: Key): { works: boolean; text: string } {

@@ -1,9 +1,11 @@
 /** What is being done to people and keys: the forms' state, and the sending of it. */
 import { signal } from "@preact/signals";
-import { addPerson, giveSecret, type Key, letIn, makeKey, makeLoginLink, movePerson, type Person, revokeKey, type SecretKind } from "../../../api/people";
+import { addPerson, giveSecret, type Key, type KeyDraft, letIn, makeKey, makeLoginLink, movePerson, type Person, revokeKey, type SecretKind } from "../../../api/people";
 import { Problem } from "../../../api/problem";
 import { t } from "../../../text/views/people";
 import { problemText } from "../../problem-text";
+
+type Priority = NonNullable<KeyDraft["priority"]>;
 
 export type Role = "manager" | "operator";
 
@@ -31,7 +33,7 @@ function somebody() {
 }
 
 function something() {
-  return { name: "", scopes: [] as string[], days: "", place: "" };
+  return { name: "", scopes: [] as string[], days: "", places: [] as string[], items: [] as string[], open: "", openEach: "", priority: "normal" as Priority };
 }
 
 function forget(): void {
@@ -108,11 +110,10 @@ export const setMay = (person: Person, may: boolean): Promise<boolean> =>
 
 export const addKey = (): Promise<boolean> =>
   ask(async () => {
-    const { days, name, place, scopes } = key.value;
-    // What is no number goes as it was written, for the gateway says best what is wrong with it.
-    const until = days.trim() === "" ? null : /^\d+$/.test(days.trim()) ? Number(days) : (days as unknown as number);
+    const { days, items, name, open, openEach, places, priority, scopes } = key.value;
+    const limits = calls(scopes) ? { places, items, open_max: numberOf(open), open_each_max: numberOf(openEach), priority } : {};
     // The gateway says best which of them it does not know.
-    token.value = await makeKey({ name: name.trim(), scopes: scopes as never, days: until, place: isButton(scopes) ? place : "" });
+    token.value = await makeKey({ name: name.trim(), scopes: scopes as never, days: numberOf(days), ...limits });
     key.value = something();
     return "";
   });
@@ -124,8 +125,14 @@ export const takeBack = ({ id }: Key): Promise<boolean> =>
     return "";
   });
 
-/** Only what may do nothing but call for transports has a place. */
-export const isButton = (scopes: readonly string[]): boolean => scopes.length === 1 && scopes[0] === "transports:call";
+/** Whether a key with these may call for transports: only such a one has limits of that. */
+export const calls = (scopes: readonly string[]): boolean => scopes.includes("transports:call");
+
+/** @returns null for nothing written; what is no number as it was written, for the gateway says best what is wrong with it */
+function numberOf(written: string): number | null {
+  const text = written.trim();
+  return text === "" ? null : /^\d+$/.test(text) ? Number(text) : (text as unknown as number);
+}
 
 async function ask(act: () => Promise<string>): Promise<boolean> {
   if (busy.value) return false;

@@ -1,0 +1,95 @@
+"""Where all callers have one bound together, one of them takes a share of it, and the others go on."""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+from typing import Any
+
+import pytest
+from answers import problem
+from gateway_kit import House
+from gateway_kit import draft as order_draft
+from recurring_kit import DRAFT as SCHEDULE
+
+from dray.gateway.access.principal import Scope
+from dray.gateway.http.problems import Problem
+from dray.gateway.http.shares import share_of
+from dray.gateway.http.side_work import WAITING, SideWork
+
+pytestmark = pytest.mark.anyio
+
+
+def test_a_share_is_a_part_and_never_nothing() -> None:
+    assert [share_of(each) for each in (5_000, 50, 12, 3, 0)] == [1_250, 12, 3, 1, 1]
+
+
+async def test_who_has_files_read_without_end_leaves_room_for_others() -> None:
+    work, go_on = SideWork(), threading.Event()
+    try:
+        greedy = [asyncio.create_task(work.do("key a", go_on.wait, 60.0)) for _ in range(3)]
+        assert share_of(WAITING) == 3
+        await asyncio.sleep(0)
+        with pytest.raises(Problem, match="one caller may have 3") as refused:
+            await work.do("key a", int)
+        assert refused.value.status == 429
+        other = asyncio.create_task(work.do("key b", int))
+        await asyncio.sleep(0)
+        assert not other.done()
+        go_on.set()
+        assert await asyncio.gather(*greedy) == [True] * 3
+        assert await other == 0
+        assert await work.do("key a", int) == 0, "what has ended counts no more"
+    finally:
+        go_on.set()
+        work.close()
+
+
+async def test_one_caller_begins_a_share_of_all_drafts(house: House, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("dray.gateway.routes.factory.plant_drafts.MAX_DRAFTS", 4)
+    _, header = await house.key(Scope.FLOOR_WRITE, Scope.FACTORY_READ)
+    greedy, path = house.visitor(**header), "/api/plant-drafts"
+    begun = await greedy.post(path, json={"name": "One"})
+    assert begun.status_code == 201, begun.text
+    problem(await greedy.post(path, json={"name": "Two"}), 429, "share-used")
+    assert (await house.client.post(path, json={"name": "Another's"})).status_code == 201
+    assert [each["name"] for each in sorted((await house.get(path))["items"], key=lambda each: each["at_s"])]
+    removed = await greedy.delete(f"{path}/{begun.json()['id']}", headers={"If-Match": '"1"'})
+    assert removed.status_code == 204
+    assert (await greedy.post(path, json={"name": "Two"})).status_code == 201
+
+
+async def test_one_caller_begins_a_share_of_all_recurring_work(
+    house: House, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("dray.gateway.schedules.scheduler.SCHEDULES_MAX", 4)
+    _, header = await house.key(Scope.FLOOR_WRITE, Scope.FACTORY_READ)
+    greedy, path = house.visitor(**header), "/api/schedules"
+    assert (await greedy.post(path, json=SCHEDULE | {"name": "One"})).status_code == 201
+    problem(await greedy.post(path, json=SCHEDULE | {"name": "Two"}), 429, "share-used")
+    answer = await house.client.post(path, json=SCHEDULE | {"name": "Another's"})
+    assert answer.status_code == 201, answer.text
+    # Whoever changes what another has begun does not make it an own one.
+    ours = {"If-Match": answer.headers["ETag"]}
+    changed = await greedy.patch(f"{path}/{answer.json()['id']}", json={"paused": True}, headers=ours)
+    assert changed.status_code == 200, changed.text
+    assert (await house.client.post(path, json=SCHEDULE | {"name": "A third"})).status_code == 429
+
+
+async def test_one_caller_has_half_of_all_open_orders(house: House, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("dray.gateway.orders.placement.MAX_OPEN_ORDERS", 4)
+    _, header = await house.key(Scope.ORDERS_WRITE, Scope.ORDERS_READ)
+    greedy, path = house.visitor(**header), "/api/orders"
+
+    async def placed(**fields: Any) -> str:
+        answer = await greedy.post(path, json=order_draft(**fields))
+        assert answer.status_code == 201, answer.text
+        return str(answer.json()["id"])
+
+    first, _ = await placed(), await placed()
+    body = problem(await greedy.post(path, json=order_draft()), 429, "share-used")
+    assert "of 4 open orders one caller may have 2" in body["detail"]
+    assert await house.orders_kept() == 2
+    assert (await house.client.post(path, json=order_draft())).status_code == 201
+    assert (await greedy.post(f"{path}/{first}/cancel")).status_code == 200
+    await placed()
