@@ -22,7 +22,6 @@ from dray.gateway.orders.order_ids import new_order_id, new_token
 from dray.gateway.orders.outbox import Outbox
 from dray.gateway.tracking.eta import History
 from dray.gateway.tracking.facts import SILENCE_S
-from dray.plant.model import PlantFile
 from dray.priorities import order_wanted_s
 from dray.store import Store
 from dray.store.orders.idempotency_keys import KeptAnswer
@@ -75,9 +74,9 @@ class OrderPlacement:
         return self._wall_s()
 
     @property
-    def plant(self) -> PlantFile:
-        """What stands where at this moment."""
-        return self._projection.site.plant.file
+    def products(self) -> frozenset[str]:
+        """Ids of what can be ordered at this moment."""
+        return frozenset(self._projection.site.products)
 
     async def preview(self, draft: WorkDraft) -> OrderPreview:
         """What it would need if it were published now; nothing is kept.
@@ -100,7 +99,7 @@ class OrderPlacement:
         )
         due_at_s = None if draft.due_at is None else draft.due_at.timestamp()
         wanted = [Wanted(item.product, item.quantity) for item in draft.items]
-        return preview(self.plant, wanted, due_at_s, situation)
+        return preview(projection.site.plant.file, wanted, due_at_s, situation)
 
     async def place(self, draft: OrderDraft) -> Order:
         """Take an order that nobody asks for twice.
@@ -234,7 +233,7 @@ class OrderPlacement:
         Raises:
             Problem: names every field.
         """
-        errors = nonsense(draft, self.plant, now_s)
+        errors = nonsense(draft, self._projection.site.products, now_s)
         if errors:
             raise unusable(*errors)
 
