@@ -102,6 +102,9 @@ async def ask(app: FastAPI, asked: Asked, whose: str) -> tuple[int, bytes]:
         answer.append(message)
 
     _WHOSE.set(whose)
-    await asyncio.create_task(app(scope, receive, send))
-    gone.set()
+    try:
+        await asyncio.create_task(app(scope, receive, send))
+    finally:
+        _WHOSE.set("")
+        gone.set()
     return answer[0]["status"], b"".join(part.get("body", b"") for part in answer[1:])

@@ -7,6 +7,7 @@ that was not can be sent again under its key.
 
 from __future__ import annotations
 
+import asyncio
 import hashlib
 from collections.abc import Callable, Sequence
 from contextlib import nullcontext
@@ -33,6 +34,9 @@ from dray.store.work import Work
 
 MAX_OPEN_ORDERS = 10_000
 """Orders that have not ended: months of work. They are kept in memory and sent to every new panel."""
+
+BATCH = 100
+"""Orders of a file that are made known at once: some milliseconds of the event loop."""
 
 
 class OrderPlacement:
@@ -193,13 +197,17 @@ class OrderPlacement:
         self._coming += count
         try:
             orders, kept = await self._placing.place(wish)
-            for order in orders:
+            for at, order in enumerate(orders, 1):
                 self._projection.orders.put(order)
+                if at % BATCH == 0:
+                    await asyncio.sleep(0)
         finally:
             self._coming -= count
-        for order in orders:
+        for at, order in enumerate(orders, 1):
             if order.status is OrderStatus.RELEASED:
                 self._outbox.release(order)
+            if at % BATCH == 0:
+                await asyncio.sleep(0)
         return orders, kept
 
     def _prepared(

@@ -34,7 +34,7 @@ LISTED = "GET /api/people"
 
 PersonId = Annotated[str, Path(max_length=64)]
 
-Areas = Annotated[tuple[str, ...], Field(max_length=64)]
+Areas = Annotated[list[str], Field(max_length=64)]
 """Ids of areas."""
 
 SecretKind = Literal["password", "pin", "badge"]
@@ -97,7 +97,7 @@ class PersonDraft(BaseModel):
     name: Line
     """What people call them."""
     role: Role
-    areas: Areas = ()
+    areas: Areas = []
     """Where an operator works."""
 
 

@@ -91,7 +91,7 @@ async def slow_heads(target: Target) -> None:
 
 async def slow_bodies(target: Target) -> None:
     """Bodies that arrive byte by byte."""
-    head = target.head("POST", "/api/orders", 60_000)
+    head = target.head("POST", "/api/orders", 30_000)
     await _each(DRIPPING, lambda _: _drip(target.port, head, b" "))
 
 
@@ -120,7 +120,7 @@ async def hostile_files(target: Target) -> None:
 
 async def big_bodies(target: Target) -> None:
     """Large and deep JSON to everything that takes a body."""
-    deep, wide = b"[" * 60_000, json.dumps({"items": [{"product": "x", "quantity": 1}] * 1_500}).encode()
+    deep, wide = b"[" * 30_000, json.dumps({"items": [{"product": "x", "quantity": 1}] * 900}).encode()
     huge = json.dumps({"customer": "x" * 1_000_000}).encode()
     paths = (
         "/api/orders",
