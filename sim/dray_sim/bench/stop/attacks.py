@@ -288,9 +288,12 @@ def _attack(attack: Attack, target: Target, tries: Synchronized[int]) -> None:
     asyncio.run(bounded())
 
 
-async def _connect(port: int, limit: int = 65_536) -> tuple[asyncio.StreamReader, asyncio.StreamWriter]:
+async def _connect(
+    port: int, limit: int = 65_536, counted: bool = True
+) -> tuple[asyncio.StreamReader, asyncio.StreamWriter]:
+    """Open a connection; one that only prepares an attack is not counted, so that nobody takes it for begun."""
     connected = await asyncio.open_connection(HOST, port, limit=limit)
-    if _tries is not None:
+    if _tries is not None and counted:
         _tries.value += 1
     return connected
 
@@ -348,14 +351,20 @@ async def _ask_all(
 ) -> None:
     """Ask these, one after the other, on a connection each."""
     for method, path, body in asked:
-        await _ask(target, method, path, body, kind)
+        await _ask(target, method, path, body, kind, counted=True)
 
 
 async def _ask(
-    target: Target, method: str, path: str, body: bytes, kind: str = "application/json", more: str = ""
+    target: Target,
+    method: str,
+    path: str,
+    body: bytes,
+    kind: str = "application/json",
+    more: str = "",
+    counted: bool = False,
 ) -> bytes:
     """The body of an answer, asked for on a connection of its own with some more headers."""
-    reader, writer = await _connect(target.port)
+    reader, writer = await _connect(target.port, counted=counted)
     try:
         head = target.head(method, path, len(body), kind)
         writer.write(head.replace(b"\r\n\r\n", f"\r\n{more}Connection: close\r\n\r\n".encode()) + body)
