@@ -21,9 +21,22 @@ Errors carry typed fields and compose their own message: what was wrong, where, 
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 
 class DrayError(Exception):
     """The root: catch this to catch everything that Dray raises on purpose."""
+
+    def __reduce__(self) -> tuple[object, ...]:
+        # An error comes whole out of another process; its class is not asked for arguments that it has composed into a message.
+        return _again, (type(self), self.args, self.__dict__)
+
+
+def _again(kind: type[DrayError], args: tuple[object, ...], fields: Mapping[str, object]) -> DrayError:
+    error = kind.__new__(kind, *args)
+    error.args = args
+    error.__dict__.update(fields)
+    return error
 
 
 class InputError(DrayError):

@@ -11,6 +11,7 @@ from contextlib import AbstractAsyncContextManager, AsyncExitStack, asynccontext
 from dataclasses import dataclass
 from typing import Any
 
+import msgspec
 from prometheus_client.registry import Collector
 
 from dray.adapters.security.signing import SigningKey
@@ -29,6 +30,7 @@ from dray.gateway.factory.dxf_plans import DxfPlans
 from dray.gateway.factory.exclusions import Exclusions
 from dray.gateway.factory.fault_injection import FaultInjection, FaultInjector
 from dray.gateway.factory.figure_sampler import Sampler
+from dray.gateway.factory.plant_drafts import as_yaml
 from dray.gateway.factory.promises import Ledger
 from dray.gateway.factory.shift_player import ShiftPlayer
 from dray.gateway.factory.shift_reporter import ShiftReporter
@@ -59,7 +61,6 @@ from dray.gateway.orders.transports import PlainTransports
 from dray.gateway.schedules.runs import Runs
 from dray.gateway.schedules.scheduler import Scheduler
 from dray.messages.keys import Keys, strategists_of
-from dray.plant import plant_yaml
 from dray.plant.model import PlantFile
 from dray.ports import Bus
 from dray.settings import Settings
@@ -68,6 +69,9 @@ from dray.store.orders.placing import Placing
 
 Beside = Callable[[Commands, Access], AbstractAsyncContextManager[None]]
 """Runs as long as a gateway does: the stop path."""
+
+PLAYER = "shift player"
+"""Who asks for the side work that no caller waits for."""
 
 
 @dataclass(frozen=True)
@@ -207,6 +211,7 @@ def open_services(
         timeout_s=settings.command_timeout_s,
     )
     transports = PlainTransports(store, projection, peer.send, time, wall_s)
+    side_work = SideWork()
     placement = OrderPlacement(store, placing, projection, outbox, wall_s)
     return Services(
         settings=settings,
@@ -253,11 +258,13 @@ def open_services(
         duty=DutyRota(operators, authority, names=settings.operator_names == "name", wall_s=wall_s),
         faults=FaultInjection(faults, projection.faults),
         ledger=Ledger(store),
-        shift_player=ShiftPlayer(lambda: plant_yaml(projection.site.plant)),
+        shift_player=ShiftPlayer(
+            lambda: side_work.do(PLAYER, as_yaml, msgspec.json.encode(projection.site.plant.file).decode())
+        ),
         shift_reporter=ShiftReporter(store, projection, recorder, time.speed),
         dxf_plans=DxfPlans(),
         panels=panels or Panels(),
-        side_work=SideWork(),
+        side_work=side_work,
     )
 
 
@@ -319,7 +326,7 @@ async def running(services: Services, beside: Beside | None) -> AsyncIterator[No
         if services.recorder is not None:
             stack.push_async_callback(services.recorder.close)
         stack.callback(services.peer.leave)
-        stack.callback(services.side_work.close)
+        stack.push_async_callback(services.side_work.close)
         stack.push_async_callback(services.shift_player.close)
         stack.push_async_callback(_last_lines, access.audit_log)
         services.peer.join(inbox.receive)

@@ -10,6 +10,7 @@ from __future__ import annotations
 from dray.plant.file.file import (
     SHIPPED,
     default_plant,
+    file_with_product,
     is_shipped,
     load_plant,
     parse_plant,
@@ -84,6 +85,7 @@ __all__ = [
     "WorkingStation",
     "bends",
     "default_plant",
+    "file_with_product",
     "is_shipped",
     "load_plant",
     "parse_plant",

@@ -222,10 +222,14 @@ REPORT = {
 }
 
 
+async def as_given(text: str) -> str:
+    return text
+
+
 async def played(tmp_path: Path, body: str, most_s: float = 60.0) -> PlayView:
     script = tmp_path / "simulator.py"
     script.write_text(SCRIPT.format(body=body), encoding="utf-8")
-    player = ShiftPlayer(lambda: "running", (sys.executable, str(script)), most_s)
+    player = ShiftPlayer(lambda: as_given("running"), (sys.executable, str(script)), most_s)
     player.play("d", "text", 3, 1.0, 1)
     with pytest.raises(Problem, match="being played"):
         player.play("e", "text", 1, 1.0, 1)
@@ -255,7 +259,7 @@ async def test_a_simulator_that_fails_or_hangs_is_said(tmp_path: Path) -> None:
 @pytest.mark.slow
 async def test_the_real_simulator_plays_a_short_shift() -> None:
     text = plant_yaml(load_plant("workshop"))
-    player = ShiftPlayer(lambda: text)
+    player = ShiftPlayer(lambda: as_given(text))
     player.play("d", text, 1, 0.1, 1)
     assert player._task is not None
     await player._task

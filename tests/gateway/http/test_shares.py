@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
-import threading
 from typing import Any
 
 import pytest
@@ -13,36 +11,13 @@ from gateway_kit import draft as order_draft
 from recurring_kit import DRAFT as SCHEDULE
 
 from dray.gateway.access.principal import Scope
-from dray.gateway.http.problems import Problem
 from dray.gateway.http.shares import share_of
-from dray.gateway.http.side_work import WAITING, SideWork
 
 pytestmark = pytest.mark.anyio
 
 
 def test_a_share_is_a_part_and_never_nothing() -> None:
     assert [share_of(each) for each in (5_000, 50, 12, 3, 0)] == [1_250, 12, 3, 1, 1]
-
-
-async def test_who_has_files_read_without_end_leaves_room_for_others() -> None:
-    work, go_on = SideWork(), threading.Event()
-    try:
-        greedy = [asyncio.create_task(work.do("key a", go_on.wait, 60.0)) for _ in range(3)]
-        assert share_of(WAITING) == 3
-        await asyncio.sleep(0)
-        with pytest.raises(Problem, match="one caller may have 3") as refused:
-            await work.do("key a", int)
-        assert refused.value.status == 429
-        other = asyncio.create_task(work.do("key b", int))
-        await asyncio.sleep(0)
-        assert not other.done()
-        go_on.set()
-        assert await asyncio.gather(*greedy) == [True] * 3
-        assert await other == 0
-        assert await work.do("key a", int) == 0, "what has ended counts no more"
-    finally:
-        go_on.set()
-        work.close()
 
 
 async def test_one_caller_begins_a_share_of_all_drafts(house: House, monkeypatch: pytest.MonkeyPatch) -> None:

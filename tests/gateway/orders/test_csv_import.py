@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import asyncio
 import io
-import threading
 from typing import Any
 
 import msgspec
@@ -18,11 +16,7 @@ from hypothesis import strategies as st
 from dray.gateway.access.principal import Scope
 from dray.gateway.http import csv_rows
 from dray.gateway.http.csv_rows import MAX_ROWS
-from dray.gateway.http.provided import provided
-from dray.gateway.http.shares import PARTS, Shares
-from dray.gateway.http.side_work import WAITING, SideWork
 from dray.gateway.orders.csv_import import COLUMNS, read_orders
-from dray.gateway.routes.orders import imports as imports_module
 
 HEAD = "customer,reference,product,quantity,due_at,release\n"
 
@@ -235,30 +229,3 @@ async def test_a_key_of_one_caller_is_not_the_key_of_another_and_not_of_a_single
     assert [answer.status_code for answer in answers] == [200, 201]
     ids = {first["orders"][0]["id"], answers[0].json()["orders"][0]["id"], answers[1].json()["id"]}
     assert len(ids) == await house.orders_kept() == 3
-
-
-@pytest.mark.anyio
-async def test_a_file_is_read_beside_the_loop_and_only_so_many_wait_for_it(
-    house: House, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    begun, go_on = threading.Event(), threading.Event()
-    readers: set[str] = set()
-
-    def held(text: str) -> Any:
-        readers.add(threading.current_thread().name)
-        begun.set()
-        go_on.wait()
-        return read_orders(text)
-
-    monkeypatch.setattr(imports_module, "read_orders", held)
-    # Here one caller may have all of them; its share is a claim of `test_shares.py`.
-    all_of_it = Shares(PARTS * WAITING, "files", again_s=1)
-    monkeypatch.setattr(provided(house.app, SideWork), "_shares", all_of_it)
-    async with asyncio.TaskGroup() as group:
-        reading = [group.create_task(send(house, GOOD, dry_run=True)) for _ in range(WAITING)]
-        await asyncio.to_thread(begun.wait)
-        # The loop answers meanwhile: also whoever comes with one file too many.
-        problem(await send(house, GOOD, dry_run=True), 503, "too-many-files")
-        go_on.set()
-    assert [each.result().status_code for each in reading] == [200] * WAITING
-    assert readers == {"dray-side_0"}

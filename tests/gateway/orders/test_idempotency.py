@@ -76,11 +76,11 @@ async def test_a_key_at_work_is_refused_until_its_request_is_answered(
     begun, go_on = asyncio.Event(), asyncio.Event()
     place_once = OrderPlacement.place_once
 
-    async def slowly(placement: OrderPlacement, draft: Any, key: str, *rest: Any) -> Any:
+    async def slowly(placement: OrderPlacement, draft: Any, caller: str, key: str, *rest: Any) -> Any:
         async with alone(placement.keys_at_work, key):
             begun.set()
             await go_on.wait()
-        return await place_once(placement, draft, key, *rest)
+        return await place_once(placement, draft, caller, key, *rest)
 
     with monkeypatch.context() as patch:
         patch.setattr(OrderPlacement, "place_once", slowly)

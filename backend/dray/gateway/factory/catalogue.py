@@ -6,33 +6,31 @@ it until it is answered, and a goal brings it to the machine. Other gateways fin
 
 from __future__ import annotations
 
+import asyncio
 import logging
-import re
 from collections.abc import Mapping, Sequence
 
 import msgspec
 from msgspec.structs import replace
 
-from dray.gateway.http.fault_codes import coded
 from dray.gateway.http.problems import FieldError, unusable
 from dray.gateway.live.projection import Projection
 from dray.gateway.products.drafts import Wanted
-from dray.messages import BillLine, Document, MachineCycle, PartDefinition, ProductDefinition
+from dray.gateway.products.judging import Known, definition, faults, own_s
+from dray.messages import Document, PartDefinition, ProductDefinition
 from dray.plant import BillLine as PlantLine
-from dray.plant import Plant, Product, product_faults, with_product
+from dray.plant import Plant, Product
 from dray.store import Store
 from dray.store.orders.products import DefinedProduct
 from dray.store.work import Work
 
-MACHINE = re.compile(r"^machines\[(\d+)\](.*)$")
-
 _log = logging.getLogger(__name__)
-
-DEFINITION_BYTES = 24_000
-"""Of a definition as JSON: an order of two such products is still a message (`dray.codec.MAX_BYTES`)."""
 
 PLANT_FILE = 1
 """The revision of what stands in the plant file."""
+
+BATCH = 50
+"""Products that are taken in at once: some milliseconds of the event loop, however many there are already."""
 
 
 class Catalogue:
@@ -82,57 +80,24 @@ class Catalogue:
 
     def own_s(self, machine: str, product: str) -> float | None:
         """What a machine says itself of its time for a product; None where it says nothing."""
-        return self._file.cycle_s(machine, product) if machine in self._file.machines_for(product) else None
+        return own_s(self._file, machine, product)
 
-    def _too_large(self, wanted: Wanted) -> list[FieldError]:
-        """Whether a definition is more than orders and goals can carry, by field; nothing for a good one."""
-        size = len(msgspec.json.encode(_definition(wanted)))
-        if size <= DEFINITION_BYTES:
-            return []
-        field = "documents" if wanted.documents else "machines"
-        return [FieldError.of(field, "definition_too_large", size=size, most=DEFINITION_BYTES)]
+    def known(self) -> Known:
+        """What products are judged by at this moment."""
+        plant = self._projection.site.plant
+        revisions = {product: self.revision(product) for product in self._projection.site.products}
+        return Known(msgspec.json.encode(plant.file), msgspec.json.encode(self._file.file), revisions)
 
     def faults(self, wishes: Sequence[Wanted]) -> list[list[FieldError]]:
-        """Why products cannot be made or carried here when they are defined one after the other.
+        """Why products cannot be made or carried here when they are defined one after the other; see `judging.faults`."""
+        return faults(self._file, self._projection.site.plant.file, wishes)
 
-        Returns:
-            Of each, what is wrong by field of the body; nothing for a good one.
-        """
-        plant, found = self._projection.site.plant, []
-        for wish in wishes:
-            faults = self._faults(plant, wish.product, wish.machines) or self._too_large(wish)
-            if not faults:
-                plant = with_product(plant, wish.product, wish.machines)
-            found.append(faults)
-        return found
-
-    def _faults(self, plant: Plant, product: Product, cycles_s: Mapping[str, float]) -> list[FieldError]:
-        found = [
-            FieldError.of(
-                f"machines.{machine}", "machine_unknown", machine=machine, machines=", ".join(plant.machines)
-            )
-            for machine in cycles_s
-            if machine not in plant.machines
-        ]
-        for machine, cycle_s in cycles_s.items():
-            own_s = self.own_s(machine, product.id)
-            if own_s is not None and own_s != cycle_s:
-                own = FieldError.of(
-                    f"machines.{machine}", "machine_own_time", machine=machine, seconds=f"{own_s:g}"
-                )
-                found.append(own)
-        if not cycles_s and not self._file.machines_for(product.id):
-            found.append(FieldError.of("machines", "no_machine"))
-        return found or [
-            FieldError(_of_body(field, plant), *coded(reason))
-            for field, reason in product_faults(plant, product, cycles_s)
-        ]
-
-    async def define(self, products: Sequence[Wanted], by: str, now_s: float) -> str:
+    async def define(self, products: Sequence[Wanted], by: str, now_s: float, judged: Plant) -> str:
         """Keep products that have no `faults`, all of them or none.
 
         Args:
             products: as they are from now on.
+            judged: the plant in which they have none.
             by: who does it.
             now_s: wall clock.
 
@@ -148,20 +113,24 @@ class Catalogue:
             async with self._store.write() as work:
                 # From here on nobody else defines anything: what was found good may not be so any more.
                 await self.look(work)
-                if faults := [fault for found in self.faults(products) for fault in found]:
-                    raise unusable(*faults)
+                if self._projection.site.plant is not judged:
+                    self._judge_again(products)
                 for row in rows:
                     await _define(work, row)
         except _ChangedError as changed:
             return changed.product
-        for row in rows:
-            self._take(row)
+        if self._projection.site.plant is judged:
+            await self._take_all(products, rows)
+        else:
+            for row in rows:
+                self._take(row)
+                await asyncio.sleep(0)
         return ""
 
     def is_news(self, wanted: Wanted) -> bool:
         """Whether a product is to be otherwise than it is, where people have defined it; that is so of all others."""
         known = self._defined.get(wanted.product.id)
-        return known is None or replace(_definition(wanted), revision=known.revision) != known
+        return known is None or replace(definition(wanted), revision=known.revision) != known
 
     async def look(self, work: Work) -> None:
         """Learn what was defined since the last look; at the first one, all of it."""
@@ -174,28 +143,48 @@ class Catalogue:
         self._mark = mark
 
     def _row(self, wanted: Wanted, by: str, now_s: float) -> DefinedProduct:
-        product, definition = wanted.product, _definition(wanted)
-        written = msgspec.json.encode(definition).decode()
-        return DefinedProduct(product.id, product.name, definition.revision, written, by, now_s)
+        product, defined = wanted.product, definition(wanted)
+        written = msgspec.json.encode(defined).decode()
+        return DefinedProduct(product.id, product.name, defined.revision, written, by, now_s)
+
+    def _judge_again(self, products: Sequence[Wanted]) -> None:
+        """Refuse what does not fit any more; a file is refused as it is, as to judge it would hold the event loop."""
+        if len(products) > 1:
+            raise _ChangedError(products[0].product.id)
+        for found in self.faults(products):
+            if found:
+                raise unusable(*found)
+
+    async def _take_all(self, products: Sequence[Wanted], rows: Sequence[DefinedProduct]) -> None:
+        """Go by definitions that fit this plant, a batch at a time: the event loop has other work, too."""
+        for at in range(0, len(rows), BATCH):
+            batch = products[at : at + BATCH]
+            self._projection.site.define_all([(each.product, each.machines) for each in batch])
+            for each, row in zip(batch, rows[at : at + BATCH], strict=True):
+                self._note(row, msgspec.json.decode(row.definition, type=ProductDefinition), each.product)
+            await asyncio.sleep(0)
+
+    def _note(self, row: DefinedProduct, definition: ProductDefinition, product: Product) -> None:
+        self._defined[row.id] = definition
+        self._projection.materials.note(row.id, [line.material for line in product.bill])
 
     def _take(self, row: DefinedProduct) -> None:
         """Go by a definition; one that fits this plant no longer is left out, and said so."""
-        definition = msgspec.json.decode(row.definition, type=ProductDefinition)
+        defined = msgspec.json.decode(row.definition, type=ProductDefinition)
         product = Product(
             id=row.id,
             name=row.name,
-            lot=definition.lot,
-            bill=tuple(PlantLine(line.material, line.quantity) for line in definition.bill),
-            ability=definition.ability,
+            lot=defined.lot,
+            bill=tuple(PlantLine(line.material, line.quantity) for line in defined.bill),
+            ability=defined.ability,
         )
-        cycles_s = {each.machine: each.cycle_s for each in definition.machines}
+        cycles_s = {each.machine: each.cycle_s for each in defined.machines}
         found = self._projection.site.define(product, cycles_s)
         if found:
             said = "; ".join(f"{field}: {reason}" for field, reason in found)
             _log.error("product %s cannot be made in this plant: %s", row.id, said)
             return
-        self._defined[row.id] = definition
-        self._projection.materials.note(row.id, [line.material for line in product.bill])
+        self._note(row, defined, product)
 
 
 class _ChangedError(Exception):
@@ -209,23 +198,3 @@ class _ChangedError(Exception):
 async def _define(work: Work, row: DefinedProduct) -> None:
     if not await work.products.define(row):
         raise _ChangedError(row.id)
-
-
-def _definition(wanted: Wanted) -> ProductDefinition:
-    product = wanted.product
-    return ProductDefinition(
-        lot=product.lot,
-        ability=product.ability,
-        bill=tuple(BillLine(line.material, line.quantity) for line in product.bill),
-        name=product.name,
-        revision=1 if wanted.before is None else wanted.before + 1,
-        machines=tuple(MachineCycle(*each) for each in wanted.machines.items()),
-        documents=wanted.documents,
-    )
-
-
-def _of_body(field: str, plant: Plant) -> str:
-    """A field of the plant, as the body of a request calls it: its bill and its machines are named there, not numbered."""
-    if of_machine := MACHINE.match(field):
-        return f"machines.{plant.file.machines[int(of_machine[1])].id}{of_machine[2]}"
-    return field.removeprefix("products[0]").removeprefix(".") or "product"

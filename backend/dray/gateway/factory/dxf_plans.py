@@ -12,7 +12,7 @@ from tempfile import TemporaryDirectory
 import msgspec
 
 from dray.errors import DrayError
-from dray.gateway.factory.bounded_process import run_bounded
+from dray.gateway.http.bounded_process import run_bounded
 from dray.gateway.http.problems import Problem
 from dray.plant.exchange.dxf import MAX_BYTES
 

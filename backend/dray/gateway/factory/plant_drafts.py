@@ -132,9 +132,9 @@ def _ends_of(lane: object) -> Ends:
     return (start if isinstance(start, str) else None, end if isinstance(end, str) else None)
 
 
-def as_yaml(data: Data) -> str:
-    """The text of that file."""
-    return write_document(as_file(data)[0])
+def as_yaml(data: str) -> str:
+    """The text of that file, of a draft in JSON."""
+    return write_document(as_file(msgspec.json.decode(data))[0])
 
 
 def read_file(text: str, name: str, onto: Plant | None) -> tuple[Data, list[str]]:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Awaitable, Callable, Mapping
 from contextlib import suppress
 from http import HTTPStatus
 from pathlib import Path
@@ -18,7 +18,7 @@ from typing import Any
 import msgspec
 
 from dray.errors import DrayError
-from dray.gateway.factory.bounded_process import run_bounded
+from dray.gateway.http.bounded_process import run_bounded
 from dray.gateway.http.problems import Problem
 
 MOST_S = 300.0
@@ -78,14 +78,14 @@ class ShiftPlayer:
     """Plays one shift at a time.
 
     Args:
-        running: the text of the running plant's file.
+        running: gives the text of the running plant's file.
         command: what is started; then come the options of `dray sim run`.
         most_s: wall seconds for one plant.
     """
 
     def __init__(
         self,
-        running: Callable[[], str],
+        running: Callable[[], Awaitable[str]],
         command: tuple[str, ...] = (sys.executable, "-m", "dray"),
         most_s: float = MOST_S,
     ) -> None:
@@ -127,14 +127,14 @@ class ShiftPlayer:
     async def _play(self, draft: str, text: str, begun: PlayView) -> None:
         try:
             figures = await self._figures(text, begun.hours, begun.seed)
-            beside = self._running()
+            beside = await self._running()
             key = (beside, begun.hours, begun.seed)
             if key not in self._beside:
                 if len(self._beside) >= MOST_KEPT:
                     self._beside.clear()
                 self._beside[key] = await self._figures(beside, begun.hours, begun.seed)
             done = msgspec.structs.replace(begun, state="done", draft=figures, running=self._beside[key])
-        except PlayFailed as error:
+        except (PlayFailed, Problem) as error:
             done = msgspec.structs.replace(begun, state="failed", reason=str(error))
         except (OSError, asyncio.CancelledError):
             self._keep(draft, msgspec.structs.replace(begun, state="failed", reason="it was broken off"))

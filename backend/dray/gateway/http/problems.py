@@ -7,8 +7,9 @@ problem, so that a program can tell them apart without reading.
 from __future__ import annotations
 
 import logging
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from http import HTTPStatus
+from itertools import islice
 from typing import Any
 
 import msgspec
@@ -128,6 +129,11 @@ def unusable(*errors: FieldError) -> Problem:
     )
 
 
+def unusable_fields(faults: Iterable[Mapping[str, Any]]) -> Problem:
+    """The request was understood, but pydantic has found these faults in it; the first `MAX_FIELD_ERRORS` are told."""
+    return unusable(*map(field_error, islice(faults, MAX_FIELD_ERRORS)))
+
+
 def not_found(noun: str, name: str, where: str) -> Problem:
     """There is no such thing.
 
@@ -162,10 +168,11 @@ async def _on_validation(request: Request, error: Exception) -> Response:
     faults = error.errors()
     for fault in faults:
         if fault["type"] == "json_invalid":
-            return _not_json(fault).response(request.url.path)
+            why = fault.get("ctx", {}).get("error", "it cannot be read")
+            return not_json(fault["loc"][-1], why).response(request.url.path)
     # The first part of the place is where the field is: body, query or path.
-    errors = [field_error({**fault, "loc": fault["loc"][1:]}) for fault in faults[:MAX_FIELD_ERRORS]]
-    return unusable(*errors).response(request.url.path)
+    told = ({**fault, "loc": fault["loc"][1:]} for fault in faults)
+    return unusable_fields(told).response(request.url.path)
 
 
 async def _on_http(request: Request, error: Exception) -> Response:
@@ -237,8 +244,13 @@ def _takes(route: BaseRoute, scope: Scope) -> bool:
     return route.matches(scope)[0] is Match.FULL
 
 
-def _not_json(fault: Mapping[str, Any]) -> Problem:
-    place, why = fault["loc"][-1], fault.get("ctx", {}).get("error", "it cannot be read")
+def not_json(place: int, why: str) -> Problem:
+    """The body is no JSON.
+
+    Args:
+        place: the first character that cannot be read.
+        why: what is wrong there.
+    """
     return Problem(
         HTTPStatus.BAD_REQUEST,
         "not-json",

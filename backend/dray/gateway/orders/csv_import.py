@@ -6,7 +6,7 @@ order of its own.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from itertools import groupby
 from typing import Any
 
@@ -14,8 +14,10 @@ import msgspec
 from pydantic import ValidationError
 
 from dray.gateway.http.csv_rows import Row, RowFault, number, read_rows
-from dray.gateway.http.problems import FieldError, field_error
-from dray.gateway.orders.drafts import MAX_ITEMS, OrderDraft
+from dray.gateway.http.problems import MAX_FIELD_ERRORS, FieldError, field_error
+from dray.gateway.http.request_bodies import RowsFile
+from dray.gateway.http.unread import read
+from dray.gateway.orders.drafts import MAX_ITEMS, OrderDraft, nonsense
 
 COLUMNS = ("customer", "reference", "product", "quantity", "due_at", "priority", "release")
 
@@ -25,11 +27,36 @@ WORDS = {"true": True, "yes": True, "1": True, "false": False, "no": False, "0":
 """What may stand in `release`."""
 
 
+class ReadFile(msgspec.Struct, frozen=True):
+    """A file of orders as it came."""
+
+    dry_run: bool
+    drafts: list[OrderDraft]
+    faults: list[RowFault]
+    """By row; the first `MAX_FIELD_ERRORS`."""
+
+
 class ReadOrder(msgspec.Struct, frozen=True):
     """One order, and the row with which it begins."""
 
     row: int
     draft: OrderDraft
+
+
+def read_file(body: bytes, products: Collection[str], now_s: float) -> ReadFile:
+    """Read a body that holds a file. Takes its time: side work.
+
+    Args:
+        body: a `RowsFile`.
+        products: ids of what can be ordered.
+        now_s: the wall clock, by which due times are judged.
+    """
+    file = read(RowsFile, body)
+    orders, faults = read_orders(file.csv)
+    for each in orders:
+        faults += [place(error, each.row) for error in nonsense(each.draft, products, now_s)]
+    faults.sort(key=lambda fault: fault.row)
+    return ReadFile(file.dry_run, [each.draft for each in orders], faults[:MAX_FIELD_ERRORS])
 
 
 def read_orders(text: str) -> tuple[list[ReadOrder], list[RowFault]]:

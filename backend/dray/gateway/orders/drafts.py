@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from datetime import UTC, datetime
 from typing import Annotated, Any
 
@@ -10,7 +11,6 @@ from pydantic_core import PydanticCustomError
 
 from dray.gateway.http.problems import FieldError
 from dray.gateway.http.request_bodies import Line
-from dray.plant.model import PlantFile
 from dray.priorities import Priority
 
 MAX_ITEMS = 50
@@ -97,9 +97,8 @@ class OrderDraft(WorkDraft):
     """False: only store it; `POST /api/orders/{id}/release` starts it."""
 
 
-def nonsense(draft: WorkDraft, plant: PlantFile, now_s: float) -> list[FieldError]:
-    """What has the right shape and still means nothing in this plant, or at this time."""
-    known = {product.id for product in plant.products}
+def nonsense(draft: WorkDraft, known: Collection[str], now_s: float) -> list[FieldError]:
+    """What has the right shape and still means nothing in a plant where these products are known, or at this time."""
     errors = [
         FieldError.of(
             f"items[{index}].product", "not_made", product=item.product, products=", ".join(sorted(known))

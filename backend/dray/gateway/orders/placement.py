@@ -7,6 +7,7 @@ that was not can be sent again under its key.
 
 from __future__ import annotations
 
+import asyncio
 import hashlib
 from collections import Counter
 from collections.abc import Callable, Sequence
@@ -24,7 +25,6 @@ from dray.gateway.orders.order_ids import new_order_id, new_token
 from dray.gateway.orders.outbox import Outbox
 from dray.gateway.tracking.eta import History
 from dray.gateway.tracking.facts import SILENCE_S
-from dray.plant.model import PlantFile
 from dray.priorities import order_wanted_s
 from dray.store import Store
 from dray.store.orders.idempotency_keys import KeptAnswer
@@ -39,6 +39,9 @@ MAX_OPEN_ORDERS = 10_000
 
 SHARES = 2
 """One caller may have half of them: one system places nearly all orders of many plants."""
+
+BATCH = 100
+"""Orders of a file that are made known at once: some milliseconds of the event loop."""
 
 
 class OrderPlacement:
@@ -80,9 +83,9 @@ class OrderPlacement:
         return self._wall_s()
 
     @property
-    def plant(self) -> PlantFile:
-        """What stands where at this moment."""
-        return self._projection.site.plant.file
+    def products(self) -> frozenset[str]:
+        """Ids of what can be ordered at this moment."""
+        return frozenset(self._projection.site.products)
 
     async def preview(self, draft: WorkDraft) -> OrderPreview:
         """What it would need if it were published now; nothing is kept.
@@ -105,7 +108,7 @@ class OrderPlacement:
         )
         due_at_s = None if draft.due_at is None else draft.due_at.timestamp()
         wanted = [Wanted(item.product, item.quantity) for item in draft.items]
-        return preview(self.plant, wanted, due_at_s, situation)
+        return preview(projection.site.plant.file, wanted, due_at_s, situation)
 
     async def place(self, draft: OrderDraft, caller: str = "") -> Order:
         """Take an order that nobody asks for twice.
@@ -204,15 +207,19 @@ class OrderPlacement:
         self._coming[caller] += count
         try:
             orders, kept = await self._placing.place(wish)
-            for order in orders:
+            for at, order in enumerate(orders, 1):
                 self._projection.orders.put(order)
+                if at % BATCH == 0:
+                    await asyncio.sleep(0)
         finally:
             self._coming[caller] -= count
             if not self._coming[caller]:
                 del self._coming[caller]
-        for order in orders:
+        for at, order in enumerate(orders, 1):
             if order.status is OrderStatus.RELEASED:
                 self._outbox.release(order)
+            if at % BATCH == 0:
+                await asyncio.sleep(0)
         return orders, kept
 
     def _prepared(
@@ -253,7 +260,7 @@ class OrderPlacement:
         Raises:
             Problem: names every field.
         """
-        errors = nonsense(draft, self.plant, now_s)
+        errors = nonsense(draft, self._projection.site.products, now_s)
         if errors:
             raise unusable(*errors)
 

@@ -8,7 +8,7 @@ import msgspec
 from pydantic import BaseModel, ConfigDict, Field, field_validator
 from pydantic_core import PydanticCustomError
 
-from dray.gateway.http.request_bodies import Line
+from dray.gateway.http.request_bodies import Line, few
 from dray.messages import Document
 from dray.messages.product import DOCUMENTS_MAX
 from dray.plant import BillLine, Product
@@ -54,11 +54,13 @@ class ProductDraft(BaseModel):
     name: Annotated[Line, Field(max_length=80)]
     lot: Pieces
     """In one container."""
-    bill: Annotated[dict[Name, Pieces], Field(min_length=1, max_length=LINES_MAX)]
+    bill: Annotated[dict[Name, Pieces], Field(min_length=1, max_length=LINES_MAX), few(LINES_MAX)]
     """Pieces of each material that one piece takes."""
     ability: Name = "tote"
     """What a vehicle must be able to carry."""
-    machines: Annotated[dict[Name, Seconds], Field(max_length=MACHINES_MAX)] = Field(default_factory=dict)
+    machines: Annotated[dict[Name, Seconds], Field(max_length=MACHINES_MAX), few(MACHINES_MAX)] = Field(
+        default_factory=dict
+    )
     """Seconds for one piece, by machine that can make it. Those that were set up for it by the plant file may be left out."""
     documents: Annotated[list[DocumentDraft], Field(max_length=DOCUMENTS_MAX)] = Field(default_factory=list)
     """What whoever makes it needs: no piece is begun before its machine has verified all of them."""

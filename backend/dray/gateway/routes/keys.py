@@ -118,7 +118,7 @@ class KeyDraft(BaseModel):
 
     name: Annotated[str, Field(min_length=1, max_length=NAME_CHARS, pattern=LINE)]
     """What it is for."""
-    scopes: Annotated[tuple[Scope, ...], Field(max_length=len(Scope))]
+    scopes: Annotated[list[Scope], Field(max_length=len(Scope))]
     """What it may do: nothing that you may not do yourself."""
     days: Annotated[int, Field(ge=1, le=LONGEST_DAYS)] | None = None
     """How long it works; else until it is taken back."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from http import HTTPStatus
 from typing import Annotated, Literal
 
@@ -34,7 +35,7 @@ LISTED = "GET /api/people"
 
 PersonId = Annotated[str, Path(max_length=64)]
 
-Areas = Annotated[tuple[str, ...], Field(max_length=64)]
+Areas = Annotated[list[str], Field(max_length=64)]
 """Ids of areas."""
 
 SecretKind = Literal["password", "pin", "badge"]
@@ -97,7 +98,7 @@ class PersonDraft(BaseModel):
     name: Line
     """What people call them."""
     role: Role
-    areas: Areas = ()
+    areas: Areas = []
     """Where an operator works."""
 
 
@@ -309,7 +310,7 @@ def _decides(caller: Principal, role: str) -> None:
         raise forbidden(f"a {role} may do more than {caller.name}; only who may do all that decides on them")
 
 
-def _faults_of(role: Role, areas: tuple[str, ...], projection: Projection) -> list[FieldError]:
+def _faults_of(role: Role, areas: Sequence[str], projection: Projection) -> list[FieldError]:
     """What is wrong with where somebody of this role is to work."""
     if role is Role.MANAGER:
         return [FieldError.of("areas", "area_none")] if areas else []

@@ -12,9 +12,12 @@ import multiprocessing
 import os
 from collections.abc import Awaitable, Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from multiprocessing.sharedctypes import Synchronized
 from typing import TypeVar
+
+from dray.gateway.http.csv_rows import MAX_ROWS
+from dray.plant import default_plant
 
 T = TypeVar("T")
 
@@ -31,6 +34,9 @@ DRIPPING = 300
 
 WORKERS = 8
 """Connections that ask as fast as they are answered."""
+
+CALLERS = 4
+"""Systems with keys of their own, where one caller alone would be told to wait."""
 
 STREAMS = 250
 """More than there are places."""
@@ -91,7 +97,7 @@ async def slow_heads(target: Target) -> None:
 
 async def slow_bodies(target: Target) -> None:
     """Bodies that arrive byte by byte."""
-    head = target.head("POST", "/api/orders", 60_000)
+    head = target.head("POST", "/api/orders", 30_000)
     await _each(DRIPPING, lambda _: _drip(target.port, head, b" "))
 
 
@@ -120,7 +126,7 @@ async def hostile_files(target: Target) -> None:
 
 async def big_bodies(target: Target) -> None:
     """Large and deep JSON to everything that takes a body."""
-    deep, wide = b"[" * 60_000, json.dumps({"items": [{"product": "x", "quantity": 1}] * 1_500}).encode()
+    deep, wide = b"[" * 30_000, json.dumps({"items": [{"product": "x", "quantity": 1}] * 900}).encode()
     huge = json.dumps({"customer": "x" * 1_000_000}).encode()
     paths = (
         "/api/orders",
@@ -132,6 +138,43 @@ async def big_bodies(target: Target) -> None:
     )
     asked = [("POST", path, body) for path in paths for body in (deep, wide, huge)]
     await _each(WORKERS, lambda worker: _ask_all(target, _turned(asked, worker)))
+
+
+async def large_drafts(target: Target) -> None:
+    """Drafts of plants as large as a file may be: kept, judged, made plant files and played, by several callers."""
+    draft = json.loads(await _ask(target, "POST", "/api/plant-drafts", b'{"name": "attacked"}'))["id"]
+    nodes = f"[{','.join(['[]'] * 300_000)}]"
+    changed = f'{{"name": "x", "data": {{"nodes": {nodes}}}}}'.encode()
+    path = f"/api/plant-drafts/{draft}"
+    await _ask(target, "PUT", path, changed, more='If-Match: "1"\r\n')
+    asked = [
+        ("GET", f"{path}/file", b""),
+        ("GET", path, b""),
+        ("PUT", path, changed),
+        ("POST", f"{path}/play", b"{}"),
+        ("POST", "/api/plant-drafts", json.dumps({"name": "x", "file": f"nodes: {nodes}"}).encode()),
+    ]
+    await _by_callers(target, asked)
+
+
+async def longest_files(target: Target) -> None:
+    """The longest files of orders and products that can be taken, only looked at, by several callers."""
+    plant = default_plant()
+    product = next(iter(plant.products.values()))
+    line, machine = product.bill[0], plant.machines_for(product.id)[0]
+    orders = "customer,reference,product,quantity\n" + "".join(
+        f"{'c' * 190},{'r' * 150}{row},{product.id},1\n" for row in range(MAX_ROWS)
+    )
+    products = "product,name,lot,material,pieces,machine,cycle_s\n" + "".join(
+        f"X{row},Bracket,{product.lot},{line.material},{line.quantity},{machine},12.5\n"
+        for row in range(MAX_ROWS)
+    )
+    files = (("orders", orders), ("products", products))
+    asked = [
+        ("POST", f"/api/{of}/import", json.dumps({"csv": file, "dry_run": True}).encode())
+        for of, file in files
+    ]
+    await _by_callers(target, asked)
 
 
 async def stream_flood(target: Target) -> None:
@@ -199,6 +242,8 @@ ATTACKS: dict[str, Attack] = {
     "slow heads": slow_heads,
     "slow bodies": slow_bodies,
     "hostile CSV files": hostile_files,
+    "drafts of a megabyte by four callers": large_drafts,
+    "the longest files by four callers": longest_files,
     "big JSON bodies to every route": big_bodies,
     "a flood of streams": stream_flood,
     "a flood of logins": login_flood,
@@ -243,9 +288,12 @@ def _attack(attack: Attack, target: Target, tries: Synchronized[int]) -> None:
     asyncio.run(bounded())
 
 
-async def _connect(port: int, limit: int = 65_536) -> tuple[asyncio.StreamReader, asyncio.StreamWriter]:
+async def _connect(
+    port: int, limit: int = 65_536, counted: bool = True
+) -> tuple[asyncio.StreamReader, asyncio.StreamWriter]:
+    """Open a connection; one that only prepares an attack is not counted, so that nobody takes it for begun."""
     connected = await asyncio.open_connection(HOST, port, limit=limit)
-    if _tries is not None:
+    if _tries is not None and counted:
         _tries.value += 1
     return connected
 
@@ -288,19 +336,41 @@ async def _drip(port: int, begun: bytes, drop: bytes) -> None:
         writer.close()
 
 
+async def _by_callers(target: Target, asked: list[tuple[str, str, bytes]]) -> None:
+    """Ask these on `WORKERS` connections, by keys of `CALLERS` systems."""
+    callers = []
+    for number in range(CALLERS):
+        wish = {"name": f"caller {number}", "scopes": ["orders:write", "factory:read", "floor:write"]}
+        made = json.loads(await _ask(target, "POST", "/api/keys", json.dumps(wish).encode()))
+        callers.append(replace(target, token=made["token"]))
+    await _each(WORKERS, lambda worker: _ask_all(callers[worker % CALLERS], _turned(asked, worker)))
+
+
 async def _ask_all(
     target: Target, asked: list[tuple[str, str, bytes]], kind: str = "application/json"
 ) -> None:
     """Ask these, one after the other, on a connection each."""
     for method, path, body in asked:
-        reader, writer = await _connect(target.port)
-        try:
-            head = target.head(method, path, len(body), kind)
-            writer.write(head.replace(b"\r\n\r\n", b"\r\nConnection: close\r\n\r\n") + body)
-            while await reader.read(65_536):
-                pass
-        finally:
-            writer.close()
+        await _ask(target, method, path, body, kind, counted=True)
+
+
+async def _ask(
+    target: Target,
+    method: str,
+    path: str,
+    body: bytes,
+    kind: str = "application/json",
+    more: str = "",
+    counted: bool = False,
+) -> bytes:
+    """The body of an answer, asked for on a connection of its own with some more headers."""
+    reader, writer = await _connect(target.port, counted=counted)
+    try:
+        head = target.head(method, path, len(body), kind)
+        writer.write(head.replace(b"\r\n\r\n", f"\r\n{more}Connection: close\r\n\r\n".encode()) + body)
+        return (await reader.read()).partition(b"\r\n\r\n")[2]
+    finally:
+        writer.close()
 
 
 def _turned(things: Sequence[T], by: int) -> list[T]:

@@ -2,14 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 from msgspec import ValidationError, convert, to_builtins
 
 from dray.errors import PlantError
 from dray.messages import JoiningMachine, MachineHeartbeat
 from dray.messages.heartbeat import JOINING_MACHINES_MAX
-from dray.plant import MachineSpec, Plant, PlantFile, Product, product_faults, with_machine, with_product
+from dray.plant import (
+    MachineSpec,
+    Plant,
+    PlantFile,
+    Product,
+    file_with_product,
+    product_faults,
+    with_machine,
+    with_product,
+)
 
 
 class Site:
@@ -46,11 +55,19 @@ class Site:
         Returns:
             What of it does not fit here, by field (it is `products[0]`) and reason; then nothing has changed.
         """
-        found = product_faults(self.plant, product, cycles_s)
+        found = product_faults(self.plant.file, product, cycles_s)
         if not found:
             self.plant = with_product(self.plant, product, cycles_s)
             self.products.add(product.id)
         return found
+
+    def define_all(self, products: Iterable[tuple[Product, Mapping[str, float]]]) -> None:
+        """Take products in that are known to fit here, one after the other."""
+        file = self.plant.file
+        for product, cycles_s in products:
+            file = file_with_product(file, product, cycles_s)
+            self.products.add(product.id)
+        self.plant = Plant(file)
 
 
 def _spec(machine: str, joining: JoiningMachine) -> MachineSpec:

@@ -8,21 +8,13 @@ from http import HTTPStatus
 from typing import Annotated
 
 import msgspec
-from fastapi import APIRouter, Depends, Header, Path
+from fastapi import APIRouter, Body, Depends, Header, Path
 from starlette.responses import Response
 
-from dray.errors import PlantError
 from dray.gateway.access.audit_log import Noted
 from dray.gateway.access.caller import Caller
-from dray.gateway.access.principal import Principal
 from dray.gateway.factory.dxf_plans import DxfPlans, NoPlan
-from dray.gateway.factory.plant_drafts import (
-    MAX_DEPTH,
-    as_yaml,
-    deeper_than,
-    findings,
-    read_file,
-)
+from dray.gateway.factory.plant_drafts import as_yaml
 from dray.gateway.factory.shift_player import PlayView, ShiftPlayer
 from dray.gateway.http.problems import FieldError, Problem, not_found, unusable
 from dray.gateway.http.provided import Now, Provided
@@ -30,6 +22,7 @@ from dray.gateway.http.request_bodies import json_only
 from dray.gateway.http.responses import PAGE, Cursor, Json, Limit, described, list_of, page, problems
 from dray.gateway.http.shares import share_of, share_used
 from dray.gateway.http.side_work import SideWork
+from dray.gateway.http.unread import Unread, UnreadRoute, read
 from dray.gateway.http.versions import check_version, version_tag
 from dray.gateway.live.projection import Projection
 from dray.gateway.orders.order_ids import new_token
@@ -44,11 +37,18 @@ from dray.gateway.routes.factory.plant_draft_bodies import (
     PlanView,
     Shift,
 )
+from dray.gateway.routes.factory.plant_draft_work import (
+    changed_draft,
+    draft_view,
+    floor_plan,
+    new_draft,
+    playable,
+)
 from dray.plant.model import PlantFile
 from dray.store import Store
 from dray.store.factory.plant_drafts import DraftLine, DraftRow
 
-router = APIRouter(tags=["drafts"])
+router = APIRouter(tags=["drafts"], route_class=UnreadRoute)
 
 MAX_DRAFTS = 50
 """Of a plant; whoever wants another one removes one."""
@@ -72,6 +72,8 @@ IfMatch = Annotated[
 
 LISTED = "GET /api/plant-drafts"
 
+TOO_MANY = {"p429": "Too many files of this caller are being read", "p503": "Too many files are being read"}
+
 
 @router.get("/plant-drafts", responses={200: list_of(DraftLine, "All drafts, by id")}, response_class=Json)
 async def list_drafts(store: Provided[Store], cursor: Cursor = None, limit: Limit = PAGE) -> Json:
@@ -89,7 +91,7 @@ async def list_drafts(store: Provided[Store], cursor: Cursor = None, limit: Limi
         201: described(DraftView, "The draft", EXAMPLE),
         **problems(
             p409="There are too many drafts",
-            p429="Too many drafts are this caller's",
+            p429="Too many drafts are this caller's, or too many of its files are being read",
             p503="Too many files are being read",
         ),
     },
@@ -102,31 +104,16 @@ async def begin(
     caller: Caller,
     note: Noted,
     now_s: Now,
-    request: NewDraft,
+    body: Annotated[bytes, Body(), Unread(NewDraft)],
 ) -> Json:
     """Begin a draft: of the running plant, or of a file of any of the formats that `dray plant import` reads."""
-    note.detail |= {"name": request.name, "file_name": request.file_name}
-    notes: list[str]
-    if request.file is None:
-        data, notes = msgspec.to_builtins(projection.site.plant.file), []
-    else:
-        try:
-            onto = projection.site.plant if request.onto_running else None
-            data, notes = await side_work.do(caller.key, read_file, request.file, request.file_name, onto)
-        except PlantError as error:
-            raise unusable(FieldError("file", error.reason)) from None
-    row = DraftRow(
-        new_token()[:12],
-        request.name,
-        1,
-        caller.name,
-        now_s,
-        _encoded(data),
-        _encoded(notes),
-        owner=caller.key,
-    )
-    # Before it is kept: whoever is told that too many files are being read has begun nothing.
-    view = await _view(row, side_work, caller)
+    running = msgspec.json.encode(projection.site.plant.file)
+    new = await side_work.do(caller.key, new_draft, body, running)
+    note.detail |= {"name": new.name, "file_name": new.file_name}
+    if new.fault is not None:
+        raise unusable(new.fault)
+    row = DraftRow(new_token()[:12], new.name, 1, caller.name, now_s, new.data, new.notes, owner=caller.key)
+    view = await side_work.do(caller.key, draft_view, row)
     async with store.write() as work:
         if await work.plant_drafts.count_of(caller.key) >= share_of(MAX_DRAFTS):
             raise share_used("drafts", MAX_DRAFTS, f"remove one of yours ({LISTED} lists them)")
@@ -156,7 +143,10 @@ async def get_running(projection: Provided[Projection]) -> Json:
 
 @router.get(
     "/plant-drafts/{draft}",
-    responses={200: described(DraftView, "The draft", EXAMPLE), **problems(p404="There is no such draft")},
+    responses={
+        200: described(DraftView, "The draft", EXAMPLE),
+        **problems(p404="There is no such draft", **TOO_MANY),
+    },
     response_class=Json,
 )
 async def get_draft(
@@ -164,7 +154,8 @@ async def get_draft(
 ) -> Json:
     """A draft with its content, its faults and its warnings."""
     row = await _row(store, draft)
-    return Json(await _view(row, side_work, caller), headers={"ETag": version_tag(row.version)})
+    view = await side_work.do(caller.key, draft_view, row)
+    return Json(view, headers={"ETag": version_tag(row.version)})
 
 
 @router.put(
@@ -176,6 +167,7 @@ async def get_draft(
             p404="There is no such draft",
             p412="Somebody has changed it since",
             p428="It is not said which version is changed",
+            **TOO_MANY,
         ),
     },
     response_class=Json,
@@ -187,24 +179,26 @@ async def change(
     note: Noted,
     now_s: Now,
     draft: DraftId,
-    request: ChangedDraft,
+    body: Annotated[bytes, Body(), Unread(ChangedDraft)],
     if_match: IfMatch = None,
 ) -> Json:
     """Keep what was drawn. `If-Match` names the version that it was drawn on, so that nobody's work is written over unseen."""
-    note.target, note.detail["name"] = draft, request.name
-    if deeper_than(request.data, MAX_DEPTH):
-        raise unusable(FieldError("data", f"is nested more than {MAX_DEPTH} levels deep"))
+    changed = await side_work.do(caller.key, changed_draft, body)
+    note.target, note.detail["name"] = draft, changed.name
+    if changed.fault is not None:
+        raise unusable(changed.fault)
     before = await _row(store, draft)
     check_version(before.version, if_match, _changed(before))
     row = msgspec.structs.replace(
         before,
-        name=request.name,
+        name=changed.name,
         version=before.version + 1,
-        data=_encoded(request.data),
+        data=changed.data,
         by=caller.name,
         at_s=now_s,
     )
-    view = await _view(row, side_work, caller)
+    # Judged before it is kept: what takes too long to judge could not be shown, either.
+    view = await side_work.do(caller.key, draft_view, row)
     async with store.write() as work:
         if not await work.plant_drafts.change(row):
             raise _changed(before)
@@ -233,15 +227,17 @@ async def remove(store: Provided[Store], note: Noted, draft: DraftId) -> Respons
             "description": "The plant file",
             "content": {"application/yaml": {"schema": {"type": "object"}}},
         },
-        **problems(p404="There is no such draft"),
+        **problems(p404="There is no such draft", **TOO_MANY),
     },
     response_class=Response,
 )
-async def get_file(store: Provided[Store], draft: DraftId) -> Response:
+async def get_file(
+    store: Provided[Store], side_work: Provided[SideWork], caller: Caller, draft: DraftId
+) -> Response:
     """The plant file that the draft would be (YAML), for `dray plant check` and `dray up --plant`; without its closed lanes."""
     row = await _row(store, draft)
     return Response(
-        as_yaml(msgspec.json.decode(row.data)),
+        await side_work.do(caller.key, as_yaml, row.data),
         media_type="application/yaml",
         headers={"Content-Disposition": f'attachment; filename="{draft}.yaml"'},
     )
@@ -252,14 +248,21 @@ async def get_file(store: Provided[Store], draft: DraftId) -> Response:
     dependencies=[Depends(json_only)],
     responses={
         200: described(PlanView, "It lies under the draft", PLAN_EXAMPLE),
-        **problems(p404="There is no such draft"),
+        **problems(p404="There is no such draft", **TOO_MANY),
     },
     response_class=Json,
 )
 async def put_plan(
-    store: Provided[Store], plans: Provided[DxfPlans], note: Noted, draft: DraftId, request: FloorPlan
+    store: Provided[Store],
+    plans: Provided[DxfPlans],
+    side_work: Provided[SideWork],
+    caller: Caller,
+    note: Noted,
+    draft: DraftId,
+    body: Annotated[bytes, Body(), Unread(FloorPlan)],
 ) -> Json:
     """Lay a floor plan under a draft: PNG, SVG or DXF, which becomes SVG. Where it lies is in the draft's `plan`."""
+    request = await side_work.do(caller.key, floor_plan, body)
     note.target, note.detail["media_type"] = draft, request.media_type
     if request.media_type not in PLANS:
         raise unusable(FieldError("media_type", f"is none of {', '.join(PLANS)}"))
@@ -314,7 +317,7 @@ async def get_plan(store: Provided[Store], draft: DraftId) -> Response:
     dependencies=[Depends(json_only)],
     responses={
         202: described(PlayView, "It is being played", PLAY_EXAMPLE),
-        **problems(p404="There is no such draft", p409="Another shift is being played"),
+        **problems(p404="There is no such draft", p409="Another shift is being played", **TOO_MANY),
     },
     response_class=Json,
 )
@@ -325,25 +328,17 @@ async def play(
     caller: Caller,
     note: Noted,
     draft: DraftId,
-    request: Shift,
+    body: Annotated[bytes, Body(), Unread(Shift)],
 ) -> Json:
     """Play a shift in the draft and the same one in the running plant, in the simulator: a process of its own, with bounds.
 
     A draft with faults cannot be played. `GET` on the same address says how far it is.
     """
+    request = read(Shift, body)
     note.target = draft
     row = await _row(store, draft)
-    data = msgspec.json.decode(row.data)
-    found = await side_work.do(caller.key, findings, data)
-    faults = [each for each in found if each.level != "warning"]
-    if faults:
-        errors = [
-            FieldError(f"data.{each.field}" if each.field else "data", each.text) for each in faults[:10]
-        ]
-        raise unusable(*errors)
-    return Json(
-        player.play(draft, as_yaml(data), row.version, request.hours, request.seed), HTTPStatus.ACCEPTED
-    )
+    text = await side_work.do(caller.key, playable, row.data)
+    return Json(player.play(draft, text, row.version, request.hours, request.seed), HTTPStatus.ACCEPTED)
 
 
 @router.get(
@@ -362,25 +357,6 @@ async def _row(store: Store, draft: str) -> DraftRow:
     if row is None:
         raise not_found("draft", draft, LISTED)
     return row
-
-
-async def _view(row: DraftRow, side_work: SideWork, caller: Principal) -> DraftView:
-    data = msgspec.json.decode(row.data)
-    return DraftView(
-        id=row.id,
-        name=row.name,
-        version=row.version,
-        by=row.by,
-        at_s=row.at_s,
-        data=data,
-        findings=tuple(await side_work.do(caller.key, findings, data)),
-        notes=tuple(msgspec.json.decode(row.notes)),
-        plan_type=row.plan_type,
-    )
-
-
-def _encoded(value: object) -> str:
-    return msgspec.json.encode(value).decode()
 
 
 def _changed(row: DraftRow) -> Problem:

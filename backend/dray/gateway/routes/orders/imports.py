@@ -3,28 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Annotated
 
 import msgspec
-from fastapi import APIRouter, Depends
+from fastapi import APIRouter, Body, Depends
 from pydantic import ConfigDict
 
 from dray.gateway.access.audit_log import Noted
 from dray.gateway.access.caller import Caller
 from dray.gateway.http.csv_rows import RowFault, refusal
-from dray.gateway.http.problems import MAX_FIELD_ERRORS
 from dray.gateway.http.provided import Provided
 from dray.gateway.http.request_bodies import RowsFile, json_only
 from dray.gateway.http.responses import Json, described, problems
 from dray.gateway.http.side_work import SideWork
-from dray.gateway.orders.csv_import import place, read_orders
-from dray.gateway.orders.drafts import OrderDraft, nonsense
+from dray.gateway.http.unread import Unread, UnreadRoute
+from dray.gateway.orders.csv_import import read_file
+from dray.gateway.orders.drafts import OrderDraft
 from dray.gateway.orders.idempotency import Key, own_key
 from dray.gateway.orders.order_ids import new_token
 from dray.gateway.orders.placement import OrderPlacement
-from dray.plant.model import PlantFile
 from dray.store.orders.orders import Order
 
-router = APIRouter(tags=["orders"])
+router = APIRouter(tags=["orders"], route_class=UnreadRoute)
 
 
 class ImportRequest(RowsFile):
@@ -69,6 +69,7 @@ class ImportAnswer(msgspec.Struct, frozen=True, kw_only=True):
         200: described(ImportAnswer, "What is in the file; unless it was a dry run, all of it is on disk"),
         **problems(
             p409="A request with this key is still being answered",
+            p429="Too many files of this caller are being read",
             p503="Too many orders are open, or too many files are being read",
         ),
     },
@@ -79,7 +80,7 @@ async def import_orders(
     side_work: Provided[SideWork],
     caller: Caller,
     note: Noted,
-    file: ImportRequest,
+    body: Annotated[bytes, Body(), Unread(ImportRequest)],
     key: Key = None,
 ) -> Json:
     """Place the orders of a spreadsheet, all of them or none.
@@ -88,12 +89,13 @@ async def import_orders(
     that follow one another with the same customer and reference are one order. A dry run places nothing and
     tells what is wrong in which row; without one, a single fault refuses the whole file.
     """
-    drafts, faults = await side_work.do(caller.key, _read, file.csv, placement.plant, placement.now_s)
+    file = await side_work.do(caller.key, read_file, body, placement.products, placement.now_s)
+    drafts = file.drafts
     note.detail |= {"orders": len(drafts), "dry_run": file.dry_run}
     if file.dry_run:
-        return Json(_imported([(draft, "") for draft in drafts], faults[:MAX_FIELD_ERRORS]))
-    if faults:
-        raise refusal(faults)
+        return Json(_imported([(draft, "") for draft in drafts], file.faults))
+    if file.faults:
+        raise refusal(file.faults)
 
     def render(orders: Sequence[Order]) -> bytes:
         pairs = zip(drafts, (order.id for order in orders), strict=True)
@@ -104,15 +106,6 @@ async def import_orders(
     own = own_key(caller, f"import {key or new_token()}")
     kept, _replayed = await placement.place_all_once(drafts, caller.key, own, render, note)
     return Json(kept.answer.encode())
-
-
-def _read(csv: str, plant: PlantFile, now_s: float) -> tuple[list[OrderDraft], list[RowFault]]:
-    """The orders of a file, and what is wrong in it, by row. Takes its time."""
-    read, faults = read_orders(csv)
-    for each in read:
-        faults += [place(error, each.row) for error in nonsense(each.draft, plant, now_s)]
-    faults.sort(key=lambda fault: fault.row)
-    return [each.draft for each in read], faults
 
 
 def _imported(orders: Sequence[tuple[OrderDraft, str]], faults: Sequence[RowFault]) -> ImportAnswer:

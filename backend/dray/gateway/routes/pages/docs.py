@@ -5,7 +5,6 @@ from __future__ import annotations
 import base64
 import hashlib
 import json
-from functools import lru_cache
 from typing import Any
 
 import jinja2
@@ -53,12 +52,13 @@ HEADERS = {"Content-Security-Policy": f"{CONTENT_POLICY}; style-src 'sha256-{STY
 @router.get("/docs")
 async def docs(request: Request) -> HTMLResponse:
     """The documentation."""
-    return HTMLResponse(_rendered(json.dumps(request.app.openapi())), headers=HEADERS)
+    state = request.app.state
+    if not hasattr(state, "docs"):
+        state.docs = _rendered(request.app.openapi())
+    return HTMLResponse(state.docs, headers=HEADERS)
 
 
-@lru_cache(maxsize=1)
-def _rendered(document: str) -> str:
-    api = json.loads(document)
+def _rendered(api: dict[str, Any]) -> str:
     operations = [
         _operation(method.upper(), path, operation)
         for path, methods in api["paths"].items()

@@ -2,27 +2,26 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
 
 import msgspec
-from fastapi import APIRouter, Depends
+from fastapi import APIRouter, Body, Depends
 from pydantic import ConfigDict
 
 from dray.gateway.access.audit_log import Noted
 from dray.gateway.access.caller import Caller
 from dray.gateway.factory.catalogue import Catalogue
 from dray.gateway.http.csv_rows import RowFault, refusal
-from dray.gateway.http.problems import MAX_FIELD_ERRORS
 from dray.gateway.http.provided import Now, Provided
 from dray.gateway.http.request_bodies import RowsFile, json_only
 from dray.gateway.http.responses import Json, described, problems
 from dray.gateway.http.side_work import SideWork
+from dray.gateway.http.unread import Unread, UnreadRoute
 from dray.gateway.http.versions import changed_since
 from dray.gateway.live.projection import Projection
-from dray.gateway.products.csv_import import read_products
-from dray.gateway.products.drafts import wanted
+from dray.gateway.products.judging import read_file
 
-router = APIRouter(tags=["plant"])
+router = APIRouter(tags=["plant"], route_class=UnreadRoute)
 
 
 class ProductsFile(RowsFile):
@@ -65,6 +64,7 @@ class ProductsAnswer(msgspec.Struct, frozen=True, kw_only=True):
         200: described(ProductsAnswer, "What is in the file; unless it was a dry run, all of it is on disk"),
         **problems(
             p412="Somebody has changed one of the products meanwhile; send the file again",
+            p429="Too many files of this caller are being read",
             p503="Too many files are being read",
         ),
     },
@@ -77,7 +77,7 @@ async def import_products(
     caller: Caller,
     note: Noted,
     now_s: Now,
-    file: ProductsFile,
+    body: Annotated[bytes, Body(), Unread(ProductsFile)],
 ) -> Json:
     """Define the products of a spreadsheet, all of them or none.
 
@@ -86,29 +86,29 @@ async def import_products(
     of its bill, one machine and one document. One that exists becomes another revision, unless nothing has changed. A dry run
     defines nothing and tells what is wrong in which row; without one, a single fault refuses the whole file.
     """
-    read, faults = await side_work.do(caller.key, read_products, file.csv)
-    wishes = []
-    for each in read:
-        known = each.id in projection.site.products
-        wishes.append(wanted(each.id, each.draft, catalogue.revision(each.id) if known else None))
-    for each, found in zip(read, catalogue.faults(wishes), strict=True):
-        faults += map(each.place, found)
-    faults.sort(key=lambda fault: fault.row)
+    judged = projection.site.plant
+    read = await side_work.do(caller.key, read_file, body, catalogue.known())
+    wishes = read.wishes
     news = [wish for wish in wishes if wish.before is None or catalogue.is_news(wish)]
-    note.detail |= {"products": len(wishes), "changed": len(news), "dry_run": file.dry_run}
+    note.detail |= {"products": len(wishes), "changed": len(news), "dry_run": read.dry_run}
+    new = {wish.product.id for wish in news}
     products = tuple(
         ImportedProduct(
             id=wish.product.id,
             name=wish.product.name,
-            becomes="unchanged" if wish not in news else "new" if wish.before is None else "changed",
-            revision=(wish.before or 0) + (wish in news),
+            becomes="unchanged"
+            if wish.product.id not in new
+            else "new"
+            if wish.before is None
+            else "changed",
+            revision=(wish.before or 0) + (wish.product.id in new),
         )
         for wish in wishes
     )
-    if file.dry_run:
-        return Json(ProductsAnswer(products=products, faults=tuple(faults[:MAX_FIELD_ERRORS])))
-    if faults:
-        raise refusal(faults)
-    if changed := await catalogue.define(news, caller.name, now_s):
+    if read.dry_run:
+        return Json(ProductsAnswer(products=products, faults=tuple(read.faults)))
+    if read.faults:
+        raise refusal(read.faults)
+    if changed := await catalogue.define(news, caller.name, now_s, judged):
         raise changed_since("product", changed)
     return Json(ProductsAnswer(products=products, faults=()))

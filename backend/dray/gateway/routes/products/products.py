@@ -140,10 +140,11 @@ async def define(
     before = catalogue.revision(product) if product in projection.site.products else None
     _check_version(product, before, if_match, if_none_match)
     wish = wanted(product, request, before)
+    judged = projection.site.plant
     [faults] = catalogue.faults([wish])
     if faults:
         raise unusable(*faults)
-    if await catalogue.define([wish], caller.name, now_s):
+    if await catalogue.define([wish], caller.name, now_s, judged):
         raise changed_since("product", product)
     note.detail["revision"] = revision = catalogue.revision(product)
     answer = _answer(projection.site.plant.products[product], catalogue)

@@ -157,6 +157,7 @@ export const rows: Catalogue<typeof en> = {
   "problem.too-many-shut-out": "Zu viele sind ausgesperrt. Einige wieder zulassen.",
   "problem.too-many-transports": "Zu viele Transporte sind offen. Einige absagen oder später noch einmal versuchen.",
   "problem.too-much-closed": "Zu viel ist gesperrt. Einiges öffnen oder einen Bereich statt vieler Spuren sperren.",
+  "problem.too-much-work": "Das zu berechnen dauert zu lange. Weniger auf einmal senden.",
   "problem.transport-on-its-way": "Dieser Transport lässt sich nicht mehr absagen. Was angekommen ist, kann ein anderer wegbringen.",
   "problem.unknown": "Das gibt es nicht oder nicht mehr.",
   "problem.yourself": "Das sind Sie selbst: Niemand sperrt sich selbst aus. Jemand anderen aus der Leitung fragen.",

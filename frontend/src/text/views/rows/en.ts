@@ -154,6 +154,7 @@ export const rows = {
   "problem.too-many-shut-out": "Too many are shut out. Readmit some.",
   "problem.too-many-transports": "Too many transports are open. Call some off, or try again later.",
   "problem.too-much-closed": "Too much is closed. Open some of it, or close an area instead of many lanes.",
+  "problem.too-much-work": "This takes too long to work out. Send less at once.",
   "problem.transport-on-its-way": "This transport cannot be called off any more. What has arrived can be taken away by another one.",
   "problem.unknown": "There is no such thing, or no more.",
   "problem.yourself": "That is you: nobody locks themselves out. Ask another manager.",

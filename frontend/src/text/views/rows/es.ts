@@ -157,6 +157,7 @@ export const rows: Catalogue<typeof en> = {
   "problem.too-many-shut-out": "Hay demasiados excluidos. Readmita algunos.",
   "problem.too-many-transports": "Hay demasiados transportes abiertos. Anule algunos o inténtelo más tarde.",
   "problem.too-much-closed": "Hay demasiado cerrado. Abra algo o cierre un área en vez de muchos carriles.",
+  "problem.too-much-work": "Esto tarda demasiado en calcularse. Envíe menos a la vez.",
   "problem.transport-on-its-way": "Este transporte ya no se puede anular. Lo que ha llegado puede llevárselo otro.",
   "problem.unknown": "No existe, o ya no.",
   "problem.yourself": "Es usted: nadie se bloquea a sí mismo. Pídaselo a otra persona de la dirección.",

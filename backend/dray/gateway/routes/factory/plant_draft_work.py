@@ -1,0 +1,101 @@
+"""What takes its time about drafts: reading bodies of a megabyte, judging what is in them, writing plant files. Side work (`http.side_work`).
+
+Bodies, drafts and answers come and go as JSON, which costs the event loop nothing.
+"""
+
+from __future__ import annotations
+
+import msgspec
+
+from dray.errors import PlantError
+from dray.gateway.factory.plant_drafts import MAX_DEPTH, as_yaml, deeper_than, findings, read_file
+from dray.gateway.http.problems import FieldError, unusable
+from dray.gateway.http.unread import read
+from dray.gateway.routes.factory.plant_draft_bodies import ChangedDraft, DraftView, FloorPlan, NewDraft
+from dray.plant import Plant
+from dray.plant.model import PlantFile
+from dray.store.factory.plant_drafts import DraftRow
+
+MAX_TOLD = 10
+"""Faults for which a draft is not played: more of them have one cause."""
+
+
+class ReadDraft(msgspec.Struct, frozen=True, kw_only=True):
+    """What is to be kept."""
+
+    name: str
+    data: str = ""
+    notes: str = ""
+    file_name: str = ""
+    fault: FieldError | None = None
+    """Why it cannot be."""
+
+
+def new_draft(body: bytes, running: bytes) -> ReadDraft:
+    """A draft to begin with.
+
+    Args:
+        body: a `NewDraft`.
+        running: the running plant's file.
+    """
+    request = read(NewDraft, body)
+    name, file_name, notes = request.name, request.file_name, list[str]()
+    data = running.decode()
+    if request.file is not None:
+        onto = Plant(msgspec.json.decode(running, type=PlantFile)) if request.onto_running else None
+        try:
+            content, notes = read_file(request.file, file_name, onto)
+        except PlantError as error:
+            return ReadDraft(name=name, file_name=file_name, fault=FieldError("file", error.reason))
+        data = _encoded(content)
+    return ReadDraft(name=name, file_name=file_name, data=data, notes=_encoded(notes))
+
+
+def changed_draft(body: bytes) -> ReadDraft:
+    """A draft as it is to be, of a `ChangedDraft`."""
+    request = read(ChangedDraft, body)
+    if deeper_than(request.data, MAX_DEPTH):
+        fault = FieldError("data", f"is nested more than {MAX_DEPTH} levels deep")
+        return ReadDraft(name=request.name, fault=fault)
+    return ReadDraft(name=request.name, data=_encoded(request.data))
+
+
+def floor_plan(body: bytes) -> FloorPlan:
+    """A picture that is to lie under a draft."""
+    return read(FloorPlan, body)
+
+
+def draft_view(row: DraftRow) -> bytes:
+    """A draft as it is answered."""
+    data = msgspec.json.decode(row.data)
+    view = DraftView(
+        id=row.id,
+        name=row.name,
+        version=row.version,
+        by=row.by,
+        at_s=row.at_s,
+        data=data,
+        findings=tuple(findings(data)),
+        notes=tuple(msgspec.json.decode(row.notes)),
+        plan_type=row.plan_type,
+    )
+    return msgspec.json.encode(view)
+
+
+def playable(data: str) -> str:
+    """The plant file of a draft that can be played.
+
+    Raises:
+        Problem: it has faults.
+    """
+    faults = [each for each in findings(msgspec.json.decode(data)) if each.level != "warning"]
+    if faults:
+        told = faults[:MAX_TOLD]
+        raise unusable(
+            *(FieldError(f"data.{each.field}" if each.field else "data", each.text) for each in told)
+        )
+    return as_yaml(data)
+
+
+def _encoded(value: object) -> str:
+    return msgspec.json.encode(value).decode()

@@ -1,0 +1,148 @@
+"""Side work: in processes, with bounds, and a place for everybody."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+from collections.abc import AsyncIterator
+from contextlib import suppress
+from pathlib import Path
+
+import pytest
+from answers import problem
+from gateway_kit import PRODUCT, House
+
+from dray.errors import PlantError, PlantErrors
+from dray.gateway.access.principal import Scope
+from dray.gateway.http.problems import Problem
+from dray.gateway.http.provided import provided
+from dray.gateway.http.request_bodies import RowsFile
+from dray.gateway.http.side_work import EACH, MOST_BYTES, WAITING, SideWork
+from dray.gateway.http.unread import read
+from dray.plant import parse_plant
+
+pytestmark = pytest.mark.anyio
+
+FILE = {"csv": f"customer,product,quantity\nHall 3,{PRODUCT},5\n", "dry_run": True}
+
+
+@pytest.fixture
+async def side() -> AsyncIterator[SideWork]:
+    work = SideWork()
+    yield work
+    await work.close()
+
+
+@pytest.fixture
+def pipe(tmp_path: Path) -> Path:
+    """Who reads it waits until somebody has written to it."""
+    path = tmp_path / "pipe"
+    os.mkfifo(path)
+    return path
+
+
+def given(side: SideWork, caller: str, pipe: Path) -> asyncio.Task[str]:
+    """A piece that goes on until somebody writes to the pipe."""
+    return asyncio.create_task(side.do(caller, Path.read_text, pipe))
+
+
+async def let_go(pipe: Path, *pieces: asyncio.Task[str]) -> None:
+    """Write to the pipe until all of these have read something."""
+    while not all(piece.done() for piece in pieces):
+        # Opened for reading as well, so that it does not wait for a reader; closed, it lets go of one.
+        await asyncio.to_thread(_write, pipe)
+
+
+def _write(pipe: Path) -> None:
+    with pipe.open("w") as end:
+        end.write("done")
+
+
+async def test_work_is_done_in_another_process_which_is_kept(side: SideWork) -> None:
+    first = await side.do("a", os.getpid)
+    assert first != os.getpid()
+    assert await side.do("b", os.getpid) == first
+
+
+async def test_what_work_raises_comes_whole_out_of_its_process(side: SideWork) -> None:
+    with pytest.raises(Problem) as refused:
+        await side.do("a", read, RowsFile, b'{"csv": 1, "x": 2}')
+    assert (refused.value.status, [each.field for each in refused.value.errors]) == (422, ["csv", "x"])
+    with pytest.raises(Problem, match="at character 1"):
+        await side.do("a", read, RowsFile, b"{")
+    with pytest.raises(PlantErrors) as faults:
+        await side.do("a", parse_plant, "plant: x\nname: 1\n", "draft")
+    assert all(isinstance(each, PlantError) and each.file == "draft" for each in faults.value.errors)
+    assert str(faults.value).startswith("draft:")
+
+
+async def test_who_has_a_long_piece_leaves_a_place_to_all_others(side: SideWork, pipe: Path) -> None:
+    held = [given(side, "greedy", pipe) for _ in range(EACH)]
+    await asyncio.sleep(0)
+    with pytest.raises(Problem) as refused:
+        await side.do("greedy", os.getpid)
+    assert (refused.value.status, refused.value.kind) == (429, "too-many-files")
+    assert await side.do("other", int, "7") == 7
+    assert not any(each.done() for each in held)
+    for each in held:
+        await asyncio.gather(let_go(pipe, each), each)
+    assert await side.do("greedy", int, "8") == 8
+
+
+async def test_only_so_many_pieces_wait_in_all(side: SideWork, pipe: Path) -> None:
+    held = [given(side, f"caller {number}", pipe) for number in range(WAITING)]
+    await asyncio.sleep(0)
+    with pytest.raises(Problem) as refused:
+        await side.do("one more", int, "7")
+    assert (refused.value.status, refused.value.kind) == (503, "too-many-files")
+    for each in held:
+        each.cancel()
+    await asyncio.gather(*held, return_exceptions=True)
+    # Whoever has gone holds no place.
+    assert await side.do("one more", int, "7") == 7
+
+
+async def test_a_piece_that_takes_too_long_or_too_much_is_ended_and_the_next_is_done(
+    side: SideWork, pipe: Path
+) -> None:
+    with pytest.raises(Problem) as refused:
+        await side.do("a", bytes, 2 * MOST_BYTES)
+    assert (refused.value.status, refused.value.kind) == (422, "too-much-work")
+    assert await side.do("a", int, "7") == 7
+    hasty = SideWork(most_s=0.01)
+    with pytest.raises(Problem, match="given up after"):
+        await given(hasty, "a", pipe)
+    assert not hasty._all
+
+
+async def test_a_process_that_has_ended_meanwhile_is_replaced(side: SideWork) -> None:
+    os.kill(await side.do("a", os.getpid), 9)
+    [process] = side._all
+    await process.wait()
+    assert await side.do("a", int, "7") == 7
+
+
+async def test_after_the_end_nothing_is_left(pipe: Path) -> None:
+    side = SideWork()
+    held = given(side, "a", pipe)
+    await side.do("b", int, "7")
+    await side.close()
+    with suppress(Problem):
+        await held
+    assert not side._all
+
+
+async def test_a_key_that_reads_files_without_end_is_told_so_and_others_read_theirs(
+    house: House, pipe: Path
+) -> None:
+    key, greedy = await house.key(Scope.ORDERS_WRITE)
+    side = provided(house.app, SideWork)
+    held = [given(side, key.id, pipe) for _ in range(EACH)]
+    await asyncio.sleep(0)
+    answer = await house.client.post("/api/orders/import", json=FILE, headers=greedy)
+    assert answer.headers["Retry-After"] == "5"
+    problem(answer, 429, "too-many-files")
+    assert (await house.client.post("/api/orders/import", json=FILE)).status_code == 200
+    for each in held:
+        each.cancel()
+    await asyncio.gather(*held, return_exceptions=True)

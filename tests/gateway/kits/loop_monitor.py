@@ -1,0 +1,110 @@
+"""What an event loop does between two looks at its sockets: the processor's time of each step, by whom it was for.
+
+Processor time is the thread's own (`time.thread_time`), so a busy computer changes nothing. The collector of garbage is at work in steps as
+in service; what a step takes is measured several times, and the least counts.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from asyncio.events import Handle
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from dataclasses import dataclass, field
+from typing import Any
+
+from fastapi import FastAPI
+
+_WHOSE: ContextVar[str] = ContextVar("whose", default="")
+"""For whom a step is made; tasks and callbacks have it from what began them."""
+
+CHUNK_BYTES = 64 * 1024
+"""Of a body that arrives: what a server reads at once."""
+
+
+@dataclass
+class LoopMonitor:
+    """The longest steps."""
+
+    longest_s: dict[str, float] = field(default_factory=dict)
+    """Processor seconds of the longest step, by whom it was for; "" for what nobody asked for."""
+
+    def ran(self, handle: Handle, took_s: float) -> None:
+        """Note a step."""
+        whose = handle._context.get(_WHOSE, "")  # type: ignore[attr-defined]
+        self.longest_s[whose] = max(took_s, self.longest_s.get(whose, 0.0))
+
+
+@contextmanager
+def loop_monitor() -> Iterator[LoopMonitor]:
+    """Watch the loops of this thread as long as the context lasts."""
+    monitor, run = LoopMonitor(), Handle._run  # type: ignore[attr-defined]
+
+    def watched(handle: Handle) -> None:
+        begun_s = time.thread_time()
+        run(handle)
+        monitor.ran(handle, time.thread_time() - begun_s)
+
+    Handle._run = watched  # type: ignore[attr-defined]
+    try:
+        yield monitor
+    finally:
+        Handle._run = run  # type: ignore[attr-defined]
+
+
+@dataclass(frozen=True)
+class Asked:
+    """A request as it arrives."""
+
+    method: str
+    path: str
+    body: bytes = b""
+    headers: tuple[tuple[str, str], ...] = ()
+    query: str = ""
+
+
+async def ask(app: FastAPI, asked: Asked, whose: str) -> tuple[int, bytes]:
+    """Ask an application as a server does, without a client whose own work would count.
+
+    Returns:
+        The status and the body, compressed if the headers allow it.
+    """
+    given = {"host": "dray.test", "content-length": str(len(asked.body)), **dict(asked.headers)}
+    scope = {
+        "type": "http",
+        "asgi": {"version": "3.0"},
+        "http_version": "1.1",
+        "method": asked.method,
+        "scheme": "http",
+        "path": asked.path,
+        "raw_path": asked.path.encode(),
+        "query_string": asked.query.encode(),
+        "root_path": "",
+        "headers": [(name.lower().encode(), value.encode()) for name, value in given.items()],
+        "client": ("127.0.0.1", 1),
+        "server": ("dray.test", 80),
+    }
+    parts = [asked.body[at : at + CHUNK_BYTES] for at in range(0, max(1, len(asked.body)), CHUNK_BYTES)]
+    answer: list[dict[str, Any]] = []
+    gone = asyncio.Event()
+
+    async def receive() -> dict[str, Any]:
+        await asyncio.sleep(0)
+        if not parts:
+            await gone.wait()
+            return {"type": "http.disconnect"}
+        part = parts.pop(0)
+        return {"type": "http.request", "body": part, "more_body": bool(parts)}
+
+    async def send(message: Any) -> None:
+        answer.append(message)
+
+    _WHOSE.set(whose)
+    try:
+        await asyncio.create_task(app(scope, receive, send))
+    finally:
+        _WHOSE.set("")
+        gone.set()
+    return answer[0]["status"], b"".join(part.get("body", b"") for part in answer[1:])

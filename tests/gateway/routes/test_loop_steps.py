@@ -1,0 +1,151 @@
+"""The event loop never works at one thing for long: no step of any route does, whatever is asked of it."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from collections.abc import AsyncIterator
+
+import pytest
+from databases import Files
+from fake_injector import FakeInjector
+from gateway_kit import BEARER, PRODUCT, House, gateway
+from largest_inputs import LARGEST, hostile, large_draft, orders_file
+from loop_monitor import Asked, ask, loop_monitor
+
+from dray.gateway.access.rules import RULES
+from dray.gateway.http.middleware import BODY_BYTES
+from dray.settings import Settings
+
+pytestmark = pytest.mark.anyio
+
+STEP_MS = 20.0
+"""Processor time that a step may take."""
+
+TRIES = 4
+"""The least counts: what is new is imported and kept, and other work on the computer takes from its caches."""
+
+BULK_BYTES = Settings().body_limit_bytes
+
+HEADERS = {**BEARER, "Content-Type": "application/json", "Accept-Encoding": "gzip"}
+
+NAMES = {"atv": "ATV1", "machine": "M1", "product": PRODUCT, "person": "nobody", "area": "north"}
+"""What path templates stand for; anything else is made or unknown."""
+
+FILES = [
+    route
+    for route, rule in RULES.items()
+    if rule.bulk or ("{draft}" in route[1] and route[0] in ("GET", "POST"))
+]
+"""Routes with bodies as large as files, and what is made of them."""
+
+
+@pytest.fixture(scope="module")
+async def full_house(files: Files, tmp_path_factory: pytest.TempPathFactory) -> AsyncIterator[House]:
+    """A gateway with a thousand orders, and a draft as large as one may be."""
+    async with gateway(files.new(tmp_path_factory.mktemp("full")), faults=FakeInjector(), duty=True) as house:
+        answer = await house.client.post("/api/orders/import", json=orders_file(BULK_BYTES))
+        assert answer.status_code == 200, answer.text
+        made = await house.client.post("/api/plant-drafts", json={"name": "Line 4"})
+        NAMES["draft"] = made.json()["id"]
+        NAMES["order"] = answer.json()["orders"][0]["id"]
+        draft = f"/api/plant-drafts/{NAMES['draft']}"
+        kept = await house.client.put(draft, json=large_draft(BULK_BYTES), headers={"If-Match": '"1"'})
+        assert kept.status_code == 200, kept.text
+        yield house
+
+
+def path_of(template: str) -> str:
+    parts = (
+        NAMES.get(part.strip("{}"), "unknown") if part.startswith("{") else part
+        for part in template.split("/")
+    )
+    return "/".join(parts)
+
+
+async def longest_ms(house: House, method: str, template: str, body: bytes, query: str) -> tuple[float, int]:
+    """The longest step of a request, and its status."""
+    least_ms, status = float("inf"), 0
+    for _ in range(TRIES):
+        headers = dict(HEADERS)
+        if "{draft}" in template and method == "PUT":
+            drafts = (await house.get("/api/plant-drafts"))["items"]
+            version = next(each["version"] for each in drafts if each["id"] == NAMES["draft"])
+            headers["If-Match"] = f'"{version}"'
+        asked = Asked(method, path_of(template), body, tuple(headers.items()), query)
+        with loop_monitor() as monitor:
+            status, _ = await ask(house.app, asked, template)
+        least_ms = min(least_ms, 1e3 * monitor.longest_s[template])
+        if least_ms < STEP_MS / 2:
+            break
+    return least_ms, status
+
+
+def inputs_of(house: House, method: str, template: str) -> list[tuple[str, bytes]]:
+    """The largest bodies of a route, and what they are; an empty one where it takes none."""
+    document = house.app.openapi()
+    operation = document["paths"].get(template, {}).get(method.lower(), {})
+    taken = operation.get("requestBody", {}).get("content", {}).get("application/json")
+    if taken is None:
+        assert (method, template) not in LARGEST
+        return [("nothing", b"")]
+    assert (method, template) in LARGEST, "it takes a body: name its largest in largest_inputs.LARGEST"
+    size = BULK_BYTES if RULES[method, template].bulk else BODY_BYTES
+    made = [
+        (make.__name__, json.dumps(make(size), separators=(",", ":")).encode())
+        for make in LARGEST[method, template]
+    ]
+    assert all(len(body) <= size for _, body in made)
+    return [*made, *hostile(taken["schema"], document["components"]["schemas"], size)]
+
+
+async def test_every_route_that_takes_a_body_has_its_largest_in_the_table(full_house: House) -> None:
+    taking = {
+        (method.upper(), path)
+        for path, operations in full_house.app.openapi()["paths"].items()
+        for method, operation in operations.items()
+        if "requestBody" in operation
+    }
+    assert set(LARGEST) == taking
+
+
+async def all_steps_are_short(house: House, method: str, template: str) -> None:
+    operation = house.app.openapi()["paths"].get(template, {}).get(method.lower(), {})
+    has = {parameter["name"] for parameter in operation.get("parameters", ())}
+    queries = ["limit=500"] if "limit" in has else [""]
+    if "format" in has:
+        queries.append("format=csv")
+    found = [
+        (round(took_ms, 1), what, query, status)
+        for what, body in inputs_of(house, method, template)
+        for query in queries
+        for took_ms, status in [await longest_ms(house, method, template, body, query)]
+    ]
+    print(f"\n{method} {template}", *max(found), sep=" | ")  # noqa: T201 - for who runs pytest with -s
+    too_long = [each for each in sorted(found, reverse=True) if each[0] > STEP_MS]
+    assert not too_long, too_long[:5]
+
+
+@pytest.mark.parametrize(("method", "template"), FILES)
+async def test_no_step_of_a_route_with_files_is_long(full_house: House, method: str, template: str) -> None:
+    await all_steps_are_short(full_house, method, template)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("method", "template"), [route for route in RULES if route not in FILES and route[1] != "/api/stream"]
+)
+async def test_no_step_of_any_other_route_is_long(full_house: House, method: str, template: str) -> None:
+    await all_steps_are_short(full_house, method, template)
+
+
+async def test_the_monitor_sees_a_long_step_and_whose_it_was(full_house: House) -> None:
+    async def app(_scope: object, _receive: object, send: object) -> None:
+        await asyncio.sleep(0)
+        sum(range(3_000_000))
+        await send({"type": "http.response.start", "status": 200})  # type: ignore[operator]
+
+    with loop_monitor() as monitor:
+        await ask(app, Asked("GET", "/"), "long")  # type: ignore[arg-type]
+        await ask(full_house.app, Asked("GET", "/healthz"), "short")
+    assert monitor.longest_s["long"] > STEP_MS / 1e3 > monitor.longest_s["short"]
