@@ -218,7 +218,7 @@ async def test_no_more_faults_are_told_than_a_person_reads(house: House) -> None
         (b'{"customer": "Muster",}', "not-json"),
         (b"\xff\xfe\x00", "bad-request"),
         (b'{"customer": "\xe4"}', "bad-request"),
-        (b"[" * 50_000, "bad-request"),
+        (b"[" * 30_000, "bad-request"),
         (b'{"customer": ' + b"9" * 5000 + b"}", "bad-request"),
     ],
     ids=["cut off", "a form", "single quotes", "a comma", "no text", "latin-1", "nested", "a long number"],

@@ -137,7 +137,7 @@ async def test_a_key_that_reads_files_without_end_is_told_so_and_others_read_the
 ) -> None:
     key, greedy = await house.key(Scope.ORDERS_WRITE)
     side = provided(house.app, SideWork)
-    held = [given(side, key.id, pipe) for _ in range(EACH)]
+    held = [given(side, f"key {key.id}", pipe) for _ in range(EACH)]
     await asyncio.sleep(0)
     answer = await house.client.post("/api/orders/import", json=FILE, headers=greedy)
     assert answer.headers["Retry-After"] == "5"

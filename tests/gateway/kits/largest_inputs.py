@@ -95,6 +95,7 @@ LARGEST: dict[tuple[str, str], tuple[Callable[[int], Json], ...]] = {
     ("POST", "/api/keys"): (),
     ("PUT", "/api/products/{product}"): (),
     ("POST", "/api/products/import"): (products_file,),
+    ("POST", "/api/tasks/{task}/load"): (),
     ("POST", "/api/machines/{machine}/commands"): (),
     ("POST", "/api/atvs/{atv}/commands"): (),
     ("POST", "/api/atvs/{atv}/carried-away"): (),
