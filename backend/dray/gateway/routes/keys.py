@@ -122,9 +122,9 @@ class KeyDraft(BaseModel):
     """What it may do: nothing that you may not do yourself."""
     days: Annotated[int, Field(ge=1, le=LONGEST_DAYS)] | None = None
     """How long it works; else until it is taken back."""
-    places: Annotated[tuple[Name, ...], Field(max_length=NAMES_MAX)] = ()
+    places: Annotated[list[Name], Field(max_length=NAMES_MAX)] = []
     """Of a key with `transports:call`: the machines and storages for which alone it calls; empty for all."""
-    items: Annotated[tuple[Name, ...], Field(max_length=NAMES_MAX)] = ()
+    items: Annotated[list[Name], Field(max_length=NAMES_MAX)] = []
     """Likewise, the materials for which alone it calls; empty for all."""
     open_max: Annotated[int, Field(strict=True, ge=1, le=KEY_OPEN_MOST)] | None = None
     """Likewise, how many of its transports may be open at once; else 50."""
