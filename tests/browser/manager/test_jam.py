@@ -10,13 +10,14 @@ from pathlib import Path
 
 import pytest
 from manager_kit import BEAT_S, GoingWall, as_manager, choose
+from msgspec.structs import replace
 from open_house import OpenHouse, open_house
 from playwright.sync_api import Page, expect
 from puppets import Puppet
 from tablet_kit import LOOKS, Enter, card
 from variants import variants
 
-from dray.gateway.live.projection.alerting.wait_rules import LONG_WAIT_S
+from dray.gateway.live.projection.alerting.wait_rules import LONG_WAIT_S, UNHEARD_S
 from dray.messages import AtvStatus, Brief, Phase, Role
 from dray.messages.heartbeat import FloorBrief
 from dray.plant import load_plant
@@ -144,6 +145,37 @@ def test_a_jam_is_one_alert_a_sentence_and_a_place_on_the_map_until_it_is_gone(
     house.do(lambda _: jam.clear())
     expect(note).to_have_count(0)
     expect(inbox).to_have_count(0)
+
+
+def test_whoever_holds_places_and_was_never_heard_is_shut_out_and_carried_away_where_that_is_told(
+    house: OpenHouse, jam: Jam, open_page: OpenPage, screenshot: Screenshot
+) -> None:
+    async def behind_a_stranger(_: House) -> None:
+        waits = jam.vehicles["ATV3"].state
+        waits["floor"] = replace(waits["floor"], waits_for="GHOST")
+        del jam.vehicles["ATV7"]
+        jam.beat()
+        await jam.last(UNHEARD_S + 1.0)
+
+    house.do(behind_a_stranger)
+    page = as_manager(house, open_page)
+    page.evaluate("location.hash = '#alerts'")
+    row = page.get_by_role("row", name="Show GHOST")
+    expect(row).to_contain_text("Holds places, and was never heard; waiting for it: ATV3")
+    screenshot(page, "unheard")
+    row.get_by_role("button", name="GHOST is off the floor").click()
+    row.get_by_role("button", name="It is off the floor").click()
+    expect(row.get_by_role("status")).to_contain_text("Told to all")
+    row.get_by_role("button", name="Shut out").click()
+    form = page.locator("form.shut-out")
+    form.get_by_role("textbox").fill("holds places, and is no vehicle of ours")
+    form.get_by_role("button", name="Shut GHOST out").click()
+    expect(form).to_be_hidden()
+
+    async def shut_out(inside: House) -> list[str]:
+        return [each["agent"] for each in (await inside.get("/api/agents/shut-out"))["items"]]
+
+    assert house.do(shut_out) == ["GHOST"]
 
 
 @pytest.mark.slow
