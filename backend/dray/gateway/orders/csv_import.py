@@ -6,7 +6,7 @@ order of its own.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import groupby
 from typing import Any
 
@@ -16,6 +16,7 @@ from pydantic import ValidationError
 from dray.gateway.http.csv_rows import Row, RowFault, number, read_rows
 from dray.gateway.http.problems import FieldError, field_error
 from dray.gateway.orders.drafts import MAX_ITEMS, OrderDraft
+from dray.store.orders.orders import Referred
 
 COLUMNS = ("customer", "reference", "product", "quantity", "due_at", "priority", "release")
 
@@ -59,6 +60,39 @@ def place(error: FieldError, row: int) -> RowFault:
     first, _, column = error.field.rpartition(".")
     index = int(first[6:-1]) if first.startswith("items[") else 0
     return RowFault.at(row + index, column or first, error)
+
+
+def twice_in_file(orders: Sequence[ReadOrder]) -> list[RowFault]:
+    """Orders that have the customer and reference of another one further up in the file."""
+    hints: list[RowFault] = []
+    first_rows: dict[tuple[str, str], int] = {}
+    for each in orders:
+        if (reference := each.draft.reference) is None:
+            continue
+        first = first_rows.setdefault((each.draft.customer, reference), each.row)
+        if first != each.row:
+            hints.append(RowFault.of(each.row, "reference", "in_file_already", row=first))
+    return hints
+
+
+def placed_already(orders: Sequence[ReadOrder], lately: Sequence[Referred], now_s: float) -> list[RowFault]:
+    """Orders that have the customer and reference of one that was placed a short while ago.
+
+    Args:
+        orders: of the file.
+        lately: orders that were placed, oldest first.
+        now_s: wall clock.
+    """
+    placed = {(order.customer, order.reference): order for order in lately}
+    hints = []
+    for each in orders:
+        draft = each.draft
+        if draft.reference is None or (known := placed.get((draft.customer, draft.reference))) is None:
+            continue
+        minutes = max(0, round((now_s - known.created_at_s) / 60.0))
+        values = {"customer": draft.customer, "order": known.id, "minutes": minutes}
+        hints.append(RowFault.of(each.row, "reference", "placed_already", **values))
+    return hints
 
 
 def _order_of(line: Row) -> tuple[str, str, int]:

@@ -120,6 +120,16 @@ class OrderTotals(msgspec.Struct, frozen=True, gc=False):
 _COLUMNS = [column for column in orders.c if column.name != "search"]
 
 
+class Referred(msgspec.Struct, frozen=True):
+    """An order as its customer calls it."""
+
+    id: str
+    customer: str
+    reference: str
+    created_at_s: float
+    """Wall clock."""
+
+
 class Orders:
     """The orders, inside one transaction."""
 
@@ -155,6 +165,21 @@ class Orders:
         query = select(orders.c.id, orders.c.reference).where(orders.c.id.in_(list(ids)))
         rows = await self._connection.execute(query.where(orders.c.reference.is_not(None)))
         return {row.id: row.reference for row in rows}
+
+    async def referred_to(self, references: Collection[str], since_s: float) -> list[Referred]:
+        """Orders that were placed since then under some references and are not cancelled, oldest first."""
+        if not references:
+            return []
+        query = (
+            select(orders.c.id, orders.c.customer, orders.c.reference, orders.c.created_at_s)
+            .where(
+                orders.c.created_at_s >= since_s,
+                orders.c.reference.in_(list(references)),
+                orders.c.status != OrderStatus.CANCELLED,
+            )
+            .order_by(orders.c.created_at_s, orders.c.id)
+        )
+        return [Referred(*row) for row in await self._connection.execute(query)]
 
     async def open(self) -> list[Order]:
         """All orders that the factory works at, oldest first."""

@@ -10,13 +10,13 @@ from pydantic import ConfigDict
 
 from dray.gateway.access.audit_log import Noted
 from dray.gateway.access.caller import Caller
-from dray.gateway.http.csv_rows import RowFault, refusal
+from dray.gateway.http.csv_rows import RowFault, refusal, text_of_file
 from dray.gateway.http.problems import MAX_FIELD_ERRORS
 from dray.gateway.http.provided import Provided
 from dray.gateway.http.request_bodies import RowsFile, json_only
 from dray.gateway.http.responses import Json, described, problems
 from dray.gateway.http.side_work import SideWork
-from dray.gateway.orders.csv_import import place, read_orders
+from dray.gateway.orders.csv_import import ReadOrder, place, placed_already, read_orders, twice_in_file
 from dray.gateway.orders.drafts import OrderDraft, nonsense
 from dray.gateway.orders.idempotency import Key, own_key
 from dray.gateway.orders.order_ids import new_token
@@ -60,6 +60,8 @@ class ImportAnswer(msgspec.Struct, frozen=True, kw_only=True):
     orders: tuple[ImportedOrder, ...]
     faults: tuple[RowFault, ...]
     """What is wrong with it, by row; 50 at most. Empty when it was placed."""
+    hints: tuple[RowFault, ...]
+    """What is odd in it and placed all the same, by row; 50 at most. Orders that were placed already, say, or letters of an unknown encoding."""
 
 
 @router.post(
@@ -88,34 +90,48 @@ async def import_orders(
     that follow one another with the same customer and reference are one order. A dry run places nothing and
     tells what is wrong in which row; without one, a single fault refuses the whole file.
     """
-    drafts, faults = await side_work.do(_read, file.csv, placement.plant, placement.now_s)
+    read, faults, hints = await side_work.do(_read, file.csv, file.base64)
+    drafts = [each.draft for each in read]
     note.detail |= {"orders": len(drafts), "dry_run": file.dry_run}
+    # Without a key of its own every request is another one. An order and a file of that order alone are
+    # answered differently, so a key stands for another thing here.
+    own = own_key(caller, f"import {key or new_token()}")
+    if key and not file.dry_run and not faults:
+        kept = await placement.answered(drafts, own, note)
+        if kept is not None:
+            return Json(kept.answer.encode())
+    faults += await side_work.do(_senseless, read, placement.plant, placement.now_s)
+    faults.sort(key=lambda fault: fault.row)
+    hints += twice_in_file(read)
+    lately = await placement.placed_lately({draft.reference for draft in drafts if draft.reference})
+    hints += placed_already(read, lately, placement.now_s)
     if file.dry_run:
-        return Json(_imported([(draft, "") for draft in drafts], faults[:MAX_FIELD_ERRORS]))
+        return Json(_imported([(draft, "") for draft in drafts], faults[:MAX_FIELD_ERRORS], hints))
     if faults:
         raise refusal(faults)
 
     def render(orders: Sequence[Order]) -> bytes:
         pairs = zip(drafts, (order.id for order in orders), strict=True)
-        return msgspec.json.encode(_imported(list(pairs), []))
+        return msgspec.json.encode(_imported(list(pairs), [], hints))
 
-    # Without a key of its own every request is another one. An order and a file of that order alone are
-    # answered differently, so a key stands for another thing here.
-    own = own_key(caller, f"import {key or new_token()}")
     kept, _replayed = await placement.place_all_once(drafts, own, render, note)
     return Json(kept.answer.encode())
 
 
-def _read(csv: str, plant: PlantFile, now_s: float) -> tuple[list[OrderDraft], list[RowFault]]:
-    """The orders of a file, and what is wrong in it, by row. Takes its time."""
-    read, faults = read_orders(csv)
-    for each in read:
-        faults += [place(error, each.row) for error in nonsense(each.draft, plant, now_s)]
-    faults.sort(key=lambda fault: fault.row)
-    return [each.draft for each in read], faults
+def _read(csv: str | None, base64: str | None) -> tuple[list[ReadOrder], list[RowFault], list[RowFault]]:
+    """The orders of a file, what is wrong with its form, and hints. Takes its time."""
+    file = text_of_file(csv, base64)
+    return ([], file.faults, []) if file.faults else (*read_orders(file.text), file.hints)
 
 
-def _imported(orders: Sequence[tuple[OrderDraft, str]], faults: Sequence[RowFault]) -> ImportAnswer:
+def _senseless(read: Sequence[ReadOrder], plant: PlantFile, now_s: float) -> list[RowFault]:
+    """What has the right form and cannot be done here, or any more. Takes its time."""
+    return [place(error, each.row) for each in read for error in nonsense(each.draft, plant, now_s)]
+
+
+def _imported(
+    orders: Sequence[tuple[OrderDraft, str]], faults: Sequence[RowFault], hints: Sequence[RowFault]
+) -> ImportAnswer:
     return ImportAnswer(
         orders=tuple(
             ImportedOrder(
@@ -128,4 +144,5 @@ def _imported(orders: Sequence[tuple[OrderDraft, str]], faults: Sequence[RowFaul
             for draft, name in orders
         ),
         faults=tuple(faults),
+        hints=tuple(hints[:MAX_FIELD_ERRORS]),
     )

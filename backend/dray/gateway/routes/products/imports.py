@@ -11,7 +11,7 @@ from pydantic import ConfigDict
 from dray.gateway.access.audit_log import Noted
 from dray.gateway.access.caller import Caller
 from dray.gateway.factory.catalogue import Catalogue
-from dray.gateway.http.csv_rows import RowFault, refusal
+from dray.gateway.http.csv_rows import RowFault, refusal, text_of_file
 from dray.gateway.http.problems import MAX_FIELD_ERRORS
 from dray.gateway.http.provided import Now, Provided
 from dray.gateway.http.request_bodies import RowsFile, json_only
@@ -19,7 +19,7 @@ from dray.gateway.http.responses import Json, described, problems
 from dray.gateway.http.side_work import SideWork
 from dray.gateway.http.versions import changed_since
 from dray.gateway.live.projection import Projection
-from dray.gateway.products.csv_import import read_products
+from dray.gateway.products.csv_import import ReadProduct, read_products
 from dray.gateway.products.drafts import wanted
 
 router = APIRouter(tags=["plant"])
@@ -56,6 +56,8 @@ class ProductsAnswer(msgspec.Struct, frozen=True, kw_only=True):
     products: tuple[ImportedProduct, ...]
     faults: tuple[RowFault, ...]
     """What is wrong with it, by row; 50 at most. Empty when it was taken."""
+    hints: tuple[RowFault, ...]
+    """What is odd in it and taken all the same, as letters of an unknown encoding."""
 
 
 @router.post(
@@ -86,7 +88,7 @@ async def import_products(
     of its bill, one machine and one document. One that exists becomes another revision, unless nothing has changed. A dry run
     defines nothing and tells what is wrong in which row; without one, a single fault refuses the whole file.
     """
-    read, faults = await side_work.do(read_products, file.csv)
+    read, faults, hints = await side_work.do(_read, file.csv, file.base64)
     wishes = []
     for each in read:
         known = each.id in projection.site.products
@@ -106,9 +108,17 @@ async def import_products(
         for wish in wishes
     )
     if file.dry_run:
-        return Json(ProductsAnswer(products=products, faults=tuple(faults[:MAX_FIELD_ERRORS])))
+        return Json(ProductsAnswer(products=products, faults=tuple(faults[:MAX_FIELD_ERRORS]), hints=hints))
     if faults:
         raise refusal(faults)
     if changed := await catalogue.define(news, caller.name, now_s):
         raise changed_since("product", changed)
-    return Json(ProductsAnswer(products=products, faults=()))
+    return Json(ProductsAnswer(products=products, faults=(), hints=hints))
+
+
+def _read(
+    csv: str | None, base64: str | None
+) -> tuple[list[ReadProduct], list[RowFault], tuple[RowFault, ...]]:
+    """The products of a file, what is wrong with its form, and hints. Takes its time."""
+    file = text_of_file(csv, base64)
+    return ([], file.faults, ()) if file.faults else (*read_products(file.text), tuple(file.hints))
