@@ -1,6 +1,7 @@
 /** Which draft: one that there is, one of the running plant, or one of a file. */
 import { useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
+import { fileBody } from "../api/file-body";
 import { format, t } from "../text/editor";
 import * as state from "./state";
 
@@ -30,7 +31,7 @@ export function Start() {
           <label>{t("start.choose")}
             <input type="file" disabled={busy.value} accept=".yaml,.yml,.json,.lif,.xml" onChange={(event) => {
               const file = event.currentTarget.files?.[0];
-              if (file) doing(file.text().then((text) => state.create(name.value.trim() || file.name, { text, name: file.name }, onto.value)));
+              if (file) doing(fileBody(file).then((body) => state.create(name.value.trim() || file.name, { body, name: file.name }, onto.value)));
             }} />
           </label>
         </fieldset>

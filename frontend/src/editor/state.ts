@@ -1,6 +1,6 @@
 /** The draft that is drawn: its content with what can be undone, its checks, and how it is kept at the gateway. */
 import { batch, computed, signal } from "@preact/signals";
-import { base64Of } from "../api/file-body";
+import { base64Of, type FileBody } from "../api/file-body";
 import { bodyOf, gateway } from "../api/gateway";
 import { Problem } from "../api/problem";
 import type { components } from "../api/types";
@@ -68,8 +68,9 @@ function show(found: Draft): void {
   location.hash = found.id;
 }
 
-export async function create(name: string, file?: { text: string; name: string }, ontoRunning = false): Promise<void> {
-  const body = file ? { name, file: file.text, file_name: file.name, onto_running: ontoRunning } : { name };
+export async function create(name: string, file?: { body: FileBody; name: string }, ontoRunning = false): Promise<void> {
+  const content = file && ("text" in file.body ? { file: file.body.text } : { file_base64: file.body.base64 });
+  const body = file ? { name, ...content, file_name: file.name, onto_running: ontoRunning } : { name };
   const made = await bodyOf(gateway.POST("/api/plant-drafts", { body: body as never }));
   await open(made.id);
 }

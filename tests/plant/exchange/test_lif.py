@@ -381,3 +381,21 @@ def test_things_of_the_wrong_kind_are_said_and_not_stumbled_over() -> None:
         assert text in told
     assert [one["id"] for one in found.data["unassigned"]] == ["U"]
     drawn(found)
+
+
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16", "utf-16-le", "utf-16-be", "utf-32", "cp1252"])
+def test_a_file_is_read_in_its_own_encoding(encoding: str) -> None:
+    text = lif(layout([node("Prüfplatz", 0, 0), node("b", 5, 0)], [])).decode()
+    found = read_layout(text.encode(encoding), "hall.json")
+    assert found.mapping["nodes"][0]["original"] == "Prüfplatz"
+    told = [note.line() for note in found.notes if "UTF-8" in note.text]
+    assert len(told) == (1 if encoding == "cp1252" else 0)
+
+
+def test_an_error_is_told_by_line_and_column_and_in_no_library_s_words() -> None:
+    with pytest.raises(PlantError) as nan:
+        read_layout('{"layouts":\n  [{"ü": NaN}]}'.encode(), "hall.json")
+    assert nan.value.reason == "not JSON: line 2, column 10: NaN is no number of JSON: write null"
+    with pytest.raises(PlantError) as cut:
+        read_layout(b'{"layouts": [', "hall.json")
+    assert cut.value.reason == "not JSON: it ends too soon"

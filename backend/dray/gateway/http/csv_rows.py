@@ -17,7 +17,7 @@ from itertools import islice
 import msgspec
 
 from dray.gateway.http.problems import MAX_FIELD_ERRORS, FieldError, Problem, unusable
-from dray.plant.file.text_encoding import UnknownEncodingError, decode_text
+from dray.plant.file.text_encoding import LOST, UnknownEncodingError, decode_text
 
 MAX_ROWS = 1_000
 """Rows of one file: what a person can still look through; they are all taken at once."""
@@ -28,9 +28,6 @@ nobody."""
 
 SEPARATORS = (",", ";", "\t", "|")
 """Between cells. Where a comma stands in numbers, spreadsheets write semicolons."""
-
-LOST = "\ufffd"
-"""What a program writes for a character that it could not read."""
 
 _DIRECTIVE = re.compile(r'\s*"?sep=(.)"?[,;\t| ]*(\r\n|\r|\n|$)', re.IGNORECASE)
 """The first line of a file by which a spreadsheet is told its separator; the spreadsheet does not count it as a row."""
@@ -98,7 +95,9 @@ def text_of_file(text: str | None, packed: str | None) -> FileText:
     if (text is None) == (packed is None):
         raise unusable(FieldError.of("csv", "file_needed"))
     if packed is None:
-        return FileText(text or "")
+        # JSON may hold halves of characters, which no text can.
+        whole = (text or "").encode("utf-16", "surrogatepass").decode("utf-16", "replace")
+        return FileText(whole)
     try:
         content = base64.b64decode(packed, validate=True)
     except ValueError:

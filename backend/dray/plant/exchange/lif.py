@@ -6,6 +6,7 @@ the versions name it, and what is missing is said. Metres; a file that can only 
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from math import hypot
 from statistics import median
@@ -300,6 +301,9 @@ class _Reader(LifValues):
         if x is None or y is None:
             self._notes.add(f"{at}/{key}", f"a node whose `{key}` has no x and y is left out")
             return None
+        if max(abs(x), abs(y)) * self._scale > curves.FAR_M:
+            self._notes.add(f"{at}/{key}", f"a node further than {curves.FAR_M / 1000:g} km away is left out")
+            return None
         return x * self._scale, y * self._scale
 
 
@@ -311,8 +315,25 @@ def decode(text: str) -> Json:
     """
     try:
         data = msgspec.json.decode(text.encode())
-    except (msgspec.DecodeError, RecursionError) as error:
-        raise ValueError(f"not JSON: {error}") from None
+    except UnicodeEncodeError:
+        raise ValueError("not JSON: half of a character stands in it") from None
+    except RecursionError:
+        raise ValueError("not JSON of a layout: nested too deep") from None
+    except msgspec.DecodeError as error:
+        raise ValueError(f"not JSON: {_where(text, str(error))}") from None
     if not isinstance(data, dict) or not {"layouts", "origins"} & data.keys():
         raise ValueError("no LIF file: there is no `layouts` in it; nor is it XML of openTCS")
     return data
+
+
+def _where(text: str, error: str) -> str:
+    """The place of an error of the decoder, which tells it in bytes, as line and column."""
+    found = re.search(r"\(byte (\d+)\)", error)
+    if found is None:
+        return "it ends too soon" if "truncated" in error else "it cannot be read"
+    before = text.encode()[: int(found[1])].decode(errors="ignore")
+    line, column = before.count("\n") + 1, len(before) - before.rfind("\n")
+    rest = text[len(before) :]
+    odd = next((word for word in ("NaN", "Infinity", "-Infinity", "nan", "inf") if rest.startswith(word)), "")
+    what = f"{odd} is no number of JSON: write null" if odd else "a character stands where none may"
+    return f"line {line}, column {column}: {what}"

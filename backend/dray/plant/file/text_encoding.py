@@ -24,6 +24,9 @@ SAMPLE_BYTES = 4_096
 ZEROS_FRAC = 0.3
 """Of every second byte, from which a file is UTF-16: in Western languages nearly all of them are zero."""
 
+LOST = "\ufffd"
+"""What a program writes for a character that it could not read."""
+
 _MISREAD = re.compile(r"[^\W\d_](?:[‚ƒ„…†‡ˆ‰‹“”•˜›][^\W\d_]|[ŠŒŽŸ][a-zß-ÿ])")  # noqa: RUF001 - these are the marks that are meant
 """Marks and capitals inside of a word, where letters stand in an older code page (DOS, Macintosh)."""
 

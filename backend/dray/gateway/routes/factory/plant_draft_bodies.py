@@ -89,6 +89,8 @@ class NewDraft(BaseModel):
     name: Line
     file: str | None = None
     """The text of a plant file (YAML), a LIF file (JSON) or a plant model of openTCS (XML); left out, the running plant."""
+    file_base64: str | None = None
+    """The file itself instead of its text, where its encoding may be another one than UTF-8."""
     file_name: Annotated[str, Field(max_length=200)] = "draft"
     onto_running: Annotated[bool, Field(strict=True)] = False
     """What a layout cannot tell is taken from the running plant, as far as its nodes are there."""

@@ -101,12 +101,13 @@ async def begin(
     """Begin a draft: of the running plant, or of a file of any of the formats that `dray plant import` reads."""
     note.detail |= {"name": request.name, "file_name": request.file_name}
     notes: list[str]
-    if request.file is None:
+    file = _file(request)
+    if file is None:
         data, notes = msgspec.to_builtins(projection.site.plant.file), []
     else:
         try:
             onto = projection.site.plant if request.onto_running else None
-            data, notes = await side_work.do(read_file, request.file, request.file_name, onto)
+            data, notes = await side_work.do(read_file, file, request.file_name, onto)
         except PlantError as error:
             raise unusable(FieldError("file", error.reason)) from None
     row = DraftRow(new_token()[:12], request.name, 1, caller.name, now_s, _encoded(data), _encoded(notes))
@@ -174,13 +175,17 @@ async def change(
     note.target, note.detail["name"] = draft, request.name
     if deeper_than(request.data, MAX_DEPTH):
         raise unusable(FieldError("data", f"is nested more than {MAX_DEPTH} levels deep"))
+    try:
+        data = _encoded(request.data)
+    except UnicodeEncodeError:
+        raise unusable(FieldError("data", "half of a character stands in it: write it anew")) from None
     before = await _row(store, draft)
     check_version(before.version, if_match, _changed(before))
     row = msgspec.structs.replace(
         before,
         name=request.name,
         version=before.version + 1,
-        data=_encoded(request.data),
+        data=data,
         by=caller.name,
         at_s=now_s,
     )
@@ -332,6 +337,18 @@ async def play(
 async def get_play(player: Provided[ShiftPlayer], draft: DraftId) -> Json:
     """What came of the shift that was played last, with the version of the draft that it was played in."""
     return Json(player.result(draft))
+
+
+def _file(request: NewDraft) -> str | bytes | None:
+    """The file of a request; None for none."""
+    if request.file_base64 is None:
+        return request.file
+    if request.file is not None:
+        raise unusable(FieldError("file_base64", "file is there, too: give one of the two"))
+    try:
+        return base64.b64decode(request.file_base64, validate=True)
+    except ValueError:
+        raise unusable(FieldError.of("file_base64", "no_base64")) from None
 
 
 async def _row(store: Store, draft: str) -> DraftRow:
