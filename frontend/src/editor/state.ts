@@ -68,9 +68,9 @@ function show(found: Draft): void {
   location.hash = found.id;
 }
 
-export async function create(name: string, file?: { body: FileBody; name: string }, ontoRunning = false): Promise<void> {
+export async function create(name: string, file?: { body: FileBody; name: string; unit: string }, ontoRunning = false): Promise<void> {
   const content = file && ("text" in file.body ? { file: file.body.text } : { file_base64: file.body.base64 });
-  const body = file ? { name, ...content, file_name: file.name, onto_running: ontoRunning } : { name };
+  const body = file ? { name, ...content, file_name: file.name, unit: file.unit, onto_running: ontoRunning } : { name };
   const made = await bodyOf(gateway.POST("/api/plant-drafts", { body: body as never }));
   await open(made.id);
 }

@@ -33,7 +33,7 @@ def import_layout(
     layout: Annotated[
         list[str] | None, typer.Option(help="Of a LIF file with several: the id of a layout; repeat it.")
     ] = None,
-    unit: Annotated[str, typer.Option(help="Of a LIF file: m or mm; else it is found out.")] = "",
+    unit: Annotated[str, typer.Option(help="Of a LIF file: m, cm or mm; else it is found out.")] = "",
     force: Annotated[bool, typer.Option("--force", help="Write over files that are there.")] = False,
 ) -> None:
     """Make a plant file of a layout of another system, and list what the layout cannot tell.
@@ -43,8 +43,9 @@ def import_layout(
     from dray.cli.runtime.output import write_json, write_text
     from dray.errors import SettingsError
     from dray.plant import load_plant
+    from dray.plant.exchange.lif_units import UNITS
     from dray.plant.exchange.onto import put_onto
-    from dray.plant.exchange.read import MAX_BYTES, UNITS, read_layout
+    from dray.plant.exchange.read import MAX_BYTES, read_layout
     from dray.plant.file.document import write_document
     from dray.plant.file.file import document_faults
     from dray.plant.model import ID_RULE, is_id

@@ -138,12 +138,13 @@ def as_yaml(data: Data) -> str:
     return write_document(as_file(data)[0])
 
 
-def read_file(content: str | bytes, name: str, onto: Plant | None) -> tuple[Data, list[str]]:
+def read_file(content: str | bytes, name: str, onto: Plant | None, unit: str = "") -> tuple[Data, list[str]]:
     """A plant file, a LIF file or a model of openTCS as the content of a draft; and what was odd in it.
 
     Args:
         content: the file; its text where somebody else has read it.
         name: of the file, for errors.
+        unit: of a LIF file, `m`, `cm` or `mm`; found out if it is empty.
         onto: where what a layout cannot tell is taken from; None to leave it open.
 
     Raises:
@@ -152,7 +153,7 @@ def read_file(content: str | bytes, name: str, onto: Plant | None) -> tuple[Data
     text = content if isinstance(content, str) else _text(content, name)
     begins = text.lstrip("\ufeff \t\r\n")[:1]
     if begins in ("<", "{"):
-        imported = read_layout(content, name)
+        imported = read_layout(content, name, unit=unit)
         data = imported.data if onto is None else put_onto(imported.data, onto)
         return data, [note.line() for note in imported.notes]
     try:

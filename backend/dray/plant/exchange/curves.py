@@ -107,6 +107,12 @@ def is_straight(corners: Sequence[Spot], tolerance_m: float = 0.001) -> bool:
     return all(_off_m(spot, corners[0], corners[-1]) <= tolerance_m for spot in corners[1:-1])
 
 
+def apart_m(corners: Sequence[Spot], chain: Sequence[Spot]) -> float:
+    """How far the corners of one chain leave the pieces of another one at most; a single corner is its own piece."""
+    pieces = list(pairwise(chain)) or [(chain[0], chain[0])]
+    return max(min(_off_m(spot, *piece) for piece in pieces) for spot in corners)
+
+
 def _flat(curve: Curve, spans: Sequence[float]) -> list[Spot]:
     tolerance_m = TOLERANCE_M
     while True:

@@ -11,6 +11,7 @@ from typing import Any
 
 import msgspec
 
+from dray.plant.exchange.lif import CREATOR
 from dray.plant.layout import Layout, lay_out
 from dray.plant.model import Box, Lane, Node, PlantFile, Point
 from dray.plant.plant import Plant
@@ -40,7 +41,7 @@ def export_lif(plant: Plant, exported_at: str) -> str:
     document = {
         "metaInformation": {
             "projectIdentification": file.name,
-            "creator": "Dray",
+            "creator": CREATOR,
             "exportTimestamp": exported_at,
             "lifVersion": VERSION,
         },

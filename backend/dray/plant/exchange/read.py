@@ -17,8 +17,6 @@ from dray.plant.file.text_encoding import LOST, UnknownEncodingError, decode_tex
 MAX_BYTES = 64 * 1024 * 1024
 """Of a layout file. A LIF file takes about 1 KiB for an edge."""
 
-UNITS = ("m", "mm")
-
 
 def read_layout(
     content: bytes | str,
@@ -36,7 +34,7 @@ def read_layout(
         file: its name, for errors and for the id of the plant.
         plant: the id of the plant; from the file's name if it is empty.
         name: what people call the plant; what the file says if it is empty.
-        unit: of a LIF file, `m` or `mm`; found out if it is empty.
+        unit: of a LIF file, `m`, `cm` or `mm`; found out if it is empty.
         layouts: of a LIF file, the ids of the layouts that are wanted; all if there are none.
 
     Raises:

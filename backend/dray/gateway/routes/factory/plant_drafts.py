@@ -107,7 +107,7 @@ async def begin(
     else:
         try:
             onto = projection.site.plant if request.onto_running else None
-            data, notes = await side_work.do(read_file, file, request.file_name, onto)
+            data, notes = await side_work.do(read_file, file, request.file_name, onto, request.unit)
         except PlantError as error:
             raise unusable(FieldError("file", error.reason)) from None
     row = DraftRow(new_token()[:12], request.name, 1, caller.name, now_s, _encoded(data), _encoded(notes))
