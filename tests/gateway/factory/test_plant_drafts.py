@@ -6,6 +6,7 @@ import asyncio
 import base64
 import gzip
 import io
+import json
 import sys
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ from typing import Any
 import ezdxf
 import msgspec
 import pytest
+from answers import problem
 from gateway_kit import House
 
 from dray.gateway.access.principal import Role

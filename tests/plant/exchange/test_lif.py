@@ -437,7 +437,9 @@ def test_a_node_of_two_layouts_at_one_spot_is_one_and_joins_them() -> None:
     assert "node door stands in two layouts at one spot: it is one node" in said(found)
 
 
-@pytest.mark.parametrize(("length", "speed", "unit", "factor"), [(300, 800, "mm", 0.001), (30, 80, "cm", 0.01)])
+@pytest.mark.parametrize(
+    ("length", "speed", "unit", "factor"), [(300, 800, "mm", 0.001), (30, 80, "cm", 0.01)]
+)
 def test_speeds_that_cannot_be_are_asked_about_with_the_factor(
     length: int, speed: int, unit: str, factor: float
 ) -> None:

@@ -1,4 +1,4 @@
-"""Reading LIF, the Layout Interchange Format of VDMA: 1.0.0 of March 2024, its drafts before, and the draft of 2.0.0 with origins.
+"""Reading LIF, the Layout Interchange Format of VDMA: 1.0.0 of March 2024, its drafts before, and 2.0.0 of September 2026 with origins.
 
 Few files keep to the format, so reading is lenient: numbers may be text, a type of vehicle may be named by any of the ways in which
 the versions name it, and what is missing is said. Metres; a file that can only be in millimetres is read so, and that is said.
