@@ -1,4 +1,5 @@
 /** What panels ask of the gateway. Each call ends with the answer's body, or with a `Problem`. */
+import { csvOf, type FileBody } from "./file-body";
 import { bodyOf, gateway } from "./gateway";
 import { firstWord, stopOrigins } from "./stop-ways";
 import type {
@@ -107,9 +108,9 @@ export async function releaseOrder(order: string): Promise<void> {
  *
  * @param key the same for every try at the same file: however often it is sent, it is placed once
  */
-export async function importOrders(csv: string, dryRun: boolean, key: string): Promise<ImportAnswer> {
+export async function importOrders(file: FileBody, dryRun: boolean, key: string): Promise<ImportAnswer> {
   const header = dryRun ? {} : { "Idempotency-Key": key };
-  return await bodyOf(gateway.POST("/api/orders/import", { body: { csv, dry_run: dryRun }, params: { header } }));
+  return await bodyOf(gateway.POST("/api/orders/import", { body: { ...csvOf(file), dry_run: dryRun }, params: { header } }));
 }
 
 /** What an order would need if it were published now; nothing is kept. */

@@ -1,4 +1,5 @@
 /** Products as master data: asked for by the view that defines them. */
+import { csvOf, type FileBody } from "./file-body";
 import { bodyOf, gateway } from "./gateway";
 import type { components } from "./types";
 
@@ -24,6 +25,6 @@ export async function defineProduct(product: string, draft: Schemas["ProductDraf
 }
 
 /** What is in a file of products; unless it is a dry run, all of it is defined, or nothing. */
-export async function importProducts(csv: string, dryRun: boolean): Promise<Schemas["ProductsAnswer"]> {
-  return await bodyOf(gateway.POST("/api/products/import", { body: { csv, dry_run: dryRun } }));
+export async function importProducts(file: FileBody, dryRun: boolean): Promise<Schemas["ProductsAnswer"]> {
+  return await bodyOf(gateway.POST("/api/products/import", { body: { ...csvOf(file), dry_run: dryRun } }));
 }

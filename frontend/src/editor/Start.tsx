@@ -1,12 +1,14 @@
 /** Which draft: one that there is, one of the running plant, or one of a file. */
 import { useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
+import { fileBody } from "../api/file-body";
 import { format, t } from "../text/editor";
 import * as state from "./state";
 
 export function Start() {
   const name = useSignal("");
   const onto = useSignal(true);
+  const unit = useSignal("");
   const failed = useSignal("");
   const busy = useSignal(false);
   useEffect(() => {
@@ -27,10 +29,16 @@ export function Start() {
         <fieldset>
           <legend>{t("start.file")}</legend>
           <label class="ed-check"><input type="checkbox" checked={onto.value} onChange={(event) => { onto.value = event.currentTarget.checked; }} /> {t("start.onto")}</label>
+          <label>{t("start.unit")}{" "}
+            <select value={unit.value} onChange={(event) => { unit.value = event.currentTarget.value; }}>
+              <option value="">{t("start.unitFound")}</option>
+              {["m", "cm", "mm"].map((each) => <option key={each} value={each}>{each}</option>)}
+            </select>
+          </label>
           <label>{t("start.choose")}
             <input type="file" disabled={busy.value} accept=".yaml,.yml,.json,.lif,.xml" onChange={(event) => {
               const file = event.currentTarget.files?.[0];
-              if (file) doing(file.text().then((text) => state.create(name.value.trim() || file.name, { text, name: file.name }, onto.value)));
+              if (file) doing(fileBody(file).then((body) => state.create(name.value.trim() || file.name, { body, name: file.name, unit: unit.value }, onto.value)));
             }} />
           </label>
         </fieldset>

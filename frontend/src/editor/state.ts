@@ -1,5 +1,6 @@
 /** The draft that is drawn: its content with what can be undone, its checks, and how it is kept at the gateway. */
 import { batch, computed, signal } from "@preact/signals";
+import { base64Of, type FileBody } from "../api/file-body";
 import { bodyOf, gateway } from "../api/gateway";
 import { Problem } from "../api/problem";
 import type { components } from "../api/types";
@@ -67,8 +68,9 @@ function show(found: Draft): void {
   location.hash = found.id;
 }
 
-export async function create(name: string, file?: { text: string; name: string }, ontoRunning = false): Promise<void> {
-  const body = file ? { name, file: file.text, file_name: file.name, onto_running: ontoRunning } : { name };
+export async function create(name: string, file?: { body: FileBody; name: string; unit: string }, ontoRunning = false): Promise<void> {
+  const content = file && ("text" in file.body ? { file: file.body.text } : { file_base64: file.body.base64 });
+  const body = file ? { name, ...content, file_name: file.name, unit: file.unit, onto_running: ontoRunning } : { name };
   const made = await bodyOf(gateway.POST("/api/plant-drafts", { body: body as never }));
   await open(made.id);
 }
@@ -174,12 +176,10 @@ export async function layPlan(file: File): Promise<Laid | null> {
   if (id === undefined) return null;
   const isDxf = /\.dxf$/i.test(file.name);
   const bytes = new Uint8Array(await (isDxf ? new Response(file.stream().pipeThrough(new CompressionStream("gzip"))) : file).arrayBuffer());
-  let binary = "";
-  for (const byte of bytes) binary += String.fromCharCode(byte);
   const laid = await bodyOf(
     gateway.PUT("/api/plant-drafts/{draft}/plan", {
       params: { path: { draft: id } },
-      body: { media_type: isDxf ? DXF : file.type, base64: btoa(binary) },
+      body: { media_type: isDxf ? DXF : file.type, base64: base64Of(bytes) },
     }),
   );
   // Another picture at the same address is another one.

@@ -167,6 +167,13 @@ def test_a_file_of_orders_is_looked_through_and_then_placed(
     expect(dialog).to_contain_text("2 orders, nothing wrong")
     dialog.get_by_role("button", name="Place them").click()
     expect(dialog).to_contain_text("2 orders placed")
+    old = (head + "Hall 7,A,gear-unit-g1,5\nMüller,,pump-p3,5\n").encode("cp1252")
+    choose.set_input_files({"name": "orders.csv", "mimeType": "text/csv", "buffer": old})
+    expect(dialog).to_contain_text("2 orders, nothing wrong")
+    expect(dialog).to_contain_text("Look at these first")
+    expect(dialog.get_by_role("row").filter(has_text="Hall 7 has order")).to_contain_text("reference")
+    expect(dialog.get_by_role("row").filter(has_text="read as windows-1252")).to_be_visible()
+    screenshot(page, "orders-import-hints")
     dialog.get_by_role("button", name="Close").click()
     for customer in ("Hall 7", "Hall 8"):
         expect(page.get_by_role("row").filter(has_text=customer)).to_be_visible()

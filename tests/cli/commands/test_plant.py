@@ -209,6 +209,11 @@ def test_a_layout_is_exported_imported_checked_and_drawn(tmp_path: Path) -> None
     points = [line.strip() for line in told.partition("open points")[2].splitlines()[1:]]
     mapping = json.loads((tmp_path / "hall.mapping.json").read_text(encoding="utf-8"))
     assert mapping["format"] == "LIF 1.0.0"
+    newer = str(tmp_path / "newer.json")
+    assert dray("plant", "export", "workshop", "--lif", "--lif-version", "2.0.0", "-o", newer)[0] == 0
+    assert json.loads((tmp_path / "newer.json").read_text(encoding="utf-8"))["origins"]
+    with pytest.raises(SettingsError, match=r"3 is none of 1\.0\.0, 2\.0\.0"):
+        dray("plant", "export", "workshop", "--lif", "--lif-version", "3")
     with pytest.raises(PlantErrors) as raised:
         dray("plant", "check", str(plant))
     assert sorted(f"{error.field}: {error.reason}" for error in raised.value.errors) == sorted(points)

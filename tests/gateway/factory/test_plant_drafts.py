@@ -6,6 +6,7 @@ import asyncio
 import base64
 import gzip
 import io
+import json
 import sys
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ from typing import Any
 import ezdxf
 import msgspec
 import pytest
+from answers import problem
 from gateway_kit import House
 
 from dray.gateway.access.principal import Role
@@ -303,3 +305,22 @@ def test_of_two_one_way_lanes_the_one_that_is_driven_keeps_its_door() -> None:
     there, back = {"start": "a", "end": "b"}, {"start": "b", "end": "a"}
     data = {"lanes": [there, back], "doors": [{"id": "D1", "lanes": [there, back]}], "closed": [there]}
     assert as_file(data)[0]["doors"] == [{"id": "D1", "lanes": [back]}]
+
+
+async def test_a_layout_in_another_unit_and_encoding_is_asked_about_and_read(house: House) -> None:
+    types = [{"vehicleTypeId": "t", "maxSpeed": 800}]
+    nodes = [
+        {"nodeId": name, "nodePosition": {"x": x, "y": 0}, "vehicleTypeNodeProperties": types[:0]}
+        for name, x in (("Prüfplatz", 0), ("b", 400))
+    ]
+    edges = [
+        {"edgeId": "e", "startNodeId": "Prüfplatz", "endNodeId": "b", "vehicleTypeEdgeProperties": types}
+    ]
+    text = json.dumps({"layouts": [{"layoutId": "L", "nodes": nodes, "edges": edges}]}, ensure_ascii=False)
+    file = {"name": "d", "file_base64": base64.b64encode(text.encode("cp1252")).decode()}
+    refused = problem(await house.client.post("/api/plant-drafts", json=file), 422, "unusable-fields")
+    assert "mm (times 0.001: edges of 0.4 m, 0.8 m/s)" in refused["errors"][0]["reason"]
+    read = (await house.client.post("/api/plant-drafts", json={**file, "unit": "mm"})).json()
+    assert [node["x_m"] for node in read["data"]["nodes"]] == [0.0, 0.4]
+    assert read["data"]["lanes"][0]["speed_limit_mps"] == 0.8
+    assert any("read as windows-1252" in note for note in read["notes"])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import base64
 from typing import Any
 
 import httpx
@@ -331,3 +332,20 @@ async def test_what_does_not_fit_into_the_plant_has_a_code_too(house: House, row
     # All that stands in the English is handed on, for who tells it in another language.
     fault = next(fault for fault in dry["faults"] if fault["code"] == code)
     assert all(value in fault["reason"] for value in fault["values"].values())
+
+
+async def test_a_file_of_products_is_read_in_its_own_encoding_and_says_so(house: House) -> None:
+    text = table(house, "P9,Prüfstück,4,,MAT1,2,MACH,12,,,,").replace(",", ";")
+    body = {"base64": base64.b64encode(text.encode("windows-1252")).decode(), "dry_run": True}
+    answer = (await house.client.post("/api/products/import", json=body)).json()
+    assert [product["name"] for product in answer["products"]] == ["Prüfstück"]
+    assert [hint["code"] for hint in answer["hints"]] == ["csv_read_as"]
+
+
+async def test_no_pattern_is_told_of_a_cell_that_cannot_be_used(house: House) -> None:
+    text = table(house, "P9,Gear,4,9 x,MAT1,2,MACH,12,plan,ftp:x,pdf,AB")
+    faults = (await import_csv(house, text, dry_run=True)).json()["faults"]
+    assert sorted(fault["column"] for fault in faults) == ["ability", "address", "media_type", "sha256"]
+    for fault in faults:
+        assert fault["code"] == "pattern"
+        assert not set("^$\\[") & set(fault["reason"])

@@ -36,6 +36,27 @@ def faulty_orders(size: int) -> Json:
     return {"csv": "customer,reference,product,quantity,due_at,release,priority\n" + row * MAX_ROWS}
 
 
+def as_bytes(text: str, size: int, encoding: str) -> str:
+    """A text as a file in base64, filled up with empty lines to as many bytes as have room."""
+    room = (size - MARGIN_BYTES) // 4 * 3
+    content = text.encode(encoding)
+    assert len(content) <= room
+    line = "\n".encode(encoding.replace("-sig", ""))
+    return b64encode(content + line * ((room - len(content)) // len(line))).decode()
+
+
+def orders_bytes(size: int) -> Json:
+    """A file that is read as what it does not say, of orders that were placed already."""
+    text = str(orders_file(size)["csv"]).replace("Hall 0,", "H\xe4ll 0,")
+    return {"base64": as_bytes(text, size, "cp1252"), "dry_run": True}
+
+
+def faulty_orders_bytes(size: int) -> Json:
+    row = "Hall,,nothing,many,soon,perhaps," + "x" * (size // MAX_ROWS // 3 - 40) + "\n"
+    head = "customer,reference,product,quantity,due_at,release,priority\n"
+    return {"base64": as_bytes(head + row * MAX_ROWS, size, "utf-16-le")}
+
+
 def products_file(_size: int) -> Json:
     plant = default_plant()
     product = plant.products[PRODUCT]
@@ -45,6 +66,10 @@ def products_file(_size: int) -> Json:
         for number in range(MAX_ROWS)
     )
     return {"csv": f"product,name,lot,material,pieces,machine,cycle_s\n{rows}"}
+
+
+def products_bytes(size: int) -> Json:
+    return {"base64": as_bytes(str(products_file(size)["csv"]), size, "utf-16-le"), "dry_run": True}
 
 
 def large_draft(size: int) -> Json:
@@ -74,6 +99,29 @@ def nested_text(size: int) -> Json:
     return {"name": "Line 4", "file": f"nodes: [{filled('[]', size - MARGIN_BYTES)}]"}
 
 
+def layout_bytes(size: int) -> Json:
+    """A LIF file with as many nodes and edges as have room, in an encoding of its own."""
+    room, types = (size - MARGIN_BYTES) // 4 * 3 - 2 * MARGIN_BYTES, [{"vehicleTypeId": "t"}]
+    count = room // 200
+    nodes = [{"nodeId": f"\xe4{at}", "nodePosition": {"x": at % 80, "y": at // 80}} for at in range(count)]
+    edges = [
+        {
+            "edgeId": f"e{at}",
+            "startNodeId": f"\xe4{at}",
+            "endNodeId": f"\xe4{at + 1}",
+            "vehicleTypeEdgeProperties": types,
+        }
+        for at in range(count - 1)
+    ]
+    text = json.dumps({"layouts": [{"layoutId": "L", "nodes": nodes, "edges": edges}]}, ensure_ascii=False)
+    return {"name": "Line 4", "file_base64": as_bytes(text, size, "cp1252"), "onto_running": True}
+
+
+def nested_bytes(size: int) -> Json:
+    room = (size - MARGIN_BYTES) // 4 * 3 - MARGIN_BYTES
+    return {"name": "Line 4", "file_base64": as_bytes(f"nodes: [{filled('[]', room)}]", size, "utf-8-sig")}
+
+
 def picture(_size: int) -> Json:
     content = b"\x89PNG\r\n\x1a\n".ljust(MAX_PLAN_BYTES, b"\0")
     return {"media_type": "image/png", "base64": b64encode(content).decode()}
@@ -94,7 +142,7 @@ LARGEST: dict[tuple[str, str], tuple[Callable[[int], Json], ...]] = {
     ("PUT", "/api/people/{person}/areas"): (),
     ("POST", "/api/keys"): (),
     ("PUT", "/api/products/{product}"): (),
-    ("POST", "/api/products/import"): (products_file,),
+    ("POST", "/api/products/import"): (products_file, products_bytes),
     ("POST", "/api/tasks/{task}/load"): (),
     ("POST", "/api/machines/{machine}/commands"): (),
     ("POST", "/api/atvs/{atv}/commands"): (),
@@ -107,7 +155,7 @@ LARGEST: dict[tuple[str, str], tuple[Callable[[int], Json], ...]] = {
     ("POST", "/api/closures"): (),
     ("POST", "/api/closures/preview"): (),
     ("POST", "/api/areas/{area}/pause"): (),
-    ("POST", "/api/plant-drafts"): (plant_text, nested_text),
+    ("POST", "/api/plant-drafts"): (plant_text, nested_text, layout_bytes, nested_bytes),
     ("PUT", "/api/plant-drafts/{draft}"): (plant_draft, large_draft),
     ("PUT", "/api/plant-drafts/{draft}/plan"): (picture,),
     ("POST", "/api/plant-drafts/{draft}/play"): (),
@@ -115,7 +163,7 @@ LARGEST: dict[tuple[str, str], tuple[Callable[[int], Json], ...]] = {
     ("PUT", "/api/reports/targets"): (),
     ("POST", "/api/orders"): (large_order,),
     ("POST", "/api/orders/{order}/links"): (),
-    ("POST", "/api/orders/import"): (orders_file, faulty_orders),
+    ("POST", "/api/orders/import"): (orders_file, faulty_orders, orders_bytes, faulty_orders_bytes),
     ("POST", "/api/orders/preview"): (work,),
     ("PATCH", "/api/orders/{order}"): (work,),
     ("POST", "/api/transports"): (),

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import base64
 import io
+from datetime import UTC, datetime
 from typing import Any
 
 import msgspec
@@ -16,7 +18,8 @@ from hypothesis import strategies as st
 from dray.gateway.access.principal import Scope
 from dray.gateway.http import csv_rows
 from dray.gateway.http.csv_rows import MAX_ROWS
-from dray.gateway.orders.csv_import import COLUMNS, read_orders
+from dray.gateway.orders.csv_import import COLUMNS, read_orders, twice_in_file
+from dray.store.orders import orders as orders_module
 
 HEAD = "customer,reference,product,quantity,due_at,release\n"
 
@@ -105,6 +108,72 @@ def test_semicolons_capitals_and_a_byte_order_mark_are_read_too(change: Any) -> 
 )
 def test_a_fault_is_told_with_its_row_and_column(text: str, where: list[tuple[int, str]]) -> None:
     assert faults(text) == where
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda t: "sep=;\r\n" + t.replace(",", ";"),
+        lambda t: '"sep=\t"\n' + t.replace(",", "\t"),
+        lambda t: "SEP=,\n" + t,
+        lambda t: t.replace(",", "\t"),
+        lambda t: t.replace(",", "|"),
+        lambda t: t.replace("\n", "\r"),
+        lambda t: t.replace("\n", "\r\n"),
+        lambda t: t.replace("\n", ";;;\n").replace(",", ";"),
+        lambda t: t.replace("\n", ",,\n"),
+        lambda t: t.replace(",", ";").replace("product", '"product"').replace("Hall", '"Hall, west, 1"'),
+    ],
+)
+def test_separators_and_ends_of_lines_of_any_spreadsheet_are_read(change: Any) -> None:
+    text = change(f"customer,product,quantity\nHall,{PRODUCT},5\nHall,{PRODUCT},6\n")
+    orders, wrong = read_orders(text)
+    assert wrong == []
+    assert [(each.row, each.draft.items[0].quantity) for each in orders] == [(2, 5), (3, 6)]
+
+
+@pytest.mark.parametrize(
+    ("row", "code", "column"),
+    [
+        (f"M\ufffdller,{PRODUCT},5", "csv_lost_character", "customer"),
+        (f"Hall\x00,{PRODUCT},5", "csv_control_character", "customer"),
+        (f'"Hall\n2",{PRODUCT},5', "csv_cell_of_lines", "customer"),
+        (f'"Hall,{PRODUCT},5\nHall,{PRODUCT},6', "csv_cell_of_lines", "customer"),
+        (f"Hall, west,{PRODUCT},5", "csv_row_too_wide", ""),
+        ("x" * 140_000, "csv_cell_too_long", ""),
+    ],
+)
+def test_a_cell_that_came_broken_is_named_for_what_it_is(row: str, code: str, column: str) -> None:
+    orders, [fault] = read_orders(f"customer,product,quantity\n{row}\n")
+    assert (fault.row, fault.column, fault.code, orders) == (2, column, code, [])
+
+
+def test_a_column_with_cells_and_no_name_is_a_fault_and_one_without_both_is_none() -> None:
+    [fault] = read_orders("customer,,product,quantity\nHall,x,p,5\n")[1]
+    assert (fault.row, fault.code, fault.values) == (1, "column_unnamed", {"number": "2"})
+
+
+@pytest.mark.parametrize(
+    "row",
+    [
+        "c,9x,1",
+        "c\x7f,p,1",
+        "c,p,many",
+        "c,p,0",
+        "c,p,20000",
+        ",p,1",
+        "x" * 300 + ",p,1",
+        '"c,p,1',
+        "c,p,1,2",
+    ],
+)
+def test_no_pattern_and_no_sentence_of_a_library_is_told(row: str) -> None:
+    _, wrong = read_orders(f"customer,product,quantity\n{row}\n")
+    assert wrong
+    for fault in wrong:
+        assert fault.code
+        assert not set("^$\\") & set(fault.reason)
+        assert not any(word in fault.reason for word in ("should", "nput", "tring", "byte"))
 
 
 def test_a_file_is_no_longer_than_a_person_can_look_through(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -229,3 +298,112 @@ async def test_a_key_of_one_caller_is_not_the_key_of_another_and_not_of_a_single
     assert [answer.status_code for answer in answers] == [200, 201]
     ids = {first["orders"][0]["id"], answers[0].json()["orders"][0]["id"], answers[1].json()["id"]}
     assert len(ids) == await house.orders_kept() == 3
+
+
+async def send_bytes(house: House, content: bytes) -> Any:
+    body = {"base64": base64.b64encode(content).decode(), "dry_run": True}
+    return await house.client.post("/api/orders/import", json=body)
+
+
+UMLAUTS = f"customer;product;quantity\r\nMüller Söhne;{PRODUCT};5\r\n"
+
+
+@pytest.mark.anyio
+@pytest.mark.parametrize(
+    ("content", "read_as"),
+    [
+        (UMLAUTS.encode(), []),
+        (UMLAUTS.encode("utf-8-sig"), []),
+        (UMLAUTS.encode("utf-16"), []),
+        (b"\xfe\xff" + UMLAUTS.encode("utf-16-be"), []),
+        (UMLAUTS.encode("utf-16-le"), []),
+        (UMLAUTS.encode("utf-32"), []),
+        (UMLAUTS.encode("windows-1252"), ["windows-1252"]),
+    ],
+)
+async def test_a_file_is_read_in_its_own_encoding(house: House, content: bytes, read_as: list[str]) -> None:
+    answer = (await send_bytes(house, content)).json()
+    assert [order["customer"] for order in answer["orders"]] == ["Müller Söhne"]
+    assert answer["faults"] == []
+    assert [hint["values"]["encoding"] for hint in answer["hints"]] == read_as
+
+
+@pytest.mark.anyio
+@pytest.mark.parametrize("encoding", ["cp850", "utf-16-le", "mac_roman"])
+async def test_an_encoding_that_nobody_can_tell_is_refused_by_name(house: House, encoding: str) -> None:
+    content = UMLAUTS.encode(encoding)
+    cut = content[:-1] if encoding == "utf-16-le" else content
+    answer = (await send_bytes(house, cut)).json()
+    assert [(fault["row"], fault["code"]) for fault in answer["faults"]] == [(1, "csv_encoding")]
+    body = {"base64": base64.b64encode(cut).decode()}
+    refused = problem(await house.client.post("/api/orders/import", json=body), 422, "unusable-fields")
+    assert [error["code"] for error in refused["errors"]] == ["csv_encoding"]
+
+
+@pytest.mark.anyio
+async def test_a_request_has_one_file(house: House) -> None:
+    for body, code in (
+        ({}, "file_needed"),
+        ({"csv": "", "base64": ""}, "file_needed"),
+        ({"base64": "ü"}, "no_base64"),
+    ):
+        refused = problem(await house.client.post("/api/orders/import", json=body), 422, "unusable-fields")
+        assert refused["errors"][0]["code"] == code
+
+
+@pytest.mark.anyio
+async def test_a_file_that_is_sent_again_when_it_is_due_gets_its_first_answer(house: House) -> None:
+    first = await send(house, GOOD, key="k1")
+    house.wall.now_s = datetime(2030, 6, 1, tzinfo=UTC).timestamp()
+    again = await send(house, GOOD, key="k1")
+    assert (again.status_code, again.content) == (200, first.content)
+    assert await house.orders_kept() == 3
+    problem(await send(house, GOOD.replace(",5,", ",6,"), key="k1"), 422, "key-used")
+    problem(await send(house, GOOD, key="k2"), 422, "unusable-fields")
+
+
+@pytest.mark.anyio
+async def test_an_order_with_the_reference_of_a_young_one_gets_a_hint_and_is_placed(house: House) -> None:
+    first = (await send(house, GOOD)).json()
+    assert first["hints"] == []
+    house.wall.now_s += 720.0
+    (hint,) = (await send(house, GOOD, dry_run=True)).json()["hints"]
+    assert (hint["row"], hint["column"], hint["code"]) == (2, "reference", "placed_already")
+    assert hint["values"] == {"customer": "Hall 3", "order": first["orders"][0]["id"], "minutes": "12"}
+    other = (await send(house, GOOD.replace("Hall 3", "Hall 7"), dry_run=True)).json()
+    assert other["hints"] == []
+    placed = (await send(house, GOOD)).json()
+    assert (len(placed["orders"]), placed["hints"]) == (3, [hint])
+    for order in (first["orders"][0], placed["orders"][0]):
+        await house.client.post(f"/api/orders/{order['id']}/cancel")
+    assert (await send(house, GOOD, dry_run=True)).json()["hints"] == []
+    house.wall.now_s += 3601.0
+    assert (await send(house, GOOD, dry_run=True)).json()["hints"] == []
+
+
+@pytest.mark.anyio
+async def test_all_references_of_a_file_are_looked_for_and_the_newest_order_is_told(
+    house: House, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(orders_module, "REFERENCES_AT_ONCE", 7)
+    rows = [f"c,{number},{PRODUCT},1,,\n" for number in range(30)]
+    await send(house, HEAD + "".join(rows[20:]))
+    hints = (await send(house, HEAD + "".join(rows), dry_run=True)).json()["hints"]
+    assert [hint["row"] for hint in hints] == list(range(22, 32))
+    monkeypatch.setattr(orders_module, "REFERRED_MOST", 1)
+    house.wall.now_s += 60.0
+    newest = (await send(house, HEAD + rows[29])).json()["orders"][0]["id"]
+    (hint,) = (await send(house, HEAD + rows[29], dry_run=True)).json()["hints"]
+    assert hint["values"]["order"] == newest
+
+
+def test_an_order_whose_rows_do_not_follow_one_another_gets_a_hint() -> None:
+    orders, wrong = read_orders(HEAD + f"c,r,{PRODUCT},1,,\nd,r,{PRODUCT},1,,\nc,r,{PRODUCT},1,,\n")
+    assert wrong == []
+    (hint,) = twice_in_file(orders)
+    assert (hint.row, hint.column, hint.code, hint.values) == (
+        4,
+        "reference",
+        "in_file_already",
+        {"row": "2"},
+    )

@@ -386,3 +386,162 @@ def test_things_of_the_wrong_kind_are_said_and_not_stumbled_over() -> None:
 def test_a_name_that_turns_text_round_comes_without_that() -> None:
     file = lif(layout(LINE, [edge("a", "b")])).replace(b'"Hall"', b'"Hall \\u202eA\\u0007"')
     assert read_layout(file, "hall.json").data["name"] == "Hall A"
+
+
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16", "utf-16-le", "utf-16-be", "utf-32", "cp1252"])
+def test_a_file_is_read_in_its_own_encoding(encoding: str) -> None:
+    text = lif(layout([node("Prüfplatz", 0, 0), node("b", 5, 0)], [])).decode()
+    found = read_layout(text.encode(encoding), "hall.json")
+    assert found.mapping["nodes"][0]["original"] == "Prüfplatz"
+    told = [note.line() for note in found.notes if "UTF-8" in note.text]
+    assert len(told) == (1 if encoding == "cp1252" else 0)
+
+
+def test_an_error_is_told_by_line_and_column_and_in_no_library_s_words() -> None:
+    with pytest.raises(PlantError) as nan:
+        read_layout('{"layouts":\n  [{"ü": NaN}]}'.encode(), "hall.json")
+    assert nan.value.reason == "not JSON: line 2, column 10: NaN is no number of JSON: write null"
+    with pytest.raises(PlantError) as cut:
+        read_layout(b'{"layouts": [', "hall.json")
+    assert cut.value.reason == "not JSON: it ends too soon"
+
+
+def test_two_layouts_with_the_same_ids_are_each_driven_on_its_own_nodes() -> None:
+    lower = layout(
+        [node("a", 0, 0), node("b", 10, 0)], [edge("a", "b")], [station("S", "b")], layoutLevelId="0"
+    )
+    upper = layout(
+        [node("a", 0, 5), node("b", 10, 5)],
+        [edge("a", "b")],
+        [station("S", "b")],
+        layoutLevelId="0",
+        layoutId="U",
+    )
+    found = read(lower, upper)
+    assert [(each["id"], each["y_m"]) for each in found.data["nodes"]] == [
+        ("a", 0.0),
+        ("b", 0.0),
+        ("a-U", 5.0),
+        ("b-U", 5.0),
+    ]
+    assert [(lane["start"], lane["end"]) for lane in found.data["lanes"]] == [("a", "b"), ("a-U", "b-U")]
+    assert [(place["id"], place["node"]) for place in found.data["unassigned"]] == [
+        ("S", "b"),
+        ("S-2", "b-U"),
+    ]
+    assert [each["original"] for each in found.mapping["nodes"]] == ["a", "b", "a", "b"]
+    assert "node a stands in another layout, too, elsewhere: these are two nodes" in said(found)
+
+
+def test_a_node_of_two_layouts_at_one_spot_is_one_and_joins_them() -> None:
+    west = layout([node("a", 0, 0), node("door", 10, 0)], [edge("a", "door")])
+    east = layout([node("door", 10, 0), node("b", 20, 0)], [edge("door", "b")], layoutId="E")
+    found = read(west, east)
+    assert [each["id"] for each in found.data["nodes"]] == ["a", "door", "b"]
+    assert len(found.data["lanes"]) == 2
+    assert "node door stands in two layouts at one spot: it is one node" in said(found)
+
+
+@pytest.mark.parametrize(
+    ("length", "speed", "unit", "factor"), [(300, 800, "mm", 0.001), (30, 80, "cm", 0.01)]
+)
+def test_speeds_that_cannot_be_are_asked_about_with_the_factor(
+    length: int, speed: int, unit: str, factor: float
+) -> None:
+    content = layout([node("a", 0, 0), node("b", length, 0)], [edge("a", "b", maxSpeed=speed)])
+    with pytest.raises(
+        PlantError, match=f"speeds of {speed} m/s cannot be.*{unit} .times {factor}: edges of"
+    ):
+        read(content)
+    found = read(content, unit=unit)
+    assert found.data["nodes"][1]["x_m"] == pytest.approx(length * factor)
+    told = read(content, unit="m")
+    assert "a speed of" in said(told)
+    assert told.data["lanes"][0]["speed_limit_mps"] == 1.5
+
+
+@pytest.mark.parametrize(("speed", "unit", "factor"), [(800, "mm", 0.001), (80, "cm", 0.01)])
+def test_lengths_and_speeds_that_both_cannot_be_tell_their_unit(speed: int, unit: str, factor: float) -> None:
+    content = layout([node("a", 0, 0), node("b", 3000, 0)], [edge("a", "b", maxSpeed=speed)])
+    found = read(content)
+    assert found.data["nodes"][1]["x_m"] == pytest.approx(3000 * factor)
+    assert found.data["lanes"][0]["speed_limit_mps"] == 0.8
+    assert f"they are read as {unit}/s" in said(found)
+    slow = layout([node("a", 0, 0), node("b", 3000, 0)], [edge("a", "b", maxSpeed=300)])
+    with pytest.raises(PlantError, match=r"say its unit, cm .* or mm "):
+        read(slow)
+
+
+def test_one_speed_that_cannot_be_is_doubted_and_lengths_without_speeds_too() -> None:
+    nodes = [node("a", 0, 0), node("b", 10, 0), node("c", 20, 0), node("d", 30, 0)]
+    found = read(layout(nodes, [edge("a", "b"), edge("b", "c", maxSpeed=80), edge("c", "d")]))
+    assert [lane["speed_limit_mps"] for lane in found.data["lanes"]] == [1.0, 1.5, 1.0]
+    assert "a speed of 80 m/s cannot be: no limit is taken" in said(found)
+    long = read(layout([node("a", 0, 0), node("b", 300, 0)], [edge("a", "b")]))
+    assert "an edge is 300 m long at the median: say --unit cm or mm" in said(long)
+
+
+@pytest.mark.parametrize(("off", "one_road"), [(0.0, True), (0.0009, True), (0.01, False)])
+@pytest.mark.parametrize("knots", [[0, 0, 0, 0.5, 0.5, 1, 1, 1], [0, 0, 0, 0.4999, 0.4999, 1, 1, 1]])
+def test_a_curve_there_and_back_is_one_road_when_it_is_the_same_to_a_millimetre(
+    off: float, one_road: bool, knots: list[float]
+) -> None:
+    points = [
+        {**point, "y": point["y"] + (off if point["y"] else 0.0)}
+        for point in reversed(HALF_CIRCLE["controlPoints"])
+    ]
+    back = {**HALF_CIRCLE, "controlPoints": points, "knotVector": knots}
+    found = read(layout(LINE, [edge("a", "b", trajectory=HALF_CIRCLE), edge("b", "a", trajectory=back)]))
+    assert len(found.data["lanes"]) == (1 if one_road else 2)
+    assert found.data["lanes"][0].get("both_ways", False) is one_road
+
+
+def test_nodes_on_one_spot_that_turning_edges_join_are_one() -> None:
+    nodes = [
+        node("A", 0, 0),
+        node("P", 5, 0),
+        node("P_90", 5, 0.001, actions=("startCharging",)),
+        node("B", 5, 6),
+    ]
+    pairs = ["A P", "P A", "P P_90", "P_90 P", "P_90 B", "B P_90"]
+    edges = [edge(*pair.split()) for pair in pairs]
+    found = read(layout(nodes, edges, [station("S", "P", "P_90"), station("T", "B")]))
+    assert [each["id"] for each in found.data["nodes"]] == ["A", "P", "B"]
+    assert [(lane["start"], lane["end"], lane["both_ways"]) for lane in found.data["lanes"]] == [
+        ("A", "P", True),
+        ("P", "B", True),
+    ]
+    assert [(place["id"], place["node"]) for place in found.data["chargers"]] == [("S", "P")]
+    assert "nodes P and P_90 lie on one spot: they are one, at which vehicles turn" in said(found)
+    assert found.mapping["nodes"][1]["kept"]["same_spot"][0]["original"] == "P_90"
+    assert [turn["original"] for turn in found.mapping["kept"]["turns"]] == ["P-P_90", "P_90-P"]
+
+
+def test_nodes_on_one_spot_that_no_edge_joins_and_short_chains_stay_as_they_are() -> None:
+    apart = read(
+        layout([node("a", 0, 0), node("b", 0, 0), node("c", 5, 0)], [edge("a", "c"), edge("c", "b")])
+    )
+    assert len(apart.data["nodes"]) == 3
+    # Each is near its neighbour, and the last one is not near the first.
+    row = [node(f"n{at}", at * 0.04, 0) for at in range(4)]
+    chain = read(layout(row, [edge(f"n{at}", f"n{at + 1}") for at in range(3)]))
+    assert [each["x_m"] for each in chain.data["nodes"]] == [0.0, 0.08]
+
+
+def test_what_lif_2_0_0_has_new_is_understood() -> None:
+    types = [{"manufacturer": "Maker", "seriesName": "S1"}]
+    new = {"nodeId": "a", "nodePosition": {"x": 0, "y": 0}}
+    forbidden = {"mobileRobotTypes": types, "forbiddenActionTypes": ["startCharging"]}
+    found = read(
+        layout(
+            [{**new, "mobileRobotTypeNodeProperties": [forbidden]}],
+            [],
+            [station("S", "a", stationType="RACK", stationDescriptor="rack")],
+        )
+    )
+    assert "is not understood" not in said(found)
+    assert (
+        "`forbiddenActionTypes` of a node property (actions that are forbidden) has no field in a plant"
+        in said(found)
+    )
+    assert (found.data["chargers"], [place["id"] for place in found.data["unassigned"]]) == (None, ["S"])

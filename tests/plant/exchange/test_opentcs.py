@@ -145,3 +145,132 @@ def test_references_to_nothing_are_said() -> None:
     assert "path Point 2 --- Point 3 is left out: there is no point Point 9" in told
     assert "vehicle Truck 1 begins at Point 9" in told
     assert "location Rack --- A: there is no point P" in told
+
+
+def drawn_model(*, lengths: str = "5000", head: str = "", kind: str = "DIRECT", points: str = "") -> bytes:
+    """A model of 0.0.2 that was drawn in the editor and never given coordinates."""
+    spots = {"A": (0, 0), "B": (5000, 0), "C": (5000, 5000)}
+    return f"""{head}<model version="0.0.2" name="hall">
+    {"".join(f'<point name="{name}" xPosition="0" yPosition="0" type="HALT_POSITION"/>' for name in spots)}
+    <path name="A --- B" sourcePoint="A" destinationPoint="B" length="{
+        lengths
+    }" maxVelocity="1000" maxReverseVelocity="0"/>
+    <path name="B --- C" sourcePoint="B" destinationPoint="C" length="{
+        lengths
+    }" maxVelocity="1000" maxReverseVelocity="0"/>
+    <visualLayout name="V" scaleX="50.0" scaleY="50.0">
+      {
+        "".join(
+            f'<modelLayoutElement visualizedObjectName="{name}" layer="0"><property name="POSITION_X" value="{x}"/>'
+            f'<property name="POSITION_Y" value="{y}"/></modelLayoutElement>'
+            for name, (x, y) in spots.items()
+        )
+    }
+      <modelLayoutElement visualizedObjectName="B --- C" layer="0">
+        <property name="CONN_TYPE" value="{kind}"/><property name="CONTROL_POINTS" value="{points}"/>
+      </modelLayoutElement>
+    </visualLayout></model>""".encode()
+
+
+def test_a_model_that_was_only_drawn_has_the_coordinates_of_its_drawing_and_says_so() -> None:
+    found = read(drawn_model())
+    assert [(node["x_m"], node["y_m"]) for node in found.data["nodes"]] == [
+        (0.0, 0.0),
+        (5.0, 0.0),
+        (5.0, 5.0),
+    ]
+    assert "no point has coordinates of its own: where they are drawn is taken" in said(found)
+    assert "times" not in said(found)
+
+
+def test_a_drawing_is_scaled_by_the_lengths_of_its_paths_where_these_agree() -> None:
+    found = read(drawn_model(lengths="20000"))
+    assert found.data["nodes"][2] == {"id": "C", "x_m": 20.0, "y_m": 20.0}
+    assert "times 4, so that paths are as long as their `length`" in said(found)
+    # What the editor writes where no length is known tells nothing.
+    assert read(drawn_model(lengths="1")).data["nodes"][2]["x_m"] == 5.0
+
+
+def test_a_drawing_of_today_is_taken_too_and_only_where_points_lie_on_one_spot() -> None:
+    old = drawn_model().decode()
+    for name, x, y in (("A", 0, 0), ("B", 5000, 0), ("C", 5000, 5000)):
+        point = f'<point name="{name}" xPosition="0" yPosition="0" type="HALT_POSITION"'
+        old = old.replace(f"{point}/>", f'{point}><pointLayout xPosition="{x}" yPosition="{y}"/></point>')
+    new = old[: old.index("<visualLayout")] + "</model>"
+    assert read(new.encode()).data["nodes"][2] == {"id": "C", "x_m": 5.0, "y_m": 5.0}
+    placed = new.replace('name="B" xPosition="0"', 'name="B" xPosition="3000"', 1)
+    assert read(placed.encode()).data["nodes"][1] == {"id": "B", "x_m": 3.0, "y_m": 0.0}
+
+
+def test_curves_of_older_models_are_read() -> None:
+    found = read(drawn_model(kind="BEZIER", points="140,0;140,-100"))
+    assert max(corner["x_m"] for corner in found.data["lanes"][1]["shape"]) > 6.0
+    chain = read(drawn_model(kind="POLYPATH", points="120,-20;120,-80;"))
+    assert chain.data["lanes"][1]["shape"] == [{"x_m": 6.0, "y_m": 1.0}, {"x_m": 6.0, "y_m": 4.0}]
+    odd = read(drawn_model(kind="BEZIER", points="140;x,y"))
+    assert "a control point without a place" in said(odd)
+
+
+@pytest.mark.parametrize(
+    ("kind", "of"),
+    [
+        ('<property name="tcs:defaultLocationTypeSymbol" value="RECHARGE_GENERIC"/>', ""),
+        ('<property name="tcs:defaultLocationTypeSymbol" value="ChargingStation20.png"/>', ""),
+        ("", '<property name="tcs:defaultLocationSymbol" value="RECHARGE_ALT_1"/>'),
+        ("", '<locationLayout locationRepresentation="RECHARGE_ALT_2"/>'),
+        ('<allowedOperation name="Fill up"/>', ""),
+    ],
+)
+def test_a_charger_is_known_by_any_symbol_and_by_the_operation_that_vehicles_name(kind: str, of: str) -> None:
+    content = f"""<model version="0.0.2" name="hall">
+    <point name="A" xPosition="0" yPosition="0"/><point name="B" xPosition="5000" yPosition="0"/>
+    <vehicle name="V"><property name="loopback:rechargeOperation" value="Fill up"/></vehicle>
+    <locationType name="T">{kind}</locationType>
+    <location name="L" type="T"><link point="A"/>{of}</location>
+    <location name="M" type="U"><link point="B"/></location></model>"""
+    found = read(content.encode())
+    assert [place["id"] for place in found.data["chargers"]] == ["L"]
+    assert [place["id"] for place in found.data["unassigned"]] == ["M"]
+
+
+@pytest.mark.parametrize(
+    ("declared", "real", "said_of_it"),
+    [
+        ("UTF-8", "utf-8", ""),
+        ("ISO-8859-1", "latin-1", ""),
+        ("windows-1252", "cp1252", ""),
+        ("windows-1250", "cp1250", ""),
+        ("GB18030", "gb18030", ""),
+        ("UTF-16", "utf-16", ""),
+        ("UTF-16LE", "utf-16-le", ""),
+        ("UTF-16", "utf-16-be", ""),
+        ("utf-32", "utf-32", ""),
+        ("ANSI", "cp1252", "encoding ANSI is not what it is in: read as windows-1252"),
+        ("unicode", "utf-8", "encoding unicode is not what it is in: read as utf-8"),
+        ("unicode", "utf-16", ""),
+        ("UTF-8", "cp1252", "encoding UTF-8 is not what it is in: read as windows-1252"),
+        ("UTF-16", "utf-8", "encoding UTF-16 is not what it is in: read as utf-8"),
+        ("", "cp1252", "it does not say its encoding: read as windows-1252"),
+    ],
+)
+def test_xml_is_read_in_any_encoding_or_says_which_was_taken(
+    declared: str, real: str, said_of_it: str
+) -> None:
+    head = f'<?xml version="1.0" encoding="{declared}"?>' if declared else '<?xml version="1.0"?>'
+    body = '<model version="7.0.0" name="h"><point name="Prüfplatz" positionX="0" positionY="0"/></model>'
+    found = read(f"{head}\n{body}".encode(real))
+    assert found.mapping["nodes"][0]["original"] == "Prüfplatz"
+    told = [note.line() for note in found.notes if "encoding" in note.text]
+    assert [line.startswith(f"line 1: {said_of_it}") for line in told] == ([True] if said_of_it else [])
+
+
+def test_letters_that_nobody_can_tell_are_refused_with_what_to_do() -> None:
+    with pytest.raises(PlantError, match="its letters are not in ANSI: save it as UTF-8"):
+        read('<?xml version="1.0" encoding="ANSI"?><model name="Pr\u00fcfplatz"/>'.encode("cp850"))
+
+
+def test_a_file_whose_text_somebody_else_has_read_may_name_any_encoding() -> None:
+    text = '<?xml version="1.0" encoding="ANSI"?>' + drawn_model().decode().replace('"hall"', '"Prüfhalle"')
+    assert read_layout(text, "hall.xml").data["name"] == "Prüfhalle"
+    lost = read_layout(text.replace("ü", "\ufffd"), "hall.xml")
+    assert "letters were lost before it came here" in said(lost)

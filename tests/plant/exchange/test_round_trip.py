@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import product
+
 import msgspec
 import pytest
 from hypothesis import given, settings
@@ -9,7 +11,7 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from dray.plant import SHIPPED, Lane, Node, Plant, PlantFile, Point, default_plant, load_plant
-from dray.plant.exchange.lif_export import export_lif
+from dray.plant.exchange.lif_export import VERSIONS, export_lif
 from dray.plant.exchange.onto import put_onto
 from dray.plant.exchange.read import read_layout
 from dray.plant.file.unfinished import drawable
@@ -28,8 +30,9 @@ def graph(plant: Plant) -> tuple[object, ...]:
     return dict(plant.nodes), lanes, docks
 
 
-def again(plant: Plant) -> Plant:
-    imported = read_layout(export_lif(plant, AT).encode(), "again.json")
+def again(plant: Plant, version: str = "1.0.0") -> Plant:
+    imported = read_layout(export_lif(plant, AT, version).encode(), "again.json")
+    assert imported.mapping["format"] == f"LIF {version}"
     read, whole = drawable(imported.data)
     assert whole is not None
     assert [each["original"] for each in imported.mapping["nodes"]] == [
@@ -42,7 +45,8 @@ def again(plant: Plant) -> Plant:
 
 
 def assert_same(plant: Plant) -> None:
-    assert graph(again(plant))[:2] == graph(plant)[:2]
+    for version in VERSIONS:
+        assert graph(again(plant, version))[:2] == graph(plant)[:2]
 
 
 @pytest.mark.parametrize("name", SHIPPED)
@@ -58,8 +62,8 @@ def test_lanes_for_some_types_and_with_limits_of_their_own_come_back(two_lanes: 
     lanes[3] = replace(lanes[3], types=(LaneType(light), LaneType(heavy, 0.4)))
     lanes[5] = replace(lanes[5], types=(LaneType(light, 0.7),))
     plant = Plant(replace(file, lanes=tuple(lanes), two_lanes=two_lanes))
-    read = again(plant)
-    for kind in (light, heavy):
+    for kind, version in product((light, heavy), VERSIONS):
+        read = again(plant, version)
         driven = [
             {(lane.start, lane.end): lane.speed_limit_mps for lane in each.roads_of(kind).lanes}
             for each in (plant, read)
@@ -127,3 +131,24 @@ def test_a_layout_with_a_node_less_opens_what_stood_there() -> None:
     result = put_onto(imported.data, plant)
     assert [one["id"] for one in result["machines"] if one["node"] is None] == ["M1"]
     assert result["unassigned"] == []
+
+
+def test_lif_2_0_0_is_written_by_its_own_names() -> None:
+    document = msgspec.json.decode(export_lif(default_plant(), AT, "2.0.0"))
+    assert document["metaInformation"].keys() == {"lifId", "creator", "exportTimestamp", "lifVersion"}
+    (origin,) = document["origins"]
+    (layout,) = origin["layouts"]
+    assert {"layoutId", "layoutVersion", "layoutDescriptor", "nodes", "edges", "stations"} <= layout.keys()
+    properties = [one for node in layout["nodes"] for one in node["mobileRobotTypeNodeProperties"]]
+    assert {"startCharging", "park", "pick"} <= {
+        action["actionType"] for one in properties for action in one.get("feasibleActions", ())
+    }
+    kinds = [kind.id for kind in default_plant().file.vehicle_types]
+    for edge in layout["edges"]:
+        (shared,) = edge["mobileRobotTypeEdgeProperties"]
+        assert [robot["seriesName"] for robot in shared["mobileRobotTypes"]] == kinds
+        assert (shared["reachOrientationBeforeEntering"], shared["maximumSpeed"] > 0.0) == (True, True)
+    text = export_lif(default_plant(), AT, "2.0.0")
+    assert not [old for old in ("vehicleType", "maxSpeed", "requirementType", "Description") if old in text]
+    notes = read_layout(text.encode(), "again.json").notes
+    assert not [note for note in notes if "not understood" in note.text]

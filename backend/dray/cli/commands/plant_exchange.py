@@ -33,7 +33,7 @@ def import_layout(
     layout: Annotated[
         list[str] | None, typer.Option(help="Of a LIF file with several: the id of a layout; repeat it.")
     ] = None,
-    unit: Annotated[str, typer.Option(help="Of a LIF file: m or mm; else it is found out.")] = "",
+    unit: Annotated[str, typer.Option(help="Of a LIF file: m, cm or mm; else it is found out.")] = "",
     force: Annotated[bool, typer.Option("--force", help="Write over files that are there.")] = False,
 ) -> None:
     """Make a plant file of a layout of another system, and list what the layout cannot tell.
@@ -43,8 +43,9 @@ def import_layout(
     from dray.cli.runtime.output import write_json, write_text
     from dray.errors import SettingsError
     from dray.plant import load_plant
+    from dray.plant.exchange.lif_units import UNITS
     from dray.plant.exchange.onto import put_onto
-    from dray.plant.exchange.read import MAX_BYTES, UNITS, read_layout
+    from dray.plant.exchange.read import MAX_BYTES, read_layout
     from dray.plant.file.document import write_document
     from dray.plant.file.file import document_faults
     from dray.plant.model import ID_RULE, is_id
@@ -86,7 +87,8 @@ def import_layout(
 
 def export_layout(
     file: Annotated[Path, typer.Argument(help="A plant file (YAML), or the name of a shipped plant.")],
-    lif: Annotated[bool, typer.Option("--lif", help="As LIF 1.0.0 of VDMA.")] = False,
+    lif: Annotated[bool, typer.Option("--lif", help="As LIF of VDMA.")] = False,
+    lif_version: Annotated[str, typer.Option(help="Of LIF: 1.0.0 or 2.0.0.")] = "1.0.0",
     out: Annotated[Path | None, typer.Option("-o", "--out", help="The file; else standard output.")] = None,
 ) -> None:
     """Write a plant for other systems: its lanes as they are driven, and its stations."""
@@ -95,12 +97,14 @@ def export_layout(
     from dray.cli.runtime.output import write_text
     from dray.errors import SettingsError
     from dray.plant import load_plant
-    from dray.plant.exchange.lif_export import export_lif
+    from dray.plant.exchange.lif_export import VERSIONS, export_lif
 
     if not lif:
         raise SettingsError("--lif", "say in which format: --lif is the one that there is")
+    if lif_version not in VERSIONS:
+        raise SettingsError("--lif-version", f"{lif_version} is none of {', '.join(VERSIONS)}")
     plant = load_plant(file)
-    text = export_lif(plant, datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ"))
+    text = export_lif(plant, datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ"), lif_version)
     if plant.doors:
         typer.echo(f"left out: {', '.join(plant.doors)}: LIF knows no doors", err=True)
     if out is None:

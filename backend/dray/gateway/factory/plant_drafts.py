@@ -20,6 +20,7 @@ from dray.plant.exchange.onto import put_onto
 from dray.plant.exchange.read import read_layout
 from dray.plant.file.document import read_document, write_document
 from dray.plant.file.file import document_faults
+from dray.plant.file.text_encoding import UnknownEncodingError, decode_text
 from dray.plant.planning.advice import advice
 
 OWN = frozenset({"closed", "plan"})
@@ -137,20 +138,22 @@ def as_yaml(data: str) -> str:
     return write_document(as_file(msgspec.json.decode(data))[0])
 
 
-def read_file(text: str, name: str, onto: Plant | None) -> tuple[Data, list[str]]:
+def read_file(content: str | bytes, name: str, onto: Plant | None, unit: str = "") -> tuple[Data, list[str]]:
     """A plant file, a LIF file or a model of openTCS as the content of a draft; and what was odd in it.
 
     Args:
-        text: of the file.
+        content: the file; its text where somebody else has read it.
         name: of the file, for errors.
+        unit: of a LIF file, `m`, `cm` or `mm`; found out if it is empty.
         onto: where what a layout cannot tell is taken from; None to leave it open.
 
     Raises:
         PlantError: it is none of them.
     """
+    text = content if isinstance(content, str) else _text(content, name)
     begins = text.lstrip("\ufeff \t\r\n")[:1]
     if begins in ("<", "{"):
-        imported = read_layout(text.encode(), name)
+        imported = read_layout(content, name, unit=unit)
         data = imported.data if onto is None else put_onto(imported.data, onto)
         return data, [note.line() for note in imported.notes]
     try:
@@ -174,6 +177,16 @@ def deeper_than(value: object, depth: int) -> bool:
         if not level:
             return False
     return True
+
+
+def _text(content: bytes, name: str) -> str:
+    """The text of a file, as far as its beginning tells what it is; a layout says itself how it is to be read."""
+    if content.lstrip(b" \t\r\n").startswith(b"<") and b"\0" not in content[:4]:
+        return "<"
+    try:
+        return decode_text(content).text
+    except UnknownEncodingError:
+        raise PlantError(name, "", "is not UTF-8: save it as UTF-8") from None
 
 
 def _unfinished(text: str, name: str) -> Data | None:

@@ -13,12 +13,23 @@ from dray.plant.file.reasons import TEXTS as PLANT_TEXTS
 from dray.plant.file.reasons import Reason
 
 TEXTS: Mapping[str, str] = {
-    "csv_unreadable": "this is no CSV: {why}",
+    "file_needed": "give the file: its text in csv, or the file itself in base64; one of the two",
+    "no_base64": "this is no base64",
+    "csv_encoding": "its letters are in an encoding that is not read here; save it as CSV UTF-8",
+    "csv_read_as": "it does not say its encoding and is not UTF-8: read as {encoding}; look at its letters, and save it as CSV UTF-8 where one is wrong",
+    "csv_cell_too_long": "a cell has more than {most} characters; a quotation mark is missing, or this is no CSV",
+    "csv_row_too_wide": "it has {count} cells, and there are {columns} columns; put a cell in which the separator stands into quotation marks",
+    "csv_lost_character": "a character was lost before the file came here (it is \ufffd now); save the spreadsheet as CSV UTF-8 again",
+    "csv_control_character": "there is a character in it that nobody can see; write it anew",
+    "csv_cell_of_lines": "it goes over {count} lines; write it in one, or add the quotation mark that is missing",
     "csv_empty": "there is nothing in it; begin with {columns}",
     "csv_too_wide": "it has {count} columns; there are {columns}",
     "csv_too_many_rows": "a file has {most} rows at most; cut it in two",
+    "placed_already": "{customer} has order {order} with this reference, placed {minutes} min ago; it would be a second one",
+    "in_file_already": "the order in row {row} has this customer and reference, too; it would be a second one: write its rows one after another to make them one",
     "csv_no_rows": "there is no row below the names of the columns",
     "column_missing": "this column is missing",
+    "column_unnamed": "column {number} has cells and no name; name it, or remove it",
     "column_unknown": "there is no such column; there are {columns}",
     "column_twice": "this column is there more than once",
     "differs_in_order": "it is of the same order as row {row}; write the same",
@@ -110,6 +121,30 @@ OF_PYDANTIC: Mapping[str, str] = {
     "bool_type": "yes_or_no",
 }
 
+WORDS: Mapping[str, str] = {
+    "missing": "it is missing",
+    "too_long": "it is longer than {most} characters",
+    "too_many": "there are more than {most}",
+    "whole_number": "it is no whole number",
+    "number": "it is no number",
+    "at_least": "it is too small: {least} at least",
+    "at_most": "it is too large: {most} at most",
+    "one_of": "it is none of {choices}",
+    "yes_or_no": "it is neither yes (true) nor no (false)",
+}
+"""Of faults that pydantic finds, in English: a library's own sentence tells a person of types and patterns."""
+
+NAME_RULE = "letters, digits, _ . -, a letter first, at most 32"
+
+PATTERN_WORDS = (
+    ("^https?://", "write an address that begins with http:// or https://, without spaces"),
+    ("^[A-Za-z][A-Za-z0-9_.-]", NAME_RULE),
+    ("^[A-Za-z0-9]", "write a kind of file, as application/pdf"),
+    ("^[0-9a-f]", "write the SHA-256: 64 digits and small letters from a to f"),
+    (r"^[^\x00-\x1f", "write one line of text, without control characters"),
+)
+"""How a pattern begins, and what it asks for."""
+
 OURS = frozenset(
     {"moment_text", "moment_unreadable", "moment_no_zone", "moment_off_calendar", "document_twice"}
 )
@@ -126,6 +161,16 @@ def text_of(code: str, values: Mapping[str, str]) -> str:
 def coded(reason: str) -> tuple[str, str, dict[str, str]]:
     """A reason, its code, and what is filled in; of one that has no code both are empty."""
     return (str(reason), reason.code, reason.values) if isinstance(reason, Reason) else (reason, "", {})
+
+
+def words_of(fault: Mapping[str, Any]) -> str | None:
+    """One of pydantic's faults in our English; None for a kind that has none here."""
+    code, values = code_of(fault)
+    if code == "pattern":
+        pattern = str(fault.get("ctx", {}).get("pattern", ""))
+        of_pattern = (words for begins, words in PATTERN_WORDS if pattern.startswith(begins))
+        return next(of_pattern, "there are characters in it that may not stand here")
+    return WORDS[code].format_map(values) if code in WORDS else None
 
 
 def code_of(fault: Mapping[str, Any]) -> tuple[str, dict[str, str]]:

@@ -20,7 +20,7 @@ from starlette.routing import BaseRoute, Match, Mount
 from starlette.types import Scope
 
 from dray.errors import DrayError, UnavailableError
-from dray.gateway.http.fault_codes import code_of, text_of
+from dray.gateway.http.fault_codes import code_of, text_of, words_of
 
 MEDIA_TYPE = "application/problem+json"
 
@@ -267,10 +267,10 @@ def _field(location: Sequence[str | int]) -> str:
 
 def _reason(fault: Mapping[str, Any]) -> str:
     match fault["type"]:
-        case "missing":
-            return "it is missing"
         case "extra_forbidden":
             return "there is no such field; see /api/docs"
         case _:
+            if (words := words_of(fault)) is not None:
+                return words
             message = str(fault["msg"]).removeprefix("Value error, ")
             return message[:1].lower() + message[1:]

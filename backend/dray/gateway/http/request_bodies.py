@@ -48,8 +48,10 @@ class RowsFile(BaseModel):
 
     model_config = ConfigDict(extra="forbid")
 
-    csv: str
+    csv: str | None = None
     """The text of the file."""
+    base64: str | None = None
+    """The file itself instead, where its encoding may be another one than UTF-8."""
     dry_run: Annotated[bool, Field(strict=True)] = False
     """Only look what is in it."""
 

@@ -6,18 +6,19 @@ order of its own.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from itertools import groupby
 from typing import Any
 
 import msgspec
 from pydantic import ValidationError
 
-from dray.gateway.http.csv_rows import Row, RowFault, number, read_rows
-from dray.gateway.http.problems import MAX_FIELD_ERRORS, FieldError, field_error
+from dray.gateway.http.csv_rows import Row, RowFault, first_by_row, number, read_rows, text_of_file
+from dray.gateway.http.problems import FieldError, field_error
 from dray.gateway.http.request_bodies import RowsFile
 from dray.gateway.http.unread import read
 from dray.gateway.orders.drafts import MAX_ITEMS, OrderDraft, nonsense
+from dray.store.orders.orders import Referred
 
 COLUMNS = ("customer", "reference", "product", "quantity", "due_at", "priority", "release")
 
@@ -27,20 +28,24 @@ WORDS = {"true": True, "yes": True, "1": True, "false": False, "no": False, "0":
 """What may stand in `release`."""
 
 
-class ReadFile(msgspec.Struct, frozen=True):
-    """A file of orders as it came."""
-
-    dry_run: bool
-    drafts: list[OrderDraft]
-    faults: list[RowFault]
-    """By row; the first `MAX_FIELD_ERRORS`."""
-
-
 class ReadOrder(msgspec.Struct, frozen=True):
     """One order, and the row with which it begins."""
 
     row: int
     draft: OrderDraft
+
+
+class ReadFile(msgspec.Struct, frozen=True):
+    """A file of orders as it came."""
+
+    dry_run: bool
+    orders: list[ReadOrder] = []
+    faults: list[RowFault] = []
+    """What is wrong with its form, by row; the first `MAX_FIELD_ERRORS`."""
+    senseless: list[RowFault] = []
+    """What has the right form and cannot be done here, or any more, likewise. It is no matter of a file that was answered before."""
+    hints: list[RowFault] = []
+    """What is odd in it; as many."""
 
 
 def read_file(body: bytes, products: Collection[str], now_s: float) -> ReadFile:
@@ -50,13 +55,23 @@ def read_file(body: bytes, products: Collection[str], now_s: float) -> ReadFile:
         body: a `RowsFile`.
         products: ids of what can be ordered.
         now_s: the wall clock, by which due times are judged.
+
+    Raises:
+        Problem: the body is not of this shape, or there is no file in it.
     """
-    file = read(RowsFile, body)
-    orders, faults = read_orders(file.csv)
-    for each in orders:
-        faults += [place(error, each.row) for error in nonsense(each.draft, products, now_s)]
-    faults.sort(key=lambda fault: fault.row)
-    return ReadFile(file.dry_run, [each.draft for each in orders], faults[:MAX_FIELD_ERRORS])
+    request = read(RowsFile, body)
+    file = text_of_file(request.csv, request.base64)
+    if file.faults:
+        return ReadFile(request.dry_run, faults=file.faults)
+    orders, faults = read_orders(file.text)
+    senseless = [place(error, each.row) for each in orders for error in nonsense(each.draft, products, now_s)]
+    return ReadFile(
+        request.dry_run,
+        orders,
+        faults=first_by_row(faults),
+        senseless=first_by_row(senseless),
+        hints=first_by_row([*file.hints, *twice_in_file(orders)]),
+    )
 
 
 def read_orders(text: str) -> tuple[list[ReadOrder], list[RowFault]]:
@@ -86,6 +101,39 @@ def place(error: FieldError, row: int) -> RowFault:
     first, _, column = error.field.rpartition(".")
     index = int(first[6:-1]) if first.startswith("items[") else 0
     return RowFault.at(row + index, column or first, error)
+
+
+def twice_in_file(orders: Sequence[ReadOrder]) -> list[RowFault]:
+    """Orders that have the customer and reference of another one further up in the file."""
+    hints: list[RowFault] = []
+    first_rows: dict[tuple[str, str], int] = {}
+    for each in orders:
+        if (reference := each.draft.reference) is None:
+            continue
+        first = first_rows.setdefault((each.draft.customer, reference), each.row)
+        if first != each.row:
+            hints.append(RowFault.of(each.row, "reference", "in_file_already", row=first))
+    return hints
+
+
+def placed_already(
+    orders: Sequence[ReadOrder], lately: Sequence[Referred], now_s: float
+) -> Iterator[RowFault]:
+    """Orders that have the customer and reference of one that was placed a short while ago, by row.
+
+    Args:
+        orders: of the file.
+        lately: orders that were placed; of one reference oldest first.
+        now_s: wall clock.
+    """
+    placed = {(order.customer, order.reference): order for order in lately}
+    for each in orders:
+        draft = each.draft
+        if draft.reference is None or (known := placed.get((draft.customer, draft.reference))) is None:
+            continue
+        minutes = max(0, round((now_s - known.created_at_s) / 60.0))
+        values = {"customer": draft.customer, "order": known.id, "minutes": minutes}
+        yield RowFault.of(each.row, "reference", "placed_already", **values)
 
 
 def _order_of(line: Row) -> tuple[str, str, int]:

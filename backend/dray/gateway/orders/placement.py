@@ -10,7 +10,7 @@ from __future__ import annotations
 import asyncio
 import hashlib
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from contextlib import nullcontext
 from http import HTTPStatus
 
@@ -28,7 +28,7 @@ from dray.gateway.tracking.facts import SILENCE_S
 from dray.priorities import order_wanted_s
 from dray.store import Store
 from dray.store.orders.idempotency_keys import KeptAnswer
-from dray.store.orders.orders import Item, Order
+from dray.store.orders.orders import Item, Order, Referred
 from dray.store.orders.placing import Placement, Placing, Wish
 from dray.store.orders.progress import OrderStatus
 from dray.store.orders.tracking_links import Link
@@ -42,6 +42,9 @@ SHARES = 2
 
 BATCH = 100
 """Orders of a file that are made known at once: some milliseconds of the event loop."""
+
+LATELY_S = 3600.0
+"""An order that comes with the reference and customer of one that is younger has probably been sent twice."""
 
 
 class OrderPlacement:
@@ -186,9 +189,7 @@ class OrderPlacement:
             render: writes the answer.
             note: of the request.
         """
-        fingerprint = hashlib.sha256(
-            "\n".join(draft.model_dump_json() for draft in drafts).encode()
-        ).hexdigest()
+        fingerprint = _fingerprint(drafts)
         wish = Wish(
             key=key or "",
             fingerprint=fingerprint,
@@ -201,6 +202,26 @@ class OrderPlacement:
         if note is not None:
             note.target, note.written = kept.order_id, True
         return kept, not orders
+
+    async def answered(self, drafts: Sequence[OrderDraft], key: str, note: Note) -> KeptAnswer | None:
+        """What was answered when these drafts were sent under a key before; None if they were not.
+
+        What has become of the plant and of due times since then is no matter of an answer that was given.
+
+        Raises:
+            Problem: the key was used for another body.
+        """
+        async with self._store.read() as work:
+            kept = await work.keys.get(key)
+        if kept is not None:
+            refuse_other_body(kept, _fingerprint(drafts))
+            note.target = kept.order_id
+        return kept
+
+    async def placed_lately(self, references: Collection[str]) -> list[Referred]:
+        """Orders under some references that are no older than `LATELY_S` and not cancelled; of one reference oldest first."""
+        async with self._store.read() as work:
+            return await work.orders.referred_to(references, self._wall_s() - LATELY_S)
 
     async def _placed(self, wish: Wish, count: int, caller: str) -> tuple[Sequence[Order], KeptAnswer]:
         """Have so many orders written, and let panels and the strategist know."""
@@ -263,6 +284,11 @@ class OrderPlacement:
         errors = nonsense(draft, self._projection.site.products, now_s)
         if errors:
             raise unusable(*errors)
+
+
+def _fingerprint(drafts: Sequence[OrderDraft]) -> str:
+    """Tells requests apart, however they are written."""
+    return hashlib.sha256("\n".join(draft.model_dump_json() for draft in drafts).encode()).hexdigest()
 
 
 def _order(draft: OrderDraft, caller: str, now_s: float, speed: float) -> Order:

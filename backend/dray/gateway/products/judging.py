@@ -7,9 +7,9 @@ from collections.abc import Mapping, Sequence
 
 import msgspec
 
-from dray.gateway.http.csv_rows import RowFault
+from dray.gateway.http.csv_rows import RowFault, first_by_row, text_of_file
 from dray.gateway.http.fault_codes import coded
-from dray.gateway.http.problems import MAX_FIELD_ERRORS, FieldError
+from dray.gateway.http.problems import FieldError
 from dray.gateway.http.request_bodies import RowsFile
 from dray.gateway.http.unread import read
 from dray.gateway.products.csv_import import read_products
@@ -39,9 +39,11 @@ class ReadFile(msgspec.Struct, frozen=True):
     """A file of products as it came."""
 
     dry_run: bool
-    wishes: list[Wanted]
-    faults: list[RowFault]
+    wishes: list[Wanted] = []
+    faults: list[RowFault] = []
     """By row; the first `MAX_FIELD_ERRORS`."""
+    hints: list[RowFault] = []
+    """What is odd in it and taken all the same."""
 
 
 def read_file(body: bytes, known: Known) -> ReadFile:
@@ -50,15 +52,20 @@ def read_file(body: bytes, known: Known) -> ReadFile:
     Args:
         body: a `RowsFile`.
         known: what it is judged by.
+
+    Raises:
+        Problem: the body is not of this shape, or there is no file in it.
     """
-    file = read(RowsFile, body)
-    products, wrong = read_products(file.csv)
+    request = read(RowsFile, body)
+    file = text_of_file(request.csv, request.base64)
+    if file.faults:
+        return ReadFile(request.dry_run, faults=file.faults)
+    products, wrong = read_products(file.text)
     wishes = [wanted(each.id, each.draft, known.revisions.get(each.id)) for each in products]
     own, plant = (msgspec.json.decode(each, type=PlantFile) for each in (known.own, known.plant))
     for each, found in zip(products, faults(Plant(own), plant, wishes), strict=True):
         wrong += map(each.place, found)
-    wrong.sort(key=lambda fault: fault.row)
-    return ReadFile(file.dry_run, wishes, wrong[:MAX_FIELD_ERRORS])
+    return ReadFile(request.dry_run, wishes, first_by_row(wrong), file.hints)
 
 
 def faults(own: Plant, file: PlantFile, wishes: Sequence[Wanted]) -> list[list[FieldError]]:

@@ -7,9 +7,11 @@ from typing import Any
 
 import msgspec
 
+from dray.plant.exchange import curves
 from dray.plant.exchange.admission import Admission
 from dray.plant.exchange.names import Ids, shown
 from dray.plant.exchange.notes import Note, Notes
+from dray.plant.exchange.one_spot import merge_spots
 from dray.plant.exchange.track_layout import TrackEdge, TrackLayout, TrackStation
 from dray.plant.file.check import RESERVED
 
@@ -18,6 +20,9 @@ EDGE_M = 2.0
 
 GAP_M = 5.0
 """Between layouts of different levels, which are laid side by side."""
+
+SAME_M = 0.001
+"""Ways there and back that differ by less are one road: systems write numbers with three digits."""
 
 USUAL_MPS = 1.5
 """The limit of a lane of which none is told: what a lane has that says nothing."""
@@ -47,6 +52,8 @@ def assemble(layout: TrackLayout, notes: Notes, *, plant: str, name: str) -> Imp
         plant: the id of the plant.
         name: what people call it.
     """
+    if not layout.ours:
+        merge_spots(layout, notes)
     return _Assembly(layout, notes).make(plant, name)
 
 
@@ -90,7 +97,7 @@ class _Assembly:
                 {"level": level, "x_m": x_m, "y_m": y_m} for level, (x_m, y_m) in self._shift_m.items()
             ],
             "nodes": [
-                {"id": self._node[node.original], "original": node.original, "kept": node.kept}
+                {"id": self._node[node.original], "original": node.name, "kept": node.kept}
                 for node in layout.nodes
             ],
             "lanes": lane_map,
@@ -140,7 +147,6 @@ class _Assembly:
     def _lanes(self) -> tuple[list[Data], list[Data]]:
         """Lanes, both directions of one road as one where they are alike, and the mapping of them."""
         levels = self._level
-        spots = {node.original: self._spot(node.original, node.x_m, node.y_m) for node in self._layout.nodes}
         lanes: dict[tuple[str, str], Data] = {}
         told: dict[tuple[str, str], Data] = {}
         for edge, others in self._roads(told):
@@ -157,12 +163,8 @@ class _Assembly:
                 edge.corners = []
             limits = self._admission.limits(edge, others)
             lane = self._lane(edge, limits)
-            if _apart_m(spots[edge.start], spots[edge.end]) < 0.05:
-                self._notes.add(
-                    edge.place, f"edge {edge.original} joins two nodes on one spot: make them one node"
-                )
             other = lanes.get(back)
-            if other is not None and not other.get("both_ways") and _reversed(other) == _alike(lane):
+            if other is not None and not other.get("both_ways") and _one_road(other, lane):
                 other["both_ways"] = True
                 told[ends] = told[back]
                 told[back]["original"] += entries
@@ -296,19 +298,19 @@ def _shift_m(low_m: float, high_m: float) -> float:
     return EDGE_M - low_m if low_m > max(50.0, high_m - low_m) else 0.0
 
 
-def _alike(lane: Data) -> tuple[object, ...]:
-    """What two directions of one road have in common."""
-    return _limits(lane), tuple((spot["x_m"], spot["y_m"]) for spot in lane.get("shape", ()))
-
-
-def _reversed(lane: Data) -> tuple[object, ...]:
-    return _limits(lane), tuple((spot["x_m"], spot["y_m"]) for spot in reversed(lane.get("shape", ())))
+def _one_road(lane: Data, back: Data) -> bool:
+    """Whether two lanes are the directions of one road: alike in speed, and in shape to a millimetre."""
+    there = [(spot["x_m"], spot["y_m"]) for spot in lane.get("shape", ())]
+    here = [(spot["x_m"], spot["y_m"]) for spot in reversed(back.get("shape", ()))]
+    if _limits(lane) != _limits(back) or bool(there) != bool(here):
+        return False
+    if len(there) == len(here):
+        return all(hypot(a[0] - b[0], a[1] - b[1]) <= SAME_M for a, b in zip(there, here, strict=True))
+    # A curve that is cut elsewhere: its corners lie on the other one, as exactly as corners follow a curve.
+    within_m = curves.TOLERANCE_M + SAME_M
+    return curves.apart_m(there, here) <= within_m and curves.apart_m(here, there) <= within_m
 
 
 def _limits(lane: Data) -> tuple[object, ...]:
     types = sorted((each["type"], each.get("speed_limit_mps")) for each in lane.get("types", ()))
     return lane["speed_limit_mps"], tuple(types)
-
-
-def _apart_m(one: Data, other: Data) -> float:
-    return hypot(one["x_m"] - other["x_m"], one["y_m"] - other["y_m"])

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from itertools import pairwise
-from math import atan2, hypot, isfinite, pi, radians
+from math import atan2, hypot, pi, radians
 
 TOLERANCE_M = 0.02
 """As exact as vehicles keep to a lane."""
@@ -25,6 +25,12 @@ DEEPEST = 9
 """Halvings of one span: 512 pieces."""
 
 MAX_DEGREE = 10
+LIGHT = 1e-9
+"""The least weight of a control point; a lighter one takes no part in a curve."""
+
+FAR_M = 1e6
+"""From the origin: nothing of a plant lies further away, and products of such lengths can be computed."""
+
 MAX_POINTS = 1_000
 """Of one curve; more is no track."""
 
@@ -55,10 +61,12 @@ def nurbs(degree: int, knots: Sequence[float], points: Sequence[tuple[float, flo
         raise CurveError(f"{len(knots)} knots where {len(points) + degree + 1} are needed")
     if any(after < before for before, after in pairwise(knots)):
         raise CurveError("the knots fall")
-    if not all(isfinite(value) for point in points for value in point) or any(
-        weight <= 0.0 for *_, weight in points
+    if not all(abs(value) <= FAR_M for point in points for value in point) or any(
+        weight < LIGHT for *_, weight in points
     ):
-        raise CurveError("a control point has no finite place or no weight above 0")
+        raise CurveError(
+            f"a control point lies further than {FAR_M / 1000:g} km away or has no weight above 0"
+        )
     if degree == 1 and all(weight == points[0][2] for *_, weight in points):
         return [(x_m, y_m) for x_m, y_m, _ in points]
     spans = sorted(set(knots[degree : len(points) + 1]))
@@ -72,7 +80,13 @@ def nurbs(degree: int, knots: Sequence[float], points: Sequence[tuple[float, flo
 
 
 def bezier(points: Sequence[Spot]) -> list[Spot]:
-    """A Bezier curve of any degree as corners, both ends included."""
+    """A Bezier curve of any degree as corners, both ends included.
+
+    Raises:
+        CurveError: a control point lies too far away.
+    """
+    if not all(abs(value) <= FAR_M for point in points for value in point):
+        raise CurveError(f"a control point lies further than {FAR_M / 1000:g} km away")
 
     def at(t: float) -> Spot:
         row = list(points)
@@ -91,6 +105,12 @@ def length_m(corners: Sequence[Spot]) -> float:
 def is_straight(corners: Sequence[Spot], tolerance_m: float = 0.001) -> bool:
     """Whether a chain is one straight line from its first to its last corner."""
     return all(_off_m(spot, corners[0], corners[-1]) <= tolerance_m for spot in corners[1:-1])
+
+
+def apart_m(corners: Sequence[Spot], chain: Sequence[Spot]) -> float:
+    """How far the corners of one chain leave the pieces of another one at most; a single corner is its own piece."""
+    pieces = list(pairwise(chain)) or [(chain[0], chain[0])]
+    return max(min(_off_m(spot, *piece) for piece in pieces) for spot in corners)
 
 
 def _flat(curve: Curve, spans: Sequence[float]) -> list[Spot]:

@@ -1,4 +1,4 @@
-"""Reading LIF, the Layout Interchange Format of VDMA: 1.0.0 of March 2024, its drafts before, and the draft of 2.0.0 with origins.
+"""Reading LIF, the Layout Interchange Format of VDMA: 1.0.0 of March 2024, its drafts before, and 2.0.0 of September 2026 with origins.
 
 Few files keep to the format, so reading is lenient: numbers may be text, a type of vehicle may be named by any of the ways in which
 the versions name it, and what is missing is said. Metres; a file that can only be in millimetres is read so, and that is said.
@@ -6,14 +6,15 @@ the versions name it, and what is missing is said. Metres; a file that can only 
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
-from math import hypot
-from statistics import median
+from math import hypot, inf
 
 import msgspec
 
 from dray.plant.exchange import curves
 from dray.plant.exchange.curves import CurveError
+from dray.plant.exchange.lif_units import FASTEST_MPS, scales
 from dray.plant.exchange.lif_values import (
     EDGE_USED,
     NEW_TYPE_PROPERTIES,
@@ -37,8 +38,11 @@ from dray.plant.exchange.track_layout import (
     TrackVehicleType,
 )
 
-MM_EDGE = 500.0
-"""Edges are so long at the median, or longer: those are millimetres. No lane is half a kilometre long."""
+CREATOR = "Dray"
+"""What `lif_export` writes as the creator."""
+
+TOLD_TWICE_M = 0.05
+"""A node that two layouts have under one id at one spot is one node."""
 
 SNAP_M = 0.5
 """A trajectory that begins or ends nearer to its node is moved there; another one belongs to something else."""
@@ -50,8 +54,11 @@ def read_lif(data: Json, notes: Notes, *, unit: str = "", layouts: tuple[str, ..
     Args:
         data: the decoded JSON.
         notes: where what is odd is said.
-        unit: `m` or `mm`; found out if it is empty.
+        unit: `m`, `cm` or `mm`; found out if it is empty.
         layouts: the ids of those that are wanted; all if there are none.
+
+    Raises:
+        ValueError: its speeds are none of vehicles, and nothing tells its unit.
     """
     return _Reader(data, notes, unit, layouts).read()
 
@@ -61,7 +68,9 @@ class _Reader(LifValues):
         super().__init__(notes)
         self._data, self._unit, self._wanted = data, unit, layouts
         self._types: dict[str, TrackVehicleType] = {}
-        self._scale = 1.0
+        self._scale, self._speed_scale, self._fastest_mps = 1.0, 1.0, FASTEST_MPS
+        self._own: dict[str, dict[str, str]] = {}
+        """Pointer of a layout -> what it calls its nodes -> the ids that no other layout has."""
 
     def read(self) -> TrackLayout:
         meta = self._object(self._data, "metaInformation", "")
@@ -73,10 +82,16 @@ class _Reader(LifValues):
         for key in self._data.keys() - {"metaInformation", "layouts", "origins"}:
             self._notes.add(f"/{key}", f"`{key}` is not understood: it is kept in the mapping")
         found = TrackLayout(
-            f"LIF {version}".strip(), name, kept=self._rest(self._data, {"layouts", "origins"})
+            f"LIF {version}".strip(),
+            name,
+            meta.get("creator") == CREATOR,
+            kept=self._rest(self._data, {"layouts", "origins"}),
         )
         layouts = list(self._layouts())
-        self._scale = self._scale_of(layouts)
+        if found.ours:
+            self._fastest_mps = inf
+        else:
+            self._scale, self._speed_scale = scales(*self._measures(layouts), self._unit, self._notes)
         for level, pointer, layout in layouts:
             self._nodes(layout, pointer, level, found)
         for _, pointer, layout in layouts:
@@ -110,41 +125,49 @@ class _Reader(LifValues):
             if name not in seen:
                 self._notes.add("/layouts", f"there is no layout {name}")
 
-    def _scale_of(self, layouts: list[tuple[str, str, Json]]) -> float:
-        if self._unit:
-            return 0.001 if self._unit == "mm" else 1.0
-        spots = {
-            node.get("nodeId"): spot
-            for _, at, layout in layouts
-            for _, node in self._objects(layout, "nodes", at, quiet=True)
-            if (spot := self._raw_spot(node.get("nodePosition"))) is not None
-        }
-        lengths = [
-            hypot(spots[end][0] - spots[start][0], spots[end][1] - spots[start][1])
-            for _, at, layout in layouts
-            for _, edge in self._objects(layout, "edges", at, quiet=True)
-            if (start := key_of(edge.get("startNodeId"))) in spots
-            and (end := key_of(edge.get("endNodeId"))) in spots
-        ]
-        if lengths and median(lengths) >= MM_EDGE:
-            self._notes.add(
-                "", f"an edge is {median(lengths):g} long: read as millimetres, although LIF has metres"
-            )
-            return 0.001
-        return 1.0
+    def _measures(self, layouts: list[tuple[str, str, Json]]) -> tuple[list[float], list[float]]:
+        """The lengths of edges and the speeds on them, as the file has them."""
+        lengths, speeds = [], []
+        for _, at, layout in layouts:
+            spots = {
+                key_of(node.get("nodeId")): spot
+                for _, node in self._objects(layout, "nodes", at, quiet=True)
+                if (spot := self._raw_spot(node.get("nodePosition"))) is not None
+            }
+            for _, edge in self._objects(layout, "edges", at, quiet=True):
+                start, end = (spots.get(key_of(edge.get(key))) for key in ("startNodeId", "endNodeId"))
+                if start and end and start != end:
+                    lengths.append(hypot(end[0] - start[0], end[1] - start[1]))
+                for key in (NEW_TYPE_PROPERTIES[1], TYPE_PROPERTIES[1]):
+                    for _, each in self._objects(edge, key, at, quiet=True):
+                        speed = number_of(each.get("maxSpeed", each.get("maximumSpeed")))
+                        if speed is not None and speed > 0.0:
+                            speeds.append(speed)
+        return lengths, speeds
 
     # --- nodes, edges, stations ------------------------------------------------------------------------
 
     def _nodes(self, layout: Json, pointer: str, level: str, found: TrackLayout) -> None:
-        known = {node.original for node in found.nodes}
+        known = {node.original: node for node in found.nodes}
+        own = self._own[pointer] = {}
         for at, node in self._objects(layout, "nodes", pointer):
             name, spot = self._id(node, "nodeId", at), self._spot(node, "nodePosition", at)
             if not name or spot is None:
                 continue
-            if name in known:
+            if name in own:
                 self._notes.add(at, f"node {name} is there already: this one is left out")
                 continue
-            known.add(name)
+            other = known.get(name)
+            if other is not None and other.level == level and _near(other, spot):
+                self._notes.add(at, f"node {name} stands in two layouts at one spot: it is one node")
+                own[name] = name
+                continue
+            key = name if other is None else self._another(name, layout, known)
+            if other is not None:
+                self._notes.add(
+                    at, f"node {name} stands in another layout, too, elsewhere: these are two nodes"
+                )
+            own[name] = key
             self._strange(node, "node", at)
             actions, types = [], Admitted()
             for where, each in self._properties(node, TYPE_PROPERTIES[0], NEW_TYPE_PROPERTIES[0], at):
@@ -156,18 +179,35 @@ class _Reader(LifValues):
                     self._notes.add(
                         f"{where}/theta", "theta is more than a turn in radians: degrees, it seems"
                     )
-            found.nodes.append(
-                TrackNode(
-                    name,
-                    at,
-                    *spot,
-                    level,
-                    parks=any("park" in action for action in actions),
-                    charges=any("charg" in action for action in actions),
-                    types=types.listed,
-                    kept={"layoutId": layout.get("layoutId"), **self._rest(node, NODE_USED)},
-                )
+            known[key] = TrackNode(
+                key,
+                at,
+                *spot,
+                level,
+                parks=any("park" in action for action in actions),
+                charges=any("charg" in action for action in actions),
+                types=types.listed,
+                kept={"layoutId": layout.get("layoutId"), **self._rest(node, NODE_USED)},
+                called="" if key == name else name,
             )
+            found.nodes.append(known[key])
+
+    def _another(self, name: str, layout: Json, known: dict[str, TrackNode]) -> str:
+        """An id for a node whose own one is another node's."""
+        key = f"{name}-{layout.get('layoutId') or 'other'}"
+        while key in known:
+            key += "'"
+        return key
+
+    def _node_of(self, name: str, pointer: str, at: str) -> str:
+        """The node that a layout means by a name: its own one, else that of the only other layout that has one."""
+        own = self._own[pointer]
+        if name in own:
+            return own[name]
+        others = list(dict.fromkeys(names[name] for names in self._own.values() if name in names))
+        if len(others) > 1:
+            self._notes.add(at, f"node {name} stands in several other layouts: the first one is taken")
+        return others[0] if others else ""
 
     def _edges(self, layout: Json, pointer: str, found: TrackLayout) -> None:
         spots = {node.original: (node.x_m, node.y_m) for node in found.nodes}
@@ -175,9 +215,11 @@ class _Reader(LifValues):
             start, end = key_of(edge.get("startNodeId")), key_of(edge.get("endNodeId"))
             name = self._id(edge, "edgeId", at) or f"{start} to {end}"
             self._strange(edge, "edge", at)
-            if missing := [node for node in (start, end) if node not in spots]:
+            meant = [(named, self._node_of(named, pointer, at)) for named in (start, end)]
+            if missing := [named for named, key in meant if not key]:
                 self._notes.add(at, f"edge {name} is left out: there is no node {missing[0]}")
                 continue
+            (_, start), (_, end) = meant
             limits: dict[str, float] = {}
             admitted = Admitted()
             corners: list[Spot] | None = None
@@ -189,7 +231,13 @@ class _Reader(LifValues):
                 limit = self._number(each, key, where)
                 if limit is not None and limit <= 0.0:
                     self._notes.add(f"{where}/{key}", f"a speed of {limit:g} is none: no limit is taken")
+                elif limit is not None and limit * self._speed_scale > self._fastest_mps:
+                    self._notes.add(
+                        f"{where}/{key}",
+                        f"a speed of {limit * self._speed_scale:g} m/s cannot be: no limit is taken",
+                    )
                 elif limit is not None:
+                    limit = limit if self._speed_scale == 1.0 else round(limit * self._speed_scale, 6)
                     for kind in types or [""]:
                         limits[kind] = limit
                         if kind and (self._types[kind].max_speed_mps or 0.0) < limit:
@@ -256,8 +304,8 @@ class _Reader(LifValues):
             listed = at_nodes if isinstance(at_nodes, list) else [] if at_nodes is None else [at_nodes]
             served = []
             for one in map(key_of, listed):
-                if one in nodes:
-                    served.append(one)
+                if key := self._node_of(one, pointer, at):
+                    served.append(key)
                 else:
                     self._notes.add(f"{at}/interactionNodeIds", f"station {name}: there is no node {one}")
             if not served:
@@ -300,7 +348,14 @@ class _Reader(LifValues):
         if x is None or y is None:
             self._notes.add(f"{at}/{key}", f"a node whose `{key}` has no x and y is left out")
             return None
+        if max(abs(x), abs(y)) * self._scale > curves.FAR_M:
+            self._notes.add(f"{at}/{key}", f"a node further than {curves.FAR_M / 1000:g} km away is left out")
+            return None
         return x * self._scale, y * self._scale
+
+
+def _near(node: TrackNode, spot: Spot) -> bool:
+    return hypot(node.x_m - spot[0], node.y_m - spot[1]) <= TOLD_TWICE_M
 
 
 def decode(text: str) -> Json:
@@ -311,8 +366,25 @@ def decode(text: str) -> Json:
     """
     try:
         data = msgspec.json.decode(text.encode())
-    except (msgspec.DecodeError, RecursionError) as error:
-        raise ValueError(f"not JSON: {error}") from None
+    except UnicodeEncodeError:
+        raise ValueError("not JSON: half of a character stands in it") from None
+    except RecursionError:
+        raise ValueError("not JSON of a layout: nested too deep") from None
+    except msgspec.DecodeError as error:
+        raise ValueError(f"not JSON: {_where(text, str(error))}") from None
     if not isinstance(data, dict) or not {"layouts", "origins"} & data.keys():
         raise ValueError("no LIF file: there is no `layouts` in it; nor is it XML of openTCS")
     return data
+
+
+def _where(text: str, error: str) -> str:
+    """The place of an error of the decoder, which tells it in bytes, as line and column."""
+    found = re.search(r"\(byte (\d+)\)", error)
+    if found is None:
+        return "it ends too soon" if "truncated" in error else "it cannot be read"
+    before = text.encode()[: int(found[1])].decode(errors="ignore")
+    line, column = before.count("\n") + 1, len(before) - before.rfind("\n")
+    rest = text[len(before) :]
+    odd = next((word for word in ("NaN", "Infinity", "-Infinity", "nan", "inf") if rest.startswith(word)), "")
+    what = f"{odd} is no number of JSON: write null" if odd else "a character stands where none may"
+    return f"line {line}, column {column}: {what}"

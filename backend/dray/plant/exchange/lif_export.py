@@ -1,4 +1,4 @@
-"""A plant as LIF 1.0.0, for other systems. `dray.plant.exchange.read` makes the same nodes, lanes, chargers and parking places of it.
+"""A plant as LIF 1.0.0 or 2.0.0, for other systems. `dray.plant.exchange.read` makes the same nodes, lanes, chargers and parking places of it.
 
 What is written is the floor as it is driven: of a road of two lanes the stop points and its one-way lanes, since another system knows
 no right of way that could keep vehicles apart on the middle line. A lane with a shape is one edge with a trajectory of degree 1.
@@ -11,11 +11,12 @@ from typing import Any
 
 import msgspec
 
+from dray.plant.exchange.lif import CREATOR
 from dray.plant.layout import Layout, lay_out
 from dray.plant.model import Box, Lane, Node, PlantFile, Point
 from dray.plant.plant import Plant
 
-VERSION = "1.0.0"
+VERSIONS = ("1.0.0", "2.0.0")
 
 ACTIONS = {
     "chargers": ("startCharging", "stopCharging"),
@@ -27,12 +28,13 @@ ACTIONS = {
 Json = dict[str, Any]
 
 
-def export_lif(plant: Plant, exported_at: str) -> str:
+def export_lif(plant: Plant, exported_at: str, version: str = VERSIONS[0]) -> str:
     """The text of a LIF file.
 
     Args:
         plant: what is written.
         exported_at: when, as LIF wants it: ISO 8601 in UTC, `2026-11-23T08:00:00Z`.
+        version: of LIF, one of `VERSIONS`.
     """
     file, layout = plant.file, lay_out(plant.file)
     types = [kind.id for kind in file.vehicle_types]
@@ -40,9 +42,9 @@ def export_lif(plant: Plant, exported_at: str) -> str:
     document = {
         "metaInformation": {
             "projectIdentification": file.name,
-            "creator": "Dray",
+            "creator": CREATOR,
             "exportTimestamp": exported_at,
-            "lifVersion": VERSION,
+            "lifVersion": VERSIONS[0],
         },
         "layouts": [
             {
@@ -56,7 +58,78 @@ def export_lif(plant: Plant, exported_at: str) -> str:
             }
         ],
     }
+    if version == VERSIONS[1]:
+        document = _as_2_0_0(document, file)
     return msgspec.json.format(msgspec.json.encode(document)).decode() + "\n"
+
+
+def _as_2_0_0(document: Json, file: PlantFile) -> Json:
+    """A document of 1.0.0 by the names of 2.0.0, which has origins and types with their manufacturer."""
+    (layout,) = document["layouts"]
+    told = document["metaInformation"]
+    return {
+        "metaInformation": {
+            "lifId": file.plant,
+            **{key: told[key] for key in ("creator", "exportTimestamp")},
+            "lifVersion": VERSIONS[1],
+        },
+        "origins": [
+            {
+                "originId": file.plant,
+                "originDescriptor": file.name,
+                "layouts": [
+                    {
+                        **_renamed(layout, {"layoutDescription": "layoutDescriptor"}),
+                        "nodes": [_node_2_0_0(node) for node in layout["nodes"]],
+                        "edges": [_edge_2_0_0(edge) for edge in layout["edges"]],
+                        "stations": [
+                            _renamed(station, {"stationDescription": "stationDescriptor"})
+                            for station in layout["stations"]
+                        ],
+                    }
+                ],
+            }
+        ],
+    }
+
+
+def _node_2_0_0(node: Json) -> Json:
+    """All types do the same at a node of ours, so they share their properties."""
+    properties = node["vehicleTypeNodeProperties"]
+    shared: Json = {"mobileRobotTypes": [_robot(each["vehicleTypeId"]) for each in properties]}
+    if actions := properties[0].get("actions"):
+        shared["feasibleActions"] = [
+            {key: action[key] for key in ("actionType", "blockingType")} for action in actions
+        ]
+    rest = {key: value for key, value in node.items() if key != "vehicleTypeNodeProperties"}
+    return {**rest, "mobileRobotTypeNodeProperties": [shared]}
+
+
+def _edge_2_0_0(edge: Json) -> Json:
+    """Types of one limit share their properties."""
+    by_limit: dict[float, Json] = {}
+    for each in edge["vehicleTypeEdgeProperties"]:
+        shared = by_limit.setdefault(
+            each["maxSpeed"],
+            {
+                "mobileRobotTypes": [],
+                "reachOrientationBeforeEntering": not each["rotationAllowed"],
+                "maximumSpeed": each["maxSpeed"],
+                **({"trajectory": each["trajectory"]} if "trajectory" in each else {}),
+            },
+        )
+        shared["mobileRobotTypes"].append(_robot(each["vehicleTypeId"]))
+    rest = {key: value for key, value in edge.items() if key != "vehicleTypeEdgeProperties"}
+    return {**rest, "mobileRobotTypeEdgeProperties": list(by_limit.values())}
+
+
+def _robot(kind: str) -> Json:
+    """A type of vehicles; a plant does not know who has made it."""
+    return {"manufacturer": "", "seriesName": kind}
+
+
+def _renamed(of: Json, names: dict[str, str]) -> Json:
+    return {names.get(key, key): value for key, value in of.items()}
 
 
 def _node(node: Node, types: list[str], actions: tuple[str, ...], map_id: str) -> Json:

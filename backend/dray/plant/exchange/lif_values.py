@@ -18,7 +18,7 @@ NEW_TYPE_PROPERTIES = ("mobileRobotTypeNodeProperties", "mobileRobotTypeEdgeProp
 TYPES = ("vehicleTypeIds", "vehicleTypeId", "mobileRobotTypes", "mobileRobotTypeIds", "mobileRobotTypeId")
 """For which types of vehicles a property is: the names that the versions have for it. One of them stands in a file."""
 ACTIONS = ("actions", "requiredActions", "feasibleActions")
-"""What vehicles do there: `actions` until 2.0.0, whose draft has those that they must do and those that they may do."""
+"""What vehicles do there: `actions` until 2.0.0, which has those that they must do and those that they may do."""
 
 NAMED = {
     "metaInformation": {"projectIdentification", "lifId", "creator", "exportTimestamp", "lifVersion"},
@@ -45,14 +45,14 @@ NAMED = {
     },
     "station": {
         *STATION_USED,
-        *("stationDescription", "stationDescriptor", "stationHeight", "stationPosition"),
+        *("stationDescription", "stationDescriptor", "stationHeight", "stationPosition", "stationType"),
     },
     "node property": {
-        *(*TYPES, *ACTIONS, "theta", "loadRestriction"),
+        *(*TYPES, *ACTIONS, "theta", "loadRestriction", "forbiddenActionTypes"),
         *("maximumAllowedDeviation", "allowedDeviationXY", "allowedDeviationTheta"),
     },
     "edge property": {
-        *(*TYPES, *ACTIONS, "vehicleOrientation", "mobileRobotOrientations"),
+        *(*TYPES, *ACTIONS, "vehicleOrientation", "mobileRobotOrientations", "forbiddenActionTypes"),
         *("orientationType", "rotationAllowed", "rotationAtStartNodeAllowed", "rotationAtEndNodeAllowed"),
         *("maxSpeed", "maximumSpeed", "maxRotationSpeed", "maximumRotationSpeed", "minHeight", "maxHeight"),
         *("loadRestriction", "trajectory", "physicalLineGuidedProperty", "reentryAllowed"),
@@ -87,6 +87,8 @@ NOT_IN_A_PLANT = {
     "physicalLineGuidedProperty": "guide lines",
     "reentryAllowed": "where vehicles are taken in",
     "corridor": "corridors",
+    "forbiddenActionTypes": "actions that are forbidden",
+    "stationType": "what a station is called to vehicles",
 }
 """Understood, kept in the mapping, and not in a plant file: what each is about. What only names or describes is not spoken of."""
 

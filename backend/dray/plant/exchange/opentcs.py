@@ -12,7 +12,9 @@ from typing import Any
 
 from dray.plant.exchange import curves
 from dray.plant.exchange.curves import CurveError
+from dray.plant.exchange.lif_values import number_of
 from dray.plant.exchange.notes import Notes
+from dray.plant.exchange.opentcs_drawing import RECHARGE, Drawing, properties_of, scale_by_lengths
 from dray.plant.exchange.track_layout import (
     Spot,
     TrackEdge,
@@ -91,6 +93,9 @@ class _Reader:
     def __init__(self, model: Element, notes: Notes) -> None:
         self._model, self._notes = model, notes
         self._points: dict[str, Spot] = {}
+        self._drawing = Drawing(model)
+        self._stretch = 1.0
+        """Of the drawing, where points are taken from it."""
 
     def read(self) -> TrackLayout:
         model = self._model
@@ -103,9 +108,10 @@ class _Reader:
             )
         found = TrackLayout(f"openTCS {version}".strip(), model.attributes.get("name") or "Imported layout")
         self._strange(model)
-        found.kept = {"properties": _properties(model)}
-        for point in model.all("point"):
-            self._point(point, found)
+        found.kept = {"properties": properties_of(model)}
+        spots = self._spots()
+        for point, spot in zip(model.all("point"), spots, strict=True):
+            self._point(point, spot, found)
         scales = self._scales(model.first("visualLayout"))
         for path in model.all("path"):
             self._path(path, scales, found)
@@ -120,23 +126,39 @@ class _Reader:
             kept.append({**block.attributes, "members": members})
         return found
 
+    def _spots(self) -> list[Spot | None]:
+        """Where the points lie; by the drawing in a model that was drawn and never given coordinates."""
+        points = self._model.all("point")
+        told = [self._spot(point) for point in points]
+        drawn = [self._drawing.spot(point) for point in points]
+        if len(points) < 2 or len(set(told)) > 1 or len({*drawn} - {None}) < 2:
+            return told
+        names = [point.attributes.get("name", "") for point in points]
+        shown = {name: spot for name, spot in zip(names, drawn, strict=True) if spot is not None}
+        self._stretch = scale_by_lengths(self._model, shown)
+        text = "no point has coordinates of its own: where they are drawn is taken"
+        if self._stretch != 1.0:
+            text += f", times {self._stretch:.4g}, so that paths are as long as their `length`"
+        self._notes.add(_at(points[0]), text)
+        far_m = curves.FAR_M / self._stretch
+        return [
+            None
+            if spot is None or max(map(abs, spot)) > far_m
+            else (round(spot[0] * self._stretch, 6), round(spot[1] * self._stretch, 6))
+            for spot in drawn
+        ]
+
     def _scales(self, drawing: Element | None) -> Spot:
         if drawing is None:
             return 50.0, 50.0
-        for child in drawing.children:
-            if child.name == "modelLayoutElement":
-                self._notes.add(
-                    _at(child),
-                    "drawings of older models (modelLayoutElement) are not read: curves become straight",
-                )
         scales = [self._number(drawing, key) for key in ("scaleX", "scaleY")]
         return (scales[0] or 50.0), (scales[1] or 50.0)
 
-    def _point(self, point: Element, found: TrackLayout) -> None:
+    def _point(self, point: Element, spot: Spot | None, found: TrackLayout) -> None:
         self._strange(point)
-        name, spot = point.attributes.get("name", ""), self._spot(point)
+        name = point.attributes.get("name", "")
         if not name or spot is None:
-            self._notes.add(_at(point), "a point without a name or a position is left out")
+            self._notes.add(_at(point), "a point without a name or a position within 1,000 km is left out")
             return
         if name in self._points:
             self._notes.add(_at(point), f"point {name} is there already: this one is left out")
@@ -206,17 +228,16 @@ class _Reader:
             )
 
     def _corners(self, path: Element, scales: Spot, start: Spot, end: Spot) -> list[Spot]:
-        drawing = path.first("pathLayout")
-        kind = drawing.attributes.get("connectionType", "DIRECT") if drawing is not None else "DIRECT"
-        if drawing is None or kind == "DIRECT":
+        kind, drawn = self._drawing.path(path)
+        if kind == "DIRECT":
             return []
         points: list[Spot] = []
-        for point in drawing.all("controlPoint"):
-            x, y = self._number(point, "x"), self._number(point, "y")
+        for pair in drawn:
+            x, y = map(number_of, pair)
             if x is None or y is None:
-                self._notes.add(_at(point), "a control point without a place: the path is taken as straight")
+                self._notes.add(_at(path), "a control point without a place: the path is taken as straight")
                 return []
-            points.append((x * scales[0] * M, -y * scales[1] * M))
+            points.append((x * scales[0] * M * self._stretch, -y * scales[1] * M * self._stretch))
         chain = [start, *points, end]
         try:
             if kind == "POLYPATH":
@@ -227,20 +248,25 @@ class _Reader:
                 corners = [*curves.bezier(chain[:4]), *curves.bezier(chain[3:])[1:]]
             else:
                 about = f" with {len(points)} control points" if points else ""
-                self._notes.add(_at(drawing), f"a path drawn as {kind}{about} is taken as straight")
+                self._notes.add(_at(path), f"a path drawn as {kind}{about} is taken as straight")
                 return []
         except CurveError as error:
-            self._notes.add(_at(drawing), f"the path is no curve ({error}): it is taken as straight")
+            self._notes.add(_at(path), f"the path is no curve ({error}): it is taken as straight")
             return []
         return [] if curves.is_straight(corners) else [(round(x, 6), round(y, 6)) for x, y in corners[1:-1]]
 
     def _locations(self, found: TrackLayout) -> None:
         charging = set()
+        named = {
+            value.lower()
+            for vehicle in self._model.all("vehicle")
+            for key, value in properties_of(vehicle).items()
+            if key.endswith(RECHARGE) and value
+        }
         for kind in self._model.all("locationType"):
-            drawing = kind.first("locationTypeLayout")
-            shown = drawing.attributes.get("locationRepresentation", "") if drawing is not None else ""
-            words = [each.attributes.get("name", "") for each in kind.all("allowedOperation")] + [shown]
-            if any("charg" in word.lower() for word in words):
+            symbol = self._drawing.symbol(kind)
+            words = [each.attributes.get("name", "") for each in kind.all("allowedOperation")] + [symbol]
+            if any(_charges(word) or word.lower() in named for word in words):
                 charging.add(kind.attributes.get("name", ""))
             found.kept.setdefault("location_types", []).append({**kind.attributes, "operations": words})
         for location in self._model.all("location"):
@@ -259,7 +285,14 @@ class _Reader:
                 found.kept.setdefault("locations", []).append(kept)
                 continue
             found.stations.append(
-                TrackStation(name, _at(location), name, at_points, charges=kind_name in charging, kept=kept)
+                TrackStation(
+                    name,
+                    _at(location),
+                    name,
+                    at_points,
+                    charges=kind_name in charging or _charges(self._drawing.symbol(location)),
+                    kept=kept,
+                )
             )
 
     def _vehicles(self, found: TrackLayout) -> None:
@@ -283,7 +316,7 @@ class _Reader:
                     top * M if top else None,
                     charging,
                 )
-            properties = _properties(vehicle)
+            properties = properties_of(vehicle)
             node = next((properties[key] for key in INITIAL if key in properties), None)
             if node is not None and node not in self._points:
                 self._notes.add(_at(vehicle), f"vehicle {name} begins at {node}, and there is no such point")
@@ -317,7 +350,9 @@ class _Reader:
 
     def _spot(self, of: Element) -> Spot | None:
         x, y = self._number(of, "positionX", "xPosition"), self._number(of, "positionY", "yPosition")
-        return None if x is None or y is None else (round(x * M, 6), round(y * M, 6))
+        if x is None or y is None or max(abs(x), abs(y)) * M > curves.FAR_M:
+            return None
+        return round(x * M, 6), round(y * M, 6)
 
     def _number(self, of: Element, *keys: str) -> float | None:
         """The first attribute of these that there is; NaN is what openTCS writes for none."""
@@ -346,14 +381,15 @@ def _at(of: Element) -> str:
     return f"line {of.line}, <{of.name}{f' {name}' if name else ''}>"
 
 
-def _properties(of: Element) -> dict[str, str]:
-    return {each.attributes.get("name", ""): each.attributes.get("value", "") for each in of.all("property")}
+def _charges(word: str) -> bool:
+    """Whether an operation or a symbol is one of charging, as `RECHARGE_GENERIC` or `ChargingStation20.png`."""
+    return "charg" in word.lower()
 
 
 def _kept(of: Element, notes: Notes) -> dict[str, Any]:
     """What a plant has no field for, for the mapping; said once."""
     kept: dict[str, Any] = {}
-    if properties := _properties(of):
+    if properties := properties_of(of):
         kept["properties"] = properties
     for name in ("vehicleEnvelope", "maxVehicleBoundingBox", "peripheralOperation"):
         if those := of.all(name):

@@ -10,16 +10,16 @@ from dray.plant.exchange.lif import decode, read_lif
 from dray.plant.exchange.names import Ids
 from dray.plant.exchange.notes import Notes
 from dray.plant.exchange.opentcs import read_opentcs
+from dray.plant.exchange.xml_encoding import xml_text
 from dray.plant.exchange.xml_tree import read_xml
+from dray.plant.file.text_encoding import LOST, UnknownEncodingError, decode_text
 
 MAX_BYTES = 64 * 1024 * 1024
 """Of a layout file. A LIF file takes about 1 KiB for an edge."""
 
-UNITS = ("m", "mm")
-
 
 def read_layout(
-    content: bytes,
+    content: bytes | str,
     file: str,
     *,
     plant: str = "",
@@ -30,11 +30,11 @@ def read_layout(
     """Read a LIF file (JSON) or a plant model of openTCS (XML).
 
     Args:
-        content: the file.
+        content: the file; its text where somebody else has read it.
         file: its name, for errors and for the id of the plant.
         plant: the id of the plant; from the file's name if it is empty.
         name: what people call the plant; what the file says if it is empty.
-        unit: of a LIF file, `m` or `mm`; found out if it is empty.
+        unit: of a LIF file, `m`, `cm` or `mm`; found out if it is empty.
         layouts: of a LIF file, the ids of the layouts that are wanted; all if there are none.
 
     Raises:
@@ -44,12 +44,16 @@ def read_layout(
         raise PlantError(file, "", f"has more than {MAX_BYTES // 1024 // 1024} MiB: this is no layout")
     notes = Notes()
     try:
-        if content.lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"<"):
-            layout = read_opentcs(read_xml(content), notes)
+        text = content if isinstance(content, str) else _text(content, notes)
+        text = text.lstrip("\ufeff \t\r\n")
+        if LOST in text:
+            notes.add(
+                "", f"letters were lost before it came here ({LOST}): read the file from where it was made"
+            )
+        if text.startswith("<"):
+            layout = read_opentcs(read_xml(text), notes)
         else:
-            layout = read_lif(decode(content.decode("utf-8-sig")), notes, unit=unit, layouts=layouts)
-    except UnicodeDecodeError:
-        raise PlantError(file, "", "is not UTF-8: save it as UTF-8") from None
+            layout = read_lif(decode(text), notes, unit=unit, layouts=layouts)
     except ValueError as error:
         raise PlantError(file, "", str(error)) from None
     if not layout.nodes:
@@ -57,3 +61,22 @@ def read_layout(
         raise PlantError(file, "", f"there is no node in it{f' ({said})' if said else ''}")
     chosen = plant or Ids("p-").give(PurePath(file).stem)
     return assemble(layout, notes, plant=chosen, name=name or layout.name)
+
+
+def _text(content: bytes, notes: Notes) -> str:
+    """The text of a file, and in the notes what had to be guessed.
+
+    Raises:
+        ValueError: it is in no encoding that is read here.
+    """
+    if content.lstrip(b" \t\r\n").startswith(b"<") and b"\0" not in content[:4]:
+        return xml_text(content, notes)
+    try:
+        decoded = decode_text(content)
+    except UnknownEncodingError:
+        raise ValueError("is not UTF-8: save it as UTF-8") from None
+    if decoded.assumed:
+        notes.add(
+            "", f"it is not UTF-8: read as {decoded.encoding}; look at its letters, or save it as UTF-8"
+        )
+    return decoded.text

@@ -14,6 +14,7 @@ class TrackNode(msgspec.Struct):
     """A point of a layout."""
 
     original: str
+    """Its id, which no other node of the layout has."""
     place: str
     """Where in the file it stands, for notes."""
     x_m: float
@@ -26,6 +27,13 @@ class TrackNode(msgspec.Struct):
     """The types of vehicles that may be there; empty for all."""
     kept: dict[str, Any] = {}
     """What the file says of it and a plant has no field for."""
+    called: str = ""
+    """What the file calls it, where several of its layouts call a node so."""
+
+    @property
+    def name(self) -> str:
+        """What the file calls it."""
+        return self.called or self.original
 
 
 class TrackEdge(msgspec.Struct):
@@ -82,6 +90,8 @@ class TrackLayout(msgspec.Struct):
     format: str
     """`LIF 1.0.0`, say."""
     name: str
+    ours: bool = False
+    """Whether Dray has written it: it is in metres, and each of its nodes is a place of its own."""
     nodes: list[TrackNode] = []
     edges: list[TrackEdge] = []
     stations: list[TrackStation] = []

@@ -6,6 +6,7 @@ A document type is refused: without one there are no entities, so no text grows 
 from __future__ import annotations
 
 from xml.parsers import expat
+from xml.parsers.expat import errors
 
 import msgspec
 
@@ -30,8 +31,22 @@ class Element(msgspec.Struct):
         return next((child for child in self.children if child.name == name), None)
 
 
-def read_xml(text: bytes) -> Element:
-    """The root element of a document.
+WORDS = {
+    errors.codes[
+        errors.XML_ERROR_NO_ELEMENTS
+    ]: "it ends before there is an element, or before the last one is closed",
+    errors.codes[errors.XML_ERROR_TAG_MISMATCH]: "an element is closed that is not the one that is open",
+    errors.codes[errors.XML_ERROR_INVALID_TOKEN]: "a character stands where none may, as & or < in a name",
+    errors.codes[errors.XML_ERROR_DUPLICATE_ATTRIBUTE]: "an attribute is given twice",
+    errors.codes[errors.XML_ERROR_UNDEFINED_ENTITY]: "it uses an entity that it does not explain",
+    errors.codes[errors.XML_ERROR_JUNK_AFTER_DOC_ELEMENT]: "something stands behind its last element",
+    errors.codes[errors.XML_ERROR_UNCLOSED_TOKEN]: "it ends in the middle of an element",
+}
+"""What expat finds, in our words."""
+
+
+def read_xml(text: str) -> Element:
+    """The root element of a document; which encoding it names is no matter.
 
     Raises:
         ValueError: it is no XML, or has a document type, or is nested too deep.
@@ -65,5 +80,8 @@ def read_xml(text: bytes) -> Element:
     try:
         parser.Parse(text, True)
     except expat.ExpatError as error:
-        raise ValueError(f"not XML: {error}") from None
+        what = WORDS.get(error.code, "it cannot be read")
+        raise ValueError(f"not XML: line {error.lineno}, column {error.offset + 1}: {what}") from None
+    except UnicodeEncodeError:
+        raise ValueError("not XML: half of a character stands in it") from None
     return root[0]

@@ -70,6 +70,8 @@ def read_document(text: str, file: str) -> Document:
     reader = _Reader(file)
     try:
         data = reader.read(yaml.parse(text, Loader=_LOADER))
+    except UnicodeEncodeError:
+        raise PlantError(file, "", "not YAML: half of a character stands in it") from None
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         problem = ", ".join(part for part in (error.context, error.problem) if part)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
+from itertools import islice
 
 import msgspec
 from sqlalchemy import ColumnElement, Row, bindparam, func, insert, or_, select, update
@@ -122,6 +123,23 @@ class OrderTotals(msgspec.Struct, frozen=True, gc=False):
 _COLUMNS = [column for column in orders.c if column.name != "search"]
 
 
+REFERENCES_AT_ONCE = 100
+"""That are looked for by one statement: a millisecond or two of the event loop."""
+
+REFERRED_MOST = 1_000
+"""Orders that it finds: a file that was placed within the hour has as many at most, and the newest ones matter."""
+
+
+class Referred(msgspec.Struct, frozen=True):
+    """An order as its customer calls it."""
+
+    id: str
+    customer: str
+    reference: str
+    created_at_s: float
+    """Wall clock."""
+
+
 class Orders:
     """The orders, inside one transaction."""
 
@@ -157,6 +175,28 @@ class Orders:
         query = select(orders.c.id, orders.c.reference).where(orders.c.id.in_(list(ids)))
         rows = await self._connection.execute(query.where(orders.c.reference.is_not(None)))
         return {row.id: row.reference for row in rows}
+
+    async def referred_to(self, references: Collection[str], since_s: float) -> list[Referred]:
+        """Orders that were placed since then under some references and are not cancelled; of one reference oldest first.
+
+        Of `REFERENCES_AT_ONCE` references the newest `REFERRED_MOST` orders.
+        """
+        found: list[Referred] = []
+        left = iter(references)
+        while some := list(islice(left, REFERENCES_AT_ONCE)):
+            query = (
+                select(orders.c.id, orders.c.customer, orders.c.reference, orders.c.created_at_s)
+                .where(
+                    orders.c.created_at_s >= since_s,
+                    orders.c.reference.in_(some),
+                    orders.c.status != OrderStatus.CANCELLED,
+                )
+                .order_by(orders.c.created_at_s.desc(), orders.c.id.desc())
+                .limit(REFERRED_MOST)
+            )
+            rows = (await self._connection.execute(query)).all()
+            found += [Referred(*row) for row in reversed(rows)]
+        return found
 
     async def open(self) -> list[Order]:
         """All orders that the factory works at, oldest first."""

@@ -17,6 +17,7 @@ export function ImportButton() {
 /** Places the orders of a spreadsheet: first it is looked through, and told what is wrong in which row. */
 export function ImportDialog() {
   const faults = found.value?.faults ?? [];
+  const hints = placed.value === null ? (found.value?.hints ?? []) : [];
   return (
     <Sheet id={ID} title={t("import.title")}>
       <p class="muted">{t("import.hint")}</p>
@@ -30,6 +31,8 @@ export function ImportDialog() {
         {faults.length > 0 && <p class="complaint">{n("import.faults", faults.length)}</p>}
       </div>
       <RowFaults faults={faults} />
+      {hints.length > 0 && <p>{n("import.hints", hints.length)}</p>}
+      <RowFaults faults={hints} />
       {ready.value > 0 && (
         <p>
           <button type="button" class="button primary" disabled={busy.value} onClick={() => void place()}>

@@ -1,13 +1,14 @@
 /** A file of orders: looked through first, placed only when nothing is wrong with it. */
 import { computed, signal } from "@preact/signals";
 import { importOrders, newKey } from "../../api/client";
+import { type FileBody, fileBody } from "../../api/file-body";
 import type { ImportAnswer } from "../../api/types";
 import { t } from "../../text/views/order";
 import { problemText } from "../problem-text";
 
 interface Chosen {
   readonly name: string;
-  readonly text: string;
+  readonly body: FileBody;
   /** The same for every try: however often it is sent, it is placed once. */
   readonly key: string;
 }
@@ -30,7 +31,7 @@ export async function choose(file: File | undefined): Promise<void> {
   chosen.value = found.value = placed.value = null;
   failed.value = "";
   if (!file) return;
-  chosen.value = { name: file.name, text: await file.text(), key: newKey() };
+  chosen.value = { name: file.name, body: await fileBody(file), key: newKey() };
   await send(true);
 }
 
@@ -44,7 +45,7 @@ async function send(dryRun: boolean): Promise<void> {
   busy.value = true;
   failed.value = "";
   try {
-    const answer = await importOrders(file.text, dryRun, file.key);
+    const answer = await importOrders(file.body, dryRun, file.key);
     if (dryRun) found.value = answer;
     else placed.value = answer.orders.length;
   } catch (error) {

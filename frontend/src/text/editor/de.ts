@@ -114,6 +114,8 @@ export const de: Catalogue<typeof en> = {
   "start.running": "Mit dem laufenden Werk beginnen",
   "start.file": "Oder mit einer Datei",
   "start.onto": "was ein Layout nicht sagen kann, kommt aus dem laufenden Werk",
+  "start.unit": "Einheit einer LIF-Datei",
+  "start.unitFound": "wird herausgefunden",
   "start.choose": "Werksdatei (YAML), LIF (JSON) oder openTCS (XML)",
   "start.drafts": "Entwürfe",
   "start.none": "Es gibt noch keinen.",

@@ -112,6 +112,8 @@ export const en = {
   "start.running": "Begin with the running plant",
   "start.file": "Or with a file",
   "start.onto": "what a layout cannot tell is taken from the running plant",
+  "start.unit": "Unit of a LIF file",
+  "start.unitFound": "found out",
   "start.choose": "Plant file (YAML), LIF (JSON) or openTCS (XML)",
   "start.drafts": "Drafts",
   "start.none": "There is none yet.",

@@ -114,6 +114,8 @@ export const es: Catalogue<typeof en> = {
   "start.running": "Empezar con la planta en marcha",
   "start.file": "O con un archivo",
   "start.onto": "lo que un plano no dice se toma de la planta en marcha",
+  "start.unit": "Unidad de un archivo LIF",
+  "start.unitFound": "se averigua",
   "start.choose": "Archivo de planta (YAML), LIF (JSON) u openTCS (XML)",
   "start.drafts": "Borradores",
   "start.none": "Aún no hay ninguno.",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import msgspec
 from pydantic import BaseModel, ConfigDict, Field
@@ -89,7 +89,11 @@ class NewDraft(BaseModel):
     name: Line
     file: str | None = None
     """The text of a plant file (YAML), a LIF file (JSON) or a plant model of openTCS (XML); left out, the running plant."""
+    file_base64: str | None = None
+    """The file itself instead of its text, where its encoding may be another one than UTF-8."""
     file_name: Annotated[str, Field(max_length=200, pattern=NOTE)] = "draft"
+    unit: Literal["", "m", "cm", "mm"] = ""
+    """Of a LIF file; found out if it is empty."""
     onto_running: Annotated[bool, Field(strict=True)] = False
     """What a layout cannot tell is taken from the running plant, as far as its nodes are there."""
 

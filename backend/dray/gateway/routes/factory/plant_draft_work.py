@@ -5,6 +5,8 @@ Bodies, drafts and answers come and go as JSON, which costs the event loop nothi
 
 from __future__ import annotations
 
+import base64
+
 import msgspec
 
 from dray.errors import PlantError
@@ -41,10 +43,13 @@ def new_draft(body: bytes, running: bytes) -> ReadDraft:
     request = read(NewDraft, body)
     name, file_name, notes = request.name, request.file_name, list[str]()
     data = running.decode()
-    if request.file is not None:
+    file = _file(request)
+    if isinstance(file, FieldError):
+        return ReadDraft(name=name, file_name=file_name, fault=file)
+    if file is not None:
         onto = Plant(msgspec.json.decode(running, type=PlantFile)) if request.onto_running else None
         try:
-            content, notes = read_file(request.file, file_name, onto)
+            content, notes = read_file(file, file_name, onto, request.unit)
         except PlantError as error:
             return ReadDraft(name=name, file_name=file_name, fault=FieldError("file", error.reason))
         data = _encoded(content)
@@ -57,7 +62,12 @@ def changed_draft(body: bytes) -> ReadDraft:
     if deeper_than(request.data, MAX_DEPTH):
         fault = FieldError("data", f"is nested more than {MAX_DEPTH} levels deep")
         return ReadDraft(name=request.name, fault=fault)
-    return ReadDraft(name=request.name, data=_encoded(request.data))
+    try:
+        data = _encoded(request.data)
+    except UnicodeEncodeError:
+        fault = FieldError("data", "half of a character stands in it: write it anew")
+        return ReadDraft(name=request.name, fault=fault)
+    return ReadDraft(name=request.name, data=data)
 
 
 def floor_plan(body: bytes) -> FloorPlan:
@@ -95,6 +105,18 @@ def playable(data: str) -> str:
             *(FieldError(f"data.{each.field}" if each.field else "data", each.text) for each in told)
         )
     return as_yaml(data)
+
+
+def _file(request: NewDraft) -> str | bytes | FieldError | None:
+    """The file of a request, None for none, or why there is none to be had."""
+    if request.file_base64 is None:
+        return request.file
+    if request.file is not None:
+        return FieldError("file_base64", "file is there, too: give one of the two")
+    try:
+        return base64.b64decode(request.file_base64, validate=True)
+    except ValueError:
+        return FieldError.of("file_base64", "no_base64")
 
 
 def _encoded(value: object) -> str:

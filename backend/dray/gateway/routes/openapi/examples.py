@@ -9,6 +9,7 @@ import msgspec
 
 from dray.gateway.factory.figures import KpiHistory, KpiPoint
 from dray.gateway.factory.promises import ON_TIME_S, PromiseLedger, PromiseLine
+from dray.gateway.http.csv_rows import RowFault
 from dray.gateway.live.views import (
     AtvView,
     BidView,
@@ -218,9 +219,21 @@ _STRUCTS = (
             ImportedOrder(id=ORDER.id, customer=ORDER.customer, reference=ORDER.reference, items=1, pieces=5),
         ),
         faults=(),
+        hints=(
+            RowFault.of(
+                2,
+                "reference",
+                "placed_already",
+                customer=ORDER.customer,
+                order="O-1M9K3WZ7P-2TQA",
+                minutes=12,
+            ),
+        ),
     ),
     ProductsAnswer(
-        products=(ImportedProduct(id="P1", name="Gear unit", becomes="changed", revision=2),), faults=()
+        products=(ImportedProduct(id="P1", name="Gear unit", becomes="changed", revision=2),),
+        faults=(),
+        hints=(),
     ),
     OrderPreview(
         materials=(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import islice
 from typing import Annotated
 
 import msgspec
@@ -11,13 +12,14 @@ from pydantic import ConfigDict
 
 from dray.gateway.access.audit_log import Noted
 from dray.gateway.access.caller import Caller
-from dray.gateway.http.csv_rows import RowFault, refusal
+from dray.gateway.http.csv_rows import RowFault, first_by_row, refusal
+from dray.gateway.http.problems import MAX_FIELD_ERRORS
 from dray.gateway.http.provided import Provided
 from dray.gateway.http.request_bodies import RowsFile, json_only
 from dray.gateway.http.responses import Json, described, problems
 from dray.gateway.http.side_work import SideWork
 from dray.gateway.http.unread import Unread, UnreadRoute
-from dray.gateway.orders.csv_import import read_file
+from dray.gateway.orders.csv_import import placed_already, read_file
 from dray.gateway.orders.drafts import OrderDraft
 from dray.gateway.orders.idempotency import Key, own_key
 from dray.gateway.orders.order_ids import new_token
@@ -60,6 +62,8 @@ class ImportAnswer(msgspec.Struct, frozen=True, kw_only=True):
     orders: tuple[ImportedOrder, ...]
     faults: tuple[RowFault, ...]
     """What is wrong with it, by row; 50 at most. Empty when it was placed."""
+    hints: tuple[RowFault, ...]
+    """What is odd in it and placed all the same, by row; 50 at most. Orders that were placed already, say, or letters of an unknown encoding."""
 
 
 @router.post(
@@ -90,25 +94,35 @@ async def import_orders(
     tells what is wrong in which row; without one, a single fault refuses the whole file.
     """
     file = await side_work.do(caller.key, read_file, body, placement.products, placement.now_s)
-    drafts = file.drafts
+    drafts = [each.draft for each in file.orders]
     note.detail |= {"orders": len(drafts), "dry_run": file.dry_run}
-    if file.dry_run:
-        return Json(_imported([(draft, "") for draft in drafts], file.faults))
-    if file.faults:
-        raise refusal(file.faults)
-
-    def render(orders: Sequence[Order]) -> bytes:
-        pairs = zip(drafts, (order.id for order in orders), strict=True)
-        return msgspec.json.encode(_imported(list(pairs), []))
-
     # Without a key of its own every request is another one. An order and a file of that order alone are
     # answered differently, so a key stands for another thing here.
     own = own_key(caller, f"import {key or new_token()}")
+    if key and not file.dry_run and not file.faults:
+        kept = await placement.answered(drafts, own, note)
+        if kept is not None:
+            return Json(kept.answer.encode())
+    faults = first_by_row([*file.faults, *file.senseless])
+    if faults and not file.dry_run:
+        raise refusal(faults)
+    lately = await placement.placed_lately({draft.reference for draft in drafts if draft.reference})
+    again = islice(placed_already(file.orders, lately, placement.now_s), MAX_FIELD_ERRORS)
+    hints = first_by_row([*file.hints, *again])
+    if file.dry_run:
+        return Json(_imported([(draft, "") for draft in drafts], faults, hints))
+
+    def render(orders: Sequence[Order]) -> bytes:
+        pairs = zip(drafts, (order.id for order in orders), strict=True)
+        return msgspec.json.encode(_imported(list(pairs), [], hints))
+
     kept, _replayed = await placement.place_all_once(drafts, caller.key, own, render, note)
     return Json(kept.answer.encode())
 
 
-def _imported(orders: Sequence[tuple[OrderDraft, str]], faults: Sequence[RowFault]) -> ImportAnswer:
+def _imported(
+    orders: Sequence[tuple[OrderDraft, str]], faults: Sequence[RowFault], hints: Sequence[RowFault]
+) -> ImportAnswer:
     return ImportAnswer(
         orders=tuple(
             ImportedOrder(
@@ -121,4 +135,5 @@ def _imported(orders: Sequence[tuple[OrderDraft, str]], faults: Sequence[RowFaul
             for draft, name in orders
         ),
         faults=tuple(faults),
+        hints=tuple(hints),
     )

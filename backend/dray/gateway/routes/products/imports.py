@@ -55,6 +55,8 @@ class ProductsAnswer(msgspec.Struct, frozen=True, kw_only=True):
     products: tuple[ImportedProduct, ...]
     faults: tuple[RowFault, ...]
     """What is wrong with it, by row; 50 at most. Empty when it was taken."""
+    hints: tuple[RowFault, ...]
+    """What is odd in it and taken all the same, as letters of an unknown encoding."""
 
 
 @router.post(
@@ -105,10 +107,11 @@ async def import_products(
         )
         for wish in wishes
     )
+    hints = tuple(read.hints)
     if read.dry_run:
-        return Json(ProductsAnswer(products=products, faults=tuple(read.faults)))
+        return Json(ProductsAnswer(products=products, faults=tuple(read.faults), hints=hints))
     if read.faults:
         raise refusal(read.faults)
     if changed := await catalogue.define(news, caller.name, now_s, judged):
         raise changed_since("product", changed)
-    return Json(ProductsAnswer(products=products, faults=()))
+    return Json(ProductsAnswer(products=products, faults=(), hints=hints))

@@ -108,6 +108,8 @@ export const orders: Catalogue<typeof english> = {
   "import.choose": "Datei wählen",
   "import.faults.one": "{n} Fehler. Berichtigen Sie die Datei, und wählen Sie sie neu; nichts wurde angelegt.",
   "import.faults.other": "{n} Fehler. Berichtigen Sie die Datei, und wählen Sie sie neu; nichts wurde angelegt.",
+  "import.hints.one": "Das zuerst ansehen; es gilt trotzdem.",
+  "import.hints.other": "Das zuerst ansehen; es gilt trotzdem.",
   "import.row": "Zeile",
   "import.column": "Spalte",
   "import.reason": "Was falsch ist",

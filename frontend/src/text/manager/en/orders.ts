@@ -105,6 +105,8 @@ export const orders = {
   "import.choose": "Choose a file",
   "import.faults.one": "{n} fault. Correct the file and choose it again; nothing was placed.",
   "import.faults.other": "{n} faults. Correct the file and choose it again; nothing was placed.",
+  "import.hints.one": "Look at this first; it is taken all the same.",
+  "import.hints.other": "Look at these first; they are taken all the same.",
   "import.row": "Row",
   "import.column": "Column",
   "import.reason": "What is wrong",

@@ -108,6 +108,8 @@ export const orders: Catalogue<typeof english> = {
   "import.choose": "Elegir un archivo",
   "import.faults.one": "{n} error. Corrija el archivo y elíjalo de nuevo; no se ha creado nada.",
   "import.faults.other": "{n} errores. Corrija el archivo y elíjalo de nuevo; no se ha creado nada.",
+  "import.hints.one": "Mire esto primero; vale de todos modos.",
+  "import.hints.other": "Mire esto primero; vale de todos modos.",
   "import.row": "Fila",
   "import.column": "Columna",
   "import.reason": "Qué está mal",

@@ -3,7 +3,18 @@ import type { rows as en } from "./en";
 
 /** What is wrong with a spreadsheet, or with a field of a form, in German. */
 export const rows: Catalogue<typeof en> = {
-  "rowFault.csv_unreadable": "Das ist keine CSV-Datei. Die Tabelle als CSV speichern.",
+  "rowFault.file_needed": "Eine Datei wählen.",
+  "rowFault.no_base64": "Die Datei kam nicht ganz an. Noch einmal wählen.",
+  "rowFault.csv_encoding": "Ihre Buchstaben haben eine Kodierung, die hier nicht gelesen wird. Die Tabelle als CSV UTF-8 speichern.",
+  "rowFault.csv_read_as": "Die Datei sagt nicht, wie sie kodiert ist; sie wurde als {encoding} gelesen. Die Buchstaben ansehen und als CSV UTF-8 speichern, wo einer falsch ist.",
+  "rowFault.csv_cell_too_long": "Eine Zelle hat mehr als {most} Zeichen. Ein Anführungszeichen fehlt, oder das ist keine CSV-Datei.",
+  "rowFault.csv_row_too_wide": "Die Zeile hat {count} Zellen, und es gibt {columns} Spalten. Eine Zelle, in der das Trennzeichen vorkommt, in Anführungszeichen setzen.",
+  "rowFault.csv_lost_character": "Ein Zeichen ging verloren, bevor die Datei hierher kam. Die Tabelle noch einmal als CSV UTF-8 speichern.",
+  "rowFault.csv_control_character": "Darin steht ein Zeichen, das niemand sieht. Neu schreiben.",
+  "rowFault.csv_cell_of_lines": "Die Zelle geht über {count} Zeilen. In eine schreiben oder das fehlende Anführungszeichen ergänzen.",
+  "rowFault.column_unnamed": "Spalte {number} hat Zellen und keinen Namen. Benennen oder entfernen.",
+  "rowFault.placed_already": "{customer} hat mit diesem Zeichen den Auftrag {order}, angelegt vor {minutes} min. Das wäre ein zweiter.",
+  "rowFault.in_file_already": "Auch der Auftrag in Zeile {row} hat diesen Kunden und dieses Zeichen. Das wäre ein zweiter. Für einen die Zeilen hintereinander schreiben.",
   "rowFault.csv_empty": "In der Datei steht nichts. Mit einer Zeile der Spaltennamen beginnen: {columns}.",
   "rowFault.csv_too_wide": "Die Datei hat {count} Spalten. Es gibt: {columns}.",
   "rowFault.csv_too_many_rows": "Eine Datei hat höchstens {most} Zeilen. In zwei teilen.",

@@ -1,6 +1,17 @@
 /** What is wrong with a spreadsheet, or with a field of a form, in English; the codes are the gateway's (`gateway/http/fault_codes.py`). */
 export const rows = {
-  "rowFault.csv_unreadable": "This is no CSV file. Save the spreadsheet as CSV.",
+  "rowFault.file_needed": "Choose one file.",
+  "rowFault.no_base64": "The file did not come whole. Choose it again.",
+  "rowFault.csv_encoding": "Its letters are in an encoding that is not read here. Save the spreadsheet as CSV UTF-8.",
+  "rowFault.csv_read_as": "The file does not say its encoding; it was read as {encoding}. Look at its letters, and save it as CSV UTF-8 where one is wrong.",
+  "rowFault.csv_cell_too_long": "A cell has more than {most} characters. A quotation mark is missing, or this is no CSV file.",
+  "rowFault.csv_row_too_wide": "The row has {count} cells, and there are {columns} columns. Put a cell in which the separator stands into quotation marks.",
+  "rowFault.csv_lost_character": "A character was lost before the file came here. Save the spreadsheet as CSV UTF-8 again.",
+  "rowFault.csv_control_character": "There is a character in it that nobody can see. Write it anew.",
+  "rowFault.csv_cell_of_lines": "The cell goes over {count} lines. Write it in one, or add the quotation mark that is missing.",
+  "rowFault.column_unnamed": "Column {number} has cells and no name. Name it, or remove it.",
+  "rowFault.placed_already": "{customer} has order {order} with this reference, placed {minutes} min ago. This would be a second one.",
+  "rowFault.in_file_already": "The order in row {row} has this customer and reference, too. This would be a second one. Write its rows one after another to make them one.",
   "rowFault.csv_empty": "There is nothing in the file. Begin with a row of column names: {columns}.",
   "rowFault.csv_too_wide": "The file has {count} columns. There are: {columns}.",
   "rowFault.csv_too_many_rows": "A file has {most} rows at most. Cut it in two.",

@@ -3,7 +3,18 @@ import type { rows as en } from "./en";
 
 /** What is wrong with a spreadsheet, or with a field of a form, in Spanish. */
 export const rows: Catalogue<typeof en> = {
-  "rowFault.csv_unreadable": "No es un archivo CSV. Guarde la hoja como CSV.",
+  "rowFault.file_needed": "Elija un archivo.",
+  "rowFault.no_base64": "El archivo no llegó entero. Elíjalo de nuevo.",
+  "rowFault.csv_encoding": "Sus letras tienen una codificación que aquí no se lee. Guarde la hoja como CSV UTF-8.",
+  "rowFault.csv_read_as": "El archivo no dice su codificación; se leyó como {encoding}. Mire sus letras y guárdelo como CSV UTF-8 si alguna está mal.",
+  "rowFault.csv_cell_too_long": "Una celda tiene más de {most} caracteres. Faltan unas comillas, o no es un archivo CSV.",
+  "rowFault.csv_row_too_wide": "La fila tiene {count} celdas y hay {columns} columnas. Ponga entre comillas la celda que contiene el separador.",
+  "rowFault.csv_lost_character": "Se perdió un carácter antes de que el archivo llegara. Guarde la hoja otra vez como CSV UTF-8.",
+  "rowFault.csv_control_character": "Contiene un carácter que nadie ve. Escríbalo de nuevo.",
+  "rowFault.csv_cell_of_lines": "La celda ocupa {count} líneas. Escríbala en una o añada las comillas que faltan.",
+  "rowFault.column_unnamed": "La columna {number} tiene celdas y no tiene nombre. Póngale uno o quítela.",
+  "rowFault.placed_already": "{customer} ya tiene con esta referencia el pedido {order}, creado hace {minutes} min. Este sería otro.",
+  "rowFault.in_file_already": "El pedido de la fila {row} también tiene este cliente y esta referencia. Este sería otro. Escriba sus filas seguidas para que sean uno.",
   "rowFault.csv_empty": "El archivo está vacío. Empiece con una fila de nombres de columna: {columns}.",
   "rowFault.csv_too_wide": "El archivo tiene {count} columnas. Existen: {columns}.",
   "rowFault.csv_too_many_rows": "Un archivo tiene {most} filas como máximo. Divídalo en dos.",

@@ -1,4 +1,5 @@
 import { computed, signal } from "@preact/signals";
+import { type FileBody, fileBody } from "../../../../api/file-body";
 import { importProducts } from "../../../../api/products";
 import type { components } from "../../../../api/types";
 import { loadPlant } from "../../../../plant/load";
@@ -11,7 +12,7 @@ import { plant, plantFailed } from "../../../state";
 
 const ID = "products-file";
 
-const chosen = signal<{ name: string; text: string } | null>(null);
+const chosen = signal<{ name: string; body: FileBody } | null>(null);
 /** What the gateway says is in the file; null before it was asked. */
 const found = signal<components["schemas"]["ProductsAnswer"] | null>(null);
 const taken = signal(false);
@@ -33,7 +34,7 @@ async function ask(dryRun: boolean): Promise<boolean> {
   busy.value = true;
   failed.value = "";
   try {
-    found.value = await importProducts(chosen.value.text, dryRun);
+    found.value = await importProducts(chosen.value.body, dryRun);
     taken.value = !dryRun;
     if (!dryRun) void loadPlant(plant, plantFailed, problemText);
     return true;
@@ -49,13 +50,14 @@ async function choose(file: File | undefined): Promise<void> {
   chosen.value = found.value = null;
   taken.value = false;
   if (!file) return;
-  chosen.value = { name: file.name, text: await file.text() };
+  chosen.value = { name: file.name, body: await fileBody(file) };
   await ask(true);
 }
 
 /** Products of a spreadsheet: first looked through, with what is wrong in which row; then all of them, or none. */
 export function FileSheet({ onTaken }: { onTaken: () => void }) {
   const faults = found.value?.faults ?? [];
+  const hints = taken.value ? [] : (found.value?.hints ?? []);
   const ready = found.value !== null && faults.length === 0 && !taken.value;
   return (
     <Sheet id={ID} title={t("products.import")}>
@@ -68,6 +70,8 @@ export function FileSheet({ onTaken }: { onTaken: () => void }) {
         {faults.length > 0 && <p class="complaint">{n("import.faults", faults.length)}</p>}
       </div>
       <RowFaults faults={faults} />
+      {hints.length > 0 && <p>{n("import.hints", hints.length)}</p>}
+      <RowFaults faults={hints} />
       {ready && news.value.length > 0 && (
         <p>
           <button
