@@ -88,7 +88,7 @@ class MasterControl:
         self.wake_at_s = 0.0
         self._plant, self._type, self._profile = plant, vehicle_type, profile
         self._out: list[Effect] = []
-        self.view = view = VehicleView(profile)
+        self.view = view = VehicleView(profile, agent)
         self._instant = InstantActions(agent, life, profile, self._out)
         self._holding = Holding(profile, view, self._instant)
         self._load = OnBoard(profile, memory.load, memory.quantity, memory.doubt)

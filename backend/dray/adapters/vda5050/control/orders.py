@@ -85,7 +85,7 @@ class Orders:
         owner: Owner,
         remember: Callable[[], None],
     ) -> None:
-        self._ours, self._prefix = f"{agent}-", f"{agent}-{life}-"
+        self._prefix = f"{agent}-{life}-"
         self._profile, self._view, self._remember = profile, view, remember
         self._instant, self._out, self._owner = instant, out, owner
         self._number = 0
@@ -93,7 +93,7 @@ class Orders:
         self.cancelled = 0
         self._over_s = NEVER_S
         self._still_s: float | None = None
-        """Since when the vehicle stands and shows no action that is not over."""
+        """Since when the vehicle stands and shows no action of ours that is not over."""
 
     # --- what is wanted --------------------------------------------------------------------------
 
@@ -102,13 +102,14 @@ class Orders:
         state = self._view.state
         if self.present is not None and self.present.now is not OrderState.REFUSED:
             return False
-        if state.is_idle:
+        view = self._view
+        if view.is_idle:
             return True
-        if state.driving or self._still_s is None:
+        if view.is_driving or self._still_s is None:
             return False
         # Some never clear what they show: then its standing still counts.
-        ours = (state.order_id or "").startswith(self._ours)
-        return now_s - self._still_s >= (SETTLE_S if ours or not state.order_id else STALE_S)
+        is_foreign = bool(state.order_id) and not view.shows_ours
+        return now_s - self._still_s >= (STALE_S if is_foreign else SETTLE_S)
 
     def offer(self, order: VehicleOrder, now_s: float) -> None:
         """Say a new order; `present` is None or over."""
@@ -159,7 +160,8 @@ class Orders:
     def on_state(self, now_s: float) -> None:
         """Follow the order by a new state."""
         state, order = self._view.state, self.present
-        if state.driving or not state.acts_no_more:
+        is_foreign = bool(state.order_id) and not self._view.shows_ours
+        if self._view.is_driving or (self._view.acting and not is_foreign):
             self._still_s = None
         elif self._still_s is None:
             self._still_s = now_s
@@ -251,9 +253,8 @@ class Orders:
 
     def _is_hindered(self, order: VehicleOrder, now_s: float) -> bool:
         """Whether an order of an earlier life keeps it from taking this one, by a horizon that is left: it is cancelled first."""
-        state, instant = self._view.state, self._instant
-        ours = (state.order_id or "").startswith(self._ours)
-        if state.is_idle or not ours or order.reason == REFUSED_SILENTLY:
+        view, instant = self._view, self._instant
+        if view.is_idle or not view.shows_ours or order.reason == REFUSED_SILENTLY:
             instant.forget(CANCEL)
             return False
         if not instant.is_open(CANCEL):
@@ -295,14 +296,14 @@ class Orders:
         """Whether it has come to an end."""
         if order.action is not None:
             self._judge_action(order, order.action, state, now_s)
-        elif order.passed == order.end and not state.driving:
+        elif order.passed == order.end and not self._view.is_driving:
             if order.has_horizon and not order.beyond:
                 self._begin_cancel(
                     order, now_s
                 )  # It waits for what nobody wants any more, and takes no update.
             elif not order.beyond:
                 self._end(order, OrderState.DONE, "", now_s)
-        elif self._is_quiet(order, state, now_s):
+        elif self._is_quiet(order, now_s):
             # Shown, never begun, and complained of: a refusal that came late.
             error = _refusal(order, state) if not order.passed else None
             self._end(order, OrderState.ENDED, STOPPED_SHORT if error is None else error.text, now_s)
@@ -327,18 +328,18 @@ class Orders:
         elif overdue := order.overdue(now_s, self._profile.waiting_s):
             order.reason = overdue
             self._begin_cancel(order, now_s)
-        elif not status and self._is_quiet(order, state, now_s):
+        elif not status and self._is_quiet(order, now_s):
             self._end(order, OrderState.ENDED, VANISHED, now_s)
 
-    def _is_quiet(self, order: VehicleOrder, state: State, now_s: float) -> bool:
+    def _is_quiet(self, order: VehicleOrder, now_s: float) -> bool:
         """Whether the vehicle has had nothing left to do for a while, though the order is not done."""
-        order.quiet_since_s = (order.quiet_since_s or now_s) if state.is_idle else None
+        order.quiet_since_s = (order.quiet_since_s or now_s) if self._view.is_idle else None
         return order.quiet_since_s is not None and now_s - order.quiet_since_s >= SETTLE_S
 
     def _wonder(self, order: VehicleOrder, state: State, now_s: float) -> None:
         """It shows another order than ours, or none."""
         at_end = order.kind is Kind.STEP and state.last_node_id == order.nodes[-1]
-        if at_end and not state.order_id and state.is_idle:
+        if at_end and not state.order_id and self._view.is_idle:
             # It has come to the end, and clears its order at once.
             while order.passed < order.end:
                 order.passed += 1
@@ -361,13 +362,13 @@ class Orders:
         """It is over when cancelOrder is FINISHED, or when there is nothing to cancel; not when it is only seen."""
         state, status = self._view.state, self._instant.status(CANCEL)
         given_up = self._instant.is_given_up(CANCEL)
-        over = status == FINISHED or ((status == FAILED or given_up) and state.is_idle)
+        over = status == FINISHED or ((status == FAILED or given_up) and self._view.is_idle)
         forgotten = bool(state.order_id) and not order.is_shown(state)
         if not over and not forgotten:
             return
         shown = state.action(order.action.id) if order.action is not None else None
         if shown is not None and shown.action_status not in (FINISHED, FAILED):
-            if not state.is_idle and shown.action_status != WAITING:
+            if not self._view.is_idle and shown.action_status != WAITING:
                 return  # An action that cannot be cancelled ends first.
         done = shown is not None and shown.action_status == FINISHED
         self._instant.forget(CANCEL)

@@ -6,12 +6,14 @@ begin anew after a restart.
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from math import hypot
 
 from dray.adapters.vda5050.profile import Profile
 from dray.adapters.vda5050.wire.lenient import read
 from dray.adapters.vda5050.wire.messages import (
+    ActionState,
     Connection,
     Factsheet,
     Position,
@@ -33,6 +35,15 @@ REORDERED_S = 5.0
 STANDING_MPS = 0.02
 """Slower is standing: odometry is never quite still."""
 
+STIRRED_M = 0.05
+"""A pose that changes by less has not changed: localisation is never quite still."""
+
+CONTRADICTED_S = 10.0
+"""`driving` of a vehicle whose speed is 0, and whose pose does not change, is not believed after this."""
+
+_INSTANT = re.compile(r"-i\d+$")
+"""How ids of our instant actions end (`InstantActions`); those of orders never do."""
+
 DOUBLED, REORDERED, OTHER_MAP, NOWHERE, OTHER_TOPIC = (
     "a doubled state",
     "an older state",
@@ -48,6 +59,7 @@ class VehicleView:
 
     Args:
         profile: of its type.
+        agent: whose vehicle it is: ids of our orders and actions begin with it.
 
     Attributes:
         odd: what was ignored, by reason.
@@ -61,8 +73,8 @@ class VehicleView:
         factsheet: None before it was told.
     """
 
-    def __init__(self, profile: Profile) -> None:
-        self._profile = profile
+    def __init__(self, profile: Profile, agent: str) -> None:
+        self._profile, self._prefix = profile, f"{agent}-"
         self.odd: Counter[str] = Counter()
         self.state = State()
         self.heard_s = NEVER_S
@@ -75,6 +87,9 @@ class VehicleView:
         self.away_s = NEVER_S
         self.factsheet: Factsheet | None = None
         self._posed_s = NEVER_S
+        self._stirred_s = NEVER_S
+        """When it was seen to move last, by its speed or by its pose."""
+        self._stirred_at: Pose | None = None
         self._counts_anew = False
         """It has connected anew: its messages may be numbered from 0 again."""
         self.doubtful_s: float | None = None
@@ -126,8 +141,55 @@ class VehicleView:
 
     @property
     def is_driving(self) -> bool:
-        """Whether it says so."""
-        return self.state.driving is True
+        """Whether it says so, and neither its speed nor its pose has contradicted that for a while."""
+        return self.state.driving is True and not self.is_driving_denied
+
+    @property
+    def is_driving_denied(self) -> bool:
+        """Whether it says that it drives, and stands: its speed is 0, and its pose has not changed."""
+        is_seen = self.state.velocity is not None or self.pose is not None
+        last_s = max(self.heard_s, self._posed_s)
+        still = is_seen and last_s - self._stirred_s >= CONTRADICTED_S
+        return self.state.driving is True and still
+
+    # --- what it has left to do ------------------------------------------------------------------
+
+    @property
+    def shows_ours(self) -> bool:
+        """Whether the order that it shows is ours, of whatever life."""
+        return (self.state.order_id or "").startswith(self._prefix)
+
+    @property
+    def is_idle(self) -> bool:
+        """Nothing is left to do, by the words of the text: no nodes, no edges, all actions over that count."""
+        state = self.state
+        return not (self.acting or state.node_states or state.edge_states or self.is_driving)
+
+    @property
+    def acting(self) -> tuple[ActionState, ...]:
+        """Actions of orders that are not over.
+
+        Our instant actions do not count. Of somebody else's actions only those do that an order of somebody else may have:
+        a lamp or a horn holds no order up.
+        """
+        is_foreign = bool(self.state.order_id) and not self.shows_ours
+        return tuple(
+            action
+            for action in self.state.going_on
+            if (self._is_ordered(action) if self._is_ours(action) else is_foreign)
+        )
+
+    @property
+    def foreign_actions(self) -> tuple[ActionState, ...]:
+        """Actions that are not over, and of no order of ours nor of a life of ours."""
+        listed = (*self.state.going_on, *self.state.running_instant)
+        return tuple(action for action in listed if not self._is_ours(action))
+
+    def _is_ours(self, action: ActionState) -> bool:
+        return (action.action_id or "").startswith(self._prefix)
+
+    def _is_ordered(self, action: ActionState) -> bool:
+        return _INSTANT.search(action.action_id or "") is None
 
     def _take_state(self, state: State, now_s: float) -> bool:
         is_first = self.heard_s == NEVER_S
@@ -144,6 +206,8 @@ class VehicleView:
         self._take_pose(state.position, state.velocity, now_s)
         if not state.driving and state.velocity is None:
             self.speed_mps = 0.0
+        if is_first or self.speed_mps > STANDING_MPS:
+            self._stirred_s = now_s
         return True
 
     def _stale(self, state: State, now_s: float) -> str:
@@ -175,6 +239,9 @@ class VehicleView:
         before, before_s = self.pose, self._posed_s
         self.pose = self._profile.map.to_plant(position.x, position.y, position.theta or 0.0)
         self._posed_s = now_s
+        at = self._stirred_at
+        if at is None or hypot(self.pose.x_m - at.x_m, self.pose.y_m - at.y_m) > STIRRED_M:
+            self._stirred_at, self._stirred_s = self.pose, now_s
         if velocity is None and before is not None and now_s > before_s and self.is_driving:
             gone_m = hypot(self.pose.x_m - before.x_m, self.pose.y_m - before.y_m)
             self.speed_mps = gone_m / (now_s - before_s)

@@ -172,16 +172,16 @@ class State(Said, frozen=True):
         return max(states, key=lambda state: _PROGRESS.get(state.action_status or "", -1), default=None)
 
     @property
-    def is_idle(self) -> bool:
-        """Nothing is left to do, by the words of the text: no nodes, no edges, all actions over."""
-        return self.acts_no_more and not self.node_states and not self.edge_states and not self.driving
+    def going_on(self) -> tuple[ActionState, ...]:
+        """Actions of `actionStates` that are not over; one that is listed twice is, when it is once."""
+        listed = self.action_states or ()
+        ended = {state.action_id for state in listed if state.action_status in OVER}
+        return tuple(state for state in listed if state.action_id and state.action_id not in ended)
 
     @property
-    def acts_no_more(self) -> bool:
-        """All actions of orders are over; one that is listed twice is, when it is once."""
-        ids = {state.action_id for state in self.action_states or () if state.action_id}
-        ended = {state.action_id for state in self.action_states or () if state.action_status in OVER}
-        return ids <= ended
+    def running_instant(self) -> tuple[ActionState, ...]:
+        """Those of `instantActionStates` that are not over."""
+        return tuple(state for state in self.instant_action_states or () if state.action_status not in OVER)
 
 
 FINISHED, FAILED, WAITING, RETRIABLE = "FINISHED", "FAILED", "WAITING", "RETRIABLE"
