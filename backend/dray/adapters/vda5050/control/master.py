@@ -7,6 +7,7 @@ it says. No order is said while there is a problem or the vehicle is held.
 
 from __future__ import annotations
 
+from dray.adapters.vda5050.control.criticals import Criticals
 from dray.adapters.vda5050.control.factsheet import differences
 from dray.adapters.vda5050.control.hold import Holding
 from dray.adapters.vda5050.control.instant import ASK_STATE, InstantActions
@@ -90,6 +91,7 @@ class MasterControl:
         self._out: list[Effect] = []
         self.view = view = VehicleView(profile, agent)
         self._instant = InstantActions(agent, life, profile, self._out)
+        self._criticals = Criticals(view, profile)
         self._holding = Holding(profile, view, self._instant)
         self._load = OnBoard(profile, memory.load, memory.quantity, memory.doubt)
         self._work = Work(
@@ -159,6 +161,8 @@ class MasterControl:
             self._ask_when_in_doubt(now_s)
             self._instant.tick(now_s)
             self._orders.tick(now_s)
+            if (error := self._criticals.look(self._orders.running, now_s)) is not None:
+                self._orders.fail(error.text, now_s)
             self._holding.tick(now_s)
         self._tell_problem(now_s)
         if self.is_linked and self.is_known and not self._problem and not self._holding.held:
@@ -275,7 +279,7 @@ class MasterControl:
         view, load = self.view, self._load
         if (found := absence(view, self._profile, self._unlinked, now_s)) or view.heard_s == NEVER_S:
             return found
-        if found := complaint(view.state, self._profile):
+        if found := complaint(view.state, self._profile, critical=self._criticals.is_told(now_s)):
             return found
         if not view.is_on_map:
             return problem(f"it is on a map that is not {view.map_id}", ProblemKind.LOST_POSITION)

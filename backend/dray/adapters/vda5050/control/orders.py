@@ -10,9 +10,10 @@ from typing import Protocol
 
 from dray.adapters.vda5050.control.instant import ASK_STATE, InstantActions
 from dray.adapters.vda5050.control.order_state import ACTIVE, OrderState
+from dray.adapters.vda5050.control.refusals import CRITICAL, FATAL, critical, refusal, unsupported
 from dray.adapters.vda5050.control.vehicle_order import Kind, Place, Stop, VehicleOrder
 from dray.adapters.vda5050.control.view import NEVER_S, VehicleView
-from dray.adapters.vda5050.events import Effect, Say
+from dray.adapters.vda5050.events import Effect, Note, Say
 from dray.adapters.vda5050.profile import Profile
 from dray.adapters.vda5050.wire.messages import (
     FAILED,
@@ -92,6 +93,8 @@ class Orders:
         self.present: VehicleOrder | None = None
         self.cancelled = 0
         self._over_s = NEVER_S
+        self._without: frozenset[str] = frozenset()
+        """What the vehicle has said that it does not support, and its profile lets be left out."""
         self._still_s: float | None = None
         """Since when the vehicle stands and shows no action of ours that is not over."""
 
@@ -155,6 +158,19 @@ class Orders:
         elif order.now is OrderState.REFUSED:
             self._end(order, OrderState.ENDED, CANCELLED, now_s)
 
+    def fail(self, reason: str, now_s: float) -> None:
+        """End the present order, since the vehicle cannot go on with it: it waits to be told so."""
+        order = self.present
+        if order is not None and order.now in ACTIVE:
+            order.reason = reason
+            self._begin_cancel(order, now_s)
+
+    @property
+    def running(self) -> VehicleOrder | None:
+        """The present order, if the vehicle has it and nobody has taken it back."""
+        order = self.present
+        return order if order is not None and order.now in ACTIVE else None
+
     # --- what the vehicle says -------------------------------------------------------------------
 
     def on_state(self, now_s: float) -> None:
@@ -178,7 +194,9 @@ class Orders:
                 self._follow(order, state, now_s)
                 if order.is_unwanted and order.now in ACTIVE:
                     self._begin_cancel(order, now_s)
-            case OrderState.OFFERED if (error := _refusal(order, state)) is not None:
+            case OrderState.OFFERED if (error := refusal(order, state)) is not None:
+                order.refused_with = error.text
+                self._leave_out(error)
                 self._refuse(order, error.text, now_s)
             case OrderState.RUNNING | OrderState.EXTENDING if is_shown:
                 order.strangers = 0
@@ -202,8 +220,18 @@ class Orders:
                     self._offer(order, now_s)
             case OrderState.CANCELLING:
                 self._watch_cancel(order, now_s)
+        if order.now in ACTIVE:
+            self._heed(order, now_s)
         if order.now in ACTIVE and order.is_shown(self._view.state):
             self._judge(order, self._view.state, now_s)
+
+    def _heed(self, order: VehicleOrder, now_s: float) -> None:
+        """An order that it has, and complains of, and stands: it was refused, though it shows it."""
+        error = refusal(order, self._view.state)
+        if error is None or error.error_level not in (FATAL, CRITICAL) or self._view.is_moving:
+            return
+        if now_s - max(order.offered_s, self._view.stirred_s) >= SETTLE_S:
+            self.fail(error.text, now_s)
 
     # --- an order that is offered ----------------------------------------------------------------
 
@@ -215,6 +243,7 @@ class Orders:
         if order.action is not None:
             action = order.action
             order.action = Action(f"{order.id}-a", action.type, action.blocking, action.parameters)
+        order.old_errors = frozenset(error.key for error in self._view.state.errors or ())
         order.offered_s, order.waits_since_s, order.quiet_since_s, order.strangers = now_s, None, None, 0
         self._remember()
         self._say(order, now_s)
@@ -224,7 +253,12 @@ class Orders:
         self._out.append(
             Say(
                 "order",
-                order_body(order.message(), self._profile.dialect, trajectory=self._profile.trajectory),
+                order_body(
+                    order.message(),
+                    self._profile.dialect,
+                    trajectory=self._profile.trajectory,
+                    without=self._without,
+                ),
             )
         )
 
@@ -234,7 +268,7 @@ class Orders:
             if now_s - order.said_s >= self._profile.resend_s:
                 self._say(order, now_s)
         elif order.now is OrderState.OFFERED:
-            self._refuse(order, REFUSED_SILENTLY, now_s)
+            self._refuse(order, order.refused_with or REFUSED_SILENTLY, now_s)
         else:
             self._take_back_update(order)
 
@@ -250,6 +284,13 @@ class Orders:
             self._end(order, OrderState.ENDED, reason, now_s)
         else:
             order.retry_s = now_s + FIRST_RETRY_S * 2.0 ** (len(order.ids) - 1)
+
+    def _leave_out(self, error: VehicleError) -> None:
+        """What it does not support is not said again, where the profile allows that."""
+        names = unsupported(error) & frozenset(self._profile.leave_out) - self._without
+        if names:
+            self._without |= names
+            self._out.append(Note(f"left out of orders, since the vehicle says: {error.text}"))
 
     def _is_hindered(self, order: VehicleOrder, now_s: float) -> bool:
         """Whether an order of an earlier life keeps it from taking this one, by a horizon that is left: it is cancelled first."""
@@ -271,7 +312,7 @@ class Orders:
             if state.order_id == order.id and (state.order_update_id or 0) >= order.update:
                 order.states.enter(OrderState.RUNNING)
                 order.sent_base, order.has_horizon = len(order.stops), bool(order.beyond)
-            elif _refusal(order, state) is not None:
+            elif refusal(order, state) is not None:
                 self._take_back_update(order)
         self._pass_to(order, state, now_s)
         self._judge(order, state, now_s)
@@ -305,7 +346,7 @@ class Orders:
                 self._end(order, OrderState.DONE, "", now_s)
         elif self._is_quiet(order, now_s):
             # Shown, never begun, and complained of: a refusal that came late.
-            error = _refusal(order, state) if not order.passed else None
+            error = (refusal(order, state) if not order.passed else None) or critical(state, self._profile)
             self._end(order, OrderState.ENDED, STOPPED_SHORT if error is None else error.text, now_s)
 
     def _judge_action(self, order: VehicleOrder, action: Action, state: State, now_s: float) -> None:
@@ -388,8 +429,3 @@ class Orders:
             self.present = None
         self._over_s = now_s
         self._owner.on_over(order, now_s)
-
-
-def _refusal(order: VehicleOrder, state: State) -> VehicleError | None:
-    """An error that names this order. Warnings that linger name others, or none."""
-    return next((error for error in state.errors or () if error.names(order.id)), None)

@@ -91,6 +91,10 @@ class VehicleOrder:
         self.places: list[Place] = [None] * len(stops)
         self.states: States[OrderState] = States("an order", TRANSITIONS, OrderState.OFFERED)
         self.reason = ""
+        self.old_errors: frozenset[tuple[str, str, tuple[str, ...]]] = frozenset()
+        """What the vehicle complained of when it was offered: that refuses something else."""
+        self.refused_with = ""
+        """The words of its newest refusal in words."""
         self.is_unwanted = False
         self.takes_updates = True
         self.is_twice = False

@@ -70,6 +70,7 @@ class VehicleView:
         map_id: on which it is.
         away: its own word that it is not there: what it said; empty for none.
         away_s: when it said so.
+        stirred_s: when it was seen to move last, by its speed or by its pose.
         factsheet: None before it was told.
     """
 
@@ -87,8 +88,7 @@ class VehicleView:
         self.away_s = NEVER_S
         self.factsheet: Factsheet | None = None
         self._posed_s = NEVER_S
-        self._stirred_s = NEVER_S
-        """When it was seen to move last, by its speed or by its pose."""
+        self.stirred_s = NEVER_S
         self._stirred_at: Pose | None = None
         self._counts_anew = False
         """It has connected anew: its messages may be numbered from 0 again."""
@@ -149,7 +149,7 @@ class VehicleView:
         """Whether it says that it drives, and stands: its speed is 0, and its pose has not changed."""
         is_seen = self.state.velocity is not None or self.pose is not None
         last_s = max(self.heard_s, self._posed_s)
-        still = is_seen and last_s - self._stirred_s >= CONTRADICTED_S
+        still = is_seen and last_s - self.stirred_s >= CONTRADICTED_S
         return self.state.driving is True and still
 
     # --- what it has left to do ------------------------------------------------------------------
@@ -207,7 +207,7 @@ class VehicleView:
         if not state.driving and state.velocity is None:
             self.speed_mps = 0.0
         if is_first or self.speed_mps > STANDING_MPS:
-            self._stirred_s = now_s
+            self.stirred_s = now_s
         return True
 
     def _stale(self, state: State, now_s: float) -> str:
@@ -241,7 +241,7 @@ class VehicleView:
         self._posed_s = now_s
         at = self._stirred_at
         if at is None or hypot(self.pose.x_m - at.x_m, self.pose.y_m - at.y_m) > STIRRED_M:
-            self._stirred_at, self._stirred_s = self.pose, now_s
+            self._stirred_at, self.stirred_s = self.pose, now_s
         if velocity is None and before is not None and now_s > before_s and self.is_driving:
             gone_m = hypot(self.pose.x_m - before.x_m, self.pose.y_m - before.y_m)
             self.speed_mps = gone_m / (now_s - before_s)

@@ -57,6 +57,18 @@ class VehicleError(Said, frozen=True):
         return any(reference.reference_value == value for reference in self.error_references or ())
 
     @property
+    def order_named(self) -> str:
+        """The order that it refers to; empty for none."""
+        pairs = self.error_references or ()
+        return next((pair.reference_value or "" for pair in pairs if pair.reference_key == "orderId"), "")
+
+    @property
+    def key(self) -> tuple[str, str, tuple[str, ...]]:
+        """What two errors that are the same have in common."""
+        named = tuple(f"{pair.reference_key}={pair.reference_value}" for pair in self.error_references or ())
+        return self.error_type or "", self.error_description or "", named
+
+    @property
     def text(self) -> str:
         """For people."""
         kind, words = self.error_type or "an error without a type", self.error_description or self.error_hint
