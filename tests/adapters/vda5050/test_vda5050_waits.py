@@ -10,7 +10,8 @@ from field import reword, say
 from vda_rig import FLOWING, PROFILE, Rig
 from yard import HOLD, PICK, TO_CORNER, UNHOLD, drive
 
-from dray.body import ActionDone, WayDone
+from dray.adapters.vda5050.profile import Profile
+from dray.body import ActionDone, ProblemCleared, WayBlocked, WayDone, WayFree
 
 V3 = msgspec.structs.replace(PROFILE, version="3.0")
 
@@ -95,3 +96,161 @@ def test_a_pick_is_done_although_a_lamp_is_on() -> None:
     lamp = {"actionId": "hmi-1", "actionType": "beacon", "actionStatus": "RUNNING"}
     reword(rig, lambda said: said["actionStates"].append(lamp))
     assert rig.do(PICK, for_s=60.0) == [ActionDone(order=5)]
+
+
+# --- a vehicle that does not come nearer ---------------------------------------------------------
+
+PAUSED = "it is paused, and not by its agent: let it go on at the vehicle (its pause button)"
+
+OBSTACLES: dict[str, dict[str, Any]] = {
+    "a field": {"safetyState": {"eStop": "NONE", "fieldViolation": True}},
+    "a warning": {"errors": [{"errorType": "obstacleDetected", "errorLevel": "WARNING"}]},
+    "of 3.0": {"errors": [{"errorType": "PATH_BLOCKED", "errorLevel": "URGENT"}]},
+    "driving": {"safetyState": {"fieldViolation": True}, "driving": True},
+}
+
+
+def stuck(profile: Profile = FLOWING, **said: Any) -> Rig:
+    """A vehicle that stops on its first lane by itself, and says something besides."""
+    rig = Rig(profile)
+    rig.do(drive(*TO_CORNER), for_s=6.0)
+    rig.vehicle._body.instruct(HOLD)
+    reword(rig, lambda state: state.update({"paused": False, **said}))
+    say(rig)
+    return rig
+
+
+def let_go(rig: Rig) -> None:
+    """It drives on, and says nothing besides any more."""
+    del rig.give  # type: ignore[method-assign]
+    rig.vehicle._body.instruct(UNHOLD)
+    rig.vehicle.say_state()
+
+
+@pytest.mark.parametrize("profile", [PROFILE, FLOWING], ids=["steps", "updates"])
+def test_a_pause_button_on_the_vehicle_is_a_problem_by_name_until_it_is_pressed_again(profile: Any) -> None:
+    rig = stuck(profile, paused=True)
+    rig.run(600.0)
+    assert rig.problems() == [PAUSED]
+    assert rig.instant("stopPause") == [], "whoever has paused it knows why"
+    let_go(rig)
+    rig.run(150.0)
+    assert ProblemCleared() in rig.heard
+    assert rig.heard[-1] == WayDone(order=1, node="corner")
+    assert len(rig.problems()) == 1
+
+
+def test_paused_of_a_vehicle_that_drives_is_not_believed() -> None:
+    rig = Rig()
+    reword(rig, lambda state: state.update(paused=True))
+    rig.do(drive("west", "middle"), for_s=0.0)
+    rig.body.instruct(UNHOLD)
+    rig.run(60.0)
+    assert rig.heard[-1] == WayDone(order=1, node="middle")
+    assert rig.problems() == []
+
+
+@pytest.mark.parametrize("what", OBSTACLES)
+def test_what_it_stands_before_is_said_as_a_blocked_lane_once_and_as_free_when_it_is_gone(what: str) -> None:
+    rig = stuck(**OBSTACLES[what])
+    rig.run(600.0)
+    assert rig.of(WayBlocked) == [WayBlocked(order=1, start="west", end="middle", entered=True)]
+    assert rig.of(WayFree) == []
+    assert rig.problems() == []
+    let_go(rig)
+    rig.run(150.0)
+    assert rig.of(WayFree) == [WayFree(order=1, start="west", end="middle")]
+    assert rig.heard[-1] == WayDone(order=1, node="corner")
+
+
+def test_a_field_that_is_hurt_for_a_moment_blocks_nothing() -> None:
+    rig = stuck(**OBSTACLES["a field"])
+    rig.run(3.0)
+    let_go(rig)
+    rig.run(150.0)
+    assert rig.of(WayBlocked) == []
+    assert rig.heard[-1] == WayDone(order=1, node="corner")
+
+
+@pytest.mark.parametrize(
+    ("said", "why"),
+    [
+        ({}, "it stands, and does not say why"),
+        ({"driving": True}, "it says that it drives, at speed 0"),
+        (
+            {"driving": True, "velocity": {"vx": 0.5, "vy": 0.0}},
+            "it says that it drives, and its position does not change",
+        ),
+    ],
+    ids=["silent", "driving", "frozen"],
+)
+def test_a_vehicle_that_does_not_come_nearer_is_a_problem_whatever_its_flags_say(
+    said: dict[str, Any], why: str
+) -> None:
+    rig = stuck(**said)
+    rig.run(40.0)
+    assert rig.problems() == []
+    rig.run(560.0)
+    assert rig.problems() == [f"it has not come nearer to middle for 75 s: {why}"]
+    let_go(rig)
+    rig.run(150.0)
+    assert rig.heard[-1] == WayDone(order=1, node="corner")
+    assert rig.body.sense().problem == ""
+
+
+def test_a_vehicle_that_is_held_is_not_missed() -> None:
+    rig = Rig(FLOWING)
+    rig.do(drive(*TO_CORNER), for_s=6.0)
+    rig.do(HOLD, for_s=600.0)
+    assert rig.problems() == []
+    rig.do(UNHOLD, for_s=150.0)
+    assert rig.heard[-1] == WayDone(order=1, node="corner")
+    assert rig.problems() == []
+
+
+# --- a word that flickers ------------------------------------------------------------------------
+
+FLICKERS: dict[str, dict[str, Any]] = {
+    "an emergency stop": {"safetyState": {"eStop": "AUTOACK"}},
+    "an error": {"errors": [{"errorType": "motor", "errorLevel": "FATAL"}]},
+    "an error with a figure": {"errors": [{"errorType": "motor", "errorLevel": "FATAL"}]},
+    "a lost position": {"agvPosition": {"x": 0, "y": 0, "positionInitialized": False}},
+}
+
+
+@pytest.mark.parametrize("what", FLICKERS)
+def test_a_word_that_comes_and_goes_each_second_is_one_problem(what: str) -> None:
+    rig = Rig()
+    rig.run(1.0)
+    moment = 0
+
+    def flicker(state: dict[str, Any]) -> None:
+        if moment % 2:
+            state.update(FLICKERS[what])
+        if moment % 2 and what.endswith("figure"):
+            state["errors"] = [{**FLICKERS[what]["errors"][0], "errorDescription": f"{moment} A"}]
+
+    reword(rig, flicker)
+    for moment in range(120):  # noqa: B007 - `flicker` reads it
+        say(rig, 1.0)
+    assert len(rig.problems()) == 2, "the first end of a problem is told at once"
+    del rig.give  # type: ignore[method-assign]
+    say(rig, 5.0)
+    assert rig.body.sense().problem
+    say(rig, 10.0)
+    assert rig.heard[-1] == ProblemCleared()
+
+
+def test_a_figure_that_changes_while_a_problem_stays_is_told_once() -> None:
+    rig = Rig()
+    rig.run(1.0)
+    amperes = 0
+
+    def hot(state: dict[str, Any]) -> None:
+        error = {"errorType": "motor", "errorLevel": "FATAL", "errorDescription": f"{amperes} A"}
+        state["errors"] = [error]
+
+    reword(rig, hot)
+    for amperes in range(60):  # noqa: B007 - `hot` reads it
+        say(rig, 1.0)
+    assert len(rig.problems()) == 1

@@ -14,8 +14,10 @@ from dray.adapters.vda5050.control.instant import ASK_STATE, InstantActions
 from dray.adapters.vda5050.control.on_board import OnBoard
 from dray.adapters.vda5050.control.orders import Orders
 from dray.adapters.vda5050.control.problems import absence, complaint, is_attended, problem
+from dray.adapters.vda5050.control.steady import Steady
 from dray.adapters.vda5050.control.vehicle_order import Kind, restored
 from dray.adapters.vda5050.control.view import NEVER_S, REORDERED_S, VehicleView
+from dray.adapters.vda5050.control.watch import Watch
 from dray.adapters.vda5050.control.whereabouts import Stand
 from dray.adapters.vda5050.control.work import Work
 from dray.adapters.vda5050.events import (
@@ -108,6 +110,8 @@ class MasterControl:
         """Why the broker is away, and since when."""
         self._is_attended = False
         """People have it in their hands."""
+        self._watch = Watch(plant, vehicle_type, profile, view)
+        self._steady = Steady()
         self._problem: ProblemRaised | None = None
         """As it was told."""
 
@@ -290,12 +294,32 @@ class MasterControl:
             return problem("it goes on with an order that was cancelled")
         if self._holding.problem:
             return problem(self._holding.problem)
+        if self._watch.problem is not None:
+            return self._watch.problem
         if load.doubt or load.difference:
             return problem(load.doubt or load.difference, ProblemKind.LOAD, needs_person=True)
         return None
 
+    def _look_at_progress(self, now_s: float) -> None:
+        """Whether it comes nearer to where its order leads, if nothing that is known keeps it."""
+        view, orders, way = self.view, self._orders, self._work.way
+        is_here = self.is_known and view.heard_s != NEVER_S and self.is_linked
+        keeps = absence(view, self._profile, self._unlinked, now_s) or complaint(
+            view.state, self._profile, critical=self._criticals.is_told(now_s)
+        )
+        order = orders.running if is_here else None
+        gap_m = None
+        if order is not None and order.kind is Kind.STEP and view.pose is not None:
+            gap_m = self._work.gap_m(order.nodes[min(order.passed + 1, order.end)])
+        number = way.number if way is not None else 0
+        may_drive = is_here and keeps is None and not self._holding.is_held(now_s)
+        said = self._watch.look(order, number, gap_m, now_s, may_drive=may_drive)
+        if said is not None:
+            self._out.append(Tell(said))
+
     def _tell_problem(self, now_s: float) -> None:
-        found = self._find_problem(now_s)
+        self._look_at_progress(now_s)
+        found = self._steady.look(self._find_problem(now_s), now_s)
         if found != self._problem:
             self._problem = found
             self._out.append(Tell(found or ProblemCleared()))

@@ -123,6 +123,8 @@ class Safety(Said, frozen=True):
 
     e_stop: str | None = None
     active_emergency_stop: str | None = None
+    field_violation: bool | None = None
+    """Something is in its protective field."""
 
     @property
     def emergency_stop(self) -> str:
