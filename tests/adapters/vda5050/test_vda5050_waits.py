@@ -12,6 +12,7 @@ from yard import HOLD, PICK, TO_CORNER, UNHOLD, drive
 
 from dray.adapters.vda5050.profile import Profile
 from dray.body import ActionDone, ProblemCleared, WayBlocked, WayDone, WayFree
+from dray_sim.vda5050.misbehaviour import Misbehaviour
 
 V3 = msgspec.structs.replace(PROFILE, version="3.0")
 
@@ -254,3 +255,140 @@ def test_a_figure_that_changes_while_a_problem_stays_is_told_once() -> None:
     for amperes in range(60):  # noqa: B007 - `hot` reads it
         say(rig, 1.0)
     assert len(rig.problems()) == 1
+
+
+# --- what does not end ---------------------------------------------------------------------------
+
+
+def test_a_cancel_that_is_never_finished_is_over_when_nothing_is_left_to_do() -> None:
+    rig = Rig()
+    rig.run(1.0)
+
+    def stays(state: dict[str, Any]) -> None:
+        for action in state["actionStates"]:
+            if action["actionType"] == "cancelOrder":
+                action["actionStatus"] = "RUNNING"
+
+    reword(rig, stays)
+    rig.do(PICK, for_s=3.0)
+    rig.do(drive("west", "middle", order=6), for_s=90.0)
+    assert rig.heard[-1] == WayDone(order=6, node="middle")
+    assert rig.problems() == []
+
+
+def test_a_vehicle_that_goes_on_with_a_cancelled_order_is_a_problem_by_name() -> None:
+    rig = Rig()
+    rig.run(1.0)
+
+    def stays(state: dict[str, Any]) -> None:
+        for action in state["actionStates"]:
+            if action["actionType"] in ("cancelOrder", "pick"):
+                action["actionStatus"] = "RUNNING"
+
+    reword(rig, stays)
+    rig.do(PICK, for_s=3.0)
+    rig.do(drive("west", "middle", order=6), for_s=120.0)
+    assert rig.problems() == ["it goes on with an order that was cancelled"]
+    assert "cancelOrder stays RUNNING, and is not waited for any longer" in rig.notes
+
+
+def test_an_action_of_an_earlier_order_that_never_ends_is_a_problem_by_name_and_ends_with_it() -> None:
+    rig = Rig()
+    old = {"actionId": "ATV1-0-3-a", "actionType": "pick", "actionStatus": "RUNNING"}
+    reword(rig, lambda state: state["actionStates"].append(old))
+    say(rig)
+    rig.do(drive("west", "middle"), for_s=55.0)
+    assert rig.problems() == []
+    rig.run(545.0)
+    assert rig.problems() == ["it takes no order: its action pick is RUNNING, of an earlier order"]
+    assert rig.orders() == []
+    old["actionStatus"] = "FAILED"
+    say(rig, 60.0)
+    assert rig.heard[-1] == WayDone(order=1, node="middle")
+
+
+def test_a_pick_that_never_ends_is_a_problem_by_name() -> None:
+    rig = Rig(msgspec.structs.replace(PROFILE, acting_s=100.0))
+    rig.run(1.0)
+
+    def stays(state: dict[str, Any]) -> None:
+        for action in state["actionStates"]:
+            if action["actionType"] == "pick":
+                action["actionStatus"] = "RUNNING"
+
+    reword(rig, stays)
+    rig.do(PICK, for_s=95.0)
+    assert rig.problems() == []
+    rig.run(505.0)
+    assert rig.problems() == ["its action pick has not ended for 100 s"]
+    del rig.give  # type: ignore[method-assign]
+    say(rig, 5.0)
+    assert ActionDone(order=5) in rig.heard
+    assert rig.heard[-1] == ProblemCleared()
+
+
+def test_actions_of_somebody_else_are_told_once_each() -> None:
+    rig = Rig()
+    lamp = {"actionId": "hmi-1", "actionType": "beacon", "actionStatus": "RUNNING"}
+    reword(rig, lambda said: said["actionStates"].append(lamp))
+    rig.do(drive("west", "middle"), for_s=90.0)
+    told = "an action of somebody else is RUNNING: beacon; no order waits for it"
+    assert rig.notes.count(told) == 1
+
+
+def test_what_it_waits_for_is_one_line_with_its_age_and_its_end_and_in_the_log_once() -> None:
+    rig = stuck(paused=True)
+    rig.run(600.0)
+    line = rig.body.control.waits_for(rig.clock.now_s())
+    assert line.startswith("waits for 59")
+    assert line.endswith(f" s: {PAUSED} (until that is gone)")
+    assert [note.partition(": ")[2] for note in rig.notes] == [f"{PAUSED} (until that is gone)"]
+    idle = Rig()
+    idle.run(300.0)
+    assert idle.body.control.waits_for(300.0) == ""
+    assert idle.notes == []
+
+
+def test_each_thing_that_is_waited_for_is_named_in_the_line() -> None:
+    rig = Rig(quirks=Misbehaviour(ignores_first_orders=3, cancel_s=5.0))
+    rig.run(1.0)
+    wait = rig.body.control.waits_for
+    rig.do(PICK, for_s=3.0)
+    assert "does not show order ATV1-1-1" in wait(rig.clock.now_s())
+    rig.run(6.0)
+    assert "its action pick" in wait(rig.clock.now_s())
+    rig.do(drive("west", "middle", order=6), for_s=1.0)
+    assert "order ATV1-1-1 is cancelled" in wait(rig.clock.now_s())
+    rig.run(8.0)
+    assert "it drives to middle" in wait(rig.clock.now_s())
+    rig.do(HOLD, for_s=1.0)
+    assert "its agent holds it" in wait(rig.clock.now_s())
+
+
+def test_a_vehicle_of_3_0_is_told_to_clear_its_ended_instant_actions() -> None:
+    rig = Rig(V3)
+    rig.run(1.0)
+    kinds = {
+        "clearInstantActions": "INSTANT_ACTION_STATES_FULL",
+        "clearZoneActions": "ZONE_ACTION_STATES_FULL",
+    }
+    for kind, error in kinds.items():
+        rig.vehicle.condition.errors = [(error, "URGENT", "", {})]
+        say(rig, 20.0)
+        assert len({action["actionId"] for action in rig.instant(kind)}) == 1, kind
+        rig.vehicle.condition.errors = []
+        say(rig, 100.0)
+    assert rig.problems() == []
+    assert len(rig.vehicle.condition.instant) == 2
+
+
+def test_many_ended_instant_actions_are_cleared_and_2_x_is_told_nothing() -> None:
+    for profile, count in ((V3, 1), (PROFILE, 0)):
+        rig = Rig(profile)
+        where = "instantActionStates" if profile is V3 else "actionStates"
+        ended = [
+            {"actionId": f"hmi-{i}", "actionType": "horn", "actionStatus": "FINISHED"} for i in range(60)
+        ]
+        reword(rig, lambda said, where=where, ended=ended: said[where].extend(ended))
+        rig.run(31.0)
+        assert len({action["actionId"] for action in rig.instant("clearInstantActions")}) == count

@@ -146,6 +146,8 @@ class Profile(Item, frozen=True):
     """An order that is not shown by then was refused in silence."""
     waiting_s: Positive = 15.0
     """An action that only waits for so long is tried again."""
+    acting_s: Positive = 300.0
+    """A pick or drop that has not ended by then is a problem."""
     tries: Annotated[int, Meta(ge=1, le=20)] = 4
     """Of one order, under another id each time."""
     full_percent: Annotated[float, Meta(gt=0, le=100)] = 99.0

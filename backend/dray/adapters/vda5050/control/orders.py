@@ -29,6 +29,9 @@ from dray.adapters.vda5050.wire.orders import Action, order_body
 SETTLE_S = 3.0
 """A vehicle that has come to the end of an order clears what it shows within this; afterwards it is taken to be idle."""
 
+CANCELLED_S = 10.0
+"""A vehicle that has had nothing left to do for so long has ended its order, whatever it says of cancelOrder."""
+
 STALE_S = 30.0
 """An order of somebody who is gone, in a vehicle that stands and shows no action, is not waited for any longer."""
 
@@ -102,7 +105,6 @@ class Orders:
 
     def is_ready(self, now_s: float) -> bool:
         """Whether the vehicle would take a new order."""
-        state = self._view.state
         if self.present is not None and self.present.now is not OrderState.REFUSED:
             return False
         view = self._view
@@ -111,8 +113,34 @@ class Orders:
         if view.is_driving or self._still_s is None:
             return False
         # Some never clear what they show: then its standing still counts.
-        is_foreign = bool(state.order_id) and not view.shows_ours
-        return now_s - self._still_s >= (STALE_S if is_foreign else SETTLE_S)
+        return now_s - self._still_s >= (STALE_S if view.is_foreign else SETTLE_S)
+
+    def hindrance(self, now_s: float) -> str:
+        """What keeps the vehicle from taking another order, in words; empty where nothing does, or it has one."""
+        order, view = self.present, self._view
+        is_due = order is None or (order.now is OrderState.REFUSED and now_s >= order.retry_s)
+        if not is_due or self.is_ready(now_s):
+            return ""
+        whose = f" an order of somebody else: {view.state.order_id}" if view.is_foreign else ""
+        if view.is_driving:
+            return f"it says that it drives{whose}"
+        for action in view.acting:
+            name = action.action_type or action.action_id
+            return f"its action {name} is {action.action_status}, of{whose or ' an earlier order'}"
+        return f"it shows{whose or ' nodes of an order that is over'}"
+
+    @property
+    def overlong(self) -> str:
+        """What was begun and does not end, in words; empty for nothing."""
+        order = self.present
+        if order is None or order.action is None or order.acts_since_s is None:
+            return ""
+        if order.kind is Kind.CHARGE or order.by_hand_s is not None or order.now not in ACTIVE:
+            return ""
+        bound_s = self._profile.acting_s
+        if self._view.heard_s - order.acts_since_s < bound_s:
+            return ""
+        return f"its action {order.action.type} has not ended for {bound_s:.0f} s"
 
     def offer(self, order: VehicleOrder, now_s: float) -> None:
         """Say a new order; `present` is None or over."""
@@ -176,8 +204,7 @@ class Orders:
     def on_state(self, now_s: float) -> None:
         """Follow the order by a new state."""
         state, order = self._view.state, self.present
-        is_foreign = bool(state.order_id) and not self._view.shows_ours
-        if self._view.is_driving or (self._view.acting and not is_foreign):
+        if self._view.is_driving or (self._view.acting and not self._view.is_foreign):
             self._still_s = None
         elif self._still_s is None:
             self._still_s = now_s
@@ -244,6 +271,7 @@ class Orders:
             action = order.action
             order.action = Action(f"{order.id}-a", action.type, action.blocking, action.parameters)
         order.old_errors = frozenset(error.key for error in self._view.state.errors or ())
+        order.acts_since_s = None
         order.offered_s, order.waits_since_s, order.quiet_since_s, order.strangers = now_s, None, None, 0
         self._remember()
         self._say(order, now_s)
@@ -353,6 +381,7 @@ class Orders:
         shown = state.action(action.id)
         status = shown.action_status if shown is not None else ""
         order.waits_since_s = (order.waits_since_s or now_s) if status == WAITING else None
+        order.acts_since_s = now_s if order.acts_since_s is None else order.acts_since_s
         if status == FINISHED:
             self._end(order, OrderState.DONE, "", now_s)
         elif status == FAILED and shown is not None:
@@ -403,7 +432,10 @@ class Orders:
         """It is over when cancelOrder is FINISHED, or when there is nothing to cancel; not when it is only seen."""
         state, status = self._view.state, self._instant.status(CANCEL)
         given_up = self._instant.is_given_up(CANCEL)
-        over = status == FINISHED or ((status == FAILED or given_up) and self._view.is_idle)
+        self._is_quiet(order, now_s)
+        quiet_s = order.quiet_since_s
+        seen = quiet_s is not None and now_s - quiet_s >= CANCELLED_S
+        over = status == FINISHED or seen or ((status == FAILED or given_up) and self._view.is_idle)
         forgotten = bool(state.order_id) and not order.is_shown(state)
         if not over and not forgotten:
             return

@@ -106,6 +106,8 @@ class VehicleOrder:
         """So long its action may wait for a person; None where nobody is needed."""
         self.waits_since_s: float | None = None
         """Since when its action only waits."""
+        self.acts_since_s: float | None = None
+        """Since when the vehicle has it, and its action has not ended."""
         self.quiet_since_s: float | None = None
         """Since when the vehicle has nothing left to do, and the order is not done."""
         self.strangers = 0

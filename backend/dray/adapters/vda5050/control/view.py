@@ -160,6 +160,11 @@ class VehicleView:
         return (self.state.order_id or "").startswith(self._prefix)
 
     @property
+    def is_foreign(self) -> bool:
+        """Whether it shows an order of somebody else."""
+        return bool(self.state.order_id) and not self.shows_ours
+
+    @property
     def is_idle(self) -> bool:
         """Nothing is left to do, by the words of the text: no nodes, no edges, all actions over that count."""
         state = self.state
@@ -172,11 +177,10 @@ class VehicleView:
         Our instant actions do not count. Of somebody else's actions only those do that an order of somebody else may have:
         a lamp or a horn holds no order up.
         """
-        is_foreign = bool(self.state.order_id) and not self.shows_ours
         return tuple(
             action
             for action in self.state.going_on
-            if (self._is_ordered(action) if self._is_ours(action) else is_foreign)
+            if (self._is_ordered(action) if self._is_ours(action) else self.is_foreign)
         )
 
     @property

@@ -110,6 +110,13 @@ class Work:
         """How far the vehicle is from a node; 0 as long as it does not say."""
         return self._whereabouts.gap_m(self._view.pose, node)
 
+    @property
+    def wants_order(self) -> bool:
+        """Whether there is more to be ordered, once the vehicle takes it."""
+        way = self.way
+        wants_step = way is not None and way.passed < way.drivable - 1
+        return wants_step or (self.task is not None and self._charged_s is None)
+
     # --- what its agent wants --------------------------------------------------------------------
 
     def drive(self, drive: Drive, now_s: float) -> None:
@@ -296,13 +303,7 @@ class Work:
         if self.way is not None and self.way.passed < 0 and self.stand == Stand(self.way.nodes[0]):
             self._begin(self.way)
         way = self.way
-        wants_step = way is not None and way.passed < way.drivable - 1
-        wants_task = self.task is not None and self._charged_s is None
-        if (
-            not (wants_step or wants_task)
-            or not self.orders.is_ready(now_s)
-            or self._is_still_charging(now_s)
-        ):
+        if not self.wants_order or not self.orders.is_ready(now_s) or self._is_still_charging(now_s):
             return
         if way is not None:
             self._step(way, now_s)
