@@ -147,6 +147,8 @@ class Commissioning:
         # It says which topic it could not read: the list has another name in 1.1.
         if any(error.names("instantActions") for error in view.state.errors or ()):
             changes["instant_actions"] = "instantActions"
+        if self.body.control.view.battery.looks_like_fraction:
+            changes["battery_scale"] = "fraction"
         if self.body.control.needs_node_twice:
             changes["action_node_twice"] = True
         return msgspec.structs.replace(self.profile, **changes)
@@ -186,8 +188,10 @@ class Commissioning:
             return Step(
                 "state", False, f"{self.body.control.why_unknown}; see its manufacturer and serial number"
             )
-        text = f"the first one after {self.clock.now_s() - begun_s:.1f} s, battery {100 * view.battery_frac:.0f} %"
-        return Step("state", True, text)
+        level = f"battery {100 * view.battery_frac:.0f} %"
+        if view.battery.unknown:
+            level = f"battery not known: {view.battery.unknown}"
+        return Step("state", True, f"the first one after {self.clock.now_s() - begun_s:.1f} s, {level}")
 
     async def _factsheet(self) -> Step:
         view = self.body.control.view

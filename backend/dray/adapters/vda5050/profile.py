@@ -150,6 +150,8 @@ class Profile(Item, frozen=True):
     """A pick or drop that has not ended by then is a problem."""
     tries: Annotated[int, Meta(ge=1, le=20)] = 4
     """Of one order, under another id each time."""
+    battery_scale: Literal["percent", "fraction"] = "percent"
+    """Whether its battery counts to 100, as the text has it, or to 1."""
     full_percent: Annotated[float, Meta(gt=0, le=100)] = 99.0
     """A battery is full from here on."""
 

@@ -101,7 +101,7 @@ class MasterControl:
         self.wake_at_s = 0.0
         self._plant, self._type, self._profile = plant, vehicle_type, profile
         self._out: list[Effect] = []
-        self.view = view = VehicleView(profile, agent)
+        self.view = view = VehicleView(profile, agent, vehicle_type)
         self._instant = InstantActions(agent, life, profile, self._out)
         self._criticals = Criticals(view, profile)
         self._holding = Holding(profile, view, self._instant)
@@ -296,6 +296,7 @@ class MasterControl:
         state = self.view.take(topic, data, now_s)
         if self.view.factsheet is not None and self.view.factsheet is not sheet:
             self._out += (Note(text) for text in differences(self.view.factsheet, self._type, self._profile))
+        self._out += (Note(text) for text in self.view.doubts.to_tell())
         if topic == "connection" and not self.view.away:
             self._instant.say(ASK_STATE, now_s)
         if state is None:

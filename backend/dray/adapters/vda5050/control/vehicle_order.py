@@ -200,9 +200,11 @@ class VehicleOrder:
         nodes, node = self.nodes, state.last_node_id
         told = self._told(self.stops)
         by_number = (state.last_node_sequence_id or 0) // 2
-        if by_number < len(told) and nodes[told[by_number]] == node:
+        if 0 <= by_number < len(told) and nodes[told[by_number]] == node:
             return max(self.passed, told[by_number])
         # A vehicle whose sequence numbers are of no use.
+        if nodes[self.passed] == node:
+            return self.passed
         return next((i for i in range(self.passed + 1, len(nodes)) if nodes[i] == node), self.passed)
 
     def _told(self, points: list[Stop]) -> list[int]:

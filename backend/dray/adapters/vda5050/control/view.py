@@ -10,6 +10,9 @@ import re
 from collections import Counter
 from math import hypot
 
+import msgspec
+
+from dray.adapters.vda5050.control.doubts import BatteryLevel, Doubts
 from dray.adapters.vda5050.profile import Profile
 from dray.adapters.vda5050.wire.lenient import read
 from dray.adapters.vda5050.wire.messages import (
@@ -23,6 +26,7 @@ from dray.adapters.vda5050.wire.messages import (
 )
 from dray.messages import Pose
 from dray.messages.base import METRES_MAX
+from dray.plant.model import VehicleType
 
 NEVER_S = float("-inf")
 
@@ -60,9 +64,12 @@ class VehicleView:
     Args:
         profile: of its type.
         agent: whose vehicle it is: ids of our orders and actions begin with it.
+        kind: what the plant says of it.
 
     Attributes:
         odd: what was ignored, by reason.
+        doubts: about values that cannot be.
+        battery: how full it is.
         state: the newest one.
         heard_s: when that came; `NEVER_S` before the first one.
         pose: in the plant's frame; None as long as it has not told one.
@@ -74,9 +81,11 @@ class VehicleView:
         factsheet: None before it was told.
     """
 
-    def __init__(self, profile: Profile, agent: str) -> None:
+    def __init__(self, profile: Profile, agent: str, kind: VehicleType) -> None:
         self._profile, self._prefix = profile, f"{agent}-"
         self.odd: Counter[str] = Counter()
+        self.doubts = Doubts(kind, self.odd)
+        self.battery = BatteryLevel(kind, profile, self.doubts)
         self.state = State()
         self.heard_s = NEVER_S
         self.pose: Pose | None = None
@@ -122,10 +131,8 @@ class VehicleView:
 
     @property
     def battery_frac(self) -> float:
-        """How full it is; half, as long as it does not say."""
-        battery = self.state.battery
-        percent = battery.percent if battery is not None else None
-        return 0.5 if percent is None else min(max(percent / 100.0, 0.0), 1.0)
+        """How full it is; reckoned, where it does not say so in a way that can be."""
+        return self.battery.frac
 
     @property
     def is_charging(self) -> bool:
@@ -138,6 +145,11 @@ class VehicleView:
         if self.state.velocity is not None or self.pose is not None:
             return self.speed_mps > STANDING_MPS
         return self.is_driving
+
+    @property
+    def driven_m(self) -> float | None:
+        """Since its last node, of a vehicle that follows lines; None where it does not say that."""
+        return self.doubts.driven(self.state.distance_since_last_node)
 
     @property
     def is_driving(self) -> bool:
@@ -207,7 +219,12 @@ class VehicleView:
         self.doubtful_s, self._counts_anew = None, False
         self.state, self.heard_s = state, now_s
         self.away = ""  # Whoever speaks is there: `connection` is a hint.
+        before = self.pose
         self._take_pose(state.position, state.velocity, now_s)
+        driven_m = 0.0
+        if before is not None and self.pose is not None:
+            driven_m = hypot(self.pose.x_m - before.x_m, self.pose.y_m - before.y_m)
+        self.battery.hear(state.battery, driven_m, now_s, loaded=bool(state.loads))
         if not state.driving and state.velocity is None:
             self.speed_mps = 0.0
         if is_first or self.speed_mps > STANDING_MPS:
@@ -229,7 +246,9 @@ class VehicleView:
 
     def _take_pose(self, position: Position | None, velocity: Velocity | None, now_s: float) -> None:
         if velocity is not None:
-            self.speed_mps = hypot(velocity.vx or 0.0, velocity.vy or 0.0)
+            speed_mps = self.doubts.speed(hypot(velocity.vx or 0.0, velocity.vy or 0.0))
+            velocity = None if speed_mps is None else velocity
+            self.speed_mps = self.speed_mps if speed_mps is None else speed_mps
         if position is None or position.x is None or position.y is None or not position.is_localised:
             return
         self.map_id = self.map_id or position.map_id or ""
@@ -241,7 +260,10 @@ class VehicleView:
             self.odd[OTHER_MAP] += 1
             return
         before, before_s = self.pose, self._posed_s
-        self.pose = self._profile.map.to_plant(position.x, position.y, position.theta or 0.0)
+        theta = self.doubts.heading(position.theta or 0.0)
+        self.pose = self._profile.map.to_plant(position.x, position.y, theta or 0.0)
+        if theta is None and before is not None:
+            self.pose = msgspec.structs.replace(self.pose, heading_rad=before.heading_rad)
         self._posed_s = now_s
         at = self._stirred_at
         if at is None or hypot(self.pose.x_m - at.x_m, self.pose.y_m - at.y_m) > STIRRED_M:

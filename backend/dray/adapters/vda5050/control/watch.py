@@ -104,7 +104,7 @@ class Watch:
     def _measure(self, gap_m: float | None, now_s: float) -> None:
         """By its place, else by what it has driven since its last node."""
         if gap_m is None:
-            driven_m = self._view.state.distance_since_last_node
+            driven_m = self._view.driven_m
             gap_m = None if driven_m is None else -driven_m
         if gap_m is not None and gap_m < self._nearest_m - NEARER_M:
             self._nearest_m, self._since_s = gap_m, now_s

@@ -195,7 +195,7 @@ class Work:
 
     def _find(self, said: str, course: tuple[str, ...]) -> Stand | None:
         state = self._view.state
-        past_m = state.distance_since_last_node or 0.0 if said == state.last_node_id else 0.0
+        past_m = self._view.driven_m or 0.0 if said == state.last_node_id else 0.0
         least_m, course = (PAST_M, course) if said != self._left else (0.0, ())
         return self._whereabouts.find(self._view.pose, said, course, is_past=past_m > least_m)
 
@@ -341,6 +341,7 @@ class Work:
     def watch_charge(self) -> None:
         """A charge is over when the battery is full."""
         task = self.task
+        self._view.battery.is_plugged = isinstance(task, Charge) and self._charged_s is not None
         if isinstance(task, Charge) and (self._charged_s is not None or self._view.is_charging):
             if self._view.battery_frac * 100.0 >= self._profile.full_percent:
                 self.task = self._charged_s = None
