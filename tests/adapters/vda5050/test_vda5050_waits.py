@@ -392,3 +392,25 @@ def test_many_ended_instant_actions_are_cleared_and_2_x_is_told_nothing() -> Non
         reword(rig, lambda said, where=where, ended=ended: said[where].extend(ended))
         rig.run(31.0)
         assert len({action["actionId"] for action in rig.instant("clearInstantActions")}) == count
+
+
+@pytest.mark.parametrize("profile", [PROFILE, FLOWING], ids=["steps", "updates"])
+def test_a_last_node_that_is_stale_counts_for_less_than_the_place_where_it_stands(profile: Any) -> None:
+    rig = Rig(profile)
+    reword(rig, lambda said: said.update(lastNodeId="west", lastNodeSequenceId=0))
+    rig.do(drive("west", "middle", "east"), for_s=120.0)
+    assert rig.heard[-1] == WayDone(order=1, node="east")
+    assert rig.problems() == []
+    assert len([note for note in rig.notes if "says that its last node is west" in note]) == 1
+
+
+def test_an_order_that_ends_elsewhere_is_not_taken_for_done() -> None:
+    rig = Rig()
+    rig.do(drive("west", "middle"), for_s=6.0)
+    order = rig.vehicle.order
+    assert order is not None
+    order.give_up()
+    rig.vehicle._body.power_off()
+    rig.vehicle._body.power_on()
+    say(rig, 4.0)
+    assert rig.of(WayDone) == []

@@ -6,6 +6,7 @@ One order at a time. What comes of it is told to its owner: nodes that were pass
 from __future__ import annotations
 
 from collections.abc import Callable
+from math import hypot
 from typing import Protocol
 
 from dray.adapters.vda5050.control.instant import ASK_STATE, InstantActions
@@ -98,6 +99,8 @@ class Orders:
         self._over_s = NEVER_S
         self._without: frozenset[str] = frozenset()
         """What the vehicle has said that it does not support, and its profile lets be left out."""
+        self._has_noted = False
+        """A stale last node is told once."""
         self._still_s: float | None = None
         """Since when the vehicle stands and shows no action of ours that is not over."""
 
@@ -375,6 +378,14 @@ class Orders:
         elif self._is_quiet(order, now_s):
             # Shown, never begun, and complained of: a refusal that came late.
             error = (refusal(order, state) if not order.passed else None) or critical(state, self._profile)
+            if error is None and self._stands_at_end(order):
+                said = state.last_node_id or "nothing"
+                self._note_once(
+                    f"it stands at {order.nodes[-1]} and has no nodes left, and says that its last node is {said}"
+                )
+                self._pass_all(order, now_s)
+                self._end(order, OrderState.DONE, "", now_s)
+                return
             self._end(order, OrderState.ENDED, STOPPED_SHORT if error is None else error.text, now_s)
 
     def _judge_action(self, order: VehicleOrder, action: Action, state: State, now_s: float) -> None:
@@ -401,6 +412,24 @@ class Orders:
         elif not status and self._is_quiet(order, now_s):
             self._end(order, OrderState.ENDED, VANISHED, now_s)
 
+    def _pass_all(self, order: VehicleOrder, now_s: float) -> None:
+        while order.passed < order.end:
+            order.passed += 1
+            self._owner.on_passed(order, order.passed, now_s)
+
+    def _stands_at_end(self, order: VehicleOrder) -> bool:
+        """Whether its pose is at the order's last node: that counts for more than a stale `lastNodeId`."""
+        pose, spot = self._view.pose, order.stops[-1][1]
+        if pose is None or not self._view.is_on_map:
+            return False
+        x, y = self._profile.map.to_map(pose.x_m, pose.y_m)
+        return hypot(x - spot.x, y - spot.y) <= self._profile.node_m
+
+    def _note_once(self, text: str) -> None:
+        if not self._has_noted:
+            self._has_noted = True
+            self._out.append(Note(text))
+
     def _is_quiet(self, order: VehicleOrder, now_s: float) -> bool:
         """Whether the vehicle has had nothing left to do for a while, though the order is not done."""
         order.quiet_since_s = (order.quiet_since_s or now_s) if self._view.is_idle else None
@@ -411,9 +440,7 @@ class Orders:
         at_end = order.kind is Kind.STEP and state.last_node_id == order.nodes[-1]
         if at_end and not state.order_id and self._view.is_idle:
             # It has come to the end, and clears its order at once.
-            while order.passed < order.end:
-                order.passed += 1
-                self._owner.on_passed(order, order.passed, now_s)
+            self._pass_all(order, now_s)
             self._end(order, OrderState.DONE, "", now_s)
             return
         order.strangers += 1
