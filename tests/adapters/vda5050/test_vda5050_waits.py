@@ -11,7 +11,7 @@ from vda_rig import FLOWING, PROFILE, Rig
 from yard import HOLD, PICK, TO_CORNER, UNHOLD, drive
 
 from dray.adapters.vda5050.profile import Profile
-from dray.body import ActionDone, ProblemCleared, WayBlocked, WayDone, WayFree
+from dray.body import ActionDone, Charge, Drive, ProblemCleared, WayBlocked, WayDone, WayFree
 from dray_sim.vda5050.misbehaviour import Misbehaviour
 
 V3 = msgspec.structs.replace(PROFILE, version="3.0")
@@ -414,3 +414,23 @@ def test_an_order_that_ends_elsewhere_is_not_taken_for_done() -> None:
     rig.vehicle._body.power_on()
     say(rig, 4.0)
     assert rig.of(WayDone) == []
+
+
+def test_a_charge_that_is_not_stopped_is_named_and_not_waited_for_for_ever() -> None:
+    rig = Rig(battery_frac=0.5, node="east")
+    rig.run(1.0)
+    rig.do(Charge(order=1, charger="CH1"), for_s=20.0)
+
+    def stays(state: dict[str, Any]) -> None:
+        state["batteryState"]["charging"] = True
+        for action in state["actionStates"]:
+            if action["actionType"] == "stopCharging":
+                action["actionStatus"] = "RUNNING"
+
+    reword(rig, stays)
+    rig.do(Drive(order=2, nodes=("east", "north"), released=2), for_s=30.0)
+    assert "it charges (until it does not, or stopCharging has ended)" in rig.body.control.waits_for(
+        rig.clock.now_s()
+    )
+    rig.run(90.0)
+    assert rig.heard[-1] == WayDone(order=2, node="north")

@@ -313,7 +313,7 @@ class Commissioning:
         begun_s = self.clock.now_s()
         self._drive_to(start, goal)
         if not await self._until(self._is_over, DRIVE_S):
-            return Step(name, False, self._sensed().problem or f"not at {goal} after {DRIVE_S:.0f} s")
+            return Step(name, False, self._overdue(f"not at {goal} after {DRIVE_S:.0f} s"))
         if failure := self._failure():
             return Step(name, False, failure)
         return Step(name, True, f"from {start} to {goal} in {self.clock.now_s() - begun_s:.1f} s")
@@ -322,11 +322,16 @@ class Commissioning:
         begun_s = self.clock.now_s()
         self._instruct(task)
         if not await self._until(self._is_over, ACT_S):
-            return Step(name, False, self._sensed().problem or f"not done after {ACT_S:.0f} s")
+            return Step(name, False, self._overdue(f"not done after {ACT_S:.0f} s"))
         if failure := self._failure():
             return Step(name, False, failure)
         twice = "; its node had to be listed twice" if self.body.control.needs_node_twice else ""
         return Step(name, True, f"{self.clock.now_s() - begun_s:.1f} s{twice}")
+
+    def _overdue(self, what: str) -> str:
+        """Why a step has not ended in time: its problem, else what is waited for."""
+        waits = self.body.control.waits_for(self.clock.now_s())
+        return self._sensed().problem or (f"{what}: {waits}" if waits else what)
 
     def _neighbours(self, node: str) -> list[str]:
         """Where lanes lead to from a node; the corners of their shapes are no places to drive to."""

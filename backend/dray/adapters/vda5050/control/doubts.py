@@ -107,7 +107,7 @@ class BatteryLevel:
         """Whether its profile has percent, and it seems to count to 1."""
         return self._profile.battery_scale == "percent" and 0.0 < self._highest <= 1.0
 
-    def hear(self, battery: Battery | None, driven_m: float, now_s: float, *, loaded: bool) -> None:
+    def on_state(self, battery: Battery | None, driven_m: float, now_s: float, *, loaded: bool) -> None:
         """A state has come.
 
         Args:

@@ -163,6 +163,8 @@ class MasterControl:
             return "its agent holds it (until its agent lets it go on)"
         if self._hindrance:
             return f"{self._hindrance} (until it stands and has nothing left to do)"
+        if order is None and self._work.wants_order and self.view.is_charging:
+            return f"it charges (until it does not, or {self._profile.stop_charging} has ended)"
         if order is None:
             is_short = way is not None and not self._work.wants_order
             return "no more of its way is released (until its agent releases more)" if is_short else ""

@@ -224,7 +224,7 @@ class VehicleView:
         driven_m = 0.0
         if before is not None and self.pose is not None:
             driven_m = hypot(self.pose.x_m - before.x_m, self.pose.y_m - before.y_m)
-        self.battery.hear(state.battery, driven_m, now_s, loaded=bool(state.loads))
+        self.battery.on_state(state.battery, driven_m, now_s, loaded=bool(state.loads))
         if not state.driving and state.velocity is None:
             self.speed_mps = 0.0
         if is_first or self.speed_mps > STANDING_MPS:
