@@ -48,6 +48,8 @@ class Misbehaviour(msgspec.Struct, frozen=True):
     """Poses come in `visualization` alone."""
     loses_updates: bool = False
     """Updates of an order are shown and not driven."""
+    battery_of_1: bool = False
+    """Its battery counts to 1, not to 100."""
     numbers_as_text: bool = False
     """`orderUpdateId` and the battery's charge are texts, and there are nulls."""
     forgets_finished_order: bool = False

@@ -271,6 +271,10 @@ class Vda5050Vehicle:
                 self._instruct_drive((node,), 1, [])
             case "cancelOrder":
                 self._on_cancel(action)
+            case "clearInstantActions" if self.words.version == "3.0":
+                ended = ("FINISHED", "FAILED")
+                going = [one for one in self.condition.instant if one.status not in ended]
+                self.condition.instant = [*going, action]
             case _:
                 action.status, action.result = "FAILED", f"no instant action {action.type}"
         self.say_state()

@@ -106,7 +106,7 @@ class Words:
             "errors": [self._error(*error) for error in condition.errors],
             "information": [],
         }
-        charge = round(100.0 * body.battery_frac, 2)
+        charge = round(body.battery_frac, 4) if quirks.battery_of_1 else round(100.0 * body.battery_frac, 2)
         if new:
             said["powerSupply"] = {"stateOfCharge": charge, "charging": body.charging}
             said["safetyState"] = {"activeEmergencyStop": condition.emergency_stop, "fieldViolation": False}

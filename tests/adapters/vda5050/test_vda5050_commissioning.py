@@ -83,6 +83,17 @@ def test_what_a_vehicle_cannot_do_goes_into_the_profile_that_is_suggested() -> N
     assert "    action_node_twice: true" in done.report()
 
 
+@pytest.mark.parametrize("version", ["2.1", "3.0"])
+def test_a_battery_that_counts_to_1_is_named_and_its_scale_is_suggested(version: Any) -> None:
+    profile = msgspec.structs.replace(PROFILE, version=version)
+    done = commissioned(profile, Misbehaviour(battery_of_1=True), Wanted())
+    assert "battery not known: 0.9 may be of 1, not of 100; then battery_scale: fraction" in done.report()
+    suggested = done.suggested()
+    assert suggested.battery_scale == "fraction"
+    again = commissioned(suggested, Misbehaviour(battery_of_1=True), Wanted())
+    assert "battery 90 %" in again.report()
+
+
 THREE_KINDS = {
     "2.0, which keeps what it shows, tells no load and needs a node twice": (
         msgspec.structs.replace(PROFILE, version="2.0"),

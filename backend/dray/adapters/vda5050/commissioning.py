@@ -147,6 +147,8 @@ class Commissioning:
         # It says which topic it could not read: the list has another name in 1.1.
         if any(error.names("instantActions") for error in view.state.errors or ()):
             changes["instant_actions"] = "instantActions"
+        if self.body.control.view.battery.looks_like_fraction:
+            changes["battery_scale"] = "fraction"
         if self.body.control.needs_node_twice:
             changes["action_node_twice"] = True
         return msgspec.structs.replace(self.profile, **changes)
@@ -186,8 +188,10 @@ class Commissioning:
             return Step(
                 "state", False, f"{self.body.control.why_unknown}; see its manufacturer and serial number"
             )
-        text = f"the first one after {self.clock.now_s() - begun_s:.1f} s, battery {100 * view.battery_frac:.0f} %"
-        return Step("state", True, text)
+        level = f"battery {100 * view.battery_frac:.0f} %"
+        if view.battery.unknown:
+            level = f"battery not known: {view.battery.unknown}"
+        return Step("state", True, f"the first one after {self.clock.now_s() - begun_s:.1f} s, {level}")
 
     async def _factsheet(self) -> Step:
         view = self.body.control.view
@@ -309,7 +313,7 @@ class Commissioning:
         begun_s = self.clock.now_s()
         self._drive_to(start, goal)
         if not await self._until(self._is_over, DRIVE_S):
-            return Step(name, False, self._sensed().problem or f"not at {goal} after {DRIVE_S:.0f} s")
+            return Step(name, False, self._overdue(f"not at {goal} after {DRIVE_S:.0f} s"))
         if failure := self._failure():
             return Step(name, False, failure)
         return Step(name, True, f"from {start} to {goal} in {self.clock.now_s() - begun_s:.1f} s")
@@ -318,11 +322,16 @@ class Commissioning:
         begun_s = self.clock.now_s()
         self._instruct(task)
         if not await self._until(self._is_over, ACT_S):
-            return Step(name, False, self._sensed().problem or f"not done after {ACT_S:.0f} s")
+            return Step(name, False, self._overdue(f"not done after {ACT_S:.0f} s"))
         if failure := self._failure():
             return Step(name, False, failure)
         twice = "; its node had to be listed twice" if self.body.control.needs_node_twice else ""
         return Step(name, True, f"{self.clock.now_s() - begun_s:.1f} s{twice}")
+
+    def _overdue(self, what: str) -> str:
+        """Why a step has not ended in time: its problem, else what is waited for."""
+        waits = self.body.control.waits_for(self.clock.now_s())
+        return self._sensed().problem or (f"{what}: {waits}" if waits else what)
 
     def _neighbours(self, node: str) -> list[str]:
         """Where lanes lead to from a node; the corners of their shapes are no places to drive to."""

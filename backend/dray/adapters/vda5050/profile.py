@@ -25,6 +25,14 @@ DEFAULT = "default"
 LARGEST_BYTES = 2**16
 """A profile has 2 kB."""
 
+NEEDED = frozenset(
+    {
+        *("nodeId", "edgeId", "sequenceId", "released", "nodePosition", "x", "y", "mapId", "actions"),
+        *("startNodeId", "endNodeId", "actionId", "actionType", "blockingType", "actionParameters"),
+    }
+)
+"""What every order has to say."""
+
 Positive = Annotated[float, Meta(gt=0)]
 NotNegative = Annotated[float, Meta(ge=0)]
 
@@ -101,6 +109,9 @@ class Profile(Item, frozen=True):
     """How far ahead a base reaches: a base cannot be taken back. One lane at least."""
     trajectory: bool = True
     """Whether an edge that is not straight says its shape, as a NURBS of degree 1. Without, only its length: for vehicles that know the shape."""
+    leave_out: tuple[str, ...] = ("trajectory", "length", "allowedDeviationXY", "allowedDeviationXy")
+    """What is left out of orders when the vehicle says that it does not support it: fields of nodes and edges, parameters of
+    actions. Without `maxSpeed` (`maximumSpeed`) it drives faster than people allow, so that is not among them."""
     horizon: Annotated[int, Meta(ge=0, le=20)] = 0
     """Nodes behind the base that are told and not released; only with `updates`."""
 
@@ -124,6 +135,9 @@ class Profile(Item, frozen=True):
     problems: dict[str, ProblemKind] = {}
     """What is wrong, by the vehicle's `errorType`; what is not here is guessed from words in it."""
 
+    kept_until_order: tuple[str, ...] = ()
+    """`errorType`s at FATAL that the vehicle shows until its next order, and that keep it from none: as CRITICAL ones of 3.0."""
+
     state_every_s: Positive = 30.0
     """It says how it is at least so often; 30 s is the text's."""
     resend_s: Positive = 2.0
@@ -132,8 +146,12 @@ class Profile(Item, frozen=True):
     """An order that is not shown by then was refused in silence."""
     waiting_s: Positive = 15.0
     """An action that only waits for so long is tried again."""
+    acting_s: Positive = 300.0
+    """A pick or drop that has not ended by then is a problem."""
     tries: Annotated[int, Meta(ge=1, le=20)] = 4
     """Of one order, under another id each time."""
+    battery_scale: Literal["percent", "fraction"] = "percent"
+    """Whether its battery counts to 100, as the text has it, or to 1."""
     full_percent: Annotated[float, Meta(gt=0, le=100)] = 99.0
     """A battery is full from here on."""
 
@@ -198,6 +216,8 @@ def parse_profile(data: bytes, name: str) -> Profile:
         raise SettingsError(
             "--profile", f"{name}: horizon: a vehicle without updates never drives it; set updates"
         )
+    if needed := sorted(NEEDED.intersection(profile.leave_out)):
+        raise SettingsError("--profile", f"{name}: leave_out: no order is one without {', '.join(needed)}")
     for use in (profile.pick, profile.pick_by_hand, profile.drop, profile.charge):
         try:
             use.values(station="", node="", item="", quantity=0, goal="")

@@ -31,6 +31,7 @@ class Holding:
         self.held = False
         self.problem = ""
         self._held_s = 0.0
+        self._gone_on_s = float("-inf")
         self._has_asked = False
         """How it is, since nothing was heard after it should stand."""
 
@@ -43,8 +44,12 @@ class Holding:
     def go_on(self, now_s: float) -> None:
         """Let it go on; harmless when it is not held."""
         if self.held:
-            self.held, self.problem = False, ""
+            self.held, self.problem, self._gone_on_s = False, "", now_s
             self._say(GO_ON, PAUSE, now_s)
+
+    def is_held(self, now_s: float) -> bool:
+        """Whether it stands for its agent, or has been let go only just."""
+        return self.held or now_s < self._gone_on_s + STANDS_S
 
     def tick(self, now_s: float) -> None:
         """Look whether it stands."""

@@ -7,14 +7,18 @@ it says. No order is said while there is a problem or the vehicle is held.
 
 from __future__ import annotations
 
+from dray.adapters.vda5050.control.criticals import Criticals
 from dray.adapters.vda5050.control.factsheet import differences
 from dray.adapters.vda5050.control.hold import Holding
 from dray.adapters.vda5050.control.instant import ASK_STATE, InstantActions
 from dray.adapters.vda5050.control.on_board import OnBoard
+from dray.adapters.vda5050.control.order_state import OrderState
 from dray.adapters.vda5050.control.orders import Orders
 from dray.adapters.vda5050.control.problems import absence, complaint, is_attended, problem
+from dray.adapters.vda5050.control.steady import Steady
 from dray.adapters.vda5050.control.vehicle_order import Kind, restored
 from dray.adapters.vda5050.control.view import NEVER_S, REORDERED_S, VehicleView
+from dray.adapters.vda5050.control.watch import Watch
 from dray.adapters.vda5050.control.whereabouts import Stand
 from dray.adapters.vda5050.control.work import Work
 from dray.adapters.vda5050.events import (
@@ -54,6 +58,15 @@ from dray.plant.model import VehicleType
 LOOK_S, REST_S = 0.5, 2.0
 """How often it is looked whether something is due: while an order is out, and else."""
 
+HINDERED_S = 60.0
+"""A vehicle that takes no order for so long, though nothing else is wrong, has a problem."""
+
+NOTED_S = 60.0
+"""What is waited for longer than this is in the log."""
+
+FOREIGN_MAX = 20
+"""Types of actions of somebody else that are told."""
+
 ASK_FACTSHEET = "factsheetRequest"
 
 
@@ -88,8 +101,9 @@ class MasterControl:
         self.wake_at_s = 0.0
         self._plant, self._type, self._profile = plant, vehicle_type, profile
         self._out: list[Effect] = []
-        self.view = view = VehicleView(profile)
+        self.view = view = VehicleView(profile, agent, vehicle_type)
         self._instant = InstantActions(agent, life, profile, self._out)
+        self._criticals = Criticals(view, profile)
         self._holding = Holding(profile, view, self._instant)
         self._load = OnBoard(profile, memory.load, memory.quantity, memory.doubt)
         self._work = Work(
@@ -106,6 +120,14 @@ class MasterControl:
         """Why the broker is away, and since when."""
         self._is_attended = False
         """People have it in their hands."""
+        self._watch = Watch(plant, vehicle_type, profile, view)
+        self._steady = Steady()
+        self._hindrance, self._hindered_s = "", 0.0
+        """What keeps the vehicle from its next order, and since when."""
+        self._waits, self._waits_s, self._has_noted_wait = "", 0.0, False
+        """What is waited for, since when, and whether that is in the log."""
+        self._foreign: set[str] = set()
+        """Actions of somebody else that were told."""
         self._problem: ProblemRaised | None = None
         """As it was told."""
 
@@ -126,6 +148,56 @@ class MasterControl:
             return "the vehicle has not said anything yet" + (f" that can be used: {odd}" if odd else "")
         found = self._find_problem(self.view.heard_s)
         return found.reason if found is not None else "the vehicle has not said where it is"
+
+    def waits_for(self, now_s: float) -> str:
+        """What it waits for, since when, and what would end that, in one line; empty where it waits for nothing."""
+        return f"waits for {now_s - self._waits_s:.0f} s: {self._waits}" if self._waits else ""
+
+    def _what_it_waits_for(self) -> str:
+        order, way = self._orders.present, self._work.way
+        if self._problem is not None:
+            return f"{self._problem.reason} (until that is gone)"
+        if not self.is_known:
+            return f"{self.why_unknown} (until it says so)"
+        if self._holding.held:
+            return "its agent holds it (until its agent lets it go on)"
+        if self._hindrance:
+            return f"{self._hindrance} (until it stands and has nothing left to do)"
+        if order is None and self._work.wants_order and self.view.is_charging:
+            return f"it charges (until it does not, or {self._profile.stop_charging} has ended)"
+        if order is None:
+            is_short = way is not None and not self._work.wants_order
+            return "no more of its way is released (until its agent releases more)" if is_short else ""
+        match order.now:
+            case OrderState.OFFERED:
+                return f"it does not show order {order.id} (until it does, for {self._profile.silent_s:g} s)"
+            case OrderState.REFUSED:
+                return f"it has refused order {order.id}: {order.reason} (until it is tried again)"
+            case OrderState.CANCELLING:
+                return f"order {order.id} is cancelled (until cancelOrder has ended, or it has nothing left to do)"
+        if order.action is not None:
+            return f"its action {order.action.type} (until that is FINISHED or FAILED)"
+        return f"it drives to {order.nodes[min(order.passed + 1, order.end)]} (until it is there)"
+
+    def _note_waits(self, now_s: float) -> None:
+        """In the log, once, when it takes long: what it waits for."""
+        waits = self._what_it_waits_for()
+        if waits != self._waits:
+            self._waits, self._waits_s, self._has_noted_wait = waits, now_s, False
+        elif waits and not self._has_noted_wait and now_s - self._waits_s >= NOTED_S:
+            self._has_noted_wait = True
+            self._out.append(Note(self.waits_for(now_s)))
+
+    def _note_foreign(self) -> None:
+        """In the log, once for each: actions of somebody else that do not end."""
+        if self.view.is_foreign:
+            return
+        for action in self.view.foreign_actions:
+            name = action.action_type or action.action_id or ""
+            if name not in self._foreign and len(self._foreign) < FOREIGN_MAX:
+                self._foreign.add(name)
+                words = f"an action of somebody else is {action.action_status}: {name}; no order waits for it"
+                self._out.append(Note(words))
 
     @property
     def needs_node_twice(self) -> bool:
@@ -158,13 +230,17 @@ class MasterControl:
         if self.is_linked:
             self._ask_when_in_doubt(now_s)
             self._instant.tick(now_s)
+            self._instant.clear(self.view.state, now_s)
             self._orders.tick(now_s)
+            if (error := self._criticals.look(self._orders.running, now_s)) is not None:
+                self._orders.fail(error.text, now_s)
             self._holding.tick(now_s)
         self._tell_problem(now_s)
         if self.is_linked and self.is_known and not self._problem and not self._holding.held:
             self._work.go_on(now_s)
         self._work.watch_charge()
         self._remember()
+        self._note_waits(now_s)
         self.wake_at_s = now_s + (LOOK_S if self._work.is_busy else REST_S)
         effects = self._out[:]
         self._out.clear()
@@ -222,12 +298,14 @@ class MasterControl:
         state = self.view.take(topic, data, now_s)
         if self.view.factsheet is not None and self.view.factsheet is not sheet:
             self._out += (Note(text) for text in differences(self.view.factsheet, self._type, self._profile))
+        self._out += (Note(text) for text in self.view.doubts.to_tell())
         if topic == "connection" and not self.view.away:
             self._instant.say(ASK_STATE, now_s)
         if state is None:
             return
         self._recognise(now_s)
         self._instant.on_state(state)
+        self._note_foreign()
         self._orders.on_state(now_s)
         self._work.locate()
         if not was_known and self.is_known:
@@ -275,7 +353,7 @@ class MasterControl:
         view, load = self.view, self._load
         if (found := absence(view, self._profile, self._unlinked, now_s)) or view.heard_s == NEVER_S:
             return found
-        if found := complaint(view.state, self._profile):
+        if found := complaint(view.state, self._profile, critical=self._criticals.is_told(now_s)):
             return found
         if not view.is_on_map:
             return problem(f"it is on a map that is not {view.map_id}", ProblemKind.LOST_POSITION)
@@ -286,12 +364,45 @@ class MasterControl:
             return problem("it goes on with an order that was cancelled")
         if self._holding.problem:
             return problem(self._holding.problem)
+        if self._hindrance and now_s - self._hindered_s >= HINDERED_S:
+            return problem(f"it takes no order: {self._hindrance}")
+        if self._orders.overlong:
+            return problem(self._orders.overlong)
+        if self._watch.problem is not None:
+            return self._watch.problem
         if load.doubt or load.difference:
             return problem(load.doubt or load.difference, ProblemKind.LOAD, needs_person=True)
         return None
 
+    def _look_at_progress(self, now_s: float) -> None:
+        """Whether it comes nearer to where its order leads, if nothing that is known keeps it."""
+        view, orders, way = self.view, self._orders, self._work.way
+        is_here = self.is_known and view.heard_s != NEVER_S and self.is_linked
+        keeps = absence(view, self._profile, self._unlinked, now_s) or complaint(
+            view.state, self._profile, critical=self._criticals.is_told(now_s)
+        )
+        order = orders.running if is_here else None
+        gap_m = None
+        if order is not None and order.kind is Kind.STEP and view.pose is not None:
+            gap_m = self._work.gap_m(order.nodes[min(order.passed + 1, order.end)])
+        number = way.number if way is not None else 0
+        may_drive = is_here and keeps is None and not self._holding.is_held(now_s)
+        said = self._watch.look(order, number, gap_m, now_s, may_drive=may_drive)
+        if said is not None:
+            self._out.append(Tell(said))
+
+    def _look_at_hindrance(self, now_s: float) -> None:
+        wants = self._work.wants_order or self._orders.present is not None
+        is_here = self.is_linked and self.view.heard_s != NEVER_S and not self._holding.held
+        found = self._orders.hindrance(now_s) if wants and is_here else ""
+        if not found or not self._hindrance:
+            self._hindered_s = now_s
+        self._hindrance = found
+
     def _tell_problem(self, now_s: float) -> None:
-        found = self._find_problem(now_s)
+        self._look_at_progress(now_s)
+        self._look_at_hindrance(now_s)
+        found = self._steady.look(self._find_problem(now_s), now_s)
         if found != self._problem:
             self._problem = found
             self._out.append(Tell(found or ProblemCleared()))

@@ -6,13 +6,15 @@ One order at a time. What comes of it is told to its owner: nodes that were pass
 from __future__ import annotations
 
 from collections.abc import Callable
+from math import hypot
 from typing import Protocol
 
 from dray.adapters.vda5050.control.instant import ASK_STATE, InstantActions
 from dray.adapters.vda5050.control.order_state import ACTIVE, OrderState
+from dray.adapters.vda5050.control.refusals import CRITICAL, FATAL, critical, refusal, unsupported
 from dray.adapters.vda5050.control.vehicle_order import Kind, Place, Stop, VehicleOrder
 from dray.adapters.vda5050.control.view import NEVER_S, VehicleView
-from dray.adapters.vda5050.events import Effect, Say
+from dray.adapters.vda5050.events import Effect, Note, Say
 from dray.adapters.vda5050.profile import Profile
 from dray.adapters.vda5050.wire.messages import (
     FAILED,
@@ -27,6 +29,9 @@ from dray.adapters.vda5050.wire.orders import Action, order_body
 
 SETTLE_S = 3.0
 """A vehicle that has come to the end of an order clears what it shows within this; afterwards it is taken to be idle."""
+
+CANCELLED_S = 10.0
+"""A vehicle that has had nothing left to do for so long has ended its order, whatever it says of cancelOrder."""
 
 STALE_S = 30.0
 """An order of somebody who is gone, in a vehicle that stands and shows no action, is not waited for any longer."""
@@ -85,30 +90,60 @@ class Orders:
         owner: Owner,
         remember: Callable[[], None],
     ) -> None:
-        self._ours, self._prefix = f"{agent}-", f"{agent}-{life}-"
+        self._prefix = f"{agent}-{life}-"
         self._profile, self._view, self._remember = profile, view, remember
         self._instant, self._out, self._owner = instant, out, owner
         self._number = 0
         self.present: VehicleOrder | None = None
         self.cancelled = 0
         self._over_s = NEVER_S
+        self._without: frozenset[str] = frozenset()
+        """What the vehicle has said that it does not support, and its profile lets be left out."""
+        self._has_noted = False
+        """A stale last node is told once."""
         self._still_s: float | None = None
-        """Since when the vehicle stands and shows no action that is not over."""
+        """Since when the vehicle stands and shows no action of ours that is not over."""
 
     # --- what is wanted --------------------------------------------------------------------------
 
     def is_ready(self, now_s: float) -> bool:
         """Whether the vehicle would take a new order."""
-        state = self._view.state
         if self.present is not None and self.present.now is not OrderState.REFUSED:
             return False
-        if state.is_idle:
+        view = self._view
+        if view.is_idle:
             return True
-        if state.driving or self._still_s is None:
+        if view.is_driving or self._still_s is None:
             return False
         # Some never clear what they show: then its standing still counts.
-        ours = (state.order_id or "").startswith(self._ours)
-        return now_s - self._still_s >= (SETTLE_S if ours or not state.order_id else STALE_S)
+        return now_s - self._still_s >= (STALE_S if view.is_foreign else SETTLE_S)
+
+    def hindrance(self, now_s: float) -> str:
+        """What keeps the vehicle from taking another order, in words; empty where nothing does, or it has one."""
+        order, view = self.present, self._view
+        is_due = order is None or (order.now is OrderState.REFUSED and now_s >= order.retry_s)
+        if not is_due or self.is_ready(now_s):
+            return ""
+        whose = f" an order of somebody else: {view.state.order_id}" if view.is_foreign else ""
+        if view.is_driving:
+            return f"it says that it drives{whose}"
+        for action in view.acting:
+            name = action.action_type or action.action_id
+            return f"its action {name} is {action.action_status}, of{whose or ' an earlier order'}"
+        return f"it shows{whose or ' nodes of an order that is over'}"
+
+    @property
+    def overlong(self) -> str:
+        """What was begun and does not end, in words; empty for nothing."""
+        order = self.present
+        if order is None or order.action is None or order.acts_since_s is None:
+            return ""
+        if order.kind is Kind.CHARGE or order.by_hand_s is not None or order.now not in ACTIVE:
+            return ""
+        bound_s = self._profile.acting_s
+        if self._view.heard_s - order.acts_since_s < bound_s:
+            return ""
+        return f"its action {order.action.type} has not ended for {bound_s:.0f} s"
 
     def offer(self, order: VehicleOrder, now_s: float) -> None:
         """Say a new order; `present` is None or over."""
@@ -154,12 +189,25 @@ class Orders:
         elif order.now is OrderState.REFUSED:
             self._end(order, OrderState.ENDED, CANCELLED, now_s)
 
+    def fail(self, reason: str, now_s: float) -> None:
+        """End the present order, since the vehicle cannot go on with it: it waits to be told so."""
+        order = self.present
+        if order is not None and order.now in ACTIVE:
+            order.reason = reason
+            self._begin_cancel(order, now_s)
+
+    @property
+    def running(self) -> VehicleOrder | None:
+        """The present order, if the vehicle has it and nobody has taken it back."""
+        order = self.present
+        return order if order is not None and order.now in ACTIVE else None
+
     # --- what the vehicle says -------------------------------------------------------------------
 
     def on_state(self, now_s: float) -> None:
         """Follow the order by a new state."""
         state, order = self._view.state, self.present
-        if state.driving or not state.acts_no_more:
+        if self._view.is_driving or (self._view.acting and not self._view.is_foreign):
             self._still_s = None
         elif self._still_s is None:
             self._still_s = now_s
@@ -176,7 +224,9 @@ class Orders:
                 self._follow(order, state, now_s)
                 if order.is_unwanted and order.now in ACTIVE:
                     self._begin_cancel(order, now_s)
-            case OrderState.OFFERED if (error := _refusal(order, state)) is not None:
+            case OrderState.OFFERED if (error := refusal(order, state)) is not None:
+                order.refused_with = error.text
+                self._leave_out(error)
                 self._refuse(order, error.text, now_s)
             case OrderState.RUNNING | OrderState.EXTENDING if is_shown:
                 order.strangers = 0
@@ -200,8 +250,18 @@ class Orders:
                     self._offer(order, now_s)
             case OrderState.CANCELLING:
                 self._watch_cancel(order, now_s)
+        if order.now in ACTIVE:
+            self._heed(order, now_s)
         if order.now in ACTIVE and order.is_shown(self._view.state):
             self._judge(order, self._view.state, now_s)
+
+    def _heed(self, order: VehicleOrder, now_s: float) -> None:
+        """An order that it has, and complains of, and stands: it was refused, though it shows it."""
+        error = refusal(order, self._view.state)
+        if error is None or error.error_level not in (FATAL, CRITICAL) or self._view.is_moving:
+            return
+        if now_s - max(order.offered_s, self._view.stirred_s) >= SETTLE_S:
+            self.fail(error.text, now_s)
 
     # --- an order that is offered ----------------------------------------------------------------
 
@@ -213,6 +273,8 @@ class Orders:
         if order.action is not None:
             action = order.action
             order.action = Action(f"{order.id}-a", action.type, action.blocking, action.parameters)
+        order.old_errors = frozenset(error.key for error in self._view.state.errors or ())
+        order.acts_since_s = None
         order.offered_s, order.waits_since_s, order.quiet_since_s, order.strangers = now_s, None, None, 0
         self._remember()
         self._say(order, now_s)
@@ -222,7 +284,12 @@ class Orders:
         self._out.append(
             Say(
                 "order",
-                order_body(order.message(), self._profile.dialect, trajectory=self._profile.trajectory),
+                order_body(
+                    order.message(),
+                    self._profile.dialect,
+                    trajectory=self._profile.trajectory,
+                    without=self._without,
+                ),
             )
         )
 
@@ -232,7 +299,7 @@ class Orders:
             if now_s - order.said_s >= self._profile.resend_s:
                 self._say(order, now_s)
         elif order.now is OrderState.OFFERED:
-            self._refuse(order, REFUSED_SILENTLY, now_s)
+            self._refuse(order, order.refused_with or REFUSED_SILENTLY, now_s)
         else:
             self._take_back_update(order)
 
@@ -249,11 +316,17 @@ class Orders:
         else:
             order.retry_s = now_s + FIRST_RETRY_S * 2.0 ** (len(order.ids) - 1)
 
+    def _leave_out(self, error: VehicleError) -> None:
+        """What it does not support is not said again, where the profile allows that."""
+        names = unsupported(error) & frozenset(self._profile.leave_out) - self._without
+        if names:
+            self._without |= names
+            self._out.append(Note(f"left out of orders, since the vehicle says: {error.text}"))
+
     def _is_hindered(self, order: VehicleOrder, now_s: float) -> bool:
         """Whether an order of an earlier life keeps it from taking this one, by a horizon that is left: it is cancelled first."""
-        state, instant = self._view.state, self._instant
-        ours = (state.order_id or "").startswith(self._ours)
-        if state.is_idle or not ours or order.reason == REFUSED_SILENTLY:
+        view, instant = self._view, self._instant
+        if view.is_idle or not view.shows_ours or order.reason == REFUSED_SILENTLY:
             instant.forget(CANCEL)
             return False
         if not instant.is_open(CANCEL):
@@ -270,7 +343,7 @@ class Orders:
             if state.order_id == order.id and (state.order_update_id or 0) >= order.update:
                 order.states.enter(OrderState.RUNNING)
                 order.sent_base, order.has_horizon = len(order.stops), bool(order.beyond)
-            elif _refusal(order, state) is not None:
+            elif refusal(order, state) is not None:
                 self._take_back_update(order)
         self._pass_to(order, state, now_s)
         self._judge(order, state, now_s)
@@ -295,22 +368,31 @@ class Orders:
         """Whether it has come to an end."""
         if order.action is not None:
             self._judge_action(order, order.action, state, now_s)
-        elif order.passed == order.end and not state.driving:
+        elif order.passed == order.end and not self._view.is_driving:
             if order.has_horizon and not order.beyond:
                 self._begin_cancel(
                     order, now_s
                 )  # It waits for what nobody wants any more, and takes no update.
             elif not order.beyond:
                 self._end(order, OrderState.DONE, "", now_s)
-        elif self._is_quiet(order, state, now_s):
+        elif self._is_quiet(order, now_s):
             # Shown, never begun, and complained of: a refusal that came late.
-            error = _refusal(order, state) if not order.passed else None
+            error = (refusal(order, state) if not order.passed else None) or critical(state, self._profile)
+            if error is None and self._stands_at_end(order):
+                said = state.last_node_id or "nothing"
+                self._note_once(
+                    f"it stands at {order.nodes[-1]} and has no nodes left, and says that its last node is {said}"
+                )
+                self._pass_all(order, now_s)
+                self._end(order, OrderState.DONE, "", now_s)
+                return
             self._end(order, OrderState.ENDED, STOPPED_SHORT if error is None else error.text, now_s)
 
     def _judge_action(self, order: VehicleOrder, action: Action, state: State, now_s: float) -> None:
         shown = state.action(action.id)
         status = shown.action_status if shown is not None else ""
         order.waits_since_s = (order.waits_since_s or now_s) if status == WAITING else None
+        order.acts_since_s = now_s if order.acts_since_s is None else order.acts_since_s
         if status == FINISHED:
             self._end(order, OrderState.DONE, "", now_s)
         elif status == FAILED and shown is not None:
@@ -327,22 +409,38 @@ class Orders:
         elif overdue := order.overdue(now_s, self._profile.waiting_s):
             order.reason = overdue
             self._begin_cancel(order, now_s)
-        elif not status and self._is_quiet(order, state, now_s):
+        elif not status and self._is_quiet(order, now_s):
             self._end(order, OrderState.ENDED, VANISHED, now_s)
 
-    def _is_quiet(self, order: VehicleOrder, state: State, now_s: float) -> bool:
+    def _pass_all(self, order: VehicleOrder, now_s: float) -> None:
+        while order.passed < order.end:
+            order.passed += 1
+            self._owner.on_passed(order, order.passed, now_s)
+
+    def _stands_at_end(self, order: VehicleOrder) -> bool:
+        """Whether its pose is at the order's last node: that counts for more than a stale `lastNodeId`."""
+        pose, spot = self._view.pose, order.stops[-1][1]
+        if pose is None or not self._view.is_on_map:
+            return False
+        x, y = self._profile.map.to_map(pose.x_m, pose.y_m)
+        return hypot(x - spot.x, y - spot.y) <= self._profile.node_m
+
+    def _note_once(self, text: str) -> None:
+        if not self._has_noted:
+            self._has_noted = True
+            self._out.append(Note(text))
+
+    def _is_quiet(self, order: VehicleOrder, now_s: float) -> bool:
         """Whether the vehicle has had nothing left to do for a while, though the order is not done."""
-        order.quiet_since_s = (order.quiet_since_s or now_s) if state.is_idle else None
+        order.quiet_since_s = (order.quiet_since_s or now_s) if self._view.is_idle else None
         return order.quiet_since_s is not None and now_s - order.quiet_since_s >= SETTLE_S
 
     def _wonder(self, order: VehicleOrder, state: State, now_s: float) -> None:
         """It shows another order than ours, or none."""
         at_end = order.kind is Kind.STEP and state.last_node_id == order.nodes[-1]
-        if at_end and not state.order_id and state.is_idle:
+        if at_end and not state.order_id and self._view.is_idle:
             # It has come to the end, and clears its order at once.
-            while order.passed < order.end:
-                order.passed += 1
-                self._owner.on_passed(order, order.passed, now_s)
+            self._pass_all(order, now_s)
             self._end(order, OrderState.DONE, "", now_s)
             return
         order.strangers += 1
@@ -361,13 +459,16 @@ class Orders:
         """It is over when cancelOrder is FINISHED, or when there is nothing to cancel; not when it is only seen."""
         state, status = self._view.state, self._instant.status(CANCEL)
         given_up = self._instant.is_given_up(CANCEL)
-        over = status == FINISHED or ((status == FAILED or given_up) and state.is_idle)
+        self._is_quiet(order, now_s)
+        quiet_s = order.quiet_since_s
+        seen = quiet_s is not None and now_s - quiet_s >= CANCELLED_S
+        over = status == FINISHED or seen or ((status == FAILED or given_up) and self._view.is_idle)
         forgotten = bool(state.order_id) and not order.is_shown(state)
         if not over and not forgotten:
             return
         shown = state.action(order.action.id) if order.action is not None else None
         if shown is not None and shown.action_status not in (FINISHED, FAILED):
-            if not state.is_idle and shown.action_status != WAITING:
+            if not self._view.is_idle and shown.action_status != WAITING:
                 return  # An action that cannot be cancelled ends first.
         done = shown is not None and shown.action_status == FINISHED
         self._instant.forget(CANCEL)
@@ -387,8 +488,3 @@ class Orders:
             self.present = None
         self._over_s = now_s
         self._owner.on_over(order, now_s)
-
-
-def _refusal(order: VehicleOrder, state: State) -> VehicleError | None:
-    """An error that names this order. Warnings that linger name others, or none."""
-    return next((error for error in state.errors or () if error.names(order.id)), None)

@@ -1,11 +1,12 @@
 """What keeps a vehicle from going on, as people should read it.
 
-FATAL and CRITICAL errors, an emergency stop, a mode in which people drive it, a lost position, silence and a broker that is
-away are problems. WARNING and URGENT are not: the vehicle goes on.
+FATAL errors, CRITICAL ones for a while (`criticals.py`), an emergency stop, a mode in which people drive it, a lost position, silence and
+a broker that is away are problems. WARNING and URGENT are not: the vehicle goes on. Nor are errors about orders: they end the order.
 """
 
 from __future__ import annotations
 
+from dray.adapters.vda5050.control.refusals import FATAL, is_about_order, is_critical
 from dray.adapters.vda5050.control.view import NEVER_S, VehicleView
 from dray.adapters.vda5050.profile import Profile
 from dray.adapters.vda5050.wire.messages import State
@@ -19,7 +20,6 @@ AWAY_S = 5.0
 SILENT_PERIODS = 2.2
 """So many times the longest gap between two states without one: two were lost."""
 
-STOPPING = frozenset({"FATAL", "CRITICAL"})
 OBEYS = frozenset({"AUTOMATIC", "SEMIAUTOMATIC"})
 """In which its master decides where it drives."""
 
@@ -64,8 +64,14 @@ def absence(
     return None
 
 
-def complaint(state: State, profile: Profile) -> ProblemRaised | None:
-    """What the vehicle itself says keeps it from going on; None for nothing."""
+def complaint(state: State, profile: Profile, *, critical: bool) -> ProblemRaised | None:
+    """What the vehicle itself says keeps it from going on; None for nothing.
+
+    Args:
+        state: the newest one.
+        profile: of its type.
+        critical: CRITICAL errors are among that now (`Criticals`).
+    """
     safety = state.safety_state
     if safety is not None and (stop := safety.emergency_stop):
         # AUTOACK is taken back by the vehicle itself.
@@ -75,9 +81,10 @@ def complaint(state: State, profile: Profile) -> ProblemRaised | None:
     if mode in MODES and mode not in OBEYS:
         return problem(f"its mode is {mode}", needs_person=mode != "STARTUP")
     for error in state.errors or ():
-        if error.error_level in STOPPING:
+        is_fatal = error.error_level == FATAL and not is_about_order(error)
+        if critical if is_critical(error, profile) else is_fatal:
             kind = profile.problems.get(error.error_type or "") or _kind(error.error_type or "")
-            return problem(error.text, kind, needs_person=True if error.error_level == "FATAL" else None)
+            return problem(error.text, kind, needs_person=True if error.error_level == FATAL else None)
     position = state.position
     if position is not None and not position.is_localised:
         return problem("it does not know where it is: not localised", ProblemKind.LOST_POSITION)

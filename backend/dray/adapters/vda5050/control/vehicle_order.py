@@ -91,6 +91,10 @@ class VehicleOrder:
         self.places: list[Place] = [None] * len(stops)
         self.states: States[OrderState] = States("an order", TRANSITIONS, OrderState.OFFERED)
         self.reason = ""
+        self.old_errors: frozenset[tuple[str, str, tuple[str, ...]]] = frozenset()
+        """What the vehicle complained of when it was offered: that refuses something else."""
+        self.refused_with = ""
+        """The words of its newest refusal in words."""
         self.is_unwanted = False
         self.takes_updates = True
         self.is_twice = False
@@ -102,6 +106,8 @@ class VehicleOrder:
         """So long its action may wait for a person; None where nobody is needed."""
         self.waits_since_s: float | None = None
         """Since when its action only waits."""
+        self.acts_since_s: float | None = None
+        """Since when the vehicle has it, and its action has not ended."""
         self.quiet_since_s: float | None = None
         """Since when the vehicle has nothing left to do, and the order is not done."""
         self.strangers = 0
@@ -194,9 +200,11 @@ class VehicleOrder:
         nodes, node = self.nodes, state.last_node_id
         told = self._told(self.stops)
         by_number = (state.last_node_sequence_id or 0) // 2
-        if by_number < len(told) and nodes[told[by_number]] == node:
+        if 0 <= by_number < len(told) and nodes[told[by_number]] == node:
             return max(self.passed, told[by_number])
         # A vehicle whose sequence numbers are of no use.
+        if nodes[self.passed] == node:
+            return self.passed
         return next((i for i in range(self.passed + 1, len(nodes)) if nodes[i] == node), self.passed)
 
     def _told(self, points: list[Stop]) -> list[int]:

@@ -6,12 +6,17 @@ begin anew after a restart.
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from math import hypot
 
+import msgspec
+
+from dray.adapters.vda5050.control.doubts import BatteryLevel, Doubts
 from dray.adapters.vda5050.profile import Profile
 from dray.adapters.vda5050.wire.lenient import read
 from dray.adapters.vda5050.wire.messages import (
+    ActionState,
     Connection,
     Factsheet,
     Position,
@@ -21,6 +26,7 @@ from dray.adapters.vda5050.wire.messages import (
 )
 from dray.messages import Pose
 from dray.messages.base import METRES_MAX
+from dray.plant.model import VehicleType
 
 NEVER_S = float("-inf")
 
@@ -32,6 +38,15 @@ REORDERED_S = 5.0
 
 STANDING_MPS = 0.02
 """Slower is standing: odometry is never quite still."""
+
+STIRRED_M = 0.05
+"""A pose that changes by less has not changed: localisation is never quite still."""
+
+CONTRADICTED_S = 10.0
+"""`driving` of a vehicle whose speed is 0, and whose pose does not change, is not believed after this."""
+
+_INSTANT = re.compile(r"-i\d+$")
+"""How ids of our instant actions end (`InstantActions`); those of orders never do."""
 
 DOUBLED, REORDERED, OTHER_MAP, NOWHERE, OTHER_TOPIC = (
     "a doubled state",
@@ -48,9 +63,13 @@ class VehicleView:
 
     Args:
         profile: of its type.
+        agent: whose vehicle it is: ids of our orders and actions begin with it.
+        kind: what the plant says of it.
 
     Attributes:
         odd: what was ignored, by reason.
+        doubts: about values that cannot be.
+        battery: how full it is.
         state: the newest one.
         heard_s: when that came; `NEVER_S` before the first one.
         pose: in the plant's frame; None as long as it has not told one.
@@ -58,12 +77,15 @@ class VehicleView:
         map_id: on which it is.
         away: its own word that it is not there: what it said; empty for none.
         away_s: when it said so.
+        stirred_s: when it was seen to move last, by its speed or by its pose.
         factsheet: None before it was told.
     """
 
-    def __init__(self, profile: Profile) -> None:
-        self._profile = profile
+    def __init__(self, profile: Profile, agent: str, kind: VehicleType) -> None:
+        self._profile, self._prefix = profile, f"{agent}-"
         self.odd: Counter[str] = Counter()
+        self.doubts = Doubts(kind, self.odd)
+        self.battery = BatteryLevel(kind, profile, self.doubts)
         self.state = State()
         self.heard_s = NEVER_S
         self.pose: Pose | None = None
@@ -75,6 +97,8 @@ class VehicleView:
         self.away_s = NEVER_S
         self.factsheet: Factsheet | None = None
         self._posed_s = NEVER_S
+        self.stirred_s = NEVER_S
+        self._stirred_at: Pose | None = None
         self._counts_anew = False
         """It has connected anew: its messages may be numbered from 0 again."""
         self.doubtful_s: float | None = None
@@ -107,10 +131,8 @@ class VehicleView:
 
     @property
     def battery_frac(self) -> float:
-        """How full it is; half, as long as it does not say."""
-        battery = self.state.battery
-        percent = battery.percent if battery is not None else None
-        return 0.5 if percent is None else min(max(percent / 100.0, 0.0), 1.0)
+        """How full it is; reckoned, where it does not say so in a way that can be."""
+        return self.battery.frac
 
     @property
     def is_charging(self) -> bool:
@@ -125,9 +147,65 @@ class VehicleView:
         return self.is_driving
 
     @property
+    def driven_m(self) -> float | None:
+        """Since its last node, of a vehicle that follows lines; None where it does not say that."""
+        return self.doubts.driven(self.state.distance_since_last_node)
+
+    @property
     def is_driving(self) -> bool:
-        """Whether it says so."""
-        return self.state.driving is True
+        """Whether it says so, and neither its speed nor its pose has contradicted that for a while."""
+        return self.state.driving is True and not self.is_driving_denied
+
+    @property
+    def is_driving_denied(self) -> bool:
+        """Whether it says that it drives, and stands: its speed is 0, and its pose has not changed."""
+        is_seen = self.state.velocity is not None or self.pose is not None
+        last_s = max(self.heard_s, self._posed_s)
+        still = is_seen and last_s - self.stirred_s >= CONTRADICTED_S
+        return self.state.driving is True and still
+
+    # --- what it has left to do ------------------------------------------------------------------
+
+    @property
+    def shows_ours(self) -> bool:
+        """Whether the order that it shows is ours, of whatever life."""
+        return (self.state.order_id or "").startswith(self._prefix)
+
+    @property
+    def is_foreign(self) -> bool:
+        """Whether it shows an order of somebody else."""
+        return bool(self.state.order_id) and not self.shows_ours
+
+    @property
+    def is_idle(self) -> bool:
+        """Nothing is left to do, by the words of the text: no nodes, no edges, all actions over that count."""
+        state = self.state
+        return not (self.acting or state.node_states or state.edge_states or self.is_driving)
+
+    @property
+    def acting(self) -> tuple[ActionState, ...]:
+        """Actions of orders that are not over.
+
+        Our instant actions do not count. Of somebody else's actions only those do that an order of somebody else may have:
+        a lamp or a horn holds no order up.
+        """
+        return tuple(
+            action
+            for action in self.state.going_on
+            if (self._is_ordered(action) if self._is_ours(action) else self.is_foreign)
+        )
+
+    @property
+    def foreign_actions(self) -> tuple[ActionState, ...]:
+        """Actions that are not over, and of no order of ours nor of a life of ours."""
+        listed = (*self.state.going_on, *self.state.running_instant)
+        return tuple(action for action in listed if not self._is_ours(action))
+
+    def _is_ours(self, action: ActionState) -> bool:
+        return (action.action_id or "").startswith(self._prefix)
+
+    def _is_ordered(self, action: ActionState) -> bool:
+        return _INSTANT.search(action.action_id or "") is None
 
     def _take_state(self, state: State, now_s: float) -> bool:
         is_first = self.heard_s == NEVER_S
@@ -141,9 +219,16 @@ class VehicleView:
         self.doubtful_s, self._counts_anew = None, False
         self.state, self.heard_s = state, now_s
         self.away = ""  # Whoever speaks is there: `connection` is a hint.
+        before = self.pose
         self._take_pose(state.position, state.velocity, now_s)
+        driven_m = 0.0
+        if before is not None and self.pose is not None:
+            driven_m = hypot(self.pose.x_m - before.x_m, self.pose.y_m - before.y_m)
+        self.battery.on_state(state.battery, driven_m, now_s, loaded=bool(state.loads))
         if not state.driving and state.velocity is None:
             self.speed_mps = 0.0
+        if is_first or self.speed_mps > STANDING_MPS:
+            self.stirred_s = now_s
         return True
 
     def _stale(self, state: State, now_s: float) -> str:
@@ -161,7 +246,9 @@ class VehicleView:
 
     def _take_pose(self, position: Position | None, velocity: Velocity | None, now_s: float) -> None:
         if velocity is not None:
-            self.speed_mps = hypot(velocity.vx or 0.0, velocity.vy or 0.0)
+            speed_mps = self.doubts.speed(hypot(velocity.vx or 0.0, velocity.vy or 0.0))
+            velocity = None if speed_mps is None else velocity
+            self.speed_mps = self.speed_mps if speed_mps is None else speed_mps
         if position is None or position.x is None or position.y is None or not position.is_localised:
             return
         self.map_id = self.map_id or position.map_id or ""
@@ -173,8 +260,14 @@ class VehicleView:
             self.odd[OTHER_MAP] += 1
             return
         before, before_s = self.pose, self._posed_s
-        self.pose = self._profile.map.to_plant(position.x, position.y, position.theta or 0.0)
+        theta = self.doubts.heading(position.theta or 0.0)
+        self.pose = self._profile.map.to_plant(position.x, position.y, theta or 0.0)
+        if theta is None and before is not None:
+            self.pose = msgspec.structs.replace(self.pose, heading_rad=before.heading_rad)
         self._posed_s = now_s
+        at = self._stirred_at
+        if at is None or hypot(self.pose.x_m - at.x_m, self.pose.y_m - at.y_m) > STIRRED_M:
+            self._stirred_at, self.stirred_s = self.pose, now_s
         if velocity is None and before is not None and now_s > before_s and self.is_driving:
             gone_m = hypot(self.pose.x_m - before.x_m, self.pose.y_m - before.y_m)
             self.speed_mps = gone_m / (now_s - before_s)

@@ -110,6 +110,13 @@ class Work:
         """How far the vehicle is from a node; 0 as long as it does not say."""
         return self._whereabouts.gap_m(self._view.pose, node)
 
+    @property
+    def wants_order(self) -> bool:
+        """Whether there is more to be ordered, once the vehicle takes it."""
+        way = self.way
+        wants_step = way is not None and way.passed < way.drivable - 1
+        return wants_step or (self.task is not None and self._charged_s is None)
+
     # --- what its agent wants --------------------------------------------------------------------
 
     def drive(self, drive: Drive, now_s: float) -> None:
@@ -188,7 +195,7 @@ class Work:
 
     def _find(self, said: str, course: tuple[str, ...]) -> Stand | None:
         state = self._view.state
-        past_m = state.distance_since_last_node or 0.0 if said == state.last_node_id else 0.0
+        past_m = self._view.driven_m or 0.0 if said == state.last_node_id else 0.0
         least_m, course = (PAST_M, course) if said != self._left else (0.0, ())
         return self._whereabouts.find(self._view.pose, said, course, is_past=past_m > least_m)
 
@@ -296,13 +303,7 @@ class Work:
         if self.way is not None and self.way.passed < 0 and self.stand == Stand(self.way.nodes[0]):
             self._begin(self.way)
         way = self.way
-        wants_step = way is not None and way.passed < way.drivable - 1
-        wants_task = self.task is not None and self._charged_s is None
-        if (
-            not (wants_step or wants_task)
-            or not self.orders.is_ready(now_s)
-            or self._is_still_charging(now_s)
-        ):
+        if not self.wants_order or not self.orders.is_ready(now_s) or self._is_still_charging(now_s):
             return
         if way is not None:
             self._step(way, now_s)
@@ -340,6 +341,7 @@ class Work:
     def watch_charge(self) -> None:
         """A charge is over when the battery is full."""
         task = self.task
+        self._view.battery.is_plugged = isinstance(task, Charge) and self._charged_s is not None
         if isinstance(task, Charge) and (self._charged_s is not None or self._view.is_charging):
             if self._view.battery_frac * 100.0 >= self._profile.full_percent:
                 self.task = self._charged_s = None

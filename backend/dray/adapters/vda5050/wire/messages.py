@@ -57,6 +57,18 @@ class VehicleError(Said, frozen=True):
         return any(reference.reference_value == value for reference in self.error_references or ())
 
     @property
+    def order_named(self) -> str:
+        """The order that it refers to; empty for none."""
+        pairs = self.error_references or ()
+        return next((pair.reference_value or "" for pair in pairs if pair.reference_key == "orderId"), "")
+
+    @property
+    def key(self) -> tuple[str, str, tuple[str, ...]]:
+        """What two errors that are the same have in common."""
+        named = tuple(f"{pair.reference_key}={pair.reference_value}" for pair in self.error_references or ())
+        return self.error_type or "", self.error_description or "", named
+
+    @property
     def text(self) -> str:
         """For people."""
         kind, words = self.error_type or "an error without a type", self.error_description or self.error_hint
@@ -111,6 +123,8 @@ class Safety(Said, frozen=True):
 
     e_stop: str | None = None
     active_emergency_stop: str | None = None
+    field_violation: bool | None = None
+    """Something is in its protective field."""
 
     @property
     def emergency_stop(self) -> str:
@@ -172,16 +186,16 @@ class State(Said, frozen=True):
         return max(states, key=lambda state: _PROGRESS.get(state.action_status or "", -1), default=None)
 
     @property
-    def is_idle(self) -> bool:
-        """Nothing is left to do, by the words of the text: no nodes, no edges, all actions over."""
-        return self.acts_no_more and not self.node_states and not self.edge_states and not self.driving
+    def going_on(self) -> tuple[ActionState, ...]:
+        """Actions of `actionStates` that are not over; one that is listed twice is, when it is once."""
+        listed = self.action_states or ()
+        ended = {state.action_id for state in listed if state.action_status in OVER}
+        return tuple(state for state in listed if state.action_id and state.action_id not in ended)
 
     @property
-    def acts_no_more(self) -> bool:
-        """All actions of orders are over; one that is listed twice is, when it is once."""
-        ids = {state.action_id for state in self.action_states or () if state.action_id}
-        ended = {state.action_id for state in self.action_states or () if state.action_status in OVER}
-        return ids <= ended
+    def running_instant(self) -> tuple[ActionState, ...]:
+        """Those of `instantActionStates` that are not over."""
+        return tuple(state for state in self.instant_action_states or () if state.action_status not in OVER)
 
 
 FINISHED, FAILED, WAITING, RETRIABLE = "FINISHED", "FAILED", "WAITING", "RETRIABLE"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from itertools import pairwise
 from math import hypot
 from typing import Any
@@ -71,14 +72,27 @@ class Order(msgspec.Struct, frozen=True):
         return tuple(node for node in self.nodes if node.released)
 
 
-def order_body(order: Order, dialect: Dialect, *, trajectory: bool = True) -> dict[str, Any]:
-    """An order without its header; with the shape of edges that are not straight, or with their length alone."""
-    return {
-        "orderId": order.id,
-        "orderUpdateId": order.update,
-        "nodes": [_node(node, dialect) for node in order.nodes],
-        "edges": [_edge(edge, dialect, trajectory=trajectory) for edge in order.edges],
-    }
+def order_body(
+    order: Order, dialect: Dialect, *, trajectory: bool = True, without: Collection[str] = ()
+) -> dict[str, Any]:
+    """An order without its header.
+
+    Args:
+        order: what is ordered.
+        dialect: its version.
+        trajectory: edges that are not straight say their shape; else their length alone.
+        without: fields of nodes, positions, edges and actions, and parameters of actions, that are left out.
+    """
+    nodes = [_node(node, dialect) for node in order.nodes]
+    edges = [_edge(edge, dialect, trajectory=trajectory) for edge in order.edges]
+    for part in (*nodes, *edges) if without else ():
+        for each in (part, part.get("nodePosition", {}), *part["actions"]):
+            for name in without:
+                each.pop(name, None)
+        for action in part["actions"]:
+            kept = [pair for pair in action["actionParameters"] if pair["key"] not in without]
+            action["actionParameters"] = kept
+    return {"orderId": order.id, "orderUpdateId": order.update, "nodes": nodes, "edges": edges}
 
 
 def instant_body(action: Action, dialect: Dialect, field: str) -> dict[str, Any]:

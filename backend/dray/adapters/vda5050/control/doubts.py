@@ -1,0 +1,158 @@
+"""Values that cannot be: what is taken instead, and what people are told, once for each.
+
+A value that cannot be is as good as none. Nothing is clamped in silence: that would make a wrong scale a plausible figure. docs/vehicles.md
+has the table.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from math import tau
+
+from dray.adapters.vda5050.profile import Profile
+from dray.adapters.vda5050.wire.messages import Battery
+from dray.plant.model import VehicleType
+
+FASTEST_TIMES, FASTEST_MPS = 3.0, 3.0
+"""A speed above so many times that of the plant file, and this, is no speed in m/s."""
+
+THETA_MAX_RAD = tau + 0.1
+"""A full turn, and what is rounded: the text has -pi to pi, and many vehicles count from 0 to 2 pi."""
+
+ROUNDED = 1.02
+"""A battery that says up to so much of its scale is full: 100.4 % is what its electronics measure."""
+
+SECONDS_PER_HOUR = 3600.0
+
+TAPERED = 0.5
+"""Of the full charging power, above `charge_taper_frac`, on average."""
+
+TOLD_MAX = 30
+"""Different doubts that are told; there are ten."""
+
+
+class Doubts:
+    """Those about one vehicle.
+
+    Args:
+        kind: what the plant says of it.
+        odd: where it is counted what was not believed.
+    """
+
+    def __init__(self, kind: VehicleType, odd: Counter[str]) -> None:
+        self._kind, self._odd = kind, odd
+        self._told: set[str] = set()
+        self._untold: list[str] = []
+
+    def note(self, what: str, words: str) -> None:
+        """Count one that was not believed, and tell it the first time."""
+        self._odd[what] += 1
+        if what not in self._told and len(self._told) < TOLD_MAX:
+            self._told.add(what)
+            self._untold.append(f"{what}: {words}")
+
+    def to_tell(self) -> list[str]:
+        """What people have not been told yet."""
+        told, self._untold = self._untold, []
+        return told
+
+    def speed(self, speed_mps: float) -> float | None:
+        """A speed; None where it cannot be."""
+        most_mps = FASTEST_TIMES * self._kind.max_speed_mps + FASTEST_MPS
+        if speed_mps <= most_mps:
+            return speed_mps
+        self.note("an odd speed", f"{speed_mps:g} m/s is no speed of type {self._kind.id}; mm/s?")
+        return None
+
+    def heading(self, theta: float) -> float | None:
+        """`theta`; None where it cannot be."""
+        if abs(theta) <= THETA_MAX_RAD:
+            return theta
+        self.note("an odd theta", f"{theta:g} rad is more than a turn; degrees?")
+        return None
+
+    def driven(self, distance_m: float | None) -> float | None:
+        """`distanceSinceLastNode`; None where it cannot be."""
+        if distance_m is None or distance_m >= 0.0:
+            return distance_m
+        self.note("an odd distanceSinceLastNode", f"{distance_m:g} m is less than nothing")
+        return None
+
+
+class BatteryLevel:
+    """How full one battery is: by the vehicle's word, and by time and metres where that cannot be.
+
+    Args:
+        kind: what it takes and gets.
+        profile: its scale.
+        doubts: is told what is not believed.
+
+    Attributes:
+        frac: the level, from 0 to 1; half, before anything is known.
+        unknown: why that is only reckoned; empty when the vehicle has said it.
+        is_plugged: it charges for a task of ours, whatever it says.
+    """
+
+    def __init__(self, kind: VehicleType, profile: Profile, doubts: Doubts) -> None:
+        self._kind, self._profile, self._doubts = kind, profile, doubts
+        self.frac = 0.5
+        self.unknown = "it has not said it"
+        self.is_plugged = False
+        self._heard_s: float | None = None
+        self._highest = 0.0
+        """Of what it has said and can be: tells whether it counts to 1 or to 100."""
+
+    @property
+    def looks_like_fraction(self) -> bool:
+        """Whether its profile has percent, and it seems to count to 1."""
+        return self._profile.battery_scale == "percent" and 0.0 < self._highest <= 1.0
+
+    def on_state(self, battery: Battery | None, driven_m: float, now_s: float, *, loaded: bool) -> None:
+        """A state has come.
+
+        Args:
+            battery: what it says.
+            driven_m: since the state before.
+            now_s: the present time.
+            loaded: something is on board.
+        """
+        said = self._believed(battery.percent if battery is not None else None)
+        is_charging = self.is_plugged or (battery is not None and battery.charging is True)
+        if said is None and self._heard_s is not None:
+            self.frac = self._reckoned(
+                driven_m, now_s - self._heard_s, loaded=loaded, is_charging=is_charging
+            )
+        elif said is not None:
+            self.frac, self.unknown = said, ""
+        self._heard_s = now_s
+
+    def _believed(self, said: float | None) -> float | None:
+        full = 1.0 if self._profile.battery_scale == "fraction" else 100.0
+        if said is None:
+            self._doubt("no battery", "it does not say how full it is")
+        elif not 0.0 <= said <= full * ROUNDED:
+            self._doubt("an odd battery", f"{said:g} is not between 0 and {full:g}")
+        else:
+            self._highest = max(self._highest, said)
+            if full == 1.0 or self._highest > 1.0:
+                if said > full:
+                    self._doubts.note("a battery above full", f"{said:g} is taken as {full:g}")
+                return min(said / full, 1.0)
+            self._doubt(
+                "a doubtful battery",
+                f"{said:g} may be of 1, not of 100; then battery_scale: fraction is right",
+            )
+        return None
+
+    def _doubt(self, what: str, words: str) -> None:
+        self.unknown = words
+        self._doubts.note(what, f"{words}; its level is reckoned by time and metres")
+
+    def _reckoned(self, driven_m: float, for_s: float, *, loaded: bool, is_charging: bool) -> float:
+        kind = self._kind
+        hours = for_s / SECONDS_PER_HOUR
+        if is_charging:
+            power_w = kind.charge_w * (1.0 if self.frac < kind.charge_taper_frac else TAPERED)
+            return min(self.frac + power_w * hours / kind.battery_wh, 1.0)
+        per_metre_wh = kind.loaded_wh_per_m if loaded else kind.drive_wh_per_m
+        return max(self.frac - (kind.idle_w * hours + per_metre_wh * driven_m) / kind.battery_wh, 0.0)

@@ -1,0 +1,70 @@
+"""Errors that are about an order, not about the vehicle: which one refuses the order that was just said.
+
+VDA 5050 3.0 (6.6.5.4) names their types, and each stays until the next order is accepted. Vehicles of 2.x say the same at any
+level, FATAL too, and often without naming the order.
+"""
+
+from __future__ import annotations
+
+from dray.adapters.vda5050.control.vehicle_order import VehicleOrder
+from dray.adapters.vda5050.profile import Profile
+from dray.adapters.vda5050.wire.messages import State, VehicleError
+
+ABOUT_ORDERS = frozenset(
+    {
+        *("validationerror", "ordererror", "orderupdateerror", "norouteerror", "noordertocancel"),
+        *("validationfailure", "unsupportedparameter", "invalidorderaction", "invalidinstantaction"),
+        *("outdatedorderupdate", "sameorderupdateid", "orderupdatefollowingcancel", "otherorderactive"),
+        *("startnodeoutofrange", "noroutetotarget", "mobilerobotnotavailable", "unknownmapid"),
+        *("insufficientmemory", "duplicatemap", "duplicatezoneset"),
+    }
+)
+"""Types of 2.x, then of 3.0, without capitals and underscores."""
+
+UNSUPPORTED = "unsupportedparameter"
+
+CRITICAL, FATAL = "CRITICAL", "FATAL"
+
+
+def plain(error_type: str | None) -> str:
+    """A type of an error as it is compared: vehicles write it in capitals, in camel case, with and without underscores."""
+    return (error_type or "").replace("_", "").lower()
+
+
+def is_about_order(error: VehicleError) -> bool:
+    """Whether its type says that an order or an instant action is wrong: such an error keeps no vehicle from going on."""
+    return plain(error.error_type) in ABOUT_ORDERS
+
+
+def refusal(order: VehicleOrder, state: State) -> VehicleError | None:
+    """The error that refuses an order: one that names it, else a new one about orders that names no other.
+
+    Warnings that linger name others, or were there before the order was said.
+    """
+    errors = state.errors or ()
+    named = next((error for error in errors if error.names(order.id)), None)
+    if named is not None:
+        return named
+    fresh = (error for error in errors if is_about_order(error) and error.key not in order.old_errors)
+    return next((error for error in fresh if not error.order_named), None)
+
+
+def unsupported(error: VehicleError) -> frozenset[str]:
+    """The names of parameters that an error says are not supported; empty where it says no such thing."""
+    if plain(error.error_type) != UNSUPPORTED:
+        return frozenset()
+    said = ((pair.reference_key, pair.reference_value) for pair in error.error_references or ())
+    return frozenset(word.rpartition(".")[2] for pair in said for word in pair if word)
+
+
+def is_critical(error: VehicleError, profile: Profile) -> bool:
+    """Whether a vehicle cannot go on with its order for this, though it takes others (3.0, 6.6.5.1)."""
+    if is_about_order(error):
+        return False
+    kept = error.error_level == FATAL and error.error_type in profile.kept_until_order
+    return kept or error.error_level == CRITICAL
+
+
+def critical(state: State, profile: Profile) -> VehicleError | None:
+    """The first such error."""
+    return next((error for error in state.errors or () if is_critical(error, profile)), None)

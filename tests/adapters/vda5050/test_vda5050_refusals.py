@@ -1,0 +1,179 @@
+"""What a vehicle complains of: an order that was just said, its own body, or something that ends with the next order."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import msgspec
+import pytest
+from vda_rig import PROFILE, Rig
+from yard import PICK, drive
+
+from dray.adapters.vda5050.profile import load_profile, parse_profile
+from dray.body import ActionFailed, Drive, ProblemCleared, WayDone
+from dray.errors import SettingsError
+
+V3 = msgspec.structs.replace(PROFILE, version="3.0")
+KEPT = msgspec.structs.replace(PROFILE, kept_until_order=("pathBlocked",))
+
+
+def stop_with(rig: Rig, kind: str, level: str, *, gives_up: bool = True) -> None:
+    """The vehicle stops on its lane, and complains until it takes another order."""
+    vehicle = rig.vehicle
+    if gives_up:
+        vehicle.order.give_up()  # type: ignore[union-attr]
+        vehicle._body.power_off()
+        vehicle._body.power_on()
+        vehicle._way = []
+    else:
+        vehicle._body.instruct(Drive(order=0, nodes=(rig.sim.sense().next_node,), released=1))
+    vehicle.condition.errors.append((kind, level, "cannot reach the node", {"nodeId": "middle"}))
+    accept = vehicle._accept
+
+    def and_forget(order: Any) -> None:
+        vehicle.condition.errors = [error for error in vehicle.condition.errors if error[0] != kind]
+        accept(order)
+
+    vehicle._accept = and_forget  # type: ignore[method-assign]
+    vehicle.say_state()
+
+
+@pytest.mark.parametrize(
+    ("profile", "kind", "level"),
+    [(V3, "NODE_UNREACHABLE", "CRITICAL"), (PROFILE, "noPath", "CRITICAL"), (KEPT, "pathBlocked", "FATAL")],
+)
+def test_an_error_that_lasts_until_the_next_order_keeps_it_from_none(
+    profile: Any, kind: str, level: str
+) -> None:
+    rig = Rig(profile)
+    rig.do(drive("west", "middle", "east"), for_s=6.0)
+    stop_with(rig, kind, level)
+    rig.run(30.0)
+    assert rig.problems() == [f"{kind}: cannot reach the node"]
+    assert rig.failures() == [f"{kind}: cannot reach the node"]
+    assert rig.heard[-1] == ProblemCleared()
+    node = rig.body.sense().next_node
+    rig.do(Drive(order=2, nodes=(node, "east"), released=2), for_s=60.0)
+    assert rig.heard[-1] == WayDone(order=2, node="east")
+    assert len(rig.problems()) == 1
+
+
+def test_a_critical_error_cancels_an_order_that_the_vehicle_keeps() -> None:
+    rig = Rig(V3)
+    rig.do(drive("west", "middle", "east"), for_s=6.0)
+    rig.vehicle._body.power_off()
+    rig.vehicle._body.power_on()
+    rig.vehicle.condition.errors.append(("NODE_UNREACHABLE", "CRITICAL", "", {}))
+    rig.vehicle.say_state()
+    rig.run(30.0)
+    assert rig.failures() == ["NODE_UNREACHABLE"]
+    assert len({action["actionId"] for action in rig.instant("cancelOrder")}) == 1
+
+
+def test_a_critical_error_that_no_order_ends_is_told_for_longer_each_time_and_asks_little() -> None:
+    rig = Rig(V3)
+    rig.run(1.0)
+    rig.vehicle.condition.errors.append(("RELEASE_LOST", "CRITICAL", "", {}))
+    rig.vehicle._proceed = lambda: None  # type: ignore[method-assign]
+    rig.vehicle.say_state()
+    for number in range(60):
+        rig.do(Drive(order=10 + number, nodes=("west", "middle"), released=2), for_s=20.0)
+    assert 3 <= len(rig.problems()) <= 12
+    assert len(rig.orders()) <= 15
+
+
+def test_a_fatal_error_of_the_vehicle_stays_a_problem() -> None:
+    rig = Rig(V3)
+    rig.run(1.0)
+    rig.vehicle.condition.errors.append(("LOCALIZATION_ERROR", "FATAL", "", {}))
+    rig.vehicle.say_state()
+    rig.run(1.0)
+    rig.do(drive("west", "middle"), for_s=300.0)
+    assert rig.orders() == []
+    assert rig.body.sense().problem == "LOCALIZATION_ERROR"
+
+
+def refuse_with(rig: Rig, kind: str, level: str, references: dict[str, str], while_said: str = "") -> None:
+    """Every order is refused like this; with `while_said` only those that say that word."""
+    vehicle, hear = rig.vehicle, rig.vehicle.on_message
+    complaint = (kind, level, "not supported", references)
+
+    def on_message(topic: str, data: bytes) -> None:
+        if topic != "order" or while_said.encode() not in data:
+            if topic == "order":
+                vehicle.condition.errors = []
+            hear(topic, data)
+        else:
+            vehicle.condition.errors = [complaint]
+            vehicle.say_state()
+
+    vehicle.on_message = on_message  # type: ignore[method-assign]
+
+
+REFUSALS = [
+    (V3, "UNSUPPORTED_PARAMETER", "CRITICAL", {"parameter": "maximumSpeed"}),
+    (V3, "UNSUPPORTED_PARAMETER", "CRITICAL", {"maximumSpeed": "1.5"}),
+    (V3, "VALIDATION_FAILURE", "WARNING", {}),
+    (V3, "UNKNOWN_MAP_ID", "WARNING", {}),
+    (PROFILE, "validationError", "FATAL", {"topic": "order"}),
+    (PROFILE, "orderError", "FATAL", {}),
+]
+
+
+@pytest.mark.parametrize(("profile", "kind", "level", "references"), REFUSALS)
+def test_a_refusal_that_does_not_name_the_order_is_told_with_its_words_and_ends_with_its_cause(
+    profile: Any, kind: str, level: str, references: dict[str, str]
+) -> None:
+    rig = Rig(profile)
+    rig.run(1.0)
+    refuse_with(rig, kind, level, references)
+    rig.do(drive("west", "middle"), for_s=120.0)
+    assert rig.failures() == [f"{kind}: not supported"]
+    assert len(rig.orders()) == profile.tries
+    assert rig.problems() == []
+    del rig.vehicle.on_message
+    rig.do(drive("west", "middle", order=2), for_s=60.0)
+    assert rig.heard[-1] == WayDone(order=2, node="middle")
+
+
+def test_a_refusal_of_an_order_that_it_shows_all_the_same_ends_it() -> None:
+    rig = Rig()
+    rig.run(1.0)
+    rig.vehicle._proceed = lambda: None  # type: ignore[method-assign]
+    rig.body.instruct(drive("west", "middle"))
+    rig.run(2.0)
+    named = {"orderId": rig.orders()[0]["orderId"]}
+    rig.vehicle.condition.errors.append(("noRouteError", "FATAL", "no route", named))
+    rig.vehicle.say_state()
+    rig.run(20.0)
+    assert rig.failures() == ["noRouteError: no route"]
+    assert rig.problems() == []
+
+
+@pytest.mark.parametrize("action", [False, True])
+def test_what_is_not_supported_is_left_out_where_the_profile_allows_it(action: bool) -> None:
+    word = "weight" if action else "maximumSpeed"
+    heavy = msgspec.structs.replace(PROFILE.pick, parameters={**PROFILE.pick.parameters, "weight": 3.5})
+    rig = Rig(msgspec.structs.replace(V3, pick=heavy, leave_out=(word,)))
+    rig.run(1.0)
+    refuse_with(rig, "UNSUPPORTED_PARAMETER", "CRITICAL", {"parameter": word}, while_said=f'"{word}"')
+    rig.do(PICK if action else drive("west", "middle", "east"), for_s=90.0)
+    assert rig.failures() == []
+    assert [word in str(order) for order in rig.orders()] == [True] + [False] * (len(rig.orders()) - 1)
+    assert rig.notes[-1] == "left out of orders, since the vehicle says: UNSUPPORTED_PARAMETER: not supported"
+
+
+def test_a_speed_limit_is_never_left_out_unless_the_profile_says_so() -> None:
+    rig = Rig(V3)
+    rig.run(1.0)
+    refuse_with(
+        rig, "UNSUPPORTED_PARAMETER", "CRITICAL", {"parameter": "maximumSpeed"}, while_said="maximumSpeed"
+    )
+    assert isinstance(rig.do(drive("west", "middle"), for_s=90.0)[-1], ActionFailed)
+    assert all("maximumSpeed" in str(order) for order in rig.orders())
+
+
+def test_what_every_order_needs_cannot_be_left_out() -> None:
+    with pytest.raises(SettingsError, match="leave_out: no order is one without nodeId"):
+        parse_profile(b"leave_out: [nodeId]", "mine.yaml")
+    assert "trajectory" in load_profile("default").leave_out
