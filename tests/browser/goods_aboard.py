@@ -1,24 +1,16 @@
-"""M8, whose goods for an order ATV2 has on board and does not go on: it obeys, and says so."""
+"""M8, whose goods for an order ATV2 has on board and does not go on."""
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
-
+from gateway_kit import House
 from msgspec import UNSET
 from msgspec.structs import replace
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "gateway/kits"))
-
-from gateway_kit import House
-from heartbeats import events, machine_heartbeat
+from obedient_machine import STATION, ObedientMachine
 from wall_clock import NOW_S
 
 from dray.messages import (
-    CommandAnswered,
     MachineCommand,
     MachineCommandKind,
-    Message,
     Reason,
     Role,
     StrandedGoods,
@@ -29,7 +21,7 @@ from dray.messages.fact import AwardAnswered, TaskOpened
 from dray.store.orders.orders import Item, Order
 from dray.store.orders.progress import Goal, OrderStatus
 
-STATION, TASK, NODE = "M8", "M8-7", "d2"
+TASK, NODE = "M8-7", "d2"
 
 REFERENCE = "PO 4711"
 
@@ -43,19 +35,11 @@ WORK = Transport(
 )
 
 
-class MachineWithGoods:
-    """M8.
-
-    Args:
-        house: where it joins.
-        at_s: when that is (plant clock).
-    """
+class MachineWithGoods(ObedientMachine):
+    """M8; see `ObedientMachine`."""
 
     def __init__(self, house: House, at_s: float) -> None:
-        self.heard: list[MachineCommand] = []
-        self._house, self._seq, self._at_s = house, 10, at_s
         self._goods = StrandedGoods(atv="ATV2", node="c2", until_s=at_s + 800.0)
-        house.bus.join(STATION, self.on_message)
         order = Order(
             id="O-1",
             status=OrderStatus.RELEASED,
@@ -71,9 +55,7 @@ class MachineWithGoods:
             TaskOpened(TASK, 1, Role.PRIMARY, 1, WORK, 20.0, at_s + 900.0, 2.0),
             AwardAnswered(TASK, 1, Role.PRIMARY, "ATV2", "accepted"),
         )
-        for each in events(STATION, *told, at_s=at_s):
-            house.bus.say(each)
-        self._brief = TaskBrief(
+        brief = TaskBrief(
             task=TASK,
             epoch=1,
             item=WORK.item,
@@ -85,23 +67,11 @@ class MachineWithGoods:
             trouble=Reason.SILENT,
             stranded=self._goods,
         )
-        self.beat()
+        super().__init__(house, at_s, told, brief)
 
-    def beat(self) -> None:
-        """Say how it is."""
-        self._seq += 1
-        said = machine_heartbeat(STATION, self._seq, at_s=self._at_s + self._seq, tasks=(self._brief,))
-        self._house.bus.say(said)
-
-    def on_message(self, sender: str, message: Message) -> None:
-        """Obey, and say so."""
-        if not isinstance(message, MachineCommand):
-            return
-        self.heard.append(message)
-        self._house.bus.tell(STATION, sender, CommandAnswered(message.command, done=True))
-        if message.kind is MachineCommandKind.FETCH_GOODS:
+    def after(self, command: MachineCommand) -> TaskBrief:
+        """The goods are at hand for another vehicle, or written off."""
+        if command.kind is MachineCommandKind.FETCH_GOODS:
             goods = replace(self._goods, handed_at=NODE)
-            self._brief = replace(self._brief, epoch=2, primary="ATV6", source=NODE, stranded=goods)
-        else:
-            self._brief = replace(self._brief, stranded=UNSET, trouble=None)
-        self.beat()
+            return replace(self._brief, epoch=2, primary="ATV6", source=NODE, stranded=goods)
+        return replace(self._brief, stranded=UNSET, trouble=None)

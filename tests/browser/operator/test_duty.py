@@ -10,8 +10,9 @@ from typing import Any
 import pytest
 from calling_kit import BLOCKED, SOON_S, Calling, asks, do, on_duty, vehicle_calls
 from gateway_kit import House
-from goods_aboard import REFERENCE, STATION, TASK, MachineWithGoods
+from goods_aboard import REFERENCE, TASK, MachineWithGoods
 from manager_kit import as_manager
+from obedient_machine import STATION
 from open_house import OpenHouse, open_house
 from playwright.sync_api import Page, Route, expect
 from puppets import LATER_S, Puppet

@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 from gateway_kit import House
-from held_load import STATION, TASK, MachineThatWaits
+from held_load import TASK, MachineThatWaits
+from obedient_machine import STATION
 from open_house import OpenHouse
 from playwright.sync_api import expect
 from puppets import LATER_S, Puppet

@@ -35,25 +35,15 @@ async def side() -> AsyncIterator[SideWork]:
 
 @pytest.fixture
 def pipe(tmp_path: Path) -> Path:
-    """Who reads it waits until somebody has written to it."""
+    """Who writes to it waits until somebody reads it."""
     path = tmp_path / "pipe"
     os.mkfifo(path)
     return path
 
 
-def given(side: SideWork, caller: str, pipe: Path) -> asyncio.Task[str]:
-    """A piece that goes on until somebody writes to the pipe."""
-    return asyncio.create_task(side.do(caller, Path.read_text, pipe))
-
-
-async def let_go(pipe: Path, *pieces: asyncio.Task[str]) -> None:
-    """Write to the pipe until all of these have read something."""
-    while not all(piece.done() for piece in pieces):
-        # Opened for reading as well, so that it does not wait for a reader; closed, it lets go of one.
-        end = os.open(pipe, os.O_RDWR)
-        os.write(end, b"done")
-        os.close(end)
-        await asyncio.sleep(0.01)
+def given(side: SideWork, caller: str, pipe: Path) -> asyncio.Task[int]:
+    """A piece that goes on until somebody reads the pipe."""
+    return asyncio.create_task(side.do(caller, Path.write_text, pipe, "x"))
 
 
 async def test_work_is_done_in_another_process_which_is_kept(side: SideWork) -> None:
@@ -82,8 +72,9 @@ async def test_who_has_a_long_piece_leaves_a_place_to_all_others(side: SideWork,
     assert (refused.value.status, refused.value.kind) == (429, "too-many-files")
     assert await side.do("other", int, "7") == 7
     assert not any(each.done() for each in held)
-    for each in held:
-        await asyncio.gather(let_go(pipe, each), each)
+    reader = os.open(pipe, os.O_RDONLY | os.O_NONBLOCK)
+    await asyncio.gather(*held)
+    os.close(reader)
     assert await side.do("greedy", int, "8") == 8
 
 

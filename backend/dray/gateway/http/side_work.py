@@ -94,22 +94,21 @@ class SideWork:
             await self._end(process)
 
     async def _outcome(self, piece: bytes) -> Outcome:
-        process = await self._process()
+        process, outcome = await self._process(), None
         try:
             async with asyncio.timeout(self._most_s):
                 outcome = await _answered(process, piece)
         except (TimeoutError, EOFError, ConnectionError):
-            await self._end(process)
             raise Problem(
                 HTTPStatus.UNPROCESSABLE_ENTITY,
                 "too-much-work",
                 "This takes too long to work out",
                 f"it was given up after {self._most_s:g} s, or {MOST_BYTES // 1024**2} MiB of memory; send less at once",
             ) from None
-        except BaseException:
-            # Whoever asked has gone, and the process is in the middle of it.
-            await self._end(process)
-            raise
+        finally:
+            if outcome is None:
+                # It is in the middle of it, whether it is late or whoever asked has gone.
+                await self._end(process)
         self._free.append(process)
         return outcome
 

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from http import HTTPStatus
 from typing import Annotated, Self
 
-import msgspec
 from fastapi import APIRouter, Depends, Response
 from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator, model_validator
 
@@ -15,15 +13,15 @@ from dray.gateway.access.gate import forbidden, missing
 from dray.gateway.access.principal import Principal, Scope
 from dray.gateway.factory.commands import Commands
 from dray.gateway.http.csv_tables import Format, header_of, row_of, table, with_csv
-from dray.gateway.http.problems import Problem, not_found
+from dray.gateway.http.problems import not_found
 from dray.gateway.http.provided import Provided
 from dray.gateway.http.request_bodies import NOTE, json_only
 from dray.gateway.http.responses import PAGE, Cursor, Json, Limit, described, list_of, page, problems
 from dray.gateway.live.projection import Projection
-from dray.gateway.live.reasons import refusal_text
 from dray.gateway.live.views import AtvView
+from dray.gateway.routes.factory.command_answers import CommandAnswer, CommandName, answered, must_be_heard
 from dray.gateway.routes.parameters import Visible
-from dray.messages import CommandKind, CommandRefusal
+from dray.messages import CommandKind
 from dray.messages.people.command import OUT_MAX_S, PROMISE_MAX_S
 
 router = APIRouter(tags=["factory"])
@@ -63,7 +61,7 @@ class CommandRequest(BaseModel):
     """For `take_out` only: why."""
     after_work: bool = False
     """For `take_out` only: what it carries it brings to its end first."""
-    command: Annotated[str | None, Field(pattern=r"^[A-Za-z0-9._:-]{1,64}$")] = None
+    command: CommandName = None
     """A name for this command, by which the caller finds it in the stream. A command that is sent again under
     its name is not given again."""
 
@@ -84,20 +82,6 @@ class CommandRequest(BaseModel):
         if not out and (self.reason or self.after_work):
             raise ValueError("reason and after_work are given with kind take_out, and with no other")
         return self
-
-
-class CommandAnswer(msgspec.Struct, frozen=True):
-    """The vehicle's word on a command."""
-
-    command: str
-    done: bool
-    """False when the vehicle refused it."""
-    reason: CommandRefusal | None = None
-    """Why it was refused; None when it was done, or somebody else has stood in its way."""
-    detail: str = ""
-    """What its sensors still report, or why nobody waits for its word."""
-    text: str = ""
-    """Both in English."""
 
 
 @router.get("/atvs", responses={200: with_csv(list_of(AtvView, "ATVs, by id"))}, response_class=Json)
@@ -159,12 +143,12 @@ async def command_atv(
     if command.kind is not CommandKind.STOP and not caller.may(Scope.VEHICLES_COMMAND):
         raise missing(caller, Scope.VEHICLES_COMMAND)
     area_rule(projection, caller, atv, command.kind)
-    if command.kind is not CommandKind.STOP and atv in projection.outsiders:
-        raise Problem(
-            HTTPStatus.CONFLICT,
-            "shut-out",
+    if command.kind is not CommandKind.STOP:
+        must_be_heard(
+            projection,
+            atv,
             "The vehicle is shut out",
-            f"nobody hears {atv}: it can be stopped, and nothing else; readmit it first",
+            ": it can be stopped, and nothing else; readmit it first",
         )
     try:
         answer = await commands.order(
@@ -179,18 +163,7 @@ async def command_atv(
         )
     finally:
         note.elsewhere = commands.went_beside(command.command)
-    note.detail["command"] = answer.command
-    if not answer.done:
-        note.result, note.detail["reason"] = "refused", refusal_text(answer)
-    return Json(
-        CommandAnswer(
-            answer.command,
-            answer.done,
-            answer.reason,
-            visible.words(answer.detail),
-            visible.words(refusal_text(answer)),
-        )
-    )
+    return answered(answer, note, visible)
 
 
 def area_rule(projection: Projection, caller: Principal, atv: str, kind: CommandKind) -> None:

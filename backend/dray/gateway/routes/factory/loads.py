@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from http import HTTPStatus
 from typing import Annotated
 
 from fastapi import APIRouter, Depends
@@ -13,14 +12,13 @@ from dray.gateway.access.caller import Caller
 from dray.gateway.access.gate import forbidden
 from dray.gateway.access.principal import Principal
 from dray.gateway.factory.commands import Commands
-from dray.gateway.http.problems import Problem, not_found
+from dray.gateway.http.problems import not_found
 from dray.gateway.http.provided import Provided
 from dray.gateway.http.request_bodies import json_only
 from dray.gateway.http.responses import Json, described, problems
 from dray.gateway.live.projection import Projection
-from dray.gateway.live.reasons import refusal_text
 from dray.gateway.live.views import TaskView
-from dray.gateway.routes.factory.atvs import CommandAnswer
+from dray.gateway.routes.factory.command_answers import CommandAnswer, CommandName, answered, must_be_heard
 from dray.gateway.routes.parameters import Visible
 from dray.messages import MachineCommand, MachineCommandKind
 
@@ -36,7 +34,7 @@ class LoadSeenRequest(BaseModel):
 
     there: Annotated[bool, Field(strict=True)]
     """Whether the load is where it was to go."""
-    command: Annotated[str | None, Field(pattern=r"^[A-Za-z0-9._:-]{1,64}$")] = None
+    command: CommandName = None
     """A name for this word, by which the caller finds it in the stream. One that is sent again under its name is not given again."""
 
 
@@ -76,9 +74,7 @@ async def load_seen(
         raise not_found("task", task, "GET /api/tasks")
     _area_rule(projection, caller, view)
     place = view.coordinator
-    if place in projection.outsiders:
-        reason = f"nobody hears {place}; readmit it first"
-        raise Problem(HTTPStatus.CONFLICT, "shut-out", "Who coordinates it is shut out", reason)
+    must_be_heard(projection, place, "Who coordinates it is shut out", "; readmit it first")
     said = MachineCommand(
         command=seen.command or commands.new_name(),
         kind=MachineCommandKind.LOAD_THERE if seen.there else MachineCommandKind.LOAD_MISSING,
@@ -86,18 +82,7 @@ async def load_seen(
         issued_by=caller.name,
     )
     answer = await commands.give(place, said, by=caller)
-    note.detail["command"] = answer.command
-    if not answer.done:
-        note.result, note.detail["reason"] = "refused", refusal_text(answer)
-    return Json(
-        CommandAnswer(
-            answer.command,
-            answer.done,
-            answer.reason,
-            visible.words(answer.detail),
-            visible.words(refusal_text(answer)),
-        )
-    )
+    return answered(answer, note, visible)
 
 
 def _area_rule(projection: Projection, caller: Principal, view: TaskView) -> None:

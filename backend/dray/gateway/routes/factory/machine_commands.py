@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from http import HTTPStatus
 from typing import Annotated, Self
 
 from fastapi import APIRouter, Depends
@@ -13,13 +12,12 @@ from dray.gateway.access.caller import Caller
 from dray.gateway.access.gate import forbidden
 from dray.gateway.access.principal import Principal
 from dray.gateway.factory.commands import Commands
-from dray.gateway.http.problems import Problem, not_found
+from dray.gateway.http.problems import not_found
 from dray.gateway.http.provided import Provided
 from dray.gateway.http.request_bodies import NOTE, json_only
 from dray.gateway.http.responses import Json, described, problems
 from dray.gateway.live.projection import Projection
-from dray.gateway.live.reasons import refusal_text
-from dray.gateway.routes.factory.atvs import CommandAnswer
+from dray.gateway.routes.factory.command_answers import CommandAnswer, CommandName, answered, must_be_heard
 from dray.gateway.routes.parameters import Visible
 from dray.messages import MachineCommand, MachineCommandKind
 from dray.messages.people.command import OUT_MAX_S, PROMISE_MAX_S
@@ -63,7 +61,7 @@ class MachineCommandRequest(BaseModel):
     that is held until somebody has looked for its load (`POST /api/tasks/{task}/load` finds the machine by itself)."""
     node: Annotated[str, Field(max_length=64)] = ""
     """For `fetch_goods` only: where a person hands them over; left out for the nearest node beside the vehicle."""
-    command: Annotated[str | None, Field(pattern=r"^[A-Za-z0-9._:-]{1,64}$")] = None
+    command: CommandName = None
     """A name for this command, by which the caller finds it in the stream. A command that is sent again under
     its name is not given again."""
 
@@ -118,13 +116,7 @@ async def command_machine(
         _area_rule(projection, caller, machine)
     elif caller.areas is not None and caller.areas.isdisjoint(_areas_near(projection, *goods_m)):
         raise forbidden(f"the goods of {command.task} are not in your areas ({_named(caller.areas)})")
-    if machine in projection.outsiders:
-        raise Problem(
-            HTTPStatus.CONFLICT,
-            "shut-out",
-            "The machine is shut out",
-            f"nobody hears {machine}; readmit it first",
-        )
+    must_be_heard(projection, machine, "The machine is shut out", "; readmit it first")
     said = MachineCommand(
         command=command.command or commands.new_name(),
         kind=command.kind,
@@ -137,18 +129,7 @@ async def command_machine(
         issued_by=caller.name,
     )
     answer = await commands.give(machine, said, by=caller)
-    note.detail["command"] = answer.command
-    if not answer.done:
-        note.result, note.detail["reason"] = "refused", refusal_text(answer)
-    return Json(
-        CommandAnswer(
-            answer.command,
-            answer.done,
-            answer.reason,
-            visible.words(answer.detail),
-            visible.words(refusal_text(answer)),
-        )
-    )
+    return answered(answer, note, visible)
 
 
 def _goods_m(

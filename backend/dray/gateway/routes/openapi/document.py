@@ -38,7 +38,7 @@ from dray.gateway.live.views import (
 )
 from dray.gateway.live.views.duty import DutyView
 from dray.gateway.orders.feasibility import OrderPreview
-from dray.gateway.routes.factory.atvs import CommandAnswer
+from dray.gateway.routes.factory.command_answers import CommandAnswer
 from dray.gateway.routes.factory.duty import CallAnswered
 from dray.gateway.routes.factory.faults import FaultsAnswer
 from dray.gateway.routes.factory.floor.traffic import TrafficAnswer
