@@ -7,16 +7,19 @@ from answers import problem
 from fake_bus import KEYS
 from gateway_kit import House
 
-from dray.gateway.live.projection.obstacles import MOST, Obstacles
+from dray.gateway.live.projection.obstacles import Obstacles
 from dray.messages import Message, ObstacleCleared, ObstacleSeen
+from dray.messages.floor.obstacle import MOST, MOST_OF_ONE
 
 pytestmark = pytest.mark.anyio
 
 LANE = {"start": "c3", "end": "m5-lane"}
 
 
-def seen(start: str = "c3", end: str = "m5-lane", *, there: bool = True, for_s: float = 60.0) -> ObstacleSeen:
-    return ObstacleSeen(atv="ATV5", start=start, end=end, there=there, forget_in_s=for_s if there else 0.0)
+def seen(
+    start: str = "c3", end: str = "m5-lane", *, there: bool = True, for_s: float = 60.0, by: str = "ATV5"
+) -> ObstacleSeen:
+    return ObstacleSeen(atv=by, start=start, end=end, there=there, forget_in_s=for_s if there else 0.0)
 
 
 async def test_what_a_vehicle_has_met_is_listed_and_a_person_clears_it(house: House) -> None:
@@ -45,6 +48,13 @@ async def test_what_is_old_is_forgotten_and_what_is_gone_leaves() -> None:
     assert [view.until_at_s for view in obstacles.views()] == [1006.0]
     obstacles.look(1006.0)
     assert obstacles.views() == ()
-    for number in range(MOST + 10):
-        obstacles.fold(seen(f"n{number}", f"o{number}"))
+
+
+def test_no_speaker_fills_the_floor_and_no_more_are_shown_than_vehicles_count_on() -> None:
+    obstacles = Obstacles(speed=10.0)
+    for number in range(2 * MOST):
+        obstacles.fold(seen(f"n{number}", f"o{number}", by="ATV1"))
+    assert len(obstacles.views()) == MOST_OF_ONE
+    for number in range(2 * MOST):
+        obstacles.fold(seen(f"p{number}", f"o{number}", by=f"ATV{number}"))
     assert len(obstacles.views()) == MOST

@@ -12,6 +12,7 @@ from heartbeats import atv_heartbeat, events, machine_heartbeat
 from makings import making
 from wall_clock import NOW_S
 
+from dray.gateway.access.principal import Scope
 from dray.messages import (
     AtvStatus,
     Brief,
@@ -284,6 +285,27 @@ async def test_the_events_of_an_order_are_those_of_its_goals_too(house: House) -
         "GoalContracted",
         "PieceMade",
     ]
+
+
+async def test_who_may_not_read_orders_learns_no_order_from_events(house: House) -> None:
+    order = (await house.place())["id"]
+    goal = f"{order}-1.1"
+    contracted = GoalContracted(
+        goal=goal, order=order, item=0, product=PRODUCT, quantity=5, machine="M1", finish_s=900.0
+    )
+    await house.say(
+        events("strategist", OrderAccepted(order=order, goals=(goal,)), opened(goal, order), contracted)
+    )
+    _, header = await house.key(Scope.FACTORY_READ)
+    answer = await house.client.get("/api/events", headers=header)
+    assert order not in answer.text
+    assert order in (await house.client.get("/api/events")).text
+    accepted, announced, taken = answer.json()["items"]
+    alias = accepted["fact"]["goals"][0]
+    assert {announced["task"], taken["goal"], taken["fact"]["goal"]} == {alias}
+    assert accepted["order"] == accepted["fact"]["order"] == taken["fact"]["order"]
+    for asked in ({"order": order}, {"task": goal}):
+        problem(await house.client.get("/api/events", params=asked, headers=header), 403, "not-allowed")
 
 
 async def test_events_that_were_heard_twice_are_told_once_and_survive_a_restart(url: str) -> None:

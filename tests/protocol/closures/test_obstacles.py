@@ -5,8 +5,8 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dray.messages.floor.obstacle import FORGOTTEN_AT_MOST_S, FORGOTTEN_S
-from dray.protocol.closures.obstacles import MOST, MOST_OF_ONE, Obstacles
+from dray.messages.floor.obstacle import FORGOTTEN_AT_MOST_S, FORGOTTEN_S, MOST, MOST_OF_ONE
+from dray.protocol.closures.obstacles import Obstacles
 
 NODES = st.sampled_from([f"n{number}" for number in range(12)])
 ATVS = st.sampled_from([f"ATV{number}" for number in range(15)])

@@ -22,9 +22,8 @@ from dray.messages import (
     Superseded,
 )
 from dray.messages.fact import HelpAsked
-from dray.messages.floor.obstacle import FORGOTTEN_AT_MOST_S, FORGOTTEN_S
+from dray.messages.floor.obstacle import FORGOTTEN_AT_MOST_S, FORGOTTEN_S, MOST_OF_ONE
 from dray.plant import Door, LaneEnds
-from dray.protocol.closures.obstacles import MOST_OF_ONE
 from dray.protocol.runtime.events import Effect
 from dray.protocol.vehicle.atv import Atv
 

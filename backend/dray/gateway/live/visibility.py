@@ -56,6 +56,9 @@ _WORDS = re.compile(r"\w[\w.-]*")
 _GOAL = re.compile(r"O-.+\.\d+")
 """A goal of an order that was placed here: the order's name, and where in it the goal stands."""
 
+_OF_ORDERS = re.compile(rb"(?<![\w.])O-(?:[\w-]+(?:\.\d+)+|[0-9A-Z]{9}-[0-9A-Z]{4}(?![\w-]))")
+"""The same in the midst of JSON, or an order that was placed here."""
+
 _LOST = "lost-"
 """How the names of news about lost goals begin."""
 
@@ -65,9 +68,23 @@ _SECRET = secrets.token_bytes(16)
 
 def goal_alias(name: str) -> str:
     """What a goal is called before who may not read orders, the same while this process lives; any other name stays as it is."""
-    if not _GOAL.fullmatch(name):
-        return name
-    return f"goal-{blake2s(name.encode(), key=_SECRET, digest_size=8).hexdigest()}"
+    return _alias("goal", name.encode()) if _GOAL.fullmatch(name) else name
+
+
+def order_alias(name: str) -> str:
+    """The same for an order."""
+    return _alias("order", name.encode())
+
+
+def words_alias(json: bytes) -> bytes:
+    """The same for all goals and orders that are named in a JSON document, by `goal_alias` and `order_alias`."""
+    return _OF_ORDERS.sub(
+        lambda found: _alias("goal" if b"." in found[0] else "order", found[0]).encode(), json
+    )
+
+
+def _alias(kind: str, name: bytes) -> str:
+    return f"{kind}-{blake2s(name, key=_SECRET, digest_size=8).hexdigest()}"
 
 
 def news_alias(name: str) -> str:

@@ -18,6 +18,11 @@ FORGOTTEN_S = 60.0
 FORGOTTEN_AT_MOST_S = 600.0
 """That doubles each time that it is still there, up to this."""
 
+MOST = 64
+"""Obstacles that are counted on at one time; of one speaker `MOST_OF_ONE`, so that nobody shuts a floor alone."""
+
+MOST_OF_ONE = 8
+
 
 class ObstacleSeen(Message, frozen=True):
     """A vehicle has something in its way on a lane, or has driven where something was."""

@@ -6,14 +6,9 @@ from collections.abc import Mapping
 
 import msgspec
 
-from dray.messages.floor.obstacle import FORGOTTEN_AT_MOST_S, FORGOTTEN_S
+from dray.messages.floor.obstacle import FORGOTTEN_AT_MOST_S, FORGOTTEN_S, MOST, MOST_OF_ONE
 from dray.plant.restrictions import Ends
 from dray.protocol.runtime.events import NEVER_S
-
-MOST = 64
-"""Obstacles that are counted on at one time; of one speaker `MOST_OF_ONE`, so that nobody shuts a floor alone."""
-
-MOST_OF_ONE = 8
 
 DOUBLED_AT_MOST = 16
 """Times that an obstacle is counted on for twice as long as before."""

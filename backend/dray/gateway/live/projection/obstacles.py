@@ -5,9 +5,7 @@ from __future__ import annotations
 from dray.gateway.live.projection.changes import Changes
 from dray.gateway.live.views import ObstacleView
 from dray.messages import ObstacleCleared, ObstacleSeen
-
-MOST = 256
-"""Shown at one time; a plant of which more is told has another problem."""
+from dray.messages.floor.obstacle import MOST, MOST_OF_ONE
 
 
 class Obstacles:
@@ -37,8 +35,11 @@ class Obstacles:
             if known:
                 self._drop(name)
             return known
-        if name not in self._views and len(self._views) >= MOST:
-            return False
+        if name not in self._views:
+            # Vehicles do not count on more either (`protocol.closures.obstacles`).
+            of_one = sum(view.by == said.atv for view in self._views.values())
+            if len(self._views) >= MOST or of_one >= MOST_OF_ONE:
+                return False
         self._views[name] = ObstacleView(
             id=name,
             start=said.start,

@@ -6,10 +6,15 @@ from typing import Annotated, Any
 
 import msgspec
 from fastapi import APIRouter, Query
+from msgspec.structs import replace
 
+from dray.gateway.access.caller import Caller
+from dray.gateway.access.gate import missing
+from dray.gateway.access.principal import Scope
 from dray.gateway.http.problems import FieldError, unusable
 from dray.gateway.http.provided import Provided
 from dray.gateway.http.responses import PAGE, Cursor, Json, Limit, list_of, listing, read_cursor, write_cursor
+from dray.gateway.live.visibility import goal_alias, order_alias, words_alias
 from dray.store import Store
 from dray.store.history.events import EventFilter, EventRow
 
@@ -49,6 +54,7 @@ class EventAnswer(msgspec.Struct, frozen=True):
 @router.get("/events", responses={200: list_of(EventAnswer, "Events, oldest first")}, response_class=Json)
 async def list_events(
     store: Provided[Store],
+    caller: Caller,
     since: Position = None,
     kind: Words = None,
     agent: Words = None,
@@ -61,8 +67,12 @@ async def list_events(
     """Events that were kept.
 
     `since` is the `position` of the last event that you have; `kind` and `agent` may be repeated;
-    `order` finds all that happened for an order: its goals, their auctions and transports.
+    `order` finds all that happened for an order: its goals, their auctions and transports. Without `orders:read` orders and goals have
+    other names, the same until the gateway is started again, and are not asked for.
     """
+    sees_orders = caller.may(Scope.ORDERS_READ)
+    if not sees_orders and (order or goal_alias(task) != task):
+        raise missing(caller, Scope.ORDERS_READ)
     if since is not None and (newest_first or cursor is not None):
         raise unusable(FieldError("since", "give it alone, or use cursor or newest_first instead"))
     after = read_cursor(cursor, tuple[Annotated[int, msgspec.Meta(ge=0, le=LAST_POSITION)]])
@@ -73,7 +83,8 @@ async def list_events(
         )
     more = len(rows) > limit
     next_cursor = write_cursor(rows[limit - 1].position) if more else None
-    return listing([_answer(row) for row in rows[:limit]], next_cursor)
+    shown = rows[:limit] if sees_orders else map(_without_orders, rows[:limit])
+    return listing([_answer(row) for row in shown], next_cursor)
 
 
 def _answer(row: EventRow) -> EventAnswer:
@@ -89,4 +100,15 @@ def _answer(row: EventRow) -> EventAnswer:
         goal=row.goal,
         order=row.order_id,
         fact=row.fact,
+    )
+
+
+def _without_orders(row: EventRow) -> EventRow:
+    """An event before who may not read orders."""
+    return replace(
+        row,
+        task=row.task and goal_alias(row.task),
+        goal=row.goal and goal_alias(row.goal),
+        order_id=row.order_id and order_alias(row.order_id),
+        fact=msgspec.Raw(words_alias(bytes(row.fact))),
     )
