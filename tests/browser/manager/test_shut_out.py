@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 from playwright.sync_api import Page, expect
@@ -15,14 +16,11 @@ Screenshot = Callable[..., Path]
 WHY = "accepts transports and does not move"
 
 
-OPTIONS = ("--seed", "3")
-
-
 @pytest.mark.slow
 def test_a_vehicle_is_shut_out_with_a_reason_and_readmitted(
-    factory: str, open_page: OpenPage, screenshot: Screenshot
+    quiet: Any, open_page: OpenPage, screenshot: Screenshot
 ) -> None:
-    page = open_page(factory)
+    page = open_page(quiet.url)
     page.get_by_role("link", name="Fleet").click()
     page.get_by_role("button", name="Show ATV3").or_(page.get_by_role("link", name="Show ATV3")).click()
     card = page.locator(".card.atv")
@@ -33,22 +31,24 @@ def test_a_vehicle_is_shut_out_with_a_reason_and_readmitted(
     expect(sheet.get_by_label("Reason")).to_be_focused()
     sheet.get_by_label("Reason").fill(WHY)
     screenshot(page, "shut-out-sheet")
-    act.click()
-    expect(card).to_contain_text(re.compile(f"Shut out by .+: {WHY}"))
+    with quiet.going():
+        act.click()
+        expect(card).to_contain_text(re.compile(f"Shut out by .+: {WHY}"))
     expect(card.locator(".tag")).to_have_text("shut out")
     expect(card.get_by_role("button", name="Shut out…")).to_have_count(0)
     screenshot(page, "shut-out-card")
-    card.get_by_role("button", name="Readmit ATV3").click()
-    # It was asked to stop, and stays stopped.
-    expect(card.locator(".tag")).to_have_text("stopped")
-    expect(card).not_to_contain_text("Shut out by")
+    with quiet.going():
+        card.get_by_role("button", name="Readmit ATV3").click()
+        # It was asked to stop, and stays stopped.
+        expect(card.locator(".tag")).to_have_text("stopped")
+        expect(card).not_to_contain_text("Shut out by")
 
 
 @pytest.mark.slow
 def test_a_machine_is_shut_out_and_the_alerts_and_the_log_tell_by_whom(
-    factory: str, open_page: OpenPage, screenshot: Screenshot
+    quiet: Any, open_page: OpenPage, screenshot: Screenshot
 ) -> None:
-    page = open_page(factory)
+    page = open_page(quiet.url)
     page.get_by_role("link", name="Fleet").click()
     expect(page.get_by_role("row", name=re.compile("ATV2"))).to_be_visible()
     page.evaluate(
