@@ -61,10 +61,10 @@ export function Floor() {
         <HeldCards />
         <MachineCards />
         <Place />
-        <CallCard />
-        <DutyCard />
         <Cards class="well" ids={well} label={t("cards.well", { name })} />
         {needing.length + well.length === 0 && <p class="empty">{t(world.value ? "cards.none" : "loading")}</p>}
+        <CallCard />
+        <DutyCard />
       </main>
       <footer id="stops" tabIndex={-1}>
         <Unconfirmed />
@@ -72,7 +72,7 @@ export function Floor() {
         <p id="stop-not">
           <b>{t("stop.label")}</b> {t("stop.not")}
         </p>
-        <p class="muted">{t("stop.places")}</p>
+        <p class="muted stop-places">{t("stop.places")}</p>
       </footer>
     </>
   );

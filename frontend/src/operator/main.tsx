@@ -13,7 +13,7 @@ import { t, tables } from "../text/operator";
 import { beginToSpeak } from "../text/speech";
 import { followTheme } from "../theme/theme";
 import { App } from "./App";
-import { beginDuty } from "./duty/duty";
+import { askingCaller, beginDuty } from "./duty/duty";
 import { problemText } from "./problem-text";
 import { beginSession } from "./session/session";
 import { installShell } from "./shell/install";
@@ -22,7 +22,7 @@ import { plant, plantFailed } from "./state";
 
 await beginToSpeak(tables);
 effect(() => {
-  document.title = t("app.title");
+  document.title = askingCaller.value === "" ? t("app.title") : t("call.tab", { caller: askingCaller.value, title: t("app.title") });
 });
 followTheme();
 keepAwake();

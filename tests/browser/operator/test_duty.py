@@ -108,6 +108,8 @@ def test_an_operator_on_duty_is_asked_takes_a_blocked_way_and_is_free_again(
     assert calling.answers == [CallAnswer.TAKE]
     assert [command.kind for command in vehicle.heard] == [CommandKind.PROMISE]
     screenshot(page, f"duty-expected-{language}")
+    # One row of answers, not a second one on the vehicle's card.
+    expect(card(page, "ATV2").locator(".promises")).to_have_count(0)
     screenshot(page, f"duty-card-{language}", of=".duty")
     # The way is clear: nobody is needed any more.
     house.do(beat(vehicle, status=AtvStatus.WORKING, problem="", help=None))
@@ -231,7 +233,7 @@ def test_of_two_people_who_take_a_call_the_slower_one_is_told(
     calling.quicker = "operator.quicker"
     call = page.locator(".call")
     call.get_by_role("button", name="I take it within 5 min").tap()
-    expect(page.locator(".call-failed")).to_contain_text("somebody else was quicker")
+    expect(page.locator(".call-failed")).to_have_text("Too late: quicker comes to ATV2.")
     expect(call).to_have_count(0)
     assert operator != calling.quicker
     assert vehicles["ATV2"].heard == []
@@ -308,6 +310,7 @@ def test_a_person_says_what_for_and_until_when_busy(
 ) -> None:
     page = enter()
     go_on_duty(page)
+    page.get_by_role("button", name="More").tap()
     page.locator(".duty-for summary").tap()
     for kind in ("Drives", "Loads"):
         page.get_by_role("button", name=kind, exact=True).tap()
@@ -316,6 +319,7 @@ def test_a_person_says_what_for_and_until_when_busy(
     expect(page.locator(".duty-busy")).to_contain_text("Busy until")
     screenshot(page, "duty-what-for", of=".duty")
     page.reload()
+    page.get_by_role("button", name="More").tap()
     expect(page.locator(".duty-for summary")).to_contain_text("Drives")
 
     def said(inside: House) -> list[tuple[DutyStatus, tuple[ProblemKind, ...]]]:

@@ -3,7 +3,7 @@ import { failureText } from "../../text/failure";
 import { t, word } from "../../text/operator";
 import { factoryTime, inFactoryTime } from "../../text/plant-time";
 import { give } from "../commands/given";
-import { answer, callOf } from "../duty/duty";
+import { answer, callOf, hasCallCard } from "../duty/duty";
 import { hindranceOf } from "../../commands/hindrance";
 import { circumstancesOf, moment } from "../state";
 import { HandOver } from "./HandOver";
@@ -70,6 +70,7 @@ export function Patience({ coming = "help.coming", help, leftS, waits = t("help.
 }
 
 function Promises({ atv }: { atv: AtvView }) {
+  if (hasCallCard(atv.id)) return null;
   const disabled = hindranceOf("promise", atv, circumstancesOf(atv)) !== null;
   const promised = atv.help?.promised_by !== "";
   const longestS = atv.help?.promise_max_s ?? 0;

@@ -11,7 +11,7 @@ import { isHeld } from "../goods/held";
 import { heldText } from "../goods/HeldCards";
 import { moment, station } from "../state";
 import { distanceM } from "../area/region";
-import { answer, callFailed, duty, missedCaller } from "./duty";
+import { answer, callFailed, duty, missed } from "./duty";
 
 /** How long it takes to walk over and put something right. */
 const MINUTES = [2, 5, 10];
@@ -19,8 +19,7 @@ const MINUTES = [2, 5, 10];
 /** Calls for help that ask this person, or that this person has taken. */
 export function CallCards() {
   const calls = duty.value?.calls.filter(({ part }) => part !== null) ?? [];
-  const missed = missedCaller.value;
-  const said = missed === "" ? callFailed.value : t("call.quicker", { caller: missed });
+  const said = missed.value === null ? callFailed.value : missedText(missed.value);
   return (
     <div class="calls-live" aria-live="assertive">
       {said !== "" && calls.length === 0 && <p class="card call-failed">{said}</p>}
@@ -36,6 +35,10 @@ export function CallCards() {
       )}
     </div>
   );
+}
+
+function missedText({ by, caller }: { by: string; caller: string }): string {
+  return by === "" ? t("call.quicker", { caller }) : t("call.tooLate", { by, caller });
 }
 
 /** A card that comes lies over the page: a finger that is on its way there meant something else. */

@@ -1,3 +1,5 @@
+import { useSignal } from "@preact/signals";
+import { soundChosen, wantSound } from "../../alerts/sound";
 import type { CallView, ColleagueView, DutyView } from "../../api/types";
 import { format, t, word } from "../../text/operator";
 import { inFactoryTime } from "../../text/plant-time";
@@ -14,57 +16,103 @@ const KINDS: readonly Kind[] = [
   "load", "drive", "sensor", "battery", "way_blocked", "lost_position", "link", "emergency_stop", "dock", "tool", "jam", "software", "unknown",
 ];
 
-/** Whether this person is on duty, who else is, and who comes to whom. */
+/** Whether this person is on duty, in a line; who else is, and who comes to whom, where somebody wants to know. */
 export function DutyCard() {
+  const opened = useSignal(false);
   const view = duty.value;
   if (view === null) return null;
   const away = view.areas_without.map((area) => areaUntil(area, view.comes_at_s[area]));
   const calls = view.calls.filter(({ part }) => part === null);
   return (
-    <section class="card duty" aria-label={t("duty.title")}>
-      <h2>{t("duty.title")}</h2>
-      <div class="duty-choices" role="group" aria-label={t("duty.mine")}>
-        {CHOICES.map((state) => (
-          <button key={state} type="button" class="button" aria-pressed={view.state === state} onClick={() => void be(state)}>
-            {t(`duty.${state}`)}
-          </button>
-        ))}
+    <section id="duty" class="card duty" aria-label={t("duty.title")}>
+      <div class="duty-line">
+        <h2>{t("duty.title")}</h2>
+        <div class="duty-choices" role="group" aria-label={t("duty.mine")}>
+          {CHOICES.map((state) => (
+            <button key={state} type="button" class="button" aria-pressed={view.state === state} onClick={() => void be(state)}>
+              {t(`duty.${state}`)}
+            </button>
+          ))}
+        </div>
+        <button
+          type="button"
+          class="button"
+          aria-expanded={opened.value}
+          aria-controls="duty-more"
+          disabled={view.state === "off"}
+          onClick={() => (opened.value = !opened.value)}
+        >
+          {t("duty.more", { count: format.count(view.colleagues.length) })}
+        </button>
       </div>
-      {view.state === "on" && <Busy view={view} />}
-      {view.state !== "off" && <WhatFor view={view} />}
+      {view.state !== "off" && <AskForSound />}
       {dutyFailed.value !== "" && (
         <p class="problem" role="alert">
           {dutyFailed.value}
         </p>
       )}
-      {view.state !== "off" && (
+      {view.state !== "off" && away.length > 0 && <p class="duty-nobody">{t("duty.nobody", { areas: format.list(away) })}</p>}
+      {view.state === "on" && view.busy_until_at_s !== null && <p>{busyText(view.busy_until_at_s)}</p>}
+      {view.state !== "off" && calls.length > 0 && (
         <ul class="duty-list">
-          {view.code !== "" && (
-            <li>
-              <b>{t("duty.you")}</b>
-              <span>{t("duty.code", { code: view.code })}</span>
-            </li>
-          )}
-          {view.colleagues.map((each) => (
-            <Colleague key={each.code} colleague={each} />
-          ))}
           {calls.map((call) => (
             <Call key={call.id} call={call} />
           ))}
         </ul>
       )}
-      {view.state !== "off" && away.length > 0 && <p class="duty-nobody">{t("duty.nobody", { areas: format.list(away) })}</p>}
-      <p class="muted">{t("duty.known")}</p>
+      <div id="duty-more" hidden={!opened.value || view.state === "off"}>
+        <More view={view} />
+      </div>
     </section>
   );
 }
 
+function More({ view }: { view: DutyView }) {
+  return (
+    <>
+      {view.state === "on" && <Busy view={view} />}
+      <WhatFor view={view} />
+      <ul class="duty-list">
+        {view.code !== "" && (
+          <li>
+            <b>{t("duty.you")}</b>
+            <span>{t("duty.code", { code: view.code })}</span>
+          </li>
+        )}
+        {view.colleagues.map((each) => (
+          <Colleague key={each.code} colleague={each} />
+        ))}
+      </ul>
+      <p class="muted">{t("duty.known")}</p>
+    </>
+  );
+}
+
+/** Asked for once. What was chosen is kept in this browser, and changed in the settings. */
+function AskForSound() {
+  if (soundChosen.value) return null;
+  return (
+    <div class="duty-sound" role="group" aria-label={t("duty.sound")}>
+      <span>{t("duty.sound")}</span>
+      <button type="button" class="button primary" onClick={() => void wantSound(true)}>
+        {t("duty.soundYes")}
+      </button>
+      <button type="button" class="button" onClick={() => void wantSound(false)}>
+        {t("duty.soundNo")}
+      </button>
+    </div>
+  );
+}
+
+function busyText(untilS: number): string {
+  return t("duty.busyUntil", { at: format.due(untilS, moment.value.nowS) });
+}
+
 /** By one's own word: asked only when nobody else is left. Going on duty once more ends it. */
 function Busy({ view }: { view: DutyView }) {
-  const untilS = view.busy_until_at_s;
   return (
     <div class="duty-busy" role="group" aria-label={inFactoryTime(t("duty.busyFor"))}>
-      <span>{untilS === null ? inFactoryTime(t("duty.busyFor")) : t("duty.busyUntil", { at: format.due(untilS, moment.value.nowS) })}</span>
+      <span>{view.busy_until_at_s === null ? inFactoryTime(t("duty.busyFor")) : busyText(view.busy_until_at_s)}</span>
       {BUSY_MINUTES.map((minutes) => (
         <button key={minutes} type="button" class="button" onClick={() => void be("on", { busy_for_s: minutes * 60 })}>
           {t("duty.busyMinutes", { minutes })}

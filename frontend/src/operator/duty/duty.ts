@@ -2,7 +2,8 @@
  * Whether this person is on duty. The panel asks for it every few seconds as long as somebody can see it: by that the gateway knows that
  * somebody is there. A gateway that was started again has forgotten it, and is told anew; what was chosen in another tab counts in this one.
  */
-import { type Signal, signal } from "@preact/signals";
+import { computed, type Signal, signal } from "@preact/signals";
+import { beginSound, playSound } from "../../alerts/sound";
 import { answerCall, fetchDuty, putDuty } from "../../api/client";
 import { Problem } from "../../api/problem";
 import type { CallAnswerRequest, CallView, DutyRequest, DutyView } from "../../api/types";
@@ -24,8 +25,8 @@ export const duty = signal<DutyView | null>(null);
 export const dutyFailed = signal("");
 /** Why the last answer to a call has not come there; empty for nothing to say. */
 export const callFailed = signal("");
-/** Whose call this person wanted to take, and somebody else was quicker; empty for nobody's. */
-export const missedCaller = signal("");
+/** The call that this person wanted to take too late, and who comes; empty where nobody knows. */
+export const missed = signal<{ readonly caller: string; readonly by: string } | null>(null);
 
 let timer = 0;
 
@@ -48,6 +49,7 @@ function keep({ helps_with: kinds, state }: Choice): void {
 
 /** Begins when it is known whose duty it is: a choice is kept under that person. */
 export function beginDuty(): void {
+  beginSound();
   me.subscribe((person) => {
     if (person !== null) void ask();
   });
@@ -66,10 +68,11 @@ export async function be(state: DutyState, more: Omit<DutyRequest, "state"> = {}
 /** Answers a call for help. */
 export async function answer(call: CallView, said: CallAnswerRequest): Promise<void> {
   await tell(async () => {
-    const missed = await isMissed(call.id, said);
+    const tooLate = await isMissed(call.id, said);
     const view = await fetchDuty();
-    missedCaller.value = missed ? call.caller : "";
-    if (missed) window.setTimeout(() => { missedCaller.value = ""; }, READ_MS);
+    const by = view.calls.find(({ id }) => id === call.id)?.taken_by ?? "";
+    missed.value = tooLate ? { caller: call.caller, by } : null;
+    if (tooLate) window.setTimeout(() => { missed.value = null; }, READ_MS);
     return view;
   }, callFailed);
 }
@@ -82,6 +85,12 @@ async function isMissed(call: string, said: CallAnswerRequest): Promise<boolean>
     if (error instanceof Problem && error.kind === "call-over") return true;
     throw error;
   }
+}
+
+/** Whether a call of a vehicle or a machine has a card with answers of its own. */
+export function hasCallCard(caller: string): boolean {
+  const part = callOf(caller)?.part ?? null;
+  return part !== null;
 }
 
 /** The call of a vehicle or a machine that this person may take now, or has taken; undefined where that is no call of somebody on duty. */
@@ -126,13 +135,20 @@ async function tell(what: () => Promise<DutyView>, act?: Signal<string>): Promis
     if (mine < shown) return;
     shown = mine;
     duty.value = view;
-    if (isAsked(duty.value) && !isAsked(before) && "vibrate" in navigator) navigator.vibrate([200, 100, 200]);
+    if (askingCaller.value !== "") {
+      if (!isAsked(before) && "vibrate" in navigator) navigator.vibrate([200, 100, 200]);
+      // Each time that is asked for again, until there is an answer.
+      playSound();
+    }
     again();
   } catch (error) {
     if (!(error instanceof Problem)) throw error;
     failed.value = problemText(error);
   }
 }
+
+/** Who calls this person and waits for an answer; empty for nobody. */
+export const askingCaller = computed(() => duty.value?.calls.find(({ part }) => part === "asked")?.caller ?? "");
 
 function isAsked(view: DutyView | null): boolean {
   return view?.calls.some(({ part }) => part === "asked") ?? false;

@@ -5,6 +5,7 @@ import { Leaving } from "../cards/HandOver";
 import { Patience, promise } from "../cards/HelpAsk";
 import { ServiceActs } from "../cards/Service";
 import { giveMachine } from "../commands/given";
+import { hasCallCard } from "../duty/duty";
 import { circumstancesOf, moment } from "../state";
 import type { MachineNeed } from "./need";
 
@@ -78,6 +79,7 @@ export function MachineActs({ machine, need }: { machine: MachineView; need: Mac
 }
 
 function Promises({ disabled, machine }: { machine: MachineView; disabled: boolean }) {
+  if (hasCallCard(machine.id)) return null;
   const promised = (machine.help?.promised_by ?? "") !== "";
   const title = inFactoryTime(t(promised ? "help.later" : "help.onMyWay"));
   return (

@@ -4,31 +4,56 @@ import { useEffect, useRef } from "preact/hooks";
 import { Icon } from "../../parts/Icon";
 import { selection } from "../../selection/selection";
 import { n, t } from "../../text/operator";
-import { moved, places, seat } from "./seats";
+import type { Place } from "./places";
+import { inSight, moved, places, seat } from "./seats";
 import { StopTile } from "./StopTile";
 
+/** A page of less height keeps one line of Stops, and the rest of it for what they are about. */
+const LOW = "(max-height: 560px)";
+
 /**
- * Stop for every vehicle near: one line at the foot of the page that scrolls, so that it hides nothing however
- * many there are. Every vehicle keeps its place in it.
+ * Stop for every vehicle near, at the foot of the page: two lines, of which the second scrolls where more are near than
+ * they hold. Every vehicle keeps its place.
  */
 export function StopBar() {
-  const line = useRef<HTMLDivElement>(null);
-  const beyond = useBeyond(line);
+  const bar = useRef<HTMLDivElement>(null);
+  const all = places.value;
+  const columns = useColumns(bar, all.length === 0);
   useSignalEffect(seat);
   useSignalEffect(() => {
     const chosen = selection.value.atv;
     if (chosen !== null) show(document.getElementById(`stop-${chosen}`));
   });
+  if (all.length === 0) return null;
+  const first = columns === null || all.length <= columns ? [] : all.slice(0, columns);
+  return (
+    <div ref={bar} class={first.length > 0 ? "bar two" : "bar"} role="group" aria-label={t("stop.dock")}>
+      {first.length > 0 && (
+        <div class="dock">
+          <Tiles places={first} />
+        </div>
+      )}
+      <ScrollingLine places={all.slice(first.length)} />
+    </div>
+  );
+}
+
+function Tiles({ places }: { places: readonly Place[] }) {
+  return places.map((place) =>
+    place.state === "free" ? <span key={place.atv} class="stop-free" /> : <StopTile key={place.atv} place={place} />,
+  );
+}
+
+function ScrollingLine({ places }: { places: readonly Place[] }) {
+  const line = useRef<HTMLDivElement>(null);
+  const beyond = useBeyond(line, places.length);
   const turnTo = (to: -1 | 1) => () => {
     turn(line.current, to);
   };
-  if (places.value.length === 0) return null;
   return (
-    <div class="bar">
-      <div ref={line} class="dock" role="group" aria-label={t("stop.dock")}>
-        {places.value.map((place) => (
-          <StopTile key={place.atv} place={place} />
-        ))}
+    <div class="line">
+      <div ref={line} class="dock">
+        <Tiles places={places} />
       </div>
       {(beyond.before > 0 || beyond.after > 0) && (
         <div class="turns">
@@ -38,6 +63,35 @@ export function StopBar() {
       )}
     </div>
   );
+}
+
+/** How many places stand beside one another in the first of two lines; null where there is one line only. Says what is in sight. */
+function useColumns(bar: RefObject<HTMLElement | null>, isEmpty: boolean): number | null {
+  const columns = useSignal<number | null>(null);
+  useEffect(() => {
+    const inside = bar.current;
+    if (!inside) return undefined;
+    const low = matchMedia(LOW);
+    const look = (): void => {
+      const style = getComputedStyle(inside);
+      const gapPx = parseFloat(style.columnGap);
+      const fit = Math.max(1, Math.floor((inside.clientWidth + gapPx) / (parseFloat(style.getPropertyValue("--thumb")) + gapPx)));
+      const shown = low.matches ? fit : 2 * fit;
+      columns.value = low.matches ? null : fit;
+      // Turned, or enlarged.
+      if (inSight.peek() !== Infinity && inSight.peek() !== shown) moved();
+      inSight.value = shown;
+    };
+    const sizes = new ResizeObserver(look);
+    sizes.observe(inside);
+    low.addEventListener("change", look);
+    look();
+    return () => {
+      sizes.disconnect();
+      low.removeEventListener("change", look);
+    };
+  }, [bar, columns, isEmpty]);
+  return columns.value;
 }
 
 function Turn({ count, name, onTurn }: { name: "left" | "right"; count: number; onTurn: () => void }) {
@@ -76,9 +130,8 @@ function pitchOf(line: HTMLElement): number {
 const EDGE_PX = 12;
 
 /** How many are out of sight, wholly or in part, on either side. */
-function useBeyond(line: RefObject<HTMLElement | null>): { before: number; after: number } {
+function useBeyond(line: RefObject<HTMLElement | null>, places: number): { before: number; after: number } {
   const beyond = useSignal({ before: 0, after: 0 });
-  const count = places.value.length;
   useEffect(() => {
     const inside = line.current;
     if (!inside) return undefined;
@@ -90,13 +143,7 @@ function useBeyond(line: RefObject<HTMLElement | null>): { before: number; after
       const known = beyond.peek();
       if (known.before !== before || known.after !== after) beyond.value = { before, after };
     };
-    let widthPx = inside.clientWidth;
-    const sizes = new ResizeObserver(() => {
-      // Turned, or enlarged.
-      if (inside.clientWidth !== widthPx) moved();
-      widthPx = inside.clientWidth;
-      look();
-    });
+    const sizes = new ResizeObserver(look);
     sizes.observe(inside);
     inside.addEventListener("scroll", look, { passive: true });
     look();
@@ -104,6 +151,6 @@ function useBeyond(line: RefObject<HTMLElement | null>): { before: number; after
       sizes.disconnect();
       inside.removeEventListener("scroll", look);
     };
-  }, [beyond, count, line]);
+  }, [beyond, line, places]);
   return beyond.value;
 }

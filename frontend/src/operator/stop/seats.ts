@@ -7,6 +7,9 @@ import { type Place, seated, settlesInMs } from "./places";
 
 export const places = signal<readonly Place[]>([]);
 
+/** How many places can be seen at once; the bar says so when it has been measured. */
+export const inSight = signal(Infinity);
+
 /** When the whole bar has moved last, by a person's choice or a turned tablet. */
 const movedAtMs = signal(-Infinity);
 /** Moves on when the last of them has settled. */
@@ -14,12 +17,12 @@ const lookedAtMs = signal(-Infinity);
 
 const present = computed(() => [...(world.value?.atvs.values() ?? [])].sort(byId).map(({ id }) => id));
 
-/** Seat whoever has come: an effect of who is near, and of time, by which a place is given up. */
+/** Seat whoever has come: an effect of who is near, of how many places are in sight, and of time, by which a place is given up. */
 export function seat(): void {
   if (world.value === null) return;
   const before = places.peek();
   const nowMs = Math.max(tickMs.value, performance.now());
-  places.value = seated(before, present.value, new Set(openStops.value.keys()), nowMs);
+  places.value = seated(before, present.value, new Set(openStops.value.keys()), inSight.value, nowMs);
   if (places.value !== before) lookWhenSettled();
 }
 

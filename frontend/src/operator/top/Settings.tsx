@@ -1,3 +1,4 @@
+import { soundRefusal, soundWanted, wantSound } from "../../alerts/sound";
 import { LanguageSwitch } from "../../parts/LanguageSwitch";
 import { ThemeSwitch } from "../../parts/ThemeSwitch";
 import { t } from "../../text/operator";
@@ -8,6 +9,20 @@ export function Settings() {
     <section class="settings" aria-label={t("settings.title")}>
       <LanguageSwitch />
       <ThemeSwitch />
+      <label class="settings-sound">
+        <input
+          type="checkbox"
+          checked={soundWanted.value}
+          onChange={(event) => {
+            const box = event.currentTarget;
+            void wantSound(box.checked).then(() => { box.checked = soundWanted.value; });
+          }}
+        />
+        <span>
+          {t("settings.sound")}
+          {soundRefusal.value !== "" && <small class="tone-warn" role="status">{t(`settings.${soundRefusal.value}`)}</small>}
+        </span>
+      </label>
       <button type="button" class="button" onClick={() => void leave()}>
         {t("settings.logOut")}
       </button>

@@ -2,6 +2,7 @@ import { signal } from "@preact/signals";
 import { Icon } from "../../parts/Icon";
 import { LiveTag } from "../../parts/LiveTag";
 import { format, t } from "../../text/operator";
+import { duty } from "../duty/duty";
 import { me } from "../session/session";
 import { moment, placeName, station } from "../state";
 import { Settings } from "./Settings";
@@ -27,6 +28,7 @@ export function TopBar() {
             </span>
           )}
           <LiveTag />
+          <ToDuty />
           <span class="top-who clip">{me.value?.name}</span>
           <button
             type="button"
@@ -43,5 +45,25 @@ export function TopBar() {
       </header>
       {open.value && <Settings />}
     </>
+  );
+}
+
+/** Whether this person is on duty, and the way to where that is changed: below the vehicles. */
+function ToDuty() {
+  const state = duty.value?.state;
+  if (state === undefined) return null;
+  return (
+    <button
+      type="button"
+      class={`button top-duty ${state === "on" ? "" : "quiet"}`}
+      aria-label={t("duty.now", { state: t(`duty.${state}`) })}
+      onClick={() => {
+        const card = document.getElementById("duty");
+        card?.scrollIntoView({ block: "center" });
+        card?.querySelector("button")?.focus({ preventScroll: true });
+      }}
+    >
+      {t(`duty.${state}`)}
+    </button>
   );
 }

@@ -2,6 +2,7 @@
 import { effect, signal } from "@preact/signals";
 import { asksText, whatText } from "../../../alerts/alert-text";
 import { isOpen } from "../../../alerts/alerts";
+import { beginSound, playSound, type SoundRefusal, soundRefusal, soundWanted, wantSound } from "../../../alerts/sound";
 import type { AlertView } from "../../../api/types";
 import { recall, remember } from "../../../memory";
 import { nowS, world } from "../../../stream/stream";
@@ -11,32 +12,22 @@ import { showSubject, subjectOf } from "../subject";
 
 export type Way = "sound" | "notice";
 /** Why the browser does not do what it was asked for; empty where it does. */
-export type Refusal = "" | "denied" | "unanswered" | "cannot" | "mute" | "noSound";
+export type Refusal = SoundRefusal | "denied" | "unanswered" | "cannot";
 
-const KEY = "dray.tell.";
+const NOTICE_KEY = "dray.tell.notice";
 
-function chosen(way: Way) {
-  return signal(recall(KEY + way) === "yes");
-}
-
-export const wanted = { sound: chosen("sound"), notice: chosen("notice") };
-export const refusal = { sound: signal<Refusal>(""), notice: signal<Refusal>("") };
-
-let audio: AudioContext | null = null;
+export const wanted = { sound: soundWanted, notice: signal(recall(NOTICE_KEY) === "yes") };
+export const refusal = { sound: soundRefusal, notice: signal<Refusal>("") };
 
 /** To be called by a click only: browsers take no other asking for an answer. */
 export async function want(way: Way, on: boolean): Promise<void> {
-  refusal[way].value = on ? await (way === "sound" ? askForSound() : askForNotices()) : "";
-  wanted[way].value = on && refusal[way].value === "";
-  remember(KEY + way, wanted[way].value ? "yes" : "no");
-  if (wanted.sound.value && way === "sound") play();
-}
-
-async function askForSound(): Promise<Refusal> {
-  if (typeof AudioContext === "undefined") return "noSound";
-  audio ??= new AudioContext();
-  await audio.resume();
-  return audio.state === "running" ? "" : "mute";
+  if (way === "sound") {
+    await wantSound(on);
+    return;
+  }
+  refusal.notice.value = on ? await askForNotices() : "";
+  wanted.notice.value = on && refusal.notice.value === "";
+  remember(NOTICE_KEY, wanted.notice.value ? "yes" : "no");
 }
 
 async function askForNotices(): Promise<Refusal> {
@@ -44,27 +35,6 @@ async function askForNotices(): Promise<Refusal> {
   const answer = Notification.permission === "default" ? await Notification.requestPermission() : Notification.permission;
   if (answer === "granted") return "";
   return answer === "denied" ? "denied" : "unanswered";
-}
-
-/** Two short tones, the second one higher: heard in a control room, and no alarm bell. */
-function play(): void {
-  const context = audio;
-  if (context?.state !== "running") {
-    refusal.sound.value = "mute";
-    return;
-  }
-  refusal.sound.value = "";
-  [660, 880].forEach((frequency, place) => {
-    const tone = context.createOscillator();
-    const loudness = context.createGain();
-    const beginS = context.currentTime + place * 0.18;
-    tone.frequency.value = frequency;
-    loudness.gain.setValueAtTime(0.15, beginS);
-    loudness.gain.exponentialRampToValueAtTime(0.001, beginS + 0.16);
-    tone.connect(loudness).connect(context.destination);
-    tone.start(beginS);
-    tone.stop(beginS + 0.17);
-  });
 }
 
 function notify(alert: AlertView): void {
@@ -91,20 +61,14 @@ export function newAlarms(before: ReadonlySet<string> | null, shown: readonly Al
 /** Begins to tell, as long as the page lasts. */
 export function beginToTell(): void {
   let before: ReadonlySet<string> | null = null;
-  if (wanted.sound.value && typeof AudioContext !== "undefined") {
-    audio = new AudioContext();
-    // After a reload a browser plays nothing before the first click on the page.
-    addEventListener("pointerdown", () => void audio?.resume(), { once: true });
-    refusal.sound.value = audio.state === "running" ? "" : "mute";
-    audio.onstatechange = () => { if (audio?.state === "running") refusal.sound.value = ""; };
-  }
+  beginSound();
   if (wanted.notice.value && (typeof Notification === "undefined" || Notification.permission !== "granted")) refusal.notice.value = "denied";
   effect(() => {
     if (world.value === null) return;
     const { asking, fresh } = newAlarms(before, alerts.value);
     before = asking;
     if (fresh.length === 0) return;
-    if (wanted.sound.peek()) play();
+    playSound();
     if (wanted.notice.peek() && typeof Notification !== "undefined") fresh.forEach(notify);
   });
 }
