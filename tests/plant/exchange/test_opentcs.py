@@ -26,13 +26,13 @@ def said(imported: Imported) -> str:
 def test_a_model_becomes_a_plant_in_metres_with_ids_of_ours() -> None:
     found = read(model())
     assert found.data["nodes"] == [
-        {"id": "Point-1", "x_m": 2.0, "y_m": 0.0},
-        {"id": "Point-2", "x_m": 12.0, "y_m": 0.0},
-        {"id": "Point-3", "x_m": 12.0, "y_m": 10.0},
+        {"id": "Point-1", "x_m": 2.0, "y_m": 0.0, "originals": ["Point 1"]},
+        {"id": "Point-2", "x_m": 12.0, "y_m": 0.0, "originals": ["Point 2"]},
+        {"id": "Point-3", "x_m": 12.0, "y_m": 10.0, "originals": ["Point 3"]},
     ]
     assert found.data["lanes"] == [
-        {"start": "Point-1", "end": "Point-2", "speed_limit_mps": 1.0},
-        {"start": "Point-2", "end": "Point-3", "speed_limit_mps": 0.5},
+        {"start": "Point-1", "end": "Point-2", "speed_limit_mps": 1.0, "original": "Point 1 --- Point 2"},
+        {"start": "Point-2", "end": "Point-3", "speed_limit_mps": 0.5, "original": "Point 2 --- Point 3"},
     ]
     assert found.mapping["nodes"][0]["original"] == "Point 1"
     plant, whole = drawable(found.data)
@@ -45,8 +45,14 @@ def test_locations_chargers_and_parking_places() -> None:
     assert found.data["chargers"] == [{"id": "Outlet", "node": "Point-1", "box": None}]
     assert found.data["parkings"] == [{"id": "P-Point-3", "node": "Point-3"}]
     assert found.data["unassigned"] == [
-        {"id": "Rack-A", "node": "Point-2", "name": "Rack --- A"},
-        {"id": "Rack-A.2", "node": "Point-3", "name": "Rack --- A (2 of 2)", "part_of": "Rack-A"},
+        {"id": "Rack-A", "node": "Point-2", "name": "Rack --- A", "original": "Rack --- A"},
+        {
+            "id": "Rack-A.2",
+            "node": "Point-3",
+            "name": "Rack --- A (2 of 2)",
+            "part_of": "Rack-A",
+            "original": "Rack --- A",
+        },
     ]
     assert "location Alone is left out: no link leads to it" in said(found)
     assert "line 30, <block Block>: a block has no place in a plant" in said(found)
@@ -68,6 +74,8 @@ def test_a_path_that_is_driven_backwards_leads_the_other_way_too() -> None:
         "end": "Point-2",
         "speed_limit_mps": 1.0,
         "both_ways": True,
+        "original": "Point 1 --- Point 2",
+        "original_back": "Point 1 --- Point 2",
     }
     slower = read(model(reverse="300"))
     assert [(lane["start"], lane["speed_limit_mps"]) for lane in slower.data["lanes"][:2]] == [

@@ -21,6 +21,8 @@ class TrackNode(msgspec.Struct):
     y_m: float
     level: str = ""
     """Layouts of one level lie in one plane."""
+    map: str = ""
+    """The map of vehicles that it lies on; empty where the file does not say that."""
     parks: bool = False
     charges: bool = False
     types: list[str] = []
