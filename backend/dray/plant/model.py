@@ -91,6 +91,14 @@ class MapFrame(Item, frozen=True):
         return x / self.scale, (-y if self.mirrored else y) / self.scale
 
 
+class VehicleSize(Item, frozen=True):
+    """The largest vehicle that may be at a node."""
+
+    length_m: Positive
+    width_m: Positive
+    """With its load."""
+
+
 class Node(Item, frozen=True):
     """A point of the road network."""
 
@@ -101,6 +109,8 @@ class Node(Item, frozen=True):
     """What vehicles call it: the first one is said to them, all are understood. Left out, its id."""
     map: Annotated[str, Meta(max_length=200)] = ""
     """The one of `maps` that it lies on; left out, the only one."""
+    max_vehicle: VehicleSize | None = None
+    """Types of vehicles that are longer or wider do not come here. Left out, all may. See `dray.plant.floor.sizes`."""
 
 
 class LaneType(Item, frozen=True):

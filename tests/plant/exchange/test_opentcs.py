@@ -282,3 +282,19 @@ def test_a_file_whose_text_somebody_else_has_read_may_name_any_encoding() -> Non
     assert read_layout(text, "hall.xml").data["name"] == "Prüfhalle"
     lost = read_layout(text.replace("ü", "\ufffd"), "hall.xml")
     assert "letters were lost before it came here" in said(lost)
+
+
+def test_the_largest_vehicle_of_a_point_comes_into_the_plant() -> None:
+    box = '<maxVehicleBoundingBox length="1200" width="800" height="1000" referenceOffsetX="{}" referenceOffsetY="0"/>'
+    text = model().replace(b"<outgoingPath", box.format(0).encode() + b"<outgoingPath", 1)
+    found = read(text)
+    nodes = {node["id"]: node.get("max_vehicle") for node in found.data["nodes"]}
+    assert nodes == {"Point-1": {"length_m": 1.2, "width_m": 0.8}, "Point-2": None, "Point-3": None}
+    assert "BoundingBox" not in said(found)
+    off = read(model().replace(b"<outgoingPath", box.format(100).encode() + b"<outgoingPath", 1))
+    assert "<maxVehicleBoundingBox> is taken about the middle of vehicles" in said(off)
+    none = read(
+        model().replace(b"<outgoingPath", b'<maxVehicleBoundingBox length="0" width="a"/><outgoingPath', 1)
+    )
+    assert all("max_vehicle" not in node for node in none.data["nodes"])
+    assert "<maxVehicleBoundingBox> without a length and a width is for all vehicles" in said(none)

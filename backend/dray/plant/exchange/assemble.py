@@ -13,7 +13,7 @@ from dray.plant.exchange.names import Ids, shown
 from dray.plant.exchange.notes import Note, Notes
 from dray.plant.exchange.one_spot import merge_spots
 from dray.plant.exchange.original_names import OriginalNames
-from dray.plant.exchange.track_layout import TrackEdge, TrackLayout, TrackStation
+from dray.plant.exchange.track_layout import TrackEdge, TrackLayout, TrackNode, TrackStation
 from dray.plant.file.check import RESERVED
 
 EDGE_M = 2.0
@@ -79,6 +79,7 @@ class _Assembly:
                 "id": self._node[node.original],
                 **self._spot(node.original, node.x_m, node.y_m),
                 **names.node(node),
+                **_largest(node),
             }
             for node in layout.nodes
         ]
@@ -304,6 +305,13 @@ class _Assembly:
             fleet.append({"id": name, "type": self._kind[vehicle.kind], "node": node})
             mapping.append({"id": name, "original": vehicle.original, "kept": vehicle.kept})
         return fleet, mapping
+
+
+def _largest(node: TrackNode) -> Data:
+    """What a node's entry says of the largest vehicle that may be there."""
+    if node.max_m is None:
+        return {}
+    return {"max_vehicle": {"length_m": node.max_m[0], "width_m": node.max_m[1]}}
 
 
 def _shift_m(low_m: float, high_m: float) -> float:

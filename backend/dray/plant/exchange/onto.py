@@ -6,6 +6,7 @@ from typing import Any
 
 import msgspec
 
+from dray.plant.floor.sizes import fitted
 from dray.plant.layout import lay_out
 from dray.plant.plant import Plant
 
@@ -60,7 +61,8 @@ def _name_floor(result: Data, other: Data) -> None:
     """What vehicles call nodes and lanes, from another file, where that says it."""
     nodes: dict[str, Data] = {node["id"]: node for node in other["nodes"]}
     result["nodes"] = tuple(
-        {**node, **_said(nodes.get(node["id"], {}), "originals", "map")} for node in result["nodes"]
+        {**node, **_said(nodes.get(node["id"], {}), "originals", "map", "max_vehicle")}
+        for node in result["nodes"]
     )
     edges: dict[tuple[str, str], Any] = {}
     for lane in other["lanes"]:
@@ -89,7 +91,7 @@ def _said(of: Data, *keys: str) -> Data:
 
 
 def _floor(plant: Plant) -> Data:
-    layout = lay_out(plant.file)
+    layout = lay_out(fitted(plant.file))
     floor: Data = msgspec.to_builtins({"nodes": layout.nodes, "lanes": layout.lanes})
     return floor
 
