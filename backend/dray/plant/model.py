@@ -6,7 +6,7 @@ ways, and `dray.plant` ties them together as `Plant`.
 
 from __future__ import annotations
 
-from math import hypot
+from math import cos, hypot, radians, sin
 from typing import Annotated, Literal
 
 import msgspec
@@ -52,12 +52,65 @@ class Point(Item, frozen=True):
     y_m: float
 
 
+Foreign = Annotated[str, Meta(min_length=1, max_length=200)]
+"""What a vehicle, or the system that a layout is from, calls something: any text."""
+
+
+class MapFrame(Item, frozen=True):
+    """Where a map of vehicles lies in the plant, and how: scaled and mirrored first, then turned, then moved."""
+
+    id: Annotated[str, Meta(max_length=200)] = ""
+    """`mapId`; empty for the only one, whatever vehicles call it."""
+    x_m: Annotated[float, Meta(ge=-1e6, le=1e6)] = 0.0
+    y_m: Annotated[float, Meta(ge=-1e6, le=1e6)] = 0.0
+    """Of its origin, in the plant."""
+    heading_deg: Annotated[float, Meta(ge=-360, le=360)] = 0.0
+    """Of its x axis, from the plant's x axis towards y."""
+    mirrored: bool = False
+    """Whether its y axis lies to the right of its x axis, and its angles count clockwise."""
+    scale: Annotated[float, Meta(ge=1e-4, le=1e4)] = 1.0
+    """Metres of the plant per unit of the map. Speeds are in metres a second all the same."""
+
+    def to_plant(self, x: float, y: float, theta: float) -> tuple[float, float, float]:
+        """A pose in the map, in the plant's frame: metres and radians, of whatever turn."""
+        turn = radians(self.heading_deg)
+        x, y = x * self.scale, y * self.scale
+        if self.mirrored:
+            y, theta = -y, -theta
+        return (
+            self.x_m + x * cos(turn) - y * sin(turn),
+            self.y_m + x * sin(turn) + y * cos(turn),
+            theta + turn,
+        )
+
+    def to_map(self, x_m: float, y_m: float) -> tuple[float, float]:
+        """A point of the plant, in the map."""
+        turn = radians(self.heading_deg)
+        dx_m, dy_m = x_m - self.x_m, y_m - self.y_m
+        x, y = dx_m * cos(turn) + dy_m * sin(turn), dy_m * cos(turn) - dx_m * sin(turn)
+        return x / self.scale, (-y if self.mirrored else y) / self.scale
+
+
+class VehicleSize(Item, frozen=True):
+    """The largest vehicle that may be at a node."""
+
+    length_m: Positive
+    width_m: Positive
+    """With its load."""
+
+
 class Node(Item, frozen=True):
     """A point of the road network."""
 
     id: Id
     x_m: float
     y_m: float
+    originals: Annotated[tuple[Foreign, ...], Meta(max_length=50)] = ()
+    """What vehicles call it: the first one is said to them, all are understood. Left out, its id."""
+    map: Annotated[str, Meta(max_length=200)] = ""
+    """The one of `maps` that it lies on; left out, the only one."""
+    max_vehicle: VehicleSize | None = None
+    """Types of vehicles that are longer or wider do not come here. Left out, all may. See `dray.plant.floor.sizes`."""
 
 
 class LaneType(Item, frozen=True):
@@ -84,6 +137,10 @@ class Lane(Item, frozen=True):
     Such a lane is single track, and nobody stops on it. See `dray.plant.floor.shapes`."""
     types: Annotated[tuple[LaneType, ...], Meta(max_length=50)] = ()
     """The types of vehicles that may drive on it, where these are not all."""
+    original: Foreign | None = None
+    """What vehicles call it from `start` to `end`. Left out, both nodes with two dashes between them."""
+    original_back: Foreign | None = None
+    """Only with `both_ways`: what they call it from `end` to `start`."""
 
 
 class LaneEnds(Item, frozen=True):
@@ -178,6 +235,8 @@ class Warehouse(Item, frozen=True):
     stocks: tuple[Stock, ...] = ()
     """What of a source warehouse vehicles fetch there, and how much finds room: then it has a station, as a storage has, and more comes
     from outside. Without any, nothing is fetched there."""
+    original: Foreign | None = None
+    """What vehicles call it; left out, its id."""
     direct: bool = False
     """Whether machines have that fetched there themselves, besides from storages; else storages are refilled from it, and people may
     call for it."""
@@ -201,6 +260,9 @@ class Storage(Item, frozen=True):
     """How material comes here: by other means than these vehicles, as in the paper; by vehicles, which its station hires to fetch it from
     source warehouses; or only when people have it brought, as to a manual working place. Parts come from whoever makes them."""
 
+    original: Foreign | None = None
+    """What vehicles call it; left out, its id."""
+
     def refills(self, item: str) -> bool:
         """Whether vehicles refill it with a material, which is no part."""
         return self.refill == "vehicles" and any(kept.material == item for kept in self.stocks)
@@ -212,6 +274,8 @@ class Charger(Item, frozen=True):
     id: Id
     node: Id
     box: Box
+    original: Foreign | None = None
+    """What vehicles call it; left out, its id."""
 
 
 class Parking(Item, frozen=True):
@@ -219,6 +283,8 @@ class Parking(Item, frozen=True):
 
     id: Id
     node: Id
+    original: Foreign | None = None
+    """What vehicles call it; left out, its id."""
 
 
 class Making(Item, frozen=True):
@@ -252,6 +318,8 @@ class MachineSpec(Item, frozen=True):
     """When it works; left out, when the plant does."""
     handling_cv: Fraction | None = None
     """How much loading and unloading vary here; what the type of the vehicle says if it is left out."""
+    original: Foreign | None = None
+    """What vehicles call it; left out, its id."""
 
 
 class WorkingStation(Item, frozen=True):
@@ -280,6 +348,8 @@ class Unassigned(Item, frozen=True):
     box: Box | None = None
     part_of: Id | None = None
     """The place at the first node of the same station, where that has several nodes."""
+    original: Foreign | None = None
+    """What vehicles call it; left out, its id."""
 
 
 Dock = Warehouse | Storage | Charger | Parking | MachineSpec
@@ -382,6 +452,8 @@ class PlantFile(Item, frozen=True):
     areas: tuple[Area, ...] = ()
     unassigned: tuple[Unassigned, ...] = ()
     doors: tuple[Door, ...] = ()
+    maps: Annotated[tuple[MapFrame, ...], Meta(max_length=200)] = ()
+    """The maps of vehicles; none where theirs are the plant's frame."""
     two_lanes: bool = False
     """Whether roads that run both ways have two lanes, where a lane does not say it itself."""
     working_time: WorkingHours | None = None

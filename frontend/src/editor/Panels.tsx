@@ -24,20 +24,23 @@ export function Tools() {
 type Entry = Record<string, unknown>;
 
 const FIELDS: Record<string, readonly string[]> = {
-  nodes: ["id", "x_m", "y_m"],
-  lanes: ["start", "end", "speed_limit_mps", "both_ways", "types"],
+  nodes: ["id", "x_m", "y_m", "max_vehicle", "originals", "map"],
+  lanes: ["start", "end", "speed_limit_mps", "both_ways", "types", "original", "original_back"],
   doors: ["id", "name", "lanes", "opening_s", "closes_after_s"],
   areas: ["id", "name", "polygon", "working_time"],
-  machines: ["id", "name", "station", "node", "box", "makes", "working_time"],
-  storages: ["id", "name", "node", "box", "refill", "stocks"],
-  warehouses: ["id", "name", "kind", "node", "box", "stocks", "direct"],
-  chargers: ["id", "node", "box"],
-  parkings: ["id", "node"],
-  unassigned: ["id", "name", "node"],
+  machines: ["id", "name", "station", "node", "box", "makes", "working_time", "original"],
+  storages: ["id", "name", "node", "box", "refill", "stocks", "original"],
+  warehouses: ["id", "name", "kind", "node", "box", "stocks", "direct", "original"],
+  chargers: ["id", "node", "box", "original"],
+  parkings: ["id", "node", "original"],
+  unassigned: ["id", "name", "node", "original"],
 };
 
 /** Fields that are lists, also where they are not there yet. */
-const LISTS = new Set(["makes", "stocks", "types", "working_time"]);
+const LISTS = new Set(["makes", "stocks", "types", "working_time", "originals", "max_vehicle"]);
+
+/** Fields that a plant does without: left empty they are not there, and so not open. */
+const OPTIONAL = new Set(["max_vehicle", "originals", "map", "original", "original_back"]);
 
 /** Words of the plant file of which one is chosen. */
 const CHOICES: Record<string, readonly string[]> = { refill: ["itself", "vehicles", "none"], kind: ["source", "delivery"] };
@@ -145,12 +148,13 @@ function Field({ name, value, onChange }: { name: string; value: unknown; onChan
   if (typeof value === "boolean" || name === "both_ways" || name === "direct") {
     return <label class="ed-check"><input type="checkbox" checked={value === true} onChange={(event) => { onChange(event.currentTarget.checked); }} /> {label}</label>;
   }
-  if (typeof value === "object" || LISTS.has(name)) {
+  const empty = OPTIONAL.has(name) ? undefined : name === "types" ? [] : null;
+  if ((typeof value === "object" && (value !== null || !OPTIONAL.has(name))) || LISTS.has(name)) {
     return (
       <label>{label}
-        <textarea rows={name === "box" ? 2 : 3} aria-invalid={wrong.value} value={typed.value ?? (value === undefined ? "" : JSON.stringify(value))} onInput={note} onChange={(event) => {
+        <textarea rows={name === "box" ? 2 : 3} aria-invalid={wrong.value} value={typed.value ?? (value === undefined || (value === null && OPTIONAL.has(name)) ? "" : JSON.stringify(value))} onInput={note} onChange={(event) => {
           try {
-            onChange(JSON.parse(event.currentTarget.value || (name === "types" ? "[]" : "null")));
+            onChange(event.currentTarget.value === "" ? empty : JSON.parse(event.currentTarget.value));
             wrong.value = false;
             forget();
           } catch {
@@ -163,7 +167,7 @@ function Field({ name, value, onChange }: { name: string; value: unknown; onChan
   }
   const number = typeof value === "number" || name.endsWith("_m") || name.endsWith("_mps") || name.endsWith("_s");
   const shown = typed.value ?? (typeof value === "string" || typeof value === "number" ? value : "");
-  const tell = (text: string): void => { forget(); onChange(text === "" ? null : number ? Number(text) : text); };
+  const tell = (text: string): void => { forget(); onChange(text === "" ? empty : number ? Number(text) : text); };
   return (
     <label>{label}
       {number

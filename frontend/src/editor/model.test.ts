@@ -81,10 +81,13 @@ describe("drawing", () => {
   });
 
   test("a station that is said to be a machine is one, with the rest of it open", () => {
-    const data = { ...DATA, unassigned: [{ id: "U1", name: "Press", node: "a" }] };
+    const data = { ...DATA, unassigned: [{ id: "U1", name: "Press", node: "a", original: "7.1" }] };
     const next = model.assigned(data, 0, "machines");
     expect(next.unassigned).toEqual([]);
-    expect(model.entries(next, "machines")[1]).toMatchObject({ id: "U1", name: "Press", node: "a", makes: null, station: null });
+    expect(model.entries(next, "machines")[1]).toMatchObject({ id: "U1", name: "Press", node: "a", makes: null, station: null, original: "7.1" });
+    expect(model.entries(model.assigned(data, 0, "parkings"), "parkings").at(-1)).toEqual({ id: "U1", node: "a", original: "7.1" });
+    const plain = { ...DATA, unassigned: [{ id: "U1", name: "Press", node: "a" }] };
+    expect(model.entries(model.assigned(plain, 0, "parkings"), "parkings").at(-1)).toEqual({ id: "U1", node: "a" });
   });
 });
 

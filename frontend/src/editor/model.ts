@@ -25,6 +25,7 @@ export interface Place {
   readonly name?: string;
   readonly box?: Box | null;
   readonly kind?: string | null;
+  readonly original?: string | null;
 }
 export interface Area {
   readonly id: string;
@@ -179,12 +180,14 @@ export function assigned(data: Data, index: number, to: PlaceSection): Data {
   const box = station.box ?? { x_m: spot.x_m, y_m: spot.y_m + 1.5, width_m: 2, depth_m: 1.5 };
   const { id, node } = station;
   const name = station.name ?? id;
+  // What vehicles call it stays, whatever it is.
+  const called = station.original === undefined ? {} : { original: station.original };
   const made: Partial<Record<PlaceSection, object>> = {
-    machines: { id, name, station: entries<{ id: string }>(data, "stations")[0]?.id ?? null, node, box, makes: null },
-    storages: { id, name, node, box, stocks: null },
-    warehouses: { id, name, kind: null, node, box },
-    chargers: { id, node, box },
-    parkings: { id, node },
+    machines: { id, name, station: entries<{ id: string }>(data, "stations")[0]?.id ?? null, node, box, makes: null, ...called },
+    storages: { id, name, node, box, stocks: null, ...called },
+    warehouses: { id, name, kind: null, node, box, ...called },
+    chargers: { id, node, box, ...called },
+    parkings: { id, node, ...called },
   };
   const rest = put(data, "unassigned", entries(data, "unassigned").filter((_, at) => at !== index));
   return added(rest, to, made[to] ?? station);

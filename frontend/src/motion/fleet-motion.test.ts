@@ -3,9 +3,10 @@ import type { AtvView } from "../api/types";
 import { FleetMotion } from "./fleet-motion";
 import { roadsOf } from "./roads";
 
-const lane = { speed_limit_mps: 1.5, both_ways: true, two_lanes: null, shape: [], types: [] };
+const plain = { originals: [], map: "", max_vehicle: null };
+const lane = { speed_limit_mps: 1.5, both_ways: true, two_lanes: null, shape: [], types: [], original: null, original_back: null };
 const roads = roadsOf({
-  nodes: [{ id: "a", x_m: 0, y_m: 0 }, { id: "b", x_m: 50, y_m: 0 }],
+  nodes: [{ id: "a", x_m: 0, y_m: 0, ...plain }, { id: "b", x_m: 50, y_m: 0, ...plain }],
   lanes: [{ start: "a", end: "b", ...lane }],
 });
 const at = (x_m: number, seen_at_s: number, beat_s = 1) =>

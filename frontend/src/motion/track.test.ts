@@ -2,18 +2,20 @@ import { describe, expect, test } from "vitest";
 import { roadsOf } from "./roads";
 import { extend, poseAt, type Sighting, trackOf, turnTowards } from "./track";
 
+const plain = { originals: [], map: "", max_vehicle: null };
+
 /** A corner: a (0,0) - b (10,0) - c (10,10), and a dead end d beyond c. */
 const roads = roadsOf({
   nodes: [
-    { id: "a", x_m: 0, y_m: 0 },
-    { id: "b", x_m: 10, y_m: 0 },
-    { id: "c", x_m: 10, y_m: 10 },
-    { id: "d", x_m: 10, y_m: 20 },
+    { id: "a", x_m: 0, y_m: 0, ...plain },
+    { id: "b", x_m: 10, y_m: 0, ...plain },
+    { id: "c", x_m: 10, y_m: 10, ...plain },
+    { id: "d", x_m: 10, y_m: 20, ...plain },
   ],
   lanes: [
-    { start: "a", end: "b", speed_limit_mps: 1, both_ways: true, two_lanes: null, shape: [], types: [] },
-    { start: "b", end: "c", speed_limit_mps: 1, both_ways: true, two_lanes: null, shape: [], types: [] },
-    { start: "c", end: "d", speed_limit_mps: 1, both_ways: true, two_lanes: null, shape: [], types: [] },
+    { start: "a", end: "b", speed_limit_mps: 1, both_ways: true, two_lanes: null, shape: [], types: [], original: null, original_back: null },
+    { start: "b", end: "c", speed_limit_mps: 1, both_ways: true, two_lanes: null, shape: [], types: [], original: null, original_back: null },
+    { start: "c", end: "d", speed_limit_mps: 1, both_ways: true, two_lanes: null, shape: [], types: [], original: null, original_back: null },
   ],
 });
 

@@ -16,6 +16,7 @@ from dray.plant.model import VehicleSpec
 from dray.ports import Body, Clock
 from dray_sim.bodies.vehicle.vehicle import SimVehicle
 from dray_sim.vda5050.misbehaviour import Misbehaviour
+from dray_sim.vda5050.own_map import OwnMap
 from dray_sim.vda5050.vehicle import Vda5050Vehicle
 from dray_sim.vda5050.words import Words
 
@@ -36,6 +37,7 @@ class MemoryFleet:
         clock: the plant's.
         profile_of: what each vehicle understands, by its id; None for one that is simulated without VDA 5050.
         quirks_of: how each misbehaves.
+        own_map_of: the ids and frame that each knows; None for the plant's.
         carry: brings a message of a vehicle or to it; by default each as it is, after `DELAY_S`.
 
     Attributes:
@@ -51,7 +53,9 @@ class MemoryFleet:
         profile_of: Callable[[str], Profile | None],
         quirks_of: Callable[[str], Misbehaviour] = lambda _: Misbehaviour(),
         carry: Carry | None = None,
+        own_map_of: Callable[[str], OwnMap | None] = lambda _: None,
     ) -> None:
+        self._own_map_of = own_map_of
         self._carry = carry or self._bring
         self._plant, self._clock = plant, clock
         self._profile_of, self._quirks_of = profile_of, quirks_of
@@ -79,6 +83,7 @@ class MemoryFleet:
                 lambda topic, data, _retain: self._tell(spec.id, topic, data),
                 words,
                 self._plant.corners,
+                self._own_map_of(spec.id),
             )
         else:
             self.bodies[spec.id].end()

@@ -30,6 +30,7 @@ from dray_sim.bodies.vehicle.vehicle import SimVehicle
 from dray_sim.vda5050 import order as reading
 from dray_sim.vda5050.misbehaviour import Misbehaviour
 from dray_sim.vda5050.order import NodeAction, Order
+from dray_sim.vda5050.own_map import OwnMap
 from dray_sim.vda5050.words import Condition, Words
 
 Publish = Callable[[str, bytes, bool], None]
@@ -51,6 +52,7 @@ class Vda5050Vehicle:
         publish: says it.
         words: its version and name.
         corners: of its map: lanes that are not straight, by their ends.
+        own_map: its own ids and frame; None where these are the plant's.
 
     Attributes:
         condition: what it is beside its body; to be changed by tests, and told with `say_state`.
@@ -67,7 +69,9 @@ class Vda5050Vehicle:
         publish: Publish,
         words: Words,
         corners: Mapping[tuple[str, str], tuple[str, ...]] | None = None,
+        own_map: OwnMap | None = None,
     ) -> None:
+        self._own_map = own_map
         self._body, self._kind, self._charger_at, self._corners = body, kind, charger_at, corners or {}
         self._clock, self._publish, self.words = clock, publish, words
         self.quirks: Misbehaviour = words.quirks
@@ -125,6 +129,8 @@ class Vda5050Vehicle:
         self._publish_json("factsheet", self.words.factsheet(self._kind, self._clock.now_s()), retain=True)
 
     def _publish_json(self, topic: str, said: dict[str, Any], *, retain: bool = False) -> None:
+        if self._own_map is not None:
+            said = self._own_map.told(said)
         self._publish(topic, json.dumps(said).encode(), retain)
 
     def _tick(self, life: int) -> None:
@@ -164,6 +170,8 @@ class Vda5050Vehicle:
             self._ignored[topic] -= 1
             return
         said = reading.read_message(data)
+        if self._own_map is not None and said:
+            said = self._own_map.heard(topic, said) or {}
         if topic == "order" and said:
             self._on_order(reading.read_order(said))
         elif topic == "instantActions":

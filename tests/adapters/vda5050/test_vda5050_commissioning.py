@@ -45,6 +45,7 @@ def test_a_vehicle_that_behaves_passes_every_step() -> None:
             "connection",
             "state",
             "factsheet",
+            "names",
             "position",
             "ready",
             "drive",

@@ -14,6 +14,7 @@ from dray.adapters.vda5050.events import Memory
 from dray.adapters.vda5050.profile import ActionUse, MapFrame, Profile
 from dray.body import ActionFailed, Instruction, NodePassed, ProblemRaised, Report
 from dray_sim.vda5050.misbehaviour import Misbehaviour
+from dray_sim.vda5050.own_map import OwnMap
 from dray_sim.vda5050.vehicle import Vda5050Vehicle
 from dray_sim.vda5050.words import Words
 
@@ -54,6 +55,7 @@ class Rig:
         delay_s: float = 0.05,
         linked: bool = True,
         yard: Yard | None = None,
+        own_map: OwnMap | None = None,
     ) -> None:
         self.yard = yard or Yard()
         self.clock = self.yard.clock
@@ -78,6 +80,7 @@ class Rig:
             self.tell,
             words,
             self.yard.plant.corners,
+            own_map,
         )
         if linked:
             self.link()

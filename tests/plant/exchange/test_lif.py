@@ -50,8 +50,15 @@ def test_two_edges_of_one_road_are_one_lane_and_a_single_one_runs_one_way() -> N
     nodes = [*LINE, node("c", 10, 10)]
     found = read(layout(nodes, [edge("a", "b"), edge("b", "a"), edge("b", "c")]))
     assert found.data["lanes"] == [
-        {"start": "a", "end": "b", "speed_limit_mps": 1.0, "both_ways": True},
-        {"start": "b", "end": "c", "speed_limit_mps": 1.0},
+        {
+            "start": "a",
+            "end": "b",
+            "speed_limit_mps": 1.0,
+            "both_ways": True,
+            "original": "a-b",
+            "original_back": "b-a",
+        },
+        {"start": "b", "end": "c", "speed_limit_mps": 1.0, "original": "b-c"},
     ]
     assert [[one["original"] for one in lane["original"]] for lane in found.mapping["lanes"]] == [
         ["a-b", "b-a"],
@@ -122,7 +129,15 @@ def test_each_type_keeps_its_own_limit_on_a_lane() -> None:
     )
     types = [{"type": "kind"}, {"type": "slow", "speed_limit_mps": 0.4}]
     assert found.data["lanes"] == [
-        {"start": "a", "end": "b", "speed_limit_mps": 1.0, "types": types, "both_ways": True}
+        {
+            "start": "a",
+            "end": "b",
+            "speed_limit_mps": 1.0,
+            "types": types,
+            "both_ways": True,
+            "original": "a-b",
+            "original_back": "b-a",
+        }
     ]
     assert found.mapping["lanes"][0]["original"][0]["limits_mps"] == {"kind": 1.0, "slow": 0.4}
     assert [kind["max_speed_mps"] for kind in found.data["vehicle_types"]] == [1.0, 0.4]
@@ -156,7 +171,9 @@ def test_a_second_edge_for_another_type_admits_it_to_the_lane() -> None:
     second = {**of_types("a", "b", slow=0.5), "edgeId": "other"}
     found = read(layout(FOR_BOTH, [of_types("a", "b", kind=1.0), second]))
     types = [{"type": "kind"}, {"type": "slow", "speed_limit_mps": 0.5}]
-    assert found.data["lanes"] == [{"start": "a", "end": "b", "speed_limit_mps": 1.0, "types": types}]
+    assert found.data["lanes"] == [
+        {"start": "a", "end": "b", "speed_limit_mps": 1.0, "types": types, "original": "a-b"}
+    ]
     assert "edge other is a second one from a to b: the first one is taken, also for slow" in said(found)
 
 
@@ -182,8 +199,8 @@ def test_parallel_edges_are_said_and_kept_in_the_mapping() -> None:
 def test_a_station_of_several_nodes_is_a_place_at_each() -> None:
     found = read(layout(LINE, [edge("a", "b")], [station("S 1", "b", "a", stationHeight="0.4")]))
     assert found.data["unassigned"] == [
-        {"id": "S-1", "node": "b", "name": "S 1"},
-        {"id": "S-1.2", "node": "a", "name": "S 1 (2 of 2)", "part_of": "S-1"},
+        {"id": "S-1", "node": "b", "name": "S 1", "original": "S 1"},
+        {"id": "S-1.2", "node": "a", "name": "S 1 (2 of 2)", "part_of": "S-1", "original": "S 1"},
     ]
     assert [(each["original"], each["node"]) for each in found.mapping["places"]] == [
         ("S 1", "b"),

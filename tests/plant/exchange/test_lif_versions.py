@@ -34,7 +34,7 @@ def test_the_draft_of_version_2_is_read() -> None:
     ]
     text = lif(origins=[{"originId": "O", "layouts": [layout(nodes, edges)]}])
     found = read_layout(text.replace(b'"layouts":[],', b""), "hall.json")
-    assert found.data["lanes"] == [{"start": "a", "end": "b", "speed_limit_mps": 0.7}]
+    assert found.data["lanes"] == [{"start": "a", "end": "b", "speed_limit_mps": 0.7, "original": "e"}]
     assert found.data["vehicle_types"][0]["id"] == "Maker.S"
 
 

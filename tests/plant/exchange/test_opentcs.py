@@ -26,13 +26,13 @@ def said(imported: Imported) -> str:
 def test_a_model_becomes_a_plant_in_metres_with_ids_of_ours() -> None:
     found = read(model())
     assert found.data["nodes"] == [
-        {"id": "Point-1", "x_m": 2.0, "y_m": 0.0},
-        {"id": "Point-2", "x_m": 12.0, "y_m": 0.0},
-        {"id": "Point-3", "x_m": 12.0, "y_m": 10.0},
+        {"id": "Point-1", "x_m": 2.0, "y_m": 0.0, "originals": ["Point 1"]},
+        {"id": "Point-2", "x_m": 12.0, "y_m": 0.0, "originals": ["Point 2"]},
+        {"id": "Point-3", "x_m": 12.0, "y_m": 10.0, "originals": ["Point 3"]},
     ]
     assert found.data["lanes"] == [
-        {"start": "Point-1", "end": "Point-2", "speed_limit_mps": 1.0},
-        {"start": "Point-2", "end": "Point-3", "speed_limit_mps": 0.5},
+        {"start": "Point-1", "end": "Point-2", "speed_limit_mps": 1.0, "original": "Point 1 --- Point 2"},
+        {"start": "Point-2", "end": "Point-3", "speed_limit_mps": 0.5, "original": "Point 2 --- Point 3"},
     ]
     assert found.mapping["nodes"][0]["original"] == "Point 1"
     plant, whole = drawable(found.data)
@@ -45,8 +45,14 @@ def test_locations_chargers_and_parking_places() -> None:
     assert found.data["chargers"] == [{"id": "Outlet", "node": "Point-1", "box": None}]
     assert found.data["parkings"] == [{"id": "P-Point-3", "node": "Point-3"}]
     assert found.data["unassigned"] == [
-        {"id": "Rack-A", "node": "Point-2", "name": "Rack --- A"},
-        {"id": "Rack-A.2", "node": "Point-3", "name": "Rack --- A (2 of 2)", "part_of": "Rack-A"},
+        {"id": "Rack-A", "node": "Point-2", "name": "Rack --- A", "original": "Rack --- A"},
+        {
+            "id": "Rack-A.2",
+            "node": "Point-3",
+            "name": "Rack --- A (2 of 2)",
+            "part_of": "Rack-A",
+            "original": "Rack --- A",
+        },
     ]
     assert "location Alone is left out: no link leads to it" in said(found)
     assert "line 30, <block Block>: a block has no place in a plant" in said(found)
@@ -68,6 +74,8 @@ def test_a_path_that_is_driven_backwards_leads_the_other_way_too() -> None:
         "end": "Point-2",
         "speed_limit_mps": 1.0,
         "both_ways": True,
+        "original": "Point 1 --- Point 2",
+        "original_back": "Point 1 --- Point 2",
     }
     slower = read(model(reverse="300"))
     assert [(lane["start"], lane["speed_limit_mps"]) for lane in slower.data["lanes"][:2]] == [
@@ -274,3 +282,19 @@ def test_a_file_whose_text_somebody_else_has_read_may_name_any_encoding() -> Non
     assert read_layout(text, "hall.xml").data["name"] == "Prüfhalle"
     lost = read_layout(text.replace("ü", "\ufffd"), "hall.xml")
     assert "letters were lost before it came here" in said(lost)
+
+
+def test_the_largest_vehicle_of_a_point_comes_into_the_plant() -> None:
+    box = '<maxVehicleBoundingBox length="1200" width="800" height="1000" referenceOffsetX="{}" referenceOffsetY="0"/>'
+    text = model().replace(b"<outgoingPath", box.format(0).encode() + b"<outgoingPath", 1)
+    found = read(text)
+    nodes = {node["id"]: node.get("max_vehicle") for node in found.data["nodes"]}
+    assert nodes == {"Point-1": {"length_m": 1.2, "width_m": 0.8}, "Point-2": None, "Point-3": None}
+    assert "BoundingBox" not in said(found)
+    off = read(model().replace(b"<outgoingPath", box.format(100).encode() + b"<outgoingPath", 1))
+    assert "<maxVehicleBoundingBox> is taken about the middle of vehicles" in said(off)
+    none = read(
+        model().replace(b"<outgoingPath", b'<maxVehicleBoundingBox length="0" width="a"/><outgoingPath', 1)
+    )
+    assert all("max_vehicle" not in node for node in none.data["nodes"])
+    assert "<maxVehicleBoundingBox> without a length and a width is for all vehicles" in said(none)

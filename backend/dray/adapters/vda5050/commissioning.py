@@ -15,6 +15,7 @@ import msgspec
 from dray.adapters.vda5050.body import VehicleBody
 from dray.adapters.vda5050.control.factsheet import differences
 from dray.adapters.vda5050.control.view import NEVER_S
+from dray.adapters.vda5050.map_fit import described, fitting
 from dray.adapters.vda5050.profile import Profile, write_profile
 from dray.body import (
     ActionDone,
@@ -30,7 +31,7 @@ from dray.body import (
     WayDone,
 )
 from dray.plant import Plant
-from dray.plant.model import VehicleType
+from dray.plant.model import MapFrame, VehicleType
 from dray.ports import Clock
 
 LOOK_S = 0.2
@@ -112,10 +113,10 @@ class Commissioning:
     async def run(self) -> AsyncIterator[Step]:
         """Walk through all steps; a step on which others stand ends it when it fails."""
         self.body.attach(self._heard.append)
-        for step in (self._listen, self._state, self._factsheet, self._position, self._ready):
+        for step in (self._listen, self._state, self._factsheet, self._names, self._position, self._ready):
             self.steps.append(await step())
             yield self.steps[-1]
-            if self.steps[-1].passed is False and step is not self._factsheet:
+            if self.steps[-1].passed is False and step not in (self._factsheet, self._names):
                 return
         moves = (self._drive, self._pause, self._back, self._cancel)
         for step in (*moves, self._pick, self._drop):
@@ -142,7 +143,12 @@ class Commissioning:
         changes: dict[str, object] = {}
         if view.heard_s != NEVER_S and view.state.loads is None:
             changes["load"] = "none"
-        if view.map_id and not self.profile.map.id:
+        if (fit := self._fit()) is not None and not view.names.knows_map(view.map_id):
+            changes["map"] = fit
+        elif fit is not None:
+            others = [frame for frame in self.profile.maps if frame.id != fit.id]
+            changes["maps"] = (*others, fit)
+        elif view.map_id and not self.profile.map.id and not view.names.frames:
             changes["map"] = msgspec.structs.replace(self.profile.map, id=view.map_id)
         # It says which topic it could not read: the list has another name in 1.1.
         if any(error.names("instantActions") for error in view.state.errors or ()):
@@ -202,9 +208,55 @@ class Commissioning:
         found = differences(view.factsheet, self.kind, self.profile)
         return Step("factsheet", not found, "; ".join(found) or "as the plant file has it")
 
+    async def _names(self) -> Step:
+        """Whether what it names is in the plant: its map, its last node; and what the profile names."""
+        view = self.body.control.view
+        names, said = view.names, view.said_node
+        found = [f"its profile names {name}, which the plant does not have" for name in names.strangers]
+        known = [name for name in names.frames if name]
+        position = view.state.position
+        map_id = (position.map_id if position is not None else "") or ""
+        if map_id and known and map_id not in known:
+            found.append(
+                f"it is on map {map_id}; plant file and profile have {', '.join(known)}: write it there"
+            )
+        node = view.state.last_node_id
+        if said and node is None:
+            found.append(f"its last node {said} is on several maps, and it does not say on which one it is")
+        elif said and node not in self.plant.nodes:
+            found.append(
+                f"its last node is {said}, and no node of the plant is called so: write it as one of its `originals`, "
+                "or in `names` of the profile"
+            )
+        if found:
+            return Step("names", False, "; ".join(found))
+        if not said:
+            return Step("names", None, "it names no node: compare its ids with the plant file yourself")
+        called = f", which it calls {said}" if said != node else ""
+        return Step("names", True, f"its last node is {node}{called}{f', on map {map_id}' if map_id else ''}")
+
+    def _fit(self) -> MapFrame | None:
+        """How its map would have to lie, so that it stands where it says; None where it does."""
+        view = self.body.control.view
+        spot, position = self.plant.nodes.get(view.state.last_node_id or ""), view.state.position
+        frame = view.names.frame(view.map_id)
+        if spot is None or position is None or position.x is None or position.y is None or frame is None:
+            return None
+        frame = msgspec.structs.replace(frame, id=view.map_id)
+        return fitting([(position.x, position.y, spot.x_m, spot.y_m)], frame, self._near_m)
+
+    @property
+    def _near_m(self) -> float:
+        """How far from its last node it may stand; farther where it says that it has left it."""
+        return self.profile.node_m + (self.body.control.view.driven_m or 0.0)
+
+    def _advice(self) -> str:
+        fit, node = self._fit(), self.body.control.view.state.last_node_id
+        return f"; with {described(fit)} it would stand at its last node {node}" if fit is not None else ""
+
     async def _position(self) -> Step:
         if not await self._until(lambda: self.body.control.is_known, FACTSHEET_S):
-            return Step("position", False, self.body.control.why_unknown)
+            return Step("position", False, self.body.control.why_unknown + self._advice())
         state = self._sensed()
         pose = f"({state.pose.x_m:.2f}, {state.pose.y_m:.2f})"
         spot = self.plant.nodes[state.node]
@@ -214,7 +266,8 @@ class Commissioning:
             if state.next_node == state.node
             else f"between {state.node} and {state.next_node}"
         )
-        return Step("position", True, f"{pose} is {where}, {off_m:.2f} m from {state.node}")
+        seen = f"{pose} is {where}, {off_m:.2f} m from {state.node}{self._advice()}"
+        return Step("position", True, seen)
 
     async def _ready(self) -> Step:
         state = self._sensed()

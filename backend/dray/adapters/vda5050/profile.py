@@ -8,7 +8,6 @@ a profile leaves out is as in `default.yaml`: what worked with nearly all.
 from __future__ import annotations
 
 from importlib.resources import files
-from math import atan2, cos, radians, sin
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -18,12 +17,12 @@ from msgspec import Meta
 from dray.adapters.vda5050.wire.dialects import DIALECTS, Dialect, Version
 from dray.adapters.vda5050.wire.orders import Value
 from dray.errors import SettingsError
-from dray.messages import Pose
 from dray.messages.problem import ProblemKind
+from dray.plant.model import Foreign, MapFrame
 
 DEFAULT = "default"
-LARGEST_BYTES = 2**16
-"""A profile has 2 kB."""
+LARGEST_BYTES = 2**20
+"""A profile has 2 kB, and 40 bytes for each name in it."""
 
 NEEDED = frozenset(
     {
@@ -55,31 +54,15 @@ class ActionUse(Item, frozen=True):
         return {key: _filled(value, known) for key, value in self.parameters.items()}
 
 
-class MapFrame(Item, frozen=True):
-    """Where the vehicle's map lies in the plant."""
+class OwnNames(Item, frozen=True):
+    """What vehicles of one type call the things of the plant, beside what the plant file says (`originals`): our name, then theirs."""
 
-    id: str = ""
-    """`mapId`; empty takes the one that the vehicle says first."""
-    x_m: float = 0.0
-    y_m: float = 0.0
-    """Of its origin, in the plant."""
-    heading_deg: float = 0.0
-    """Of its x axis, from the plant's x axis towards y."""
-
-    def to_plant(self, x: float, y: float, theta: float) -> Pose:
-        """A pose in the vehicle's map, in the plant's frame."""
-        turn = radians(self.heading_deg)
-        return Pose(
-            x_m=self.x_m + x * cos(turn) - y * sin(turn),
-            y_m=self.y_m + x * sin(turn) + y * cos(turn),
-            heading_rad=_wrapped(theta + turn),
-        )
-
-    def to_map(self, x_m: float, y_m: float) -> tuple[float, float]:
-        """A point of the plant, in the vehicle's map."""
-        turn = radians(self.heading_deg)
-        dx_m, dy_m = x_m - self.x_m, y_m - self.y_m
-        return dx_m * cos(turn) + dy_m * sin(turn), dy_m * cos(turn) - dx_m * sin(turn)
+    nodes: dict[str, Foreign] = {}
+    edges: dict[str, Foreign] = {}
+    """Of lanes: both nodes with two dashes between them, as `N1--N2`."""
+    stations: dict[str, Foreign] = {}
+    """Of all places."""
+    maps: dict[str, Foreign] = {}
 
 
 class Profile(Item, frozen=True):
@@ -123,6 +106,10 @@ class Profile(Item, frozen=True):
     """What `loads` is good for: nothing, whether something is on board, or what (`loadType` is the item)."""
 
     map: MapFrame = MapFrame()
+    """Where its map lies; as the plant file has it, where only its id is said, or nothing."""
+    maps: tuple[MapFrame, ...] = ()
+    """Likewise, of several maps: as a rule one a floor."""
+    names: OwnNames = OwnNames()
     node_m: Positive = 0.5
     """So far from a node a vehicle still stands there."""
     lane_m: Positive = 1.0
@@ -240,7 +227,3 @@ def _filled(value: Value, known: dict[str, Value]) -> Value:
     if value.startswith("{") and value.endswith("}") and value[1:-1] in known:
         return known[value[1:-1]]
     return value.format(**known)
-
-
-def _wrapped(angle: float) -> float:
-    return atan2(sin(angle), cos(angle))

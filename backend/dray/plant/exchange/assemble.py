@@ -12,7 +12,8 @@ from dray.plant.exchange.admission import Admission
 from dray.plant.exchange.names import Ids, shown
 from dray.plant.exchange.notes import Note, Notes
 from dray.plant.exchange.one_spot import merge_spots
-from dray.plant.exchange.track_layout import TrackEdge, TrackLayout, TrackStation
+from dray.plant.exchange.original_names import OriginalNames
+from dray.plant.exchange.track_layout import TrackEdge, TrackLayout, TrackNode, TrackStation
 from dray.plant.file.check import RESERVED
 
 EDGE_M = 2.0
@@ -72,11 +73,18 @@ class _Assembly:
     def make(self, plant: str, name: str) -> Imported:
         layout = self._layout
         data: Data = {"plant": plant, "name": shown(name), "width_m": 0.0, "height_m": 0.0}
+        names = OriginalNames(layout, self._node, self._shift_m, self._notes)
         data["nodes"] = [
-            {"id": self._node[node.original], **self._spot(node.original, node.x_m, node.y_m)}
+            {
+                "id": self._node[node.original],
+                **self._spot(node.original, node.x_m, node.y_m),
+                **names.node(node),
+                **_largest(node),
+            }
             for node in layout.nodes
         ]
         lanes, lane_map = self._lanes()
+        names.name_lanes(lanes, lane_map)
         data["lanes"] = lanes
         spots = [*data["nodes"], *(corner for lane in lanes for corner in lane.get("shape", ()))]
         data["width_m"] = round(max((spot["x_m"] for spot in spots), default=0.0) + EDGE_M, 3)
@@ -90,6 +98,8 @@ class _Assembly:
         data["vehicle_types"] = kinds or None
         fleet, fleet_map = self._fleet()
         data["fleet"] = fleet or None
+        if maps := names.maps():
+            data["maps"] = maps
         mapping = {
             "format": layout.format,
             "name": layout.name,
@@ -152,7 +162,12 @@ class _Assembly:
         for edge, others in self._roads(told):
             ends, back = (edge.start, edge.end), (edge.end, edge.start)
             entries = [
-                {"original": one.original, "limits_mps": one.limits_mps, "kept": one.kept}
+                {
+                    "original": one.original,
+                    "limits_mps": one.limits_mps,
+                    "kept": one.kept,
+                    "start": self._node[one.start],
+                }
                 for one in (edge, *others)
             ]
             if levels[edge.start] != levels[edge.end]:
@@ -250,6 +265,8 @@ class _Assembly:
                     place["name"] = f"{shown(station.name, 70)} ({number} of {count})"
                     place["part_of"] = first
             places[kind].append(place)
+            if name != station.original and not self._layout.ours:
+                place["original"] = station.original[:200]
             entry = {"id": name, "original": station.original, "section": kind, "node": self._node[node]}
             mapping.append(entry if number > 1 else {**entry, "kept": station.kept})
         if count > 1:
@@ -288,6 +305,13 @@ class _Assembly:
             fleet.append({"id": name, "type": self._kind[vehicle.kind], "node": node})
             mapping.append({"id": name, "original": vehicle.original, "kept": vehicle.kept})
         return fleet, mapping
+
+
+def _largest(node: TrackNode) -> Data:
+    """What a node's entry says of the largest vehicle that may be there."""
+    if node.max_m is None:
+        return {}
+    return {"max_vehicle": {"length_m": node.max_m[0], "width_m": node.max_m[1]}}
 
 
 def _shift_m(low_m: float, high_m: float) -> float:

@@ -189,6 +189,7 @@ class _Reader(LifValues):
                 types=types.listed,
                 kept={"layoutId": layout.get("layoutId"), **self._rest(node, NODE_USED)},
                 called="" if key == name else name,
+                map=key_of(node.get("mapId"))[:200],
             )
             found.nodes.append(known[key])
 

@@ -12,6 +12,7 @@ from typing import Any
 import msgspec
 
 from dray.plant.exchange.lif import CREATOR
+from dray.plant.floor.sizes import fits, fitted
 from dray.plant.layout import Layout, lay_out
 from dray.plant.model import Box, Lane, Node, PlantFile, Point
 from dray.plant.plant import Plant
@@ -36,7 +37,7 @@ def export_lif(plant: Plant, exported_at: str, version: str = VERSIONS[0]) -> st
         exported_at: when, as LIF wants it: ISO 8601 in UTC, `2026-11-23T08:00:00Z`.
         version: of LIF, one of `VERSIONS`.
     """
-    file, layout = plant.file, lay_out(plant.file)
+    file, layout = plant.file, lay_out(fitted(plant.file))
     types = [kind.id for kind in file.vehicle_types]
     actions = dict(_actions(file))
     document = {
@@ -52,7 +53,10 @@ def export_lif(plant: Plant, exported_at: str, version: str = VERSIONS[0]) -> st
                 "layoutName": file.name,
                 "layoutVersion": "1",
                 "layoutDescription": "Metres; x to the right, y up.",
-                "nodes": [_node(node, types, actions.get(node.id, ()), file.plant) for node in layout.nodes],
+                "nodes": [
+                    _node(node, _at(node, file) or types, actions.get(node.id, ()), file.plant)
+                    for node in layout.nodes
+                ],
                 "edges": list(_edges(layout, types)),
                 "stations": list(_stations(file)),
             }
@@ -145,6 +149,11 @@ def _node(node: Node, types: list[str], actions: tuple[str, ...], map_id: str) -
         "nodePosition": {"x": node.x_m, "y": node.y_m},
         "vehicleTypeNodeProperties": [{"vehicleTypeId": kind, **properties} for kind in types],
     }
+
+
+def _at(node: Node, file: PlantFile) -> list[str]:
+    """The types that are no larger than a node allows: LIF has no sizes."""
+    return [kind.id for kind in file.vehicle_types if fits(kind, node)]
 
 
 def _edges(layout: Layout, types: list[str]) -> Iterator[Json]:

@@ -66,6 +66,8 @@ def _take_in(into: TrackNode, node: TrackNode) -> None:
     into.parks, into.charges = into.parks or node.parks, into.charges or node.charges
     # A node that names no types is for all.
     into.types = list(dict.fromkeys((*into.types, *node.types))) if into.types and node.types else []
+    sizes = [size for size in (into.max_m, node.max_m) if size is not None]
+    into.max_m = (min(size[0] for size in sizes), min(size[1] for size in sizes)) if sizes else None
     same = {"original": node.name, "kept": node.kept}
     into.kept = {**into.kept, "same_spot": [*into.kept.get("same_spot", ()), same]}
 

@@ -6,6 +6,7 @@ from typing import Any
 
 import msgspec
 
+from dray.plant.floor.sizes import fitted
 from dray.plant.layout import lay_out
 from dray.plant.plant import Plant
 
@@ -30,8 +31,13 @@ def put_onto(imported: Data, plant: Plant) -> Data:
     """
     known: Data = msgspec.to_builtins(plant.file)
     result: Data = {**imported, **{key: value for key, value in known.items() if key not in FLOOR}}
+    result["maps"] = imported.get("maps") or known["maps"]
+    _name_places(result, imported)
     if _driven(imported) == _driven(_floor(plant)):
-        return {**result, **{key: known[key] for key in FLOOR}}
+        result |= {key: known[key] for key in FLOOR}
+        _name_floor(result, imported)
+        return result
+    _name_floor(result, known)
     nodes = {node["id"] for node in imported["nodes"]}
     for section in PLACES:
         for place in result[section]:
@@ -51,8 +57,41 @@ def put_onto(imported: Data, plant: Plant) -> Data:
     return result
 
 
+def _name_floor(result: Data, other: Data) -> None:
+    """What vehicles call nodes and lanes, from another file, where that says it."""
+    nodes: dict[str, Data] = {node["id"]: node for node in other["nodes"]}
+    result["nodes"] = tuple(
+        {**node, **_said(nodes.get(node["id"], {}), "originals", "map", "max_vehicle")}
+        for node in result["nodes"]
+    )
+    edges: dict[tuple[str, str], Any] = {}
+    for lane in other["lanes"]:
+        edges[lane["start"], lane["end"]] = lane.get("original")
+        if lane.get("both_ways"):
+            edges[lane["end"], lane["start"]] = lane.get("original_back")
+    named = []
+    for lane in result["lanes"]:
+        there, back = edges.get((lane["start"], lane["end"])), edges.get((lane["end"], lane["start"]))
+        names = {"original": there, "original_back": back if lane.get("both_ways") else None}
+        named.append({**lane, **_said(names, *names)})
+    result["lanes"] = tuple(named)
+
+
+def _name_places(result: Data, imported: Data) -> None:
+    """What vehicles call places, from a layout."""
+    sections = [imported.get(section) or () for section in ("unassigned", "chargers", "parkings")]
+    names: dict[str, Data] = {place["id"]: place for places in sections for place in places}
+    for section in PLACES:
+        for place in result[section]:
+            place.update(_said(names.get(place["id"], {}), "original"))
+
+
+def _said(of: Data, *keys: str) -> Data:
+    return {key: of[key] for key in keys if of.get(key)}
+
+
 def _floor(plant: Plant) -> Data:
-    layout = lay_out(plant.file)
+    layout = lay_out(fitted(plant.file))
     floor: Data = msgspec.to_builtins({"nodes": layout.nodes, "lanes": layout.lanes})
     return floor
 

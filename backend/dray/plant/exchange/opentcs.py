@@ -186,8 +186,27 @@ class _Reader:
                 *spot,
                 parks=kind == "PARK_POSITION",
                 kept={**kept, **_kept(point, self._notes)},
+                max_m=self._largest(point),
             )
         )
+
+    def _largest(self, point: Element) -> Spot | None:
+        """Length and width of the largest vehicle that may be at a point; None where the model does not say them."""
+        box = point.first("maxVehicleBoundingBox")
+        if box is None:
+            return None
+        length, width = self._number(box, "length"), self._number(box, "width")
+        if length is None or width is None or min(length, width) <= 0.0:
+            self._notes.add(
+                _at(point), "<maxVehicleBoundingBox> without a length and a width is for all vehicles"
+            )
+            return None
+        if any(self._number(box, key) for key in ("referenceOffsetX", "referenceOffsetY")):
+            self._notes.add(
+                _at(point),
+                "<maxVehicleBoundingBox> is taken about the middle of vehicles: its offset is kept in the mapping",
+            )
+        return round(length * M, 6), round(width * M, 6)
 
     def _path(self, path: Element, scales: Spot, found: TrackLayout) -> None:
         self._strange(path)

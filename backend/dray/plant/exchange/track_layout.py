@@ -21,6 +21,10 @@ class TrackNode(msgspec.Struct):
     y_m: float
     level: str = ""
     """Layouts of one level lie in one plane."""
+    map: str = ""
+    """The map of vehicles that it lies on; empty where the file does not say that."""
+    max_m: tuple[float, float] | None = None
+    """Length and width of the largest vehicle that may be there; None for any."""
     parks: bool = False
     charges: bool = False
     types: list[str] = []

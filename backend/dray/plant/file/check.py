@@ -13,6 +13,7 @@ from difflib import get_close_matches
 from dray.plant.file.check_doors import door_faults
 from dray.plant.file.check_floor import floor_faults
 from dray.plant.file.check_levels import level_faults, made_into
+from dray.plant.file.check_names import name_faults
 from dray.plant.file.check_stocks import once, stock_faults, stocks_of, stored_for_machines
 from dray.plant.file.check_working_time import working_time_faults
 from dray.plant.file.reasons import Reason
@@ -85,6 +86,7 @@ def _faults(file: PlantFile) -> Iterator[Fault]:
     yield from floor_faults(file)
     yield from door_faults(file)
     yield from working_time_faults(file)
+    yield from name_faults(file)
     for index, station in enumerate(file.unassigned):
         yield unassigned_fault(index, station.id, station.node)
 

@@ -9,6 +9,7 @@ from math import ceil, hypot
 
 from dray.plant.floor.geometry import area_m2, crossed_edges
 from dray.plant.floor.shapes import corner_names, corners_of, floor_of
+from dray.plant.floor.sizes import too_large_for
 from dray.plant.layout import dock_nodes, stop_names
 from dray.plant.model import Area, Box, Lane, Node, PlantFile
 from dray.plant.roads import Roads
@@ -219,6 +220,11 @@ def _unreachable_by_type(
                 f"{kind.id} cannot get to {', '.join(cut_off[:3])}{more} and back on lanes that are for it: "
                 f"name it in the `types` of lanes that lead there"
             )
+            if narrow := too_large_for(file, kind):
+                reason += (
+                    f"; with {kind.length_m:g} m x {kind.width_m:g} m it is larger than `max_vehicle` of "
+                    f"{', '.join(narrow[:3])}{f' and {len(narrow) - 3} more' if len(narrow) > 3 else ''} allows"
+                )
             yield f"vehicle_types[{index}]", reason
 
 

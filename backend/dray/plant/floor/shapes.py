@@ -13,16 +13,17 @@ from math import hypot
 
 from msgspec.structs import replace
 
+from dray.plant.floor.sizes import fitted
 from dray.plant.layout import Crossing, Layout, lay_out, name_after, short_name
 from dray.plant.model import Lane, Node, PlantFile, Point
 
 
 def floor_of(file: PlantFile) -> Layout:
-    """The floor of a plant file as it is driven: two lanes beside one another, and shapes as chains.
+    """The floor of a plant file as it is driven: lanes for the types that fit, two lanes beside one another, and shapes as chains.
 
     Its ids and references must be right.
     """
-    layout = lay_out(file)
+    layout = lay_out(fitted(file))
     if not any(lane.shape for lane in layout.lanes):
         return layout
     return _chained(layout)

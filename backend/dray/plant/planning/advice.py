@@ -11,6 +11,7 @@ from collections.abc import Iterator
 
 import msgspec
 
+from dray.plant.floor.sizes import too_large_for
 from dray.plant.model import Material, Product
 from dray.plant.planning.advice_floor import floor_advice
 from dray.plant.planning.flow import USABLE_FRAC, Flow, Limit
@@ -42,7 +43,7 @@ class Advice(msgspec.Struct, frozen=True):
     """One warning."""
 
     kind: str
-    """dwell_points, charger, material, dock, buffer, machine, vehicles, range, alone, trap, uncounted, near, narrow, crossing,
+    """dwell_points, charger, material, dock, buffer, machine, vehicles, range, alone, trap, uncounted, large, near, narrow, crossing,
     way or door."""
     field: str
     """The section of the plant file."""
@@ -65,6 +66,7 @@ def advice(plant: Plant) -> list[Advice]:
         *_traps(plant),
         *(Advice(kind, field, text, about=about) for kind, field, text, about in floor_advice(plant)),
         *_uncounted(plant),
+        *_large(plant),
     ]
 
 
@@ -89,6 +91,20 @@ def _uncounted(plant: Plant) -> Iterator[Advice]:
             f"({', '.join(blind[:MOST_OF_A_KIND])}): their word is believed there; give the docks a counter"
         )
         yield Advice("uncounted", "machines", text)
+
+
+def _large(plant: Plant) -> Iterator[Advice]:
+    """Types of the fleet that go round nodes at which they would be too large."""
+    driving = {vehicle.type for vehicle in plant.fleet.values()}
+    for kind in plant.vehicle_types.values():
+        nodes = too_large_for(plant.file, kind)
+        if nodes and kind.id in driving:
+            more = f" and {len(nodes) - MOST_OF_A_KIND} more" if len(nodes) > MOST_OF_A_KIND else ""
+            text = (
+                f"{kind.id} is {kind.length_m:g} m x {kind.width_m:g} m with its load, and does not come to "
+                f"{', '.join(nodes[:MOST_OF_A_KIND])}{more}, where `max_vehicle` is smaller: its ways lead round them"
+            )
+            yield Advice("large", "nodes", text, about=tuple((node,) for node in nodes))
 
 
 def _ranges(flow: Flow) -> Iterator[Advice]:

@@ -2,7 +2,7 @@ import { describe, expect, test } from "vitest";
 import type { Lane, LaneTraffic } from "../../api/types";
 import { heatOf, stepOf, stepsTo } from "./heat";
 
-const lane = (start: string, end: string): Lane => ({ start, end, both_ways: true, speed_limit_mps: 1.5, two_lanes: null, shape: [], types: [] });
+const lane = (start: string, end: string): Lane => ({ start, end, both_ways: true, speed_limit_mps: 1.5, two_lanes: null, shape: [], types: [], original: null, original_back: null });
 
 const driven = (start: string, end: string, passes: number, waits = 0, waited_s = 0): LaneTraffic => ({ start, end, passes, waits, waited_s });
 

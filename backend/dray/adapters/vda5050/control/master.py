@@ -11,6 +11,7 @@ from dray.adapters.vda5050.control.criticals import Criticals
 from dray.adapters.vda5050.control.factsheet import differences
 from dray.adapters.vda5050.control.hold import Holding
 from dray.adapters.vda5050.control.instant import ASK_STATE, InstantActions
+from dray.adapters.vda5050.control.names import Names
 from dray.adapters.vda5050.control.on_board import OnBoard
 from dray.adapters.vda5050.control.order_state import OrderState
 from dray.adapters.vda5050.control.orders import Orders
@@ -101,7 +102,7 @@ class MasterControl:
         self.wake_at_s = 0.0
         self._plant, self._type, self._profile = plant, vehicle_type, profile
         self._out: list[Effect] = []
-        self.view = view = VehicleView(profile, agent, vehicle_type)
+        self.view = view = VehicleView(profile, agent, vehicle_type, Names(plant, profile))
         self._instant = InstantActions(agent, life, profile, self._out)
         self._criticals = Criticals(view, profile)
         self._holding = Holding(profile, view, self._instant)
@@ -356,7 +357,8 @@ class MasterControl:
         if found := complaint(view.state, self._profile, critical=self._criticals.is_told(now_s)):
             return found
         if not view.is_on_map:
-            return problem(f"it is on a map that is not {view.map_id}", ProblemKind.LOST_POSITION)
+            known = [name for name in view.names.frames if name] or [view.map_id]
+            return problem(f"it is on a map that is not {' or '.join(known)}", ProblemKind.LOST_POSITION)
         if self._work.lacks_place:
             where = f": ({view.pose.x_m:.1f}, {view.pose.y_m:.1f})" if view.pose else ""
             return problem(f"it stands on no lane of the plant{where}", ProblemKind.LOST_POSITION)

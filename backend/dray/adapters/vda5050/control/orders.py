@@ -287,6 +287,7 @@ class Orders:
                 order_body(
                     order.message(),
                     self._profile.dialect,
+                    self._view.names,
                     trajectory=self._profile.trajectory,
                     without=self._without,
                 ),
@@ -422,8 +423,11 @@ class Orders:
         pose, spot = self._view.pose, order.stops[-1][1]
         if pose is None or not self._view.is_on_map:
             return False
-        x, y = self._profile.map.to_map(pose.x_m, pose.y_m)
-        return hypot(x - spot.x, y - spot.y) <= self._profile.node_m
+        frame = self._view.names.frame(spot.map_id)
+        if frame is None or spot.map_id != self._view.map_id:
+            return False
+        x, y = frame.to_map(pose.x_m, pose.y_m)
+        return hypot(x - spot.x, y - spot.y) * frame.scale <= self._profile.node_m
 
     def _note_once(self, text: str) -> None:
         if not self._has_noted:

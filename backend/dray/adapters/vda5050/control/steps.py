@@ -6,6 +6,7 @@ from collections.abc import Collection
 from dataclasses import dataclass
 from itertools import pairwise
 
+from dray.adapters.vda5050.control.names import Names
 from dray.adapters.vda5050.control.vehicle_order import Kind, Place, Stop, Task, VehicleOrder
 from dray.adapters.vda5050.control.view import VehicleView
 from dray.adapters.vda5050.control.way import Way, length_m
@@ -14,7 +15,7 @@ from dray.adapters.vda5050.profile import ActionUse, Profile
 from dray.adapters.vda5050.wire.orders import Action, Spot
 from dray.body import Charge, Drop, Pick
 from dray.plant import Plant
-from dray.plant.model import VehicleType
+from dray.plant.model import MapFrame, VehicleType
 
 TEMPORARY = "here"
 """What a node is called that is none of the plant's: where a vehicle stands between two."""
@@ -57,7 +58,8 @@ class Steps:
     def spot(self, node: str) -> Spot:
         """Where a node lies, as the vehicle's map has it."""
         point = self._plant.nodes[node]
-        return self._spot_at(point.x_m, point.y_m, self._profile.deviation_m)
+        map_id = self._view.names.map_of(node, self._view.map_id)
+        return self._spot_at(point.x_m, point.y_m, self._profile.deviation_m, map_id)
 
     def next(self, way: Way, stand: Stand, speed_frac: float) -> VehicleOrder | str:
         """The next step of a way.
@@ -126,7 +128,7 @@ class Steps:
     def action(self, task: Task, node: str, *, twice: bool | None = None) -> VehicleOrder:
         """An order for a task, where the vehicle stands: the node once, or twice for those that need a way to it."""
         twice = self.twice if twice is None else twice
-        use, values = self._use(task), _values(task, node)
+        use, values = self._use(task), _values(task, node, self._view.names)
         action = Action("", use.type, use.blocking, use.values(**values))
         stop = self._start(Stand(node))
         stops = [stop, (node, self.spot(node))] if twice else [stop]
@@ -156,17 +158,19 @@ class Steps:
         point, wide_m = self._plant.nodes[stand.node], self._profile.first_deviation_m
         pose, lane = self._view.pose, self._lane_of.get(stand.node)
         if lane is None and (not stand.ahead or pose is None):
-            return stand.node, self._spot_at(point.x_m, point.y_m, wide_m)
+            map_id = self._view.names.map_of(stand.node, self._view.map_id)
+            return stand.node, self._spot_at(point.x_m, point.y_m, wide_m, map_id)
         name = stand.node if self._profile.restart_at == "last_node" else TEMPORARY
         if lane is not None and name != TEMPORARY:
             said = self._view.state.last_node_id
             name = said if said in lane else lane[0]
         x_m, y_m = (point.x_m, point.y_m) if pose is None else (pose.x_m, pose.y_m)
-        return name, self._spot_at(x_m, y_m, wide_m)
+        return name, self._spot_at(x_m, y_m, wide_m, self._view.map_id)
 
-    def _spot_at(self, x_m: float, y_m: float, deviation: float) -> Spot:
-        x, y = self._profile.map.to_map(x_m, y_m)
-        return Spot(x=x, y=y, map_id=self._view.map_id, deviation=deviation)
+    def _spot_at(self, x_m: float, y_m: float, wide_m: float, map_id: str) -> Spot:
+        frame = self._view.names.frame(map_id) or MapFrame()
+        x, y = frame.to_map(x_m, y_m)
+        return Spot(x=x, y=y, map_id=map_id, deviation=wide_m / frame.scale)
 
     def _beyond(self, way: Way, end: int) -> list[Stop]:
         told = self._profile.horizon if self._profile.updates else 0
@@ -204,11 +208,11 @@ class Steps:
         return self._profile.charge
 
 
-def _values(task: Task, node: str) -> dict[str, str | int]:
+def _values(task: Task, node: str, names: Names) -> dict[str, str | int]:
     """What the parameters of a profile may name."""
     return {
-        "station": task.charger if isinstance(task, Charge) else task.station,
-        "node": node,
+        "station": names.station(task.charger if isinstance(task, Charge) else task.station),
+        "node": names.node(node),
         "item": task.item if isinstance(task, Pick) else "",
         "quantity": task.quantity if isinstance(task, Pick) else 0,
         "goal": task.goal if isinstance(task, Drop) else "",

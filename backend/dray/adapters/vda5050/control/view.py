@@ -8,11 +8,12 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from math import hypot
+from math import atan2, cos, hypot, sin
 
 import msgspec
 
 from dray.adapters.vda5050.control.doubts import BatteryLevel, Doubts
+from dray.adapters.vda5050.control.names import Names
 from dray.adapters.vda5050.profile import Profile
 from dray.adapters.vda5050.wire.lenient import read
 from dray.adapters.vda5050.wire.messages import (
@@ -48,12 +49,13 @@ CONTRADICTED_S = 10.0
 _INSTANT = re.compile(r"-i\d+$")
 """How ids of our instant actions end (`InstantActions`); those of orders never do."""
 
-DOUBLED, REORDERED, OTHER_MAP, NOWHERE, OTHER_TOPIC = (
+DOUBLED, REORDERED, OTHER_MAP, NOWHERE, OTHER_TOPIC, WHICH_MAP = (
     "a doubled state",
     "an older state",
     "a pose on another map",
     "a pose that cannot be",
     "another topic",
+    "a node of several maps, without a map",
 )
 """What is counted, beside what is odd in a message."""
 
@@ -65,8 +67,11 @@ class VehicleView:
         profile: of its type.
         agent: whose vehicle it is: ids of our orders and actions begin with it.
         kind: what the plant says of it.
+        names: what it calls the things of the plant.
 
     Attributes:
+        names: likewise.
+        said_node: its last node, as it says it; in `state` that has our name.
         odd: what was ignored, by reason.
         doubts: about values that cannot be.
         battery: how full it is.
@@ -81,8 +86,9 @@ class VehicleView:
         factsheet: None before it was told.
     """
 
-    def __init__(self, profile: Profile, agent: str, kind: VehicleType) -> None:
-        self._profile, self._prefix = profile, f"{agent}-"
+    def __init__(self, profile: Profile, agent: str, kind: VehicleType, names: Names) -> None:
+        self._prefix, self.names = f"{agent}-", names
+        self.said_node = ""
         self.odd: Counter[str] = Counter()
         self.doubts = Doubts(kind, self.odd)
         self.battery = BatteryLevel(kind, profile, self.doubts)
@@ -209,6 +215,7 @@ class VehicleView:
 
     def _take_state(self, state: State, now_s: float) -> bool:
         is_first = self.heard_s == NEVER_S
+        said, state = state.last_node_id or "", self._with_our_names(state)
         if not is_first and (why := self._stale(state, now_s)):
             self.odd[why] += 1
             if why == DOUBLED:
@@ -217,7 +224,7 @@ class VehicleView:
                 self.doubtful_s = now_s
             return False
         self.doubtful_s, self._counts_anew = None, False
-        self.state, self.heard_s = state, now_s
+        self.state, self.heard_s, self.said_node = state, now_s, said
         self.away = ""  # Whoever speaks is there: `connection` is a hint.
         before = self.pose
         self._take_pose(state.position, state.velocity, now_s)
@@ -230,6 +237,17 @@ class VehicleView:
         if is_first or self.speed_mps > STANDING_MPS:
             self.stirred_s = now_s
         return True
+
+    def _with_our_names(self, state: State) -> State:
+        """A state whose last node has our name; none where several have the vehicle's name for it."""
+        theirs = state.last_node_id
+        if not theirs:
+            return state
+        position = state.position
+        ours = self.names.ours(theirs, (position.map_id if position else "") or self.map_id)
+        if ours is None:
+            self.odd[WHICH_MAP] += 1
+        return state if ours == theirs else msgspec.structs.replace(state, last_node_id=ours)
 
     def _stale(self, state: State, now_s: float) -> str:
         before, now = self.state.header_id, state.header_id
@@ -251,17 +269,21 @@ class VehicleView:
             self.speed_mps = self.speed_mps if speed_mps is None else speed_mps
         if position is None or position.x is None or position.y is None or not position.is_localised:
             return
-        self.map_id = self.map_id or position.map_id or ""
+        map_id = position.map_id or self.map_id
+        if not self.map_id or self.names.knows_map(map_id):
+            self.map_id = map_id  # It has gone to another floor.
+        frame = self.names.frame(map_id)
         if abs(position.x) > METRES_MAX or abs(position.y) > METRES_MAX:
             self.odd[NOWHERE] += 1
             return
-        self.is_on_map = not position.map_id or position.map_id == self.map_id
-        if not self.is_on_map:
+        self.is_on_map = map_id == self.map_id and frame is not None
+        if not self.is_on_map or frame is None:
             self.odd[OTHER_MAP] += 1
             return
         before, before_s = self.pose, self._posed_s
         theta = self.doubts.heading(position.theta or 0.0)
-        self.pose = self._profile.map.to_plant(position.x, position.y, theta or 0.0)
+        x_m, y_m, turn = frame.to_plant(position.x, position.y, theta or 0.0)
+        self.pose = Pose(x_m=x_m, y_m=y_m, heading_rad=atan2(sin(turn), cos(turn)))
         if theta is None and before is not None:
             self.pose = msgspec.structs.replace(self.pose, heading_rad=before.heading_rad)
         self._posed_s = now_s

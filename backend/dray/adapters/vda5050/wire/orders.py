@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection
 from itertools import pairwise
 from math import hypot
-from typing import Any
+from typing import Any, Protocol
 
 import msgspec
 
@@ -72,19 +72,35 @@ class Order(msgspec.Struct, frozen=True):
         return tuple(node for node in self.nodes if node.released)
 
 
+class Naming(Protocol):
+    """What a vehicle calls things (`Names`)."""
+
+    def node(self, ours: str) -> str:
+        """What it calls a node."""
+
+    def edge(self, start: str, end: str) -> str:
+        """What it calls the lane between two nodes of ours."""
+
+
 def order_body(
-    order: Order, dialect: Dialect, *, trajectory: bool = True, without: Collection[str] = ()
+    order: Order,
+    dialect: Dialect,
+    names: Naming,
+    *,
+    trajectory: bool = True,
+    without: Collection[str] = (),
 ) -> dict[str, Any]:
     """An order without its header.
 
     Args:
         order: what is ordered.
         dialect: its version.
+        names: what the vehicle calls nodes and edges.
         trajectory: edges that are not straight say their shape; else their length alone.
         without: fields of nodes, positions, edges and actions, and parameters of actions, that are left out.
     """
-    nodes = [_node(node, dialect) for node in order.nodes]
-    edges = [_edge(edge, dialect, trajectory=trajectory) for edge in order.edges]
+    nodes = [_node(node, dialect, names) for node in order.nodes]
+    edges = [_edge(edge, dialect, names, trajectory=trajectory) for edge in order.edges]
     for part in (*nodes, *edges) if without else ():
         for each in (part, part.get("nodePosition", {}), *part["actions"]):
             for name in without:
@@ -104,7 +120,7 @@ def instant_body(action: Action, dialect: Dialect, field: str) -> dict[str, Any]
     return {"actions": [said]} if field == "actions" else {"actions": [said], field: [said]}
 
 
-def _node(node: OrderNode, dialect: Dialect) -> dict[str, Any]:
+def _node(node: OrderNode, dialect: Dialect, names: Naming) -> dict[str, Any]:
     spot = node.spot
     position: dict[str, Any] = {"x": spot.x, "y": spot.y, "mapId": spot.map_id}
     if spot.theta is not None:
@@ -112,7 +128,7 @@ def _node(node: OrderNode, dialect: Dialect) -> dict[str, Any]:
     radius = spot.deviation
     position[dialect.deviation] = {"a": radius, "b": radius, "theta": 0.0} if dialect.is_ellipse else radius
     return {
-        "nodeId": node.id,
+        "nodeId": names.node(node.id),
         "sequenceId": node.sequence,
         "released": node.released,
         "nodePosition": position,
@@ -120,15 +136,15 @@ def _node(node: OrderNode, dialect: Dialect) -> dict[str, Any]:
     }
 
 
-def _edge(edge: OrderEdge, dialect: Dialect, *, trajectory: bool) -> dict[str, Any]:
+def _edge(edge: OrderEdge, dialect: Dialect, names: Naming, *, trajectory: bool) -> dict[str, Any]:
     said: dict[str, Any] = {
-        "edgeId": f"{edge.start}--{edge.end}",
+        "edgeId": names.edge(edge.start, edge.end),
         "sequenceId": edge.sequence,
         "released": edge.released,
         "actions": [],
     }
     if dialect.names_ends:
-        said |= {"startNodeId": edge.start, "endNodeId": edge.end}
+        said |= {"startNodeId": names.node(edge.start), "endNodeId": names.node(edge.end)}
     if edge.max_speed_mps is not None:
         said[dialect.max_speed] = edge.max_speed_mps
     if edge.path:

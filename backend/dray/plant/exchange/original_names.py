@@ -1,0 +1,76 @@
+"""What vehicles call the nodes, lanes and maps of an imported layout, in the plant file: the ids that the file had where ours are others.
+
+A vehicle that was set up with the layout knows no other ids. `dray.adapters.vda5050.control.names` says them to it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from dray.plant.exchange.notes import Notes
+from dray.plant.exchange.track_layout import TrackLayout, TrackNode
+
+LONGEST = 200
+"""Characters of a name in a plant file."""
+
+Data = dict[str, Any]
+
+
+class OriginalNames:
+    """Those of one layout; none of one that Dray has written.
+
+    Args:
+        layout: as it was read.
+        ids: our id of each node.
+        moved_m: by how much each level was moved.
+        notes: where what cannot be taken is said.
+    """
+
+    def __init__(
+        self,
+        layout: TrackLayout,
+        ids: Mapping[str, str],
+        moved_m: Mapping[str, tuple[float, float]],
+        notes: Notes,
+    ) -> None:
+        self._is_ours, self._ids, self._notes = layout.ours, ids, notes
+        self._frames: dict[str, Data] = {}
+        levels: dict[str, str] = {}
+        for node in () if layout.ours else layout.nodes:
+            x_m, y_m = moved_m[node.level]
+            self._frames.setdefault(node.map, {"id": node.map, "x_m": x_m, "y_m": y_m})
+            if levels.setdefault(node.map, node.level) != node.level:
+                text = f"map {node.map or '(none)'} is one of several levels: poses on it are taken for level {levels[node.map]}"
+                notes.add(node.place, text)
+        self._has_several = len(self._frames) > 1
+
+    def node(self, node: TrackNode) -> Data:
+        """What a node's entry says of its names; nothing where the vehicles' are ours."""
+        if self._is_ours:
+            return {}
+        same = [other["original"] for other in node.kept.get("same_spot", ())]
+        names = [name for name in dict.fromkeys((node.name, *same)) if len(name) <= LONGEST]
+        said: Data = {"originals": names[:50]} if names != [self._ids[node.original]] else {}
+        return {**said, "map": node.map} if self._has_several and node.map else said
+
+    def name_lanes(self, lanes: list[Data], mapping: list[Data]) -> None:
+        """Say in each lane what its edges are called: the first one of each direction."""
+        if self._is_ours:
+            return
+        told = {(entry["start"], entry["end"]): entry["original"] for entry in mapping if "start" in entry}
+        for lane in lanes:
+            for edge in reversed(told.get((lane["start"], lane["end"]), ())):
+                if len(edge["original"]) <= LONGEST:
+                    key = "original" if edge["start"] == lane["start"] else "original_back"
+                    lane[key] = edge["original"]
+
+    def maps(self) -> list[Data]:
+        """The section of maps; empty where the only map is the plant's frame, and has no name."""
+        frames = [
+            {key: value for key, value in frame.items() if key == "id" or value}
+            for frame in self._frames.values()
+        ]
+        # Without an id among others nobody can tell which one is meant.
+        frames = [frame for frame in frames if frame["id"] or len(frames) == 1]
+        return [] if frames == [{"id": ""}] else frames
