@@ -10,9 +10,10 @@ from defaults import PLANT
 
 from dray.plant import Charging as Rules
 from dray.plant import Hours, Plant
+from dray.plant.charger_queue import RESERVE_FRAC, WORTH_FRAC
 from dray.plant.working_time import WeeklySpan, WorkingHours
-from dray.protocol.vehicle.charging import GIVES_WAY_AGAIN_S, WORTH_FRAC, Charging
-from dray.protocol.vehicle.reserve import NEVER_FRAC, RESERVE_FRAC, Reserve
+from dray.protocol.vehicle.charging import GIVES_WAY_AGAIN_S, Charging
+from dray.protocol.vehicle.reserve import NEVER_FRAC, Reserve
 
 HERE = "ch2"
 NIGHT = (Hours(start_h=22.0, end_h=6.0),)

@@ -101,7 +101,7 @@ class DwellPoints:
         """Claim the dwell point in which the vehicle stands already."""
         self._claim(dwell_point, battery_frac, Hold.STANDING)
 
-    def seek(self, *, charger: bool, node: str, battery_frac: float, now_s: float) -> bool:
+    def seek(self, *, charger: bool, node: str, battery_frac: float, now_s: float, near: str = "") -> bool:
         """Claim the nearest dwell point that is not known to be taken.
 
         Args:
@@ -109,6 +109,7 @@ class DwellPoints:
             node: where the vehicle is, or will be next.
             battery_frac: an emptier battery wins a contest.
             now_s: the present time.
+            near: a node to be near to instead; empty for `node`.
 
         Returns:
             False when none is left to ask for.
@@ -128,9 +129,9 @@ class DwellPoints:
             free = [dwell_point for dwell_point in free if dwell_point in open_ways]
         if not free:
             return False
-        near = self._plant.closest(node, free, COMPARED)
+        near = near or node
         try:
-            nearest, _ = routes.nearest(node, near)
+            nearest, _ = routes.nearest(near, self._plant.closest(near, free, COMPARED))
         except NoWay:
             return False
         self.leave()
@@ -150,6 +151,14 @@ class DwellPoints:
         plant = self._plant
         places = [each for each in self.reached_round(node) if plant.node_of(each) != node]
         return plant.node_of(plant.routes(self._type).nearest(node, places)[0]) if places else ""
+
+    def nearest_charger(self, node: str) -> str:
+        """The node of the nearest charger, whoever has it; empty where none can be reached."""
+        near = self._plant.closest(node, self._plant.chargers, COMPARED)
+        try:
+            return self._plant.node_of(self._plant.routes(self._type).nearest(node, near)[0])
+        except NoWay:
+            return ""
 
     def arrive(self) -> None:
         """The vehicle stands in its dwell point now."""
