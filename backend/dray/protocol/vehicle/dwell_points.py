@@ -18,6 +18,7 @@ from dray.errors import NoWay
 from dray.messages import DwellPointClaimed
 from dray.messages.keys import Keys
 from dray.plant import Plant
+from dray.plant.charger_queue import WORTH_FRAC
 from dray.protocol.runtime.bounded_map import BoundedMap
 from dray.protocol.runtime.events import Effect, Publish, Subscribe, Unsubscribe
 
@@ -85,6 +86,7 @@ class DwellPoints:
         self._objected_s: BoundedMap[str, float] = BoundedMap(RIVALS)
         """By rival, when it was told last that this dwell point is held."""
         self._claim_battery_frac = 0.0
+        """By which contests are decided: the battery when it claimed, less by WORTH_FRAC on the way to a charger."""
         self.dwell_point = ""
         """The dwell point that is claimed or stood in; empty for none."""
         self.hold = Hold.NONE
@@ -159,6 +161,14 @@ class DwellPoints:
             return self._plant.node_of(self._plant.routes(self._type).nearest(node, near)[0])
         except NoWay:
             return ""
+
+    def set_off(self) -> None:
+        """Nobody has objected: from now on only somebody who is emptier by what a charge is worth takes the charger away.
+
+        Else two vehicles could turn each other round in turns: whoever has driven since is always a little emptier.
+        """
+        if self.is_charger and self.hold is Hold.CLAIMED:
+            self._claim_battery_frac = max(0.0, self._claim_battery_frac - WORTH_FRAC)
 
     def arrive(self) -> None:
         """The vehicle stands in its dwell point now."""

@@ -329,6 +329,7 @@ class IdlePositioning:
 
     def _take_dwell_point(self, now_s: float) -> None:
         """Nobody has objected: drive there."""
+        self._dwell_points.set_off()
         try:
             drives = self._driver.go(self._plant.node_of(self._dwell_points.dwell_point), now_s)
         except NoWay:
