@@ -9,6 +9,7 @@ from effects import listening, published
 
 from dray.messages import DwellPointClaimed
 from dray.plant import Plant
+from dray.plant.charger_queue import WORTH_FRAC
 from dray.protocol.runtime.events import Effect, Publish, Subscribe
 from dray.protocol.vehicle.dwell_points import APPROACH_S, BLOCKED_S, TAKEN_MEMORY_S, DwellPoints, Hold
 from dray.protocol.vehicle.idle_positioning import WaitingPlaces
@@ -257,3 +258,32 @@ def test_a_dead_end_that_leads_to_no_dock_is_none() -> None:
     lane = msgspec.structs.replace(file.lanes[0], start=here.id, end="pit", both_ways=False)
     plant = Plant(msgspec.structs.replace(file, nodes=(*file.nodes, pit), lanes=(*file.lanes, lane)))
     assert WaitingPlaces(plant, "light").nearest(here.id) == WaitingPlaces(PLANT, "light").nearest(here.id)
+
+
+@pytest.mark.parametrize(
+    ("emptier_frac", "keeps"), [(0.01, True), (WORTH_FRAC - 0.01, True), (WORTH_FRAC + 0.01, False)]
+)
+def test_on_its_way_to_a_charger_a_vehicle_is_turned_round_only_for_what_a_charge_is_worth(
+    emptier_frac: float, keeps: bool
+) -> None:
+    """Both sides reach the same verdict: the rival hears a claim that it can beat, or one that it cannot."""
+    driver, other = Driver("ATV5"), Driver("ATV7")
+    driver.seek(battery_frac=0.5)
+    charger = driver.dwell_points.dwell_point
+    driver.dwell_points.set_off()
+    other.seek(battery_frac=0.5 - emptier_frac)
+    lost = driver.dwell_points.on_claim(other.claims[-1], 100.0)
+    assert lost is not keeps
+    if keeps:
+        assert other.dwell_points.on_claim(driver.claims[-1], 100.1)
+    assert {driver.dwell_points.dwell_point, other.dwell_points.dwell_point} >= {charger}
+
+
+def test_who_must_charge_looks_for_a_parking_place_near_its_charger() -> None:
+    driver = Driver()
+    charger = driver.dwell_points.nearest_charger("e3")
+    routes = PLANT.routes("light")
+    dwell_points = driver.dwell_points
+    assert dwell_points.seek(charger=False, node="e3", battery_frac=0.2, now_s=0.0, near=charger)
+    nearest = min(PLANT.parkings, key=lambda each: routes.duration_s(charger, PLANT.node_of(each)))
+    assert dwell_points.dwell_point == nearest
