@@ -119,6 +119,20 @@ def test_a_claim_is_believed_for_as_long_as_it_can_be_true() -> None:
     assert 1.31 * full_s < held_off_s(standing=True) < 2.0 * full_s + APPROACH_S
 
 
+def test_a_rival_is_believed_that_lets_the_vehicle_charge_in_between() -> None:
+    """With small batteries the same two meet at a charger every few minutes."""
+    one = Plant(msgspec.structs.replace(PLANT.file, chargers=PLANT.file.chargers[:1]))
+    dwell_points = DwellPoints("ATV5", one, "light", KEYS, [])
+    emptier = rival(next(iter(one.chargers)), battery_frac=0.1)
+    for meeting in range(10):
+        now_s = 0.5 * APPROACH_S * meeting
+        assert dwell_points.seek(charger=True, node="e3", battery_frac=0.5, now_s=now_s)
+        assert dwell_points.on_claim(emptier, now_s + 0.5), meeting
+        assert dwell_points.seek(charger=True, node="e3", battery_frac=0.5, now_s=now_s + 100.0)
+        dwell_points.arrive()
+        dwell_points.leave()
+
+
 def test_a_parking_place_may_be_stood_in_for_ever() -> None:
     driver = Driver()
     assert driver.seek(charger=False, now_s=0.0)

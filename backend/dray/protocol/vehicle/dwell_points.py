@@ -171,8 +171,10 @@ class DwellPoints:
             self._claim_battery_frac = max(0.0, self._claim_battery_frac - WORTH_FRAC)
 
     def arrive(self) -> None:
-        """The vehicle stands in its dwell point now."""
+        """The vehicle stands in its dwell point now: nobody has kept it from there."""
         self.hold = Hold.STANDING
+        for key in [key for key in self._opposed_s if key[0] == self.dwell_point]:
+            del self._opposed_s[key]
 
     def leave(self) -> None:
         """Give the dwell point up; harmless without one. Silence frees it: nobody objects any more."""
