@@ -14,6 +14,7 @@ from typing import Protocol, TypeVar
 
 from msgspec.structs import replace
 
+from dray.plant.charger_queue import ChargerQueue
 from dray.plant.floor.doors import doors_on
 from dray.plant.floor.geometry import box_of, distance_m, inside
 from dray.plant.floor.grid import Grid
@@ -134,6 +135,14 @@ class Plant:
         self._extents: dict[str, Extent] = {}
         self._drawn: dict[tuple[tuple[float, float], ...], Extent] = {}
         self._ways = _Ways(self.roads, self.vehicle_types, self._node_of)
+
+    @property
+    def charger_queue(self) -> ChargerQueue:
+        """What vehicles need to come to a charger and to wait there, by the plant file alone."""
+        ways = self._ways
+        if ways.queue is None:
+            ways.queue = ChargerQueue(self)
+        return ways.queue
 
     @cached_property
     def source_warehouses(self) -> tuple[str, ...]:
@@ -348,10 +357,15 @@ class Plant:
 
 
 class _Ways:
-    """Ways that were looked for: by type of vehicle, and for the restrictions that were asked for last."""
+    """Ways that were looked for: by type of vehicle, and for the restrictions that were asked for last.
+
+    Attributes:
+        queue: at the chargers; reckoned when it is asked for, once for all who know the plant.
+    """
 
     def __init__(self, roads: Roads, kinds: Mapping[str, VehicleType], node_of: Mapping[str, str]) -> None:
         self._kinds, self._node_of = kinds, node_of
+        self.queue: ChargerQueue | None = None
         self._roads, self._roads_of = roads, {kind: roads.for_type(kind) for kind in kinds}
         self._found: dict[str, Routes] = {}
         self._restricted: dict[tuple[str, Restrictions], Routes] = {}

@@ -55,19 +55,6 @@ def test_as_many_dwell_points_as_vehicles_are_enough(small_text: str) -> None:
     assert of_kind(change(small_text, (FIRST_FLEET, fleet("middle", "west"))), "dwell_points") == []
 
 
-def test_one_charger_for_vehicles_that_use_more_than_it_gives(small_text: str) -> None:
-    hungry = "{id: light, name: Light carrier, idle_w: 400, charge_w: 600}"
-    plant = change(
-        small_text,
-        ("{id: light, name: Light carrier}", hungry),
-        (FIRST_FLEET, fleet("middle", "west", "east")),
-    )
-    [charger] = of_kind(plant, "charger")
-    # Three vehicles use 1,200 W standing; one charger gives 420 W over the day.
-    assert charger.load_frac == 0.0
-    assert charger.text == "1 for 3 vehicles: they use more than can be charged, without any work; 2 more"
-
-
 def test_a_battery_too_small_for_a_transport(small_text: str) -> None:
     small = "{id: light, name: Light carrier, battery_wh: 2}"
     [reach] = of_kind(change(small_text, ("{id: light, name: Light carrier}", small)), "range")

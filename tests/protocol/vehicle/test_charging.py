@@ -10,9 +10,10 @@ from defaults import PLANT
 
 from dray.plant import Charging as Rules
 from dray.plant import Hours, Plant
+from dray.plant.charger_queue import RESERVE_FRAC, WORTH_FRAC
 from dray.plant.working_time import WeeklySpan, WorkingHours
-from dray.protocol.vehicle.charging import GIVES_WAY_AGAIN_S, WORTH_FRAC, Charging
-from dray.protocol.vehicle.reserve import NEVER_FRAC, RESERVE_FRAC, Reserve
+from dray.protocol.vehicle.charging import GIVES_WAY_AGAIN_S, Charging
+from dray.protocol.vehicle.reserve import NEVER_FRAC, Reserve
 
 HERE = "ch2"
 NIGHT = (Hours(start_h=22.0, end_h=6.0),)
@@ -165,3 +166,34 @@ def test_while_the_plant_rests_a_vehicle_charges_for_when_it_works() -> None:
     assert charging.wants(0.7, 5 * HOUR_S)
     assert not charging.wants(0.7, 7 * HOUR_S)
     assert not charging.wants(0.85, 5 * HOUR_S)
+
+
+def small_batteries(share: float) -> Plant:
+    types = tuple(
+        msgspec.structs.replace(kind, battery_wh=kind.battery_wh * share) for kind in PLANT.file.vehicle_types
+    )
+    return Plant(msgspec.structs.replace(PLANT.file, vehicle_types=types, chargers=PLANT.file.chargers[:2]))
+
+
+def test_with_small_batteries_the_queue_at_the_chargers_is_kept_for() -> None:
+    """Eight vehicles share two chargers: whoever is the last of four must still be there then."""
+    plant = small_batteries(0.03)
+    charging, queue = Charging(plant, "light"), plant.charger_queue
+    base_frac, enough_frac = queue.base_frac("light"), queue.enough_frac("light")
+    assert base_frac > RESERVE_FRAC + WORTH_FRAC
+    assert Reserve(plant, "light").needed_frac("a1") > base_frac
+    charging.note(base_frac - 0.01, plant.node_of("CH1"))
+    assert charging.is_needy
+    charging.note(enough_frac - 0.01, plant.node_of("CH1"))
+    assert charging.is_needy
+    charging.note(enough_frac, plant.node_of("CH1"))
+    assert not charging.is_needy
+    assert leaves(charging, base_frac - 0.01, enough_frac)
+    assert not leaves(charging, base_frac + 0.01, enough_frac - 0.01, rival="ATV8")
+
+
+def test_who_spends_a_charge_in_minutes_is_let_in_again_after_minutes() -> None:
+    charging = Charging(small_batteries(0.02), "light")
+    times_s = [float(second) for second in range(0, 600, 5)]
+    let_in = [now_s for now_s in times_s if leaves(charging, 0.0, 0.9, now_s=now_s)]
+    assert 20.0 < let_in[1] - let_in[0] < 120.0

@@ -9,6 +9,7 @@ from effects import listening, published
 
 from dray.messages import DwellPointClaimed
 from dray.plant import Plant
+from dray.plant.charger_queue import WORTH_FRAC
 from dray.protocol.runtime.events import Effect, Publish, Subscribe
 from dray.protocol.vehicle.dwell_points import APPROACH_S, BLOCKED_S, TAKEN_MEMORY_S, DwellPoints, Hold
 from dray.protocol.vehicle.idle_positioning import WaitingPlaces
@@ -116,6 +117,20 @@ def test_a_claim_is_believed_for_as_long_as_it_can_be_true() -> None:
     assert APPROACH_S < held_off_s(standing=False) < APPROACH_S + 120.0
     full_s = max(kind.battery_wh / kind.charge_w for kind in PLANT.vehicle_types.values()) * 3600.0
     assert 1.31 * full_s < held_off_s(standing=True) < 2.0 * full_s + APPROACH_S
+
+
+def test_a_rival_is_believed_that_lets_the_vehicle_charge_in_between() -> None:
+    """With small batteries the same two meet at a charger every few minutes."""
+    one = Plant(msgspec.structs.replace(PLANT.file, chargers=PLANT.file.chargers[:1]))
+    dwell_points = DwellPoints("ATV5", one, "light", KEYS, [])
+    emptier = rival(next(iter(one.chargers)), battery_frac=0.1)
+    for meeting in range(10):
+        now_s = 0.5 * APPROACH_S * meeting
+        assert dwell_points.seek(charger=True, node="e3", battery_frac=0.5, now_s=now_s)
+        assert dwell_points.on_claim(emptier, now_s + 0.5), meeting
+        assert dwell_points.seek(charger=True, node="e3", battery_frac=0.5, now_s=now_s + 100.0)
+        dwell_points.arrive()
+        dwell_points.leave()
 
 
 def test_a_parking_place_may_be_stood_in_for_ever() -> None:
@@ -257,3 +272,32 @@ def test_a_dead_end_that_leads_to_no_dock_is_none() -> None:
     lane = msgspec.structs.replace(file.lanes[0], start=here.id, end="pit", both_ways=False)
     plant = Plant(msgspec.structs.replace(file, nodes=(*file.nodes, pit), lanes=(*file.lanes, lane)))
     assert WaitingPlaces(plant, "light").nearest(here.id) == WaitingPlaces(PLANT, "light").nearest(here.id)
+
+
+@pytest.mark.parametrize(
+    ("emptier_frac", "keeps"), [(0.01, True), (WORTH_FRAC - 0.01, True), (WORTH_FRAC + 0.01, False)]
+)
+def test_on_its_way_to_a_charger_a_vehicle_is_turned_round_only_for_what_a_charge_is_worth(
+    emptier_frac: float, keeps: bool
+) -> None:
+    """Both sides reach the same verdict: the rival hears a claim that it can beat, or one that it cannot."""
+    driver, other = Driver("ATV5"), Driver("ATV7")
+    driver.seek(battery_frac=0.5)
+    charger = driver.dwell_points.dwell_point
+    driver.dwell_points.set_off()
+    other.seek(battery_frac=0.5 - emptier_frac)
+    lost = driver.dwell_points.on_claim(other.claims[-1], 100.0)
+    assert lost is not keeps
+    if keeps:
+        assert other.dwell_points.on_claim(driver.claims[-1], 100.1)
+    assert {driver.dwell_points.dwell_point, other.dwell_points.dwell_point} >= {charger}
+
+
+def test_who_must_charge_looks_for_a_parking_place_near_its_charger() -> None:
+    driver = Driver()
+    charger = driver.dwell_points.nearest_charger("e3")
+    routes = PLANT.routes("light")
+    dwell_points = driver.dwell_points
+    assert dwell_points.seek(charger=False, node="e3", battery_frac=0.2, now_s=0.0, near=charger)
+    nearest = min(PLANT.parkings, key=lambda each: routes.duration_s(charger, PLANT.node_of(each)))
+    assert dwell_points.dwell_point == nearest

@@ -9,6 +9,7 @@ from defaults import PLANT
 from spoken import transport
 
 from dray.messages import Refusal
+from dray.plant.charger_queue import RESERVE_FRAC
 from dray.protocol.vehicle.pricing import (
     LOW_BATTERY_S,
     SPARE_ABILITY_S,
@@ -17,7 +18,6 @@ from dray.protocol.vehicle.pricing import (
     Unable,
     low_battery_s,
 )
-from dray.protocol.vehicle.reserve import RESERVE_FRAC
 
 LIGHT = PLANT.vehicle_types["light"]
 ROUTES = PLANT.routes("light")

@@ -19,6 +19,7 @@ class DwellPointClaimed(Message, frozen=True):
     dwell_point: Id
     atv: Id
     battery_frac: Fraction
-    """At the time of the first claim: it does not change while the claim stands."""
+    """At the time of the first claim, and less by 15 % once it drives to a charger, so that only somebody who is emptier by what a charge
+    is worth turns it round; else it does not change while the claim stands."""
     standing: bool
     """True once it has arrived: it goes when it wants to."""

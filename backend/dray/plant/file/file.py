@@ -22,6 +22,7 @@ from dray.plant.file.check import Fault, faults, item_faults
 from dray.plant.file.check_doors import door_faults
 from dray.plant.file.check_floor import floor_faults
 from dray.plant.file.check_levels import levels_of
+from dray.plant.file.check_power import power_faults
 from dray.plant.file.document import Document, read_document, write_document
 from dray.plant.file.unfinished import drawable, entry_type, has_null, open_points
 from dray.plant.model import MachineSpec, Making, PlantFile, Product
@@ -136,7 +137,9 @@ def document_faults(data: dict[str, object]) -> Iterator[tuple[str, str]]:
         # A null where nothing of the file could be open.
         found.append((fault[0].lstrip("."), fault[1]))
     if not found:
-        yield from faults(msgspec.convert(data, PlantFile))
+        file = msgspec.convert(data, PlantFile)
+        misfits = list(faults(file))
+        yield from misfits or power_faults(Plant(file))
         return
     yield from found
     # What depends on something faulty is not reported a second time, nor is what stands in for something open.

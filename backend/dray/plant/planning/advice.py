@@ -14,7 +14,7 @@ import msgspec
 from dray.plant.floor.sizes import too_large_for
 from dray.plant.model import Material, Product
 from dray.plant.planning.advice_floor import floor_advice
-from dray.plant.planning.flow import USABLE_FRAC, Flow, Limit
+from dray.plant.planning.flow import Flow, Limit
 from dray.plant.plant import Plant
 
 GOOD_LOAD_FRAC = 0.85
@@ -25,6 +25,9 @@ MACHINE_LOAD_FRAC = 0.5
 
 MOST_OF_A_KIND = 3
 """Warnings of one kind; whoever has more solves these first."""
+
+KEPT_FRAC = 0.25
+"""Of a battery: whoever keeps more for the queue at the chargers stops earlier than the usual rules say (`Charging.must_below_frac`)."""
 
 NO_LOAD_FRAC = 0.005
 """Below this a plant cannot be served at all."""
@@ -43,7 +46,7 @@ class Advice(msgspec.Struct, frozen=True):
     """One warning."""
 
     kind: str
-    """dwell_points, charger, material, dock, buffer, machine, vehicles, range, alone, trap, uncounted, large, near, narrow, crossing,
+    """dwell_points, charger, queue, material, dock, buffer, machine, vehicles, range, alone, trap, uncounted, large, near, narrow, crossing,
     way or door."""
     field: str
     """The section of the plant file."""
@@ -61,6 +64,7 @@ def advice(plant: Plant) -> list[Advice]:
     return [
         *_dwell_points(plant),
         *_ranges(flow),
+        *_queue(plant),
         *_limits(plant, flow),
         *_alone(plant),
         *_traps(plant),
@@ -110,14 +114,27 @@ def _large(plant: Plant) -> Iterator[Advice]:
 def _ranges(flow: Flow) -> Iterator[Advice]:
     """A transport that takes more than a battery holds is refused for ever."""
     for stream in flow.streams:
-        if stream.dearest_frac > USABLE_FRAC:
+        if stream.dearest_frac > stream.usable_frac:
             text = (
                 f"one transport of {stream.item} from {stream.source} to {stream.destination} takes "
-                f"{stream.dearest_frac:.0%} of a battery of which {USABLE_FRAC:.0%} can be used: "
+                f"{stream.dearest_frac:.0%} of a battery of which {stream.usable_frac:.0%} can be used: "
                 "a larger battery, or shorter ways"
             )
             yield Advice("range", "vehicle_types", text, 0.0)
             return
+
+
+def _queue(plant: Plant) -> Iterator[Advice]:
+    """A type of vehicle that keeps much of its battery for the wait at the chargers, and carries the less."""
+    queue = plant.charger_queue
+    kind = max(sorted({spec.type for spec in plant.fleet.values()}), key=queue.base_frac)
+    if queue.base_frac(kind) > KEPT_FRAC:
+        text = (
+            f"{len(plant.chargers)} for {len(plant.fleet)} vehicles: {kind} stops working with {queue.base_frac(kind):.0%} "
+            f"left, for it may wait {queue.wait_s:.0f} s while {queue.ahead} other{'s' * (queue.ahead > 1)} charge; "
+            "more chargers, or a larger battery"
+        )
+        yield Advice("queue", "chargers", text)
 
 
 def _limits(plant: Plant, flow: Flow) -> Iterator[Advice]:

@@ -17,6 +17,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
+from dray.plant.charger_queue import CHANGEOVER_S
 from dray.plant.model import VehicleType
 from dray.plant.plant import Plant
 
@@ -29,9 +30,6 @@ PART_LOADS = 1.25
 NEGOTIATION_S = 8.0
 """What a transport takes beside driving and handling: bidding, award, the questions at both docks."""
 
-CHANGEOVER_S = 6.0
-"""From one vehicle at a dock to the next: the answer that the dock is open, and the way into it."""
-
 REFILL_S = 120.0
 """From a low stock of a storage to a full one: a tugger train that is about. The paper leaves this way to
 somebody else (4.1), and so does the plant file."""
@@ -40,7 +38,8 @@ CHARGER_SHARE = 0.7
 """Of its time a charger gives full power at most: the rest is changing over, and the slow end of a charge."""
 
 USABLE_FRAC = 0.8
-"""Of a battery between the level at which a charge ends and the reserve that no promise may touch."""
+"""Of a battery between the level at which a charge ends and the reserve that no promise may touch; less where the queue at the chargers
+takes more (`dray.plant.charger_queue`)."""
 
 SHARES = 40
 """Parts in which the work of a product is dealt out to its machines: fine enough for a percent or two."""
@@ -73,7 +72,9 @@ class Stream:
     lead_s: float
     energy_wh: float
     dearest_frac: float
-    """The most that it takes of the battery of any vehicle that may carry it."""
+    """The most that it takes of the battery of any vehicle that may carry it, compared with what can be used."""
+    usable_frac: float
+    """What can be used of the battery of that vehicle."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -298,6 +299,7 @@ class Flow:
         plant = self.plant
         able = self._able(plant.ability_of(item))
         took_s = lead_s = energy_wh = dearest_frac = 0.0
+        usable_frac = USABLE_FRAC
         count = sum(self._count[kind.id] for kind in able)
         ends = sources[0], destinations[0]
         for kind in able:
@@ -314,8 +316,11 @@ class Flow:
             took_s += share * one_s
             lead_s += share * one_s
             energy_wh += share * one_wh
-            dearest_frac = max(dearest_frac, (one_wh + one_s * kind.idle_w / 3600.0) / kind.battery_wh)
-        return Stream(item, *ends, per_s, took_s, lead_s, energy_wh, dearest_frac)
+            one_frac = (one_wh + one_s * kind.idle_w / 3600.0) / kind.battery_wh
+            can_frac = min(USABLE_FRAC, kind.charging.up_to_frac - plant.charger_queue.base_frac(kind.id))
+            if one_frac * usable_frac > dearest_frac * can_frac:
+                dearest_frac, usable_frac = one_frac, can_frac
+        return Stream(item, *ends, per_s, took_s, lead_s, energy_wh, dearest_frac, usable_frac)
 
     def _approach(self, kind: str, source: str) -> tuple[float, float]:
         """Mean seconds and metres of the empty way to a source."""

@@ -78,7 +78,7 @@ def sketch(wishes: Wishes) -> PlantFile:
         return _file(wishes, wishes.chargers)
     for chargers in range(1, wishes.vehicles + 1):
         file = _file(wishes, chargers)
-        if not any(each.kind == "charger" for each in advice(Plant(file))):
+        if not any(each.kind in ("charger", "queue") for each in advice(Plant(file))):
             return file
     return _file(wishes, wishes.vehicles)
 

@@ -11,20 +11,17 @@ longer than that: where chargers are few, what lies in batteries carries nothing
 from __future__ import annotations
 
 from dray.messages import CommandRefusal
-from dray.plant import Plant
+from dray.plant import Plant, VehicleType
+from dray.plant.charger_queue import RESERVE_FRAC, WORTH_FRAC
 from dray.protocol.runtime.bounded_map import BoundedMap
-from dray.protocol.vehicle.reserve import RESERVE_FRAC, Reserve
-
-WORTH_FRAC = 0.15
-"""The least charge that is worth the way to a charger. A charger is left to a vehicle that is emptier by as much, since both
-drive for it."""
+from dray.protocol.vehicle.reserve import Reserve
 
 SPENT_FRAC = 0.05
 """Below `up_to_frac`, before a vehicle that stands at a charger plugs in again."""
 
 GIVES_WAY_AGAIN_S = 1800.0
-"""The shortest time between two times that a charger is left to the same vehicle: it has charged meanwhile. One that
-lies about its battery gains no more than that."""
+"""The shortest time between two times that a charger is left to the same vehicle, or less where a small battery is charged for
+WORTH_FRAC and spends that sooner. One that lies about its battery gains no more than that."""
 
 REMEMBERED = 64
 """How many vehicles to whom the charger was left are remembered: fewer want one charger in half an hour."""
@@ -50,8 +47,11 @@ class Charging:
         self._has_charger = bool(plant.chargers)
         self._rules = plant.vehicle_types[vehicle_type].charging
         self._working_time = plant.working_time
-        self._enough_frac = min(self._rules.below_frac, self._rules.must_below_frac + WORTH_FRAC)
+        self._enough_frac = plant.charger_queue.enough_frac(vehicle_type)
         """From here on one that had to charge takes work again."""
+        self._must_below_frac = max(self._rules.must_below_frac, plant.charger_queue.base_frac(vehicle_type))
+        """Below this a vehicle of its type must charge wherever it is."""
+        self._again_s = min(GIVES_WAY_AGAIN_S, _worth_s(plant.vehicle_types[vehicle_type]))
         self._reserve = Reserve(plant, vehicle_type)
         self._is_needy = False
         self._is_short = False
@@ -140,13 +140,13 @@ class Charging:
         """
         if not charging:
             return True
-        if self._gave_way_s.get(rival, -GIVES_WAY_AGAIN_S) > now_s - GIVES_WAY_AGAIN_S:
+        if self._gave_way_s.get(rival, -self._again_s) > now_s - self._again_s:
             return False
         if rival_frac > battery_frac - WORTH_FRAC:
             return False
         rules = self._rules
         has_enough = battery_frac >= rules.below_frac
-        if not has_enough and rival_frac < rules.must_below_frac:
+        if not has_enough and rival_frac < self._must_below_frac:
             has_enough = battery_frac >= self._enough_frac or rival_frac < RESERVE_FRAC
         if not has_enough:
             return False
@@ -165,3 +165,9 @@ class Charging:
             else hour >= each.start_h or hour < each.end_h
             for each in self._rules.quiet_hours
         )
+
+
+def _worth_s(kind: VehicleType) -> float:
+    """How long a type of vehicle takes to charge for WORTH_FRAC and to spend that driving."""
+    drive_w = kind.idle_w + kind.drive_wh_per_m * kind.max_speed_mps * HOUR_S
+    return WORTH_FRAC * kind.battery_wh * HOUR_S * (1.0 / kind.charge_w + 1.0 / drive_w)

@@ -18,6 +18,7 @@ from dray.errors import NoWay
 from dray.messages import DwellPointClaimed
 from dray.messages.keys import Keys
 from dray.plant import Plant
+from dray.plant.charger_queue import WORTH_FRAC
 from dray.protocol.runtime.bounded_map import BoundedMap
 from dray.protocol.runtime.events import Effect, Publish, Subscribe, Unsubscribe
 
@@ -85,6 +86,7 @@ class DwellPoints:
         self._objected_s: BoundedMap[str, float] = BoundedMap(RIVALS)
         """By rival, when it was told last that this dwell point is held."""
         self._claim_battery_frac = 0.0
+        """By which contests are decided: the battery when it claimed, less by WORTH_FRAC on the way to a charger."""
         self.dwell_point = ""
         """The dwell point that is claimed or stood in; empty for none."""
         self.hold = Hold.NONE
@@ -101,7 +103,7 @@ class DwellPoints:
         """Claim the dwell point in which the vehicle stands already."""
         self._claim(dwell_point, battery_frac, Hold.STANDING)
 
-    def seek(self, *, charger: bool, node: str, battery_frac: float, now_s: float) -> bool:
+    def seek(self, *, charger: bool, node: str, battery_frac: float, now_s: float, near: str = "") -> bool:
         """Claim the nearest dwell point that is not known to be taken.
 
         Args:
@@ -109,6 +111,7 @@ class DwellPoints:
             node: where the vehicle is, or will be next.
             battery_frac: an emptier battery wins a contest.
             now_s: the present time.
+            near: a node to be near to instead; empty for `node`.
 
         Returns:
             False when none is left to ask for.
@@ -128,9 +131,9 @@ class DwellPoints:
             free = [dwell_point for dwell_point in free if dwell_point in open_ways]
         if not free:
             return False
-        near = self._plant.closest(node, free, COMPARED)
+        near = near or node
         try:
-            nearest, _ = routes.nearest(node, near)
+            nearest, _ = routes.nearest(near, self._plant.closest(near, free, COMPARED))
         except NoWay:
             return False
         self.leave()
@@ -151,9 +154,27 @@ class DwellPoints:
         places = [each for each in self.reached_round(node) if plant.node_of(each) != node]
         return plant.node_of(plant.routes(self._type).nearest(node, places)[0]) if places else ""
 
+    def nearest_charger(self, node: str) -> str:
+        """The node of the nearest charger, whoever has it; empty where none can be reached."""
+        near = self._plant.closest(node, self._plant.chargers, COMPARED)
+        try:
+            return self._plant.node_of(self._plant.routes(self._type).nearest(node, near)[0])
+        except NoWay:
+            return ""
+
+    def set_off(self) -> None:
+        """Nobody has objected: from now on only somebody who is emptier by what a charge is worth takes the charger away.
+
+        Else two vehicles could turn each other round in turns: whoever has driven since is always a little emptier.
+        """
+        if self.is_charger and self.hold is Hold.CLAIMED:
+            self._claim_battery_frac = max(0.0, self._claim_battery_frac - WORTH_FRAC)
+
     def arrive(self) -> None:
-        """The vehicle stands in its dwell point now."""
+        """The vehicle stands in its dwell point now: nobody has kept it from there."""
         self.hold = Hold.STANDING
+        for key in [key for key in self._opposed_s if key[0] == self.dwell_point]:
+            del self._opposed_s[key]
 
     def leave(self) -> None:
         """Give the dwell point up; harmless without one. Silence frees it: nobody objects any more."""

@@ -300,8 +300,12 @@ class IdlePositioning:
         self._timers.set(SETTLE, now_s + SEEK_AGAIN_S)
 
     def _seek(self, charger: bool, battery_frac: float, now_s: float) -> bool:
+        node, near = self._driver.next_node, ""
+        if not charger and self._charging.is_needy:
+            # It waits for a charger, and has little left for the way there.
+            near = self._dwell_points.nearest_charger(node)
         return self._dwell_points.seek(
-            charger=charger, node=self._driver.next_node, battery_frac=battery_frac, now_s=now_s
+            charger=charger, node=node, battery_frac=battery_frac, now_s=now_s, near=near
         )
 
     def _stand_here(self, battery_frac: float, now_s: float) -> None:
@@ -325,6 +329,7 @@ class IdlePositioning:
 
     def _take_dwell_point(self, now_s: float) -> None:
         """Nobody has objected: drive there."""
+        self._dwell_points.set_off()
         try:
             drives = self._driver.go(self._plant.node_of(self._dwell_points.dwell_point), now_s)
         except NoWay:

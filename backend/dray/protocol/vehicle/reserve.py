@@ -1,4 +1,7 @@
-"""What must be left in a vehicle's battery: pure arithmetic over the plant's ways."""
+"""What must be left in a vehicle's battery, by where it is: the way to a charger, and the queue there.
+
+The arithmetic is `dray.plant.charger_queue`, with which `dray plant check` reckons too. Here are the ways that are open now.
+"""
 
 from __future__ import annotations
 
@@ -7,9 +10,6 @@ from collections.abc import Iterable
 from dray.errors import NoWay
 from dray.plant import Plant, Routes
 from dray.plant.restrictions import OPEN
-
-RESERVE_FRAC = 0.10
-"""Battery that no promise may touch: ways around obstacles, the wait for a charger, and ageing."""
 
 COMPARED = 4
 """Chargers whose ways are compared, the closest as the crow flies."""
@@ -28,13 +28,14 @@ class Reserve:
 
     def __init__(self, plant: Plant, vehicle_type: str) -> None:
         self._plant = plant
-        self._type = plant.vehicle_types[vehicle_type]
+        self._type = vehicle_type
+        self._queue = plant.charger_queue
         self._restrictions = OPEN
         self._needed_frac: dict[str, float] = {}
         """By node, under these restrictions."""
 
     def needed_frac(self, node: str) -> float:
-        """What must be left at a node, so that the nearest charger can be reached with the reserve.
+        """What must be left at a node, so that the nearest charger can be reached, and waited for while others charge.
 
         More than a battery holds where no charger can be reached: nothing can be promised that ends there. Chargers that
         are closed to all count as they are when they are open again, or a closure would end all work.
@@ -45,9 +46,9 @@ class Reserve:
         frac = self._needed_frac.get(node)
         if frac is None:
             near = self._plant.closest(node, self._plant.chargers, COMPARED)
-            frac = self._to_charger_frac(self._plant.routes(self._type.id), node, near)
+            frac = self._to_charger_frac(self._plant.routes(self._type), node, near)
             if frac == NEVER_FRAC and self._restrictions is not OPEN:
-                frac = self._to_charger_frac(self._plant.routes(self._type.id, OPEN), node, near)
+                frac = self._to_charger_frac(self._plant.routes(self._type, OPEN), node, near)
             self._needed_frac[node] = frac
         return frac
 
@@ -56,4 +57,4 @@ class Reserve:
             _, way = routes.nearest(node, near)
         except NoWay:
             return NEVER_FRAC
-        return RESERVE_FRAC + way.length_m * self._type.drive_wh_per_m / self._type.battery_wh
+        return self._queue.needed_frac(self._type, way.length_m, way.duration_s)

@@ -31,8 +31,8 @@ from dray.messages import (
 )
 from dray.messages.keys import GATE
 from dray.overload import Overload
+from dray.plant.charger_queue import RESERVE_FRAC
 from dray.protocol.liveness.suspicion import GOAL_SILENCE_S, AnyHeartbeat
-from dray.protocol.vehicle.reserve import RESERVE_FRAC
 from dray.store.factory.exclusions import Exclusion
 from dray.store.history.clocks import Offset, ToWall
 

@@ -16,7 +16,7 @@ import msgspec
 from dray.gateway.live.projection.changes import Changes
 from dray.gateway.live.views import AlertKind, AlertResponse, AlertView
 from dray.gateway.live.views.alert import OF_MANY, Condition
-from dray.protocol.vehicle.reserve import RESERVE_FRAC
+from dray.plant.charger_queue import RESERVE_FRAC
 from dray.store.factory.alert_history import Acknowledgement
 
 RESPONSES: Mapping[AlertKind, tuple[Literal["alarm", "warning"], AlertResponse]] = {

@@ -1,0 +1,102 @@
+"""Chargers that cannot feed the vehicles of a plant: then they run flat, or never work, whatever is ordered.
+
+Vehicles stop working in time for the way to a charger and for the queue there (`dray.plant.charger_queue`). Two things make that
+impossible: what they use without any work is more than the chargers give, or the queue takes more than a battery holds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import ceil
+
+from dray.errors import NoWay
+from dray.plant.charger_queue import WORTH_FRAC, ChargerQueue
+from dray.plant.plant import Plant
+from dray.plant.restrictions import OPEN
+
+FIELD = "chargers"
+
+LARGER = 1.1
+"""Batteries are tried in steps of this factor, when it is asked how large they must be."""
+
+FAR_TIMES, SLOW_MPS = 2.0, 0.3
+"""A battery that is enough for a way of twice the length of the floor, at this speed, is looked at no further."""
+
+MOST_TIMES = 50.0
+"""Batteries so many times as large are no advice."""
+
+
+def power_faults(plant: Plant) -> Iterator[tuple[str, str]]:
+    """Why its chargers cannot feed its vehicles, as (field, reason); nothing for a plant whose chargers can.
+
+    Args:
+        plant: without other faults.
+    """
+    count, vehicles = len(plant.chargers), len(plant.fleet)
+    chargers = f"{count} charger{'s' * (count > 1)} for {vehicles} vehicle{'s' * (vehicles > 1)}"
+    needed = chargers_for_idle(plant)
+    if needed > count:
+        reason = (
+            f"{chargers}: without any work they use {needed / count:.1f} times what can be charged, and run flat: "
+            f"write {ceil(needed)} chargers at least, a lower `idle_w`, or fewer vehicles"
+        )
+        yield FIELD, reason
+        return
+    queue = plant.charger_queue
+    short = _short(plant, queue)
+    if short:
+        reason = (
+            f"{chargers}: {short} may wait {queue.wait_s:.0f} s while others charge, and its battery does not last for that, "
+            f"the way and some work: {_remedy(plant)}"
+        )
+        yield FIELD, reason
+
+
+def chargers_for_idle(plant: Plant) -> float:
+    """Chargers that are in use all the time when all vehicles only stand."""
+    kinds = [plant.vehicle_types[spec.type] for spec in plant.fleet.values()]
+    return sum(kind.idle_w / (kind.charge_w + kind.idle_w) for kind in kinds)
+
+
+def most_needed_frac(plant: Plant, queue: ChargerQueue, kind: str) -> float:
+    """The most that must be left in a battery of a type at the end of a transport: at the place that is farthest from chargers."""
+    routes = plant.routes(kind, OPEN)
+    most_frac = queue.needed_frac(kind, 0.0, 0.0)
+    for place in (*plant.machines, *plant.storages, *plant.warehouses):
+        node = plant.node_of(place)
+        try:
+            _, way = routes.nearest(node, plant.closest(node, plant.chargers, 1))
+        except NoWay:
+            continue  # Told as a trap, where it matters.
+        most_frac = max(most_frac, queue.needed_frac(kind, way.length_m, way.duration_s))
+    return most_frac
+
+
+def _short(plant: Plant, queue: ChargerQueue) -> str:
+    """A type of the fleet whose battery is too small for the queue; empty where there is none."""
+    for kind in sorted({spec.type for spec in plant.fleet.values()}):
+        if kind in queue.starved:
+            return kind
+        up_to_frac = plant.vehicle_types[kind].charging.up_to_frac
+        far_m = FAR_TIMES * plant.diameter_m
+        if queue.needed_frac(kind, far_m, far_m / SLOW_MPS) + WORTH_FRAC <= up_to_frac:
+            continue
+        if most_needed_frac(plant, queue, kind) + WORTH_FRAC > up_to_frac:
+            return kind
+    return ""
+
+
+def _remedy(plant: Plant) -> str:
+    """What would be enough."""
+    found = []
+    for chargers in range(len(plant.chargers) + 1, len(plant.fleet) + 1):
+        if not _short(plant, ChargerQueue(plant, chargers=chargers)):
+            found.append(f"write {chargers} chargers at least")
+            break
+    times = LARGER
+    while times <= MOST_TIMES:
+        if not _short(plant, ChargerQueue(plant, battery=times)):
+            found.append(f"batteries {times:.1f} times as large")
+            break
+        times *= LARGER
+    return ", ".join([*found, "a higher `charge_w`, or fewer vehicles"])
