@@ -31,6 +31,7 @@ from dray.memory import WHOLE, AtvMemory, Memory, Note
 from dray.messages import (
     AtvHeartbeat,
     AtvStatus,
+    BodyWait,
     CommandKind,
     Disbelieved,
     DwellPointClaimed,
@@ -125,6 +126,7 @@ class Atv(AgentBase):
         self._status = AtvStatus.IDLE
         self.battery_frac = 1.0
         self.load = ("", 0)
+        self.body_wait: BodyWait | None = None
         self._message_handlers = {
             **self._contracts.message_handlers,
             **self._closures.message_handlers,
@@ -197,6 +199,7 @@ class Atv(AgentBase):
         self._driver.sense(body)
         self.battery_frac = body.battery_frac
         self.load = (body.load, body.load_quantity)
+        self.body_wait = body.wait
 
     def _beat(self, _about: None, now_s: float) -> None:
         self._contracts.bring_back(now_s)

@@ -1,4 +1,5 @@
 import type { AtvView } from "../../api/types";
+import { BodyWait } from "../../parts/BodyWait";
 import { Carrying } from "../../parts/Carrying";
 import { Link } from "../../parts/Link";
 import { Meter } from "../../parts/Meter";
@@ -42,6 +43,7 @@ export function VehicleCard({ atv }: { atv: AtvView }) {
         <div class="vehicle-now">
           {!atv.removal && <p class="doing">{need === "lost" ? lostText(atv) : taskText(atv)}</p>}
           {need !== "lost" && <Waits atv={atv.id} />}
+          {need !== "lost" && <BodyWait atv={atv} {...moment.value} />}
           <Carrying atv={atv} atvs={world.value?.atvs.values() ?? []} plant={plant.value} {...moment.value} problemText={problemText} />
           {(atv.help !== null || atv.problem !== "") && need !== "lost" && <HelpAsk atv={atv} />}
         </div>

@@ -142,6 +142,8 @@ export const de: Catalogue<typeof en> = {
   "cause.times": "{what} ({times}-mal)",
 
   "wait.says": "{atv} {what}",
+  "wait.body": "Wartet seit {time}: {what} (bis: {until})",
+  "wait.bodyAlone": "Wartet seit {time}: {what}",
   "wait.for": "wartet auf {who}",
   "wait.which": "; dieses wartet auf {who}",
   "wait.more": "{n} weitere",

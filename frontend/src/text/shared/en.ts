@@ -139,6 +139,8 @@ export const en = {
   "cause.times": "{what} ({times} times)",
 
   "wait.says": "{atv} {what}",
+  "wait.body": "Waiting for {time}: {what} (until {until})",
+  "wait.bodyAlone": "Waiting for {time}: {what}",
   "wait.for": "waits for {who}",
   "wait.which": ", which waits for {who}",
   "wait.more": "{n} more",

@@ -142,6 +142,8 @@ export const es: Catalogue<typeof en> = {
   "cause.times": "{what} ({times} veces)",
 
   "wait.says": "{atv} {what}",
+  "wait.body": "Espera desde hace {time}: {what} (hasta que: {until})",
+  "wait.bodyAlone": "Espera desde hace {time}: {what}",
   "wait.for": "espera a {who}",
   "wait.which": ", que espera a {who}",
   "wait.more": "{n} más",

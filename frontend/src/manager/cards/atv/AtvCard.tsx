@@ -1,4 +1,5 @@
 import type { AtvView, TaskView } from "../../../api/types";
+import { BodyWait } from "../../../parts/BodyWait";
 import { Card } from "../../../parts/Card";
 import { Carrying } from "../../../parts/Carrying";
 import { Fact, Facts } from "../../../parts/Facts";
@@ -62,6 +63,7 @@ function AtvCard({ atv }: { atv: AtvView }) {
         </div>
       )}
       {wait && <WaitNote wait={wait} />}
+      {!lost && <BodyWait atv={atv} nowS={presentS.value} speed={speed} />}
       <Carrying
         key={atv.id}
         atv={atv}

@@ -9,7 +9,7 @@ from typing import Any
 import msgspec
 from msgspec import UNSET
 
-from dray.gateway.live.projection.agents.asked import help_view, out_view, problem_view
+from dray.gateway.live.projection.agents.asked import help_view, out_view, problem_view, wait_view
 from dray.gateway.live.projection.agents.outsiders import Outsiders
 from dray.gateway.live.projection.agents.removals import Removals
 from dray.gateway.live.projection.agents.silence import Silence
@@ -192,6 +192,9 @@ class Atvs:
             acknowledged=heartbeat.acknowledged,
             problem=heartbeat.problem,
             about_problem=None if heartbeat.about_problem is UNSET else problem_view(heartbeat.about_problem),
+            body_wait=None
+            if heartbeat.body_wait is UNSET
+            else wait_view(heartbeat.body_wait, self._to_wall_s),
             help=None if heartbeat.help is None else help_view(heartbeat.help, self._to_wall_s),
             software=heartbeat.software,
             draining=heartbeat.draining,
