@@ -248,7 +248,7 @@ class MasterControl:
             self._instant.clear(self.view.state, now_s)
             self._orders.tick(now_s)
             if (error := self._criticals.look(self._orders.running, now_s)) is not None:
-                self._orders.fail(error.text, now_s)
+                self._orders.fail(error, now_s)
             self._holding.tick(now_s)
         self._tell_problem(now_s)
         if self.is_linked and self.is_known and not self._problem and not self._holding.held:
