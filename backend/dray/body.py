@@ -196,6 +196,8 @@ class VehicleState(Part, frozen=True):
     """What keeps it from going on; empty for nothing."""
     about_problem: Problem = NOTHING_KNOWN
     """Its kind, and what is known of it; says nothing where there is none."""
+    battery_reckoned: bool = False
+    """It is not known how full it is: `battery_frac` is reckoned by time and metres."""
     wait: BodyWait | None = None
     """What it waits for at this moment; None for nothing, and where it does not tell."""
     base_end: str = ""

@@ -183,6 +183,8 @@ class AtvHeartbeat(Message, frozen=True, omit_defaults=True):
     """The last node that was passed."""
     speed_mps: MetresPerSecond
     battery_frac: Fraction
+    battery_reckoned: bool = False
+    """Its vehicle does not say how full it is: that is reckoned by time and metres."""
     load: IdOrNone = ""
     """What is on board; empty for nothing."""
     load_quantity: Count = 0

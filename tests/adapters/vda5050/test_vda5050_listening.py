@@ -254,6 +254,8 @@ def test_22_a_pose_beats_a_last_node_from_which_it_was_carried_away() -> None:
     rig.vehicle.say_state()
     rig.run(1.0)
     assert rig.vehicle.condition.last_node == "west"
+    assert rig.body.sense().node == "west", "a jump is doubted first"
+    rig.run(8.0)
     assert rig.body.sense().node == "north"
 
 

@@ -52,6 +52,11 @@ def test_all_vehicles_are_told_page_by_page(run: Run, gateway: FakeGateway) -> N
     assert out.count("waits for nothing that it tells") == 2
 
 
+def test_a_level_that_is_reckoned_is_told_as_such(run: Run, gateway: FakeGateway) -> None:
+    gateway.answers["GET /api/atvs/ATV3"] = (200, vehicle("ATV3", battery_reckoned=True))
+    assert "battery about 82 %" in run("ATV3", "--url", gateway.url)[1]
+
+
 def test_a_vehicle_that_is_not_there_is_said(run: Run, gateway: FakeGateway) -> None:
     gateway.answers["GET /api/atvs/ATV9"] = (404, {"detail": "there is no atv ATV9"})
     code, _, err = run("ATV9", "--url", gateway.url)

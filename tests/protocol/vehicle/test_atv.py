@@ -13,10 +13,12 @@ from rigs import VehicleRig
 from spoken import accepted, announcement, award, bid, mhb, production, rhb
 
 from dray.body import ProblemCleared, ProblemRaised
+from dray.codec import decode, encode
 from dray.errors import ProtocolViolation
 from dray.messages import (
     AtvHeartbeat,
     AtvStatus,
+    Bid,
     BodyWait,
     Declined,
     Docked,
@@ -68,6 +70,18 @@ def test_what_a_body_waits_for_is_told_from_ten_seconds_on_and_not_any_more_when
     told = {beat.at_s: beat.body_wait for beat in rig.heartbeats(AtvHeartbeat)}
     assert {said for at_s, said in told.items() if at_s < 72.0 or at_s > 100.0} == {UNSET}
     assert {said for at_s, said in told.items() if 72.0 <= at_s < 100.0} == {wait}
+
+
+@pytest.mark.parametrize("reckoned", [True, False])
+def test_that_its_battery_does_not_tell_is_in_its_heartbeats_and_bids(reckoned: bool) -> None:
+    rig = parked()
+    plain = rig.sense
+    rig.sense = lambda: replace(plain(), battery_reckoned=reckoned)  # type: ignore[method-assign]
+    rig.run(60.0)
+    assert rig.heartbeats(AtvHeartbeat)[-1].battery_reckoned is reckoned
+    [bid] = sent(rig.on_message("M8", announcement(radius_m=1e4)), Bid)
+    assert bid.battery_reckoned is (reckoned or UNSET)
+    assert decode(encode("ATV1", bid)) == ("ATV1", bid)
 
 
 def test_vehicles_that_start_together_do_not_beat_together() -> None:

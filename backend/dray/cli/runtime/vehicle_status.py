@@ -28,6 +28,7 @@ class Vehicle(msgspec.Struct, frozen=True):
     node: str
     battery_frac: float
     seen_at_s: float
+    battery_reckoned: bool = False
     load: str = ""
     load_quantity: int = 0
     problem: str = ""
@@ -71,7 +72,8 @@ def ask(atv: str, url: str | None, token: str | None, now_s: float) -> list[list
 def lines_of(vehicle: Vehicle, now_s: float) -> list[str]:
     """One vehicle; the last line says what its body waits for, since when and what would end it."""
     load = f"{vehicle.load_quantity} x {vehicle.load}" if vehicle.load else "nothing on board"
-    level = f"battery {100 * vehicle.battery_frac:.0f} %"
+    about = "about " if vehicle.battery_reckoned else ""
+    level = f"battery {about}{100 * vehicle.battery_frac:.0f} %"
     heard = f"heard {max(0.0, now_s - vehicle.seen_at_s):.0f} s ago"
     lines = [f"{vehicle.id}: {vehicle.status} at {vehicle.node}, {level}, {load}; {heard}"]
     if vehicle.problem:

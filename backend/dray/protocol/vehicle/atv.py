@@ -124,7 +124,7 @@ class Atv(AgentBase):
         )
         self.link = Link.WLAN
         self._status = AtvStatus.IDLE
-        self.battery_frac = 1.0
+        self.battery_frac, self.battery_reckoned = 1.0, False
         self.load = ("", 0)
         self.body_wait: BodyWait | None = None
         self._message_handlers = {
@@ -197,7 +197,7 @@ class Atv(AgentBase):
         if not isinstance(body, VehicleState):
             raise ProtocolViolation(f"{self.id}: a vehicle needs a vehicle's body, not {body!r}")
         self._driver.sense(body)
-        self.battery_frac = body.battery_frac
+        self.battery_frac, self.battery_reckoned = body.battery_frac, body.battery_reckoned
         self.load = (body.load, body.load_quantity)
         self.body_wait = body.wait
 

@@ -24,6 +24,7 @@ class Vehicle(Protocol):
     id: str
     incarnation: int
     battery_frac: float
+    battery_reckoned: bool
     load: tuple[str, int]
     body_wait: BodyWait | None
     floor: KnownFloor
@@ -114,6 +115,7 @@ class StatusReport:
             node=driver.node,
             speed_mps=driver.speed_mps,
             battery_frac=self._vehicle.battery_frac,
+            battery_reckoned=self._vehicle.battery_reckoned,
             load=self._vehicle.load[0],
             load_quantity=self._vehicle.load[1],
             task=job.brief() if job is not None else None,

@@ -1,4 +1,5 @@
 import type { AtvView } from "../../api/types";
+import { batteryText } from "../../parts/battery";
 import { BodyWait } from "../../parts/BodyWait";
 import { Carrying } from "../../parts/Carrying";
 import { Link } from "../../parts/Link";
@@ -87,7 +88,7 @@ function Where({ atv }: { atv: AtvView }) {
   const from = station.value;
   const areas = plant.value?.areas ?? [];
   const area = areas.length > 1 ? areaAt(areas, atv.x_m, atv.y_m) : undefined;
-  const percent = format.percent(atv.battery_frac);
+  const percent = batteryText(atv);
   return (
     <span class="where">
       {area && <span>{t("card.in", { area: area.name })}</span>}

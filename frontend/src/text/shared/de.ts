@@ -104,6 +104,7 @@ export const de: Catalogue<typeof en> = {
   "atv.wlan": "WLAN",
   "atv.mesh": "Funk über {via}",
   "atv.battery": "Batterie",
+  "atv.batteryAbout": "etwa {percent}",
   "atv.type": "Typ",
   "atv.shut_out": "ausgeschlossen",
   "atv.lost": "stumm",

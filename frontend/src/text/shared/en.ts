@@ -101,6 +101,7 @@ export const en = {
   "atv.wlan": "WLAN",
   "atv.mesh": "mesh via {via}",
   "atv.battery": "Battery",
+  "atv.batteryAbout": "about {percent}",
   "atv.type": "Type",
   "atv.shut_out": "shut out",
   "atv.lost": "silent",

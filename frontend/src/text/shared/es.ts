@@ -104,6 +104,7 @@ export const es: Catalogue<typeof en> = {
   "atv.wlan": "wifi",
   "atv.mesh": "radio por {via}",
   "atv.battery": "Batería",
+  "atv.batteryAbout": "unos {percent}",
   "atv.type": "Tipo",
   "atv.shut_out": "excluido",
   "atv.lost": "en silencio",

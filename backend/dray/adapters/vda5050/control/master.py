@@ -283,6 +283,7 @@ class MasterControl:
             charging=view.is_charging,
             problem=self._problem.reason if self._problem else "",
             about_problem=self._problem.problem if self._problem else NOTHING_KNOWN,
+            battery_reckoned=bool(view.battery.unknown),
             wait=self.wait,
             base_end=way.base_end if way is not None else "",
         )
@@ -330,6 +331,9 @@ class MasterControl:
         order = self._orders.present
         is_handling = order is not None and order.kind in (Kind.PICK, Kind.DROP)
         self._load.on_state(state, is_handling=is_handling, now_s=now_s)
+        if self._load.flickers:
+            words = "what is on board changed for a moment, and no action of ours was under way"
+            self.view.doubts.note("a load that comes and goes", words)
 
     def _recognise(self, now_s: float) -> None:
         """Go on with the order of the life before: it is never given a second time under another id."""

@@ -12,7 +12,7 @@ from math import hypot
 
 import msgspec
 
-from dray.adapters.vda5050.control.doubts import BatteryLevel, Doubts
+from dray.adapters.vda5050.control.doubts import BatteryLevel, Doubts, Jumps, TimeStamps
 from dray.adapters.vda5050.profile import Profile
 from dray.adapters.vda5050.wire.lenient import read
 from dray.adapters.vda5050.wire.messages import (
@@ -86,6 +86,7 @@ class VehicleView:
         self.odd: Counter[str] = Counter()
         self.doubts = Doubts(kind, self.odd)
         self.battery = BatteryLevel(kind, profile, self.doubts)
+        self._jumps, self._stamps = Jumps(kind, self.doubts), TimeStamps(self.doubts)
         self.state = State()
         self.heard_s = NEVER_S
         self.pose: Pose | None = None
@@ -102,7 +103,7 @@ class VehicleView:
         self._counts_anew = False
         """It has connected anew: its messages may be numbered from 0 again."""
         self.doubtful_s: float | None = None
-        """When a state came that is older, or of a vehicle that was restarted; None when newer ones have come."""
+        """When a state came that is older, of a vehicle that was restarted, or with a pose that jumps; None when newer ones have come."""
 
     def take(self, topic: str, data: bytes, now_s: float) -> State | None:
         """Note what it says.
@@ -218,6 +219,8 @@ class VehicleView:
             return False
         self.doubtful_s, self._counts_anew = None, False
         self.state, self.heard_s = state, now_s
+        self._stamps.look(state.timestamp, now_s)
+        self.doubts.loads(state.loads)
         self.away = ""  # Whoever speaks is there: `connection` is a hint.
         before = self.pose
         self._take_pose(state.position, state.velocity, now_s)
@@ -261,7 +264,11 @@ class VehicleView:
             return
         before, before_s = self.pose, self._posed_s
         theta = self.doubts.heading(position.theta or 0.0)
-        self.pose = self._profile.map.to_plant(position.x, position.y, theta or 0.0)
+        pose = self._profile.map.to_plant(position.x, position.y, theta or 0.0)
+        if self._jumps.is_one(before, before_s, pose, now_s):
+            self.doubtful_s = now_s if self.doubtful_s is None else self.doubtful_s
+            return
+        self.pose = pose
         if theta is None and before is not None:
             self.pose = msgspec.structs.replace(self.pose, heading_rad=before.heading_rad)
         self._posed_s = now_s

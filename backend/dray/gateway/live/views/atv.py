@@ -111,6 +111,8 @@ class AtvView(View, kw_only=True):
     holds: tuple[str, ...] = ()
     """Nodes and crossings into which nobody else may drive; empty where vehicles drive without right of way."""
     battery_frac: float
+    battery_reckoned: bool = False
+    """Its level is reckoned by time and metres, not measured."""
     battery_low: bool = False
     """It takes no work before it has charged, by its type's `must_below_frac`."""
     load: str = ""

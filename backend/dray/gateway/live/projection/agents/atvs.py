@@ -180,6 +180,7 @@ class Atvs:
             way=heartbeat.way,
             holds=() if heartbeat.floor is UNSET else heartbeat.floor.holds,
             battery_frac=heartbeat.battery_frac,
+            battery_reckoned=heartbeat.battery_reckoned,
             battery_low=heartbeat.battery_frac < self._must_charge_frac.get(atv, ANY_MUST_CHARGE_FRAC),
             load=heartbeat.load,
             load_quantity=heartbeat.load_quantity,
