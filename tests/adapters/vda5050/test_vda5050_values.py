@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from datetime import UTC, datetime
 from typing import Any
 
 import msgspec
@@ -12,6 +13,7 @@ from yard import PICK, drive
 
 from dray.adapters.vda5050.control.doubts import TOLD_MAX, Doubts
 from dray.adapters.vda5050.profile import Profile
+from dray.adapters.vda5050.wire.timestamps import read_timestamp
 from dray.body import ActionDone, Charge, NodePassed, WayDone
 from dray_sim.vda5050.misbehaviour import Misbehaviour
 
@@ -272,3 +274,28 @@ def test_doubts_that_are_told_are_bounded() -> None:
         doubts.note(f"odd {number}", "x")
     assert len(doubts.to_tell()) == TOLD_MAX
     assert doubts.to_tell() == []
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        "1970-01-01T00:00:00Z",
+        "2024-02-29T23:59:59.25Z",
+        "2026-11-27T14:30:00+02:00",
+        "2026-11-27T14:30:00-0330",
+        "2100-03-01 00:00:00",
+        "2000-12-31T12:00:00.000000Z",
+    ],
+)
+def test_a_timestamp_is_read_as_the_calendar_has_it(said: str) -> None:
+    moment = datetime.fromisoformat(said)
+    moment = moment if moment.tzinfo is not None else moment.replace(tzinfo=UTC)
+    assert read_timestamp(said) == (pytest.approx(moment.timestamp()), moment.year)
+
+
+@pytest.mark.parametrize(
+    "said",
+    ["", "14:30", "2026-13-01T00:00:00Z", "2026-01-01", "2026-01-01T25:00:00Z", "٢٠٢٦-01-01T00:00:00Z"],
+)
+def test_what_is_no_time_is_not_read(said: str) -> None:
+    assert read_timestamp(said) is None

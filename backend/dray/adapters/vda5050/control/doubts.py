@@ -7,11 +7,11 @@ has the table.
 from __future__ import annotations
 
 from collections import Counter
-from datetime import UTC, datetime
 from math import hypot, tau
 
 from dray.adapters.vda5050.profile import Profile
 from dray.adapters.vda5050.wire.messages import Battery, Load
+from dray.adapters.vda5050.wire.timestamps import read_timestamp
 from dray.messages import Pose
 from dray.plant.model import VehicleType
 
@@ -168,13 +168,12 @@ class TimeStamps:
         if said is None:
             self._doubts.note("no timestamp", "a state does not say when it was")
             return
-        try:
-            moment = datetime.fromisoformat(said)
-            at_s = (moment if moment.tzinfo is not None else moment.replace(tzinfo=UTC)).timestamp()
-        except (ValueError, OverflowError):
+        read = read_timestamp(said)
+        if read is None:
             self._doubts.note("an odd timestamp", f"{said[:QUOTED]!r} is no time of ISO 8601")
             return
-        if moment.year not in YEARS:
+        at_s, year = read
+        if year not in YEARS:
             self._doubts.note("an odd timestamp", f"{said[:QUOTED]}: its clock was never set")
         last, self._last = self._last, (at_s, now_s)
         if last is None:
