@@ -38,7 +38,8 @@ def go_through(version: str, states: list[Any], *, flowing: bool, picks: bool, h
         picks: the work is a pick, not a way.
         hears_it_too: honest states come between the odd ones.
     """
-    rig = Rig(msgspec.structs.replace(FLOWING if flowing else PROFILE, version=version))
+    # Its word for what is on board counts once a person has looked: nobody here takes a load off.
+    rig = Rig(msgspec.structs.replace(FLOWING if flowing else PROFILE, version=version, load="type"))
     rig.do(PICK if picks else drive(*TO_CORNER), for_s=2.0)
     give = rig.give
     rig.give = lambda topic, data: give(topic, data) if hears_it_too or topic != "state" else None  # type: ignore[method-assign]
