@@ -34,7 +34,7 @@ from dray.messages.base import (
 from dray.messages.floor.obstacle import WayBlocked as WayBlocked  # noqa: PLC0414
 from dray.messages.floor.obstacle import WayFree as WayFree  # noqa: PLC0414
 from dray.messages.gate import OrderHeld
-from dray.messages.heartbeat import Pose
+from dray.messages.heartbeat import BodyWait, Pose
 from dray.messages.link import Link
 from dray.messages.people.call import CallAnswer, HelpCall
 from dray.messages.problem import NOTHING_KNOWN, Problem, ProblemKind
@@ -196,6 +196,10 @@ class VehicleState(Part, frozen=True):
     """What keeps it from going on; empty for nothing."""
     about_problem: Problem = NOTHING_KNOWN
     """Its kind, and what is known of it; says nothing where there is none."""
+    battery_reckoned: bool = False
+    """It is not known how full it is: `battery_frac` is reckoned by time and metres."""
+    wait: BodyWait | None = None
+    """What it waits for at this moment; None for nothing, and where it does not tell."""
     base_end: str = ""
     """The node up to which the way that it was given last is released; empty when it has come there, or has none."""
 
@@ -438,6 +442,7 @@ def bounded(said: Said) -> Said:
                 battery_frac=max(0.0, _between(said.battery_frac, 1.0)),
                 load_quantity=_count(said.load_quantity),
                 problem=_words(said.problem),
+                wait=said.wait and _wait(said.wait),
             )
         case ProblemRaised() | ActionFailed() | CycleFailed() | Broken():
             return msgspec.structs.replace(said, reason=_words(said.reason))
@@ -454,6 +459,12 @@ def bounded(said: Said) -> Said:
 def _words(text: str) -> str:
     text = encodable(text)
     return text if len(text) <= WORDS_MAX else text[: WORDS_MAX - 1] + "…"
+
+
+def _wait(wait: BodyWait) -> BodyWait:
+    return BodyWait(
+        what=_words(wait.what), since_s=_between(wait.since_s, LONGEST_S), until=_words(wait.until)
+    )
 
 
 def _between(value: float, most: float) -> float:

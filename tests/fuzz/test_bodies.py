@@ -23,7 +23,7 @@ from dray.body import (
     bounded,
 )
 from dray.codec import decode, encode
-from dray.messages import AtvHeartbeat, Event, MachineHeartbeat, Pose
+from dray.messages import AtvHeartbeat, BodyWait, Event, MachineHeartbeat, Pose
 from dray.protocol.runtime.events import Publish, Record, Send
 
 NUMBERS = st.floats() | st.sampled_from([2e6, -1e300, 1e11, -0.0])
@@ -43,6 +43,7 @@ SENSED = st.fixed_dictionaries(
         "next_node_s": NUMBERS,
         "problem": WORDS,
         "load_quantity": st.integers(),
+        "wait": st.none() | st.builds(BodyWait, what=WORDS, since_s=NUMBERS, until=WORDS),
     }
 )
 

@@ -8,6 +8,7 @@ from msgspec.structs import replace
 from dray.messages import (
     AtvHeartbeat,
     AtvStatus,
+    BodyWait,
     Brief,
     Event,
     HelpWanted,
@@ -112,6 +113,7 @@ def test_times_by_a_wrong_clock_are_told_by_the_right_one() -> None:
         task=Brief("T1", 1, Role.PRIMARY, "M1", due_s=ahead.at_s + 30.0),
         out_of_service=OutOfService("anna", since_s=ahead.at_s - 5.0, back_s=ahead.at_s + 600.0),
         lost_wlan=LostWlan(since_s=ahead.at_s - 9.0, access_point="AP2"),
+        body_wait=BodyWait("it charges", since_s=ahead.at_s - 12.0),
     )
     righted = clocks.right(ahead, NOW_S + 10.05)
     assert isinstance(righted, AtvHeartbeat)
@@ -126,6 +128,8 @@ def test_times_by_a_wrong_clock_are_told_by_the_right_one() -> None:
     assert righted.out_of_service.back_s == pytest.approx(righted.at_s + 600.0)
     assert isinstance(righted.lost_wlan, LostWlan)
     assert righted.at_s - righted.lost_wlan.since_s == pytest.approx(9.0)
+    assert isinstance(righted.body_wait, BodyWait)
+    assert righted.at_s - righted.body_wait.since_s == pytest.approx(12.0)
 
 
 def test_a_machine_by_a_wrong_clock_is_out_of_service_since_when_it_was_told_so() -> None:

@@ -70,6 +70,7 @@ from dray.messages.gate import (
 from dray.messages.heartbeat import (
     AtvHeartbeat,
     AtvStatus,
+    BodyWait,
     Brief,
     BufferLevel,
     GoalBrief,
@@ -236,6 +237,7 @@ __all__ = [
     "Award",
     "Bid",
     "BillLine",
+    "BodyWait",
     "BookAsked",
     "BookKept",
     "BookTold",

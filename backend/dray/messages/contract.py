@@ -9,7 +9,7 @@ from __future__ import annotations
 from enum import StrEnum
 from typing import Annotated
 
-from msgspec import Meta
+from msgspec import UNSET, Meta, UnsetType
 
 from dray.messages.base import Count, Id, IdOrNone, Message, Metres, Part, Seconds, Text
 from dray.messages.cost import Cost
@@ -154,6 +154,9 @@ class Bid(Message, frozen=True):
     """The source it would fetch from."""
     at_s: Seconds | None = None
     """When it was said, by the same clock; times in it are understood from here. None where a software does not tell."""
+    battery_reckoned: bool | UnsetType = UNSET
+    """The level of the bidder's battery, and so the part of the price that is for energy, is reckoned by time and metres; left out where
+    it is measured."""
 
 
 class Award(Message, frozen=True):

@@ -156,6 +156,16 @@ class ProbationBrief(Part, frozen=True, omit_defaults=True):
     done: Count = 0
 
 
+class BodyWait(Part, frozen=True, omit_defaults=True):
+    """What a vehicle's body waits for, in its driver's words."""
+
+    what: Text
+    since_s: Seconds
+    """Plant clock."""
+    until: Text = ""
+    """What ends it; empty where the driver does not know."""
+
+
 class AtvHeartbeat(Message, frozen=True, omit_defaults=True):
     """RHB: what an ATV tells everybody (paper, 3.2).
 
@@ -173,6 +183,8 @@ class AtvHeartbeat(Message, frozen=True, omit_defaults=True):
     """The last node that was passed."""
     speed_mps: MetresPerSecond
     battery_frac: Fraction
+    battery_reckoned: bool = False
+    """Its vehicle does not say how full it is: that is reckoned by time and metres."""
     load: IdOrNone = ""
     """What is on board; empty for nothing."""
     load_quantity: Count = 0
@@ -197,6 +209,8 @@ class AtvHeartbeat(Message, frozen=True, omit_defaults=True):
     """What keeps it in ERROR, in words; empty otherwise."""
     about_problem: Problem | UnsetType = UNSET
     """What is known of that problem; left out where there is none, or nothing is known."""
+    body_wait: BodyWait | UnsetType = UNSET
+    """Left out where its body waits for nothing, has begun to wait only just, or does not tell."""
     help: HelpWanted | None = None
     """Set while a person could still save the task."""
     software: Text = ""

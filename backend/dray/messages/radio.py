@@ -65,7 +65,7 @@ CARRIED_BY_RADIO: frozenset[type[Message]] = frozenset(
 DISPENSABLE: tuple[dict[str, Any], ...] = (
     {"way": ()},
     {"watches": ()},
-    {"software": "", "dwell_point": "", "about_problem": UNSET, "sent_to_charge": False},
+    {"body_wait": UNSET, "software": "", "dwell_point": "", "about_problem": UNSET, "sent_to_charge": False},
     {"floor": UNSET, "closures": UNSET},
     {"out_of_service": UNSET, "lost_wlan": UNSET},
 )

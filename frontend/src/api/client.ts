@@ -18,6 +18,7 @@ import type {
   MeAnswer,
   components,
   OrderAnswer,
+  PlacedOrder,
   OrderDraft,
   OrderPreview,
   Outlook,
@@ -60,7 +61,7 @@ export async function fetchQuality(sinceS: number, machine?: string): Promise<Qu
 }
 
 /** @param key the same for every try at the same order: however often it is sent, it is placed once */
-export async function placeOrder(order: OrderDraft, key: string): Promise<OrderAnswer> {
+export async function placeOrder(order: OrderDraft, key: string): Promise<PlacedOrder> {
   return await bodyOf(gateway.POST("/api/orders", { body: order, params: { header: { "Idempotency-Key": key } } }));
 }
 

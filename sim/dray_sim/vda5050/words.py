@@ -11,6 +11,9 @@ from dray.plant.model import VehicleType
 from dray_sim.vda5050.misbehaviour import Misbehaviour
 from dray_sim.vda5050.order import NodeAction, Order
 
+EPOCH_S = 1_767_225_600.0
+"""The first of January 2026: what a vehicle's clock says when virtual time begins."""
+
 PREFIXES = {"2.0": "uagv/v2", "2.1": "uagv/v2", "3.0": "vda5050/v3"}
 
 
@@ -66,7 +69,7 @@ class Words:
 
     def header(self, topic: str, now_s: float) -> dict[str, Any]:
         number = self.numbers[topic] = self.numbers.get(topic, -1) + 1
-        moment = datetime.fromtimestamp(now_s + self.quirks.clock_off_s, UTC)
+        moment = datetime.fromtimestamp(EPOCH_S + now_s + self.quirks.clock_off_s, UTC)
         time = moment.isoformat(timespec="milliseconds").replace("+00:00", "" if self.quirks.no_zone else "Z")
         return {
             "headerId": number,

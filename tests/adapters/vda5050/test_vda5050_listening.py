@@ -254,6 +254,8 @@ def test_22_a_pose_beats_a_last_node_from_which_it_was_carried_away() -> None:
     rig.vehicle.say_state()
     rig.run(1.0)
     assert rig.vehicle.condition.last_node == "west"
+    assert rig.body.sense().node == "west", "a jump is doubted first"
+    rig.run(8.0)
     assert rig.body.sense().node == "north"
 
 
@@ -339,3 +341,14 @@ def test_a_position_that_cannot_be_is_a_problem_and_the_last_one_stays(x: float,
     assert reason.startswith("its position cannot be: x ")
     rig.run(40.0)  # It says where it is again.
     assert rig.of(ProblemCleared) == [ProblemCleared()]
+
+
+@pytest.mark.parametrize("field", ["headerId", "driving"])
+def test_half_a_character_beside_an_odd_number_ends_no_driver(field: str) -> None:
+    rig = Rig()
+    rig.run(1.0)
+    said = {**rig.said("state", "it")[-1], field: "\ud800", "velocity": {"vx": float("nan")}}
+    rig.give("state", json.dumps(said).encode())
+    rig.vehicle.say_state()
+    rig.do(drive("west", "middle"), for_s=60.0)
+    assert rig.heard[-1] == WayDone(order=1, node="middle")

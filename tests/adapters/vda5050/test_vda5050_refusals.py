@@ -6,18 +6,18 @@ from typing import Any
 
 import msgspec
 import pytest
-from vda_rig import PROFILE, Rig
-from yard import PICK, drive
+from vda_rig import FLOWING, PROFILE, Rig
+from yard import PICK, TO_CORNER, drive
 
 from dray.adapters.vda5050.profile import load_profile, parse_profile
-from dray.body import ActionFailed, Drive, ProblemCleared, WayDone
+from dray.body import ActionFailed, Drive, ProblemCleared, WayBlocked, WayDone, WayFree
 from dray.errors import SettingsError
 
 V3 = msgspec.structs.replace(PROFILE, version="3.0")
 KEPT = msgspec.structs.replace(PROFILE, kept_until_order=("pathBlocked",))
 
 
-def stop_with(rig: Rig, kind: str, level: str, *, gives_up: bool = True) -> None:
+def stop_with(rig: Rig, kind: str, level: str, *, gives_up: bool = True, node: str = "middle") -> None:
     """The vehicle stops on its lane, and complains until it takes another order."""
     vehicle = rig.vehicle
     if gives_up:
@@ -27,7 +27,7 @@ def stop_with(rig: Rig, kind: str, level: str, *, gives_up: bool = True) -> None
         vehicle._way = []
     else:
         vehicle._body.instruct(Drive(order=0, nodes=(rig.sim.sense().next_node,), released=1))
-    vehicle.condition.errors.append((kind, level, "cannot reach the node", {"nodeId": "middle"}))
+    vehicle.condition.errors.append((kind, level, "cannot reach the node", {"nodeId": node}))
     accept = vehicle._accept
 
     def and_forget(order: Any) -> None:
@@ -56,6 +56,53 @@ def test_an_error_that_lasts_until_the_next_order_keeps_it_from_none(
     rig.do(Drive(order=2, nodes=(node, "east"), released=2), for_s=60.0)
     assert rig.heard[-1] == WayDone(order=2, node="east")
     assert len(rig.problems()) == 1
+
+
+@pytest.mark.parametrize(
+    ("profile", "kind", "level"),
+    [(V3, "NODE_UNREACHABLE", "CRITICAL"), (PROFILE, "noPath", "CRITICAL"), (KEPT, "pathBlocked", "FATAL")],
+)
+def test_a_node_that_it_cannot_reach_is_said_as_a_blocked_lane_before_its_way_is_lost(
+    profile: Any, kind: str, level: str
+) -> None:
+    rig = Rig(profile)
+    rig.do(drive("west", "middle", "east"), for_s=6.0)
+    stop_with(rig, kind, level)
+    rig.run(30.0)
+    blocked = WayBlocked(order=1, start="west", end="middle", entered=True)
+    assert rig.of(WayBlocked) == [blocked]
+    failed = rig.of(ActionFailed)[0]
+    assert rig.heard.index(blocked) < rig.heard.index(failed), "its next way is planned with that"
+    assert rig.of(WayFree) == [], "an order that is taken does not tell that the lane is free"
+
+
+def test_the_node_that_an_error_names_is_the_one_whose_lane_is_blocked() -> None:
+    rig = Rig(msgspec.structs.replace(FLOWING, version="3.0"))
+    rig.do(drive(*TO_CORNER), for_s=6.0)
+    order = rig.orders()[-1]
+    named, before = order["nodes"][2]["nodeId"], order["nodes"][1]["nodeId"]
+    stop_with(rig, "NODE_UNREACHABLE", "CRITICAL", node=named)
+    rig.run(30.0)
+    assert rig.of(WayBlocked) == [WayBlocked(order=1, start=before, end=named, entered=False)]
+
+
+def test_a_vehicle_that_stands_at_a_node_has_not_entered_the_lane_that_it_cannot_drive() -> None:
+    rig = Rig(V3)
+    rig.run(1.0)
+    rig.vehicle._proceed = lambda: None  # type: ignore[method-assign]
+    rig.do(drive("west", "middle"), for_s=3.0)
+    stop_with(rig, "NODE_UNREACHABLE", "CRITICAL", gives_up=False)
+    rig.run(20.0)
+    assert rig.of(WayBlocked) == [WayBlocked(order=1, start="west", end="middle", entered=False)]
+
+
+def test_a_critical_error_about_something_else_blocks_no_lane() -> None:
+    rig = Rig(V3)
+    rig.do(drive("west", "middle", "east"), for_s=6.0)
+    stop_with(rig, "RELEASE_LOST", "CRITICAL")
+    rig.run(30.0)
+    assert rig.failures() == ["RELEASE_LOST: cannot reach the node"]
+    assert rig.of(WayBlocked) == []
 
 
 def test_a_critical_error_cancels_an_order_that_the_vehicle_keeps() -> None:

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from datetime import UTC, datetime
 from typing import Any
 
 import msgspec
 import pytest
 from field import reword, say
 from vda_rig import PROFILE, Rig
-from yard import drive
+from yard import PICK, drive
 
 from dray.adapters.vda5050.control.doubts import TOLD_MAX, Doubts
 from dray.adapters.vda5050.profile import Profile
+from dray.adapters.vda5050.wire.timestamps import read_timestamp
 from dray.body import ActionDone, Charge, NodePassed, WayDone
+from dray_sim.vda5050.misbehaviour import Misbehaviour
 
 FRACTION = msgspec.structs.replace(PROFILE, battery_scale="fraction")
 ABSENT = object()
@@ -50,6 +53,7 @@ def with_battery(value: Any, profile: Profile = PROFILE) -> Rig:
 def test_a_level_that_cannot_be_is_not_known_and_told_once(value: Any, told: str) -> None:
     rig = with_battery(value)
     assert rig.body.sense().battery_frac == pytest.approx(0.5, abs=0.001)
+    assert rig.body.sense().battery_reckoned
     rig.do(drive("west", "middle", "east"), for_s=90.0)
     assert rig.heard[-1] == WayDone(order=1, node="east")
     assert rig.notes.count(f"{told}; its level is reckoned by time and metres") == 1
@@ -69,7 +73,8 @@ def test_a_level_that_cannot_be_is_not_known_and_told_once(value: Any, told: str
     ],
 )
 def test_a_level_is_taken_by_the_scale_of_the_profile(profile: Any, value: Any, frac: float) -> None:
-    assert with_battery(value, profile).body.sense().battery_frac == frac
+    sensed = with_battery(value, profile).body.sense()
+    assert (sensed.battery_frac, sensed.battery_reckoned) == (frac, False)
 
 
 def test_percent_under_the_scale_of_a_fraction_is_not_believed() -> None:
@@ -133,6 +138,135 @@ def test_a_negative_sequence_number_is_none() -> None:
     assert rig.passed() == [("west", 0)], "it has not come back before it has left"
 
 
+def test_a_pose_that_jumps_and_comes_back_is_told_once_and_not_taken() -> None:
+    rig = Rig(msgspec.structs.replace(PROFILE, updates=True, base_m=100.0))
+    number = 0
+
+    def jump(said: dict[str, Any]) -> None:
+        nonlocal number
+        number += 1
+        if number % 2:
+            said["agvPosition"]["x"] += 500.0
+
+    say(rig)
+    reword(rig, jump)
+    rig.do(drive("west", "middle", "east"), for_s=90.0)
+    assert rig.heard[-1] == WayDone(order=1, node="east")
+    assert rig.problems() == []
+    assert len([note for note in rig.notes if note.startswith("a pose that jumps: 5")]) == 1
+    assert rig.body.control.view.odd["a pose that jumps"] > 5
+    assert rig.body.sense().pose.x_m < 100.0
+
+
+def test_a_pose_that_stays_where_it_has_jumped_to_is_believed_soon() -> None:
+    rig = Rig()
+    rig.run(1.0)
+    rig.sim.place_at("corner")
+    say(rig, 2.0)
+    assert rig.body.sense().node == "west"
+    rig.run(8.0)
+    assert rig.body.sense().node == "corner", "it is asked, though it says something every 30 s only"
+
+
+STAMPS = {
+    "an odd timestamp: '14:30' is no time of ISO 8601": "14:30",
+    "an odd timestamp: '' is no time of ISO 8601": "",
+    "an odd timestamp: 1970-01-01T00:00:07Z: its clock was never set": "1970-01-01T00:00:07Z",
+    "an odd timestamp: 9999-12-31T23:59:59Z: its clock was never set": "9999-12-31T23:59:59Z",
+    "an odd timestamp: 'AAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAA' is no time of ISO 8601": "A" * 100_000,
+    "no timestamp: a state does not say when it was": ABSENT,
+}
+
+
+@pytest.mark.parametrize("told", STAMPS)
+def test_a_timestamp_that_cannot_be_is_told_once_and_changes_nothing(told: str) -> None:
+    rig = Rig()
+
+    def change(said: dict[str, Any]) -> None:
+        if STAMPS[told] is ABSENT:
+            del said["timestamp"]
+        else:
+            said["timestamp"] = STAMPS[told]
+
+    reword(rig, change)
+    say(rig)
+    rig.do(drive("west", "middle"), for_s=60.0)
+    assert rig.heard[-1] == WayDone(order=1, node="middle")
+    assert rig.notes == [told]
+
+
+@pytest.mark.parametrize(("off_s", "told"), [(-20.0, "goes back"), (86_400.0, "jumps"), (-86_400.0, "jumps")])
+def test_a_clock_that_is_set_while_it_runs_is_told_once(off_s: float, told: str) -> None:
+    rig = Rig()
+    say(rig)
+    rig.vehicle.words.quirks = Misbehaviour(clock_off_s=off_s)
+    rig.do(drive("west", "middle"), for_s=60.0)
+    assert rig.heard[-1] == WayDone(order=1, node="middle")
+    assert len(rig.notes) == 1
+    assert told in rig.notes[0]
+
+
+def test_a_clock_that_was_always_wrong_by_a_day_is_no_doubt() -> None:
+    rig = Rig(quirks=Misbehaviour(clock_off_s=86_400.0))
+    rig.do(drive("west", "middle"), for_s=60.0)
+    assert rig.notes == []
+
+
+def test_a_load_that_comes_and_goes_with_no_action_is_told_and_not_taken() -> None:
+    rig = Rig()
+    rig.run(1.0)
+    for _ in range(3):
+        reword(rig, lambda said: said.update(loads=[{"loadType": "box", "weight": -5.0}]))
+        say(rig, 1.0)
+        del rig.give  # type: ignore[method-assign]
+        say(rig, 1.0)
+    assert rig.body.sense().load == ""
+    assert rig.problems() == []
+    assert [note.partition(":")[0] for note in rig.notes] == [
+        "an odd weight of a load",
+        "a load that comes and goes",
+    ]
+    assert rig.body.control.view.odd["a load that comes and goes"] == 3
+
+
+def test_a_load_sensor_that_lags_behind_the_end_of_a_pick_is_no_doubt() -> None:
+    rig = Rig()
+    rig.run(1.0)
+    lags = True
+    reword(rig, lambda said: said.update(loads=[]) if lags else None)
+    while not rig.of(ActionDone):
+        rig.do(*([] if rig.said("order") else [PICK]), for_s=0.5)
+        assert rig.clock.now_s() < 120.0
+    say(rig, 0.5)
+    lags = False
+    say(rig, 5.0)
+    assert rig.body.sense().load == PICK.item
+    assert rig.notes == []
+    assert rig.problems() == []
+
+
+@pytest.mark.parametrize("loads", ["absent", None, "a box", [], [7, "x"]])
+@pytest.mark.parametrize("weight", [float("nan"), 3.5, "heavy"])
+def test_a_list_of_loads_that_is_none_and_weights_that_are_none_change_nothing(
+    loads: Any, weight: Any
+) -> None:
+    rig = Rig()
+
+    def change(said: dict[str, Any]) -> None:
+        if loads == "absent":
+            said.pop("loads", None)
+        else:
+            said["loads"] = loads
+        if isinstance(loads, list) and rig.sim.sense().load:
+            said["loads"] = [*loads, {"loadType": PICK.item, "weight": weight}]
+
+    reword(rig, change)
+    say(rig)
+    assert rig.do(PICK, for_s=60.0) == [ActionDone(order=5)]
+    assert rig.body.sense().load == PICK.item
+    assert rig.problems() == []
+
+
 def test_doubts_that_are_told_are_bounded() -> None:
     rig = Rig()
     doubts: Doubts = rig.body.control.view.doubts
@@ -140,3 +274,28 @@ def test_doubts_that_are_told_are_bounded() -> None:
         doubts.note(f"odd {number}", "x")
     assert len(doubts.to_tell()) == TOLD_MAX
     assert doubts.to_tell() == []
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        "1970-01-01T00:00:00Z",
+        "2024-02-29T23:59:59.25Z",
+        "2026-11-27T14:30:00+02:00",
+        "2026-11-27T14:30:00-0330",
+        "2100-03-01 00:00:00",
+        "2000-12-31T12:00:00.000000Z",
+    ],
+)
+def test_a_timestamp_is_read_as_the_calendar_has_it(said: str) -> None:
+    moment = datetime.fromisoformat(said)
+    moment = moment if moment.tzinfo is not None else moment.replace(tzinfo=UTC)
+    assert read_timestamp(said) == (pytest.approx(moment.timestamp()), moment.year)
+
+
+@pytest.mark.parametrize(
+    "said",
+    ["", "14:30", "2026-13-01T00:00:00Z", "2026-01-01", "2026-01-01T25:00:00Z", "٢٠٢٦-01-01T00:00:00Z"],
+)
+def test_what_is_no_time_is_not_read(said: str) -> None:
+    assert read_timestamp(said) is None

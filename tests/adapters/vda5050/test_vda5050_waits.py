@@ -349,6 +349,19 @@ def test_what_it_waits_for_is_one_line_with_its_age_and_its_end_and_in_the_log_o
     assert idle.notes == []
 
 
+def test_its_agent_is_told_what_it_waits_for_since_when_and_what_would_end_it() -> None:
+    rig = stuck(paused=True)
+    begun_s = rig.clock.now_s()
+    rig.run(60.0)
+    wait = rig.body.sense().wait
+    assert wait is not None
+    assert (wait.what, wait.until) == (PAUSED, "that is gone")
+    assert abs(wait.since_s - begun_s) < 15.0
+    idle = Rig()
+    idle.run(60.0)
+    assert idle.body.sense().wait is None
+
+
 def test_each_thing_that_is_waited_for_is_named_in_the_line() -> None:
     rig = Rig(quirks=Misbehaviour(ignores_first_orders=3, cancel_s=5.0))
     rig.run(1.0)

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import socket
-import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import partial
-from http.server import BaseHTTPRequestHandler, HTTPServer
 from typing import Any
 
 import pytest
+from fake_gateway import FakeGateway
 
 Run = Callable[..., tuple[int, str, str]]
 
@@ -22,49 +20,11 @@ KINDS = [
 
 
 @pytest.fixture
-def run(call: Run, monkeypatch: pytest.MonkeyPatch) -> Run:
+def run(call: Run, gateway: FakeGateway, monkeypatch: pytest.MonkeyPatch) -> Run:
     """Run `dray fault ...` in this process: exit code, stdout, stderr."""
     monkeypatch.setenv("COLUMNS", "160")
+    gateway.answers["GET /api/faults"] = (200, {"items": [], "kinds": KINDS})
     return partial(call, "fault")
-
-
-class FakeGateway(HTTPServer):
-    """Answers as a gateway does; `asked` holds what it was asked, `answers` what it says to a path."""
-
-    def __init__(self) -> None:
-        super().__init__(("127.0.0.1", 0), _Handler)
-        self.asked: list[tuple[str, str, Any]] = []
-        self.answers: dict[str, tuple[int, Any]] = {"GET /api/faults": (200, {"items": [], "kinds": KINDS})}
-        self.url = f"http://127.0.0.1:{self.server_port}"
-
-
-class _Handler(BaseHTTPRequestHandler):
-    server: FakeGateway
-
-    def _answer(self) -> None:
-        body = self.rfile.read(int(self.headers.get("Content-Length", 0)))
-        self.server.asked.append((self.command, self.path, json.loads(body) if body else None))
-        status, answer = self.server.answers[f"{self.command} {self.path}"]
-        data = answer if isinstance(answer, bytes) else json.dumps(answer).encode()
-        self.send_response(status)
-        self.send_header("Content-Length", str(len(data)))
-        self.end_headers()
-        self.wfile.write(data)
-
-    do_GET = do_POST = do_DELETE = _answer  # noqa: N815 - the server's own names
-
-    def log_message(self, format: str, *args: Any) -> None:  # noqa: A002 - the server's own word
-        """Say nothing."""
-
-
-@pytest.fixture
-def gateway() -> Iterator[FakeGateway]:
-    with FakeGateway() as server:
-        thread = threading.Thread(target=server.serve_forever, kwargs={"poll_interval": 0.01})
-        thread.start()
-        yield server
-        server.shutdown()
-        thread.join()
 
 
 def fault(name: str = "F1", **fields: Any) -> dict[str, Any]:

@@ -16,6 +16,7 @@ from heartbeats import atv_heartbeat, events, machine_heartbeat
 
 from dray.messages import (
     AtvStatus,
+    BodyWait,
     Brief,
     BufferLevel,
     Event,
@@ -96,6 +97,9 @@ def standing(area: str, where: str = "", *, seq: int = 1) -> Message:
         watches=(_brief(after(area), Role.SECONDARY),),
         help=HelpWanted(until_s=500.0),
         problem=f"the way is blocked by {ATV[after(area)]}",
+        body_wait=BodyWait(
+            what=f"{ATV[after(area)]} is in its way", since_s=1.0, until=f"{ATV[after(area)]} is gone"
+        ),
         dwell_point=next(iter(FLOOR.dwell_points)),
         floor=FloorBrief(
             holds=tuple(FLOOR.nodes)[:HOLDS_MAX], waits=True, waits_for=ATV[after(area)], waits_at=NODE[area]

@@ -46,6 +46,42 @@ async def test_an_order_is_answered_with_its_place_and_its_customers_page(house:
     ]
 
 
+async def test_an_order_with_the_customer_and_reference_of_a_young_one_is_placed_with_a_hint(
+    house: House,
+) -> None:
+    async def place(key: str = "", **fields: Any) -> dict[str, Any]:
+        headers = {"Idempotency-Key": key} if key else {}
+        answer = await house.client.post("/api/orders", json=draft(**fields), headers=headers)
+        assert answer.status_code == 201
+        placed: dict[str, Any] = answer.json()
+        return placed
+
+    first = await place(key="k1", reference="4711")
+    assert "hints" not in first
+    house.wall.now_s += 720.0
+    assert await place(key="k1", reference="4711") == first, "sent again under its key it is no other order"
+    second = await place(key="k2", reference="4711")
+    (hint,) = second["hints"]
+    assert (hint["field"], hint["code"]) == ("reference", "placed_twice")
+    assert hint["values"] == {"customer": "Muster GmbH", "order": first["id"], "minutes": "12"}
+    assert hint["reason"].startswith(f"Muster GmbH has order {first['id']} with this reference, too")
+    assert await place(key="k2", reference="4711") == second, "the first answer is given again, with its hint"
+    house.wall.now_s += 60.0
+    (hint,) = (await place(reference="4711"))["hints"]
+    assert hint["values"]["order"] == second["id"], "the newest"
+    for other in ({"reference": "4712"}, {"reference": "4711", "customer": "Other"}, {}, {}):
+        assert "hints" not in await place(**other)
+    house.wall.now_s += 3601.0
+    assert "hints" not in await place(reference="4711")
+
+
+async def test_a_cancelled_order_is_no_reason_for_a_hint(house: House) -> None:
+    first = await house.place(reference="4711")
+    await house.client.post(f"/api/orders/{first['id']}/cancel")
+    again = await house.client.post("/api/orders", json=draft(reference="4711"))
+    assert "hints" not in again.json()
+
+
 async def test_an_urgent_order_is_wanted_soon_after_its_release_and_due_when_it_was_said(
     house: House,
 ) -> None:

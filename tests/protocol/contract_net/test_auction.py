@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import pytest
 from effects import deeds, facts, published, sent
 from hall import RULES, Hall
+from msgspec import UNSET, UnsetType
+from msgspec.structs import replace
 from spoken import accepted, bid, declined
 
 from dray.messages import Award, Refusal, Release, Role, TaskAnnounced
@@ -53,6 +56,13 @@ def test_the_cheapest_bidder_is_asked_when_the_window_closes() -> None:
     [award] = sent(hall.out, Award, to="ATV3")
     assert award.role is Role.PRIMARY
     assert award.source == "S3"
+
+
+@pytest.mark.parametrize("reckoned", [True, UNSET])
+def test_that_the_level_of_a_battery_is_reckoned_is_recorded_with_its_bid(reckoned: bool | UnsetType) -> None:
+    hall = Hall()
+    hall.auction.on_bid("ATV1", replace(bid(50.0), battery_reckoned=reckoned), 0.1)
+    assert [fact.battery_reckoned for fact in facts(hall.out, BidReceived)] == [reckoned]
 
 
 def test_of_two_with_one_price_the_one_that_is_done_earlier_is_asked() -> None:

@@ -7,14 +7,19 @@ import pytest
 from atv1 import contracted, last_beat, parked
 from defaults import PLANT
 from effects import deeds, facts, sent
+from msgspec import UNSET
+from msgspec.structs import replace
 from rigs import VehicleRig
 from spoken import accepted, announcement, award, bid, mhb, production, rhb
 
 from dray.body import ProblemCleared, ProblemRaised
+from dray.codec import decode, encode
 from dray.errors import ProtocolViolation
 from dray.messages import (
     AtvHeartbeat,
     AtvStatus,
+    Bid,
+    BodyWait,
     Declined,
     Docked,
     DwellPointClaimed,
@@ -52,6 +57,31 @@ def test_a_vehicle_without_a_task_beats_every_second_for_as_long_as_it_has_a_pro
     times_s = [beat.at_s for beat in rig.heartbeats(AtvHeartbeat)]
     assert sum(60.0 <= at_s < 80.0 for at_s in times_s) >= 20
     assert sum(100.0 <= at_s < 120.0 for at_s in times_s) == 4
+
+
+def test_what_a_body_waits_for_is_told_from_ten_seconds_on_and_not_any_more_when_it_has_ended() -> None:
+    rig = parked()
+    wait = BodyWait("its action pick", since_s=62.0, until="that is FINISHED or FAILED")
+    plain = rig.sense
+    rig.sense = lambda: replace(plain(), wait=wait)  # type: ignore[method-assign]
+    rig.run(100.0)
+    rig.sense = plain  # type: ignore[method-assign]
+    rig.run(120.0)
+    told = {beat.at_s: beat.body_wait for beat in rig.heartbeats(AtvHeartbeat)}
+    assert {said for at_s, said in told.items() if at_s < 72.0 or at_s > 100.0} == {UNSET}
+    assert {said for at_s, said in told.items() if 72.0 <= at_s < 100.0} == {wait}
+
+
+@pytest.mark.parametrize("reckoned", [True, False])
+def test_that_its_battery_does_not_tell_is_in_its_heartbeats_and_bids(reckoned: bool) -> None:
+    rig = parked()
+    plain = rig.sense
+    rig.sense = lambda: replace(plain(), battery_reckoned=reckoned)  # type: ignore[method-assign]
+    rig.run(60.0)
+    assert rig.heartbeats(AtvHeartbeat)[-1].battery_reckoned is reckoned
+    [bid] = sent(rig.on_message("M8", announcement(radius_m=1e4)), Bid)
+    assert bid.battery_reckoned is (reckoned or UNSET)
+    assert decode(encode("ATV1", bid)) == ("ATV1", bid)
 
 
 def test_vehicles_that_start_together_do_not_beat_together() -> None:

@@ -75,6 +75,29 @@ def check(
 
 
 @app.command()
+def status(
+    atv: Annotated[
+        str, typer.Argument(help="Its id in the plant, as ATV3; left out: all that were heard.")
+    ] = "",
+    url: Annotated[
+        str | None,
+        typer.Option(help="Where the panel is; else DRAY_HOST and DRAY_PORT, else http://127.0.0.1:8000."),
+    ] = None,
+    token: Annotated[
+        str | None,
+        typer.Option(help="A key with factory:read, or the administrator's token; else DRAY_ADMIN_TOKEN."),
+    ] = None,
+) -> None:
+    """Say how vehicles are: status, place, battery, problem, and in the last line what each waits for and what would end it."""
+    import time
+
+    from dray.cli.runtime.vehicle_status import ask
+
+    for lines in ask(atv, url, token, time.time()):
+        typer.echo("\n".join(lines))
+
+
+@app.command()
 def record(
     file: Annotated[
         Path, typer.Argument(help="Where the dialogue is written; one that is there is replaced.")

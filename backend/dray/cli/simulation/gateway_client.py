@@ -1,25 +1,13 @@
-"""A running gateway, asked from the command line over REST."""
+"""The faults of a running gateway, from the command line over REST."""
 
 from __future__ import annotations
 
-import http.client
-from http import HTTPStatus
-from typing import Any, NoReturn, TypeVar
-from urllib.error import HTTPError, URLError
-from urllib.parse import quote, urlsplit
-from urllib.request import ProxyHandler, Request, build_opener
+from typing import Any
+from urllib.parse import quote
 
 import msgspec
 
-from dray.cli.runtime.options import load_settings
-from dray.errors import InputError, SettingsError, UnavailableError
-
-T = TypeVar("T")
-
-PATIENCE_S = 15.0
-"""Longer than a gateway waits for its factory."""
-
-REMEDY = "start one with `dray up`, or say with --url where it is"
+from dray.cli.runtime.rest_client import RestClient
 
 
 class Fault(msgspec.Struct, frozen=True):
@@ -47,20 +35,6 @@ class Faults(msgspec.Struct, frozen=True):
     kinds: tuple[Kind, ...]
 
 
-class FieldError(msgspec.Struct, frozen=True):
-    """A fault of one field of a request."""
-
-    field: str
-    reason: str
-
-
-class ProblemAnswer(msgspec.Struct, frozen=True):
-    """What a gateway says when it does not do what was asked (RFC 9457)."""
-
-    detail: str
-    errors: tuple[FieldError, ...] = ()
-
-
 class Gateway:
     """One gateway.
 
@@ -73,70 +47,16 @@ class Gateway:
     """
 
     def __init__(self, url: str | None, token: str | None) -> None:
-        settings = load_settings(admin_token=token)
-        self._token = "" if settings.admin_token is None else settings.admin_token.get_secret_value()
-        self._url = (url or f"http://{settings.host}:{settings.port}").rstrip("/")
-        try:
-            parts = urlsplit(self._url)
-            usable = parts.scheme in {"http", "https"} and bool(parts.hostname) and parts.port != 0
-        except ValueError:
-            usable = False
-        if not usable:
-            raise SettingsError("--url", f"{self._url!r} is no address as http://127.0.0.1:8000")
-        # No proxy: what is asked for is on this machine or in this plant.
-        self._opener = build_opener(ProxyHandler({}))
+        self._client = RestClient(url, token, "see `dray fault list`")
 
     def faults(self) -> Faults:
         """What is wrong by hand, and what could be."""
-        return self._ask("GET", "/api/faults", Faults)
+        return self._client.ask("GET", "/api/faults", Faults)
 
     def begin_fault(self, fault: dict[str, Any]) -> Fault:
         """Let something go wrong."""
-        return self._ask("POST", "/api/faults", Fault, fault)
+        return self._client.ask("POST", "/api/faults", Fault, fault)
 
     def end_fault(self, fault: str) -> Fault:
         """Put it right again."""
-        return self._ask("DELETE", f"/api/faults/{quote(fault, safe='')}", Fault)
-
-    def _ask(self, method: str, path: str, shape: type[T], body: object = None) -> T:
-        """One request.
-
-        Raises:
-            InputError: the gateway cannot use it; says why in the gateway's words.
-            UnavailableError: nobody answers there, or not as Dray does.
-        """
-        data = None if body is None else msgspec.json.encode(body)
-        headers = {"Accept": "application/json"}
-        if data is not None:
-            headers["Content-Type"] = "application/json"
-        if self._token:
-            headers["Authorization"] = f"Bearer {self._token}"
-        request = Request(self._url + path, data, headers, method=method)  # noqa: S310 - http or https, see above
-        try:
-            with self._opener.open(request, timeout=PATIENCE_S) as answer:
-                return msgspec.json.decode(answer.read(), type=shape)
-        except HTTPError as error:
-            with error:
-                self._refuse(error.code, error.read())
-        except (URLError, OSError, http.client.HTTPException) as error:
-            cause = getattr(error, "reason", error)
-            reason = getattr(cause, "strerror", None) or str(cause)
-            raise UnavailableError(f"no Dray at {self._url}", reason.lower(), REMEDY) from None
-        except msgspec.MsgspecError as error:
-            raise UnavailableError(self._url, f"does not answer as Dray does: {error}", REMEDY) from None
-
-    def _refuse(self, status: int, body: bytes) -> NoReturn:
-        try:
-            problem = msgspec.json.decode(body, type=ProblemAnswer)
-        except msgspec.MsgspecError:
-            raise UnavailableError(
-                self._url, f"answers with HTTP {status}, not as Dray does", REMEDY
-            ) from None
-        said = "; ".join(f"{each.field}: {each.reason}" for each in problem.errors) or problem.detail
-        if status in {HTTPStatus.UNAUTHORIZED, HTTPStatus.FORBIDDEN}:
-            raise SettingsError(
-                "--token", f"{said}; `dray up` prints one that may, and DRAY_ADMIN_TOKEN sets it"
-            )
-        if status in {HTTPStatus.NOT_FOUND, HTTPStatus.UNPROCESSABLE_ENTITY}:
-            raise InputError(said)
-        raise UnavailableError(self._url, said, "see `dray fault list`")
+        return self._client.ask("DELETE", f"/api/faults/{quote(fault, safe='')}", Fault)

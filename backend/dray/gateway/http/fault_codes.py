@@ -26,6 +26,7 @@ TEXTS: Mapping[str, str] = {
     "csv_too_wide": "it has {count} columns; there are {columns}",
     "csv_too_many_rows": "a file has {most} rows at most; cut it in two",
     "placed_already": "{customer} has order {order} with this reference, placed {minutes} min ago; it would be a second one",
+    "placed_twice": "{customer} has order {order} with this reference, too, placed {minutes} min ago; cancel one of both if it was sent twice",
     "in_file_already": "the order in row {row} has this customer and reference, too; it would be a second one: write its rows one after another to make them one",
     "csv_no_rows": "there is no row below the names of the columns",
     "column_missing": "this column is missing",

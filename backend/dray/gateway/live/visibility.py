@@ -239,6 +239,10 @@ class AreaVisibility:
             watches=tuple(brief for brief in view.watches if self._concerned(brief)),
             dwell_point=view.dwell_point if view.dwell_point in self._places else "",
             problem=self.words(view.problem),
+            body_wait=view.body_wait
+            and replace(
+                view.body_wait, what=self.words(view.body_wait.what), until=self.words(view.body_wait.until)
+            ),
             removal=self._removal(view.removal),
             shut_out=self._shut_out(view.shut_out),
         )

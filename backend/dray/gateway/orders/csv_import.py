@@ -131,9 +131,7 @@ def placed_already(
         draft = each.draft
         if draft.reference is None or (known := placed.get((draft.customer, draft.reference))) is None:
             continue
-        minutes = max(0, round((now_s - known.created_at_s) / 60.0))
-        values = {"customer": draft.customer, "order": known.id, "minutes": minutes}
-        yield RowFault.of(each.row, "reference", "placed_already", **values)
+        yield RowFault.of(each.row, "reference", "placed_already", **known.values(now_s))
 
 
 def _order_of(line: Row) -> tuple[str, str, int]:

@@ -15,7 +15,7 @@ from contextlib import nullcontext
 from http import HTTPStatus
 
 from dray.gateway.access.audit_log import Note
-from dray.gateway.http.problems import Problem, unusable
+from dray.gateway.http.problems import FieldError, Problem, unusable
 from dray.gateway.http.shares import share_of, share_used
 from dray.gateway.live.projection import Projection
 from dray.gateway.orders.drafts import OrderDraft, WorkDraft, nonsense
@@ -222,6 +222,18 @@ class OrderPlacement:
         """Orders under some references that are no older than `LATELY_S` and not cancelled; of one reference oldest first."""
         async with self._store.read() as work:
             return await work.orders.referred_to(references, self._wall_s() - LATELY_S)
+
+    async def look_twice(self, draft: OrderDraft) -> tuple[FieldError, ...]:
+        """A hint where another order of the last hour has the customer and reference of this one; the newest is named."""
+        if draft.reference is None:
+            return ()
+        lately = await self.placed_lately([draft.reference])
+        known = next((order for order in reversed(lately) if order.customer == draft.customer), None)
+        return (
+            ()
+            if known is None
+            else (FieldError.of("reference", "placed_twice", **known.values(self._wall_s())),)
+        )
 
     async def _placed(self, wish: Wish, count: int, caller: str) -> tuple[Sequence[Order], KeptAnswer]:
         """Have so many orders written, and let panels and the strategist know."""

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Literal
 
+from msgspec import UNSET, UnsetType
+
 from dray.messages.base import Count, Id, IdOrNone, Metres, Seconds
 from dray.messages.contract import Refusal, Work
 from dray.messages.cost import Cost
@@ -46,6 +48,8 @@ class BidReceived(Fact, frozen=True):
     source: IdOrNone = ""
     surcharge_s: Seconds = 0.0
     """What its coordinator adds before it ranks, for what it has seen of the bidder (`ContractorRated`)."""
+    battery_reckoned: bool | UnsetType = UNSET
+    """As the bid has said it."""
 
 
 class AwardGiven(Fact, frozen=True):

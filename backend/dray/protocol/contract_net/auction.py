@@ -217,6 +217,7 @@ class Auction:
                     finish_s=bid.finish_s,
                     source=bid.source,
                     surcharge_s=surcharge_s,
+                    battery_reckoned=bid.battery_reckoned,
                 )
             )
         )

@@ -5,6 +5,8 @@ Vehicles (`bidding`, `atv`) and machines (`goal_bidding`) decide each in their w
 
 from __future__ import annotations
 
+from msgspec import UNSET
+
 from dray.messages import (
     Accepted,
     Award,
@@ -30,6 +32,8 @@ def offer(
     finish_s: float,
     now_s: float,
     source: str = "",
+    *,
+    battery_reckoned: bool = False,
 ) -> tuple[Effect, ...]:
     """Bid for what was announced.
 
@@ -39,6 +43,7 @@ def offer(
         finish_s: when it would be done (plant clock).
         now_s: the present time.
         source: where the load would be fetched; empty for a goal.
+        battery_reckoned: the level of the bidder's battery is not measured.
     """
     bid = Bid(
         task=announced.task,
@@ -49,6 +54,7 @@ def offer(
         finish_s=finish_s,
         source=source,
         at_s=now_s,
+        battery_reckoned=battery_reckoned or UNSET,
     )
     sent = BidSent(task=announced.task, epoch=announced.epoch, role=announced.role, total_s=cost.total_s)
     return Send(announced.coordinator, bid), Record(sent)

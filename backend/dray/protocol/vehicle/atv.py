@@ -31,6 +31,7 @@ from dray.memory import WHOLE, AtvMemory, Memory, Note
 from dray.messages import (
     AtvHeartbeat,
     AtvStatus,
+    BodyWait,
     CommandKind,
     Disbelieved,
     DwellPointClaimed,
@@ -123,8 +124,9 @@ class Atv(AgentBase):
         )
         self.link = Link.WLAN
         self._status = AtvStatus.IDLE
-        self.battery_frac = 1.0
+        self.battery_frac, self.battery_reckoned = 1.0, False
         self.load = ("", 0)
+        self.body_wait: BodyWait | None = None
         self._message_handlers = {
             **self._contracts.message_handlers,
             **self._closures.message_handlers,
@@ -195,8 +197,9 @@ class Atv(AgentBase):
         if not isinstance(body, VehicleState):
             raise ProtocolViolation(f"{self.id}: a vehicle needs a vehicle's body, not {body!r}")
         self._driver.sense(body)
-        self.battery_frac = body.battery_frac
+        self.battery_frac, self.battery_reckoned = body.battery_frac, body.battery_reckoned
         self.load = (body.load, body.load_quantity)
+        self.body_wait = body.wait
 
     def _beat(self, _about: None, now_s: float) -> None:
         self._contracts.bring_back(now_s)

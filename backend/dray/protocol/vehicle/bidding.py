@@ -38,6 +38,8 @@ class Standing(msgspec.Struct, frozen=True):
     busy_with: str
     """The task it is primary of; empty for none."""
     watches: int
+    battery_reckoned: bool = False
+    """`battery_frac` is not measured."""
 
 
 class Bidder:
@@ -101,7 +103,10 @@ class Bidder:
         if isinstance(answer, Unable):
             self._refusals.note(message, answer.reason, answer.detail)
             return answer.reason
-        self._out += offer(message, answer.cost, answer.finish_s, now_s, answer.source)
+        reckoned = standing.battery_reckoned
+        self._out += offer(
+            message, answer.cost, answer.finish_s, now_s, answer.source, battery_reckoned=reckoned
+        )
         return None
 
     def review(self, award: Award, standing: Standing, now_s: float) -> Quote | Unable:

@@ -55,6 +55,7 @@ class Owner(Protocol):
     """A vehicle, as far as its contracts need it."""
 
     battery_frac: float
+    battery_reckoned: bool
     load: tuple[str, int]
     """What is on board, and how much of it; empty and 0 for nothing."""
 
@@ -182,6 +183,7 @@ class Contracts:
             y_m=y_m,
             speed_frac=driver.pace_frac,
             battery_frac=self._owner.battery_frac,
+            battery_reckoned=self._owner.battery_reckoned,
             unfit=self._owner.unfit(),
             busy_with=self.job.task if self.job is not None else "",
             watches=len(self.standby) - (task in self.standby),

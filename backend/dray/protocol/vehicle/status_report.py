@@ -6,13 +6,16 @@ from typing import Protocol
 
 from msgspec import UNSET, UnsetType
 
-from dray.messages import NOTHING_KNOWN, AtvHeartbeat, AtvStatus, Link, LostWlan
+from dray.messages import NOTHING_KNOWN, AtvHeartbeat, AtvStatus, BodyWait, Link, LostWlan
 from dray.protocol.closures.known_floor import KnownFloor
 from dray.protocol.runtime.heartbeat_timer import HeartbeatTimer
 from dray.protocol.vehicle.contracts import Contracts
 from dray.protocol.vehicle.drivers.driver import Driver
 from dray.protocol.vehicle.idle_positioning import IdlePositioning
 from dray.protocol.vehicle.people.command_handling import CommandHandling
+
+WAIT_TOLD_S = 10.0
+"""What a body has waited for less long is not told: most of it ends by itself, and heartbeats stay short."""
 
 
 class Vehicle(Protocol):
@@ -21,7 +24,9 @@ class Vehicle(Protocol):
     id: str
     incarnation: int
     battery_frac: float
+    battery_reckoned: bool
     load: tuple[str, int]
+    body_wait: BodyWait | None
     floor: KnownFloor
 
     @property
@@ -110,6 +115,7 @@ class StatusReport:
             node=driver.node,
             speed_mps=driver.speed_mps,
             battery_frac=self._vehicle.battery_frac,
+            battery_reckoned=self._vehicle.battery_reckoned,
             load=self._vehicle.load[0],
             load_quantity=self._vehicle.load[1],
             task=job.brief() if job is not None else None,
@@ -122,6 +128,7 @@ class StatusReport:
             lost_wlan=self._lost_wlan(link, now_s),
             problem=assistance.problem,
             about_problem=UNSET if assistance.about == NOTHING_KNOWN else assistance.about,
+            body_wait=self._body_wait(now_s),
             help=assistance.help,
             software=self._software,
             draining=self._vehicle.is_draining,
@@ -131,6 +138,10 @@ class StatusReport:
             floor=driver.floor(now_s),
             closures=self._vehicle.floor.closures_known,
         )
+
+    def _body_wait(self, now_s: float) -> BodyWait | UnsetType:
+        wait = self._vehicle.body_wait
+        return UNSET if wait is None or now_s - wait.since_s < WAIT_TOLD_S else wait
 
     def _lost_wlan(self, link: Link, now_s: float) -> LostWlan | UnsetType:
         """Since when it is left with its radio: every change of the link is told at once."""

@@ -213,12 +213,16 @@ def _event(event: Event, ahead_s: float) -> Event:
 
 def _atv(heartbeat: AtvHeartbeat, ahead_s: float) -> AtvHeartbeat:
     task, wanted, lost = heartbeat.task, heartbeat.help, heartbeat.lost_wlan
+    wait = heartbeat.body_wait
     return msgspec.structs.replace(
         heartbeat,
         at_s=heartbeat.at_s - ahead_s,
         task=None if task is None else msgspec.structs.replace(task, due_s=_later(task.due_s, ahead_s)),
         help=None if wanted is None else msgspec.structs.replace(wanted, until_s=wanted.until_s - ahead_s),
         out_of_service=_out(heartbeat.out_of_service, ahead_s),
+        body_wait=wait
+        if isinstance(wait, UnsetType)
+        else msgspec.structs.replace(wait, since_s=wait.since_s - ahead_s),
         lost_wlan=lost
         if isinstance(lost, UnsetType)
         else msgspec.structs.replace(lost, since_s=lost.since_s - ahead_s),

@@ -139,6 +139,11 @@ class Referred(msgspec.Struct, frozen=True):
     created_at_s: float
     """Wall clock."""
 
+    def values(self, now_s: float) -> dict[str, str | int]:
+        """What a hint says of it; `now_s` is wall clock."""
+        minutes = max(0, round((now_s - self.created_at_s) / 60.0))
+        return {"customer": self.customer, "order": self.id, "minutes": minutes}
+
 
 class Orders:
     """The orders, inside one transaction."""

@@ -1,5 +1,6 @@
 import { signal, useComputed } from "@preact/signals";
 import type { AtvView } from "../../api/types";
+import { batteryText } from "../../parts/battery";
 import { Meter } from "../../parts/Meter";
 import { Table } from "../../parts/Table";
 import { Tag, toneOfAtv } from "../../parts/Tag";
@@ -48,7 +49,7 @@ export function FleetView() {
 function Row({ atv }: { atv: AtvView }) {
   const speed = world.value?.factory.speed ?? 1;
   const lost = isLost(atv, presentS.value, speed);
-  const percent = format.percent(atv.battery_frac);
+  const percent = batteryText(atv);
   const update = updateText(atv);
   return (
     <tr class={lost ? "silent" : ""}>

@@ -1,4 +1,6 @@
 import type { AtvView } from "../../api/types";
+import { batteryText } from "../../parts/battery";
+import { BodyWait } from "../../parts/BodyWait";
 import { Carrying } from "../../parts/Carrying";
 import { Link } from "../../parts/Link";
 import { Meter } from "../../parts/Meter";
@@ -42,6 +44,7 @@ export function VehicleCard({ atv }: { atv: AtvView }) {
         <div class="vehicle-now">
           {!atv.removal && <p class="doing">{need === "lost" ? lostText(atv) : taskText(atv)}</p>}
           {need !== "lost" && <Waits atv={atv.id} />}
+          {need !== "lost" && <BodyWait atv={atv} {...moment.value} />}
           <Carrying atv={atv} atvs={world.value?.atvs.values() ?? []} plant={plant.value} {...moment.value} problemText={problemText} />
           {(atv.help !== null || atv.problem !== "") && need !== "lost" && <HelpAsk atv={atv} />}
         </div>
@@ -85,7 +88,7 @@ function Where({ atv }: { atv: AtvView }) {
   const from = station.value;
   const areas = plant.value?.areas ?? [];
   const area = areas.length > 1 ? areaAt(areas, atv.x_m, atv.y_m) : undefined;
-  const percent = format.percent(atv.battery_frac);
+  const percent = batteryText(atv);
   return (
     <span class="where">
       {area && <span>{t("card.in", { area: area.name })}</span>}

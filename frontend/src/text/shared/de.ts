@@ -104,6 +104,7 @@ export const de: Catalogue<typeof en> = {
   "atv.wlan": "WLAN",
   "atv.mesh": "Funk über {via}",
   "atv.battery": "Batterie",
+  "atv.batteryAbout": "etwa {percent}",
   "atv.type": "Typ",
   "atv.shut_out": "ausgeschlossen",
   "atv.lost": "stumm",
@@ -142,6 +143,8 @@ export const de: Catalogue<typeof en> = {
   "cause.times": "{what} ({times}-mal)",
 
   "wait.says": "{atv} {what}",
+  "wait.body": "Wartet seit {time}: {what} (bis: {until})",
+  "wait.bodyAlone": "Wartet seit {time}: {what}",
   "wait.for": "wartet auf {who}",
   "wait.which": "; dieses wartet auf {who}",
   "wait.more": "{n} weitere",

@@ -101,6 +101,7 @@ export const en = {
   "atv.wlan": "WLAN",
   "atv.mesh": "mesh via {via}",
   "atv.battery": "Battery",
+  "atv.batteryAbout": "about {percent}",
   "atv.type": "Type",
   "atv.shut_out": "shut out",
   "atv.lost": "silent",
@@ -139,6 +140,8 @@ export const en = {
   "cause.times": "{what} ({times} times)",
 
   "wait.says": "{atv} {what}",
+  "wait.body": "Waiting for {time}: {what} (until {until})",
+  "wait.bodyAlone": "Waiting for {time}: {what}",
   "wait.for": "waits for {who}",
   "wait.which": ", which waits for {who}",
   "wait.more": "{n} more",

@@ -104,6 +104,7 @@ export const es: Catalogue<typeof en> = {
   "atv.wlan": "wifi",
   "atv.mesh": "radio por {via}",
   "atv.battery": "Batería",
+  "atv.batteryAbout": "unos {percent}",
   "atv.type": "Tipo",
   "atv.shut_out": "excluido",
   "atv.lost": "en silencio",
@@ -142,6 +143,8 @@ export const es: Catalogue<typeof en> = {
   "cause.times": "{what} ({times} veces)",
 
   "wait.says": "{atv} {what}",
+  "wait.body": "Espera desde hace {time}: {what} (hasta que: {until})",
+  "wait.bodyAlone": "Espera desde hace {time}: {what}",
   "wait.for": "espera a {who}",
   "wait.which": ", que espera a {who}",
   "wait.more": "{n} más",

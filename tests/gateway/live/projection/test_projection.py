@@ -13,9 +13,10 @@ from wall_clock import NOW_S
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.projection.agents import atvs as atvs_module
 from dray.gateway.live.projection.agents import machines as machines_module
-from dray.gateway.live.views import ProbationView
+from dray.gateway.live.views import BodyWaitView, ProbationView
 from dray.messages import (
     AtvStatus,
+    BodyWait,
     Brief,
     BufferLevel,
     GoalBrief,
@@ -56,6 +57,18 @@ def test_a_vehicle_is_seen_as_its_last_heartbeat_told(projection: Projection) ->
         None,
         None,
     )
+
+
+def test_what_a_body_waits_for_is_seen_with_the_time_since_when(projection: Projection) -> None:
+    wait = BodyWait("its action pick", since_s=38.0, until="that is FINISHED or FAILED")
+    projection.fold(atv_heartbeat("ATV1", at_s=50.0, body_wait=wait))
+    view = projection.atvs.view("ATV1")
+    assert view is not None
+    assert view.body_wait == BodyWaitView(what=wait.what, until=wait.until, since_at_s=wall_s(38.0))
+    projection.fold(atv_heartbeat("ATV1", 2, at_s=51.0))
+    view = projection.atvs.view("ATV1")
+    assert view is not None
+    assert view.body_wait is None
 
 
 def test_a_machine_is_seen_as_its_last_heartbeat_told(projection: Projection) -> None:

@@ -61,6 +61,14 @@ def test_a_bid_and_a_refusal_that_come_twice_are_seen_once(projection: Projectio
     assert len(task(projection).refusals) == 1
 
 
+def test_a_bid_with_a_level_that_is_reckoned_is_seen_as_such(projection: Projection) -> None:
+    tell(projection, "M1", opened(), bid("ATV1", battery_reckoned=True), bid("ATV2"))
+    assert {each.bidder: each.battery_reckoned for each in task(projection).bids} == {
+        "ATV1": True,
+        "ATV2": False,
+    }
+
+
 def test_bids_and_refusals_are_bounded_and_the_newest_stay(projection: Projection) -> None:
     tell(projection, "M1", opened(), *(bid(f"ATV{n}") for n in range(2 * MAX_BIDS)))
     for number in range(2 * MAX_BIDS):

@@ -7,10 +7,12 @@ has the table.
 from __future__ import annotations
 
 from collections import Counter
-from math import tau
+from math import hypot, tau
 
 from dray.adapters.vda5050.profile import Profile
-from dray.adapters.vda5050.wire.messages import Battery
+from dray.adapters.vda5050.wire.messages import Battery, Load
+from dray.adapters.vda5050.wire.timestamps import read_timestamp
+from dray.messages import Pose
 from dray.plant.model import VehicleType
 
 FASTEST_TIMES, FASTEST_MPS = 3.0, 3.0
@@ -18,6 +20,22 @@ FASTEST_TIMES, FASTEST_MPS = 3.0, 3.0
 
 THETA_MAX_RAD = tau + 0.1
 """A full turn, and what is rounded: the text has -pi to pi, and many vehicles count from 0 to 2 pi."""
+
+JUMP_M, JUMP_S = 2.0, 3.0
+"""Localisation corrects itself by less, and states come late by less. A jump that is said for longer is believed: people, or a new
+localisation, have put the vehicle elsewhere."""
+
+YEARS = range(2020, 2101)
+"""A clock that says another one was never set."""
+
+CLOCK_STEP_S = 300.0
+"""A clock that is corrected goes by less."""
+
+BACK_S = 1.0
+"""Between two threads of a vehicle time may go backwards by less."""
+
+QUOTED = 40
+"""Characters of a vehicle's word that are told."""
 
 ROUNDED = 1.02
 """A battery that says up to so much of its scale is full: 100.4 % is what its electronics measure."""
@@ -28,7 +46,7 @@ TAPERED = 0.5
 """Of the full charging power, above `charge_taper_frac`, on average."""
 
 TOLD_MAX = 30
-"""Different doubts that are told; there are ten."""
+"""Different doubts that are told; there are fifteen."""
 
 
 class Doubts:
@@ -71,12 +89,100 @@ class Doubts:
         self.note("an odd theta", f"{theta:g} rad is more than a turn; degrees?")
         return None
 
+    def loads(self, loads: tuple[Load, ...] | None) -> None:
+        """Look at what it says is on board; weights are not used."""
+        for load in loads or ():
+            if load.weight is not None and load.weight < 0.0:
+                self.note("an odd weight of a load", f"{load.weight:g} kg is less than nothing")
+
     def driven(self, distance_m: float | None) -> float | None:
         """`distanceSinceLastNode`; None where it cannot be."""
         if distance_m is None or distance_m >= 0.0:
             return distance_m
         self.note("an odd distanceSinceLastNode", f"{distance_m:g} m is less than nothing")
         return None
+
+
+class Jumps:
+    """Poses that are farther from the one before than the vehicle can have driven.
+
+    Args:
+        kind: what the plant says of it.
+        doubts: is told.
+    """
+
+    def __init__(self, kind: VehicleType, doubts: Doubts) -> None:
+        self._top_mps = FASTEST_TIMES * kind.max_speed_mps
+        self._doubts = doubts
+        self._doubted: tuple[Pose, float, float] | None = None
+        """The pose that was not taken last, when that was said, and since when there is such a one."""
+
+    def is_one(self, before: Pose | None, before_s: float, now: Pose, now_s: float) -> bool:
+        """Whether a new pose is not to be taken; one that is said for long enough is.
+
+        Args:
+            before: the pose that was taken last; None for none.
+            before_s: when that was.
+            now: the new one.
+            now_s: the present time.
+        """
+        if before is None or self._reaches(before, before_s, now, now_s):
+            self._doubted = None
+            return False
+        since_s = now_s
+        if self._doubted is not None and self._reaches(*self._doubted[:2], now, now_s):
+            since_s = self._doubted[2]
+        if now_s - since_s >= JUMP_S:
+            self._doubted = None
+            return False
+        self._doubted = (now, now_s, since_s)
+        gap_m = hypot(now.x_m - before.x_m, now.y_m - before.y_m)
+        words = f"{gap_m:.1f} m within {now_s - before_s:.1f} s is farther than it can have driven"
+        self._doubts.note("a pose that jumps", words)
+        return True
+
+    def _reaches(self, one: Pose, one_s: float, other: Pose, other_s: float) -> bool:
+        within_m = JUMP_M + self._top_mps * (other_s - one_s + JUMP_S)
+        return hypot(other.x_m - one.x_m, other.y_m - one.y_m) <= within_m
+
+
+class TimeStamps:
+    """The times of one vehicle's states. Nothing is done by them; what cannot be is told.
+
+    Args:
+        doubts: is told.
+    """
+
+    def __init__(self, doubts: Doubts) -> None:
+        self._doubts = doubts
+        self._last: tuple[float, float] | None = None
+        """By the vehicle's clock, and by ours."""
+
+    def look(self, said: str | None, now_s: float) -> None:
+        """Look at a newer state.
+
+        Args:
+            said: its `timestamp`; None where it has none.
+            now_s: the present time, by our clock.
+        """
+        if said is None:
+            self._doubts.note("no timestamp", "a state does not say when it was")
+            return
+        read = read_timestamp(said)
+        if read is None:
+            self._doubts.note("an odd timestamp", f"{said[:QUOTED]!r} is no time of ISO 8601")
+            return
+        at_s, year = read
+        if year not in YEARS:
+            self._doubts.note("an odd timestamp", f"{said[:QUOTED]}: its clock was never set")
+        last, self._last = self._last, (at_s, now_s)
+        if last is None:
+            return
+        gone_s, ours_s = at_s - last[0], now_s - last[1]
+        if abs(gone_s - ours_s) > CLOCK_STEP_S:
+            self._doubts.note("a clock that jumps", f"by {gone_s - ours_s:+.0f} s, to {said[:QUOTED]}")
+        elif gone_s < -BACK_S:
+            self._doubts.note("a timestamp that goes back", f"by {-gone_s:.1f} s, to {said[:QUOTED]}")
 
 
 class BatteryLevel:

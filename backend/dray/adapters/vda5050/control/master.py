@@ -51,7 +51,7 @@ from dray.body import (
     VehicleInstruction,
     VehicleState,
 )
-from dray.messages import Pose
+from dray.messages import BodyWait, Pose
 from dray.messages.problem import NOTHING_KNOWN, ProblemKind
 from dray.plant import Plant
 from dray.plant.model import VehicleType
@@ -125,8 +125,9 @@ class MasterControl:
         self._steady = Steady()
         self._hindrance, self._hindered_s = "", 0.0
         """What keeps the vehicle from its next order, and since when."""
-        self._waits, self._waits_s, self._has_noted_wait = "", 0.0, False
-        """What is waited for, since when, and whether that is in the log."""
+        self._waits: tuple[str, str] | None = None
+        self._waits_s, self._has_noted_wait = 0.0, False
+        """What is waited for and what ends it, since when, and whether that is in the log."""
         self._foreign: set[str] = set()
         """Actions of somebody else that were told."""
         self._problem: ProblemRaised | None = None
@@ -150,35 +151,49 @@ class MasterControl:
         found = self._find_problem(self.view.heard_s)
         return found.reason if found is not None else "the vehicle has not said where it is"
 
-    def waits_for(self, now_s: float) -> str:
-        """What it waits for, since when, and what would end that, in one line; empty where it waits for nothing."""
-        return f"waits for {now_s - self._waits_s:.0f} s: {self._waits}" if self._waits else ""
+    @property
+    def wait(self) -> BodyWait | None:
+        """What it waits for, since when, and what would end that; None where it waits for nothing."""
+        if self._waits is None:
+            return None
+        what, until = self._waits
+        return BodyWait(what=what, since_s=self._waits_s, until=until)
 
-    def _what_it_waits_for(self) -> str:
+    def waits_for(self, now_s: float) -> str:
+        """The same in one line; empty where it waits for nothing."""
+        wait = self.wait
+        return (
+            ""
+            if wait is None
+            else f"waits for {now_s - wait.since_s:.0f} s: {wait.what} (until {wait.until})"
+        )
+
+    def _what_it_waits_for(self) -> tuple[str, str] | None:
+        """What it waits for, and what would end that."""
         order, way = self._orders.present, self._work.way
         if self._problem is not None:
-            return f"{self._problem.reason} (until that is gone)"
+            return self._problem.reason, "that is gone"
         if not self.is_known:
-            return f"{self.why_unknown} (until it says so)"
+            return self.why_unknown, "it says so"
         if self._holding.held:
-            return "its agent holds it (until its agent lets it go on)"
+            return "its agent holds it", "its agent lets it go on"
         if self._hindrance:
-            return f"{self._hindrance} (until it stands and has nothing left to do)"
+            return self._hindrance, "it stands and has nothing left to do"
         if order is None and self._work.wants_order and self.view.is_charging:
-            return f"it charges (until it does not, or {self._profile.stop_charging} has ended)"
+            return "it charges", f"it does not, or {self._profile.stop_charging} has ended"
         if order is None:
             is_short = way is not None and not self._work.wants_order
-            return "no more of its way is released (until its agent releases more)" if is_short else ""
+            return ("no more of its way is released", "its agent releases more") if is_short else None
         match order.now:
             case OrderState.OFFERED:
-                return f"it does not show order {order.id} (until it does, for {self._profile.silent_s:g} s)"
+                return f"it does not show order {order.id}", f"it does, for {self._profile.silent_s:g} s"
             case OrderState.REFUSED:
-                return f"it has refused order {order.id}: {order.reason} (until it is tried again)"
+                return f"it has refused order {order.id}: {order.reason}", "it is tried again"
             case OrderState.CANCELLING:
-                return f"order {order.id} is cancelled (until cancelOrder has ended, or it has nothing left to do)"
+                return f"order {order.id} is cancelled", "cancelOrder has ended, or it has nothing left to do"
         if order.action is not None:
-            return f"its action {order.action.type} (until that is FINISHED or FAILED)"
-        return f"it drives to {order.nodes[min(order.passed + 1, order.end)]} (until it is there)"
+            return f"its action {order.action.type}", "that is FINISHED or FAILED"
+        return f"it drives to {order.nodes[min(order.passed + 1, order.end)]}", "it is there"
 
     def _note_waits(self, now_s: float) -> None:
         """In the log, once, when it takes long: what it waits for."""
@@ -234,7 +249,7 @@ class MasterControl:
             self._instant.clear(self.view.state, now_s)
             self._orders.tick(now_s)
             if (error := self._criticals.look(self._orders.running, now_s)) is not None:
-                self._orders.fail(error.text, now_s)
+                self._orders.fail(error, now_s)
             self._holding.tick(now_s)
         self._tell_problem(now_s)
         if self.is_linked and self.is_known and not self._problem and not self._holding.held:
@@ -269,6 +284,8 @@ class MasterControl:
             charging=view.is_charging,
             problem=self._problem.reason if self._problem else "",
             about_problem=self._problem.problem if self._problem else NOTHING_KNOWN,
+            battery_reckoned=bool(view.battery.unknown),
+            wait=self.wait,
             base_end=way.base_end if way is not None else "",
         )
 
@@ -315,6 +332,9 @@ class MasterControl:
         order = self._orders.present
         is_handling = order is not None and order.kind in (Kind.PICK, Kind.DROP)
         self._load.on_state(state, is_handling=is_handling, now_s=now_s)
+        if self._load.flickers:
+            words = "what is on board changed for a moment, and no action of ours was under way"
+            self.view.doubts.note("a load that comes and goes", words)
 
     def _recognise(self, now_s: float) -> None:
         """Go on with the order of the life before: it is never given a second time under another id."""

@@ -22,6 +22,7 @@ class OnBoard:
         doubt: why it is not known what is on board: a pick or drop whose end nobody saw. A person sees to it: a vehicle that
             was in another mode than AUTOMATIC, and is back, has been looked after.
         difference: how what the vehicle tells differs; empty when it does not.
+        flickers: what the vehicle told differed only for a moment, and no action had just ended.
     """
 
     def __init__(self, profile: Profile, item: str, quantity: int, doubt: str) -> None:
@@ -29,6 +30,9 @@ class OnBoard:
         self.item, self.quantity = item, quantity
         self.doubt = doubt
         self.difference = ""
+        self.flickers = False
+        self._is_settled = False
+        """What is told has agreed since the last pick or drop."""
         self._differs_s: float | None = None
         self._open: tuple[str, int] = ("", 0)
         """What a pick was about whose end nobody saw."""
@@ -36,6 +40,7 @@ class OnBoard:
     def picked(self, item: str, quantity: int) -> None:
         """It is on board."""
         self.item, self.quantity, self._differs_s, self.difference = item, quantity, None, ""
+        self._is_settled = False
 
     def dropped(self) -> None:
         """It is not any more."""
@@ -72,6 +77,7 @@ class OnBoard:
         Returns:
             Whether the knowledge has changed.
         """
+        self.flickers = False
         told = self._told(state)
         if told is None or is_handling:
             self._differs_s, self.difference = None, ""
@@ -82,7 +88,8 @@ class OnBoard:
             self.doubt = ""
             return True
         if self._agrees(told):
-            self._differs_s, self.difference = None, ""
+            self.flickers = self._is_settled and self._differs_s is not None and not self.difference
+            self._differs_s, self.difference, self._is_settled = None, "", True
             return False
         self._differs_s = now_s if self._differs_s is None else self._differs_s
         if now_s - self._differs_s >= DIFFERS_S:

@@ -189,11 +189,11 @@ class Orders:
         elif order.now is OrderState.REFUSED:
             self._end(order, OrderState.ENDED, CANCELLED, now_s)
 
-    def fail(self, reason: str, now_s: float) -> None:
+    def fail(self, error: VehicleError, now_s: float) -> None:
         """End the present order, since the vehicle cannot go on with it: it waits to be told so."""
         order = self.present
         if order is not None and order.now in ACTIVE:
-            order.reason = reason
+            order.reason, order.ended_by = error.text, error
             self._begin_cancel(order, now_s)
 
     @property
@@ -261,7 +261,7 @@ class Orders:
         if error is None or error.error_level not in (FATAL, CRITICAL) or self._view.is_moving:
             return
         if now_s - max(order.offered_s, self._view.stirred_s) >= SETTLE_S:
-            self.fail(error.text, now_s)
+            self.fail(error, now_s)
 
     # --- an order that is offered ----------------------------------------------------------------
 
@@ -378,7 +378,8 @@ class Orders:
                 self._end(order, OrderState.DONE, "", now_s)
         elif self._is_quiet(order, now_s):
             # Shown, never begun, and complained of: a refusal that came late.
-            error = (refusal(order, state) if not order.passed else None) or critical(state, self._profile)
+            order.ended_by = critical(state, self._profile)
+            error = (refusal(order, state) if not order.passed else None) or order.ended_by
             if error is None and self._stands_at_end(order):
                 said = state.last_node_id or "nothing"
                 self._note_once(

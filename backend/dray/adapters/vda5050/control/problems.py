@@ -9,7 +9,7 @@ from __future__ import annotations
 from dray.adapters.vda5050.control.refusals import FATAL, is_about_order, is_critical
 from dray.adapters.vda5050.control.view import NEVER_S, VehicleView
 from dray.adapters.vda5050.profile import Profile
-from dray.adapters.vda5050.wire.messages import State
+from dray.adapters.vda5050.wire.messages import State, VehicleError
 from dray.body import ProblemRaised
 from dray.messages.base import METRES_MAX
 from dray.messages.problem import Problem, ProblemKind
@@ -83,8 +83,9 @@ def complaint(state: State, profile: Profile, *, critical: bool) -> ProblemRaise
     for error in state.errors or ():
         is_fatal = error.error_level == FATAL and not is_about_order(error)
         if critical if is_critical(error, profile) else is_fatal:
-            kind = profile.problems.get(error.error_type or "") or _kind(error.error_type or "")
-            return problem(error.text, kind, needs_person=True if error.error_level == FATAL else None)
+            return problem(
+                error.text, kind_of(error, profile), needs_person=True if error.error_level == FATAL else None
+            )
     position = state.position
     if position is not None and not position.is_localised:
         return problem("it does not know where it is: not localised", ProblemKind.LOST_POSITION)
@@ -101,8 +102,11 @@ def problem(
     return ProblemRaised(reason=reason, problem=Problem(kind=kind, needs_person=needs_person))
 
 
-def _kind(error_type: str) -> ProblemKind:
-    words = error_type.lower()
+def kind_of(error: VehicleError, profile: Profile) -> ProblemKind:
+    """What an error is about: by the profile, else by its type."""
+    if (kind := profile.problems.get(error.error_type or "")) is not None:
+        return kind
+    words = (error.error_type or "").lower()
     return next((kind for kind, parts in KINDS if any(part in words for part in parts)), ProblemKind.UNKNOWN)
 
 

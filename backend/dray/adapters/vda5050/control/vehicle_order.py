@@ -11,7 +11,7 @@ import msgspec
 
 from dray.adapters.vda5050.control.order_state import TRANSITIONS, OrderState
 from dray.adapters.vda5050.events import OrderMemory
-from dray.adapters.vda5050.wire.messages import State
+from dray.adapters.vda5050.wire.messages import State, VehicleError
 from dray.adapters.vda5050.wire.orders import Action, Order, OrderEdge, OrderNode, Spot
 from dray.body import Charge, Drop, Pick
 from dray.states import States
@@ -95,6 +95,8 @@ class VehicleOrder:
         """What the vehicle complained of when it was offered: that refuses something else."""
         self.refused_with = ""
         """The words of its newest refusal in words."""
+        self.ended_by: VehicleError | None = None
+        """The error for which it was ended; None for none."""
         self.is_unwanted = False
         self.takes_updates = True
         self.is_twice = False

@@ -12,7 +12,7 @@ from math import atan2, cos, hypot, sin
 
 import msgspec
 
-from dray.adapters.vda5050.control.doubts import BatteryLevel, Doubts
+from dray.adapters.vda5050.control.doubts import BatteryLevel, Doubts, Jumps, TimeStamps
 from dray.adapters.vda5050.control.names import Names
 from dray.adapters.vda5050.profile import Profile
 from dray.adapters.vda5050.wire.lenient import read
@@ -92,6 +92,7 @@ class VehicleView:
         self.odd: Counter[str] = Counter()
         self.doubts = Doubts(kind, self.odd)
         self.battery = BatteryLevel(kind, profile, self.doubts)
+        self._jumps, self._stamps = Jumps(kind, self.doubts), TimeStamps(self.doubts)
         self.state = State()
         self.heard_s = NEVER_S
         self.pose: Pose | None = None
@@ -108,7 +109,7 @@ class VehicleView:
         self._counts_anew = False
         """It has connected anew: its messages may be numbered from 0 again."""
         self.doubtful_s: float | None = None
-        """When a state came that is older, or of a vehicle that was restarted; None when newer ones have come."""
+        """When a state came that is older, of a vehicle that was restarted, or with a pose that jumps; None when newer ones have come."""
 
     def take(self, topic: str, data: bytes, now_s: float) -> State | None:
         """Note what it says.
@@ -225,6 +226,8 @@ class VehicleView:
             return False
         self.doubtful_s, self._counts_anew = None, False
         self.state, self.heard_s, self.said_node = state, now_s, said
+        self._stamps.look(state.timestamp, now_s)
+        self.doubts.loads(state.loads)
         self.away = ""  # Whoever speaks is there: `connection` is a hint.
         before = self.pose
         self._take_pose(state.position, state.velocity, now_s)
@@ -270,6 +273,7 @@ class VehicleView:
         if position is None or position.x is None or position.y is None or not position.is_localised:
             return
         map_id = position.map_id or self.map_id
+        has_changed_map = map_id != self.map_id
         if not self.map_id or self.names.knows_map(map_id):
             self.map_id = map_id  # It has gone to another floor.
         frame = self.names.frame(map_id)
@@ -283,7 +287,11 @@ class VehicleView:
         before, before_s = self.pose, self._posed_s
         theta = self.doubts.heading(position.theta or 0.0)
         x_m, y_m, turn = frame.to_plant(position.x, position.y, theta or 0.0)
-        self.pose = Pose(x_m=x_m, y_m=y_m, heading_rad=atan2(sin(turn), cos(turn)))
+        pose = Pose(x_m=x_m, y_m=y_m, heading_rad=atan2(sin(turn), cos(turn)))
+        if self._jumps.is_one(None if has_changed_map else before, before_s, pose, now_s):
+            self.doubtful_s = now_s if self.doubtful_s is None else self.doubtful_s
+            return
+        self.pose = pose
         if theta is None and before is not None:
             self.pose = msgspec.structs.replace(self.pose, heading_rad=before.heading_rad)
         self._posed_s = now_s

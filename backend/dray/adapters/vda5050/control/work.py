@@ -21,6 +21,8 @@ from dray.adapters.vda5050.control.orders import (
     VANISHED,
     Orders,
 )
+from dray.adapters.vda5050.control.problems import kind_of
+from dray.adapters.vda5050.control.refusals import is_about_order
 from dray.adapters.vda5050.control.steps import Steps
 from dray.adapters.vda5050.control.vehicle_order import ONLY_WAITS, Kind, Task, VehicleOrder
 from dray.adapters.vda5050.control.view import VehicleView
@@ -29,8 +31,20 @@ from dray.adapters.vda5050.control.whereabouts import PAST_M, Stand, Whereabouts
 from dray.adapters.vda5050.events import Effect, Tell
 from dray.adapters.vda5050.profile import Profile
 from dray.adapters.vda5050.wire.messages import OVER
-from dray.body import ActionDone, ActionFailed, Charge, Drive, Drop, NodePassed, Pick, Report, WayDone
+from dray.body import (
+    ActionDone,
+    ActionFailed,
+    Charge,
+    Drive,
+    Drop,
+    NodePassed,
+    Pick,
+    Report,
+    WayBlocked,
+    WayDone,
+)
 from dray.errors import ProtocolViolation
+from dray.messages.problem import ProblemKind
 from dray.plant import Plant
 from dray.plant.model import VehicleType
 
@@ -238,9 +252,27 @@ class Work:
             way.failures = 0
         else:
             way.failures += 1
+            self._tell_blocked(way, order, found)
             # What was cut short goes on from where it stands; what was refused, again and again, does not.
             if order.reason != STOPPED_SHORT or way.failures >= FRUITLESS_MAX:
                 self._lose_way(way, order.reason)
+
+    def _tell_blocked(self, way: Way, order: VehicleOrder, found: Stand | None) -> None:
+        """An error about its way has ended an order: others go round that lane, and its agent goes another way, if one leads there.
+
+        The error lasts until the next order is accepted, so it does not say when the lane is free: agents forget it after a
+        while, or somebody drives there.
+        """
+        error, first = order.ended_by, order.passed + 1
+        if error is None or is_about_order(error) or first > order.end:
+            return
+        if kind_of(error, self._profile) is not ProblemKind.WAY_BLOCKED:
+            return
+        named = (index for index in range(first, order.end + 1) if error.names(order.nodes[index]))
+        end = next(named, first)
+        start, goal = order.nodes[end - 1], order.nodes[end]
+        entered = found is not None and found != Stand(order.nodes[order.passed])
+        self._tell(WayBlocked(order=way.number, start=start, end=goal, entered=entered and end == first))
 
     def _pass_corners(self, order: VehicleOrder, found: Stand, now_s: float) -> None:
         """Of a lane that was left half way: the vehicle has not told them."""

@@ -79,6 +79,8 @@ def _fit(wanted: Any, value: Any, odd: Counter[str]) -> Any:
             return _mend(wanted, value, odd)
         odd[ODD_FIELD] += 1
         return None
+    if isinstance(value, str):
+        value = encodable(value)  # A lone surrogate cannot be converted.
     try:
         fitted = msgspec.convert(value, wanted, strict=False)
     except (msgspec.ValidationError, OverflowError):
@@ -87,4 +89,4 @@ def _fit(wanted: Any, value: Any, odd: Counter[str]) -> Any:
     if isinstance(fitted, float) and not isfinite(fitted):
         odd[ODD_FIELD] += 1
         return None
-    return encodable(fitted) if isinstance(fitted, str) else fitted
+    return fitted

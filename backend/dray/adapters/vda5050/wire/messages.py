@@ -138,12 +138,15 @@ class Load(Said, frozen=True):
 
     load_id: str | None = None
     load_type: str | None = None
+    weight: float | None = None
+    """In kg."""
 
 
 class State(Said, frozen=True):
     """The topic `state`."""
 
     header_id: int | None = None
+    timestamp: str | None = None
     order_id: str | None = None
     order_update_id: int | None = None
     last_node_id: str | None = None

@@ -14,6 +14,7 @@ from dray.gateway.live.views.agent import ClockView, ProbationView, ShutOutView,
 from dray.gateway.live.views.alert import AlertKind, AlertRecord, AlertResponse, AlertView, AlertWordView
 from dray.gateway.live.views.atv import (
     AtvView,
+    BodyWaitView,
     BriefView,
     HelpView,
     OutOfServiceView,
@@ -51,6 +52,7 @@ __all__ = [
     "AtvView",
     "AudienceView",
     "BidView",
+    "BodyWaitView",
     "BriefView",
     "BufferView",
     "CarrierView",

@@ -47,6 +47,15 @@ class ProblemView(View, kw_only=True):
     load_movable: bool | None = None
 
 
+class BodyWaitView(View, kw_only=True):
+    """What a vehicle's body waits for, in its driver's words."""
+
+    what: str
+    until: str = ""
+    """What ends it; empty where the driver does not know."""
+    since_at_s: float
+
+
 class HelpView(View, kw_only=True):
     """A problem that a person can solve, while its task, or a machine's goals, wait for that."""
 
@@ -102,6 +111,8 @@ class AtvView(View, kw_only=True):
     holds: tuple[str, ...] = ()
     """Nodes and crossings into which nobody else may drive; empty where vehicles drive without right of way."""
     battery_frac: float
+    battery_reckoned: bool = False
+    """Its level is reckoned by time and metres, not measured."""
     battery_low: bool = False
     """It takes no work before it has charged, by its type's `must_below_frac`."""
     load: str = ""
@@ -118,6 +129,8 @@ class AtvView(View, kw_only=True):
     problem: str = ""
     about_problem: ProblemView | None = None
     """None without a problem, and where there are only words."""
+    body_wait: BodyWaitView | None = None
+    """None where it waits for nothing, or for less than ten seconds, or does not tell."""
     help: HelpView | None = None
     software: str = ""
     draining: bool = False

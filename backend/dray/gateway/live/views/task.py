@@ -24,6 +24,8 @@ class BidView(View, kw_only=True):
     adds something for contracts that the bidder has dropped."""
     finish_at_s: float
     source: str = ""
+    battery_reckoned: bool = False
+    """The level of the bidder's battery is reckoned by time and metres, not measured."""
     answer: str = ""
     """What came of it: empty, asked, accepted, silent, or the reason of the decline."""
     taken_for: str = ""

@@ -54,7 +54,7 @@ from dray.gateway.routes.keys import KeyAnswer, NewKeyAnswer
 from dray.gateway.routes.me import MeAnswer
 from dray.gateway.routes.openapi.examples import examples
 from dray.gateway.routes.orders.imports import ImportAnswer
-from dray.gateway.routes.orders.orders import OrderAnswer
+from dray.gateway.routes.orders.orders import OrderAnswer, PlacedOrder
 from dray.gateway.routes.orders.schedules import RunsPreview, ScheduleAnswer
 from dray.gateway.routes.orders.timeline import LinksRevoked, NewLink, OrderStory
 from dray.gateway.routes.orders.transports import TransportAnswer
@@ -105,6 +105,7 @@ SHAPES = (
     MeAnswer,
     ObstacleView,
     OrderAnswer,
+    PlacedOrder,
     OrderPreview,
     OrderStory,
     Outlook,

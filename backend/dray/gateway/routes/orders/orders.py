@@ -8,11 +8,12 @@ from typing import Annotated
 
 import msgspec
 from fastapi import APIRouter, Depends, Query, Request, Response
+from msgspec import UNSET, UnsetType
 
 from dray.gateway.access.audit_log import note_of
 from dray.gateway.access.caller import caller_of
 from dray.gateway.http.csv_tables import Format, Row, table, with_csv
-from dray.gateway.http.problems import not_found
+from dray.gateway.http.problems import FieldError, not_found
 from dray.gateway.http.provided import Provided, provided
 from dray.gateway.http.public_urls import BaseUrl, public_url
 from dray.gateway.http.request_bodies import json_only
@@ -61,6 +62,14 @@ class OrderAnswer(OrderView, kw_only=True):
     tracking_url: str
     etag: str
     """Its `ETag`: what `If-Match` takes when it is changed."""
+
+
+class PlacedOrder(OrderAnswer, kw_only=True):
+    """An order that was placed."""
+
+    hints: tuple[FieldError, ...] | UnsetType = UNSET
+    """What is odd in it: its customer and reference are those of another order of the last hour. It is placed all the same. Left
+    out where there is nothing."""
 
 
 EXAMPLE = OrderAnswer(
@@ -155,7 +164,7 @@ DRAFTS = {
     status_code=HTTPStatus.CREATED,
     dependencies=[Depends(json_only)],
     responses={
-        201: described(OrderAnswer, "The order is on disk", EXAMPLE)
+        201: described(PlacedOrder, "The order is on disk", EXAMPLE)
         | {
             "headers": {
                 "Location": {"description": "The order", "schema": {"type": "string"}},
@@ -178,13 +187,15 @@ async def place_order(request: Request, draft: OrderDraft, key: Key = None) -> J
     """Place an order."""
     # What others ask for by parameters: each of those costs as much as the JSON of an order.
     base = public_url(provided(request.app, Settings), request)
-    caller = caller_of(request)
-    kept, replayed = await provided(request.app, OrderPlacement).place_once(
-        draft,
-        caller.key,
-        None if key is None else own_key(caller, key),
-        lambda order: msgspec.json.encode(order_answer(order, base)),
-        note_of(request),
+    caller, placement = caller_of(request), provided(request.app, OrderPlacement)
+    hints = await placement.look_twice(draft)
+
+    def render(order: Order) -> bytes:
+        answer = order_answer(order, base)
+        return msgspec.json.encode(_placed_order(answer, hints) if hints else answer)
+
+    kept, replayed = await placement.place_once(
+        draft, caller.key, None if key is None else own_key(caller, key), render, note_of(request)
     )
     return _created(kept.order_id, kept.answer.encode(), {"Idempotency-Replayed": "true"} if replayed else {})
 
@@ -328,6 +339,10 @@ def order_answer(order: Order, base_url: str, waits: CauseView | None = None) ->
         tracking_url=f"{base_url}/track/{order.token}",
         etag=version_tag(order_version(order)),
     )
+
+
+def _placed_order(answer: OrderAnswer, hints: tuple[FieldError, ...]) -> PlacedOrder:
+    return PlacedOrder(**{name: getattr(answer, name) for name in answer.__struct_fields__}, hints=hints)
 
 
 async def _rows(store: Store, wanted: OrderFilter, sorting: Sorting) -> AsyncIterator[Row]:

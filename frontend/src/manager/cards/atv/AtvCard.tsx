@@ -1,4 +1,6 @@
 import type { AtvView, TaskView } from "../../../api/types";
+import { batteryText } from "../../../parts/battery";
+import { BodyWait } from "../../../parts/BodyWait";
 import { Card } from "../../../parts/Card";
 import { Carrying } from "../../../parts/Carrying";
 import { Fact, Facts } from "../../../parts/Facts";
@@ -62,6 +64,7 @@ function AtvCard({ atv }: { atv: AtvView }) {
         </div>
       )}
       {wait && <WaitNote wait={wait} />}
+      {!lost && <BodyWait atv={atv} nowS={presentS.value} speed={speed} />}
       <Carrying
         key={atv.id}
         atv={atv}
@@ -95,10 +98,10 @@ function AtvCard({ atv }: { atv: AtvView }) {
         <span>{t("atv.battery")}</span>
         <Meter
           frac={atv.battery_frac}
-          label={format.percent(atv.battery_frac)}
+          label={batteryText(atv)}
           tone={atv.battery_frac < 0.2 ? "warn" : "normal"}
         />
-        <span class="num">{format.percent(atv.battery_frac)}</span>
+        <span class="num">{batteryText(atv)}</span>
       </div>
       {!atv.shut_out && (
         <div class="card-foot">

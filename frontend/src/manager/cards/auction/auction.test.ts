@@ -13,7 +13,7 @@ const NO_REASON: WhyView = {
 };
 const bid = (bidder: string, empty_way: number, loaded_way = 40, more: Partial<BidView> = {}): BidView => ({
   bidder, role: "primary", epoch: 1, round: 1, total_s: empty_way + loaded_way, parts_s: { empty_way, loaded_way },
-  finish_at_s: 0, source: "S4", answer: "", taken_for: "", ...more,
+  finish_at_s: 0, source: "S4", battery_reckoned: false, answer: "", taken_for: "", ...more,
 });
 const refusal = (agent: string, reason: string, more: Partial<RefusalView> = {}): RefusalView => ({
   agent, role: "primary", epoch: 1, round: 1, reason, detail: "", ...more,

@@ -19,8 +19,15 @@ export function Feasible() {
   const file = plant.value;
   if (!file) return null;
   if (outcome.value) {
-    const { good, text } = outcome.value;
-    return <p class={`outcome outcome-${good ? "good" : "bad"}`}>{text}</p>;
+    const { good, hints = [], text } = outcome.value;
+    return (
+      <>
+        <p class={`outcome outcome-${good ? "good" : "bad"}`}>{text}</p>
+        {hints.map((hint) => (
+          <p key={hint} class="tone-warn">{hint}</p>
+        ))}
+      </>
+    );
   }
   if (preview.value) return <Foreseen found={preview.value} />;
   const { product } = draft.value;

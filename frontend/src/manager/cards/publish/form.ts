@@ -1,6 +1,7 @@
 /** The form's state, and the sending of it. */
 import { computed, signal } from "@preact/signals";
 import { newKey, placeOrder } from "../../../api/client";
+import type { FieldError } from "../../../api/types";
 import { Problem } from "../../../api/problem";
 import { nowS } from "../../../stream/stream";
 import { format, t } from "../../../text/manager";
@@ -17,7 +18,7 @@ export const draft = computed<Draft>(() => ({
 }));
 export const complaints = signal<Partial<Record<Field, string>>>({});
 export const sending = signal(false);
-export const outcome = signal<{ good: boolean; text: string } | null>(null);
+export const outcome = signal<{ good: boolean; text: string; hints?: readonly string[] } | null>(null);
 
 /** One key per order, kept over failed tries; a changed order is another one. */
 let key = newKey();
@@ -43,15 +44,22 @@ export async function send(release: boolean): Promise<void> {
   if (body !== keyFor) [key, keyFor] = [newKey(), body];
   sending.value = true;
   try {
-    const { id } = await placeOrder(order, key);
+    const { hints = [], id } = await placeOrder(order, key);
     keyFor = "";
     written.value = { ...written.value, reference: "" };
-    outcome.value = { good: true, text: t(release ? "publish.published" : "publish.defined", { id }) };
+    outcome.value = { good: true, text: t(release ? "publish.published" : "publish.defined", { id }), hints: await inReadersWords(hints) };
   } catch (error) {
     complain(error);
   } finally {
     sending.value = false;
   }
+}
+
+/** What is odd in an order that was placed all the same. */
+async function inReadersWords(hints: readonly FieldError[]): Promise<string[]> {
+  if (hints.length === 0) return [];
+  const { faultText } = await import("../../../text/views/rows/fault-text");
+  return await Promise.all(hints.map(faultText));
 }
 
 function complain(error: unknown): void {

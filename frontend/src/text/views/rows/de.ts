@@ -14,6 +14,7 @@ export const rows: Catalogue<typeof en> = {
   "rowFault.csv_cell_of_lines": "Die Zelle geht über {count} Zeilen. In eine schreiben oder das fehlende Anführungszeichen ergänzen.",
   "rowFault.column_unnamed": "Spalte {number} hat Zellen und keinen Namen. Benennen oder entfernen.",
   "rowFault.placed_already": "{customer} hat mit diesem Zeichen den Auftrag {order}, angelegt vor {minutes} min. Das wäre ein zweiter.",
+  "rowFault.placed_twice": "{customer} hat mit diesem Zeichen auch den Auftrag {order}, angelegt vor {minutes} min. Stornieren Sie einen von beiden, wenn er doppelt gesendet wurde.",
   "rowFault.in_file_already": "Auch der Auftrag in Zeile {row} hat diesen Kunden und dieses Zeichen. Das wäre ein zweiter. Für einen die Zeilen hintereinander schreiben.",
   "rowFault.csv_empty": "In der Datei steht nichts. Mit einer Zeile der Spaltennamen beginnen: {columns}.",
   "rowFault.csv_too_wide": "Die Datei hat {count} Spalten. Es gibt: {columns}.",

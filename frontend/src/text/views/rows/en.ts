@@ -11,6 +11,7 @@ export const rows = {
   "rowFault.csv_cell_of_lines": "The cell goes over {count} lines. Write it in one, or add the quotation mark that is missing.",
   "rowFault.column_unnamed": "Column {number} has cells and no name. Name it, or remove it.",
   "rowFault.placed_already": "{customer} has order {order} with this reference, placed {minutes} min ago. This would be a second one.",
+  "rowFault.placed_twice": "{customer} has order {order} with this reference, too, placed {minutes} min ago. Cancel one of both if it was sent twice.",
   "rowFault.in_file_already": "The order in row {row} has this customer and reference, too. This would be a second one. Write its rows one after another to make them one.",
   "rowFault.csv_empty": "There is nothing in the file. Begin with a row of column names: {columns}.",
   "rowFault.csv_too_wide": "The file has {count} columns. There are: {columns}.",

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any, cast
 
-from dray.gateway.live.views import HelpView, OutOfServiceView, ProblemView
-from dray.messages import HelpWanted, OutOfService, Problem
+from dray.gateway.live.views import BodyWaitView, HelpView, OutOfServiceView, ProblemView
+from dray.messages import BodyWait, HelpWanted, OutOfService, Problem
 from dray.store.history.clocks import ToWall
 
 
@@ -23,6 +23,11 @@ def out_view(out: OutOfService, to_wall_s: ToWall) -> OutOfServiceView:
 def help_view(wanted: HelpWanted, to_wall_s: ToWall) -> HelpView:
     """How long its work waits for a person."""
     return HelpView(until_at_s=to_wall_s(wanted.until_s), promised_by=wanted.promised_by)
+
+
+def wait_view(wait: BodyWait, to_wall_s: ToWall) -> BodyWaitView:
+    """What its body waits for."""
+    return BodyWaitView(what=wait.what, until=wait.until, since_at_s=to_wall_s(wait.since_s))
 
 
 def problem_view(problem: Problem) -> ProblemView:

@@ -9,7 +9,7 @@ from typing import Any
 import msgspec
 from msgspec import UNSET
 
-from dray.gateway.live.projection.agents.asked import help_view, out_view, problem_view
+from dray.gateway.live.projection.agents.asked import help_view, out_view, problem_view, wait_view
 from dray.gateway.live.projection.agents.outsiders import Outsiders
 from dray.gateway.live.projection.agents.removals import Removals
 from dray.gateway.live.projection.agents.silence import Silence
@@ -180,6 +180,7 @@ class Atvs:
             way=heartbeat.way,
             holds=() if heartbeat.floor is UNSET else heartbeat.floor.holds,
             battery_frac=heartbeat.battery_frac,
+            battery_reckoned=heartbeat.battery_reckoned,
             battery_low=heartbeat.battery_frac < self._must_charge_frac.get(atv, ANY_MUST_CHARGE_FRAC),
             load=heartbeat.load,
             load_quantity=heartbeat.load_quantity,
@@ -192,6 +193,9 @@ class Atvs:
             acknowledged=heartbeat.acknowledged,
             problem=heartbeat.problem,
             about_problem=None if heartbeat.about_problem is UNSET else problem_view(heartbeat.about_problem),
+            body_wait=None
+            if heartbeat.body_wait is UNSET
+            else wait_view(heartbeat.body_wait, self._to_wall_s),
             help=None if heartbeat.help is None else help_view(heartbeat.help, self._to_wall_s),
             software=heartbeat.software,
             draining=heartbeat.draining,

@@ -34,6 +34,7 @@ def add_bid(task: TaskView, fact: BidReceived, to_wall_s: ToWall) -> bool:
         parts_s=_parts(fact.cost) | ({"reliability": fact.surcharge_s} if fact.surcharge_s else {}),
         finish_at_s=to_wall_s(fact.finish_s),
         source=fact.source,
+        battery_reckoned=fact.battery_reckoned is True,
     )
     same = (fact.bidder, bid.role, fact.epoch, fact.round)
     others = [o for o in task.bids if (o.bidder, o.role, o.epoch, o.round) != same]
