@@ -98,6 +98,14 @@ def test_who_speaks_where_the_vehicle_holds_nothing_does_not_spoil_what_the_vehi
     assert held(keeper) == {HERE}
 
 
+def test_the_owner_waits_where_somebody_else_holds_places_in_its_name() -> None:
+    keeper = Keeper()
+    keeper.told("ATV1", own(groups=((HERE,),), key=STOLEN), 99.0)
+    assert {line.mark for line in keeper.book.of("ATV1")} == {own(key=STOLEN).mark}
+    effects = keeper.told("ATV1", own(groups=((HERE,),)), 100.0)
+    assert (answers(effects), facts(effects, NameMisused)) == ([], [NameMisused("ATV1")])
+
+
 def test_a_persons_word_frees_what_is_held_under_any_key(keeper: Keeper) -> None:
     keeper.told("gateway", Removals(removals=(word(atv="ATV1"),)), LATER_S)
     assert held(keeper) == set()
