@@ -12,6 +12,7 @@ from dray.adapters.security.own_key import own_key
 from dray.adapters.security.signing import VehicleKey, is_signed
 from dray.errors import UnavailableError
 from dray.messages import PlaceWished
+from dray.messages.radio import AVOID_NODES, shortened_word
 
 WISH = PlaceWished(
     district="M4",
@@ -59,7 +60,6 @@ def test_a_wish_is_signed_whole_and_in_one_name() -> None:
         {"seen": 8},
         {"stands": False},
         {"docked": True},
-        {"avoid": ("b5",)},
         {"chain": ("ATV3",)},
         {"removal": 1},
         {"signature": b""},
@@ -67,6 +67,14 @@ def test_a_wish_is_signed_whole_and_in_one_name() -> None:
         {"key": b"no key"},
     ]
     assert not any(is_signed("ATV1", replace(signed, **change)) for change in changes)
+
+
+def test_a_wish_that_is_cut_for_the_radio_is_still_signed() -> None:
+    wish = replace(WISH, avoid=tuple(f"r{number}" for number in range(64)))
+    signed = VehicleKey("ATV1", b"o" * 32).sign(wish)
+    cut = list(shortened_word(signed))
+    assert [len(each.avoid) for each in cut if isinstance(each, PlaceWished)] == [64, *AVOID_NODES]
+    assert all(isinstance(each, PlaceWished) and is_signed("ATV1", each) for each in cut)
 
 
 def test_a_wish_without_a_key_is_nobodys_in_particular() -> None:

@@ -259,6 +259,8 @@ class BookTold(Message, frozen=True):
 def wished_words(atv: str, wish: PlaceWished) -> bytes:
     """What the signature of a wish covers: a JSON array without white space, a time as whole thousandths.
 
+    Not `avoid`, which is a hint and is cut where a wish goes by radio.
+
     Args:
         atv: who says it.
         wish: its `signature` is not looked at.
@@ -278,7 +280,6 @@ def wished_words(atv: str, wish: PlaceWished) -> bytes:
             wish.seen,
             wish.stands,
             wish.docked,
-            wish.avoid,
             wish.chain,
             wish.removal,
         )
