@@ -161,6 +161,17 @@ def test_a_vehicle_that_is_heard_after_the_roll_call_still_holds_what_a_thief_ha
     assert held(keeper) == {HERE}
 
 
+def test_who_was_carried_away_in_a_roll_call_and_does_not_know_it_holds_nothing_afterwards() -> None:
+    keeper, epoch = called()
+    keeper.told("ATV1", beat(atv="ATV1"), 1.0)
+    tell_all(keeper, epoch)
+    keeper.told("gateway", Removals(removals=(word(atv="ATV1"),)), LATER_S)
+    assert keeper.books.books is not None
+    assert keeper.books.books.awaited(LATER_S + 60.0) == set()
+    keeper.told("ATV1", own(HERE, epoch=epoch, seen=5), LATER_S + 1.0)
+    assert held(keeper) == set()
+
+
 def tell_all(keeper: Keeper, epoch: int) -> None:
     for atv in PLANT.fleet:
         if atv != "ATV1":

@@ -242,6 +242,9 @@ class District:
         """
         if self._called_in is None or (sender, wish.mark) in self._called_in:
             return True
+        if wish.removal < self._book.removal_of(sender):
+            # Whatever it holds is void by a person's word.
+            return True
         others = sum(atv == sender for atv, _ in self._called_in)
         if others and (not wish.holds or others > BESIDE_MAX):
             # It has nothing to tell that would not come as well after the roll call.
