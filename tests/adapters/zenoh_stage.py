@@ -9,6 +9,7 @@ from typing import Any
 
 from zenoh_kit import Row, run_patiently
 
+from dray.adapters.zenoh.bus import ZenohSession
 from dray.messages import Event, Message
 from dray.messages.fact import AnyFact
 from dray.plant import default_plant
@@ -41,6 +42,12 @@ class Overheard:
     def publish(self, key: str, message: Message) -> None:
         self._listener.on_message(clock().now_s(), self._agent, key, message)
         self._inner.publish(key, message)
+
+    def take_name(self, agent: str) -> None:
+        """Speak under another's name from now on, unheard by the listener."""
+        assert isinstance(self._inner, ZenohSession)
+        self._agent = self._inner.agent = agent
+        self._listener = Listeners()
 
     def send(self, to: str, message: Message) -> None:
         self._listener.on_message(clock().now_s(), self._agent, f">{to}", message)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from dray.adapters.security.signing import SigningKey, TrustedKeys
+from dray.adapters.security.signing import SigningKey, TrustedKeys, is_signed
 from dray.memory import BookMemory, Note
 from dray.messages import AtvHeartbeat, AtvStatus, Message, Pose, Removal, Removals
 from dray.messages.floor.traffic import PlaceGranted, PlaceWished
@@ -47,7 +47,7 @@ class Keeper:
     """One machine that keeps all books of the plant alone."""
 
     def __init__(self, memory: dict[str, Note] | None = None, now_s: float = 0.0) -> None:
-        traffic = TrafficMap(PLANT)
+        traffic = TrafficMap(PLANT, is_signed)
         traffic.places = PLACES
         self.out: list[Effect] = []
         self.books = Bookkeeping(

@@ -171,7 +171,8 @@ class _Game:
             traffic=run.traffic,
             strategists=run.strategists,
         )
-        liar = INSIDER if run.insider else ""
+        # Whoever takes another's name must change nothing for its owner.
+        liar = INSIDER if run.insider and not BEHAVIOURS[run.insider].takes_name else ""
         attribution, liveness = (
             FaultAttribution(run.plant.fleet, factory.strategists),
             LivenessCheck(Bounds(run.plant, run.habits), liar),

@@ -60,6 +60,9 @@ LONGEST_REST_S = 120.0
 that were on the way to have found the gate shut."""
 
 
+IMPOSTORS_FRAC = 0.1
+"""Of the insiders in a plant with right of way: so many take the name of one of its vehicles."""
+
 LONGEST_CARRIED_S = 400.0
 """Who is carried away so long before the quiet phase is back on the floor by then, or nearly."""
 
@@ -201,7 +204,7 @@ def draw(seed: int, profile: str = "all", *, traffic: bool = False) -> Run:
         closings=_closings(plant, ranges, seed),
         carryings=_carryings(plant, ranges, Random(f"{seed} carried")) if traffic else (),
         calls=_calls(plant, ranges, seed),
-        insider=_insider(ranges, Random(f"{seed} insider")),
+        insider=_insider(ranges, Random(f"{seed} insider"), Random(f"{seed} impostor"), traffic=traffic),
         traffic=traffic,
     )
 
@@ -229,11 +232,14 @@ def _carryings(plant: Plant, ranges: Profile, random: Random) -> tuple[Carrying,
     return draw_carryings(plant, random, FAULTS_UNTIL_S - LONGEST_CARRIED_S)
 
 
-def _insider(ranges: Profile, random: Random) -> str:
+def _insider(ranges: Profile, random: Random, takes_name: Random, *, traffic: bool) -> str:
     """How somebody lies who never moves; one that drives would leave its loads to the quiet phase."""
     if random.random() >= ranges.insiders_frac:
         return ""
-    return random.choice([name for name, behaviour in BEHAVIOURS.items() if not behaviour.drives])
+    if traffic and takes_name.random() < IMPOSTORS_FRAC:
+        return next(name for name, behaviour in BEHAVIOURS.items() if behaviour.takes_name)
+    still = [name for name, it in BEHAVIOURS.items() if not it.drives and not it.takes_name]
+    return random.choice(still)
 
 
 def _schedule(seed: int, plant: Plant, ranges: Profile, intensity: float) -> tuple[Timed, ...]:

@@ -26,6 +26,7 @@ from dray.protocol.machine.machine import Machine
 from dray.protocol.runtime.running import Running
 from dray.protocol.runtime.trust import Trusts
 from dray.protocol.station.station import Station
+from dray.protocol.traffic.driving.wishes import unsigned
 from dray.protocol.traffic.traffic_map import TrafficMap
 from dray.protocol.vehicle.atv import Atv
 from dray.worker.worker import Worker
@@ -37,6 +38,7 @@ from dray_sim.clock.loop import VirtualClock
 from dray_sim.factory.installation import Embody, Installation, MakeAgent, MakeBody, always, directly
 from dray_sim.factory.journal import HeldJournal
 from dray_sim.factory.strategists import with_gate
+from dray_sim.factory.wish_keys import WishKeys
 from dray_sim.network.coverage import Coverage
 from dray_sim.network.latency import WLAN, Latency
 from dray_sim.network.listeners import Listener
@@ -64,6 +66,7 @@ class SimFactory:
     Attributes:
         authority: grants the commands of simulated people.
         trusts: whose grants vehicles believe.
+        wish_keys: by which vehicles sign what they say to keepers of books.
         bus: the simulated network; join it to take part.
         floor: all bodies and places.
         vehicles, workcells, storages, delivery, source: those of the floor.
@@ -107,7 +110,8 @@ class SimFactory:
             coverage=Coverage.of_plant(plant),
         )
         self._meet = meet(self.bus)
-        self.traffic = TrafficMap(plant) if traffic else None
+        self.wish_keys = WishKeys(seed)
+        self.traffic = TrafficMap(plant, self.wish_keys.is_signed) if traffic else None
         self.floor = floor = Floor(plant, clock, seed=seed, stock_frac=stock_frac)
         self.source, self.gate, self.delivery = floor.source, floor.gate, floor.delivery
         self.storages, self.workcells, self.vehicles = floor.storages, floor.workcells, floor.vehicles
@@ -367,6 +371,7 @@ class SimFactory:
             probation=probation,
             trusts=self.trusts,
             traffic=self.traffic,
+            sign_wish=self.wish_keys.of(spec.id) if self.traffic is not None else unsigned,
         )
 
     def _employ(self, agent: str, kind: Kind, make: MakeAgent, body: MakeBody) -> None:

@@ -50,6 +50,8 @@ class Behaviour:
         hands_over: it says that loads are down which it never had.
         claims_all: it claims every charger and parking place, as if it stood there.
         claims_floor: it says to all keepers of books that it holds every place, and wants every place.
+        takes_name: it has stolen the certificate of a vehicle of the plant, whose owner lives, and says in its name that it gives back all
+            that it holds.
         names_others: it names tasks that others carry as its own.
         flood_hz: so many messages it sends a second, to all coordinators in turn.
         betrays_every: of so many tasks that it has taken it betrays one: it says that all is well, and stands.
@@ -71,6 +73,7 @@ class Behaviour:
     hands_over: bool = False
     claims_all: bool = False
     claims_floor: bool = False
+    takes_name: bool = False
     names_others: bool = False
     flood_hz: float = 0.0
     betrays_every: int = 0
@@ -121,6 +124,11 @@ _ALL = (
         "claims-the-floor",
         "says to all keepers of books that it holds every place, and wants every place",
         claims_floor=True,
+    ),
+    Behaviour(
+        "speaks-in-anothers-name",
+        "says to all keepers of books, with a stolen certificate, that a vehicle gives back all that it holds",
+        takes_name=True,
     ),
     Behaviour("names-others-tasks", "names as its own what others carry", names_others=True),
     Behaviour("floods", "sends 20 messages a second to the coordinators", price=Price.LEAST, flood_hz=20.0),

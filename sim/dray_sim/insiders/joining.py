@@ -14,6 +14,7 @@ from dray_sim.factory.journal import HeldJournal
 from dray_sim.factory.sim_factory import SimFactory
 from dray_sim.insiders.behaviour import Behaviour
 from dray_sim.insiders.bodiless import body_of
+from dray_sim.insiders.impostor import Impostor, StolenPlace
 from dray_sim.insiders.liar import Liar
 from dray_sim.insiders.turncoat import Turncoat
 
@@ -29,7 +30,7 @@ def name_in(plant: Plant) -> str:
 
 
 def bring_in(factory: SimFactory, behaviour: Behaviour, bus: Bus | None = None) -> Worker:
-    """Let an insider join.
+    """Let an insider join; one that takes another's name takes that of the first vehicle.
 
     Args:
         factory: one that runs.
@@ -40,6 +41,16 @@ def bring_in(factory: SimFactory, behaviour: Behaviour, bus: Bus | None = None) 
         Its worker. That of one that drives runs already; whoever calls runs the other (`Worker.run`).
     """
     plant = factory.plant
+    if behaviour.takes_name:
+        owner = next(iter(plant.fleet))
+        return Worker(
+            Impostor(owner, plant, factory.wish_keys.of("an impostor", owner)),
+            bus=bus or StolenPlace(factory.bus),
+            clock=factory.clock,
+            keys=factory.keys,
+            body=None,
+            journal=HeldJournal(incarnation=1),
+        )
     name = name_in(plant)
     factory.bus.kinds[name] = Kind.ATV
     kind = list(plant.vehicle_types)[-1]

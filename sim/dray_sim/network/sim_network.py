@@ -108,6 +108,8 @@ class SimNetwork:
         self._trace = trace
         self._joins = 0
         self._sessions: dict[str, SimSession] = {}
+        self._thieves: dict[str, SimSession] = {}
+        """By the agent whose certificate they have stolen."""
         self._subscriptions = Subscriptions()
         # A generator of their own, so that a fault does not shift the chances of what it does not touch.
         chance = chance if chance is not None else Random("network faults")
@@ -140,6 +142,16 @@ class SimNetwork:
         return session
 
     # --- what can go wrong -----------------------------------------------------------------------
+
+    def steal(self, agent: str, receive: Receive) -> SimSession:
+        """Join under the name of an agent that is there and stays, as whoever has stolen its certificate may.
+
+        The thief hears what is said to the agent alone, too, and what the agent says to others: what is sealed with the certificate
+        it can open.
+        """
+        self._joins += 1
+        session = self._thieves[agent] = SimSession(self, self._joins, agent, receive, 0)
+        return session
 
     def equip(self, agent: str, where: Callable[[], Pose], notice: Notice) -> None:
         """Give a vehicle its modem. Whoever has none is wired. Again for the same agent: a new modem.
@@ -218,6 +230,9 @@ class SimNetwork:
             self._send_ill(sender, receiver, message)
         else:
             self.wlan.carry(sender, receiver, message)
+        for thief in self._thieves.values():
+            if thief is not sender and thief.agent in (to, sender.agent):
+                self.wlan.carry(sender, thief, message)
 
     def subscribe(self, session: SimSession, key: str) -> None:
         """Let `session` hear `key`, which may hold wildcards."""
@@ -230,8 +245,9 @@ class SimNetwork:
     def leave(self, session: SimSession) -> None:
         """Forget `session`; what is under way to it is dropped when it arrives."""
         session.joined = False
-        if self._sessions.get(session.agent) is session:
-            del self._sessions[session.agent]
+        for there in (self._sessions, self._thieves):
+            if there.get(session.agent) is session:
+                del there[session.agent]
         self._subscriptions.forget(session)
 
     # --- the way of a message --------------------------------------------------------------------

@@ -7,16 +7,26 @@ from collections.abc import Iterable
 from itertools import count
 
 import pytest
-from zenoh_stage import LATEST_S, PLANT, Stage, on_zenoh
+from zenoh_stage import LATEST_S, PLANT, Overheard, Stage, on_zenoh
 
 from dray.messages import Closure, ClosureKind, Message, OrderItem, Phase, PlaceGranted, PlaceWished
-from dray.messages.fact import AnyFact, AtvStatusChanged, ClosuresKnown, OrderFulfilled, PhaseEntered
+from dray.messages.fact import (
+    AnyFact,
+    AtvStatusChanged,
+    ClosuresKnown,
+    NameMisused,
+    OrderFulfilled,
+    PhaseEntered,
+)
 from dray.messages.floor.traffic import FIRST_S, HOLDS_MAX
+from dray.ports import Receive, Session
 from dray.protocol.vehicle.atv import Atv
 from dray_sim.checks.floor.closed_lanes import ClosedLanes
 from dray_sim.checks.floor.held_places import HeldPlaces
 from dray_sim.checks.floor.overlaps import Overlaps
 from dray_sim.factory.sim_factory import SimFactory
+from dray_sim.insiders import BEHAVIOURS
+from dray_sim.insiders.joining import bring_in
 from dray_sim.network.listeners import Listener
 from dray_sim.people.demand import Order
 from dray_sim.people.floor_manager import NAME, Closing, FloorManager
@@ -113,6 +123,52 @@ async def a_stranger_claims_every_place(stage: Stage) -> int:
 @pytest.mark.slow
 def test_who_claims_every_place_is_granted_none_and_an_order_is_delivered_on_zenoh() -> None:
     assert on_zenoh(a_stranger_claims_every_place, traffic=True, checks=watched) == 0
+
+
+OWNER = next(iter(PLANT.fleet))
+
+TOLD_WITHIN_S = 600.0
+"""Of the plant's clock; the impostor speaks every second."""
+
+
+class StolenCertificate:
+    """A place on the bus under the name of a vehicle that is there and stays: it hears all letters to it and to the keepers of books."""
+
+    def __init__(self, stage: Stage) -> None:
+        self._stage = stage
+
+    def join(self, agent: str, receive: Receive, life: int = 0) -> Session:
+        session = self._stage.bus.join(STRANGER, receive, 0)
+        assert isinstance(session, Overheard)
+        assert self._stage.factory.traffic is not None
+        session.take_name(agent)
+        keepers = self._stage.factory.traffic.places.keepers_of.values()
+        for reader in {agent, *(keeper for each in keepers for keeper in each)}:
+            session.subscribe(self._stage.factory.keys.addressed(reader))
+        return session
+
+
+async def somebody_gives_back_what_another_one_holds(stage: Stage) -> set[str]:
+    """Who was told to speak under another's name, after an order was delivered."""
+    await stage.until(lambda _, fact: isinstance(fact, AtvStatusChanged))
+    impostor = bring_in(stage.factory, BEHAVIOURS["speaks-in-anothers-name"], StolenCertificate(stage))
+    lies = asyncio.create_task(impostor.run())
+    try:
+        await stage.customers.order(ORDER)
+        await stage.until(lambda _, fact: isinstance(fact, OrderFulfilled))
+        async with asyncio.timeout(TOLD_WITHIN_S):
+            await stage.until(lambda _, fact: isinstance(fact, NameMisused))
+    finally:
+        lies.cancel()
+        await asyncio.gather(lies, return_exceptions=True)
+    return {fact.atv for _, fact in stage.facts if isinstance(fact, NameMisused)}
+
+
+@pytest.mark.slow
+def test_who_has_a_stolen_certificate_gives_back_nothing_of_its_owner_and_an_order_is_delivered_on_zenoh() -> (
+    None
+):
+    assert on_zenoh(somebody_gives_back_what_another_one_holds, traffic=True, checks=watched) == {OWNER}
 
 
 async def a_node_is_closed_while_an_order_is_on_its_way(stage: Stage) -> set[str]:

@@ -12,7 +12,14 @@ from dray.gateway.live.projection import Projection
 from dray.gateway.live.projection.auctions.tasks import MAX_OPEN_EACH
 from dray.gateway.live.timescale import TimeScale
 from dray.messages import Event, Implausible, Transport
-from dray.messages.fact import HandoverDisputed, HelpAsked, TaskClosed, TaskOpened, WordDisbelieved
+from dray.messages.fact import (
+    HandoverDisputed,
+    HelpAsked,
+    NameMisused,
+    TaskClosed,
+    TaskOpened,
+    WordDisbelieved,
+)
 from dray.messages.heartbeat import Role
 
 
@@ -131,6 +138,14 @@ def test_what_coordinators_do_not_believe_is_an_alert_until_it_is_old() -> None:
     assert alerts["word_disbelieved"][0] == "ATV2"
     watch.now_s += 1810.0
     assert not {"handover_disputed", "word_disbelieved"} & watch.alerts().keys()
+
+
+def test_a_vehicle_in_whose_name_another_wishes_for_places_is_an_alert() -> None:
+    watch = Watch()
+    for event in events("M1", NameMisused("ATV2"), first=1, at_s=0.0):
+        watch.projection.fold(event)
+    atv, words = watch.alerts()["word_disbelieved"]
+    assert (atv, words) == ("ATV2", "wishes for places that are not signed with this vehicle's key")
 
 
 @pytest.mark.anyio

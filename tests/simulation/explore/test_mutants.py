@@ -59,6 +59,7 @@ from dray.protocol.vehicle.status_report import StatusReport
 from dray_sim.bodies.obstacles import Obstacles as FloorObstacles
 from dray_sim.clock import computer
 from dray_sim.explore.run import draw
+from dray_sim.factory.wish_keys import WishKeys
 
 Mutant = Callable[[pytest.MonkeyPatch], None]
 
@@ -288,6 +289,17 @@ def that_gives_whatever_is_asked_for(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(Reach, "covers", lambda *_: True)
 
 
+def that_believes_whoever_has_a_name(patch: pytest.MonkeyPatch) -> None:
+    """A book takes wishes for a vehicle's own that bear its name, whatever key they are signed with."""
+    patch.setattr(PlaceWished, "mark", b"")
+    patch.setattr(WishKeys, "is_signed", lambda *_: True)
+
+
+def that_does_not_examine_signatures(patch: pytest.MonkeyPatch) -> None:
+    """Whoever keeps a book looks at the key that a wish names, and not at its signature."""
+    patch.setattr(WishKeys, "is_signed", lambda *_: True)
+
+
 def that_takes_groups_in_halves(patch: pytest.MonkeyPatch) -> None:
     """A vehicle takes a mouth without its dock, and waits there."""
     patch.setattr(Places, "group_end", lambda _self, _nodes, first: first)
@@ -381,6 +393,8 @@ TRAFFIC_MUTANTS = [
     pytest.param(that_grants_without_the_book, "one-level", 0, "invariant 1[34]", id="no-book"),
     pytest.param(that_believes_releases_too_early, "one-level", 69, "invariant 1[34]", id="released-early"),
     pytest.param(that_gives_whatever_is_asked_for, "liars", 42, "invariant 29", id="no-reach"),
+    pytest.param(that_believes_whoever_has_a_name, "liars", 0, "invariant 1[34]", id="no-key"),
+    pytest.param(that_does_not_examine_signatures, "liars", 0, "invariant 1[34]", id="no-wish-signature"),
     pytest.param(that_takes_groups_in_halves, "batteries", 4, "invariant [16]", id="half-groups"),
     pytest.param(that_keeps_inherited_ranks_for_ever, "faultless", 1, "invariant [16] ", id="no-lapse"),
 ]
@@ -395,7 +409,7 @@ def test_the_search_finds_a_mutant(
 
 
 @pytest.mark.parametrize(
-    ("mutant", "profile", "first", "finding"), searches(TRAFFIC_MUTANTS, "no-book", "no-reach")
+    ("mutant", "profile", "first", "finding"), searches(TRAFFIC_MUTANTS, "no-book", "no-reach", "no-key")
 )
 def test_the_search_finds_a_mutant_of_right_of_way(
     mutant: Mutant, profile: str, first: int, finding: str, find: Find

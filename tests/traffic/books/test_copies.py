@@ -97,6 +97,23 @@ def test_an_outdated_keeper_steps_down_when_it_hears_of_the_next_one() -> None:
     assert old.counted == 0
 
 
+@pytest.mark.xfail(strict=True, reason="keepers trust one another: docs/security.md")
+def test_a_keeper_does_not_write_over_one_that_lives() -> None:
+    """M2, whose certificate was stolen, reads under which epoch M1 keeps the book, and takes the next one that is its turn."""
+    trio = Trio()
+    leader = trio.lead("M1")
+    leader.write(1, line("A", 1))
+    trio.carry()
+    epoch = leader.kept.epoch + 1
+    while NAMES[epoch % len(NAMES)] != "M2":
+        epoch += 1
+    forged = PlaceBooked(district="M1", epoch=epoch, version=2, bookings=line("B", 2))
+    for name in ("M1", "M3"):
+        trio.deliver("M2", Send(name, forged))
+    trio.carry()
+    assert {trio.keepers[name].kept.bookings for name in ("M1", "M3")} == {line("A", 1)}
+
+
 def test_one_that_has_lost_its_memory_promises_nothing_and_keeps_nothing() -> None:
     out: list[Effect] = []
     lost = Copies("M1", "M2", NAMES, None, out)

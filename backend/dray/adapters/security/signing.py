@@ -1,4 +1,8 @@
-"""Signing: grants, closures and removals are signed with Ed25519 (RFC 8032), and believed by whoever knows the public key."""
+"""Signing: grants, closures and removals are signed with Ed25519 (RFC 8032), and believed by whoever knows the public key.
+
+A vehicle's wishes for places are, too, by a key of its own, which nobody examines: whoever keeps a book knows by it whether the one who speaks in
+a vehicle's name is the one who holds places in it.
+"""
 
 from __future__ import annotations
 
@@ -15,12 +19,14 @@ from dray.messages import (
     Closures,
     Grant,
     MachineCommand,
+    PlaceWished,
     Removal,
     VehicleCommand,
     closed_words,
     removed_words,
     signed_words,
 )
+from dray.messages.floor.traffic import wished_words
 
 UNSIGNED = b""
 
@@ -113,6 +119,39 @@ class SigningKey:
         grant = _unsigned(person, areas, valid_until_s)
         removal = Removal(atv=atv, number=number, life=life, seq=seq, grant=grant, node=node)
         return replace(removal, grant=replace(grant, signature=self._key.sign(removed_words(removal))))
+
+
+class VehicleKey:
+    """A vehicle's own private key, by which it is told from whoever has stolen its certificate.
+
+    Args:
+        atv: the vehicle.
+        private: its 32 bytes.
+
+    Raises:
+        ValueError: that is no key.
+    """
+
+    def __init__(self, atv: str, private: bytes) -> None:
+        self._atv = atv
+        self._key = Ed25519PrivateKey.from_private_bytes(private)
+        self._public = self._key.public_key().public_bytes_raw()
+
+    def sign(self, wish: PlaceWished) -> PlaceWished:
+        """The same wish with this key and its signature."""
+        signature = self._key.sign(wished_words(self._atv, wish))
+        return replace(wish, key=self._public, signature=signature)
+
+
+def is_signed(atv: str, wish: PlaceWished) -> bool:
+    """Whether a vehicle's wish is signed by the key that it names, or names none."""
+    if not wish.key:
+        return True
+    try:
+        key = Ed25519PublicKey.from_public_bytes(wish.key)
+    except ValueError:
+        return False
+    return _signed_by(key, wished_words(atv, wish), wish.signature)
 
 
 class TrustedKeys:

@@ -131,6 +131,8 @@ def atv(
     import asyncio
 
     from dray import __version__
+    from dray.adapters.security.own_key import own_key
+    from dray.adapters.security.signing import VehicleKey
     from dray.cli.runtime.agent_process import run_agent
     from dray.cli.runtime.bodies import RealVehicle, by_vda5050, counted_on_floor, on_floor
     from dray.cli.runtime.output import one_of
@@ -148,6 +150,7 @@ def atv(
     joining = _joining(where.plant, name, type_, node)
     spec = joining or one_of(where.plant.fleet, name, "NAME")
     trusts, places = _trusted(where), where.traffic
+    key = VehicleKey(name, own_key(where.settings.journal_folder / f"{name}.key"))
 
     def make(life: int) -> Atv:
         return Atv(
@@ -159,6 +162,7 @@ def atv(
             probation=probation,
             trusts=trusts,
             traffic=places,
+            sign_wish=key.sign,
         )
 
     if where.settings.body == "vda5050":

@@ -11,6 +11,7 @@ from prometheus_client import Metric
 from prometheus_client.registry import Collector
 
 from dray.adapters.security.identity import Identity
+from dray.adapters.security.signing import is_signed
 from dray.adapters.system_clock import SystemClock
 from dray.adapters.telemetry.metrics_port import metrics_port, new_registry
 from dray.adapters.zenoh.access import Apart
@@ -55,7 +56,7 @@ class Surroundings:
 
         Of the plant as all know it: places and districts must be the same for a machine that joins.
         """
-        return TrafficMap(self.plant) if self.settings.traffic else None
+        return TrafficMap(self.plant, is_signed) if self.settings.traffic else None
 
     @property
     def strategists(self) -> tuple[str, ...]:

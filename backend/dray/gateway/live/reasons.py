@@ -112,8 +112,12 @@ ALONE: Mapping[WaitKind, str] = {
 }
 """Of a vehicle that waits for nobody."""
 
+ANOTHERS_KEY = "anothers_key"
+"""Instead of a reason of the wire: the fact `NameMisused`."""
+
 _WORDS: Mapping[str, str] = {
-    reason.value: words for reason, words in (*REASONS.items(), *IMPLAUSIBLE.items())
+    ANOTHERS_KEY: "wishes for places that are not signed with this vehicle's key",
+    **{reason.value: words for reason, words in (*REASONS.items(), *IMPLAUSIBLE.items())},
 }
 
 

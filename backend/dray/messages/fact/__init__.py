@@ -26,6 +26,7 @@ from dray.messages.fact.coordinator import (
     CarrierChanged,
     ContractorRated,
     HandoverDisputed,
+    NameMisused,
     Outcome,
     PrimarySuspected,
     RoundFailed,
@@ -84,6 +85,7 @@ AnyFact = (
     | CarrierChanged
     | ContractorRated
     | WordDisbelieved
+    | NameMisused
     | HandoverDisputed
     | TransportProgressed
     | NotBelieved
@@ -152,6 +154,7 @@ __all__ = [
     "MachineFailure",
     "MachineStatusChanged",
     "MemoryLost",
+    "NameMisused",
     "NotBelieved",
     "OrderAccepted",
     "OrderChanged",

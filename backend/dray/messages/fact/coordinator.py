@@ -154,6 +154,12 @@ class WordDisbelieved(Fact, frozen=True):
     """How far the contractor's clock is ahead of the coordinator's, behind if negative; 0 where that is not the reason."""
 
 
+class NameMisused(Fact, frozen=True):
+    """Somebody wishes for places in the name of a vehicle that holds some, and has not signed with its key. Told once a minute of each."""
+
+    atv: Id
+
+
 class HandoverDisputed(Fact, frozen=True):
     """A contractor says that a load is down, and the dock where it was to go has counted something else."""
 

@@ -9,8 +9,10 @@ message costs time, and nothing else.
 from __future__ import annotations
 
 from enum import StrEnum
+from math import floor
 from typing import Annotated
 
+import msgspec
 from msgspec import Meta
 
 from dray.messages.base import Count, Id, IdOrNone, Message, Part, Seconds
@@ -38,6 +40,18 @@ FIRST_S = -1e11
 
 NO_RANK: Rank = (2, 0.0, "-")
 """Behind everybody."""
+
+KEY_BYTES = 32
+"""An Ed25519 public key."""
+
+MARK_BYTES = 12
+"""Of a key: nobody finds another one that begins alike."""
+
+Mark = Annotated[bytes, Meta(max_length=MARK_BYTES)]
+"""The first bytes of the key by which a wish is signed; empty for none. Who holds a place is a vehicle by its name and this."""
+
+UNSIGNED = b"unsigned"
+"""Stands for the mark where a word is about wishes without a key."""
 
 Places = Annotated[tuple[Id, ...], Meta(max_length=HOLDS_MAX)]
 Nodes = Annotated[tuple[Id, ...], Meta(max_length=2 * ROUTE_MAX)]
@@ -83,6 +97,15 @@ class PlaceWished(Message, frozen=True):
     """The vehicles whom it makes room for, the first one first."""
     removal: Count = 0
     """The newest time that it was carried away, as far as it knows (`dray.messages.floor.removal`)."""
+    key: Annotated[bytes, Meta(max_length=KEY_BYTES)] = b""
+    """The vehicle's own, drawn at its first start and never given away: its certificate alone does not speak for its places. Empty for none."""
+    signature: Annotated[bytes, Meta(max_length=64)] = b""
+    """Ed25519 by that key, over `wished_words`."""
+
+    @property
+    def mark(self) -> bytes:
+        """That of its key."""
+        return self.key[:MARK_BYTES]
 
 
 class PlaceBooking(Part, frozen=True):
@@ -93,6 +116,8 @@ class PlaceBooking(Part, frozen=True):
     """Of the grant. Numbers of one district only grow, whoever keeps its book."""
     atv: IdOrNone = ""
     """Empty where it is said to that vehicle itself."""
+    mark: Mark = b""
+    """Only wishes under this key give it back; empty where any of that vehicle does."""
 
 
 Bookings = Annotated[tuple[PlaceBooking, ...], Meta(max_length=DISTRICT_MAX)]
@@ -103,6 +128,8 @@ class Removed(Part, frozen=True):
 
     atv: Id
     number: Count
+    mark: Mark = b""
+    """The vehicle has said so itself, under this key or `UNSIGNED`: it is about what is held under it alone. Empty where people have said so."""
 
 
 AllRemoved = Annotated[tuple[Removed, ...], Meta(max_length=DISTRICT_MAX)]
@@ -125,6 +152,8 @@ class PlaceGranted(Message, frozen=True):
     """The place that is held by it."""
     removal: Count = 0
     """The newest time that the vehicle was carried away, as the book knows: whatever it was granted before is void."""
+    mark: Mark = b""
+    """Of the wishes that are answered, or `UNSIGNED`: whoever has another key is not meant. Empty where all of that name are."""
 
 
 class OnFloor(Part, frozen=True):
@@ -225,3 +254,36 @@ class BookTold(Message, frozen=True):
     version: Count
     bookings: Bookings
     removed: AllRemoved = ()
+
+
+def wished_words(atv: str, wish: PlaceWished) -> bytes:
+    """What the signature of a wish covers: a JSON array without white space, a time as whole thousandths.
+
+    Not `avoid`, which is a hint and is cut where a wish goes by radio.
+
+    Args:
+        atv: who says it.
+        wish: its `signature` is not looked at.
+    """
+    rank_class, since_s, whose = wish.rank
+    return _encoder.encode(
+        (
+            "dray wish 1",
+            atv,
+            wish.district,
+            wish.life,
+            wish.seq,
+            wish.epoch,
+            (rank_class, floor(since_s * 1000.0 + 0.5), whose),
+            wish.holds,
+            wish.groups,
+            wish.seen,
+            wish.stands,
+            wish.docked,
+            wish.chain,
+            wish.removal,
+        )
+    )
+
+
+_encoder = msgspec.json.Encoder()

@@ -2,9 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
+from dray.messages.floor.traffic import PlaceWished
 from dray.plant import Plant
 from dray.protocol.traffic.places import Places
 from dray.protocol.traffic.ways import Ways
+
+IsSigned = Callable[[str, PlaceWished], bool]
+"""Called with a vehicle's name and its wish."""
+
+
+def names_no_key(_atv: str, wish: PlaceWished) -> bool:
+    """Where nobody can tell a signature: only wishes without a key are heard."""
+    return not wish.key
 
 
 class TrafficMap:
@@ -14,13 +25,16 @@ class TrafficMap:
 
     Args:
         plant: nodes, lanes, machines and vehicle types.
+        is_signed: whether a vehicle's wish is signed by the key that it names, or names none.
 
     Attributes:
+        is_signed: likewise.
         places: what is held, and who keeps the books of it.
         atvs: the vehicles that the plant file knows.
     """
 
-    def __init__(self, plant: Plant) -> None:
+    def __init__(self, plant: Plant, is_signed: IsSigned = names_no_key) -> None:
+        self.is_signed = is_signed
         self.places = Places(plant)
         self.atvs = tuple(plant.fleet)
         self._plant = plant

@@ -54,6 +54,7 @@ from dray.protocol.runtime.heartbeat_timer import BEAT, HeartbeatTimer
 from dray.protocol.runtime.shutdown import CARRIER_LEAVES_WITHIN_S
 from dray.protocol.runtime.trust import Trusts, trusts_nobody
 from dray.protocol.traffic.driving.right_of_way import RightOfWay
+from dray.protocol.traffic.driving.wishes import Sign, unsigned
 from dray.protocol.traffic.traffic_map import TrafficMap
 from dray.protocol.vehicle.cell_subscription import CellSubscription
 from dray.protocol.vehicle.charging import Charging
@@ -81,6 +82,7 @@ class Atv(AgentBase):
         probation: transports that it has to do well before it takes long ones; 0 for an agent that is known to be good.
         trusts: whose grants count when people command it.
         traffic: of the plant; None to drive without right of way, as if there were no other vehicle.
+        sign_wish: signs what it says to keepers of books.
     """
 
     def __init__(
@@ -94,8 +96,10 @@ class Atv(AgentBase):
         probation: int = 0,
         trusts: Trusts = trusts_nobody,
         traffic: TrafficMap | None = None,
+        sign_wish: Sign = unsigned,
     ) -> None:
         super().__init__(atv, incarnation, leaves_within_s=CARRIER_LEAVES_WITHIN_S)
+        self.sign_wish = sign_wish
         self.floor = plant = KnownFloor(plant)
         self._type = vehicle_type or plant.fleet[atv].type
         self._heartbeat_timer = HeartbeatTimer(self.id, self._timers)

@@ -12,6 +12,7 @@ from dray.protocol.runtime.timers import Timers
 from dray.protocol.traffic.books.copies import Kept
 from dray.protocol.traffic.books.district import BOOK_TICK
 from dray.protocol.traffic.books.districts import Districts
+from dray.protocol.traffic.books.impostors import Impostors
 from dray.protocol.traffic.driving.place_requests import HELD_UP, IDLE, LOOK, WITH_TASK
 from dray.protocol.traffic.driving.right_of_way import RESTED, RightOfWay
 from dray.protocol.traffic.driving.wishes import WISH_AGAIN
@@ -97,7 +98,7 @@ class BoxMachine(Agent):
     ) -> None:
         super().__init__(name, clock, air)
         self._make: Callable[[Mapping[str, Kept]], Districts] = lambda kept: Districts(
-            name, places, atvs, kept, neighbours, KEYS.floor, self.timers, self.out
+            name, places, atvs, kept, neighbours, Impostors(self.out), KEYS.floor, self.timers, self.out
         )
         self.books = self._make(kept)
 

@@ -64,7 +64,7 @@ def allot(
             else:
                 hindrance = Hindrance(Blocked.WAIT, atv, missing[0], holds=False)
             if hindrance is None:
-                book.grant(atv, missing)
+                book.grant(atv, missing, wish.mark)
                 granted.add(atv)
                 continue
             hindrances[atv] = hindrance

@@ -4,6 +4,9 @@ Safety in two sentences. A place is granted to one vehicle only while no line of
 only when a majority of the copies has the line. A line is struck out only on the vehicle's own word, said after it has seen that very
 grant: so whatever is late, lost, doubled or out of order, a place that a vehicle may believe to hold is in the book.
 Only a person who has carried a vehicle away speaks in its place; what it says itself counts again when it knows of that.
+
+A vehicle is its name and its key (`PlaceWished.key`). Whoever has stolen its certificate, and not its key, is another vehicle of that name:
+it gives nothing back but its own.
 """
 
 from __future__ import annotations
@@ -11,7 +14,10 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from dray.errors import ProtocolViolation
-from dray.messages.floor.traffic import AllRemoved, PlaceBooking, PlaceWished, Removed
+from dray.messages.floor.traffic import UNSIGNED, AllRemoved, PlaceBooking, PlaceWished, Removed
+
+PEOPLE = b""
+"""In place of a key's mark, where a person has said that a vehicle was carried away."""
 
 
 class Book:
@@ -23,7 +29,7 @@ class Book:
         removed: vehicles that were carried away.
 
     Attributes:
-        lives: vehicle -> its newest life that is known.
+        lives: vehicle -> the mark of its key, and its newest life that is known.
     """
 
     def __init__(
@@ -35,8 +41,9 @@ class Book:
         self._lines: dict[str, PlaceBooking] = {}
         self._by_atv: dict[str, dict[str, PlaceBooking]] = {}
         self.version = version
-        self.lives: dict[str, int] = {}
-        self._removed = {one.atv: one.number for one in removed}
+        self.lives: dict[str, tuple[bytes, int]] = {}
+        self._removed = {(one.atv, one.mark): one.number for one in removed}
+        """Vehicle and mark of its key, or `PEOPLE` -> the newest removal that was said."""
         for booking in bookings:
             self._write(booking)
 
@@ -59,68 +66,105 @@ class Book:
         """All lines."""
         return tuple(self._lines.values())
 
-    def grant(self, atv: str, places: Iterable[str]) -> None:
+    def of_key(self, atv: str, mark: bytes) -> tuple[PlaceBooking, ...]:
+        """The lines that wishes of a vehicle under a key are about."""
+        return tuple(line for line in self.of(atv) if line.mark in (mark, b""))
+
+    def hears(self, atv: str, mark: bytes) -> bool:
+        """Whether wishes of a vehicle under a key count: none other holds something in its name, or this one does too."""
+        lines = self._by_atv.get(atv)
+        return not lines or any(line.mark in (mark, b"") for line in lines.values())
+
+    def grant(self, atv: str, places: Iterable[str], mark: bytes = b"") -> None:
         """Write some places down for a vehicle, under a number of their own; all of them must be free, or its own."""
         self.version += 1
         for place in places:
-            self._write(PlaceBooking(place=place, number=self.version, atv=atv))
+            self._write(PlaceBooking(place=place, number=self.version, atv=atv, mark=mark))
 
     def strike(self, wish: PlaceWished, atv: str) -> bool:
         """Strike out what a vehicle has given back; True when there was something."""
         gone = [
-            line.place for line in self.of(atv) if line.number <= wish.seen and line.place not in wish.holds
+            line.place
+            for line in self.of_key(atv, wish.mark)
+            if line.number <= wish.seen and line.place not in wish.holds
         ]
         self._rub_out(atv, gone)
         return bool(gone)
 
-    def claim(self, atv: str, places: Iterable[str]) -> bool:
+    def claim(self, atv: str, wish: PlaceWished) -> bool:
         """Write down what a vehicle tells in a roll call that it holds, as far as nobody does; True when there was something."""
-        unknown = [place for place in places if not self.holder(place)]
+        unknown = [place for place in wish.holds if not self.holder(place)]
         if unknown:
-            self.grant(atv, unknown)
+            self.grant(atv, unknown, wish.mark)
         return bool(unknown)
 
     def tell_late(self, atv: str, wish: PlaceWished) -> None:
         """A vehicle of which nobody knew was not asked in the roll call from which this book was made, and tells now."""
         self.version = max(self.version, wish.seen)
-        self.claim(atv, wish.holds)
+        self.claim(atv, wish)
 
     def begin_life(self, atv: str, wish: PlaceWished) -> bool:
         """Note a vehicle's life. What a new one has not seen is granted anew, under a number that only a majority can make count.
 
-        So whoever keeps an outdated book cannot tell a vehicle that has forgotten everything of grants that are void.
+        So whoever keeps an outdated book cannot tell a vehicle that has forgotten everything of grants that are void. What was kept for
+        it without its key, as by people who put it back, is its own from then on.
         """
-        if wish.life <= self.lives.get(atv, 0):
+        mark, life = self.lives.get(atv, (b"", 0))
+        lines = self.of_key(atv, wish.mark)
+        is_new = wish.mark != mark or wish.life > life
+        if not is_new and all(line.mark == wish.mark for line in lines):
             return False
-        self.lives[atv] = wish.life
-        lines = self.of(atv)
-        if all(line.number <= wish.seen for line in lines):
+        self.lives[atv] = (wish.mark, max(wish.life, life) if wish.mark == mark else wish.life)
+        if all(line.number <= wish.seen and line.mark == wish.mark for line in lines):
             return False
-        self.grant(atv, [line.place for line in lines])
+        self.grant(atv, [line.place for line in lines], wish.mark)
         return True
 
-    def removal_of(self, atv: str) -> int:
-        """The number of the newest removal of a vehicle that the book knows of; 0 for none."""
-        return self._removed.get(atv, 0)
+    def removal_of(self, atv: str, mark: bytes | None = None) -> int:
+        """The number of the newest removal of a vehicle that the book knows of; 0 for none.
+
+        Args:
+            atv: the vehicle.
+            mark: of a key, where its own word under that key counts, too; None for people's word alone.
+        """
+        by_people = self._removed.get((atv, PEOPLE), 0)
+        return by_people if mark is None else max(by_people, self._removed.get((atv, mark or UNSIGNED), 0))
 
     @property
     def removed(self) -> AllRemoved:
         """All of them."""
-        return tuple(Removed(atv=atv, number=number) for atv, number in self._removed.items())
+        return tuple(
+            Removed(atv=atv, number=number, mark=mark) for (atv, mark), number in self._removed.items()
+        )
 
-    def remove(self, atv: str, number: int) -> tuple[str, ...]:
+    def remove(self, atv: str, number: int, mark: bytes | None = None) -> tuple[str, ...]:
         """A vehicle was carried away: strike out what it holds, once for each number.
+
+        Args:
+            atv: the vehicle.
+            number: of the removal.
+            mark: of its key, where it has said so itself: that is about what it holds under this key alone. None for a person's word.
 
         Returns:
             The places that are free now; none when that was known.
         """
-        if number <= self.removal_of(atv):
+        if number <= self.removal_of(atv, mark):
             return ()
         self.version += 1
-        self._removed[atv] = number
-        places = tuple(line.place for line in self.of(atv))
+        lines = self.of(atv) if mark is None else self.of_key(atv, mark)
+        places = tuple(line.place for line in lines if self.removal_of(atv, line.mark) < number)
         self._rub_out(atv, places)
+        if mark is not None:
+            self._forget_words(atv)
+        self._removed[atv, PEOPLE if mark is None else mark or UNSIGNED] = number
         return places
+
+    def _forget_words(self, atv: str) -> None:
+        """Forget which removals were known under keys that hold nothing: who has such a key says so again, and there is no end of keys."""
+        holding = {PEOPLE, *(line.mark or UNSIGNED for line in self.of(atv))}
+        for one in tuple(self._removed):
+            if one[0] == atv and one[1] not in holding:
+                del self._removed[one]
 
     def _write(self, line: PlaceBooking) -> None:
         """Write a line down.

@@ -30,6 +30,7 @@ from dray.protocol.runtime.trust import Trusts
 from dray.protocol.traffic.books.copies import Kept
 from dray.protocol.traffic.books.district import BOOK_TICK
 from dray.protocol.traffic.books.districts import Districts
+from dray.protocol.traffic.books.impostors import Impostors
 from dray.protocol.traffic.neighbours import Neighbours
 from dray.protocol.traffic.removal_authorisation import IS_HEARD, NOT_THERE, TOO_EARLY, RemovalAuthorisation
 from dray.protocol.traffic.traffic_map import TrafficMap
@@ -81,6 +82,7 @@ class Bookkeeping:
         self._timers = timers
         self._out = out
         self._neighbours = Neighbours()
+        self._impostors = Impostors(out)
         self._authorisation = RemovalAuthorisation(plant, trusts, self._neighbours)
         self._followed: set[str] = set()
         """The vehicles that it listens to."""
@@ -133,6 +135,7 @@ class Bookkeeping:
             traffic.atvs,
             kept,
             self._neighbours,
+            self._impostors,
             self._keys.floor,
             self._timers,
             self._out,
@@ -219,6 +222,9 @@ class Bookkeeping:
 
     def _on_message(self, sender: str, message: Any, now_s: float) -> None:
         if type(message) is PlaceWished:
+            if self._traffic is None or not self._traffic.is_signed(sender, message):
+                self._impostors.tell(sender, now_s)
+                return
             self._wished_s[sender] = now_s
         if self._books is None or not self._books.on_message(sender, message.district, message, now_s):
             self._out.append(Ignore(NOT_KEPT_HERE))

@@ -12,6 +12,7 @@ from msgspec.structs import replace
 
 from dray.messages import Message, Removal
 from dray.messages.floor.traffic import (
+    UNSIGNED,
     Blocked,
     BookAsked,
     BookKept,
@@ -29,8 +30,9 @@ from dray.protocol.traffic.books.book import Book
 from dray.protocol.traffic.books.carried import Carried, absent
 from dray.protocol.traffic.books.copies import Copies, Kept
 from dray.protocol.traffic.books.floor_report import NEWS_S, FloorReport
+from dray.protocol.traffic.books.impostors import Impostors
 from dray.protocol.traffic.books.reach import Reach
-from dray.protocol.traffic.books.roll_call import RollCall
+from dray.protocol.traffic.books.roll_call import BESIDE_MAX, RollCall
 from dray.protocol.traffic.books.turns import ASK_S, Turns
 from dray.protocol.traffic.neighbours import Neighbours
 
@@ -56,6 +58,7 @@ class District:
         neighbours: what is known of the vehicles.
         reach: how much of the floor one vehicle may have.
         report: what is told of them to other vehicles.
+        impostors: tells people of those that speak in a vehicle's name.
         timers: the agent's alarms; this one's is ``(BOOK_TICK, district)``.
         out: where effects go.
     """
@@ -71,6 +74,7 @@ class District:
         neighbours: Neighbours,
         reach: Reach,
         report: FloorReport,
+        impostors: Impostors,
         timers: Timers,
         out: list[Effect],
     ) -> None:
@@ -82,6 +86,7 @@ class District:
         self._neighbours = neighbours
         self._reach = reach
         self._report = report
+        self._impostors = impostors
         self._turns = Turns(me, keepers)
         self._timers = timers
         self._out = out
@@ -91,16 +96,16 @@ class District:
         self._hindrances: dict[str, Hindrance] = {}
         self._owed: set[str] = set()
         """Vehicles that are to be told what the book says of them, once that counts."""
-        self._newest: dict[str, tuple[int, int]] = {}
-        """Vehicle -> life and number of its newest wish."""
+        self._newest: dict[str, dict[bytes, tuple[int, int]]] = {}
+        """Vehicle -> key -> life and number of its newest wish. More than one key only while several hold something in its name."""
         self._look_s = NEVER_S
         """When the alarm sounds."""
         self._asked_s: dict[str, float] = {}
         """Holder -> when it was asked to make room."""
         self._roll: RollCall | None = None
         """While vehicles are asked what they hold."""
-        self._called_in: set[str] | None = None
-        """Who has told in the roll call from which the book was made; None where it was made otherwise."""
+        self._called_in: set[tuple[str, bytes]] | None = None
+        """Who has told in the roll call from which the book was made, with its key; None where it was made otherwise."""
         self._late: set[str] = set()
         """Those that were not, and say to hold something; it is not known whether they are there."""
         self._led_epoch = -1
@@ -187,30 +192,47 @@ class District:
                 self._out.append(Send(sender, asked))
                 self._doubt(now_s)
             return
-        if not self._hear_late(sender, wish, now_s):
-            self._out.append(Ignore(NOT_HEARD_THERE))
+        if not self._is_believed(sender, wish, now_s):
             return
-        if wish.seen > self._book.version:
-            self._out.append(Ignore(NEVER_GRANTED))
-            return
-        known = self._book.removal_of(sender)
-        self._book.remove(sender, wish.removal)
+        known = self._book.removal_of(sender, wish.mark)
+        self._book.remove(sender, wish.removal, wish.mark)
         self._book.begin_life(sender, wish)
         if wish.removal < known:
             # It does not know that it was carried away: what it held is void, and that is all that it is told.
             wish = replace(wish, holds=(), groups=())
         else:
             self._carried.unaware.discard(sender)
-        if (wish.life, wish.seq) > self._newest.get(sender, (0, 0)):
+        if self._is_newest(sender, wish):
             # One that was overtaken gives nothing back: what it did not hold then it may hold now.
             if wish.removal >= known:
                 self._book.strike(wish, sender)
-            self._newest[sender] = (wish.life, wish.seq)
             self._wishes[sender] = wish
             self._owed.add(sender)
             if wish.removal >= known:
                 self._neighbours.on_wish(sender, wish, now_s)
         self._settle(now_s)
+
+    def _is_believed(self, sender: str, wish: PlaceWished, now_s: float) -> bool:
+        """Whether a wish may be the vehicle's own."""
+        if not self._hear_late(sender, wish, now_s):
+            self._out.append(Ignore(NOT_HEARD_THERE))
+        elif not self._book.hears(sender, wish.mark):
+            self._impostors.tell(sender, now_s)
+        elif wish.seen > self._book.version:
+            self._out.append(Ignore(NEVER_GRANTED))
+        else:
+            return True
+        return False
+
+    def _is_newest(self, atv: str, wish: PlaceWished) -> bool:
+        """Whether a wish is later than all that the vehicle has said under its key; then it is noted. Who holds nothing in its name is forgotten."""
+        by_key = self._newest.get(atv, {})
+        if (wish.life, wish.seq) <= by_key.get(wish.mark, (0, 0)):
+            return False
+        holding = {line.mark for line in self._book.of(atv)}
+        self._newest[atv] = {mark: newest for mark, newest in by_key.items() if mark in holding}
+        self._newest[atv][wish.mark] = (wish.life, wish.seq)
+        return True
 
     def _hear_late(self, sender: str, wish: PlaceWished, now_s: float) -> bool:
         """One of whom nobody knew was not asked in the roll call from which the book was made: it tells now what it holds.
@@ -218,13 +240,20 @@ class District:
         Returns:
             Whether its word counts; else it is not known yet whether it is there, and it will say it again.
         """
-        if self._called_in is None or sender in self._called_in:
+        if self._called_in is None or (sender, wish.mark) in self._called_in:
+            return True
+        if wish.removal < self._book.removal_of(sender):
+            # Whatever it holds is void by a person's word.
+            return True
+        others = sum(atv == sender for atv, _ in self._called_in)
+        if others and (not wish.holds or others > BESIDE_MAX):
+            # It has nothing to tell that would not come as well after the roll call.
             return True
         if not self._reach.may_hold(sender, wish.holds, now_s):
             self._late.add(sender)
             return False
         self._late.discard(sender)
-        self._called_in.add(sender)
+        self._called_in.add((sender, wish.mark))
         self._book.tell_late(sender, wish)
         return True
 
@@ -232,7 +261,7 @@ class District:
         """A person has carried a vehicle away: whatever it held is free. One that is being put back has `place` kept for it."""
         atv, known = removal.atv, self._book.removal_of(removal.atv)
         if self._roll is not None:
-            if self._roll.note(atv, self._absent(removal, place), now_s):
+            if self._roll.note(atv, self._absent(removal, place), now_s, by_person=True):
                 self._close_roll(now_s)
         if not self.leads or removal.number < known:
             if any(line.atv == atv for line in self.copies.kept.bookings) or place in self._inside:
@@ -352,12 +381,12 @@ class District:
         self.copies.end_roll_call(roll.epoch)
         self._roll = None
         self._book = roll.book(lambda atv, holds: self._reach.may_hold(atv, holds, now_s))
-        self._called_in, self._late = set(roll.told), set()
+        self._called_in, self._late = set(roll.keys), set()
         self._led_epoch = roll.epoch
         # Who has said that it holds and wants nothing here waits for no answer, and need not be listened to.
         self._wishes = {atv: wish for atv, wish in roll.told.items() if wish.holds or wish.groups}
         self._hindrances, self._owed = {}, set(self._wishes)
-        self._newest = {atv: (wish.life, wish.seq) for atv, wish in roll.told.items()}
+        self._newest = {atv: {wish.mark: (wish.life, wish.seq)} for atv, wish in roll.told.items()}
         self._carried.take_over(one.atv for one in self._book.removed)
         self._write()
         self._settle(now_s)
@@ -388,7 +417,8 @@ class District:
         counted = self.copies.counted
         self._carried.tell(self._book, counted)
         for atv in sorted(self._owed):
-            wish, lines = self._wishes[atv], self._book.of(atv)
+            wish = self._wishes[atv]
+            lines = self._book.of_key(atv, wish.mark)
             if any(line.number > counted for line in lines):
                 continue
             self._owed.discard(atv)
@@ -402,7 +432,8 @@ class District:
                 blocked=hindrance.blocked,
                 by=hindrance.by,
                 at=hindrance.at,
-                removal=self._book.removal_of(atv),
+                removal=self._book.removal_of(atv, wish.mark),
+                mark=wish.mark or UNSIGNED,
             )
             self._out.append(Send(atv, granted))
             if not lines and not wish.groups:

@@ -10,6 +10,7 @@ from dray.protocol.runtime.timers import Timers
 from dray.protocol.traffic.books.copies import Kept
 from dray.protocol.traffic.books.district import District
 from dray.protocol.traffic.books.floor_report import FloorReport
+from dray.protocol.traffic.books.impostors import Impostors
 from dray.protocol.traffic.books.reach import Reach
 from dray.protocol.traffic.neighbours import Neighbours
 from dray.protocol.traffic.places import Places
@@ -24,6 +25,7 @@ class Districts:
         atvs: the vehicles of the plant.
         kept: district -> what an earlier life has left; without an entry it is lost, or there was none.
         neighbours: what is known of the vehicles.
+        impostors: tells people of those that speak in a vehicle's name.
         key_of: the bus key on which a district is told.
         timers: the agent's alarms; those of this one are ``(BOOK_TICK, district)``.
         out: where effects go.
@@ -39,6 +41,7 @@ class Districts:
         atvs: Sequence[str],
         kept: Mapping[str, Kept],
         neighbours: Neighbours,
+        impostors: Impostors,
         key_of: Callable[[str], str],
         timers: Timers,
         out: list[Effect],
@@ -55,6 +58,7 @@ class Districts:
                 neighbours,
                 reach,
                 FloorReport(name, key_of(name), neighbours, out),
+                impostors,
                 timers,
                 out,
             )

@@ -17,6 +17,9 @@ WAVE = 200
 AGAIN_S, AGAIN_AT_MOST_S = 1.0, 5.0
 """Who has not told is asked again after this, doubled each time, up to as long as an idle vehicle is quiet anyway."""
 
+BESIDE_MAX = 3
+"""Keys that tell under the name of one vehicle, beside the first: with so many the roll call is not over before people have seen to it."""
+
 QUIET_S = 6.0
 """When nobody new has told for so long the roll call stands still, and those that are missing are awaited by name: as long as
 others tell, it is merely under way, however slow the machines are."""
@@ -40,6 +43,10 @@ class RollCall:
         self, district: str, next_turn: Callable[[int], int], now_s: float, out: list[Effect]
     ) -> None:
         self.told: dict[str, PlaceWished] = {}
+        self._by_people: set[str] = set()
+        """Vehicles of which a person has told that they are off the floor, or on their way back to it."""
+        self._beside: dict[str, dict[bytes, PlaceWished]] = {}
+        """Vehicle -> key -> what others have told in its name: nobody knows whose word it is, so the places of all of them are held."""
         self.epoch = next_turn(0)
         self._district, self._next_turn, self._out = district, next_turn, out
         self._until_s = now_s + ROLL_S
@@ -62,15 +69,25 @@ class RollCall:
             self._asks[atv] = (now_s + then_s, min(2.0 * then_s, AGAIN_AT_MOST_S))
             self._out.append(Send(atv, asked))
 
-    def note(self, atv: str, wish: PlaceWished, now_s: float) -> bool:
+    def note(self, atv: str, wish: PlaceWished, now_s: float, *, by_person: bool = False) -> bool:
         """A vehicle has told, or a person in its place; True when that counts."""
         if wish.epoch > self.epoch:
             # The vehicle has known a later keeper: what was told under this epoch may have changed since.
             self.told, self.epoch = {}, self._next_turn(wish.epoch)
+            self._by_people, self._beside = set(), {}
             self._asks, self._news_s = {}, now_s
             return False
         before = self.told.get(atv)
-        if before is not None and wish.removal < before.removal:
+        is_beside = (
+            before is not None
+            and before.mark != wish.mark
+            and not by_person
+            and atv not in self._by_people
+            and wish.epoch == self.epoch
+        )
+        if is_beside:
+            return self._note_beside(atv, wish)
+        if before is not None and before.mark in (wish.mark, b"") and wish.removal < before.removal:
             self._out.append(
                 Send(
                     atv,
@@ -92,16 +109,37 @@ class RollCall:
         if before is None:
             self._news_s = now_s
         self.told[atv] = wish
+        (self._by_people.add if by_person else self._by_people.discard)(atv)
         return True
+
+    def _note_beside(self, atv: str, wish: PlaceWished) -> bool:
+        """Another one has told under this name, with another key. Of too many the vehicle itself may be one: all wait for people."""
+        others = self._beside.setdefault(atv, {})
+        before = others.get(wish.mark)
+        if before is not None and _age(wish) <= _age(before):
+            return False
+        if before is None and len(others) >= BESIDE_MAX:
+            return False
+        others[wish.mark] = wish
+        return True
+
+    @property
+    def keys(self) -> Iterator[tuple[str, bytes]]:
+        """Who has told, with its key."""
+        yield from ((atv, wish.mark) for atv, wish in self.told.items())
+        yield from ((atv, mark) for atv, others in self._beside.items() for mark in others)
 
     def is_over(self, atvs: Callable[[], Iterable[str]], now_s: float) -> bool:
         """Whether all have told who may hold something."""
-        return now_s >= self._until_s and all(atv in self.told for atv in atvs())
+        return now_s >= self._until_s and all(self._has_told(atv) for atv in atvs())
 
     def awaited(self, atvs: Iterable[str], now_s: float) -> Iterator[str]:
         """Those that have not told, though whoever is awake has had the time."""
         if now_s >= max(self._until_s, self._news_s + QUIET_S):
-            yield from (atv for atv in atvs if atv not in self.told)
+            yield from (atv for atv in atvs if not self._has_told(atv))
+
+    def _has_told(self, atv: str) -> bool:
+        return atv in self.told and len(self._beside.get(atv, ())) < BESIDE_MAX
 
     def book(self, may_hold: Callable[[str, Collection[str]], bool]) -> Book:
         """The book as they have told it; of two that hold one place the first counts.
@@ -111,10 +149,14 @@ class RollCall:
         """
         book = Book(version=max((wish.seen for wish in self.told.values()), default=0))
         for atv, wish in self.told.items():
-            book.remove(atv, wish.removal)
-            book.lives[atv] = wish.life
-            if may_hold(atv, wish.holds):
-                book.claim(atv, wish.holds)
+            is_removed = atv in self._by_people
+            book.remove(atv, wish.removal, None if is_removed else wish.mark)
+            book.lives[atv] = (wish.mark, wish.life)
+            for one in (wish, *self._beside.get(atv, {}).values()):
+                if one.removal < wish.removal and is_removed:
+                    continue
+                if may_hold(atv, one.holds):
+                    book.claim(atv, one)
         return book
 
 

@@ -14,7 +14,7 @@ from dray.protocol.runtime.events import Effect, Instruct
 from dray.protocol.runtime.timers import Timers, spread_frac
 from dray.protocol.traffic.driving.reserved_way import ReservedWay
 from dray.protocol.traffic.driving.wheels import Wheels
-from dray.protocol.traffic.driving.wishes import State, Wishes
+from dray.protocol.traffic.driving.wishes import Sign, State, Wishes, unsigned
 from dray.protocol.traffic.driving.yielding import Yielding
 from dray.protocol.traffic.neighbours import Seen
 from dray.protocol.traffic.places import Places
@@ -76,6 +76,7 @@ class PlaceRequests:
         next_order: numbers ways.
         restrictions: what people have closed or made slow, as far as the vehicle knows now.
         obstructed: lanes on which something lies, likewise.
+        sign: signs what it says to keepers of books.
     """
 
     def __init__(
@@ -95,10 +96,11 @@ class PlaceRequests:
         next_order: Callable[[], int],
         restrictions: Callable[[], Restrictions] = lambda: OPEN,
         obstructed: Callable[[], frozenset[Ends]] = frozenset,
+        sign: Sign = unsigned,
     ) -> None:
         self.atv = atv
         self.way = ReservedWay(places, node, next_node)
-        self.wishes = Wishes(life, places.keepers_of, timers, out)
+        self.wishes = Wishes(life, places.keepers_of, timers, out, sign)
         self.errand = Errand.OWN
         self.goal = next_node or node
         self.docked = False

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
 import msgspec
 
-from dray.messages.floor.traffic import Blocked, HoldsAsked, PlaceGranted, PlaceWished, Rank
+from dray.messages.floor.traffic import UNSIGNED, Blocked, HoldsAsked, PlaceGranted, PlaceWished, Rank
 from dray.protocol.runtime.events import Effect, Send
 from dray.protocol.runtime.timers import Timers
 
@@ -40,6 +40,15 @@ LATE_IN_ROW = 3
 
 LOSS_GAIN = 0.05
 """Weight of the newest wish, in the part of those that went unanswered."""
+
+
+Sign = Callable[[PlaceWished], PlaceWished]
+"""Returns the same wish with the vehicle's key and signature."""
+
+
+def unsigned(wish: PlaceWished) -> PlaceWished:
+    """By a vehicle without a key: whoever has its name speaks for its places."""
+    return wish
 
 
 class State(msgspec.Struct, frozen=True, gc=False):
@@ -104,15 +113,24 @@ class Wishes:
         keepers_of: district -> its keepers, in the order of their turns.
         timers: the agent's alarms; those of this one are ``(WISH_AGAIN, district)``.
         out: where effects go.
+        sign: signs what it says.
 
     Attributes:
         round_s: how long an answer takes: two messages and the copies.
     """
 
     def __init__(
-        self, life: int, keepers_of: Mapping[str, Sequence[str]], timers: Timers, out: list[Effect]
+        self,
+        life: int,
+        keepers_of: Mapping[str, Sequence[str]],
+        timers: Timers,
+        out: list[Effect],
+        sign: Sign = unsigned,
     ) -> None:
         self.life = life
+        self._sign = sign
+        self._mark = b""
+        """That of its key, as it has said last."""
         self._keepers_of = keepers_of
         self._timers = timers
         self._out = out
@@ -220,6 +238,8 @@ class Wishes:
             chain=state.chain if groups else (),
             removal=state.removal,
         )
+        wish = self._sign(wish)
+        self._mark = wish.mark
         self._out.append(Send(to or keepers[(line.epoch + line.turn) % len(keepers)], wish))
         if not waits:
             return
@@ -244,6 +264,8 @@ class Wishes:
         said = line.seq if line is not None else 0
         if sender not in keepers or granted.life != self.life or granted.upto <= said:
             return False
+        if not self._is_meant(granted):
+            return False
         self._lines.setdefault(granted.district, _Line()).seq = granted.upto
         return True
 
@@ -251,6 +273,8 @@ class Wishes:
         """What an answer grants that was not seen before; None when it is not to be believed."""
         keepers = self._keepers_of.get(granted.district, ())
         if granted.life != self.life or not keepers or keepers[granted.epoch % len(keepers)] != sender:
+            return None
+        if not self._is_meant(granted):
             return None
         line = self._lines.setdefault(granted.district, _Line())
         if granted.epoch < line.epoch:
@@ -275,6 +299,10 @@ class Wishes:
             else:
                 self._timers.clear((WISH_AGAIN, granted.district))
         return fresh
+
+    def _is_meant(self, granted: PlaceGranted) -> bool:
+        """Whether it is no answer to somebody else who speaks under its name, with another key."""
+        return not granted.mark or granted.mark == (self._mark or UNSIGNED)
 
     def count_as_said(
         self, district: str, holds: tuple[str, ...], groups: tuple[tuple[str, ...], ...], state: State

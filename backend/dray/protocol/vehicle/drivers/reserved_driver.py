@@ -18,6 +18,7 @@ from dray.protocol.runtime.events import Effect, Publish
 from dray.protocol.runtime.timers import Timers
 from dray.protocol.traffic.driving.place_requests import IDLE, WITH_TASK, Errand, ShutOut
 from dray.protocol.traffic.driving.right_of_way import RightOfWay
+from dray.protocol.traffic.driving.wishes import Sign
 from dray.protocol.traffic.surroundings import Surroundings
 from dray.protocol.traffic.traffic_map import TrafficMap
 from dray.protocol.vehicle.drivers.driver import ORDERS_PER_LIFE, Driver, limited_s
@@ -39,6 +40,7 @@ class Owner(Protocol):
 
     id: str
     incarnation: int
+    sign_wish: Sign
 
     @property
     def is_busy(self) -> bool:
@@ -151,6 +153,7 @@ class ReservedDriver(Driver):
             next_order=self.next_order,
             restrictions=lambda: self._plant.restrictions,
             obstructed=lambda: self._plant.obstructed,
+            sign=self._owner.sign_wish,
         )
         self.sense(state)
         row.take_control(now_s, drives_beyond=state.base_end not in ("", state.node, next_node))

@@ -1,0 +1,133 @@
+"""An impostor: it has stolen the certificate of a vehicle whose owner lives, and gives back in its name what the vehicle holds."""
+
+from __future__ import annotations
+
+from collections import deque
+from itertools import cycle, product
+
+from msgspec import UNSET
+from msgspec.structs import replace
+
+from dray.messages import AtvHeartbeat, Message
+from dray.messages.floor.traffic import FIRST_S, HoldsAsked, PlaceGranted, PlaceWished
+from dray.messages.keys import Keys
+from dray.plant import Plant
+from dray.ports import Receive, Session
+from dray.protocol.liveness.suspicion import WORKING_INTERVAL_S
+from dray.protocol.runtime.events import Effect, Event, Heard, Leave, Leaving, Send, Started, Subscribe, Woke
+from dray.protocol.traffic.driving.wishes import Sign, unsigned
+from dray.protocol.traffic.places import Places
+from dray_sim.network.sim_network import SimNetwork
+
+FAR_AHEAD = 10**6
+"""Higher than any number of a wish that its owner says."""
+
+LISTENS_S = 120.0
+"""At first it only listens, until its owner is at work."""
+
+OVERHEARD = 64
+"""Wishes of its owner that it keeps; it says the oldest of them again."""
+
+NEVER_GIVEN = 2**40
+"""Higher than any number of a grant."""
+
+
+class StolenPlace:
+    """The simulated network as a thief joins it (see `dray.ports.Bus`): the owner stays.
+
+    Args:
+        network: where the owner is.
+    """
+
+    def __init__(self, network: SimNetwork) -> None:
+        self._network = network
+
+    def join(self, agent: str, receive: Receive, life: int = 0) -> Session:
+        """Join under the agent's name."""
+        return self._network.steal(agent, receive)
+
+
+class Impostor:
+    """Whoever has stolen a vehicle's certificate (see `dray.protocol.runtime.events.Agent`). It has not the vehicle's key.
+
+    Once a second it says to all keepers of books that nothing is held, in turn: as the owner's life and as a later one, with a key of its own,
+    without any, and with the owner's key and signature, which it has overheard. It says again what the owner has said long before, too.
+
+    Args:
+        atv: whose name it takes.
+        plant: what it knows of the plant.
+        sign: with a key of its own.
+    """
+
+    def __init__(self, atv: str, plant: Plant, sign: Sign) -> None:
+        self.id, self.incarnation = atv, 1
+        self.wake_at_s = float("inf")
+        self._keys = Keys(plant.id)
+        self._places = Places(plant)
+        self._ways = cycle(product((0, 1), (unsigned, sign, self._forge), (False, False, True)))
+        """As how much later a life, how it signs, and whether it guesses the number of the last grant."""
+        self._life, self._removal = 1, 0
+        self._seq = FAR_AHEAD
+        self._epochs: dict[str, int] = {}
+        self._seen: dict[str, int] = {}
+        """District -> the highest number of a grant to the owner, as it was overheard."""
+        self._overheard: deque[PlaceWished] = deque(maxlen=OVERHEARD)
+        """What the owner has said."""
+        self._out: list[Effect] = []
+
+    def handle(self, event: Event, now_s: float) -> list[Effect]:
+        """Take one step."""
+        if isinstance(event, Started):
+            self._out.append(Subscribe(self._keys.atv_heartbeat(self.id)))
+            self.wake_at_s = now_s + LISTENS_S
+        elif isinstance(event, Leaving):
+            self._out.append(Leave())
+        elif isinstance(event, Woke):
+            self.wake_at_s = now_s + WORKING_INTERVAL_S
+            self._give_back_all()
+        elif isinstance(event, Heard):
+            self._overhear(event.sender, event.message)
+        effects, self._out = self._out, []
+        return effects
+
+    def _overhear(self, sender: str, message: Message) -> None:
+        if isinstance(message, AtvHeartbeat):
+            self._life = max(self._life, message.incarnation)
+            if message.floor is not UNSET:
+                self._removal = max(self._removal, message.floor.removal)
+        elif isinstance(message, PlaceWished):
+            if sender == self.id and message.seq < FAR_AHEAD:
+                self._overheard.append(message)
+        elif isinstance(message, HoldsAsked):
+            self._epochs[message.district] = message.epoch
+        elif isinstance(message, PlaceGranted):
+            self._epochs[message.district] = message.epoch
+            numbers = (self._seen.get(message.district, 0), *(line.number for line in message.grants))
+            self._seen[message.district] = max(numbers)
+
+    def _give_back_all(self) -> None:
+        for old in tuple(self._overheard)[:1]:
+            self._out += [Send(keeper, old) for keeper in self._places.keepers_of[old.district]]
+        later, sign, guesses = next(self._ways)
+        for district, keepers in self._places.keepers_of.items():
+            self._seq += 1
+            wish = PlaceWished(
+                district=district,
+                life=self._life + later,
+                seq=self._seq,
+                epoch=self._epochs.get(district, 0),
+                rank=(0, FIRST_S, self.id),
+                holds=(),
+                groups=(),
+                seen=NEVER_GIVEN if guesses else self._seen.get(district, 0),
+                stands=True,
+                docked=False,
+                removal=self._removal,
+            )
+            self._out += [Send(keeper, sign(wish)) for keeper in keepers]
+
+    def _forge(self, wish: PlaceWished) -> PlaceWished:
+        """With the owner's key, and its signature of something else."""
+        if not self._overheard:
+            return wish
+        return replace(wish, key=self._overheard[-1].key, signature=self._overheard[-1].signature)
