@@ -57,7 +57,7 @@ async def test_an_order_with_the_customer_and_reference_of_a_young_one_is_placed
         return placed
 
     first = await place(key="k1", reference="4711")
-    assert "hints" not in first
+    assert first["hints"] == []
     house.wall.now_s += 720.0
     assert await place(key="k1", reference="4711") == first, "sent again under its key it is no other order"
     second = await place(key="k2", reference="4711")
@@ -70,16 +70,16 @@ async def test_an_order_with_the_customer_and_reference_of_a_young_one_is_placed
     (hint,) = (await place(reference="4711"))["hints"]
     assert hint["values"]["order"] == second["id"], "the newest"
     for other in ({"reference": "4712"}, {"reference": "4711", "customer": "Other"}, {}, {}):
-        assert "hints" not in await place(**other)
+        assert (await place(**other))["hints"] == []
     house.wall.now_s += 3601.0
-    assert "hints" not in await place(reference="4711")
+    assert (await place(reference="4711"))["hints"] == []
 
 
 async def test_a_cancelled_order_is_no_reason_for_a_hint(house: House) -> None:
     first = await house.place(reference="4711")
     await house.client.post(f"/api/orders/{first['id']}/cancel")
     again = await house.client.post("/api/orders", json=draft(reference="4711"))
-    assert "hints" not in again.json()
+    assert again.json()["hints"] == []
 
 
 async def test_an_urgent_order_is_wanted_soon_after_its_release_and_due_when_it_was_said(

@@ -8,7 +8,6 @@ from typing import Annotated
 
 import msgspec
 from fastapi import APIRouter, Depends, Query, Request, Response
-from msgspec import UNSET, UnsetType
 
 from dray.gateway.access.audit_log import note_of
 from dray.gateway.access.caller import caller_of
@@ -67,9 +66,12 @@ class OrderAnswer(OrderView, kw_only=True):
 class PlacedOrder(OrderAnswer, kw_only=True):
     """An order that was placed."""
 
-    hints: tuple[FieldError, ...] | UnsetType = UNSET
-    """What is odd in it: its customer and reference are those of another order of the last hour. It is placed all the same. Left
-    out where there is nothing."""
+    hints: tuple[FieldError, ...] = ()
+    """What is odd in it: its customer and reference are those of another order of the last hour. It is placed all the same."""
+
+
+def _placed_order(answer: OrderAnswer, hints: tuple[FieldError, ...]) -> PlacedOrder:
+    return PlacedOrder(**{name: getattr(answer, name) for name in answer.__struct_fields__}, hints=hints)
 
 
 EXAMPLE = OrderAnswer(
@@ -164,7 +166,7 @@ DRAFTS = {
     status_code=HTTPStatus.CREATED,
     dependencies=[Depends(json_only)],
     responses={
-        201: described(PlacedOrder, "The order is on disk", EXAMPLE)
+        201: described(PlacedOrder, "The order is on disk", _placed_order(EXAMPLE, ()))
         | {
             "headers": {
                 "Location": {"description": "The order", "schema": {"type": "string"}},
@@ -191,8 +193,7 @@ async def place_order(request: Request, draft: OrderDraft, key: Key = None) -> J
     hints = await placement.look_twice(draft)
 
     def render(order: Order) -> bytes:
-        answer = order_answer(order, base)
-        return msgspec.json.encode(_placed_order(answer, hints) if hints else answer)
+        return msgspec.json.encode(_placed_order(order_answer(order, base), hints))
 
     kept, replayed = await placement.place_once(
         draft, caller.key, None if key is None else own_key(caller, key), render, note_of(request)
@@ -339,10 +340,6 @@ def order_answer(order: Order, base_url: str, waits: CauseView | None = None) ->
         tracking_url=f"{base_url}/track/{order.token}",
         etag=version_tag(order_version(order)),
     )
-
-
-def _placed_order(answer: OrderAnswer, hints: tuple[FieldError, ...]) -> PlacedOrder:
-    return PlacedOrder(**{name: getattr(answer, name) for name in answer.__struct_fields__}, hints=hints)
 
 
 async def _rows(store: Store, wanted: OrderFilter, sorting: Sorting) -> AsyncIterator[Row]:

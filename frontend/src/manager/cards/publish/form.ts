@@ -44,7 +44,7 @@ export async function send(release: boolean): Promise<void> {
   if (body !== keyFor) [key, keyFor] = [newKey(), body];
   sending.value = true;
   try {
-    const { hints = [], id } = await placeOrder(order, key);
+    const { hints, id } = await placeOrder(order, key);
     keyFor = "";
     written.value = { ...written.value, reference: "" };
     outcome.value = { good: true, text: t(release ? "publish.published" : "publish.defined", { id }), hints: await inReadersWords(hints) };
