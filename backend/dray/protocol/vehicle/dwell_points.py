@@ -83,6 +83,8 @@ class DwellPoints:
         )
         self._opposed_s: BoundedMap[tuple[str, str], tuple[float, float]] = BoundedMap(RIVALS)
         """By charger and rival: since when it has been in the way, and when it was heard last."""
+        self._doubted: set[tuple[str, str]] = set()
+        """Those of them that have been in the way for longer than can be."""
         self._objected_s: BoundedMap[str, float] = BoundedMap(RIVALS)
         """By rival, when it was told last that this dwell point is held."""
         self._claim_battery_frac = 0.0
@@ -171,10 +173,11 @@ class DwellPoints:
             self._claim_battery_frac = max(0.0, self._claim_battery_frac - WORTH_FRAC)
 
     def arrive(self) -> None:
-        """The vehicle stands in its dwell point now: nobody has kept it from there."""
+        """The vehicle stands in its dwell point now: who was in the way and is believed has let it in."""
         self.hold = Hold.STANDING
         for key in [key for key in self._opposed_s if key[0] == self.dwell_point]:
-            del self._opposed_s[key]
+            if key not in self._doubted:
+                del self._opposed_s[key]
 
     def leave(self) -> None:
         """Give the dwell point up; harmless without one. Silence frees it: nobody objects any more."""
@@ -222,7 +225,13 @@ class DwellPoints:
         if now_s - heard_s > PAUSE_S:
             since_s = now_s
         self._opposed_s[key] = since_s, now_s
-        return now_s - since_s > (self._stay_s if claim.standing else APPROACH_S)
+        is_doubted = now_s - since_s > (self._stay_s if claim.standing else APPROACH_S)
+        if is_doubted:
+            self._doubted.add(key)
+        else:
+            self._doubted.discard(key)
+        self._doubted &= self._opposed_s.keys()
+        return is_doubted
 
     def _wins_over(self, claim: DwellPointClaimed) -> bool:
         stands = self.hold is Hold.STANDING
