@@ -64,6 +64,33 @@ async def test_no_thread_answers_once_it_is_closed_wherever_a_reader_was_cancell
     assert not [thread.name for thread in left if "_connection_worker_thread" in thread.name]
 
 
+async def test_a_cancelled_writer_with_a_cursor_that_is_half_read_leaves_its_turn_to_others(
+    sqlite_url: str,
+) -> None:
+    store = await open_store(sqlite_url)
+    held: list[object] = []
+    written = asyncio.Event()
+
+    async def write() -> None:
+        async with store.database.write() as connection:
+            driver = (await connection.get_raw_connection()).driver_connection
+            held.append(
+                await driver.execute("INSERT INTO incarnations (plant, incarnation) VALUES ('plant', 7)")
+            )
+            held.append(await driver.execute("SELECT name FROM sqlite_schema"))
+            written.set()
+            await connection.execute(text("SELECT 1 FROM incarnations"))
+            await asyncio.Event().wait()
+
+    writer = asyncio.create_task(write())
+    await asyncio.wait_for(written.wait(), 60)
+    writer.cancel()
+    await asyncio.wait([writer])
+    assert await store.next_incarnation("plant") == 1
+    assert held
+    await store.close()
+
+
 def modes(folder: Path) -> dict[str, int]:
     """Who may do what with the files of a folder, by their names."""
     return {file.name: stat.S_IMODE(file.stat().st_mode) for file in folder.iterdir()}

@@ -15,7 +15,6 @@ from dray.errors import UnavailableError
 from dray.gateway.access.principal import Scope
 from dray.gateway.http.provided import provided
 from dray.gateway.orders.placement import OrderPlacement
-from dray.gateway.schedules import scheduler
 from dray.gateway.schedules.scheduler import PUNCTUAL_S, Scheduler
 from dray.messages import OrderReleased
 from dray.store.orders.idempotency_keys import IdempotencyKeys
@@ -33,8 +32,8 @@ ORDER = {
 
 @pytest.fixture(autouse=True)
 def asked_by_the_test_alone(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Moments are hours away by a clock that stands, so only the test looks."""
-    monkeypatch.setattr(scheduler, "LOOK_EVERY_S", 3600.0)
+    """Only the test looks, and nobody besides when a schedule is new."""
+    monkeypatch.setattr(Scheduler, "run", lambda _: asyncio.Event().wait())
 
 
 async def orders(house: House) -> list[dict[str, Any]]:

@@ -16,18 +16,19 @@ from dray.errors import UnavailableError
 from dray.gateway.access.principal import Scope
 from dray.gateway.http.provided import provided
 from dray.gateway.orders.transports import PlainTransports
-from dray.gateway.schedules import scheduler
 from dray.gateway.schedules.scheduler import PUNCTUAL_S, Scheduler
 from dray.messages import TransportOrdered
 from dray.store.orders.transports import Transports
 
 pytestmark = pytest.mark.anyio
 
+RUN = Scheduler.run
+
 
 @pytest.fixture(autouse=True)
 def asked_by_the_test_alone(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Moments are hours away by a clock that stands, so only the test looks."""
-    monkeypatch.setattr(scheduler, "LOOK_EVERY_S", 3600.0)
+    """Only the test looks, and nobody besides when a schedule is new."""
+    monkeypatch.setattr(Scheduler, "run", lambda _: asyncio.Event().wait())
 
 
 async def test_each_moment_is_one_transport(house: House) -> None:
@@ -57,11 +58,13 @@ async def test_each_moment_is_one_transport(house: House) -> None:
 
 
 async def test_it_comes_by_itself(house: House) -> None:
+    looking = asyncio.create_task(RUN(provided(house.app, Scheduler)))
     house.wall.now_s = SIX_S - 0.01
     await added(house)
     house.wall.now_s = SIX_S
     asked = await house.bus.next_to("M8", TransportOrdered)
     assert [each["id"] for each in await brought(house)] == [asked.transport]
+    looking.cancel()
 
 
 async def test_two_gateways_use_a_moment_once(url: str) -> None:

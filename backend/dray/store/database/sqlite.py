@@ -52,7 +52,7 @@ class Sqlite:
         self._closed = False
 
     def engine(self, url: str) -> AsyncEngine:
-        engine = create_async_engine(url)
+        engine = create_async_engine(url, connect_args={"factory": _Connection})
         _listen(engine.sync_engine)
         event.listen(engine.sync_engine, "do_connect", self._keep_thread)
         return engine
@@ -140,6 +140,19 @@ class Sqlite:
             "see that its folder exists and may be written to and that the disk is not full, "
             "or name another file with --db or DRAY_DATABASE_URL"
         )
+
+
+class _Connection(sqlite3.Connection):
+    """Undoes an open transaction before it closes.
+
+    SQLite itself keeps it, and the file's lock with it, for as long as somebody holds a cursor that is half read
+    (https://sqlite.org/c3ref/close.html), as the error of a cancelled task may.
+    """
+
+    def close(self) -> None:
+        with suppress(sqlite3.Error):
+            self.rollback()
+        super().close()
 
 
 def _open_once(path: str) -> None:
