@@ -7,6 +7,7 @@ from typing import Any
 
 import msgspec
 import pytest
+from field import say
 from hypothesis import given
 from hypothesis import strategies as st
 from vda_rig import PROFILE, Rig
@@ -63,6 +64,17 @@ PLAIN = msgspec.structs.replace(PROFILE, map=MapFrame())
 
 def rig(file: PlantFile, vehicle: OwnMap, profile: Profile = PLAIN) -> Rig:
     return Rig(profile, yard=Yard(Plant(file)), own_map=vehicle)
+
+
+def test_a_vehicle_that_is_on_another_map_at_once_has_come_by_lift_and_is_no_jump() -> None:
+    one = rig(named(), own_map())
+    one.run(1.0)
+    one.sim.place_at("corner")
+    one.vehicle.condition.last_node = "corner"
+    say(one, 1.0)
+    there = one.body.sense()
+    assert (there.pose.x_m, there.pose.y_m) == (PLANT.nodes["corner"].x_m, PLANT.nodes["corner"].y_m)
+    assert "a pose that jumps" not in one.body.control.view.odd
 
 
 @pytest.mark.parametrize("version", ["2.0", "2.1", "3.0"])

@@ -164,6 +164,14 @@ def test_what_it_stands_before_is_said_as_a_blocked_lane_once_and_as_free_when_i
     assert rig.heard[-1] == WayDone(order=1, node="corner")
 
 
+def test_an_agent_that_goes_on_before_it_is_gone_is_told_again() -> None:
+    rig = stuck(**OBSTACLES["a field"])
+    rig.run(60.0)
+    rig.do(drive(*TO_CORNER[1:], order=2), for_s=60.0)
+    assert [said.order for said in rig.of(WayBlocked)] == [1, 2]
+    assert rig.of(WayFree) == []
+
+
 def test_a_field_that_is_hurt_for_a_moment_blocks_nothing() -> None:
     rig = stuck(**OBSTACLES["a field"])
     rig.run(3.0)

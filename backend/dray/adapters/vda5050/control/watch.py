@@ -130,9 +130,12 @@ class Watch:
             self._blocked_s = None
             return self._free(now_s, has_moved=self._nearest_m < self._told_m - GONE_M)
         self._blocked_s = now_s if self._blocked_s is None else self._blocked_s
-        if self._told is not None or now_s - self._blocked_s < OBSTACLE_S:
+        if now_s - self._blocked_s < OBSTACLE_S:
+            return None
+        if self._told is not None and self._told.order == number:
             return None
         start, end = order.nodes[order.passed], order.nodes[order.passed + 1]
+        # An agent that goes on has forgotten what it was told, and is told again.
         # It is on the lane by its order, and an order's base cannot be taken back: it does not turn round there.
         self._told = WayBlocked(order=number, start=start, end=end, entered=True)
         self._told_m = self._nearest_m
