@@ -38,17 +38,27 @@ def stop_with(rig: Rig, kind: str, level: str, *, gives_up: bool = True, node: s
     vehicle.say_state()
 
 
-@pytest.mark.parametrize(
-    ("profile", "kind", "level"),
-    [(V3, "NODE_UNREACHABLE", "CRITICAL"), (PROFILE, "noPath", "CRITICAL"), (KEPT, "pathBlocked", "FATAL")],
-)
-def test_an_error_that_lasts_until_the_next_order_keeps_it_from_none(
-    profile: Any, kind: str, level: str
-) -> None:
+UNREACHABLE = [
+    (V3, "NODE_UNREACHABLE", "CRITICAL"),
+    (PROFILE, "noPath", "CRITICAL"),
+    (KEPT, "pathBlocked", "FATAL"),
+]
+
+
+def reaching_nothing(profile: Any, kind: str, level: str) -> Rig:
+    """A vehicle that has stopped on its first lane for that, 30 s ago."""
     rig = Rig(profile)
     rig.do(drive("west", "middle", "east"), for_s=6.0)
     stop_with(rig, kind, level)
     rig.run(30.0)
+    return rig
+
+
+@pytest.mark.parametrize(("profile", "kind", "level"), UNREACHABLE)
+def test_an_error_that_lasts_until_the_next_order_keeps_it_from_none(
+    profile: Any, kind: str, level: str
+) -> None:
+    rig = reaching_nothing(profile, kind, level)
     assert rig.problems() == [f"{kind}: cannot reach the node"]
     assert rig.failures() == [f"{kind}: cannot reach the node"]
     assert rig.heard[-1] == ProblemCleared()
@@ -58,17 +68,11 @@ def test_an_error_that_lasts_until_the_next_order_keeps_it_from_none(
     assert len(rig.problems()) == 1
 
 
-@pytest.mark.parametrize(
-    ("profile", "kind", "level"),
-    [(V3, "NODE_UNREACHABLE", "CRITICAL"), (PROFILE, "noPath", "CRITICAL"), (KEPT, "pathBlocked", "FATAL")],
-)
+@pytest.mark.parametrize(("profile", "kind", "level"), UNREACHABLE)
 def test_a_node_that_it_cannot_reach_is_said_as_a_blocked_lane_before_its_way_is_lost(
     profile: Any, kind: str, level: str
 ) -> None:
-    rig = Rig(profile)
-    rig.do(drive("west", "middle", "east"), for_s=6.0)
-    stop_with(rig, kind, level)
-    rig.run(30.0)
+    rig = reaching_nothing(profile, kind, level)
     blocked = WayBlocked(order=1, start="west", end="middle", entered=True)
     assert rig.of(WayBlocked) == [blocked]
     failed = rig.of(ActionFailed)[0]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from dray.cli.runtime.options import SettingsFile
+from dray.cli.runtime.options import PanelUrl, SettingsFile
 
 if TYPE_CHECKING:
     from dray.cli.runtime.surroundings import Surroundings
@@ -79,10 +79,7 @@ def status(
     atv: Annotated[
         str, typer.Argument(help="Its id in the plant, as ATV3; left out: all that were heard.")
     ] = "",
-    url: Annotated[
-        str | None,
-        typer.Option(help="Where the panel is; else DRAY_HOST and DRAY_PORT, else http://127.0.0.1:8000."),
-    ] = None,
+    url: PanelUrl = None,
     token: Annotated[
         str | None,
         typer.Option(help="A key with factory:read, or the administrator's token; else DRAY_ADMIN_TOKEN."),

@@ -28,6 +28,13 @@ Traffic = Annotated[
 ]
 """None: the setting counts (`right_of_way`)."""
 
+PanelUrl = Annotated[
+    str | None,
+    typer.Option(
+        "--url", help="Where the panel is; else DRAY_HOST and DRAY_PORT, else http://127.0.0.1:8000."
+    ),
+]
+
 Strategists = Annotated[
     int | None,
     typer.Option(

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from dray.cli.runtime.options import PanelUrl
+
 if TYPE_CHECKING:
     from dray.store.access.people import Person
     from dray.store.work import Work
@@ -150,10 +152,7 @@ def badge(
 def link(
     name: Who,
     hours: Annotated[int, typer.Option(min=1, max=LONGEST_LINK_H, help="How long it works.")] = 24,
-    url: Annotated[
-        str | None,
-        typer.Option(help="Where the panel is; else DRAY_HOST and DRAY_PORT, else http://127.0.0.1:8000."),
-    ] = None,
+    url: PanelUrl = None,
     db: Database = None,
 ) -> None:
     """Print a link by which somebody logs in once; earlier ones work no more."""

@@ -6,15 +6,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from dray.cli.runtime.options import PanelUrl
+
 if TYPE_CHECKING:
     from dray.cli.simulation.gateway_client import Kind
 
 app = typer.Typer(no_args_is_help=True, help="Let something go wrong in a running `dray up`.")
-
-Url = Annotated[
-    str | None,
-    typer.Option(help="Where the panel is; else DRAY_HOST and DRAY_PORT, else http://127.0.0.1:8000."),
-]
 
 Token = Annotated[
     str | None,
@@ -31,7 +28,7 @@ def fault() -> None:
 
 
 @app.command("list")
-def list_faults(url: Url = None, token: Token = None) -> None:
+def list_faults(url: PanelUrl = None, token: Token = None) -> None:
     """What is wrong by hand, and what could be."""
     from dray.cli.runtime.output import table
     from dray.cli.simulation.gateway_client import Gateway
@@ -58,7 +55,7 @@ def begin(
     given: Annotated[
         list[str] | None, typer.Option("--set", help="Another field, as latency_s=2; may be repeated.")
     ] = None,
-    url: Url = None,
+    url: PanelUrl = None,
     token: Token = None,
 ) -> None:
     """Let something go wrong, until it is ended; prints the fault's id."""
@@ -73,7 +70,7 @@ def begin(
 @app.command()
 def end(
     fault: Annotated[str, typer.Argument(help="The id that `dray fault begin` has printed.")],
-    url: Url = None,
+    url: PanelUrl = None,
     token: Token = None,
 ) -> None:
     """Put it right again."""
