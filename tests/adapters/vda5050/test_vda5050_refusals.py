@@ -187,6 +187,31 @@ def test_a_refusal_that_does_not_name_the_order_is_told_with_its_words_and_ends_
     assert rig.heard[-1] == WayDone(order=2, node="middle")
 
 
+def test_a_vehicle_that_refuses_order_after_order_is_a_problem_for_longer_each_time_until_it_takes_one() -> (
+    None
+):
+    rig = Rig(msgspec.structs.replace(PROFILE, tries=1))
+    rig.run(1.0)
+    refuse_with(rig, "orderError", "FATAL", {})
+    told = "it has refused {} orders one after the other: orderError: not supported"
+
+    def refused(number: int) -> float:
+        """Seconds for which it is a problem then, asked every ten."""
+        rig.do(drive("west", "middle", order=number), for_s=0.0)
+        spans = 0
+        for _ in range(30):
+            rig.run(10.0)
+            spans += rig.body.sense().problem == told.format(number)
+        assert len(rig.failures()) == number
+        return 10.0 * spans
+
+    assert [refused(number) for number in (1, 2, 3)] == [0.0, 60.0, 120.0]
+    assert rig.problems() == [told.format(2), told.format(3)]
+    del rig.vehicle.on_message
+    rig.do(drive("west", "middle", order=4), for_s=60.0)
+    assert rig.heard[-1] == WayDone(order=4, node="middle")
+
+
 def test_a_refusal_of_an_order_that_it_shows_all_the_same_ends_it() -> None:
     rig = Rig()
     rig.run(1.0)

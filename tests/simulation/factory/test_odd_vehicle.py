@@ -144,7 +144,7 @@ ODDITIES: dict[str, Odd] = {
     "a stale last node": Odd(adds(lastNodeSequenceId=0)),
     "paused while it drives": Odd(adds(paused=True)),
     "a node that it cannot reach": Odd(do=reaches_no_node, told_s=TOLD_S),
-    "a parameter that it refuses": Odd(do=refuses),
+    "a parameter that it refuses": Odd(do=refuses, told_s=2 * TOLD_S),
     "its pause button": Odd(adds(paused=True, driving=False), stands, told_s=TOLD_S),
     "an obstacle": Odd(
         adds(safetyState={"eStop": "NONE", "fieldViolation": True}, driving=False, paused=False),

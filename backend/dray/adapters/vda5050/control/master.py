@@ -388,6 +388,8 @@ class MasterControl:
             return problem(self._holding.problem)
         if self._hindrance and now_s - self._hindered_s >= HINDERED_S:
             return problem(f"it takes no order: {self._hindrance}")
+        if refuses := self._orders.unwilling.problem(now_s):
+            return problem(refuses, needs_person=True)
         if self._orders.overlong:
             return problem(self._orders.overlong)
         if self._watch.problem is not None:

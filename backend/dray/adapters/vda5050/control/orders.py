@@ -12,6 +12,7 @@ from typing import Protocol
 from dray.adapters.vda5050.control.instant import ASK_STATE, InstantActions
 from dray.adapters.vda5050.control.order_state import ACTIVE, OrderState
 from dray.adapters.vda5050.control.refusals import CRITICAL, FATAL, critical, refusal, unsupported
+from dray.adapters.vda5050.control.unwilling import Unwilling
 from dray.adapters.vda5050.control.vehicle_order import Kind, Place, Stop, VehicleOrder
 from dray.adapters.vda5050.control.view import NEVER_S, VehicleView
 from dray.adapters.vda5050.events import Effect, Note, Say
@@ -77,6 +78,7 @@ class Orders:
     Attributes:
         present: the order that is not over; None for none.
         cancelled: orders that the vehicle has ended because it was told to.
+        unwilling: whether it takes orders at all.
     """
 
     def __init__(
@@ -96,6 +98,7 @@ class Orders:
         self._number = 0
         self.present: VehicleOrder | None = None
         self.cancelled = 0
+        self.unwilling = Unwilling()
         self._over_s = NEVER_S
         self._without: frozenset[str] = frozenset()
         """What the vehicle has said that it does not support, and its profile lets be left out."""
@@ -219,6 +222,7 @@ class Orders:
         match order.now:
             case OrderState.OFFERED | OrderState.REFUSED if is_shown:
                 order.states.enter(OrderState.RUNNING)
+                self.unwilling.accepted()
                 order.reason = ""  # Of an earlier refusal.
                 order.has_horizon = bool(order.beyond)
                 self._follow(order, state, now_s)
@@ -313,6 +317,8 @@ class Orders:
         order.reason = reason
         order.states.enter(OrderState.REFUSED)
         if order.is_unwanted or len(order.ids) >= self._profile.tries:
+            if not order.is_unwanted:
+                self.unwilling.refused("" if reason == REFUSED_SILENTLY else reason, now_s)
             self._end(order, OrderState.ENDED, reason, now_s)
         else:
             order.retry_s = now_s + FIRST_RETRY_S * 2.0 ** (len(order.ids) - 1)
