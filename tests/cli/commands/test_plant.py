@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 
 from dray.cli import app
 from dray.errors import PlantError, PlantErrors, SettingsError
-from dray.plant import Door, LaneEnds, Plant, load_plant, plant_yaml
+from dray.plant import Door, Lane, LaneEnds, Node, Plant, load_plant, plant_yaml
 
 TINY_SHIFT = ("--hours", "0.3", "--load", "0.5")
 SHORTEST_SHIFT = ("--hours", "0.1", "--load", "0.5")
@@ -46,6 +46,18 @@ def test_a_plant_without_warnings_is_summed_up_in_one_line() -> None:
     code, told = dray("plant", "check", "workshop", "--strict")
     assert (code, len(told.splitlines())) == (0, 1)
     assert told.startswith("workshop (Workshop): 3 machines")
+
+
+def test_a_floor_on_which_vehicles_have_no_room_is_an_error(tmp_path: Path) -> None:
+    file = load_plant("single-track").file
+    nodes = (*file.nodes, Node("x1", 3, 38), Node("x2", 3.6, 38))
+    tight = tmp_path / "tight.yaml"
+    tight.write_text(
+        plant_yaml(Plant(replace(file, nodes=nodes, lanes=(*file.lanes, Lane("x1", "x2", both_ways=True)))))
+    )
+    code, told = dray("plant", "check", str(tight))
+    assert code == 2
+    assert f"{tight}: nodes: error: near: x1 and x2 (0.60 m, 0.83 m needed)" in told
 
 
 def test_a_warning_leaves_the_exit_code_unless_strict(starving: Path, tmp_path: Path) -> None:

@@ -8,6 +8,7 @@ the floor is too narrow for the vehicles (`dray.plant.planning.advice_floor`).
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Literal
 
 import msgspec
 
@@ -15,6 +16,7 @@ from dray.plant.floor.sizes import too_large_for
 from dray.plant.model import Material, Product
 from dray.plant.planning.advice_floor import floor_advice
 from dray.plant.planning.flow import Flow, Limit
+from dray.plant.planning.room import ERRORS
 from dray.plant.plant import Plant
 
 GOOD_LOAD_FRAC = 0.85
@@ -46,14 +48,16 @@ class Advice(msgspec.Struct, frozen=True):
     """One warning."""
 
     kind: str
-    """dwell_points, charger, queue, material, dock, buffer, machine, vehicles, range, alone, trap, uncounted, large, near, narrow, crossing,
-    way or door."""
+    """dwell_points, charger, queue, material, dock, buffer, machine, vehicles, range, alone, trap, uncounted, large, near, narrow, touch,
+    crossing, way or door."""
     field: str
     """The section of the plant file."""
     text: str
     """What is short, a figure, and what to do."""
     load_frac: float = 1.0
     """The load (part of the machines' time) at which it is full; 1 where it is none of that."""
+    level: Literal["warning", "error"] = "warning"
+    """An error: with right of way the plant cannot work as it is drawn."""
     about: tuple[tuple[str, ...], ...] = ()
     """The nodes that a warning of the floor is about, each entry one place that is too narrow."""
 
@@ -68,10 +72,15 @@ def advice(plant: Plant) -> list[Advice]:
         *_limits(plant, flow),
         *_alone(plant),
         *_traps(plant),
-        *(Advice(kind, field, text, about=about) for kind, field, text, about in floor_advice(plant)),
+        *_floor(plant),
         *_uncounted(plant),
         *_large(plant),
     ]
+
+
+def _floor(plant: Plant) -> Iterator[Advice]:
+    for kind, field, text, about in floor_advice(plant):
+        yield Advice(kind, field, text, level="error" if kind in ERRORS else "warning", about=about)
 
 
 def _dwell_points(plant: Plant) -> Iterator[Advice]:
