@@ -48,6 +48,14 @@ def test_a_plant_without_warnings_is_summed_up_in_one_line() -> None:
     assert told.startswith("workshop (Workshop): 3 machines")
 
 
+def test_a_load_that_a_plant_cannot_serve_is_an_error_with_its_cause() -> None:
+    assert dray("plant", "check", "workshop", "--load", "0.8")[0] == 0
+    code, told = dray("plant", "check", "workshop", "--load", "0.95")
+    assert code == 2
+    assert "machines: error: machine: DRILL is full at 90.7% of the machines' time" in told
+    assert "orders of 95.0% cannot be served" in told
+
+
 def test_a_floor_on_which_vehicles_have_no_room_is_an_error(tmp_path: Path) -> None:
     file = load_plant("single-track").file
     nodes = (*file.nodes, Node("x1", 3, 38), Node("x2", 3.6, 38))
@@ -181,7 +189,7 @@ def test_a_plant_that_is_not_there_is_named() -> None:
 
 
 def test_drawn_plants_are_played_judged_and_kept(tmp_path: Path) -> None:
-    kept, judged = tmp_path / "p3.yaml", tmp_path / "judged.json"
+    kept, judged = tmp_path / "r3.yaml", tmp_path / "judged.json"
     code, told = dray(
         "sim",
         "plants",
@@ -197,9 +205,9 @@ def test_drawn_plants_are_played_judged_and_kept(tmp_path: Path) -> None:
     )
     assert code == 0, told
     assert "1 plants: 1 served" in told
-    assert load_plant(kept).id == "p3"
+    assert load_plant(kept).id == "r3"
     [each] = json.loads(judged.read_text())
-    assert each["replay"] == "dray sim plants --seed 3 --small --hours 0.3 --traffic"
+    assert each["replay"] == "dray sim plants --seed 3 --kind raster --small --hours 0.3 --traffic"
 
 
 # --- layouts of other systems -------------------------------------------------------------------------

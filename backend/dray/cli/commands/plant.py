@@ -37,6 +37,14 @@ def plant() -> None:
 def check(
     file: Annotated[Path, typer.Argument(help="A plant file (YAML), or the name of a shipped plant.")],
     strict: Annotated[bool, typer.Option("--strict", help="Exit 2 when there is a warning.")] = False,
+    load: Annotated[
+        float | None,
+        typer.Option(
+            help="Part of the machines' time that orders will take: what is full below it is an error.",
+            min=0.0,
+            max=1.0,
+        ),
+    ] = None,
     json: Annotated[Path | None, typer.Option(help="Write the warnings here too.")] = None,
 ) -> None:
     """Validate a plant file; every fault is named by line and field, and the exit code is 2.
@@ -50,7 +58,7 @@ def check(
 
     chosen = load_plant(file)
     typer.echo(sum_up(chosen))
-    warnings = advice(chosen)
+    warnings = advice(chosen, load)
     for warning in warnings:
         typer.echo(f"{file}: {warning.field}: {warning.level}: {warning.kind}: {warning.text}")
     if json is not None:

@@ -62,20 +62,34 @@ class Advice(msgspec.Struct, frozen=True):
     """The nodes that a warning of the floor is about, each entry one place that is too narrow."""
 
 
-def advice(plant: Plant) -> list[Advice]:
-    """All warnings of a plant; none for one in which nothing is short."""
+def advice(plant: Plant, load_frac: float | None = None) -> list[Advice]:
+    """All warnings of a plant; none for one in which nothing is short.
+
+    Args:
+        plant: without faults.
+        load_frac: part of the machines' time that orders will take; what is full below it is an error. None where nobody has said.
+    """
     flow = Flow(plant)
-    return [
+    found = [
         *_dwell_points(plant),
         *_ranges(flow),
         *_queue(plant),
-        *_limits(plant, flow),
+        *_limits(plant, flow, load_frac),
         *_alone(plant),
         *_traps(plant),
         *_floor(plant),
         *_uncounted(plant),
         *_large(plant),
     ]
+    if load_frac is None:
+        return found
+    return [_asked(each, load_frac) if each.load_frac < load_frac else each for each in found]
+
+
+def _asked(warning: Advice, load_frac: float) -> Advice:
+    """What is full below the load that orders will take."""
+    text = f"{warning.text}; orders of {load_frac:.1%} cannot be served"
+    return msgspec.structs.replace(warning, level="error", text=text)
 
 
 def _floor(plant: Plant) -> Iterator[Advice]:
@@ -146,7 +160,7 @@ def _queue(plant: Plant) -> Iterator[Advice]:
         yield Advice("queue", "chargers", text)
 
 
-def _limits(plant: Plant, flow: Flow) -> Iterator[Advice]:
+def _limits(plant: Plant, flow: Flow, load_frac: float | None) -> Iterator[Advice]:
     counts: dict[str, int] = {}
     limits = flow.limits()
     fleet_frac = min((limit.load_frac for limit in limits if limit.kind == "vehicles"), default=1.0)
@@ -155,6 +169,8 @@ def _limits(plant: Plant, flow: Flow) -> Iterator[Advice]:
             # The fleet is full before it could use so much.
             continue
         least = MACHINE_LOAD_FRAC if limit.kind == "machine" else GOOD_LOAD_FRAC
+        if load_frac is not None:
+            least = max(least, load_frac)
         counts[limit.kind] = counts.get(limit.kind, 0) + 1
         if limit.load_frac >= least or counts[limit.kind] > MOST_OF_A_KIND:
             continue
