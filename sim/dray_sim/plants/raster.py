@@ -148,7 +148,7 @@ class _Draft:
             Parking(f"P{number}", self._place(f"p{number}")[0]) for number in range(1, self._parkings + 1)
         )
         types = self._types(abilities)
-        fleet = self._fleet(types, [place.node for place in (*chargers, *parkings)])
+        fleet = self._fleet(types, [*(one.node for one in chargers), *(one.node for one in parkings)])
         return PlantFile(
             plant=self._plant,
             name=f"Raster {self._plant}",
