@@ -71,7 +71,7 @@ SPEEDS_MPS = (0.8, 1.0, 1.5, 2.0)
 
 ABILITIES = ("tote", "pallet", "long")
 
-ROOM = (1.3, 2.5)
+ROOM = (1.05, 1.8)
 """So many times the floor that its places need."""
 
 IN_LANE = 0.1
@@ -114,8 +114,8 @@ class _Draft:
         self._machines = _between(random, SMALL_MACHINES if small else MACHINES)
         self._vehicles = _between(random, SMALL_VEHICLES if small else VEHICLES)
         self._storages = max(1, round(self._machines * random.uniform(0.2, 0.7)))
-        self._chargers = max(1, round(self._vehicles * random.choice((0.4, 0.6, 1.0))))
-        self._parkings = round(self._vehicles * random.choice((0.0, 0.5, 1.0)))
+        self._chargers = max(1, round(self._vehicles * random.choice((0.3, 0.45, 0.6))))
+        self._parkings = round(self._vehicles * random.choice((0.0, 0.0, 0.4, 1.0)))
         self._warehouses = 1 + self._machines // 16
         self._spots: dict[str, tuple[float, float]] = {}
         self._roads: dict[Ends, Lane] = {}

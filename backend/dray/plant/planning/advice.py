@@ -101,10 +101,13 @@ def _dwell_points(plant: Plant) -> Iterator[Advice]:
     dwell_points, fleet = len(plant.dwell_points), len(plant.fleet)
     if dwell_points < fleet:
         missing = fleet - dwell_points
+        clear = len(plant.spare_places.clear)
+        wait = f"{missing} without work wait on the roads"
+        if clear < missing:
+            wait += f", {missing - clear} of them in somebody's way: {dwell_points + clear} vehicles at most"
         text = (
             f"{dwell_points} dwell points ({len(plant.chargers)} chargers, {len(plant.parkings)} parking places) for {fleet} "
-            f"vehicles: {missing} without work stand where they are, in the lanes or at docks; "
-            f"add {missing} parking place{'s' * (missing > 1)}"
+            f"vehicles: {wait}; add {missing} parking place{'s' * (missing > 1)}"
         )
         yield Advice("dwell_points", "parkings", text)
 
