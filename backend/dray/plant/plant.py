@@ -42,6 +42,7 @@ from dray.plant.model import (
 from dray.plant.restrictions import OPEN, Ends, Extent, Restrictions, extent_of, opposite_stops
 from dray.plant.roads import DirectedLane, Roads
 from dray.plant.routes import Routes
+from dray.plant.spare_places import SparePlaces, spare_nodes
 from dray.plant.working_time import WorkingTime
 
 
@@ -143,6 +144,22 @@ class Plant:
         if ways.queue is None:
             ways.queue = ChargerQueue(self)
         return ways.queue
+
+    @cached_property
+    def spare_places(self) -> SparePlaces:
+        """Nodes of the roads where vehicles wait for which there is no dwell point; none where all have one.
+
+        Claimed by their ids, as dwell points are: so no dwell point has the id of one.
+        """
+        kinds = sorted({spec.type for spec in self.fleet.values()})
+        stops = (node for node in self.stops if not self.has_place(node))
+        needed = len(self.fleet) - len(self.dwell_points)
+        docks = map(self.node_of, self.places)
+        return spare_nodes(self.nodes, map(self.roads_of, kinds), stops, docks, needed)
+
+    def stand_of(self, dwell_point: str) -> str:
+        """The node of a dwell point; of a spare place it is its id."""
+        return self._node_of.get(dwell_point, dwell_point)
 
     @cached_property
     def source_warehouses(self) -> tuple[str, ...]:

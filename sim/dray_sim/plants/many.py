@@ -9,18 +9,26 @@ from concurrent.futures.process import BrokenProcessPool
 from functools import partial
 
 from dray.errors import UnavailableError
-from dray_sim.plants.play import HOURS, Judgement, play_seed
+from dray_sim.plants.play import HOURS, Judgement, Kind, play_seed
 from dray_sim.run.workers import end_with_parent
 
 
 def play_seeds(
-    first: int, count: int, *, small: bool = False, hours: float = HOURS, traffic: bool = False, jobs: int = 1
+    first: int,
+    count: int,
+    kind: Kind = "raster",
+    *,
+    small: bool = False,
+    hours: float = HOURS,
+    traffic: bool = False,
+    jobs: int = 1,
 ) -> Iterator[Judgement]:
     """Play the plants of so many seeds.
 
     Args:
         first: the first seed.
         count: how many.
+        kind: of plants.
         small: few machines and vehicles each.
         hours: of demand.
         traffic: whether vehicles drive with right of way.
@@ -29,7 +37,7 @@ def play_seeds(
     Raises:
         UnavailableError: a process was killed from outside.
     """
-    play = partial(play_seed, small=small, hours=hours, traffic=traffic)
+    play = partial(play_seed, kind=kind, small=small, hours=hours, traffic=traffic)
     seeds = range(first, first + count)
     if jobs == 1:
         yield from map(play, seeds)

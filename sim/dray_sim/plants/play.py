@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator
 from random import Random
+from typing import Literal
 
 import msgspec
 
@@ -14,12 +15,17 @@ from dray.plant.planning.advice import NO_LOAD_FRAC, advice
 from dray.plant.planning.flow import Flow
 from dray_sim.people import demand
 from dray_sim.plants.draw import draw_plant
+from dray_sim.plants.raster import draw_raster
 from dray_sim.plants.watch import Waiting, Watch
 from dray_sim.run.evidence import HELD
 from dray_sim.run.stage import Shift, Stage, play, with_right_of_way
 from dray_sim.run.verdict import NOTHING, Verdict
 
 HOURS = 4.0
+
+Kind = Literal["raster", "halls"]
+"""A raster of roads (`dray_sim.plants.raster`), or halls with lanes of any shape (`dray_sim.plants.draw`), most of which are too narrow for
+right of way."""
 
 LOAD_FRAC = (0.3, 0.6)
 """Of the load at which the scarcest resource is full: queues stay short there."""
@@ -138,13 +144,22 @@ class Judgement(msgspec.Struct, frozen=True):
         return lines
 
 
-def draw(seed: int, *, small: bool = False, hours: float = HOURS) -> Run:
+def plant_of(seed: int, kind: Kind, *, small: bool = False) -> Plant:
+    """The plant of a seed.
+
+    Raises:
+        PlantError: the generator has drawn what may not be.
+    """
+    return draw_raster(seed, small=small) if kind == "raster" else draw_plant(seed, small=small)
+
+
+def draw(seed: int, kind: Kind = "raster", *, small: bool = False, hours: float = HOURS) -> Run:
     """The plant of a seed, and a demand that it can serve.
 
     Raises:
         PlantError: the generator has drawn what may not be.
     """
-    plant = draw_plant(seed, small=small)
+    plant = plant_of(seed, kind, small=small)
     limit = Flow(plant).limits()[0]
     random = Random(f"{seed} load")
     load = random.uniform(*LOAD_FRAC) * min(1.0, limit.load_frac)
@@ -173,16 +188,19 @@ def _orders(plant: Plant, random: Random, load: float, until_s: float) -> Iterat
         now_s += random.expovariate(1.0) * work_s / (len(plant.machines) * load)
 
 
-def play_seed(seed: int, *, small: bool = False, hours: float = HOURS, traffic: bool = False) -> Judgement:
+def play_seed(
+    seed: int, kind: Kind = "raster", *, small: bool = False, hours: float = HOURS, traffic: bool = False
+) -> Judgement:
     """Draw a plant, and let it work.
 
     Args:
         seed: decides everything.
+        kind: of plant.
         small: a few machines and vehicles.
         hours: of demand.
         traffic: whether vehicles drive with right of way.
     """
-    run = draw(seed, small=small, hours=hours)
+    run = draw(seed, kind, small=small, hours=hours)
     began_s = time.process_time()
     watch = Watch(run.plant)
 
@@ -222,7 +240,7 @@ def play_seed(seed: int, *, small: bool = False, hours: float = HOURS, traffic: 
         invariants=report.invariants,
         took_s=time.process_time() - began_s,
         replay=(
-            f"dray sim plants --seed {seed}{' --small' if small else ''}{f' --hours {hours:g}' if hours != HOURS else ''}"
+            f"dray sim plants --seed {seed} --kind {kind}{' --small' if small else ''}{f' --hours {hours:g}' if hours != HOURS else ''}"
             f" {'--traffic' if traffic else '--no-traffic'}"
         ),
         foreseen=next((each.text for each in warned if each.load_frac < NO_LOAD_FRAC), ""),

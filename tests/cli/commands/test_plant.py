@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 
 from dray.cli import app
 from dray.errors import PlantError, PlantErrors, SettingsError
-from dray.plant import Door, LaneEnds, Plant, load_plant, plant_yaml
+from dray.plant import Door, Lane, LaneEnds, Node, Plant, load_plant, plant_yaml
 
 TINY_SHIFT = ("--hours", "0.3", "--load", "0.5")
 SHORTEST_SHIFT = ("--hours", "0.1", "--load", "0.5")
@@ -46,6 +46,26 @@ def test_a_plant_without_warnings_is_summed_up_in_one_line() -> None:
     code, told = dray("plant", "check", "workshop", "--strict")
     assert (code, len(told.splitlines())) == (0, 1)
     assert told.startswith("workshop (Workshop): 3 machines")
+
+
+def test_a_load_that_a_plant_cannot_serve_is_an_error_with_its_cause() -> None:
+    assert dray("plant", "check", "workshop", "--load", "0.8")[0] == 0
+    code, told = dray("plant", "check", "workshop", "--load", "0.95")
+    assert code == 2
+    assert "machines: error: machine: DRILL is full at 90.7% of the machines' time" in told
+    assert "orders of 95.0% cannot be served" in told
+
+
+def test_a_floor_on_which_vehicles_have_no_room_is_an_error(tmp_path: Path) -> None:
+    file = load_plant("single-track").file
+    nodes = (*file.nodes, Node("x1", 3, 38), Node("x2", 3.6, 38))
+    tight = tmp_path / "tight.yaml"
+    tight.write_text(
+        plant_yaml(Plant(replace(file, nodes=nodes, lanes=(*file.lanes, Lane("x1", "x2", both_ways=True)))))
+    )
+    code, told = dray("plant", "check", str(tight))
+    assert code == 2
+    assert f"{tight}: nodes: error: near: x1 and x2 (0.60 m, 0.83 m needed)" in told
 
 
 def test_a_warning_leaves_the_exit_code_unless_strict(starving: Path, tmp_path: Path) -> None:
@@ -169,7 +189,7 @@ def test_a_plant_that_is_not_there_is_named() -> None:
 
 
 def test_drawn_plants_are_played_judged_and_kept(tmp_path: Path) -> None:
-    kept, judged = tmp_path / "p3.yaml", tmp_path / "judged.json"
+    kept, judged = tmp_path / "r3.yaml", tmp_path / "judged.json"
     code, told = dray(
         "sim",
         "plants",
@@ -185,9 +205,9 @@ def test_drawn_plants_are_played_judged_and_kept(tmp_path: Path) -> None:
     )
     assert code == 0, told
     assert "1 plants: 1 served" in told
-    assert load_plant(kept).id == "p3"
+    assert load_plant(kept).id == "r3"
     [each] = json.loads(judged.read_text())
-    assert each["replay"] == "dray sim plants --seed 3 --small --hours 0.3 --traffic"
+    assert each["replay"] == "dray sim plants --seed 3 --kind raster --small --hours 0.3 --traffic"
 
 
 # --- layouts of other systems -------------------------------------------------------------------------

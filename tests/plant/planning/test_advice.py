@@ -6,7 +6,7 @@ import re
 
 import pytest
 
-from dray.plant import Plant, default_plant, parse_plant
+from dray.plant import Plant, default_plant, load_plant, parse_plant
 from dray.plant.planning.advice import Advice, advice
 from dray.plant.planning.flow import Flow
 from dray_sim.scenarios.paper.laboratory import only_on
@@ -118,3 +118,13 @@ def test_two_places_with_one_dock(small_text: str) -> None:
 def test_a_product_that_one_of_many_machines_makes() -> None:
     plant = only_on("motor-e4", "M10")
     assert [each.text for each in of_kind(plant, "machine") if each.text.startswith("M10 is full")]
+
+
+def test_what_is_full_below_the_load_that_is_asked_for_is_an_error() -> None:
+    plant = load_plant("workshop")
+    fullest = Flow(plant).limits()[0]
+    over = [each for each in advice(plant, fullest.load_frac + 0.001) if each.level == "error"]
+    assert [each.kind for each in over] == [fullest.kind]
+    assert "cannot be served" in over[0].text
+    assert not [each for each in advice(plant, fullest.load_frac - 0.01) if each.level == "error"]
+    assert not [each for each in advice(plant) if each.level == "error"]

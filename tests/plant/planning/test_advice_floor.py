@@ -41,15 +41,63 @@ ROW = (Node("x1", 3, 38), Node("x2", 4.3, 38))
 def test_places_where_vehicles_touch_are_near() -> None:
     assert floor(ROW, (Lane("x1", "x2", both_ways=True),)) == {}
     near = floor((ROW[0], Node("x2", 3.9, 38)), (Lane("x1", "x2", both_ways=True),))
-    assert "x1 and x2 (0.90 m) are nearer to one another than vehicles of 1 m x 0.6 m" in near["near"]
+    assert (
+        "x1 and x2 (0.90 m, 1.01 m needed) are nearer to one another than vehicles of 1 m x 0.6 m"
+        in near["near"]
+    )
 
 
 def test_vehicles_side_by_side_may_be_nearer_than_vehicles_behind_one_another() -> None:
     nodes = (Node("x1", 3, 38), Node("x2", 3, 36), Node("x3", 3.7, 38), Node("x4", 3.7, 36))
-    lanes = (Lane("x1", "x2", both_ways=True), Lane("x3", "x4", both_ways=True))
-    assert "near" not in floor(nodes, lanes)
-    crooked = (*lanes, Lane("x1", "x3", both_ways=True))
-    assert "x1 and x3" in floor(nodes, crooked)["near"]
+    nodes += (Node("x5", 3, 34.5), Node("x6", 3.7, 34.5))
+    one_way = (Lane("x1", "x2"), Lane("x2", "x5"), Lane("x3", "x4"), Lane("x4", "x6"))
+    assert "near" not in floor(nodes, one_way)
+    crooked = (*one_way, Lane("x2", "x4"))
+    assert "x2 and x4" in floor(nodes, crooked)["near"]
+
+
+def test_vehicles_that_turn_round_side_by_side_need_room_for_it() -> None:
+    def dead_ends(apart_m: float) -> dict[str, str]:
+        x_m = 3 + apart_m
+        nodes = (Node("x1", 3, 38), Node("x2", 3, 36), Node("x3", x_m, 38), Node("x4", x_m, 36))
+        return floor(nodes, (Lane("x1", "x2", both_ways=True), Lane("x3", "x4", both_ways=True)))
+
+    assert "x1 and x3 (0.90 m, 1.18 m needed)" in dead_ends(0.9)["near"]
+    assert "near" not in dead_ends(1.18)
+
+
+def test_a_vehicle_turns_towards_a_place_only_when_nobody_stands_there() -> None:
+    """So who stands in a dock needs half a length to its mouth, where another one turns; not the half of a diagonal."""
+    mouth = (Node("x1", 3, 38), Node("x2", 5, 38), Node("x3", 7, 38))
+    road = (Lane("x1", "x2", both_ways=True), Lane("x2", "x3", both_ways=True))
+    spur = (*road, Lane("x2", "x4", both_ways=True))
+    assert "near" not in floor((*mouth, Node("x4", 5, 39.1)), spur)
+    assert "x2 and x4 (1.08 m, 1.09 m needed)" in floor((*mouth, Node("x4", 5, 39.08)), spur)["near"]
+
+
+def test_a_vehicle_that_begins_across_its_lanes_needs_room_as_it_stands() -> None:
+    file = load_plant("single-track").file
+    nodes = (Node("x1", 3, 38), Node("x2", 3, 36), Node("x3", 4, 38), Node("x4", 4, 36))
+    lanes = (Lane("x1", "x2"), Lane("x3", "x4"))
+    kind = replace(file.vehicle_types[0], length_m=1.2, width_m=0.6)
+    fleet = (
+        replace(file.fleet[0], type=kind.id, node="x1"),
+        replace(file.fleet[1], type=kind.id, node="x3"),
+        *file.fleet[2:],
+    )
+    plant = Plant(
+        replace(
+            file,
+            nodes=(*file.nodes, *nodes),
+            lanes=(*file.lanes, *lanes),
+            fleet=fleet,
+            vehicle_types=(kind, *file.vehicle_types[1:]),
+        )
+    )
+    found = {each: text for each, _, text, _ in floor_advice(plant)}
+    assert "x1 and x3" in found["near"]
+    elsewhere = Plant(replace(plant.file, fleet=file.fleet))
+    assert "near" not in {each for each, _, _, about in floor_advice(elsewhere) if ("x1", "x3") in about}
 
 
 CROSS = (Node("x1", 40, 38), Node("x2", 50, 38), Node("x3", 45, 36), Node("x4", 45, 41))
@@ -73,7 +121,7 @@ def test_lanes_that_cross_without_a_common_node_are_named() -> None:
 def test_a_place_in_the_way_of_a_lane_is_narrow() -> None:
     nodes = (Node("x1", 40, 38), Node("x2", 50, 38), Node("x3", 45, 38.7), Node("x4", 45, 39.9))
     lanes = (Lane("x1", "x2", both_ways=True), Lane("x3", "x4", both_ways=True))
-    assert "who stands at x3 (from x1 to x2) is in the way" in floor(nodes, lanes)["narrow"]
+    assert "who stands at x3 (from x1 to x2, 0.11 m short) is in the way" in floor(nodes, lanes)["narrow"]
     far = (*nodes[:2], Node("x3", 45, 38.9), nodes[3])
     assert "narrow" not in floor(far, lanes)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from atv1 import SETTLED_S, command, contracted, handing_over, last_beat, parked
 from defaults import KEYS, PLANT
 from effects import committed, facts, instructed, listening, published
+from msgspec.structs import replace
 from rigs import VehicleRig
 from spoken import award
 
@@ -20,6 +21,7 @@ from dray.messages import (
     Role,
 )
 from dray.messages.fact import AtvStatusChanged
+from dray.plant import Plant
 from dray.protocol.runtime.events import Effect
 from dray.protocol.vehicle.dwell_points import CONTEST_S
 from dray.protocol.vehicle.idle_positioning import SETTLE_S, TRIES
@@ -328,3 +330,44 @@ def test_a_vehicle_that_starts_in_a_dwell_point_with_a_contract_holds_no_dwell_p
     assert instructed(effects, Drive)[-1].nodes[-1] in {
         PLANT.node_of(dwell_point) for dwell_point in PLANT.dwell_points
     }
+
+
+def without_parking(vehicles: int) -> Plant:
+    """The plant of all these tests, with as many vehicles and no parking place."""
+    file = PLANT.file
+    spec = file.fleet[0]
+    free = [node for node in PLANT.stops if node not in {one.node for one in file.fleet}]
+    more = tuple(
+        replace(spec, id=f"MORE{number}", node=node)
+        for number, node in enumerate(free[: vehicles - len(file.fleet)], 1)
+    )
+    return Plant(replace(file, parkings=(), fleet=(*file.fleet, *more)[:vehicles]))
+
+
+def test_a_vehicle_without_a_dwell_point_claims_a_spare_place_of_the_roads_and_stays_there() -> None:
+    plant = without_parking(12)
+    spare = plant.spare_places.all
+    assert len(spare) == 12 - len(plant.chargers)
+    rig = parked(plant=plant, node="s3")
+    rig.run(SETTLED_S)
+    claim = published(rig.all, DwellPointClaimed)[-1]
+    assert claim.dwell_point in spare
+    rig.run(SETTLED_S + CONTEST_S)
+    assert rig.last(Drive).nodes[-1] == claim.dwell_point
+    rig.arrive()
+    assert instructed(rig.run(rig.now_s + 600.0), Drive) == []
+    assert last_beat(rig).dwell_point == claim.dwell_point
+
+
+def test_a_spare_place_that_somebody_stands_at_is_left_to_it() -> None:
+    rig = parked(plant=without_parking(12), node="s3")
+    rig.run(SETTLED_S)
+    first = published(rig.all, DwellPointClaimed)[-1].dwell_point
+    rig.on_message(
+        "MORE1", DwellPointClaimed(dwell_point=first, atv="MORE1", battery_frac=0.9, standing=True)
+    )
+    rig.run(rig.now_s + CONTEST_S)
+    second = published(rig.all, DwellPointClaimed)[-1].dwell_point
+    assert second not in ("", first)
+    rig.run(rig.now_s + CONTEST_S)
+    assert rig.last(Drive).nodes[-1] == second

@@ -76,6 +76,15 @@ def test_vehicles_that_meet_on_one_track_are_in_one_spot_when_they_meet() -> Non
     assert overlaps.first.depth_m <= 2 * MISSED_M
 
 
+def test_an_overlap_of_a_micrometre_is_one_and_a_rounded_touch_is_none() -> None:
+    overlaps, _ = judge(stands(0, 0), stands(LENGTH_M - 1e-6, 0))
+    overlaps.check_end(1.0)
+    assert overlaps.count == 1
+    overlaps, _ = judge(stands(0, 0), stands(LENGTH_M - 1e-12, 0))
+    overlaps.check_end(1.0)
+    assert overlaps.count == 0
+
+
 def test_a_follower_that_keeps_its_distance_does_not_touch() -> None:
     overlaps, _ = judge(drives(0, 0, 0.0, 20), drives(1.05, 0, 0.0, 20))
     overlaps.check_end(60.0)

@@ -41,15 +41,15 @@ def test_large_ones_too_and_they_are_of_many_kinds() -> None:
 
 
 def test_a_seed_gives_the_same_plant_and_the_same_demand() -> None:
-    first, second = draw(7), draw(7)
+    first, second = draw(7, "halls"), draw(7, "halls")
     assert first.plant == second.plant
     assert first.orders == second.orders
-    assert draw(8).plant != first.plant
+    assert draw(8, "halls").plant != first.plant
 
 
 def test_the_demand_stays_below_what_the_plant_can_bear() -> None:
     for seed in SEEDS:
-        run = draw(seed, small=True)
+        run = draw(seed, "halls", small=True)
         assert 0.0 < run.load <= 0.6 * min(1.0, run.limit_load)
         assert run.orders
 
@@ -106,7 +106,7 @@ def test_a_flat_battery_is_seen() -> None:
 @pytest.fixture(scope="module")
 def sample() -> list:
     """The small plants of four seeds, an hour each."""
-    return list(play_seeds(0, 4, small=True, hours=1.0))
+    return list(play_seeds(0, 4, "halls", small=True, hours=1.0))
 
 
 @pytest.mark.slow
@@ -116,13 +116,13 @@ def test_small_plants_are_served(sample: list) -> None:
 
 @pytest.mark.campaign
 def test_more_small_plants_are_served() -> None:
-    more = play_seeds(4, 12, small=True, hours=1.0)
+    more = play_seeds(4, 12, "halls", small=True, hours=1.0)
     assert [(each.seed, each.failures) for each in more if each.failures and not each.named] == []
 
 
 @pytest.mark.slow
 def test_another_play_of_a_seed_gives_the_same_figures(sample: list) -> None:
-    [again] = play_seeds(0, 1, small=True, hours=1.0)
+    [again] = play_seeds(0, 1, "halls", small=True, hours=1.0)
     first = sample[0]
     assert (again.transports, again.p95_s, again.settled_s) == (
         first.transports,

@@ -4,7 +4,14 @@ from __future__ import annotations
 
 import pytest
 
-from dray.messages.floor.traffic import Blocked, PlaceBooking, PlaceGranted, PlaceWished, YieldRefused
+from dray.messages.floor.traffic import (
+    Blocked,
+    PlaceBooking,
+    PlaceGranted,
+    PlaceWished,
+    YieldAsked,
+    YieldRefused,
+)
 from dray.messages.keys import Keys
 from dray.plant import load_plant
 from dray.protocol.runtime.events import Effect, Send
@@ -13,6 +20,7 @@ from dray.protocol.traffic.driving.place_requests import (
     AGES_BY_S,
     AGES_EVERY_S,
     HELD_UP,
+    IDLE,
     SHUT_OUT_S,
     WITH_TASK,
     Errand,
@@ -129,3 +137,15 @@ def test_time_spent_waiting_for_one_that_lives_does_not_count_as_waiting_for_a_s
     vehicle.answer(Blocked.SILENT, BEGUN_S + SHUT_OUT_S)
     assert vehicle.row.shut_out(BEGUN_S + 2.0 * SHUT_OUT_S - 1.0) is None
     assert vehicle.row.shut_out(BEGUN_S + 2.0 * SHUT_OUT_S) is not None
+
+
+def test_who_rests_makes_room_for_one_that_begins_to_look_for_a_place_to_rest() -> None:
+    vehicle = Waiting(Blocked.NO)
+    vehicle.row.rest(BEGUN_S)
+    district = TRAFFIC.places.district_of[HERE]
+    asked = YieldAsked(
+        district=district, waiting="B", rank=(IDLE, BEGUN_S + 1000.0, "B"), avoid=(HERE, GOAL), chain=()
+    )
+    vehicle.row.on_yield_asked(TRAFFIC.places.keepers_of[district][0], asked, BEGUN_S + 1001.0)
+    assert vehicle.row.errand is Errand.REFUGE
+    assert vehicle.row.way.goal not in (HERE, GOAL)

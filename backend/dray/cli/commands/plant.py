@@ -37,11 +37,20 @@ def plant() -> None:
 def check(
     file: Annotated[Path, typer.Argument(help="A plant file (YAML), or the name of a shipped plant.")],
     strict: Annotated[bool, typer.Option("--strict", help="Exit 2 when there is a warning.")] = False,
+    load: Annotated[
+        float | None,
+        typer.Option(
+            help="Part of the machines' time that orders will take: what is full below it is an error.",
+            min=0.0,
+            max=1.0,
+        ),
+    ] = None,
     json: Annotated[Path | None, typer.Option(help="Write the warnings here too.")] = None,
 ) -> None:
     """Validate a plant file; every fault is named by line and field, and the exit code is 2.
 
-    A file without faults is looked through for what will starve: each warning has a figure and says what to do.
+    A file without faults is looked through for where two vehicles have no room, which is an error, too, and for what will starve:
+    each warning has a figure and says what to do.
     """
     from dray.cli.runtime.output import write_json
     from dray.plant import load_plant, sum_up
@@ -49,12 +58,12 @@ def check(
 
     chosen = load_plant(file)
     typer.echo(sum_up(chosen))
-    warnings = advice(chosen)
+    warnings = advice(chosen, load)
     for warning in warnings:
-        typer.echo(f"{file}: {warning.field}: warning: {warning.kind}: {warning.text}")
+        typer.echo(f"{file}: {warning.field}: {warning.level}: {warning.kind}: {warning.text}")
     if json is not None:
         write_json(json, warnings)
-    if strict and warnings:
+    if any(strict or warning.level == "error" for warning in warnings):
         raise typer.Exit(2)
 
 
@@ -141,7 +150,7 @@ def new(
     write_text(out, text, "OUT")
     typer.echo(sum_up(made))
     for warning in advice(made):
-        typer.echo(f"{out}: {warning.field}: warning: {warning.kind}: {warning.text}")
+        typer.echo(f"{out}: {warning.field}: {warning.level}: {warning.kind}: {warning.text}")
     typer.echo(
         f"next: dray plant draw {out} -o plant.svg; dray sim run day --plant {out}; dray up --plant {out}"
     )

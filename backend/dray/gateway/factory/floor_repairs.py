@@ -14,17 +14,19 @@ from msgspec.structs import replace
 from dray.gateway.factory.repairs import MAX_REPAIRS, MovedAlong, RepairView, Spot
 from dray.plant import Plant, PlantFile
 from dray.plant.file.check_floor import floor_faults
+from dray.plant.floor.clearance import CLEARANCE_M
 from dray.plant.floor.rectangles import Rectangle, driven, gap_m, standing
 from dray.plant.layout import Size, name_after, name_before
 from dray.plant.model import Node
 from dray.plant.planning.advice import Advice
-from dray.plant.planning.advice_floor import Subject, floor_advice
+from dray.plant.planning.advice_floor import floor_advice
+from dray.plant.planning.room import Subject
 
 STEP_M = 0.1
 """By so much more a node is moved, until there is room; people draw on a grid of that."""
 
-FLOOR_TRIED = 6
-"""Changes that are tried for one warning: two nodes, three distances."""
+FLOOR_TRIED = 10
+"""Changes that are tried for one warning: two nodes, a few directions, room to stand and room to turn."""
 
 MOST_M = 5.0
 """Farther off is another place, and no repair."""
@@ -67,7 +69,7 @@ class FloorRepairs:
             if any(floor_faults(file)):
                 continue
             after = _narrow(Plant(file))
-            if (warning.kind, subject) not in after and after < self._narrow:
+            if _told(warning.kind, subject) not in after and after < self._narrow:
                 return repair
         return None
 
@@ -91,6 +93,8 @@ class FloorRepairs:
                 stands = self._stands(there)
                 for x, y in self._directions(here, here.x_m - there.x_m, here.y_m - there.y_m):
                     yield (here, x, y), self._room_m(here, x, y, stands)
+                    turns = (Rectangle(there.x_m, there.y_m, 0.0, 0.0, 0.0),)
+                    yield (here, x, y), self._turning_room_m(here, x, y, turns, 2.0)
 
     def _off_a_lane(self, subject: Subject) -> Iterator[tuple[Move, float | None]]:
         """A place away from a lane that leads past it."""
@@ -104,6 +108,7 @@ class FloorRepairs:
             away = (-along_y, along_x) if left else (along_y, -along_x)
             for x, y in self._directions(here, *away):
                 yield (here, x, y), self._room_m(here, x, y, (swept,))
+                yield (here, x, y), self._turning_room_m(here, x, y, (swept,), 1.0)
 
     def _apart(self, subject: Subject) -> Iterator[tuple[RepairView, PlantFile]]:
         """The node of one crossing away from that of the other, with all that lies across, so that roads meet as they did."""
@@ -172,7 +177,24 @@ class FloorRepairs:
         for step in range(1, int(MOST_M / STEP_M) + 1):
             by_m = step * STEP_M
             there = Node(node.id, node.x_m + x * by_m, node.y_m + y * by_m)
-            if all(gap_m(stand, other) >= 0.0 for stand in self._stands(there) for other in taken):
+            if all(gap_m(stand, other) >= CLEARANCE_M for stand in self._stands(there) for other in taken):
+                return by_m
+        return None
+
+    def _turning_room_m(
+        self, node: Node, x: float, y: float, taken: tuple[Rectangle, ...], circles: float
+    ) -> float | None:
+        """How far, until a vehicle touches none of these that turns there: at so many turning circles; None for too far."""
+        needed_m = circles * self._size.turning_radius_m + CLEARANCE_M
+        for step in range(1, int(MOST_M / STEP_M) + 1):
+            by_m = step * STEP_M
+            x_m, y_m = node.x_m + x * by_m, node.y_m + y * by_m
+            if all(
+                hypot(x_m - other.x_m, y_m - other.y_m) >= needed_m
+                if not other.length_m
+                else gap_m(Rectangle(x_m, y_m, other.heading_rad, 0.0, 0.0), other) >= needed_m
+                for other in taken
+            ):
                 return by_m
         return None
 
@@ -211,4 +233,9 @@ class FloorRepairs:
 
 def _narrow(plant: Plant) -> frozenset[tuple[str, Subject]]:
     """Everything that is too narrow on a floor."""
-    return frozenset((kind, subject) for kind, _, _, about in floor_advice(plant) for subject in about)
+    return frozenset(_told(kind, subject) for kind, _, _, about in floor_advice(plant) for subject in about)
+
+
+def _told(kind: str, subject: Subject) -> tuple[str, Subject]:
+    """What a finding is about, but for the lane: a place in the way of one may be in the way of another after a change."""
+    return kind, subject[:1] if kind == "narrow" else subject

@@ -52,7 +52,7 @@ class FindingView(msgspec.Struct, frozen=True, kw_only=True):
     level: str
     """error, open (to be filled in) or warning."""
     field: str
-    """Where in the draft, as `machines[3].node`; of a warning the section."""
+    """Where in the draft, as `machines[3].node`; of a warning, and of vehicles without room, the section."""
     text: str
     """What is wrong, with figures, and what to do."""
     repair: RepairView | None = None
@@ -78,7 +78,7 @@ def findings(data: Data) -> list[FindingView]:
         plant = Plant(msgspec.convert(file, PlantFile))
         floor = FloorRepairs(plant)
         found = [
-            FindingView(level="warning", field=each.field, text=each.text, repair=floor.of(each))
+            FindingView(level=each.level, field=each.field, text=each.text, repair=floor.of(each))
             for each in advice(plant)[:MAX_FINDINGS]
         ]
     return found

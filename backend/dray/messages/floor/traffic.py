@@ -30,7 +30,7 @@ NEAR_NODES = 12
 """So far ahead a vehicle's way counts as announced traffic: what it does later may change."""
 
 Rank = tuple[Count, Seconds, Id]
-"""Who goes first; the lower the more urgent: class (0 with a task, 1 idle), since when it is on this leg, its id.
+"""Who goes first; the lower the more urgent: class (0 with a task, 1 idle, 2 at rest), since when it is on this leg, its id.
 
 Time that it has stood for others counts many times. A new leg brings a new rank, so everybody is the most urgent one some day.
 """
@@ -38,7 +38,7 @@ Time that it has stood for others counts many times. A new leg brings a new rank
 FIRST_S = -1e11
 """Instead of the time in a rank: before everybody, whenever they have begun."""
 
-NO_RANK: Rank = (2, 0.0, "-")
+NO_RANK: Rank = (3, 0.0, "-")
 """Behind everybody."""
 
 KEY_BYTES = 32

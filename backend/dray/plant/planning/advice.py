@@ -8,6 +8,7 @@ the floor is too narrow for the vehicles (`dray.plant.planning.advice_floor`).
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Literal
 
 import msgspec
 
@@ -15,6 +16,7 @@ from dray.plant.floor.sizes import too_large_for
 from dray.plant.model import Material, Product
 from dray.plant.planning.advice_floor import floor_advice
 from dray.plant.planning.flow import Flow, Limit
+from dray.plant.planning.room import ERRORS
 from dray.plant.plant import Plant
 
 GOOD_LOAD_FRAC = 0.85
@@ -46,42 +48,66 @@ class Advice(msgspec.Struct, frozen=True):
     """One warning."""
 
     kind: str
-    """dwell_points, charger, queue, material, dock, buffer, machine, vehicles, range, alone, trap, uncounted, large, near, narrow, crossing,
-    way or door."""
+    """dwell_points, charger, queue, material, dock, buffer, machine, vehicles, range, alone, trap, uncounted, large, near, narrow, touch,
+    crossing, way or door."""
     field: str
     """The section of the plant file."""
     text: str
     """What is short, a figure, and what to do."""
     load_frac: float = 1.0
     """The load (part of the machines' time) at which it is full; 1 where it is none of that."""
+    level: Literal["warning", "error"] = "warning"
+    """An error: with right of way the plant cannot work as it is drawn."""
     about: tuple[tuple[str, ...], ...] = ()
     """The nodes that a warning of the floor is about, each entry one place that is too narrow."""
 
 
-def advice(plant: Plant) -> list[Advice]:
-    """All warnings of a plant; none for one in which nothing is short."""
+def advice(plant: Plant, load_frac: float | None = None) -> list[Advice]:
+    """All warnings of a plant; none for one in which nothing is short.
+
+    Args:
+        plant: without faults.
+        load_frac: part of the machines' time that orders will take; what is full below it is an error. None where nobody has said.
+    """
     flow = Flow(plant)
-    return [
+    found = [
         *_dwell_points(plant),
         *_ranges(flow),
         *_queue(plant),
-        *_limits(plant, flow),
+        *_limits(plant, flow, load_frac),
         *_alone(plant),
         *_traps(plant),
-        *(Advice(kind, field, text, about=about) for kind, field, text, about in floor_advice(plant)),
+        *_floor(plant),
         *_uncounted(plant),
         *_large(plant),
     ]
+    if load_frac is None:
+        return found
+    return [_asked(each, load_frac) if each.load_frac < load_frac else each for each in found]
+
+
+def _asked(warning: Advice, load_frac: float) -> Advice:
+    """What is full below the load that orders will take."""
+    text = f"{warning.text}; orders of {load_frac:.1%} cannot be served"
+    return msgspec.structs.replace(warning, level="error", text=text)
+
+
+def _floor(plant: Plant) -> Iterator[Advice]:
+    for kind, field, text, about in floor_advice(plant):
+        yield Advice(kind, field, text, level="error" if kind in ERRORS else "warning", about=about)
 
 
 def _dwell_points(plant: Plant) -> Iterator[Advice]:
     dwell_points, fleet = len(plant.dwell_points), len(plant.fleet)
     if dwell_points < fleet:
         missing = fleet - dwell_points
+        clear = len(plant.spare_places.clear)
+        wait = f"{missing} without work wait on the roads"
+        if clear < missing:
+            wait += f", {missing - clear} of them in somebody's way: {dwell_points + clear} vehicles at most"
         text = (
             f"{dwell_points} dwell points ({len(plant.chargers)} chargers, {len(plant.parkings)} parking places) for {fleet} "
-            f"vehicles: {missing} without work stand where they are, in the lanes or at docks; "
-            f"add {missing} parking place{'s' * (missing > 1)}"
+            f"vehicles: {wait}; add {missing} parking place{'s' * (missing > 1)}"
         )
         yield Advice("dwell_points", "parkings", text)
 
@@ -137,7 +163,7 @@ def _queue(plant: Plant) -> Iterator[Advice]:
         yield Advice("queue", "chargers", text)
 
 
-def _limits(plant: Plant, flow: Flow) -> Iterator[Advice]:
+def _limits(plant: Plant, flow: Flow, load_frac: float | None) -> Iterator[Advice]:
     counts: dict[str, int] = {}
     limits = flow.limits()
     fleet_frac = min((limit.load_frac for limit in limits if limit.kind == "vehicles"), default=1.0)
@@ -146,6 +172,8 @@ def _limits(plant: Plant, flow: Flow) -> Iterator[Advice]:
             # The fleet is full before it could use so much.
             continue
         least = MACHINE_LOAD_FRAC if limit.kind == "machine" else GOOD_LOAD_FRAC
+        if load_frac is not None:
+            least = max(least, load_frac)
         counts[limit.kind] = counts.get(limit.kind, 0) + 1
         if limit.load_frac >= least or counts[limit.kind] > MOST_OF_A_KIND:
             continue

@@ -9,21 +9,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import combinations, pairwise
-from math import cos, hypot, pi, sin
+from math import hypot, pi
 from zlib import crc32
 
 import msgspec
 
 from dray.plant import DirectedLane, Plant
+from dray.plant.floor.clearance import MARGIN_M, clear_m
 
 KEEPERS = 3
 """Who keep the book of a district, its copies included: one may fail, or be cut off, and two still agree."""
-
-MARGIN_M = 0.2
-"""Between two vehicles, at the least: what localisation and control may be off."""
-
-SHARPEST_SIN = 0.2
-"""Lanes that leave a node at less than 12 degrees are one road: they are told apart by their ends only."""
 
 NEAR_M = 8.0
 """Districts that are nearer to one another lie side by side: a vehicle in one is told who is in the other. In a warehouse of narrow aisles
@@ -60,14 +55,7 @@ class Footprint(msgspec.Struct, frozen=True):
 
     def clear_m(self, angle_rad: float) -> float:
         """From a node along a lane until a vehicle is clear of those that drive on another lane at this angle to it."""
-        leans = sin(angle_rad)
-        if cos(angle_rad) <= 0.0:
-            return self.spacing_m
-        half_m = self.width_m / 2.0
-        beside_m = self.length_m / 2.0 + (half_m * (1.0 + cos(angle_rad)) + MARGIN_M) / max(
-            leans, SHARPEST_SIN
-        )
-        return max(self.spacing_m, beside_m)
+        return clear_m(self.length_m, self.width_m, angle_rad)
 
 
 class Crossing(msgspec.Struct, frozen=True):

@@ -13,6 +13,8 @@ any more, and the vehicle goes and looks.
 from __future__ import annotations
 
 from enum import Enum
+from heapq import nsmallest
+from math import hypot
 
 from dray.errors import NoWay
 from dray.messages import DwellPointClaimed
@@ -140,6 +142,34 @@ class DwellPoints:
             return False
         self.leave()
         self._claim(nearest, battery_frac, Hold.CLAIMED)
+        return True
+
+    def seek_spare(self, node: str, battery_frac: float, now_s: float) -> bool:
+        """Claim the nearest spare place of the roads that is not known to be taken; False when there is none."""
+        plant = self._plant
+        closed = plant.restrictions.nodes
+        free = [
+            each for each in plant.spare_places.all if not self.is_taken(each, now_s) and each not in closed
+        ]
+        routes = plant.routes(self._type)
+        here = plant.nodes[node]
+
+        def distance_m(spot: str) -> float:
+            there = plant.nodes[spot]
+            return hypot(there.x_m - here.x_m, there.y_m - here.y_m)
+
+        found, least_s = "", float("inf")
+        for spot in nsmallest(COMPARED, free, key=distance_m):
+            try:
+                way_s = routes.duration_s(node, spot)
+            except NoWay:
+                continue
+            if way_s < least_s:
+                found, least_s = spot, way_s
+        if not found:
+            return False
+        self.leave()
+        self._claim(found, battery_frac, Hold.CLAIMED)
         return True
 
     def reached_round(self, node: str) -> tuple[str, ...]:

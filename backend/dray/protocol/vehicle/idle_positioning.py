@@ -4,8 +4,8 @@
        ^            (CONTEST_S)
        +---- work ended, dwell point lost, charge ended, charger left to another, battery low
 
-When all chargers are taken it waits at a parking place, and where there is none at a node where nobody docks: a vehicle
-that waits at a machine keeps others from it. When it charges, and to whom it leaves its charger, is told by `charging`.
+When all chargers are taken it waits at a parking place, where there is none at a spare place of the roads (`dray.plant.spare_places`), and
+else at a node where nobody docks: a vehicle that waits at a machine keeps others from it. When it charges, and to whom it leaves its charger, is told by `charging`.
 
 A vehicle that rests goes on bidding; `stop` ends the rest at once when it wins.
 """
@@ -185,7 +185,7 @@ class IdlePositioning:
             self.soon(now_s)
 
     def _is_closed(self, dwell_point: str) -> bool:
-        return self._plant.node_of(dwell_point) in self._plant.restrictions.nodes
+        return self._plant.stand_of(dwell_point) in self._plant.restrictions.nodes
 
     # --- time passes ---
 
@@ -216,7 +216,7 @@ class IdlePositioning:
         """The vehicle stands where it was sent."""
         there = (
             self._dwell_points.dwell_point
-            and self._plant.node_of(self._dwell_points.dwell_point) == self._driver.node
+            and self._plant.stand_of(self._dwell_points.dwell_point) == self._driver.node
         )
         if there and self._dwell_points.hold is Hold.CLAIMED:
             self._dwell_points.arrive()
@@ -304,15 +304,16 @@ class IdlePositioning:
         if not charger and self._charging.is_needy:
             # It waits for a charger, and has little left for the way there.
             near = self._dwell_points.nearest_charger(node)
-        return self._dwell_points.seek(
+        found = self._dwell_points.seek(
             charger=charger, node=node, battery_frac=battery_frac, now_s=now_s, near=near
         )
+        return found or (not charger and self._dwell_points.seek_spare(near or node, battery_frac, now_s))
 
     def _stand_here(self, battery_frac: float, now_s: float) -> None:
         """Claim the dwell point in which the vehicle stands, unless another one has just won it."""
-        for dwell_point in self._plant.dwell_points:
+        for dwell_point in (*self._plant.dwell_points, *self._plant.spare_places.all):
             if (
-                self._plant.node_of(dwell_point) == self._driver.node
+                self._plant.stand_of(dwell_point) == self._driver.node
                 and not self._dwell_points.is_taken(dwell_point, now_s)
                 and not self._is_closed(dwell_point)
             ):
@@ -331,7 +332,7 @@ class IdlePositioning:
         """Nobody has objected: drive there."""
         self._dwell_points.set_off()
         try:
-            drives = self._driver.go(self._plant.node_of(self._dwell_points.dwell_point), now_s)
+            drives = self._driver.go(self._plant.stand_of(self._dwell_points.dwell_point), now_s)
         except NoWay:
             self._dwell_points.leave()
             self.soon(now_s)

@@ -23,11 +23,12 @@ from dray_sim.checks.broken import InvariantBroken
 
 NUMBER = 13
 
-TOUCH_M = 1e-3
-"""Rectangles that touch, or overlap by less, are a matter of rounding."""
+TOUCH_M = 1e-9
+"""What a sine and a cosine are rounded by. Nothing else is allowed for: what right of way holds is larger than what is driven by
+`dray.plant.floor.clearance.CLEARANCE_M` at the least."""
 
-MISSED_M = 1.1 * TOUCH_M
-"""No overlap is deeper than this and missed."""
+MISSED_M = 1e-4
+"""No overlap is deeper than this and missed: two that near one another are looked at again at least after so much."""
 
 CELL_M = 3.0
 """Vehicles are looked for in the cells that they can come into."""
@@ -195,7 +196,7 @@ class Overlaps:
                 self._touching.discard(pair)
             if at_s >= until_s or not nearing_mps:
                 return
-            at_s = min(until_s, at_s + max(gap + TOUCH_M, 0.1 * TOUCH_M) / nearing_mps)
+            at_s = min(until_s, at_s + max(gap + TOUCH_M, MISSED_M) / nearing_mps)
 
     def _judge_turn(self, vehicle: str, before: Course, course: Course) -> None:
         """What a vehicle sweeps that turns on the spot, the shorter way round."""
@@ -215,7 +216,7 @@ class Overlaps:
                     break
                 if turned >= abs(turn):
                     break
-                turned = min(abs(turn), turned + max(gap + TOUCH_M, 0.1 * TOUCH_M) / covers.radius_m)
+                turned = min(abs(turn), turned + max(gap + TOUCH_M, MISSED_M) / covers.radius_m)
 
     def _note(self, pair: tuple[str, str], covers: Rectangle, at_s: float, depth_m: float) -> None:
         if pair in self._touching:

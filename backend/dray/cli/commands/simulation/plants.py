@@ -10,7 +10,7 @@ import typer
 from dray.cli.runtime.options import Traffic
 
 if TYPE_CHECKING:
-    from dray_sim.plants.play import Judgement
+    from dray_sim.plants.play import Judgement, Kind
 
 
 def plants(
@@ -19,6 +19,9 @@ def plants(
     seed: Annotated[
         int | None, typer.Option(help="Replay this one alone, with all its figures.", min=0)
     ] = None,
+    kind: Annotated[
+        str, typer.Option(help="raster: a raster of roads; halls: lanes of any shape, often too narrow.")
+    ] = "raster",
     small: Annotated[bool, typer.Option("--small", help="Plants of a few machines and vehicles.")] = False,
     hours: Annotated[float, typer.Option(help="Of demand.", min=0.1, max=1000.0)] = 4.0,
     jobs: Annotated[int, typer.Option(help="Processes; 0 for one per core.", min=0)] = 0,
@@ -33,16 +36,20 @@ def plants(
     """
     from dray.cli.runtime.options import right_of_way
     from dray.cli.runtime.output import write_json
+    from dray.errors import SettingsError
     from dray_sim.explore.search import cores
     from dray_sim.plants.many import play_seeds
 
+    drawn: Kind = "halls" if kind == "halls" else "raster"
+    if kind != drawn:
+        raise SettingsError("--kind", f"{kind} is none: choose raster or halls")
     if seed is not None:
         first, count, jobs = seed, 1, 1
         if write is not None:
-            _write(seed, small, write)
+            _write(seed, drawn, small, write)
     judged: list[Judgement] = []
     on = right_of_way(traffic)
-    for each in play_seeds(first, count, small=small, hours=hours, traffic=on, jobs=jobs or cores()):
+    for each in play_seeds(first, count, drawn, small=small, hours=hours, traffic=on, jobs=jobs or cores()):
         judged.append(each)
         for line in each.tell(whole=seed is not None):
             typer.echo(line)
@@ -58,9 +65,9 @@ def plants(
         raise typer.Exit(1)
 
 
-def _write(seed: int, small: bool, file: Path) -> None:
+def _write(seed: int, kind: Kind, small: bool, file: Path) -> None:
     from dray.cli.runtime.output import write_text
     from dray.plant import plant_yaml
-    from dray_sim.plants.draw import draw_plant
+    from dray_sim.plants.play import plant_of
 
-    write_text(file, plant_yaml(draw_plant(seed, small=small)), "--write")
+    write_text(file, plant_yaml(plant_of(seed, kind, small=small)), "--write")

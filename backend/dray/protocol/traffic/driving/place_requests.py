@@ -35,8 +35,9 @@ begun before it."""
 SHUT_OUT_S = 30.0
 """Whoever has waited so long for a silent vehicle counts on no way that leads past it: most that were switched off for a moment are back."""
 
-WITH_TASK, IDLE = 0, 1
-"""Classes of rank."""
+WITH_TASK, IDLE, RESTING = 0, 1, 2
+"""Classes of rank. Who rests makes room for everybody who drives: else one that has rested for long would be in the way of those who begin
+to look for a place to rest."""
 
 
 class Errand(Enum):

@@ -23,7 +23,7 @@ from dray.protocol.traffic.driving.place_requests import (
     AGES_BY_S,
     AGES_EVERY_S,
     HELD_UP,
-    IDLE,
+    RESTING,
     Errand,
     PlaceRequests,
 )
@@ -138,7 +138,7 @@ class RightOfWay(PlaceRequests):
     def rest(self, now_s: float) -> None:
         """There is nothing to do: make room for everybody."""
         self.docked, self._rests = False, True
-        self._rank = (IDLE, now_s, self.atv)
+        self._rank = (RESTING, now_s, self.atv)
         self._settle(now_s)
 
     def on_passed(self, now_s: float) -> None:

@@ -1,0 +1,90 @@
+"""How far vehicles are apart that stand, turn on the spot or drive, and how far they must be."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from math import cos, hypot, pi, sin
+
+import msgspec
+
+from dray.plant.floor.rectangles import Rectangle, gap_m, standing
+from dray.plant.model import Node, VehicleType
+
+CLEARANCE_M = 0.005
+"""Between two vehicles that right of way keeps apart, at the least: five times what the coordinates of stop points are rounded by."""
+
+MARGIN_M = 0.2
+"""Between a vehicle and a place that it gives back: what localisation and control may be off."""
+
+SHARPEST_SIN = 0.2
+"""Lanes that leave a node at less than 12 degrees are one road: they are told apart by their ends only."""
+
+SAME_RAD = 1e-6
+"""Directions that differ by less are one: nobody turns."""
+
+STEP_M = 1e-4
+"""By so much a corner of a turning vehicle moves at least before it is looked at again."""
+
+
+class Covered(msgspec.Struct, frozen=True):
+    """The largest of some types of vehicles, each measure by itself (m)."""
+
+    length_m: float
+    width_m: float
+    turning_radius_m: float
+
+    @classmethod
+    def of(cls, kinds: Iterable[VehicleType]) -> Covered:
+        """Of some types; at least one."""
+        kinds = tuple(kinds)
+        return cls(
+            max(kind.length_m for kind in kinds),
+            max(kind.width_m for kind in kinds),
+            max(kind.turning_radius_m for kind in kinds),
+        )
+
+    def at(self, node: Node, heading_rad: float) -> Rectangle:
+        """What it covers that stands on a node."""
+        return standing(node, heading_rad, self.length_m, self.width_m)
+
+
+def clear_m(length_m: float, width_m: float, angle_rad: float) -> float:
+    """From a node along a lane until a vehicle is clear of those that drive on another lane at this angle to it.
+
+    Args:
+        length_m: of the largest vehicle.
+        width_m: likewise.
+        angle_rad: between the two directions, from 0 to half a turn.
+    """
+    spacing_m = length_m / 2.0 + hypot(length_m, width_m) / 2.0 + MARGIN_M
+    if cos(angle_rad) <= 0.0:
+        return spacing_m
+    half_m = width_m / 2.0
+    beside_m = length_m / 2.0 + (half_m * (1.0 + cos(angle_rad)) + MARGIN_M) / max(
+        sin(angle_rad), SHARPEST_SIN
+    )
+    return max(spacing_m, beside_m)
+
+
+def turn_rad(before_rad: float, after_rad: float) -> float:
+    """The shorter way round from one direction to another: below 0 to the right, half a turn to the left."""
+    turned = (after_rad - before_rad + pi) % (2.0 * pi) - pi
+    return pi if abs(turned + pi) < SAME_RAD else turned
+
+
+def turning_gap_m(size: Covered, node: Node, before_rad: float, after_rad: float, other: Rectangle) -> float:
+    """How far a vehicle that turns on the spot keeps from what another one covers; below 0 how deep they overlap.
+
+    It stops looking where there is less than `CLEARANCE_M`: what it has found then is returned.
+    """
+    turn = turn_rad(before_rad, after_rad)
+    sign, most, turned = (1.0 if turn >= 0.0 else -1.0), abs(turn), 0.0
+    least = float("inf")
+    while True:
+        covers = size.at(node, before_rad + sign * turned)
+        gap = gap_m(covers, other)
+        least = min(least, gap)
+        if turned >= most or least < CLEARANCE_M:
+            return least
+        # No corner comes nearer faster than it moves on its circle.
+        turned = min(most, turned + max(gap - CLEARANCE_M, STEP_M) / covers.radius_m)

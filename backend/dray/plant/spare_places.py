@@ -1,0 +1,144 @@
+"""Where vehicles without a dwell point wait: nodes of the roads that nobody needs.
+
+A plant with fewer chargers and parking places than vehicles has some that stand in the lanes. While they stand at the nodes named first
+here, everybody else still gets from every dock to every other, and each of them gets away and back. Where these are too few the floor is
+too small for the fleet: the least used nodes follow that are before no dock, so that the rest of the vehicles stand apart and in the way
+of few. Every agent works the same nodes out, and vehicles claim them as they claim parking places.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from heapq import heappop, heappush
+
+import msgspec
+
+from dray.plant.model import Node
+from dray.plant.roads import Roads
+
+
+class SparePlaces(msgspec.Struct, frozen=True):
+    """Nodes where vehicles wait."""
+
+    clear: tuple[str, ...]
+    """In nobody's way."""
+    others: tuple[str, ...]
+    """In somebody's way: for whom there is nothing better."""
+
+    @property
+    def all(self) -> tuple[str, ...]:
+        """Both, the better ones first."""
+        return (*self.clear, *self.others)
+
+
+SOURCES = 24
+"""Docks from which ways are counted; in a large plant every further one changes little."""
+
+TRIED_PER_PLACE = 6
+"""Nodes that are looked at for each place that is needed: the least used first."""
+
+
+def spare_nodes(
+    nodes: Mapping[str, Node],
+    roads: Iterable[Roads],
+    stops: Iterable[str],
+    docks: Iterable[str],
+    needed: int,
+) -> SparePlaces:
+    """The least used nodes at which vehicles can wait, at most as many as are needed.
+
+    Args:
+        nodes: of the floor, in file order, which breaks ties.
+        roads: of each type of vehicle that drives.
+        stops: where vehicles may stand.
+        docks: where they dock, charge and park.
+        needed: how many nodes are asked for.
+    """
+    every, docked = tuple(roads), tuple(dict.fromkeys(docks))
+    if needed <= 0 or not docked:
+        return SparePlaces((), ())
+    mouths = {mouth for dock in docked for one in every for mouth in _mouths(one, dock)}
+    used = _use(every[0], docked)
+    order = {node: number for number, node in enumerate(nodes)}
+    free = sorted(
+        (node for node in stops if node not in docked and node not in mouths),
+        key=lambda node: (used.get(node, 0), order[node]),
+    )
+    floors = [_Floor(one) for one in every]
+    clear: list[str] = []
+    for node in free[: TRIED_PER_PLACE * needed]:
+        if len(clear) == needed:
+            break
+        if all(_leaves_all(one, docked, (*clear, node)) for one in floors):
+            clear.append(node)
+    others = [node for node in free if node not in clear]
+    return SparePlaces(tuple(clear), tuple(others[: needed - len(clear)]))
+
+
+def _mouths(roads: Roads, dock: str) -> Iterable[str]:
+    """The nodes before a dock at a spur, where whoever waits keeps others from it."""
+    before = {lane.start for lane in roads.entering[dock]}
+    after = {lane.end for lane in roads.leaving[dock]}
+    return before | after if len(before) == 1 or len(after) == 1 else ()
+
+
+def _use(roads: Roads, docks: tuple[str, ...]) -> dict[str, int]:
+    """How many of the shortest ways between docks lead over each node."""
+    step = max(1, -(-len(docks) // SOURCES))
+    used: dict[str, int] = {}
+    for source in docks[::step]:
+        before = _shortest(roads, source)
+        for dock in docks:
+            node = before.get(dock, "")
+            while node and node != source:
+                used[node] = used.get(node, 0) + 1
+                node = before[node]
+    return used
+
+
+def _shortest(roads: Roads, source: str) -> dict[str, str]:
+    """Node -> the one before it on the shortest way from a source."""
+    before: dict[str, str] = {}
+    open_nodes = [(0.0, source, "")]
+    while open_nodes:
+        so_far_m, node, came_from = heappop(open_nodes)
+        if node in before:
+            continue
+        before[node] = came_from
+        for lane in roads.leaving[node]:
+            if lane.end not in before:
+                heappush(open_nodes, (so_far_m + lane.length_m, lane.end, node))
+    return before
+
+
+class _Floor:
+    """Which nodes lanes lead to, and come from."""
+
+    def __init__(self, roads: Roads) -> None:
+        self.after = {node: [lane.end for lane in lanes] for node, lanes in roads.leaving.items()}
+        self.before = {node: [lane.start for lane in lanes] for node, lanes in roads.entering.items()}
+
+
+def _leaves_all(floor: _Floor, docks: tuple[str, ...], taken: tuple[str, ...]) -> bool:
+    """Whether some docks reach one another while vehicles stand at some nodes, and these get away and back."""
+    shut = frozenset(taken)
+    there = _flood(docks[0], shut, floor.after)
+    if not there.issuperset(docks):
+        return False
+    back = _flood(docks[0], shut, floor.before)
+    if not back.issuperset(docks):
+        return False
+    return all(
+        not there.isdisjoint(floor.before[node]) and not back.isdisjoint(floor.after[node]) for node in taken
+    )
+
+
+def _flood(start: str, shut: frozenset[str], onward: Mapping[str, Iterable[str]]) -> set[str]:
+    """All nodes to which lanes lead from one, without those where somebody stands."""
+    found, coming = {start}, [start]
+    while coming:
+        for node in onward[coming.pop()]:
+            if node not in found and node not in shut:
+                found.add(node)
+                coming.append(node)
+    return found

@@ -1,0 +1,37 @@
+"""Plants with a raster of roads: what is drawn of each seed, and that nothing on it is too narrow."""
+
+from __future__ import annotations
+
+from dray.plant import parse_plant, plant_yaml
+from dray.plant.planning.room import room_faults
+from dray_sim.plants.play import draw
+from dray_sim.plants.raster import draw_raster
+
+SEEDS = range(30)
+
+
+def test_every_seed_gives_a_plant_on_which_two_vehicles_have_room() -> None:
+    for seed in SEEDS:
+        plant = draw_raster(seed)
+        assert 2 <= len(plant.machines) <= 40
+        assert 2 <= len(plant.fleet) <= 45
+        assert list(room_faults(plant)) == []
+
+
+def test_they_are_of_many_kinds() -> None:
+    plants = [draw_raster(seed) for seed in SEEDS]
+    assert {len(plant.machines) > 12 for plant in plants} == {True, False}
+    assert {len(plant.fleet) > len(plant.dwell_points) for plant in plants} == {True, False}
+    assert any(len({each.node for each in one.storages.values()}) < len(one.storages) for one in plants)
+    one_way = [any(one.roads.lane(lane.end, lane.start) is None for lane in one.lanes) for one in plants]
+    assert set(one_way) == {True, False}
+    in_lane = [any(one.node_of(place).startswith("l-") for place in one.machines) for one in plants]
+    assert set(in_lane) == {True, False}
+
+
+def test_a_seed_gives_the_same_plant_and_another_one_another() -> None:
+    first, second = draw(5, small=True), draw(5, small=True)
+    assert first.plant == second.plant
+    assert first.orders == second.orders
+    assert draw(6, small=True).plant != first.plant
+    assert parse_plant(plant_yaml(first.plant), "again") == first.plant
