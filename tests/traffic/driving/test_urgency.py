@@ -4,7 +4,14 @@ from __future__ import annotations
 
 import pytest
 
-from dray.messages.floor.traffic import Blocked, HoldsAsked, PlaceBooking, PlaceGranted, PlaceWished, YieldRefused
+from dray.messages.floor.traffic import (
+    Blocked,
+    HoldsAsked,
+    PlaceBooking,
+    PlaceGranted,
+    PlaceWished,
+    YieldRefused,
+)
 from dray.messages.keys import Keys
 from dray.plant import load_plant
 from dray.protocol.runtime.events import Effect, Send

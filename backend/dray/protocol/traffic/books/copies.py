@@ -23,7 +23,6 @@ import msgspec
 from dray.messages.floor.traffic import AllRemoved, BookAsked, Bookings, BookKept, BookTold, PlaceBooked
 from dray.protocol.runtime.events import Effect, Send
 
-
 LEAP_MAX = 2**20
 """Nobody believes one keeper alone that the epoch is higher than the present one by more: there is an end of epochs (`Count`)."""
 
@@ -229,6 +228,10 @@ class Copies:
         if not self._sought and not self.lost:
             return
         self._rounds += 1
+        if self._sought and self._rounds > 2 * PATIENT_ROUNDS and self._highest > self._sought:
+            # It will have to be a later one.
+            self._sought = 0
+            return
         for other in self._others:
             if other not in self._told:
                 self._out.append(Send(other, BookAsked(district=self.district, epoch=self._sought)))
@@ -278,7 +281,9 @@ class Copies:
             if told.lost:
                 self._lost_too.add(sender)
         if self._sought and told.epoch > self._sought:
-            self._sought = 0
+            # One that goes by a later epoch promises nothing; the others may.
+            self._absent |= {sender}
+            self._decide()
             return
         if self._sought and (told.lost or told.epoch < self._sought):
             # Whoever knows nothing gives no promise; an older answer was none to this question.

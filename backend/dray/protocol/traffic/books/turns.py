@@ -46,7 +46,7 @@ class Turns:
         self._watched_s = NO_WORD_S
         """When another keeper has said last that it doubts the present one."""
         self._questions: dict[str, tuple[int, float]] = {}
-        """Keeper -> questions that it has not answered, and when it was asked the first of them."""
+        """Keeper -> questions that it has not answered, and when it was asked the last of them that counts."""
 
     def doubt(self, now_s: float) -> bool:
         """Somebody has had no answer from the one whose turn it is; False when that is known."""
@@ -75,13 +75,14 @@ class Turns:
 
     def on_question(self, keeper: str, now_s: float) -> None:
         """A keeper was asked whether it lives."""
-        count, since_s = self._questions.get(keeper, (0, now_s))
-        self._questions[keeper] = (count + 1, since_s)
+        count, last_s = self._questions.get(keeper, (0, now_s - ASK_S))
+        if now_s - last_s >= ASK_S - 0.01:
+            self._questions[keeper] = (count + 1, now_s)
 
     def is_silent(self, keeper: str, now_s: float) -> bool:
         """Whether a keeper has not answered this one."""
-        count, since_s = self._questions.get(keeper, (0, now_s))
-        return count >= SILENT_AFTER and now_s - since_s >= (SILENT_AFTER - 1) * ASK_S
+        count, last_s = self._questions.get(keeper, (0, now_s))
+        return count > SILENT_AFTER or (count == SILENT_AFTER and now_s - last_s >= ASK_S - 0.01)
 
     @property
     def others(self) -> tuple[str, ...]:
