@@ -31,8 +31,9 @@ from dray.protocol.traffic.books.carried import Carried, absent
 from dray.protocol.traffic.books.copies import Copies, Kept
 from dray.protocol.traffic.books.floor_report import NEWS_S, FloorReport
 from dray.protocol.traffic.books.impostors import Impostors
+from dray.protocol.traffic.books.late_tellers import LateTellers
 from dray.protocol.traffic.books.reach import Reach
-from dray.protocol.traffic.books.roll_call import BESIDE_MAX, RollCall
+from dray.protocol.traffic.books.roll_call import RollCall
 from dray.protocol.traffic.books.turns import ASK_S, Turns
 from dray.protocol.traffic.neighbours import Neighbours
 
@@ -107,10 +108,7 @@ class District:
         """Holder -> when it was asked to make room."""
         self._roll: RollCall | None = None
         """While vehicles are asked what they hold."""
-        self._called_in: set[tuple[str, bytes]] | None = None
-        """Who has told in the roll call from which the book was made, with its key; None where it was made otherwise."""
-        self._late: set[str] = set()
-        """Those that were not, and say to hold something; it is not known whether they are there."""
+        self._late = LateTellers(reach)
         self._outbid_s = -OUTBID_S
         """When it has begun a later epoch than one that a vehicle was told."""
         self._led_epoch = -1
@@ -138,7 +136,7 @@ class District:
         """The vehicles whose heartbeats it must hear: those in its book, or that want to be, or are to be told something."""
         if not self.leads:
             return set()
-        return {*self._book.atvs, *self._wishes, *self._carried.unaware, *self._late}
+        return {*self._book.atvs, *self._wishes, *self._carried.unaware, *self._late.unknown}
 
     @property
     def leads(self) -> bool:
@@ -229,7 +227,7 @@ class District:
 
     def _is_believed(self, sender: str, wish: PlaceWished, now_s: float) -> bool:
         """Whether a wish may be the vehicle's own."""
-        if not self._hear_late(sender, wish, now_s):
+        if not self._late.hear(sender, wish, self._book, now_s):
             self._out.append(Ignore(NOT_HEARD_THERE))
         elif not self._book.hears(sender, wish.mark):
             self._impostors.tell(sender, now_s)
@@ -247,29 +245,6 @@ class District:
         holding = {line.mark for line in self._book.of(atv)}
         self._newest[atv] = {mark: newest for mark, newest in by_key.items() if mark in holding}
         self._newest[atv][wish.mark] = (wish.life, wish.seq)
-        return True
-
-    def _hear_late(self, sender: str, wish: PlaceWished, now_s: float) -> bool:
-        """One of whom nobody knew was not asked in the roll call from which the book was made: it tells now what it holds.
-
-        Returns:
-            Whether its word counts; else it is not known yet whether it is there, and it will say it again.
-        """
-        if self._called_in is None or (sender, wish.mark) in self._called_in:
-            return True
-        if wish.removal < self._book.removal_of(sender):
-            # Whatever it holds is void by a person's word.
-            return True
-        others = sum(atv == sender for atv, _ in self._called_in)
-        if others and (not wish.holds or others > BESIDE_MAX):
-            # It has nothing to tell that would not come as well after the roll call.
-            return True
-        if not self._reach.may_hold(sender, wish.holds, now_s):
-            self._late.add(sender)
-            return False
-        self._late.discard(sender)
-        self._called_in.add((sender, wish.mark))
-        self._book.tell_late(sender, wish)
         return True
 
     def remove(self, removal: Removal, place: str, now_s: float) -> None:
@@ -392,7 +367,7 @@ class District:
         # Under a number of its own, so that a majority has it under this epoch before anything of it is said.
         self._book = Book(kept.bookings, kept.version + 1, kept.removed)
         self._wishes, self._hindrances, self._newest, self._owed = {}, {}, {}, set()
-        self._called_in, self._late = None, set()
+        self._late.begin(None)
         self._carried.take_over(one.atv for one in kept.removed)
         self._write()
         for atv in self._atvs:
@@ -409,7 +384,7 @@ class District:
         self.copies.end_roll_call(roll.epoch)
         self._roll = None
         self._book = roll.book(lambda atv, holds: self._reach.may_hold(atv, holds, now_s))
-        self._called_in, self._late = set(roll.keys), set()
+        self._late.begin(roll.keys)
         self._led_epoch = roll.epoch
         # Who has said that it holds and wants nothing here waits for no answer, and need not be listened to.
         self._wishes = {atv: wish for atv, wish in roll.told.items() if wish.holds or wish.groups}
