@@ -409,7 +409,7 @@ TRAFFIC_MUTANTS = [
     pytest.param(that_believes_whoever_has_a_name, "liars", 0, "invariant 1[34]", id="no-key"),
     pytest.param(that_does_not_examine_signatures, "liars", 0, "invariant 1[34]", id="no-wish-signature"),
     pytest.param(
-        that_follows_whoever_says_a_later_epoch, "liars", 0, "invariant (1[34]|29)", id="follows-usurpers"
+        that_follows_whoever_says_a_later_epoch, "liars", 10, "invariant (1[34]|29)", id="follows-usurpers"
     ),
     pytest.param(
         that_believes_one_keeper_alone, "liars", 10, "invariant (1|6|13|14) ", id="one-keeper-alone"
@@ -428,7 +428,8 @@ def test_the_search_finds_a_mutant(
 
 
 @pytest.mark.parametrize(
-    ("mutant", "profile", "first", "finding"), searches(TRAFFIC_MUTANTS, "no-book", "no-reach", "no-key")
+    ("mutant", "profile", "first", "finding"),
+    searches(TRAFFIC_MUTANTS, "no-book", "no-reach", "no-key", "follows-usurpers"),
 )
 def test_the_search_finds_a_mutant_of_right_of_way(
     mutant: Mutant, profile: str, first: int, finding: str, find: Find
