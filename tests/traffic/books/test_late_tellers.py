@@ -22,13 +22,13 @@ def neighbours() -> Neighbours:
 def late(neighbours: Neighbours) -> LateTellers:
     """After a roll call in which ATV1 alone has told."""
     late = LateTellers(Reach(PLACES, neighbours, ("ATV1",)))
-    late.begin([("ATV1", b"")])
+    late.start([("ATV1", b"")])
     return late
 
 
 def test_who_has_told_in_the_roll_call_tells_nothing_more(late: LateTellers) -> None:
     book = Book()
-    assert late.hear("ATV1", wish(HERE), book, 0.0)
+    assert late.on_wish("ATV1", wish(HERE), book, 0.0)
     assert book.bookings == ()
 
 
@@ -36,16 +36,16 @@ def test_a_stranger_counts_when_it_is_heard_where_it_says_that_it_is(
     late: LateTellers, neighbours: Neighbours
 ) -> None:
     book = Book()
-    assert not late.hear(STRANGER, wish(HERE), book, 0.0)
+    assert not late.on_wish(STRANGER, wish(HERE), book, 0.0)
     assert late.unknown == {STRANGER}
     neighbours.on_vehicle(beat(atv=STRANGER), 1.0)
-    assert late.hear(STRANGER, wish(HERE), book, 1.0)
+    assert late.on_wish(STRANGER, wish(HERE), book, 1.0)
     assert book.holder(HERE) == STRANGER
     assert late.unknown == set()
 
 
 def test_a_book_that_was_not_made_from_a_roll_call_knows_what_is_held(late: LateTellers) -> None:
-    late.begin(None)
+    late.start(None)
     book = Book()
-    assert late.hear(STRANGER, wish(HERE), book, 0.0)
+    assert late.on_wish(STRANGER, wish(HERE), book, 0.0)
     assert book.holder(HERE) == ""

@@ -227,7 +227,7 @@ class District:
 
     def _is_believed(self, sender: str, wish: PlaceWished, now_s: float) -> bool:
         """Whether a wish may be the vehicle's own."""
-        if not self._late.hear(sender, wish, self._book, now_s):
+        if not self._late.on_wish(sender, wish, self._book, now_s):
             self._out.append(Ignore(NOT_HEARD_THERE))
         elif not self._book.hears(sender, wish.mark):
             self._impostors.tell(sender, now_s)
@@ -367,7 +367,7 @@ class District:
         # Under a number of its own, so that a majority has it under this epoch before anything of it is said.
         self._book = Book(kept.bookings, kept.version + 1, kept.removed)
         self._wishes, self._hindrances, self._newest, self._owed = {}, {}, {}, set()
-        self._late.begin(None)
+        self._late.start(None)
         self._carried.take_over(one.atv for one in kept.removed)
         self._write()
         for atv in self._atvs:
@@ -384,7 +384,7 @@ class District:
         self.copies.end_roll_call(roll.epoch)
         self._roll = None
         self._book = roll.book(lambda atv, holds: self._reach.may_hold(atv, holds, now_s))
-        self._late.begin(roll.keys)
+        self._late.start(roll.keys)
         self._led_epoch = roll.epoch
         # Who has said that it holds and wants nothing here waits for no answer, and need not be listened to.
         self._wishes = {atv: wish for atv, wish in roll.told.items() if wish.holds or wish.groups}

@@ -26,7 +26,7 @@ class LateTellers:
         """Who has told, with its key; None where the book was not made from a roll call."""
         self.unknown: set[str] = set()
 
-    def begin(self, told: Iterable[tuple[str, bytes]] | None) -> None:
+    def start(self, told: Iterable[tuple[str, bytes]] | None) -> None:
         """A book begins.
 
         Args:
@@ -35,7 +35,7 @@ class LateTellers:
         self._told = None if told is None else set(told)
         self.unknown = set()
 
-    def hear(self, atv: str, wish: PlaceWished, book: Book, now_s: float) -> bool:
+    def on_wish(self, atv: str, wish: PlaceWished, book: Book, now_s: float) -> bool:
         """A vehicle says what it holds: one that has not told before tells now, and the book is changed.
 
         Returns:
