@@ -66,6 +66,7 @@ from dray.ports import Bus
 from dray.settings import Settings
 from dray.store import Historian, Store
 from dray.store.orders.placing import Placing
+from dray.supervision import Supervisor
 
 Beside = Callable[[Commands, Access], AbstractAsyncContextManager[None]]
 """Runs as long as a gateway does: the stop path."""
@@ -120,6 +121,7 @@ class Services:
     dxf_plans: DxfPlans
     panels: Panels
     side_work: SideWork
+    supervisor: Supervisor
 
     def by_type(self) -> dict[type[Any], object]:
         """What routers and middleware may ask for."""
@@ -157,6 +159,7 @@ class Services:
             ShiftPlayer: self.shift_player,
             ShiftReporter: self.shift_reporter,
             DxfPlans: self.dxf_plans,
+            Supervisor: self.supervisor,
         }
 
 
@@ -265,6 +268,7 @@ def open_services(
         dxf_plans=DxfPlans(),
         panels=panels or Panels(),
         side_work=side_work,
+        supervisor=Supervisor(),
     )
 
 
@@ -295,6 +299,7 @@ def measure(services: Services) -> None:
         strategist_probe=services.strategist_probe,
         health=services.health,
         store=services.store,
+        supervisor=services.supervisor,
         wall_s=services.wall_s,
     )
     services.metrics.add(state)
@@ -332,7 +337,7 @@ async def running(services: Services, beside: Beside | None) -> AsyncIterator[No
         services.peer.join(inbox.receive)
         tasks = await stack.enter_async_context(asyncio.TaskGroup())
         run = [
-            tasks.create_task(each.run())
+            tasks.create_task(services.supervisor.keep(type(each).__name__, each.run))
             for each in (
                 services.outbox,
                 services.completions,

@@ -17,6 +17,7 @@ import time as clock
 from collections import deque
 from collections.abc import AsyncIterator, Callable, Collection, Sequence
 from contextlib import asynccontextmanager
+from functools import partial
 
 from sqlalchemy.exc import DBAPIError
 
@@ -29,6 +30,7 @@ from dray.store.history.gaps import Gaps
 from dray.store.orders.progress import Goal, accepted_order, goal_of, life_with, note, progress
 from dray.store.retention import Retention
 from dray.store.work import Store, Work
+from dray.supervision import Supervisor
 
 AGENT = "historian"
 """Its name on the bus."""
@@ -98,6 +100,7 @@ class Historian:
         self._wall_s = wall_s
         self._clocks, self._to_plant_s = clocks, to_plant_s
         self.retention = retention
+        self.supervisor = Supervisor()
         self._queue_events, self._retry_s = queue_events, retry_s
         self._events: deque[tuple[float, Event]] = deque()
         """With the time at which each was heard."""
@@ -153,10 +156,12 @@ class Historian:
         session = self._bus.join(AGENT, self.receive, self._life)
         session.subscribe(self._keys.all_events)
         session.subscribe(self._keys.all_heartbeats)
-        writer = asyncio.create_task(self._write_on(), name=AGENT)
-        beside = [asyncio.create_task(self._ask_on(session), name=f"{AGENT} asks")]
+        keep = self.supervisor.keep
+        writer = asyncio.create_task(keep("writes", self._write_on), name=AGENT)
+        beside = [asyncio.create_task(keep("asks", partial(self._ask_on, session)), name=f"{AGENT} asks")]
         if self.retention is not None:
-            beside.append(asyncio.create_task(self.retention.run(), name=f"{AGENT} forgets"))
+            forgets = keep("forgets", self.retention.run)
+            beside.append(asyncio.create_task(forgets, name=f"{AGENT} forgets"))
         try:
             yield
         finally:
@@ -277,18 +282,23 @@ class Historian:
                     return
                 wait_s = min(2 * wait_s, self._retry_s[1])
             except DBAPIError as error:
-                await self._write_one_by_one(events, error)
+                await self._write_one_by_one(events, str(error.orig))
+                return
+            except Exception as error:  # noqa: BLE001 - whatever it is, it is about one of them
+                # Our own bug: the others are kept all the same.
+                _log.exception("%d events could not be written at once", len(events))
+                await self._write_one_by_one(events, repr(error))
                 return
             else:
                 self.failing = False
                 self.kept += len(events)
                 return
 
-    async def _write_one_by_one(self, events: list[Event], error: DBAPIError) -> None:
+    async def _write_one_by_one(self, events: list[Event], reason: str) -> None:
         """Save what can be saved of a batch in which something can never be written."""
         if len(events) <= 1:
             self.lost += len(events)
-            _log.warning("an event was refused by the database: %s: %r", error.orig, events)
+            _log.warning("an event was refused by the database: %s: %r", reason, events)
             return
         for event in events:
             await self._write_or_retry([event], [])

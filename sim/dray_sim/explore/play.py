@@ -172,7 +172,7 @@ class _Game:
             strategists=run.strategists,
         )
         # Whoever takes another's name must change nothing for its owner.
-        liar = INSIDER if run.insider and not BEHAVIOURS[run.insider].takes_name else ""
+        liar = INSIDER if run.insider and not BEHAVIOURS[run.insider].is_thief else ""
         attribution, liveness = (
             FaultAttribution(run.plant.fleet, factory.strategists),
             LivenessCheck(Bounds(run.plant, run.habits), liar),

@@ -63,6 +63,9 @@ that were on the way to have found the gate shut."""
 IMPOSTORS_FRAC = 0.1
 """Of the insiders in a plant with right of way: so many take the name of one of its vehicles."""
 
+USURPERS_FRAC = 0.1
+"""Likewise: so many take the name of a keeper of books."""
+
 LONGEST_CARRIED_S = 400.0
 """Who is carried away so long before the quiet phase is back on the floor by then, or nearly."""
 
@@ -181,7 +184,7 @@ def draw(seed: int, profile: str = "all", *, traffic: bool = False) -> Run:
     orders = tuple(demand.orders(plant, Random(f"{seed} demand"), load=load, until_s=FAULTS_UNTIL_S))
     if Random(f"{seed} has priorities").random() < ranges.priorities_frac:
         orders = with_priorities(orders, Random(f"{seed} priorities"))
-    return Run(
+    run = Run(
         seed=seed,
         profile=profile,
         plant=plant,
@@ -207,6 +210,13 @@ def draw(seed: int, profile: str = "all", *, traffic: bool = False) -> Run:
         insider=_insider(ranges, Random(f"{seed} insider"), Random(f"{seed} impostor"), traffic=traffic),
         traffic=traffic,
     )
+    usurped = bool(run.insider) and BEHAVIOURS[run.insider].takes_keeper
+    return replace(run, schedule=_of_vehicles(run.schedule, plant)) if usurped else run
+
+
+def _of_vehicles(schedule: tuple[Timed, ...], plant: Plant) -> tuple[Timed, ...]:
+    """Those faults that leave keepers of books alone: a thief that is one of two which can be heard is not defended against."""
+    return tuple(timed for timed in schedule if getattr(timed.fault, "agent", "") in plant.fleet)
 
 
 def _closings(plant: Plant, ranges: Profile, seed: int) -> tuple[Closing, ...]:
@@ -236,9 +246,12 @@ def _insider(ranges: Profile, random: Random, takes_name: Random, *, traffic: bo
     """How somebody lies who never moves; one that drives would leave its loads to the quiet phase."""
     if random.random() >= ranges.insiders_frac:
         return ""
-    if traffic and takes_name.random() < IMPOSTORS_FRAC:
+    drawn = takes_name.random()
+    if traffic and drawn < IMPOSTORS_FRAC:
         return next(name for name, behaviour in BEHAVIOURS.items() if behaviour.takes_name)
-    still = [name for name, it in BEHAVIOURS.items() if not it.drives and not it.takes_name]
+    if traffic and drawn < IMPOSTORS_FRAC + USURPERS_FRAC:
+        return next(name for name, behaviour in BEHAVIOURS.items() if behaviour.takes_keeper)
+    still = [name for name, it in BEHAVIOURS.items() if not it.drives and not it.is_thief]
     return random.choice(still)
 
 

@@ -52,6 +52,7 @@ class Behaviour:
         claims_floor: it says to all keepers of books that it holds every place, and wants every place.
         takes_name: it has stolen the certificate of a vehicle of the plant, whose owner lives, and says in its name that it gives back all
             that it holds.
+        takes_keeper: it has stolen the certificate of a keeper of books, whose owner lives, and says that those which others keep are its own now.
         names_others: it names tasks that others carry as its own.
         flood_hz: so many messages it sends a second, to all coordinators in turn.
         betrays_every: of so many tasks that it has taken it betrays one: it says that all is well, and stands.
@@ -74,6 +75,7 @@ class Behaviour:
     claims_all: bool = False
     claims_floor: bool = False
     takes_name: bool = False
+    takes_keeper: bool = False
     names_others: bool = False
     flood_hz: float = 0.0
     betrays_every: int = 0
@@ -82,6 +84,11 @@ class Behaviour:
     speed_frac: float = 1.0
     bodiless: bool = False
     clock_ahead_s: float = 0.0
+
+    @property
+    def is_thief(self) -> bool:
+        """Whether it speaks in the name of an agent of the plant, for whom it must change nothing."""
+        return self.takes_name or self.takes_keeper
 
 
 _ALL = (
@@ -129,6 +136,11 @@ _ALL = (
         "speaks-in-anothers-name",
         "says to all keepers of books, with a stolen certificate, that a vehicle gives back all that it holds",
         takes_name=True,
+    ),
+    Behaviour(
+        "usurps-books",
+        "says to keepers and vehicles, with a keeper's stolen certificate, that it keeps the books of others, and grants every place",
+        takes_keeper=True,
     ),
     Behaviour("names-others-tasks", "names as its own what others carry", names_others=True),
     Behaviour("floods", "sends 20 messages a second to the coordinators", price=Price.LEAST, flood_hz=20.0),

@@ -8,6 +8,7 @@ from dray.messages.speakers import Kind
 from dray.plant import Plant
 from dray.plant.model import VehicleSpec
 from dray.ports import Bus
+from dray.protocol.traffic.places import Places
 from dray.protocol.vehicle.atv import Atv
 from dray.worker.worker import Worker
 from dray_sim.factory.journal import HeldJournal
@@ -17,6 +18,7 @@ from dray_sim.insiders.bodiless import body_of
 from dray_sim.insiders.impostor import Impostor, StolenPlace
 from dray_sim.insiders.liar import Liar
 from dray_sim.insiders.turncoat import Turncoat
+from dray_sim.insiders.usurper import Usurper
 
 INSIDER = "ATV9"
 """The ninth of nine: the default plant has eight."""
@@ -30,7 +32,7 @@ def name_in(plant: Plant) -> str:
 
 
 def bring_in(factory: SimFactory, behaviour: Behaviour, bus: Bus | None = None) -> Worker:
-    """Let an insider join; one that takes another's name takes that of the first vehicle.
+    """Let an insider join. A thief takes the name of the first vehicle, or of the last keeper of the first book.
 
     Args:
         factory: one that runs.
@@ -45,6 +47,16 @@ def bring_in(factory: SimFactory, behaviour: Behaviour, bus: Bus | None = None) 
         owner = next(iter(plant.fleet))
         return Worker(
             Impostor(owner, plant, factory.wish_keys.of("an impostor", owner)),
+            bus=bus or StolenPlace(factory.bus),
+            clock=factory.clock,
+            keys=factory.keys,
+            body=None,
+            journal=HeldJournal(incarnation=1),
+        )
+    if behaviour.takes_keeper:
+        keeper = next(iter(Places(plant).keepers_of.values()))[-1]
+        return Worker(
+            Usurper(keeper, plant),
             bus=bus or StolenPlace(factory.bus),
             clock=factory.clock,
             keys=factory.keys,

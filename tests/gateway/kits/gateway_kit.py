@@ -49,6 +49,7 @@ from dray.store.access.audit import AuditFilter, AuditRow
 from dray.store.access.people import Person
 from dray.store.database.database import Database
 from dray.store.orders.order_filter import EVERY_ORDER
+from dray.supervision import Supervisor
 
 PRODUCT, OTHER_PRODUCT = "gear-unit-g1", "pump-p3"
 """Two that the default plant makes."""
@@ -219,6 +220,7 @@ async def gateway(
     collectors: Iterable[Collector] = (),
     change: Callable[[FastAPI], None] = lambda _app: None,
     duty: bool = False,
+    fails: bool = False,
     **settings: Any,
 ) -> AsyncIterator[House]:
     """Run a gateway on the database at `url`; the plant's clock is 0 at `NOW_S`, its client the administrator.
@@ -235,6 +237,7 @@ async def gateway(
         collectors: of metrics beside the gateway's own.
         change: something to do to the application before it starts.
         duty: whether people can be on duty.
+        fails: whether tasks of the gateway are to fail; else that is an error of the test's.
         settings: fields of `Settings` that differ from the defaults.
     """
     bus, wall = bus or FakeBus(), wall or Wall()
@@ -272,5 +275,7 @@ async def gateway(
             httpx.AsyncClient(transport=transport, base_url=HOME, headers=BEARER) as client,
         ):
             yield House(app, bus, client, store, historian, wall)
+        restarts = provided(app, Supervisor).restarts + historian.supervisor.restarts
+        assert not restarts or fails, f"tasks have failed, and the log has the reason: {restarts}"
     finally:
         await store.close()

@@ -26,9 +26,9 @@ from dray.messages.fact import CarrierChanged, NotBelieved, WordDisbelieved
 from dray.messages.people.command import PROMISE_MAX_S
 from dray.protocol.contract_net.task import StandbyContract
 from dray.protocol.contract_net.trust.assessment import Assessor
-from dray.protocol.contract_net.trust.disbelief import TOLD_EVERY_S
 from dray.protocol.liveness.failure_detector import FailureDetector
 from dray.protocol.runtime.events import Effect, Ignore
+from dray.protocol.runtime.throttle import TOLD_EVERY_S
 
 NOW_S = 5000.0
 

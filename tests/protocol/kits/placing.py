@@ -5,7 +5,7 @@ from __future__ import annotations
 from effects import sent
 from rigs import PLANT, VehicleRig
 
-from dray.messages import PlaceGranted, PlaceWished
+from dray.messages import HoldsAsked, PlaceGranted, PlaceWished
 from dray.messages.floor.traffic import PlaceBooking
 from dray.protocol.runtime.events import Effect
 from dray.protocol.traffic.traffic_map import TrafficMap
@@ -15,8 +15,10 @@ TRAFFIC = TrafficMap(PLANT)
 
 def answer(rig: VehicleRig, removal: int = 0, *, grants: bool = True) -> list[Effect]:
     """The book of its newest wish grants all that it wants, or nothing."""
-    wish = [said for said in sent(rig.all, PlaceWished) if said.holds or said.groups][-1]
-    keeper = TRAFFIC.places.keepers_of[wish.district][0]
+    district = _newest(rig).district
+    keeper, copy = TRAFFIC.places.keepers_of[district][:2]
+    rig.on_message(copy, HoldsAsked(district=district, epoch=0))
+    wish = _newest(rig)
     places = (*wish.holds, *(place for group in wish.groups for place in group)) if grants else ()
     number = max(wish.seen, 0) + 1
     return rig.on_message(
@@ -30,3 +32,7 @@ def answer(rig: VehicleRig, removal: int = 0, *, grants: bool = True) -> list[Ef
             removal=removal,
         ),
     )
+
+
+def _newest(rig: VehicleRig) -> PlaceWished:
+    return [said for said in sent(rig.all, PlaceWished) if said.holds or said.groups][-1]

@@ -43,9 +43,11 @@ from dray.protocol.strategist.order_revocations import OrderRevocations
 from dray.protocol.takeover import left_aboard
 from dray.protocol.traffic.books import bookkeeping
 from dray.protocol.traffic.books.book import Book
+from dray.protocol.traffic.books.copies import Copies
 from dray.protocol.traffic.books.district import District
 from dray.protocol.traffic.books.reach import Reach
 from dray.protocol.traffic.driving import yielding
+from dray.protocol.traffic.driving.wishes import Wishes
 from dray.protocol.traffic.places import Places
 from dray.protocol.traffic.removal_authorisation import RemovalAuthorisation
 from dray.protocol.transports.called import CalledTransports
@@ -300,6 +302,17 @@ def that_does_not_examine_signatures(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(WishKeys, "is_signed", lambda *_: True)
 
 
+def that_follows_whoever_says_a_later_epoch(patch: pytest.MonkeyPatch) -> None:
+    """Whoever keeps a copy follows one keeper that says a later epoch, and does not ask whether the present one lives."""
+    patch.setattr(Copies, "_follows", lambda *_args, **_words: True)
+    patch.setattr(Wishes, "_is_agreed", lambda *_: True)
+
+
+def that_believes_one_keeper_alone(patch: pytest.MonkeyPatch) -> None:
+    """A vehicle takes the grant of one keeper under an epoch that nobody else has told."""
+    patch.setattr(Wishes, "_is_agreed", lambda *_: True)
+
+
 def that_takes_groups_in_halves(patch: pytest.MonkeyPatch) -> None:
     """A vehicle takes a mouth without its dock, and waits there."""
     patch.setattr(Places, "group_end", lambda _self, _nodes, first: first)
@@ -395,6 +408,12 @@ TRAFFIC_MUTANTS = [
     pytest.param(that_gives_whatever_is_asked_for, "liars", 42, "invariant 29", id="no-reach"),
     pytest.param(that_believes_whoever_has_a_name, "liars", 0, "invariant 1[34]", id="no-key"),
     pytest.param(that_does_not_examine_signatures, "liars", 0, "invariant 1[34]", id="no-wish-signature"),
+    pytest.param(
+        that_follows_whoever_says_a_later_epoch, "liars", 10, "invariant (1[34]|29)", id="follows-usurpers"
+    ),
+    pytest.param(
+        that_believes_one_keeper_alone, "liars", 10, "invariant (1|6|13|14) ", id="one-keeper-alone"
+    ),
     pytest.param(that_takes_groups_in_halves, "batteries", 4, "invariant [16]", id="half-groups"),
     pytest.param(that_keeps_inherited_ranks_for_ever, "faultless", 1, "invariant [16] ", id="no-lapse"),
 ]
@@ -409,7 +428,8 @@ def test_the_search_finds_a_mutant(
 
 
 @pytest.mark.parametrize(
-    ("mutant", "profile", "first", "finding"), searches(TRAFFIC_MUTANTS, "no-book", "no-reach", "no-key")
+    ("mutant", "profile", "first", "finding"),
+    searches(TRAFFIC_MUTANTS, "no-book", "no-reach", "no-key", "follows-usurpers"),
 )
 def test_the_search_finds_a_mutant_of_right_of_way(
     mutant: Mutant, profile: str, first: int, finding: str, find: Find

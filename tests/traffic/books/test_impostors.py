@@ -14,8 +14,9 @@ from dray.messages import PlaceWished, Removals
 from dray.messages.fact import NameMisused
 from dray.messages.floor.traffic import HoldsAsked
 from dray.protocol.runtime.events import Effect, Ignore, Send
+from dray.protocol.runtime.throttle import TOLD_EVERY_S
 from dray.protocol.traffic.books.bookkeeping import NOTE
-from dray.protocol.traffic.books.impostors import ANOTHERS_KEY, TOLD_EVERY_S
+from dray.protocol.traffic.books.impostors import ANOTHERS_KEY
 from dray.protocol.traffic.books.roll_call import BESIDE_MAX, ROLL_S
 
 OWN, STOLEN = VehicleKey("ATV1", b"o" * 32), VehicleKey("ATV1", b"s" * 32)

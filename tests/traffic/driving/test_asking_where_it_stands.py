@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dray.body import Drive, ReleaseWay
-from dray.messages.floor.traffic import Blocked, PlaceBooking, PlaceGranted, PlaceWished
+from dray.messages.floor.traffic import Blocked, HoldsAsked, PlaceBooking, PlaceGranted, PlaceWished
 from dray.messages.keys import Keys
 from dray.plant import load_plant
 from dray.protocol.runtime.events import Effect, Instruct, Send
@@ -16,7 +16,7 @@ PLANT = load_plant("single-track")
 TRAFFIC = TrafficMap(PLANT)
 HERE, NEXT = "b3", "m4-lane"
 DISTRICT = TRAFFIC.places.district_of[HERE]
-KEEPER = TRAFFIC.places.keepers_of[DISTRICT][0]
+KEEPER, COPY = TRAFFIC.places.keepers_of[DISTRICT][:2]
 
 
 class Vehicle:
@@ -41,6 +41,7 @@ class Vehicle:
             next_order=lambda: next(orders),
         )
         self.row.start(0.0)
+        self.row.on_holds_asked(COPY, HoldsAsked(district=DISTRICT, epoch=0), 0.0)
         self.number = 0
 
     @property
@@ -152,7 +153,8 @@ def test_what_it_held_elsewhere_in_an_earlier_life_is_given_back_while_it_still_
     vehicle = Vehicle()
     other = next(district for district in TRAFFIC.places.keepers_of if district != DISTRICT)
     place = next(place for place in TRAFFIC.places.all if TRAFFIC.places.district_of[place] == other)
-    keeper = TRAFFIC.places.keepers_of[other][0]
+    keeper, copy = TRAFFIC.places.keepers_of[other][:2]
+    vehicle.row.on_holds_asked(copy, HoldsAsked(district=other, epoch=0), 0.5)
     vehicle.row.on_granted(
         keeper,
         PlaceGranted(

@@ -74,10 +74,11 @@ class NewLife:
                 for place in places
                 if TRAFFIC.places.district_of[place] == district
             )
-            keeper = TRAFFIC.places.keepers_of[district][0]
+            keeper, copy = TRAFFIC.places.keepers_of[district][:2]
             seq = self.wish(district).seq
             granted = PlaceGranted(district=district, epoch=0, life=LIFE, upto=seq, grants=lines)
             self.row.on_granted(keeper, granted, 0.1)
+            self.row.on_holds_asked(copy, HoldsAsked(district=district, epoch=0), 0.1)
 
 
 def test_a_new_life_holds_what_the_body_may_still_drive_into_until_the_body_obeys() -> None:

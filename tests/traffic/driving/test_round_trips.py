@@ -6,7 +6,7 @@ from itertools import count
 
 import pytest
 
-from dray.messages.floor.traffic import PlaceGranted, PlaceWished
+from dray.messages.floor.traffic import HoldsAsked, PlaceGranted, PlaceWished
 from dray.plant.restrictions import OPEN
 from dray.protocol.runtime.events import Effect, Send
 from dray.protocol.runtime.timers import Timers
@@ -27,6 +27,8 @@ def after(round_s: float, wishes_made: int) -> tuple[Wishes, list[PlaceWished]]:
     timers, out = Timers(), list[Effect]()
     wishes = Wishes(1, {"D": ("M1", "M2", "M3")}, timers, out)
     now_s, strayed = 0.0, list[PlaceWished]()
+    for keeper in ("M2", "M3"):
+        wishes.on_holds_asked(keeper, HoldsAsked(district="D", epoch=0))
     for number in range(wishes_made):
         groups = ((f"p{number}",),)
         wishes.say("D", (), groups, STATE, now_s)

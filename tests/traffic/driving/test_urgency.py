@@ -6,6 +6,7 @@ import pytest
 
 from dray.messages.floor.traffic import (
     Blocked,
+    HoldsAsked,
     PlaceBooking,
     PlaceGranted,
     PlaceWished,
@@ -82,7 +83,9 @@ class Waiting:
             by="B" if at else "",
             at=at,
         )
-        self.row.on_granted(TRAFFIC.places.keepers_of[wish.district][0], granted, now_s)
+        keeper, copy = TRAFFIC.places.keepers_of[wish.district][:2]
+        self.row.on_granted(keeper, granted, now_s)
+        self.row.on_holds_asked(copy, HoldsAsked(district=wish.district, epoch=0), now_s)
 
     def wait(self, until_s: float) -> None:
         """Let its alarms come."""

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from prometheus_client import Metric
 from prometheus_client.registry import Collector
 
-from dray.adapters.telemetry.metric_families import counter, gauge
+from dray.adapters.telemetry.metric_families import counter, counters, gauge
 from dray.store import Historian
 
 
@@ -25,6 +25,12 @@ class History(Collector):
         """Everything as of now."""
         historian = self._historian
         yield gauge("historian_up", "Whether the historian can write.", not historian.failing)
+        yield counters(
+            "historian_task_restarts",
+            "Failures of tasks of the historian, each of which was started again; the log has the reason.",
+            "task",
+            historian.supervisor.restarts,
+        )
         yield gauge("historian_waiting_events", "Events heard and not written yet.", historian.waiting)
         yield gauge("historian_behind_seconds", "How long the oldest of them has waited.", historian.behind_s)
         yield counter("historian_events_kept", "Events written.", historian.kept)

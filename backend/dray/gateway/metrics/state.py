@@ -16,6 +16,7 @@ from dray.gateway.live.stream import Hub
 from dray.messages import AtvStatus, MachineStatus
 from dray.store import Store
 from dray.store.orders.progress import OPEN, OrderStatus
+from dray.supervision import Supervisor
 
 
 class State(Collector):
@@ -28,6 +29,7 @@ class State(Collector):
         strategist_probe: when the strategist was heard.
         health: how the database answers.
         store: the database.
+        supervisor: of the gateway's tasks.
         wall_s: the wall clock.
     """
 
@@ -40,11 +42,12 @@ class State(Collector):
         strategist_probe: StrategistProbe,
         health: Health,
         store: Store,
+        supervisor: Supervisor,
         wall_s: Callable[[], float],
     ) -> None:
         self._projection, self._hub, self._peer = projection, hub, peer
         self._strategist_probe, self._health = strategist_probe, health
-        self._store, self._wall_s = store, wall_s
+        self._store, self._supervisor, self._wall_s = store, supervisor, wall_s
 
     def collect(self) -> Iterator[Metric]:
         """Everything as of now."""
@@ -97,6 +100,12 @@ class State(Collector):
             "Messages heard, and what came of them.",
             "result",
             {"shown": self._projection.heard, "ignored": self._projection.ignored + self._peer.ignored},
+        )
+        yield counters(
+            "gateway_task_restarts",
+            "Failures of tasks of the gateway, each of which was started again; the log has the reason.",
+            "task",
+            self._supervisor.restarts,
         )
         silent_s = self._strategist_probe.silent_s
         presence = self._strategist_probe.presence()

@@ -243,7 +243,7 @@ class BookAsked(Message, frozen=True):
 
 
 class BookTold(Message, frozen=True):
-    """The copy that somebody has. It will not take a copy of an epoch below `epoch` any more."""
+    """The copy that somebody has, and the epoch by which it goes, or under which it means to keep the book itself."""
 
     district: Id
     epoch: Count

@@ -8,14 +8,8 @@ from __future__ import annotations
 
 from dray.messages import Accepted, Bid, Disbelieved, Implausible, TakenOver
 from dray.messages.fact import NotBelieved, WordDisbelieved
-from dray.protocol.runtime.bounded_map import BoundedMap
 from dray.protocol.runtime.events import Effect, Ignore, Record, Send
-
-TOLD_EVERY_S = 60.0
-"""People look once a minute at most, and a software that could do something about it needs no more."""
-
-SPEAKERS_KEPT = 1024
-"""More than any coordinator negotiates with; whoever is forgotten is told once more."""
+from dray.protocol.runtime.throttle import Throttle
 
 
 class Disbelief:
@@ -27,7 +21,7 @@ class Disbelief:
 
     def __init__(self, out: list[Effect]) -> None:
         self._out = out
-        self._told_s: BoundedMap[str, float] = BoundedMap(SPEAKERS_KEPT)
+        self._throttle = Throttle()
 
     def tell(
         self,
@@ -47,15 +41,11 @@ class Disbelief:
             clock_ahead_s: how far the speaker's clock is ahead, if that is the reason.
         """
         self._out.append(Ignore(reason))
-        told_s = self._told_s.pop(speaker, None)
-        if told_s is not None and 0.0 <= now_s - told_s < TOLD_EVERY_S:
-            self._told_s[speaker] = told_s
-            return
-        self._told_s[speaker] = now_s
-        self._out += (
-            Send(speaker, Disbelieved(said.task, said.epoch, reason, clock_ahead_s)),
-            Record(WordDisbelieved(speaker, said.task, reason, clock_ahead_s)),
-        )
+        if self._throttle.passes(speaker, now_s):
+            self._out += (
+                Send(speaker, Disbelieved(said.task, said.epoch, reason, clock_ahead_s)),
+                Record(WordDisbelieved(speaker, said.task, reason, clock_ahead_s)),
+            )
 
 
 class Reproach:
@@ -67,14 +57,11 @@ class Reproach:
 
     def __init__(self, out: list[Effect]) -> None:
         self._out = out
-        self._noted_s: BoundedMap[str, float] = BoundedMap(SPEAKERS_KEPT)
+        self._throttle = Throttle()
 
     def on_disbelieved(self, sender: str, message: Disbelieved, now_s: float) -> None:
         """Record a fact, at most once a minute for each coordinator."""
-        noted_s = self._noted_s.pop(sender, None)
-        if noted_s is not None and 0.0 <= now_s - noted_s < TOLD_EVERY_S:
-            self._noted_s[sender] = noted_s
+        if not self._throttle.passes(sender, now_s):
             self._out.append(Ignore("a reproach that was noted"))
             return
-        self._noted_s[sender] = now_s
         self._out.append(Record(NotBelieved(by=sender, task=message.task, reason=message.reason)))

@@ -4,6 +4,10 @@ Viewstamped replication with a book small enough to be sent whole. Under an *epo
 it has that epoch from a majority, and learned from them the newest copy that there is. What it writes counts when a majority has it. Whoever
 was left behind by a torn network finds no majority any more: traffic in the district waits, and no place is given twice.
 
+Nobody takes an epoch by saying so. A keeper follows a later one when the keeper of the present one begins it, when two others have told the
+same one, or when the keeper of the present one does not answer *it* either. So whoever has stolen the certificate of one keeper writes over
+none that lives. A keeper that waits for the promises of others promises nothing meanwhile: it goes on with the present one when that one answers.
+
 A keeper that has lost its memory takes no part until it has heard all others, for it may have promised what it does not know. When too
 few remember, the vehicles are asked what they hold (a roll call), every one of them. Another one that has lost its memory, too, and
 has heard since that the caller had, takes the caller's book: each vehicle has told under that epoch, and follows no earlier one. It has heard of
@@ -12,12 +16,18 @@ no later one from anybody since, so nobody leads by a promise that it has forgot
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 
 import msgspec
 
 from dray.messages.floor.traffic import AllRemoved, BookAsked, Bookings, BookKept, BookTold, PlaceBooked
 from dray.protocol.runtime.events import Effect, Send
+
+LEAP_MAX = 2**20
+"""Nobody believes one keeper alone that the epoch is higher than the present one by more: there is an end of epochs (`Count`)."""
+
+PATIENT_ROUNDS = 2
+"""So often all others are asked before the answers of a majority are enough: what one has, the other must have, too."""
 
 
 class Kept(msgspec.Struct, frozen=True):
@@ -68,8 +78,14 @@ class Copies:
         self._told: dict[str, BookTold] = {}
         self._highest = 0
         """Epoch that anybody has told of."""
+        self._words: dict[str, int] = {}
+        """Keeper -> the highest epoch that it has told to be the present one."""
         self._sought = 0
         """The epoch under which `me` asks to keep the book; 0 when it does not."""
+        self._absent: frozenset[str] = frozenset()
+        """Those who are not waited for."""
+        self._rounds = 0
+        """How often the others were asked for their promises."""
         self._heard: dict[str, int] = {}
         """While it is lost: keeper -> the epoch that it has told of."""
         self._lost_too: set[str] = set()
@@ -112,10 +128,21 @@ class Copies:
         """Whether somebody has not answered for the newest version."""
         return self.leads and any(self._has.get(other, -1) < self.kept.version for other in self._others)
 
+    @property
+    def is_outvoted(self) -> bool:
+        """Whether what `me` writes does not count, and somebody goes by a later epoch, which nobody else has told."""
+        return (
+            self.leads
+            and self.counted < self.kept.version
+            and any(word > self.kept.epoch for word in self._words.values())
+        )
+
     def on_kept(self, sender: str, kept: BookKept) -> bool:
         """A copy was written; True when more counts now."""
+        self._note(sender, kept.epoch)
         if kept.epoch > self.kept.epoch:
-            self._step_down(kept.epoch)
+            if self._follows(sender, kept.epoch, silent=False):
+                self._step_down(kept.epoch)
             return False
         if not self.leads or kept.epoch < self.kept.epoch:
             return False
@@ -133,12 +160,24 @@ class Copies:
 
     # --- copies ----------------------------------------------------------------------------------
 
-    def on_booked(self, sender: str, booked: PlaceBooked) -> None:
-        """The keeper of the book has written."""
-        if self.lost and not self._may_join(sender, booked):
-            return
+    def on_booked(self, sender: str, booked: PlaceBooked, *, silent: bool) -> bool:
+        """The keeper of the book has written.
+
+        Args:
+            sender: who says so.
+            booked: the book.
+            silent: the keeper of the present epoch does not answer `me`.
+
+        Returns:
+            Whether its epoch is believed.
+        """
+        joins = self.lost
+        if joins and not self._may_join(sender, booked):
+            return True
         self.lost = False
-        if booked.epoch >= self.kept.epoch and sender != self._me:
+        self._note(sender, booked.epoch)
+        follows = joins or self._follows(sender, booked.epoch, silent=silent)
+        if booked.epoch >= self.kept.epoch and sender != self._me and follows:
             if booked.epoch > self.kept.epoch:
                 self._step_down(booked.epoch)
             self._sought = 0
@@ -147,6 +186,7 @@ class Copies:
         self._out.append(
             Send(sender, BookKept(district=self.district, epoch=self.kept.epoch, version=self.kept.version))
         )
+        return follows
 
     def _may_join(self, sender: str, booked: PlaceBooked) -> bool:
         """Whether a lost memory is made good by a book: its writer was lost, too, and all have told of no later epoch since."""
@@ -158,19 +198,39 @@ class Copies:
 
     # --- whose turn ------------------------------------------------------------------------------
 
-    def seek(self) -> None:
-        """Ask to keep the book from now on, under the next epoch that is this keeper's turn."""
+    def _note(self, sender: str, epoch: int) -> None:
+        self._words[sender] = max(self._words.get(sender, 0), epoch)
+
+    def _follows(self, sender: str, epoch: int, *, silent: bool) -> bool:
+        """Whether a later epoch that one keeper tells is believed. It needs two, but where the keeper of the present one says so or is silent."""
+        if epoch <= self.kept.epoch:
+            return True
+        if any(self._words.get(other) == epoch for other in self._others if other != sender):
+            return True
+        leaps = epoch > self.kept.epoch + LEAP_MAX
+        return not leaps and self.leader != self._me and (sender == self.leader or silent)
+
+    def seek(self, absent: Collection[str] = ()) -> None:
+        """Ask to keep the book from now on, under the next epoch that is this keeper's turn.
+
+        Args:
+            absent: who does not answer, and is not waited for.
+        """
         if self.lost:
             return
-        epoch = self.next_turn(self.kept.epoch)
-        self._step_down(epoch)
-        self._sought = epoch
-        self._told = {self._me: self._telling()}
+        self.leads = False
+        self._sought = self.next_turn(self.kept.epoch)
+        self._absent, self._rounds, self._told = frozenset(absent), 0, {}
         self.ask()
 
     def ask(self) -> None:
         """Ask those who have not told; harmless when there is nothing to ask."""
         if not self._sought and not self.lost:
+            return
+        self._rounds += 1
+        if self._sought and self._rounds > 2 * PATIENT_ROUNDS and self._highest > self._sought:
+            # It will have to be a later one.
+            self._sought = 0
             return
         for other in self._others:
             if other not in self._told:
@@ -182,15 +242,38 @@ class Copies:
         """Whether it waits for what others tell."""
         return bool(self._sought) or (self.lost and not self.needs_roll_call)
 
-    def on_asked(self, sender: str, asked: BookAsked) -> None:
-        """Somebody wants to keep the book, or to know it."""
-        if asked.epoch > self.kept.epoch and not self.lost:
+    def on_asked(self, sender: str, asked: BookAsked, *, silent: bool) -> bool:
+        """Somebody wants to keep the book, or to know it.
+
+        Args:
+            sender: who.
+            asked: under which epoch.
+            silent: the keeper of the present one does not answer `me`.
+
+        Returns:
+            Whether it is promised what it wants.
+        """
+        promises = self._keepers[asked.epoch % len(self._keepers)] == sender and self._follows(
+            sender, asked.epoch, silent=silent
+        )
+        if asked.epoch > self.kept.epoch and not self.lost and promises:
             self._step_down(asked.epoch)
         self._out.append(Send(sender, self._telling()))
+        return promises
+
+    def note_highest(self, epoch: int) -> None:
+        """Somebody has told of an epoch: the next turn of `me` is later."""
+        if epoch <= self.kept.epoch + LEAP_MAX:
+            self._highest = max(self._highest, epoch)
 
     def on_told(self, sender: str, told: BookTold) -> None:
         """Somebody has answered."""
-        self._highest = max(self._highest, told.epoch)
+        self.note_highest(told.epoch)
+        self._note(sender, told.epoch)
+        is_promise = bool(self._sought) and told.epoch == self._sought
+        if told.epoch > self.kept.epoch and not self.lost and not is_promise:
+            if self._follows(sender, told.epoch, silent=False):
+                self._step_down(told.epoch)
         if not self.asks:
             return
         if self.lost:
@@ -198,10 +281,15 @@ class Copies:
             if told.lost:
                 self._lost_too.add(sender)
         if self._sought and told.epoch > self._sought:
-            self._step_down(told.epoch)
+            # One that goes by a later epoch promises nothing; the others may.
+            self._absent |= {sender}
+            self._decide()
             return
         if self._sought and (told.lost or told.epoch < self._sought):
             # Whoever knows nothing gives no promise; an older answer was none to this question.
+            if sender == self.leader and not told.lost:
+                # It lives.
+                self._sought = 0
             return
         self._told[sender] = told
         self._decide()
@@ -209,8 +297,9 @@ class Copies:
     def _decide(self) -> None:
         """Whether enough have told."""
         if self._sought:
-            if len(self._told) >= self.majority:
-                self._take_newest(self._told.values())
+            if len(self._told) + 1 >= self.majority and self._has_heard_enough:
+                self._take_newest((self._telling(), *self._told.values()))
+                self.kept = msgspec.structs.replace(self.kept, epoch=self._sought)
                 self._sought = 0
                 self.leads = True
                 self._has = {}
@@ -227,8 +316,20 @@ class Copies:
                 self.needs_roll_call = next(keeper for keeper in self._keepers if keeper in lost) == self._me
             self._told = {}
 
+    @property
+    def _has_heard_enough(self) -> bool:
+        """Whether everybody has told who is waited for."""
+        silent = set(self._others) - self._told.keys() - self._absent
+        return not silent or self._rounds > PATIENT_ROUNDS
+
     def _take_newest(self, told: Iterable[BookTold]) -> None:
-        newest = max(told, key=lambda one: (one.kept_epoch, one.version))
+        """Of what all keepers have, take what two of three have at least, and of less the newest: `me` comes first, and believes itself."""
+        ranked = sorted(told, key=lambda one: (one.kept_epoch, one.version), reverse=True)
+        has_all = len(ranked) == len(self._keepers) > self.majority
+        own = (self.kept.kept_epoch, self.kept.version)
+        newest = ranked[0]
+        if has_all and (newest.kept_epoch, newest.version) > own:
+            newest = ranked[1]
         self.kept = Kept(self.kept.epoch, newest.kept_epoch, newest.version, newest.bookings, newest.removed)
 
     def next_turn(self, epoch: int) -> int:
@@ -248,7 +349,7 @@ class Copies:
         kept = self.kept
         return BookTold(
             district=self.district,
-            epoch=kept.epoch,
+            epoch=max(kept.epoch, self._sought),
             lost=self.lost,
             kept_epoch=kept.kept_epoch,
             version=kept.version,

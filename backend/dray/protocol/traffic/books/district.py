@@ -31,8 +31,9 @@ from dray.protocol.traffic.books.carried import Carried, absent
 from dray.protocol.traffic.books.copies import Copies, Kept
 from dray.protocol.traffic.books.floor_report import NEWS_S, FloorReport
 from dray.protocol.traffic.books.impostors import Impostors
+from dray.protocol.traffic.books.late_tellers import LateTellers
 from dray.protocol.traffic.books.reach import Reach
-from dray.protocol.traffic.books.roll_call import BESIDE_MAX, RollCall
+from dray.protocol.traffic.books.roll_call import RollCall
 from dray.protocol.traffic.books.turns import ASK_S, Turns
 from dray.protocol.traffic.neighbours import Neighbours
 
@@ -40,6 +41,9 @@ BOOK_TICK = "book tick"
 
 NEVER_GRANTED = "it says to have seen a grant that nobody has given"
 NOT_HEARD_THERE = "it says to hold what no book has granted, and is not heard there"
+
+OUTBID_S = 30.0
+"""The keeper that is told by one alone of a later epoch than its own begins a still later one, once in so long."""
 
 TICK_S = 1.0
 """A holder is asked to make room, and a copy that was not answered for is sent, once in so long."""
@@ -104,10 +108,9 @@ class District:
         """Holder -> when it was asked to make room."""
         self._roll: RollCall | None = None
         """While vehicles are asked what they hold."""
-        self._called_in: set[tuple[str, bytes]] | None = None
-        """Who has told in the roll call from which the book was made, with its key; None where it was made otherwise."""
-        self._late: set[str] = set()
-        """Those that were not, and say to hold something; it is not known whether they are there."""
+        self._late = LateTellers(reach)
+        self._outbid_s = -OUTBID_S
+        """When it has begun a later epoch than one that a vehicle was told."""
         self._led_epoch = -1
         """Under which this keeper has taken the book over last."""
         self._carried = Carried(out)
@@ -120,8 +123,7 @@ class District:
             self.copies.ask()
             self._after_copies(now_s)
         elif self.copies.leader == self._me:
-            self.copies.seek()
-            self._after_copies(now_s)
+            self._seek(now_s)
         self._look_within(NEWS_S, now_s)
 
     @property
@@ -134,7 +136,7 @@ class District:
         """The vehicles whose heartbeats it must hear: those in its book, or that want to be, or are to be told something."""
         if not self.leads:
             return set()
-        return {*self._book.atvs, *self._wishes, *self._carried.unaware, *self._late}
+        return {*self._book.atvs, *self._wishes, *self._carried.unaware, *self._late.unknown}
 
     @property
     def leads(self) -> bool:
@@ -163,14 +165,19 @@ class District:
             case PlaceWished():
                 self._on_wish(sender, message, now_s)
             case PlaceBooked():
-                self.copies.on_booked(sender, message)
+                silent = self._turns.is_silent(self.copies.leader, now_s)
+                if not self.copies.on_booked(sender, message, silent=silent):
+                    self._find_out(now_s)
             case BookKept():
                 if self.copies.on_kept(sender, message):
                     self._answer()
             case BookAsked():
-                self.copies.on_asked(sender, message)
+                silent = self._turns.is_silent(self.copies.leader, now_s)
+                promises = self.copies.on_asked(sender, message, silent=silent)
                 if not message.epoch:
                     self._doubt(now_s)
+                if not promises and (message.epoch or self.copies.leader != self._me):
+                    self._find_out(now_s)
             case BookTold():
                 self.copies.on_told(sender, message)
                 self._after_copies(now_s)
@@ -191,6 +198,12 @@ class District:
                 asked = HoldsAsked(district=self._district, epoch=self.copies.kept.epoch)
                 self._out.append(Send(sender, asked))
                 self._doubt(now_s)
+            return
+        if wish.epoch > self.copies.kept.epoch and now_s - self._outbid_s >= OUTBID_S:
+            # Somebody has told the vehicle of a later keeper, of which this one has not heard.
+            self._outbid_s = now_s
+            self.copies.note_highest(wish.epoch)
+            self._seek(now_s)
             return
         if not self._is_believed(sender, wish, now_s):
             return
@@ -214,7 +227,7 @@ class District:
 
     def _is_believed(self, sender: str, wish: PlaceWished, now_s: float) -> bool:
         """Whether a wish may be the vehicle's own."""
-        if not self._hear_late(sender, wish, now_s):
+        if not self._late.on_wish(sender, wish, self._book, now_s):
             self._out.append(Ignore(NOT_HEARD_THERE))
         elif not self._book.hears(sender, wish.mark):
             self._impostors.tell(sender, now_s)
@@ -232,29 +245,6 @@ class District:
         holding = {line.mark for line in self._book.of(atv)}
         self._newest[atv] = {mark: newest for mark, newest in by_key.items() if mark in holding}
         self._newest[atv][wish.mark] = (wish.life, wish.seq)
-        return True
-
-    def _hear_late(self, sender: str, wish: PlaceWished, now_s: float) -> bool:
-        """One of whom nobody knew was not asked in the roll call from which the book was made: it tells now what it holds.
-
-        Returns:
-            Whether its word counts; else it is not known yet whether it is there, and it will say it again.
-        """
-        if self._called_in is None or (sender, wish.mark) in self._called_in:
-            return True
-        if wish.removal < self._book.removal_of(sender):
-            # Whatever it holds is void by a person's word.
-            return True
-        others = sum(atv == sender for atv, _ in self._called_in)
-        if others and (not wish.holds or others > BESIDE_MAX):
-            # It has nothing to tell that would not come as well after the roll call.
-            return True
-        if not self._reach.may_hold(sender, wish.holds, now_s):
-            self._late.add(sender)
-            return False
-        self._late.discard(sender)
-        self._called_in.add((sender, wish.mark))
-        self._book.tell_late(sender, wish)
         return True
 
     def remove(self, removal: Removal, place: str, now_s: float) -> None:
@@ -307,6 +297,8 @@ class District:
         elif self.copies.asks:
             self.copies.ask()
             self._after_copies(now_s)
+        elif self.copies.is_outvoted:
+            self._seek(now_s)
         elif self.copies.leads:
             self.copies.repeat()
             if self._hindrances:
@@ -314,27 +306,38 @@ class District:
             self._report.tell(self._book, self.copies.kept.epoch, now_s)
         elif self._turns.mine_at_s(self.copies.kept.epoch, now_s) <= now_s:
             self._turns.lead()
-            self.copies.seek()
-            self._after_copies(now_s)
+            self._seek(now_s)
         else:
-            self._ask_whether_they_live()
+            self._ask_whether_they_live(now_s)
         self._look_later(now_s)
 
     def _doubt(self, now_s: float) -> None:
         """Somebody wants something of this keeper that is another one's to do: does that one live?"""
         if not (self.copies.leads or self.copies.asks or self.calls_roll) and self._turns.doubt(now_s):
-            self._ask_whether_they_live()
+            self._ask_whether_they_live(now_s)
 
-    def _ask_whether_they_live(self) -> None:
-        for keeper in self._turns.asked(self.copies.kept.epoch):
+    def _find_out(self, now_s: float) -> None:
+        """A keeper wants what is another one's, and nobody else has said so: what do the others say, and does that one live?"""
+        if self._turns.watch(now_s):
+            leads = self.copies.leader == self._me
+            self._ask_whether_they_live(now_s, self._turns.others if leads else ())
+
+    def _ask_whether_they_live(self, now_s: float, whom: Sequence[str] = ()) -> None:
+        for keeper in whom or self._turns.asked(self.copies.kept.epoch, now_s):
+            self._turns.on_question(keeper, now_s)
             self._out.append(Send(keeper, BookAsked(district=self._district, epoch=0)))
+
+    def _seek(self, now_s: float) -> None:
+        self.copies.seek(self._turns.silent(now_s))
+        self._after_copies(now_s)
 
     def _look_later(self, now_s: float) -> None:
         """Set the alarm for when there is something to see to, as far as one knows now."""
         if self._roll is not None or self.copies.asks:
             at_s = now_s + TICK_S
         elif not self.copies.leads:
-            waits = self._turns.mine_at_s(self.copies.kept.epoch, now_s) < NEVER_S
+            epoch = self.copies.kept.epoch
+            waits = self._turns.mine_at_s(epoch, now_s) < NEVER_S or self._turns.is_watching(epoch, now_s)
             at_s = now_s + ASK_S if waits else NEVER_S
         else:
             waits = bool(self._hindrances) or self.copies.is_behind
@@ -364,7 +367,7 @@ class District:
         # Under a number of its own, so that a majority has it under this epoch before anything of it is said.
         self._book = Book(kept.bookings, kept.version + 1, kept.removed)
         self._wishes, self._hindrances, self._newest, self._owed = {}, {}, {}, set()
-        self._called_in, self._late = None, set()
+        self._late.start(None)
         self._carried.take_over(one.atv for one in kept.removed)
         self._write()
         for atv in self._atvs:
@@ -381,7 +384,7 @@ class District:
         self.copies.end_roll_call(roll.epoch)
         self._roll = None
         self._book = roll.book(lambda atv, holds: self._reach.may_hold(atv, holds, now_s))
-        self._called_in, self._late = set(roll.keys), set()
+        self._late.start(roll.keys)
         self._led_epoch = roll.epoch
         # Who has said that it holds and wants nothing here waits for no answer, and need not be listened to.
         self._wishes = {atv: wish for atv, wish in roll.told.items() if wish.holds or wish.groups}

@@ -3,16 +3,10 @@
 from __future__ import annotations
 
 from dray.messages.fact import NameMisused
-from dray.protocol.runtime.bounded_map import BoundedMap
 from dray.protocol.runtime.events import Effect, Ignore, Record
+from dray.protocol.runtime.throttle import Throttle
 
 ANOTHERS_KEY = "a wish that is not signed by the vehicle that holds places in this name"
-
-TOLD_EVERY_S = 60.0
-"""People look once a minute at most."""
-
-NAMES_KEPT = 1024
-"""More vehicles than any keeper hears; one that is forgotten is told of once more."""
 
 
 class Impostors:
@@ -24,14 +18,10 @@ class Impostors:
 
     def __init__(self, out: list[Effect]) -> None:
         self._out = out
-        self._told_s: BoundedMap[str, float] = BoundedMap(NAMES_KEPT)
+        self._throttle = Throttle()
 
     def tell(self, atv: str, now_s: float) -> None:
         """A wish in this vehicle's name is not its own."""
         self._out.append(Ignore(ANOTHERS_KEY))
-        told_s = self._told_s.get(atv)
-        if told_s is not None and now_s - told_s < TOLD_EVERY_S:
-            return
-        self._told_s.pop(atv, None)
-        self._told_s[atv] = now_s
-        self._out.append(Record(NameMisused(atv)))
+        if self._throttle.passes(atv, now_s):
+            self._out.append(Record(NameMisused(atv)))

@@ -1,7 +1,7 @@
 """Whose turn it is to keep a book: the next keeper's, when those before it do not answer.
 
 Nobody watches a keeper of whom nobody wants anything. Whoever is asked in its place, by a vehicle that had no answer, asks it
-whether it lives.
+whether it lives. So does another keeper that is asked for its promise: it takes nobody's word for it.
 """
 
 from __future__ import annotations
@@ -21,6 +21,11 @@ ASK_S = 0.5
 DOUBT_S = 2.5
 """Who has not answered after this, and five questions, is taken for dead: at 20 % loss each way one of 160 that live."""
 
+SILENT_AFTER = 4
+"""Questions without an answer, `ASK_S` apart: at 20 % loss each way one of 60 that live; then somebody else keeps the book."""
+
+WATCH_S = 1.5
+"""Whoever asks for a promise, or says that somebody does not answer, says so again within this."""
 
 NO_WORD_S = float("-inf")
 
@@ -38,6 +43,10 @@ class Turns:
         self._heard_s: dict[str, float] = {}
         self._doubted_s: float | None = None
         """Since when it is not known whether those before it live; None while nobody doubts it."""
+        self._watched_s = NO_WORD_S
+        """When another keeper has said last that it doubts the present one."""
+        self._questions: dict[str, tuple[int, float]] = {}
+        """Keeper -> questions that it has not answered, and when it was asked the last of them that counts."""
 
     def doubt(self, now_s: float) -> bool:
         """Somebody has had no answer from the one whose turn it is; False when that is known."""
@@ -50,6 +59,39 @@ class Turns:
         """Another keeper lives."""
         if keeper in self._keepers:
             self._heard_s[keeper] = now_s
+            self._questions.pop(keeper, None)
+
+    def watch(self, now_s: float) -> bool:
+        """Another keeper wants what the present one has, or says that it does not answer: find that out. Whether that is news."""
+        is_news = now_s - self._watched_s >= ASK_S
+        if is_news:
+            self._watched_s = now_s
+        return is_news
+
+    def is_watching(self, epoch: int, now_s: float) -> bool:
+        """Whether that is not long ago, and the present keeper has not been heard since."""
+        heard_s = self._heard_s.get(self.of(epoch), NO_WORD_S)
+        return now_s - self._watched_s <= WATCH_S and heard_s < self._watched_s
+
+    def on_question(self, keeper: str, now_s: float) -> None:
+        """A keeper was asked whether it lives."""
+        count, last_s = self._questions.get(keeper, (0, now_s - ASK_S))
+        if now_s - last_s >= ASK_S - 0.01:
+            self._questions[keeper] = (count + 1, now_s)
+
+    def is_silent(self, keeper: str, now_s: float) -> bool:
+        """Whether a keeper has not answered this one."""
+        count, last_s = self._questions.get(keeper, (0, now_s))
+        return count > SILENT_AFTER or (count == SILENT_AFTER and now_s - last_s >= ASK_S - 0.01)
+
+    @property
+    def others(self) -> tuple[str, ...]:
+        """All but this one."""
+        return tuple(keeper for keeper in self._keepers if keeper != self._me)
+
+    def silent(self, now_s: float) -> tuple[str, ...]:
+        """Those that have not answered this one."""
+        return tuple(keeper for keeper in self.others if self.is_silent(keeper, now_s))
 
     def of(self, epoch: int) -> str:
         """Whose turn an epoch is."""
@@ -65,9 +107,11 @@ class Turns:
             return NOT_ITS_TURN
         return ""
 
-    def asked(self, epoch: int) -> tuple[str, ...]:
-        """Who is to be asked whether he lives: those whose turn comes before, while it is doubted."""
-        return () if self._doubted_s is None else self._before(epoch)
+    def asked(self, epoch: int, now_s: float) -> tuple[str, ...]:
+        """Who is to be asked whether he lives: while it is doubted all others, for they are to find out, too."""
+        if self._doubted_s is not None:
+            return self.others
+        return self._before(epoch)[:1] if self.is_watching(epoch, now_s) else ()
 
     def mine_at_s(self, epoch: int, now_s: float) -> float:
         """When it is this keeper's turn, if none of those before it is heard until then; never while nobody doubts that they live."""

@@ -263,7 +263,12 @@ class RightOfWay(PlaceRequests):
         if asked.roll_call and not self._obeys:
             # Where the body goes is not known yet; whoever has not told is asked again.
             return
-        if not self.wishes.on_holds_asked(sender, asked):
+        is_to_tell = self.wishes.on_holds_asked(sender, asked)
+        missed = self.wishes.take_missed(asked.district)
+        if missed is not None:
+            self.on_granted(*missed, now_s)
+            return
+        if not is_to_tell:
             return
         if asked.roll_call:
             self._tell(asked.district, sender, now_s)

@@ -1,4 +1,8 @@
-"""What a vehicle says to the keepers of books: its whole state in each district, repeated until it is answered."""
+"""What a vehicle says to the keepers of books: its whole state in each district, repeated until it is answered.
+
+A vehicle goes by the epoch that a majority of the keepers have told it, and believes no grant of another one. As long as one keeper alone has
+told of a later epoch, the vehicle says its wish to all of them: those that keep copies answer with the epoch.
+"""
 
 from __future__ import annotations
 
@@ -38,6 +42,9 @@ short then. What a repetition has answered tells nothing: its wish was lost, or 
 LATE_IN_ROW = 3
 """So many of these in a row are the link's doing, and not that of one keeper that has just begun, or has taken a book over."""
 
+NO_EPOCH = -1
+"""Before the first one."""
+
 LOSS_GAIN = 0.05
 """Weight of the newest wish, in the part of those that went unanswered."""
 
@@ -68,11 +75,14 @@ class _Line:
     """The correspondence about one district."""
 
     __slots__ = (
+        "agreed",
+        "asked_all",
         "content",
         "epoch",
         "groups",
         "hindered",
         "lives",
+        "missed",
         "repeats_s",
         "said_s",
         "seen",
@@ -81,6 +91,8 @@ class _Line:
         "tries",
         "turn",
         "unanswered",
+        "wish",
+        "words",
     )
 
     def __init__(self) -> None:
@@ -89,6 +101,17 @@ class _Line:
         """The first wish that said what was said last."""
         self.seen = 0
         self.epoch = 0
+        """Of the book; answers under an earlier one are not believed. It may be later than `agreed` while a roll is called."""
+        self.agreed = NO_EPOCH
+        """The latest that a majority of the keepers have told."""
+        self.words: dict[str, int] = {}
+        """Keeper -> the latest epoch that it has told."""
+        self.wish: PlaceWished | None = None
+        """What was said last, as it was said."""
+        self.asked_all = False
+        """It was said to all keepers."""
+        self.missed: tuple[str, PlaceGranted] | None = None
+        """The newest answer under an epoch that was not agreed, and who has given it."""
         self.content: object = None
         """What was said last; None when it must be said anew whatever it is."""
         self.groups: tuple[tuple[str, ...], ...] = ()
@@ -240,7 +263,10 @@ class Wishes:
         )
         wish = self._sign(wish)
         self._mark = wish.mark
+        line.wish, line.asked_all = wish, False
         self._out.append(Send(to or keepers[(line.epoch + line.turn) % len(keepers)], wish))
+        if waits and not to and line.agreed == NO_EPOCH:
+            self._say_to_all(line, keepers[(line.epoch + line.turn) % len(keepers)])
         if not waits:
             return
         patience_s = min(
@@ -279,7 +305,11 @@ class Wishes:
         line = self._lines.setdefault(granted.district, _Line())
         if granted.epoch < line.epoch:
             return None
-        line.epoch, line.turn = granted.epoch, 0
+        if not self._is_agreed(line, sender, granted.district, granted.epoch):
+            line.missed = (sender, granted)
+            self._say_to_all(line, sender)
+            return None
+        line.epoch, line.turn, line.missed = granted.epoch, 0, None
         fresh = tuple(booking.place for booking in granted.grants if booking.number > line.seen)
         line.seen = max((line.seen, *(booking.number for booking in granted.grants)))
         if granted.upto >= line.since:
@@ -316,10 +346,45 @@ class Wishes:
         if not self.keeps(sender, asked.district):
             return False
         line = self._lines.setdefault(asked.district, _Line())
-        if asked.epoch < line.epoch and not asked.roll_call:
+        if asked.roll_call:
+            # Who calls it is alone with its epoch. What is told is no grant, and from now on no earlier one counts.
+            line.words[sender] = max(line.words.get(sender, 0), asked.epoch)
+            line.epoch, line.turn = max(line.epoch, asked.epoch), 0
+            return True
+        if asked.epoch < line.epoch:
             return False
-        line.epoch, line.turn = max(line.epoch, asked.epoch), 0
-        return True
+        if not self._is_agreed(line, sender, asked.district, asked.epoch):
+            if line.lives or line.unanswered:
+                self._say_to_all(line, "")
+            return False
+        line.epoch, line.turn = asked.epoch, 0
+        return not line.asked_all
+
+    def take_missed(self, district: str) -> tuple[str, PlaceGranted] | None:
+        """An answer that can be believed now, and by whom it was given: a majority have told its epoch since. None for none."""
+        line = self._lines.get(district)
+        if line is None or line.missed is None or line.missed[1].epoch != line.agreed:
+            return None
+        missed, line.missed = line.missed, None
+        return missed
+
+    def _is_agreed(self, line: _Line, sender: str, district: str, epoch: int) -> bool:
+        """Whether a keeper tells an epoch that a majority have told."""
+        if epoch > line.agreed:
+            line.words[sender] = max(line.words.get(sender, 0), epoch)
+            alike = sum(word == epoch for word in line.words.values())
+            if alike > len(self._keepers_of[district]) // 2:
+                line.agreed = epoch
+        return epoch == line.agreed
+
+    def _say_to_all(self, line: _Line, but: str) -> None:
+        """Say once more to all keepers what was said last: those who do not keep the book tell under which epoch it is kept."""
+        if line.asked_all or line.wish is None:
+            return
+        line.asked_all = True
+        self._out += [
+            Send(keeper, line.wish) for keeper in self._keepers_of[line.wish.district] if keeper != but
+        ]
 
 
 def _content(holds: tuple[str, ...], groups: tuple[tuple[str, ...], ...], state: State) -> object:

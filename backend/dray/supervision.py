@@ -1,0 +1,51 @@
+"""A supervisor: tasks that serve others go on, whatever one message makes of them.
+
+What fails is our own bug: it is said at ERROR with where it was, counted, and the task is started again. It waits longer each time, so that
+one that fails at once does not keep the processor busy.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections import Counter
+from collections.abc import Awaitable, Callable
+
+FIRST_S, MOST_S = 1.0, 60.0
+"""A task that has failed is started again after this, doubled each time. One that has run for the longest is new again."""
+
+_log = logging.getLogger(__name__)
+
+
+class Supervisor:
+    """Of the tasks of one process.
+
+    Attributes:
+        restarts: task -> how often it has failed and was started again.
+    """
+
+    def __init__(self) -> None:
+        self.restarts: Counter[str] = Counter()
+
+    async def keep(self, name: str, run: Callable[[], Awaitable[None]]) -> None:
+        """Run a task until it ends by itself or is cancelled.
+
+        Args:
+            name: of the task, in metrics and logs.
+            run: begins it; called again after each failure, and goes on with what it finds.
+        """
+        clock, wait_s = asyncio.get_running_loop(), FIRST_S
+        self.restarts[name] += 0
+        while True:
+            begun_s = clock.time()
+            try:
+                await run()
+            except Exception:  # noqa: BLE001 - whatever it is, the task goes on
+                if clock.time() - begun_s >= MOST_S:
+                    wait_s = FIRST_S
+                self.restarts[name] += 1
+                _log.exception("%s has failed; it is started again in %g s", name, wait_s)
+            else:
+                return
+            await asyncio.sleep(wait_s)
+            wait_s = min(2.0 * wait_s, MOST_S)

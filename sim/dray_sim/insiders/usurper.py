@@ -1,0 +1,134 @@
+"""A usurper: it has stolen the certificate of a keeper of books whose owner lives, and says that the books are its own now."""
+
+from __future__ import annotations
+
+from itertools import cycle
+from math import dist
+
+from msgspec import UNSET
+
+from dray.messages import AtvHeartbeat, Message
+from dray.messages.floor.traffic import (
+    BookAsked,
+    Bookings,
+    BookTold,
+    HoldsAsked,
+    PlaceBooked,
+    PlaceBooking,
+    PlaceGranted,
+)
+from dray.messages.keys import Keys
+from dray.plant import Plant
+from dray.protocol.liveness.suspicion import WORKING_INTERVAL_S
+from dray.protocol.runtime.events import Effect, Event, Heard, Leave, Leaving, Send, Started, Subscribe, Woke
+from dray.protocol.traffic.places import Places
+
+LISTENS_S = 120.0
+"""At first it only listens, until the books are kept and vehicles are under way."""
+
+ASKS_EVERY_S = 10.0
+"""It asks what the books say so often."""
+
+FAR_AHEAD = 10**6
+"""Higher than any number of a grant."""
+
+GRANTED = 16
+"""Places that it grants a vehicle at once, the nearest ones: as many as an honest book grants at most."""
+
+
+class Usurper:
+    """Whoever has stolen a keeper's certificate (see `dray.protocol.runtime.events.Agent`).
+
+    Once a second it takes, in each district whose book another one keeps, the next epoch that would be its own turn. It asks the other keepers
+    for it, writes over their copies that one vehicle holds everything, and grants each vehicle all that is near.
+
+    Args:
+        keeper: whose name it takes.
+        plant: what it knows of the plant.
+    """
+
+    def __init__(self, keeper: str, plant: Plant) -> None:
+        self.id, self.incarnation = keeper, 1
+        self.wake_at_s = float("inf")
+        self._keys = Keys(plant.id)
+        self._places = places = Places(plant)
+        self._keepers_of = {
+            district: keepers for district, keepers in places.keepers_of.items() if keeper in keepers
+        }
+        self._inside = {district: sorted(places.places_in(district)) for district in self._keepers_of}
+        self._nodes: dict[str, str] = {}
+        """Vehicle -> where it was heard to be."""
+        self._epochs: dict[str, int] = {}
+        """District -> of its book, as it has read."""
+        self._lives = dict.fromkeys(plant.fleet, 1)
+        self._removals = dict.fromkeys(plant.fleet, 0)
+        self._turns = cycle(plant.fleet)
+        self._asked_s = 0.0
+        self._out: list[Effect] = []
+
+    def handle(self, event: Event, now_s: float) -> list[Effect]:
+        """Take one step."""
+        if isinstance(event, Started):
+            self._out.append(Subscribe(self._keys.all_atv_heartbeats))
+            self.wake_at_s = now_s + LISTENS_S
+        elif isinstance(event, Leaving):
+            self._out.append(Leave())
+        elif isinstance(event, Woke):
+            self.wake_at_s = now_s + WORKING_INTERVAL_S
+            self._usurp(now_s)
+        elif isinstance(event, Heard):
+            self._read(event.sender, event.message)
+        effects, self._out = self._out, []
+        return effects
+
+    def _read(self, sender: str, message: Message) -> None:
+        if isinstance(message, AtvHeartbeat) and message.atv in self._lives:
+            self._lives[message.atv], self._nodes[message.atv] = message.incarnation, message.node
+            if message.floor is not UNSET:
+                self._removals[message.atv] = message.floor.removal
+        elif isinstance(message, PlaceBooked | BookTold) and sender != self.id:
+            self._epochs[message.district] = message.epoch
+
+    def _usurp(self, now_s: float) -> None:
+        asks = now_s - self._asked_s >= ASKS_EVERY_S
+        if asks:
+            self._asked_s = now_s
+        atv = next(self._turns)
+        for district, keepers in self._keepers_of.items():
+            others = [keeper for keeper in keepers if keeper != self.id]
+            if asks:
+                self._out += [Send(keeper, BookAsked(district=district, epoch=0)) for keeper in others]
+            read = self._epochs.get(district)
+            if read is None or keepers[read % len(keepers)] == self.id:
+                # It keeps that book rightly.
+                continue
+            epoch = next(
+                read + more
+                for more in range(1, len(keepers) + 1)
+                if keepers[(read + more) % len(keepers)] == self.id
+            )
+            self._take(district, others, epoch, atv)
+
+    def _take(self, district: str, others: list[str], epoch: int, atv: str) -> None:
+        places = self._inside[district]
+        bookings: Bookings = tuple(PlaceBooking(place=place, number=FAR_AHEAD, atv=atv) for place in places)
+        booked = PlaceBooked(district=district, epoch=epoch, version=FAR_AHEAD, bookings=bookings)
+        for keeper in others:
+            self._out += [Send(keeper, BookAsked(district=district, epoch=epoch)), Send(keeper, booked)]
+        for vehicle, node in self._nodes.items():
+            granted = PlaceGranted(
+                district=district,
+                epoch=epoch,
+                life=self._lives[vehicle],
+                upto=0,
+                grants=tuple(
+                    PlaceBooking(place=place, number=FAR_AHEAD) for place in self._near(node, places)
+                ),
+                removal=self._removals[vehicle],
+            )
+            self._out += [Send(vehicle, HoldsAsked(district=district, epoch=epoch)), Send(vehicle, granted)]
+
+    def _near(self, node: str, places: list[str]) -> list[str]:
+        at_m = self._places.at_m
+        here = at_m[self._places.place_of(node)]
+        return sorted(places, key=lambda place: dist(here, at_m[place]))[:GRANTED]

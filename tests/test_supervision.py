@@ -1,0 +1,77 @@
+"""Tasks that serve others go on when one message makes them fail: that is counted, and said at ERROR."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+
+import pytest
+
+from dray.supervision import MOST_S, Supervisor
+from dray_sim.clock.loop import JUMP, run
+
+
+class Fails(Exception):
+    """An error of ours."""
+
+
+class Task:
+    """It fails so often, and each time after so long; then it ends."""
+
+    def __init__(self, times: int, after_s: float = 0.0) -> None:
+        self.begun_s: list[float] = []
+        self._times, self._after_s = times, after_s
+
+    async def run(self) -> None:
+        self.begun_s.append(asyncio.get_running_loop().time())
+        await asyncio.sleep(self._after_s)
+        if len(self.begun_s) <= self._times:
+            raise Fails("of a word that nobody had thought of")
+
+
+def kept(task: Task) -> Supervisor:
+    supervisor = Supervisor()
+    run(supervisor.keep("stream", task.run), JUMP)
+    return supervisor
+
+
+def test_a_task_that_fails_is_started_again_counted_and_told(caplog: pytest.LogCaptureFixture) -> None:
+    task = Task(times=2)
+    with caplog.at_level(logging.ERROR, "dray.supervision"):
+        supervisor = kept(task)
+    assert len(task.begun_s) == 3
+    assert supervisor.restarts == {"stream": 2}
+    assert [record.levelno for record in caplog.records] == [logging.ERROR] * 2
+    assert "stream has failed" in caplog.text
+    assert "nobody had thought of" in caplog.text
+
+
+def test_one_that_does_not_fail_is_counted_with_none() -> None:
+    assert kept(Task(times=0)).restarts == {"stream": 0}
+
+
+def test_one_that_fails_again_and_again_waits_longer_each_time() -> None:
+    task = Task(times=9)
+    kept(task)
+    waits_s = [after - before for before, after in zip(task.begun_s, task.begun_s[1:], strict=False)]
+    assert waits_s == [1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 60.0, 60.0, 60.0]
+
+
+def test_one_that_has_gone_on_for_a_while_is_started_at_once_again() -> None:
+    task = Task(times=4, after_s=MOST_S)
+    kept(task)
+    waits_s = [after - before for before, after in zip(task.begun_s, task.begun_s[1:], strict=False)]
+    assert waits_s == [MOST_S + 1.0] * 4
+
+
+def test_one_that_is_cancelled_ends() -> None:
+    async def main() -> Supervisor:
+        supervisor = Supervisor()
+        task = asyncio.create_task(supervisor.keep("stream", asyncio.Event().wait))  # type: ignore[arg-type]
+        await asyncio.sleep(1.0)
+        task.cancel()
+        with pytest.raises(asyncio.CancelledError):
+            await task
+        return supervisor
+
+    assert run(main(), JUMP).restarts == {"stream": 0}

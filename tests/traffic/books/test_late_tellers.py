@@ -1,0 +1,51 @@
+"""Vehicles that tell what they hold after a roll call: each key once, and a stranger only where it is heard to be."""
+
+from __future__ import annotations
+
+import pytest
+from book_keeper import HERE, PLACES, beat, wish
+
+from dray.protocol.traffic.books.book import Book
+from dray.protocol.traffic.books.late_tellers import LateTellers
+from dray.protocol.traffic.books.reach import Reach
+from dray.protocol.traffic.neighbours import Neighbours
+
+STRANGER = "ATV77"
+
+
+@pytest.fixture
+def neighbours() -> Neighbours:
+    return Neighbours()
+
+
+@pytest.fixture
+def late(neighbours: Neighbours) -> LateTellers:
+    """After a roll call in which ATV1 alone has told."""
+    late = LateTellers(Reach(PLACES, neighbours, ("ATV1",)))
+    late.start([("ATV1", b"")])
+    return late
+
+
+def test_who_has_told_in_the_roll_call_tells_nothing_more(late: LateTellers) -> None:
+    book = Book()
+    assert late.on_wish("ATV1", wish(HERE), book, 0.0)
+    assert book.bookings == ()
+
+
+def test_a_stranger_counts_when_it_is_heard_where_it_says_that_it_is(
+    late: LateTellers, neighbours: Neighbours
+) -> None:
+    book = Book()
+    assert not late.on_wish(STRANGER, wish(HERE), book, 0.0)
+    assert late.unknown == {STRANGER}
+    neighbours.on_vehicle(beat(atv=STRANGER), 1.0)
+    assert late.on_wish(STRANGER, wish(HERE), book, 1.0)
+    assert book.holder(HERE) == STRANGER
+    assert late.unknown == set()
+
+
+def test_a_book_that_was_not_made_from_a_roll_call_knows_what_is_held(late: LateTellers) -> None:
+    late.start(None)
+    book = Book()
+    assert late.on_wish(STRANGER, wish(HERE), book, 0.0)
+    assert book.holder(HERE) == ""

@@ -1,0 +1,203 @@
+"""Three machines that keep one book, with their alarms: who leads it when one dies, and when one claims to."""
+
+from __future__ import annotations
+
+from collections import deque
+
+from book_keeper import PLANT
+
+from dray.adapters.security.signing import SigningKey, TrustedKeys, is_signed
+from dray.memory import BookMemory, Note
+from dray.messages import Message
+from dray.messages.floor.traffic import (
+    BookAsked,
+    HoldsAsked,
+    PlaceBooked,
+    PlaceBooking,
+    PlaceGranted,
+    PlaceWished,
+)
+from dray.messages.keys import Keys
+from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
+from dray.protocol.runtime.events import Effect, Send
+from dray.protocol.runtime.timers import Timers
+from dray.protocol.traffic.books.bookkeeping import NOTE, Bookkeeping
+from dray.protocol.traffic.books.district import OUTBID_S, District
+from dray.protocol.traffic.books.turns import DOUBT_S
+from dray.protocol.traffic.places import Places
+from dray.protocol.traffic.traffic_map import TrafficMap
+
+PLACES = Places(PLANT, keepers=("M4", "M5", "M6"))
+NAME = next(iter(PLACES.keepers_of))
+FIRST, SECOND, THIRD = PLACES.keepers_of[NAME]
+HERE, THERE = sorted(PLACES.places_in(NAME))[:2]
+
+
+class Keepers:
+    """The three of them, at one time; messages arrive at once."""
+
+    def __init__(self) -> None:
+        self.now_s = 0.0
+        self.dead: set[str] = set()
+        self.outs: dict[str, list[Effect]] = {}
+        self.timers: dict[str, Timers] = {}
+        self.books: dict[str, Bookkeeping] = {}
+        self.to_vehicles: list[tuple[str, Message]] = []
+        traffic = TrafficMap(PLANT, is_signed)
+        traffic.places = PLACES
+        for name in (FIRST, SECOND, THIRD):
+            out = self.outs[name] = []
+            self.timers[name] = Timers()
+            subscriptions = HeartbeatSubscriptions(Keys(PLANT.id).atv_heartbeat, out)
+            trusts = TrustedKeys(SigningKey(b"k" * 32).public)
+            self.books[name] = Bookkeeping(
+                name, PLANT, traffic, trusts, subscriptions, self.timers[name], out
+            )
+            memory: dict[str, Note] = {NOTE + district: BookMemory(0, 0, 0) for district in PLACES.keepers_of}
+            self.books[name].start(memory, 0.0)
+        self.carry()
+
+    def district(self, name: str) -> District:
+        books = self.books[name].books
+        assert books is not None
+        return books.districts[NAME]
+
+    @property
+    def leaders(self) -> list[str]:
+        """Those that live and say that they keep the book."""
+        return [name for name in self.books if name not in self.dead and self.district(name).leads]
+
+    def tell(self, sender: str, to: str, message: Message) -> None:
+        self.books[to].handlers({})[type(message)](sender, message, self.now_s)
+        self.carry()
+
+    def carry(self) -> None:
+        """Deliver everything, until nothing is under way."""
+        under_way: deque[tuple[str, Send]] = deque()
+        while True:
+            for name, out in self.outs.items():
+                under_way += [(name, effect) for effect in out if isinstance(effect, Send)]
+                out.clear()
+            if not under_way:
+                return
+            sender, sent = under_way.popleft()
+            if sent.to not in self.books:
+                self.to_vehicles.append((sender, sent.message))
+            elif not {sender, sent.to} & self.dead:
+                self.books[sent.to].handlers({})[type(sent.message)](sender, sent.message, self.now_s)
+
+    def run(self, until_s: float) -> None:
+        """Let their alarms come."""
+        while (now_s := min(timers.next_s for timers in self.timers.values())) <= until_s:
+            self.now_s = now_s
+            for name, timers in self.timers.items():
+                for alarm, of in timers.due(now_s):
+                    if name not in self.dead:
+                        self.books[name].alarms[alarm](of, now_s)
+            self.carry()
+        self.now_s = until_s
+
+
+def wished(*holds: str, seq: int = 1, seen: int = 0, epoch: int = 0, wants: str = HERE) -> PlaceWished:
+    return PlaceWished(
+        district=NAME,
+        life=1,
+        seq=seq,
+        epoch=epoch,
+        rank=(0, 0.0, "ATV1"),
+        holds=holds,
+        groups=((wants,),) if wants else (),
+        seen=seen,
+        stands=True,
+        docked=False,
+    )
+
+
+def granted(keepers: Keepers) -> list[tuple[str, int]]:
+    return [
+        (sender, message.epoch)
+        for sender, message in keepers.to_vehicles
+        if isinstance(message, PlaceGranted) and message.grants
+    ]
+
+
+def claims(keepers: Keepers, epoch: int) -> tuple[Message, ...]:
+    """What the thief says that has read the book."""
+    bookings = (PlaceBooking(place=HERE, number=10**6, atv="ATV2"),)
+    return (
+        BookAsked(district=NAME, epoch=epoch),
+        PlaceBooked(district=NAME, epoch=epoch, version=10**6, bookings=bookings),
+    )
+
+
+def next_turn(keepers: Keepers, thief: str) -> int:
+    epoch = keepers.district(FIRST).copies.kept.epoch + 1
+    while PLACES.keepers_of[NAME][epoch % 3] != thief:
+        epoch += 1
+    return epoch
+
+
+def test_when_the_keeper_is_dead_the_next_one_leads_as_soon_as_it_has_found_that_out() -> None:
+    keepers = Keepers()
+    keepers.run(10.0)
+    assert keepers.leaders == [FIRST]
+    keepers.tell("ATV1", FIRST, wished())
+    keepers.run(20.0)
+    keepers.dead = {FIRST}
+    keepers.tell("ATV1", SECOND, wished(HERE, seq=2, seen=1, wants=THERE))
+    keepers.run(20.0 + DOUBT_S + 0.1)
+    assert keepers.leaders == [SECOND]
+    assert [line.place for line in keepers.district(SECOND).book.of("ATV1")] == [HERE]
+
+
+def test_one_that_was_dead_follows_the_next_one_when_it_is_back() -> None:
+    keepers = Keepers()
+    keepers.run(10.0)
+    keepers.dead = {FIRST}
+    keepers.tell("ATV1", SECOND, wished())
+    keepers.run(20.0)
+    assert keepers.leaders == [SECOND]
+    keepers.dead = set()
+    keepers.tell("ATV1", SECOND, wished(seq=2))
+    keepers.tell("ATV1", FIRST, wished(seq=3))
+    keepers.run(40.0)
+    assert keepers.leaders == [SECOND]
+    assert {keepers.district(name).copies.kept.epoch for name in (FIRST, SECOND, THIRD)} == {
+        keepers.district(SECOND).copies.kept.epoch
+    }
+
+
+def test_a_thief_that_claims_a_later_epoch_takes_nothing_from_a_keeper_that_lives() -> None:
+    keepers = Keepers()
+    keepers.run(10.0)
+    keepers.tell("ATV1", FIRST, wished())
+    while keepers.now_s < 30.0:
+        for message in claims(keepers, next_turn(keepers, SECOND)):
+            for name in (FIRST, THIRD):
+                keepers.tell(SECOND, name, message)
+        keepers.run(keepers.now_s + 0.3)
+    assert keepers.leaders == [FIRST]
+    assert [line.atv for line in keepers.district(FIRST).book.bookings] == ["ATV1"]
+    keepers.dead = {SECOND}
+    keepers.tell("ATV1", FIRST, wished(seq=2, seen=keepers.district(FIRST).book.version, wants=""))
+    keepers.tell("ATV2", FIRST, wished())
+    assert [line.atv for line in keepers.district(THIRD).copies.kept.bookings] == ["ATV2"]
+    assert granted(keepers)[-1] == (FIRST, keepers.district(FIRST).copies.kept.epoch)
+
+
+def test_the_keeper_begins_a_later_epoch_than_one_that_a_vehicle_alone_was_told() -> None:
+    """A thief has called the roll: the vehicle believes no grant of an earlier epoch from now on."""
+    keepers = Keepers()
+    keepers.run(10.0)
+    keepers.tell("ATV1", FIRST, wished())
+    (before,) = granted(keepers)
+    told = next_turn(keepers, SECOND)
+    keepers.run(10.0 + OUTBID_S)
+    keepers.tell("ATV1", FIRST, wished(seq=2, epoch=told))
+    keepers.run(keepers.now_s + 5.0)
+    assert keepers.leaders == [FIRST]
+    after = keepers.district(FIRST).copies.kept.epoch
+    assert after > told > before[1]
+    assert any(isinstance(one, HoldsAsked) and one.epoch == after for _, one in keepers.to_vehicles)
+    keepers.tell("ATV1", FIRST, wished(seq=3, epoch=told))
+    assert granted(keepers)[-1] == (FIRST, after)

@@ -1,0 +1,102 @@
+"""Under which epoch of a book a vehicle believes what it is granted: one that a majority of its keepers have told."""
+
+from __future__ import annotations
+
+from dray.messages.floor.traffic import HoldsAsked, PlaceBooking, PlaceGranted, PlaceWished
+from dray.protocol.runtime.events import Effect, Send
+from dray.protocol.runtime.timers import Timers
+from dray.protocol.traffic.driving.wishes import State, Wishes
+
+KEEPERS = ("M1", "M2", "M3")
+
+STATE = State((0, 0.0, "ATV1"), stands=True, docked=False, avoid=(), chain=())
+
+WANTED = (("b3",),)
+
+
+class Correspondence:
+    """A vehicle's, about one district. M1 keeps its book under epoch 3, and the vehicle knows that."""
+
+    def __init__(self, *, knows: bool = True) -> None:
+        self.out: list[Effect] = []
+        self.wishes = Wishes(1, {"D": KEEPERS}, Timers(), self.out)
+        if knows:
+            self.asked("M2", 3)
+            self.asked("M3", 3)
+        self.wishes.say("D", (), WANTED, STATE, 0.0)
+
+    def asked(self, keeper: str, epoch: int, *, roll_call: bool = False) -> bool:
+        return self.wishes.on_holds_asked(keeper, HoldsAsked(district="D", epoch=epoch, roll_call=roll_call))
+
+    def granted(self, keeper: str, epoch: int, number: int = 1) -> tuple[str, ...] | None:
+        lines = (PlaceBooking(place="b3", number=number),)
+        answer = PlaceGranted(district="D", epoch=epoch, life=1, upto=1, grants=lines)
+        return self.wishes.on_granted(keeper, answer, 1.0)
+
+    def told(self) -> list[str]:
+        """To whom it has said a wish since this was asked last."""
+        to = [effect.to for effect in self.out if isinstance(effect, Send)]
+        assert all(isinstance(effect.message, PlaceWished) for effect in self.out if isinstance(effect, Send))
+        self.out.clear()
+        return to
+
+
+def test_a_vehicle_that_does_not_know_the_epoch_says_its_wish_to_all_keepers() -> None:
+    vehicle = Correspondence(knows=False)
+    assert sorted(vehicle.told()) == sorted(KEEPERS)
+    assert vehicle.granted("M1", 3) is None
+    assert not vehicle.asked("M2", 3), "its keeper has that wish already"
+    assert vehicle.wishes.take_missed("D") is not None
+    assert vehicle.wishes.take_missed("D") is None
+    assert vehicle.granted("M1", 3) == ("b3",)
+
+
+def test_one_that_knows_it_says_its_wish_to_the_keeper_of_the_book_alone() -> None:
+    vehicle = Correspondence()
+    assert vehicle.told() == ["M1"]
+    assert vehicle.granted("M1", 3) == ("b3",)
+    assert vehicle.told() == []
+
+
+def test_what_one_keeper_grants_under_an_epoch_that_nobody_else_has_told_is_not_believed() -> None:
+    vehicle = Correspondence()
+    vehicle.told()
+    assert vehicle.granted("M2", 4) is None
+    assert sorted(vehicle.told()) == ["M1", "M3"], "it asks the others"
+    assert vehicle.granted("M2", 4) is None
+    assert vehicle.told() == [], "and not again for each such word"
+    assert not vehicle.asked("M2", 4)
+    assert vehicle.granted("M1", 3) == ("b3",)
+
+
+def test_it_is_believed_when_another_one_tells_the_same_epoch() -> None:
+    vehicle = Correspondence()
+    assert vehicle.granted("M2", 4) is None
+    vehicle.asked("M3", 4)
+    missed = vehicle.wishes.take_missed("D")
+    assert missed is not None
+    assert vehicle.wishes.on_granted(*missed, 1.0) == ("b3",)
+    assert vehicle.granted("M1", 3) is None, "the earlier one is over"
+
+
+def test_two_that_tell_different_epochs_are_no_majority() -> None:
+    vehicle = Correspondence()
+    vehicle.asked("M3", 5)
+    assert vehicle.granted("M2", 4) is None
+    assert vehicle.granted("M1", 3) == ("b3",)
+
+
+def test_who_calls_the_roll_is_told_and_grants_nothing_before_another_one_tells_its_epoch() -> None:
+    vehicle = Correspondence()
+    assert vehicle.asked("M2", 4, roll_call=True)
+    assert vehicle.granted("M1", 3) is None, "what was told holds: no earlier grant counts"
+    assert vehicle.granted("M2", 4) is None
+    vehicle.asked("M3", 4)
+    assert vehicle.granted("M2", 4) == ("b3",)
+
+
+def test_where_one_alone_keeps_the_book_its_word_is_enough() -> None:
+    wishes = Wishes(1, {"D": ("M1",)}, Timers(), [])
+    wishes.say("D", (), WANTED, STATE, 0.0)
+    answer = PlaceGranted(district="D", epoch=1, life=1, upto=1, grants=(PlaceBooking(place="b3", number=1),))
+    assert wishes.on_granted("M1", answer, 1.0) == ("b3",)
