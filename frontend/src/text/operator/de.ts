@@ -288,7 +288,7 @@ export const de: Catalogue<typeof en> = {
   "held.look": "Sehen Sie dort nach und sagen Sie, was Sie sehen. Vorher bringt niemand mehr.",
   "held.more.there": "Gedrückt halten: gilt als geliefert",
   "held.more.missing": "Gedrückt halten: wird neu gebracht oder gefertigt",
-  "goods.title": "Ware an Bord von {atv}",
+  "goods.title": "{atv}: Ware an Bord",
   "goods.what": "{quantity} × {item} von {machine}, bei {node}",
   "goods.whatFor": "{quantity} × {item} von {machine} für den Auftrag {order}, bei {node}",
   "goods.nowhere": "einem unbekannten Ort",
@@ -336,10 +336,10 @@ export const de: Catalogue<typeof en> = {
 
   "station.title": "Material",
   "station.none": "Wählen Sie im Plan eine Maschine, um ihr Material zu sehen.",
-  "station.coming": "+{quantity} mit {atv}, {at}",
-  "station.comingBy": "+{quantity} mit {atv}",
-  "station.comingSilent": "+{quantity} mit {atv}, stumm",
-  "station.comingStopped": "+{quantity} mit {atv}, gestoppt",
+  "station.coming": "+{quantity} bringt {atv}, {at}",
+  "station.comingBy": "+{quantity} bringt {atv}",
+  "station.comingSilent": "+{quantity} bringt {atv}, stumm",
+  "station.comingStopped": "+{quantity} bringt {atv}, gestoppt",
   "station.ordered": "+{quantity} bestellt, noch trägt es niemand",
   "station.unheard": "Von dieser Maschine wurde noch nichts gehört.",
 

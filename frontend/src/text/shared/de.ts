@@ -260,7 +260,7 @@ export const de: Catalogue<typeof en> = {
   "alerts.what.machine_document": "Ein Dokument ihres Produkts ist nicht brauchbar",
   "alerts.what.machine_blocked": "Fertige Ware wartet lange auf Abholung",
   "alerts.what.shut_out": "Ausgeschlossen von {by}",
-  "alerts.what.part_lost": "Seit {age} kein Herzschlag von {agents}; alle verstummten im selben Moment",
+  "alerts.what.part_lost": "Seit {age} kein Herzschlag: {agents}; alle verstummten im selben Moment",
   "alerts.what.lost": "Seit {age} kein Herzschlag",
   "alerts.what.station_lost": "Seit {age} kein Herzschlag seiner Station: niemandem wird von hier Material zugesagt",
   "alerts.what.gate_lost": "Seit {age} kein Herzschlag des Versandtors: was ankommt, wird eingelassen und gezählt, wenn es wieder da ist",

@@ -57,7 +57,7 @@ export const orders: Catalogue<typeof english> = {
   "publish.quantity": "Menge",
   "publish.customer": "Kunde",
   "publish.reference": "Zeichen",
-  "publish.optional": "freiwillig",
+  "publish.optional": "(optional)",
   "publish.due": "Fällig",
   "publish.machines": "Gefertigt von {machines} · je {cycle}",
   "publish.others.one": "{n} weitere",

@@ -57,7 +57,7 @@ export const orders: Catalogue<typeof english> = {
   "publish.quantity": "Cantidad",
   "publish.customer": "Cliente",
   "publish.reference": "Referencia",
-  "publish.optional": "opcional",
+  "publish.optional": "(opcional)",
   "publish.due": "Para",
   "publish.machines": "Lo hacen {machines} · {cycle} cada uno",
   "publish.others.one": "{n} más",
