@@ -108,6 +108,37 @@ def test_the_tab_tells_how_much_asks_for_an_answer(
     expect(icon).to_have_attribute("href", "/static/icon.svg")
 
 
+def test_what_somebody_has_taken_is_counted_until_it_ends_and_lately_tells_what_people_did(
+    house: OpenHouse, machines: Machines, open_page: OpenPage, screenshot: Screenshot
+) -> None:
+    house.do(lambda _: machines.fail("M8"))
+    page = as_manager(house, open_page)
+    tag = page.locator(".alerts-button")
+    expect(tag).to_have_text("1 alarm")
+    page.locator(".inbox").get_by_role("button", name=re.compile("^Take: M8")).click()
+    expect(tag).to_have_text("1 alarm, taken")
+    closure = {"kind": "closed", "place": "M5", "reason": "oil on the floor"}
+    page.evaluate(
+        """async body => {
+            const headers = {"Content-Type": "application/json"};
+            const answer = await fetch("/api/closures", {method: "POST", headers, body: JSON.stringify(body)});
+            if (!answer.ok) throw new Error(await answer.text());
+        }""",
+        closure,
+    )
+    tag.click()
+    lately = page.locator(".card.news")
+    expect(lately).to_contain_text("M5 closed. oil on the floor")
+    page.get_by_role("link", name="Plant", exact=True).click()
+    page.get_by_role("button", name="Open M5").click()
+    tag.click()
+    expect(lately).to_contain_text("M5 is open again")
+    screenshot(page, "alarm-taken")
+    house.do(lambda _: machines.mend("M8"))
+    expect(tag).to_have_text("No alarms")
+    expect(log_of(page)).to_contain_text("spindle")
+
+
 def test_an_alert_is_put_aside_with_a_comment_asks_again_and_is_found_in_the_history(
     house: OpenHouse, machines: Machines, open_page: OpenPage, screenshot: Screenshot
 ) -> None:

@@ -20,7 +20,7 @@ export const panel: Catalogue<typeof english> = {
   "skip.toContent": "Zum Inhalt springen",
 
   "news.title": "Zuletzt",
-  "news.none": "Keine Ausfälle, seit diese Zentrale läuft.",
+  "news.none": "Nichts, seit diese Zentrale läuft.",
   "news.took": "{agent} hat {task} von {other} übernommen: {reason}",
   "news.tookSilent": "{agent} hat {task} von {other} übernommen, nach {silence} Stille",
   "news.taking": "{agent} übernimmt {task} von {other}: {reason}",
@@ -36,6 +36,13 @@ export const panel: Catalogue<typeof english> = {
   "news.goalLostWhole": "{agent} ist mit {goal} ausgefallen, alles war schon geliefert",
   "news.goalWaits": "Auftrag {order} wartet: {reason}",
   "news.memoryLost": "{agent} hat ohne Gedächtnis begonnen: {reason}",
+  "news.silent": "Von {agents} ist nichts mehr zu hören",
+  "news.heardAgain": "{agents} nach {silence} Stille wieder gehört",
+  "news.carriedAway": "{by} hat {agent} weggetragen",
+  "news.putBack": "{agent} ist wieder auf der Fläche",
+  "news.stopped": "{by} hat {agents} gestoppt",
+  "news.closed": "{by}: {where} {how}. {reason}",
+  "news.opened": "{where} ist wieder offen",
   "news.region": "Neues aus dem Werk",
   "news.dismiss": "Schließen",
 
