@@ -86,7 +86,7 @@ def test_who_carries_a_vehicle_away_and_that_it_is_back(projection: Projection) 
     assert look(projection, LONG_S) == [away]
     beat(projection, LONG_S + 1.0, "ATV1", "ATV2", "M1")
     projection.show_removals([])
-    [back] = look(projection, LONG_S + 1.0)
+    _, back = look(projection, LONG_S + 1.0)
     assert (back.kind, back.agent) == ("put_back", "ATV1")
 
 
@@ -97,7 +97,7 @@ def test_a_closure_and_its_end_are_told_with_what_it_was(projection: Projection)
     assert closed.closure is not None
     assert (closed.closure.area, closed.closure.reason, closed.closure.lanes) == ("A1", "wet", ())
     projection.closures.put([])
-    [opened] = look(projection, 2.0)
+    _, opened = look(projection, 2.0)
     assert (opened.kind, opened.closure) == ("opened", closed.closure)
 
 

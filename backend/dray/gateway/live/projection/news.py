@@ -205,7 +205,7 @@ class News:
             removal = now.removals[atv]
             self._say(f"removal-{atv}", "carried_away", removal.at_s, atv, other=removal.by)
         for atv in (self._away - away) & now.last_s.keys():
-            self._say(f"removal-{atv}", "put_back", now.wall_s, atv)
+            self._say(f"back-{atv}", "put_back", now.wall_s, atv)
         self._away = away
 
     def _look_for_closures(self, now: Present) -> None:
@@ -214,7 +214,7 @@ class News:
             view = closed[name]
             self._say(f"closure-{name}", "closed", view.at_s, "", other=view.by, closure=view)
         for name in self._closed.keys() - closed.keys():
-            self._say(f"closure-{name}", "opened", now.wall_s, "", closure=self._closed[name])
+            self._say(f"opened-{name}", "opened", now.wall_s, "", closure=self._closed[name])
         self._closed = closed
 
     def _look_for_stops(self, commands: Iterable[CommandView]) -> None:
