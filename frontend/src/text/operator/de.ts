@@ -60,6 +60,7 @@ export const de: Catalogue<typeof en> = {
   "need.lost": "stumm",
   "need.stopped": "gestoppt",
   "need.out": "außer Betrieb",
+  "need.left": "ist weg",
 
   "call.title": "Rufe um Hilfe",
   "call.asks": "fragt Sie",
@@ -197,6 +198,7 @@ export const de: Catalogue<typeof en> = {
   "service.hours": "{hours} h",
   "service.open": "unbekannt",
   "service.leave": "Lassen",
+  "service.gone": "Es hat Ihren Bereich verlassen: Von hier aus wird ihm nichts mehr gesagt.",
   "service.since": "Außer Betrieb seit {since}, durch {by}.",
   "service.sinceWhy": "Außer Betrieb seit {since}, durch {by}: {reason}.",
   "service.back": "Zurück erwartet {at}.",
