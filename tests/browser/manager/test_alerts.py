@@ -86,6 +86,18 @@ def machines(house: OpenHouse) -> Machines:
     return house.do(Machines.join)
 
 
+def close(page: Page, closure: dict[str, str]) -> None:
+    """As a program of this person's browser would."""
+    page.evaluate(
+        """async body => {
+            const headers = {"Content-Type": "application/json"};
+            const answer = await fetch("/api/closures", {method: "POST", headers, body: JSON.stringify(body)});
+            if (!answer.ok) throw new Error(await answer.text());
+        }""",
+        closure,
+    )
+
+
 def log_of(page: Page, name: str = "All there were") -> Locator:
     return page.get_by_role("region", name=name)
 
@@ -117,15 +129,7 @@ def test_what_somebody_has_taken_is_counted_until_it_ends_and_lately_tells_what_
     expect(tag).to_have_text("1 alarm")
     page.locator(".inbox").get_by_role("button", name=re.compile("^Take: M8")).click()
     expect(tag).to_have_text("1 alarm, taken")
-    closure = {"kind": "closed", "place": "M5", "reason": "oil on the floor"}
-    page.evaluate(
-        """async body => {
-            const headers = {"Content-Type": "application/json"};
-            const answer = await fetch("/api/closures", {method: "POST", headers, body: JSON.stringify(body)});
-            if (!answer.ok) throw new Error(await answer.text());
-        }""",
-        closure,
-    )
+    close(page, {"kind": "closed", "place": "M5", "reason": "oil on the floor"})
     tag.click()
     lately = page.locator(".card.news")
     expect(lately).to_contain_text("M5 closed. oil on the floor")
@@ -137,6 +141,30 @@ def test_what_somebody_has_taken_is_counted_until_it_ends_and_lately_tells_what_
     house.do(lambda _: machines.mend("M8"))
     expect(tag).to_have_text("No alarms")
     expect(log_of(page)).to_contain_text("spindle")
+
+
+@pytest.mark.parametrize("size", [{"width": 1280, "height": 800}, {"width": 1440, "height": 900}])
+def test_an_alarm_and_a_closure_move_no_button_and_are_in_sight(
+    house: OpenHouse,
+    machines: Machines,
+    open_page: OpenPage,
+    screenshot: Screenshot,
+    size: dict[str, int],
+) -> None:
+    page = as_manager(house, open_page, viewport=size)
+    names = ("Publish", "Define", "Close lanes…", "Pause an area…")
+    buttons = [page.get_by_role("button", name=name, exact=True) for name in names]
+    for button in buttons:
+        expect(button).to_be_visible()
+    before = [button.bounding_box() for button in buttons]
+    house.do(lambda _: machines.fail("M8"))
+    take = page.locator(".inbox").get_by_role("button", name=re.compile("^Take: M8"))
+    expect(take).to_be_in_viewport(ratio=1.0)
+    assert [button.bounding_box() for button in buttons] == before
+    close(page, {"kind": "closed", "place": "M5", "reason": "oil on the floor"})
+    expect(page.get_by_role("button", name="Open M5")).to_be_visible()
+    assert [button.bounding_box() for button in buttons] == before
+    screenshot(page, f"alarm-fixed-places-{size['width']}")
 
 
 def test_an_alert_is_put_aside_with_a_comment_asks_again_and_is_found_in_the_history(

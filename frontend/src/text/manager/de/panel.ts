@@ -165,6 +165,7 @@ export const panel: Catalogue<typeof english> = {
   "agent.probation": "auf Probe: {done} von {of}",
 
   "fleet.show": "{id} im Plan zeigen",
+  "nav.operator": "Bedienpult",
   "nav.people": "Personen und Schlüssel",
   "nav.replay": "Was war",
   "replay.show": "Diesen Augenblick zeigen",

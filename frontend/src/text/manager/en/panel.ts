@@ -162,6 +162,7 @@ export const panel = {
   "agent.probation": "on probation: {done} of {of}",
 
   "fleet.show": "Show {id} on the plant",
+  "nav.operator": "Operator panel",
   "nav.people": "People and keys",
   "nav.replay": "What was",
   "replay.show": "Show this moment",

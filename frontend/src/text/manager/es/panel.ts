@@ -165,6 +165,7 @@ export const panel: Catalogue<typeof english> = {
   "agent.probation": "a prueba: {done} de {of}",
 
   "fleet.show": "Mostrar {id} en el plano",
+  "nav.operator": "Panel de operario",
   "nav.people": "Personas y claves",
   "nav.replay": "Lo que fue",
   "replay.show": "Mostrar este momento",
