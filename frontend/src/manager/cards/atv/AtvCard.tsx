@@ -135,7 +135,7 @@ function TaskFacts({ atv, lost, task }: { atv: AtvView; task: TaskView | undefin
       <Fact name={t("atv.for")}>
         <Link kind="machine" id={brief.coordinator} /> · {t("atv.loadOf", { quantity, item: names.value(brief.item) })}
       </Fact>
-      <PromiseFact dueAtS={brief.due_at_s} lost={lost} promisedAtS={task?.promised_at_s ?? null} />
+      <PromiseFact atv={atv} lost={lost} promisedAtS={task?.promised_at_s ?? null} />
     </>
   );
 }

@@ -68,6 +68,8 @@ export const orders: Catalogue<typeof english> = {
   "publish.freeIn": "{machines} können es fertigen · frei in {free}",
   "publish.lostMachines.one": "{n} ist still oder gestört",
   "publish.lostMachines.other": "{n} sind still oder gestört",
+  "publish.unheardMachines.one": "von {n} war noch nichts zu hören",
+  "publish.unheardMachines.other": "von {n} war noch nichts zu hören",
   "publish.there": "Da von {from} bis {to}",
   "publish.late": "zu spät",
   "publish.maybeLate": "vielleicht zu spät",
@@ -103,7 +105,7 @@ export const orders: Catalogue<typeof english> = {
   "needs.storages": "In vollen Lagern",
   "needs.storage": "{storage} {capacity}",
   "needs.refills": "mehr als all das fasst: die Quelle muss nachliefern",
-  "needs.hint": "Lager sagen nicht, wie voll sie sind; die Quelle füllt sie nach.",
+  "needs.hint": "Was Lager fassen, wenn sie voll sind. Wie voll sie jetzt sind, steht auf ihren Karten; die Quelle füllt sie nach.",
 
   "import.choose": "Datei wählen",
   "import.faults.one": "{n} Fehler. Berichtigen Sie die Datei, und wählen Sie sie neu; nichts wurde angelegt.",

@@ -68,6 +68,8 @@ export const orders: Catalogue<typeof english> = {
   "publish.freeIn": "Lo pueden hacer {machines} · la primera libre en {free}",
   "publish.lostMachines.one": "{n} sin noticias o averiada",
   "publish.lostMachines.other": "{n} sin noticias o averiadas",
+  "publish.unheardMachines.one": "de {n} aún no se ha oído nada",
+  "publish.unheardMachines.other": "de {n} aún no se ha oído nada",
   "publish.there": "Listo de {from} a {to}",
   "publish.late": "demasiado tarde",
   "publish.maybeLate": "quizá tarde",
@@ -103,7 +105,7 @@ export const orders: Catalogue<typeof english> = {
   "needs.storages": "En almacenes llenos",
   "needs.storage": "{storage} {capacity}",
   "needs.refills": "más de lo que cabe en todos: la fuente debe enviar más",
-  "needs.hint": "Los almacenes no dicen cuánto tienen; la fuente los repone.",
+  "needs.hint": "Lo que caben los almacenes llenos. Cuánto tienen ahora está en sus tarjetas; la fuente los repone.",
 
   "import.choose": "Elegir un archivo",
   "import.faults.one": "{n} error. Corrija el archivo y elíjalo de nuevo; no se ha creado nada.",
