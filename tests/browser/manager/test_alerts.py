@@ -167,6 +167,24 @@ def test_an_alarm_and_a_closure_move_no_button_and_are_in_sight(
     screenshot(page, f"alarm-fixed-places-{size['width']}")
 
 
+@pytest.mark.parametrize("language", LOCALES)
+def test_the_top_bar_is_as_high_with_an_alarm_that_is_open_taken_and_over(
+    house: OpenHouse, machines: Machines, open_page: OpenPage, screenshot: Screenshot, language: str
+) -> None:
+    page = as_manager(house, open_page, locale=LOCALES[language])
+    top, tag = page.locator("header.top"), page.locator(".alerts-button .tag")
+    expect(page.locator(".live-age")).not_to_be_empty()
+    before = top.bounding_box()
+    house.do(lambda _: machines.fail("M8"))
+    expect(tag).to_have_class(re.compile("tag-alarm"))
+    assert top.bounding_box() == before
+    page.locator(".inbox .take").click()
+    expect(tag).to_have_class("tag")
+    expect(tag).to_contain_text("1")
+    screenshot(page, f"alarm-taken-{language}")
+    assert top.bounding_box() == before
+
+
 def test_an_alert_is_put_aside_with_a_comment_asks_again_and_is_found_in_the_history(
     house: OpenHouse, machines: Machines, open_page: OpenPage, screenshot: Screenshot
 ) -> None:
