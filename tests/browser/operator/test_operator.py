@@ -31,6 +31,7 @@ from tablet_kit import (
     forgive,
     kinds,
     press_and_hold,
+    settle,
     stop_of,
 )
 
@@ -162,6 +163,7 @@ def test_a_call_for_help_comes_first_and_what_a_person_says_of_it_is_told_to_the
     expect(page.locator(".vehicle h2")).to_have_text(["ATV6", "ATV2"])
     asking = card(page, "ATV6")
     expect(asking.get_by_role("timer")).to_contain_text("min")
+    settle(page)
     screenshot(page, f"operator-help-{look}")
     asking.locator(".promises button").nth(1).tap()
     expect(asking.get_by_role("timer")).to_contain_text(WHO.title())
