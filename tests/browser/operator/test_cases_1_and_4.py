@@ -184,7 +184,10 @@ def test_a_vehicle_whose_way_is_blocked_is_waited_for_while_somebody_comes_and_r
     settle(tablet)
     with dray.going():
         tablet.locator(card).locator(".hand-over").tap()
+        expect(tablet.locator(card).locator(".hand-over")).to_contain_class("leaving")
     look_at(tablets, screenshot, "case-4-leaving", card)
+    # It is sent once it cannot be taken back any more; time must not run away before that.
+    expect(tablet.locator(card).locator(".command")).to_contain_text("Hand over")
     row = manager.get_by_role("row").filter(has_text=task)
     dray.advance_until(lambda: is_delivered(dray, task), step_s=10.0)
     expect(row).to_contain_text("delivered")
