@@ -45,6 +45,9 @@ WHO = "operator-south"
 TOUCH_PX, THUMB_PX = 64.0, 118.0
 """A finger in a glove; and 20 mm on a tablet of ten inches, with 149 px to the inch."""
 
+SETTLE_MS = 700
+"""Until a card that has moved may be touched: some more than the panel waits."""
+
 HOLD_MS = 1200
 """Longer than Resume has to be held."""
 
@@ -114,6 +117,11 @@ def press_and_hold(page: Page, button: Locator) -> None:
     page.mouse.down()
     page.wait_for_timeout(HOLD_MS)
     page.mouse.up()
+
+
+def settle(page: Page) -> None:
+    """Wait until a card that has moved counts touches again (`SETTLE_MS` of the panel's places)."""
+    page.wait_for_timeout(SETTLE_MS)
 
 
 def kinds(vehicle: Puppet) -> list[CommandKind]:

@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 from databases import Files
+from looks import LOCALES
 from open_house import OpenHouse, open_house
 from playwright.sync_api import Page, expect
 from variants import variants
@@ -148,8 +149,42 @@ def test_a_wrong_secret_is_said_beside_the_form_and_the_name_stays(
     page.get_by_label("Name").fill("boss")
     page.get_by_label("Password").fill("not this one")
     page.get_by_role("button", name="Log in").click()
-    expect(page.get_by_role("alert")).to_contain_text("did not open")
+    expect(page.get_by_role("alert")).to_contain_text("name or password")
     expect(page.get_by_label("Name")).to_have_value("boss")
     expect(page.get_by_label("Password")).to_have_value("")
+    expect(page.get_by_label("Password")).to_be_focused()
     screenshot(page, "login-wrong")
+    complaints[:] = [each for each in complaints if not REFUSED.search(each)]
+
+
+@pytest.mark.parametrize(
+    ("language", "said"),
+    [
+        ("en", ("name or PIN", "badge does not")),
+        ("de", ("Name oder PIN", "Ausweis passt nicht")),
+        ("es", ("nombre o el PIN", "tarjeta no da acceso")),
+    ],
+)
+def test_a_wrong_pin_is_typed_again_and_a_wrong_badge_held_again(
+    plant: OpenHouse,
+    open_page: OpenPage,
+    screenshot: Screenshot,
+    complaints: Any,
+    language: str,
+    said: tuple[str, str],
+) -> None:
+    page = open_page(
+        f"{plant.url}/login?as=operator", locale=LOCALES[language], has_touch=True, viewport=STANDING
+    )
+    page.locator("#name").fill("operator-south")
+    page.locator("#secret").fill("111111")
+    page.locator(".go").click()
+    expect(page.get_by_role("alert")).to_contain_text(said[0])
+    expect(page.locator("#name")).to_have_value("operator-south")
+    expect(page.locator("#secret")).to_be_focused()
+    screenshot(page, f"login-wrong-pin-{language}")
+    page.locator("#badge").fill("unknown-badge")
+    page.keyboard.press("Enter")
+    expect(page.get_by_role("alert")).to_contain_text(said[1])
+    expect(page.locator("#badge")).to_be_focused()
     complaints[:] = [each for each in complaints if not REFUSED.search(each)]

@@ -1,6 +1,7 @@
 /** An alert in words. */
 import type { AlertView } from "../api/types";
 import { format, t } from "../text";
+import { vehicleName } from "../text/elsewhere";
 import { causeText } from "../text/failure";
 import { jamText } from "../text/wait";
 import { factoryTime } from "../text/plant-time";
@@ -30,17 +31,17 @@ function kindText(alert: AlertView, nowS: number, speed: number): string {
     case "atv_lost":
       return t("alerts.what.lost", { age: format.age(nowS - (seen_at_s ?? nowS)) });
     case "part_lost":
-      return t("alerts.what.part_lost", { age: format.age(nowS - (seen_at_s ?? nowS)), agents: format.list(alert.agents) });
+      return t("alerts.what.part_lost", { age: format.age(nowS - (seen_at_s ?? nowS)), agents: format.list(alert.agents.map(vehicleName)) });
     case "atv_awaited":
       return t("alerts.what.atv_awaited", { keepers: format.list(alert.keepers) });
     case "atv_unheard":
-      return t("alerts.what.atv_unheard", { agents: format.list(alert.agents) });
+      return t("alerts.what.atv_unheard", { agents: format.list(alert.agents.map(vehicleName)) });
     case "station_lost":
       return t("alerts.what.station_lost", { age: format.age(nowS - (seen_at_s ?? nowS)) });
     case "gate_lost":
       return t("alerts.what.gate_lost", { age: format.age(nowS - (seen_at_s ?? nowS)) });
     case "strategist_lost":
-      return t("alerts.what.strategist_lost", { agents: format.list(alert.agents) });
+      return t("alerts.what.strategist_lost", { agents: format.list(alert.agents.map(vehicleName)) });
     case "atv_help":
       return leftS > 0 ? t("alerts.what.atv_help", { left: factoryTime(leftS, speed) }) : t("alerts.what.help_late");
     case "atv_promised":
@@ -59,7 +60,7 @@ function kindText(alert: AlertView, nowS: number, speed: number): string {
       return t("alerts.what.access_point", {
         point: alert.access_point,
         age: format.age(nowS - (seen_at_s ?? nowS)),
-        atvs: format.list(alert.agents),
+        atvs: format.list(alert.agents.map(vehicleName)),
       });
     case "atv_mesh":
       return meshText(alert, nowS);
@@ -82,7 +83,7 @@ function meshText({ access_point: point, agents, seen_at_s: sinceS }: AlertView,
   const said = [t("alerts.what.atv_mesh")];
   if (sinceS !== null) said.push(t("alerts.what.atv_meshSince", { age: format.age(nowS - sinceS) }));
   if (point !== "") said.push(t("alerts.what.atv_meshAt", { point }));
-  if (agents.length > 0) said.push(t("alerts.what.atv_meshOver", { atvs: format.list(agents) }));
+  if (agents.length > 0) said.push(t("alerts.what.atv_meshOver", { atvs: format.list(agents.map(vehicleName)) }));
   return said.join(", ");
 }
 

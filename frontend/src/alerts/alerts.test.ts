@@ -1,7 +1,7 @@
 import { describe, expect, test } from "vitest";
 import type { AlertView, CauseView } from "../api/types";
 import { asksText, whatText } from "./alert-text";
-import { chosenOf, inOrder, isOfPlant } from "./alerts";
+import { chosenOf, countsOf, inOrder, isOfPlant } from "./alerts";
 
 const cause = (more: Partial<CauseView>): CauseView => ({ reason: "", detail: "", machines: [], lacks: [], not_made: [], handover: null, wait: null, clock_ahead_s: 0, times: 1, text: "", ...more });
 
@@ -13,6 +13,13 @@ const alert = (more: Partial<AlertView>): AlertView => ({
 });
 
 describe("alerts", () => {
+  test("that somebody has taken on are counted until they end", () => {
+    const [open, taken] = [alert({ agent: "M1" }), alert({ agent: "M2", acknowledged_by: "Day shift" })];
+    const warning = alert({ agent: "M3", level: "warning", acknowledged_by: "Day shift" });
+    expect(countsOf([open, taken, warning])).toEqual({ alarms: 1, alarmsTaken: 1, warnings: 0, warningsTaken: 1 });
+    expect(countsOf([])).toEqual({ alarms: 0, alarmsTaken: 0, warnings: 0, warningsTaken: 0 });
+  });
+
   test("are in the order in which they are answered", () => {
     const taken = alert({ agent: "M1", acknowledged_by: "Day shift" });
     const warning = alert({ agent: "M2", level: "warning", since_at_s: 900 });

@@ -7,6 +7,25 @@ export function isOpen(alert: AlertView): boolean {
   return alert.acknowledged_by === "";
 }
 
+export interface AlertCounts {
+  readonly alarms: number;
+  readonly alarmsTaken: number;
+  readonly warnings: number;
+  readonly warningsTaken: number;
+}
+
+/** How many there are that nobody has taken on, and that somebody has. */
+export function countsOf(alerts: readonly AlertView[]): AlertCounts {
+  const count = (level: AlertView["level"], open: boolean): number =>
+    alerts.filter((alert) => alert.level === level && isOpen(alert) === open).length;
+  return {
+    alarms: count("alarm", true),
+    alarmsTaken: count("alarm", false),
+    warnings: count("warning", true),
+    warningsTaken: count("warning", false),
+  };
+}
+
 /** What nobody has taken on comes first, alarms before warnings, and the newest on top. */
 export function inOrder(alerts: Iterable<AlertView>): AlertView[] {
   return [...alerts].sort(

@@ -9,7 +9,7 @@ import { placeOf } from "./cards/machine/place";
 import { namesOf } from "../plant/names";
 import { canBeTakenBack, inOrder, isLate, progressOf, stateOf } from "./orders/progress";
 import { problemText } from "./problem-text";
-import { checkDraft, type Draft, fieldOf, makersOf, needsOf, orderOf } from "./cards/publish/draft";
+import { checkDraft, type Draft, fieldOf, makersOf, needsOf, orderOf, unableOf } from "./cards/publish/draft";
 import { isAskable } from "./cards/publish/preview";
 import { taskName } from "./state";
 import { addressOf, orderFrom, viewFrom } from "./views";
@@ -75,6 +75,12 @@ describe("a draft", () => {
   ])("the gateway's complaint about %s is shown at %s", (field, at) => {
     expect(fieldOf({ field, reason: "", code: "", values: {} })).toBe(at);
   });
+});
+
+test("a machine of which nothing was heard yet is not said to be silent or broken", () => {
+  const offers = [{ machine: "M1", available: true }, { machine: "M2", available: false }, { machine: "M3", available: false }];
+  expect(unableOf(offers, new Map([["M1", 0], ["M2", 0]]))).toEqual({ lost: 1, unheard: 1 });
+  expect(unableOf(offers, new Map())).toEqual({ lost: 0, unheard: 2 });
 });
 
 describe("a problem", () => {

@@ -1,15 +1,17 @@
-import { useComputed, useSignal, useSignalEffect } from "@preact/signals";
+import { batch, useComputed, useSignal, useSignalEffect } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { selection } from "../selection/selection";
-import { world } from "../stream/stream";
+import { tickMs, world } from "../stream/stream";
 import { format, t } from "../text/operator";
 import { AreaMap } from "./area/AreaMap";
 import { CallCard } from "./call/CallCard";
 import { Cards } from "./cards/Cards";
 import { CallCards } from "./duty/CallCards";
 import { DutyCard } from "./duty/DutyCard";
-import { groupsOf, type Groups, shownGroups } from "./cards/need";
-import { watchTouch } from "./cards/touch";
+import { forms } from "./cards/forms";
+import { groupsOf, type Groups, movedCards, shownGroups } from "./cards/need";
+import { type Left, stayed } from "./cards/staying";
+import { refuseTooSoon, watchTouch } from "./cards/touch";
 import { GoodsCards } from "./goods/GoodsCards";
 import { heldOf } from "./goods/held";
 import { HeldCards } from "./goods/HeldCards";
@@ -28,15 +30,39 @@ export function Floor() {
   const groups = useSignal<Groups>({ needing: [], well: [] });
   const wanted = useComputed(() => groupsOf(world.value?.atvs.values() ?? [], moment.value));
 
+  const all = useSignal<ReadonlyMap<string, Left>>(new Map());
+  const tooSoon = useSignal<string | null>(null);
+  const movedAtMs = useRef(new Map<string, number>());
+
+  // In one effect: nothing is drawn between one of them and the next.
   useSignalEffect(() => {
-    groups.value = shownGroups(groups.peek(), wanted.value, held.value);
+    if (world.value === null) return;
+    const open = new Set(forms.value.keys());
+    const present = stayed(all.peek(), world.value.atvs, open, Math.max(tickMs.value, performance.now()));
+    const staying = new Set([...present].filter(([, { atMs }]) => atMs !== null).map(([id]) => id));
+    const before = groups.peek();
+    const after = shownGroups(before, wanted.value, held.value, staying);
+    const moved = before.needing.length + before.well.length === 0 ? [] : movedCards(before, after);
+    for (const id of moved) movedAtMs.current.set(id, performance.now());
+    batch(() => {
+      all.value = present;
+      groups.value = after;
+    });
   });
   useEffect(() => {
     if (!page.current) return undefined;
-    return watchTouch(page.current, (yes) => {
-      held.value = yes;
-    });
-  }, [held]);
+    const stops = [
+      watchTouch(page.current, (yes) => {
+        held.value = yes;
+      }),
+      refuseTooSoon(page.current, movedAtMs.current, (id) => {
+        tooSoon.value = id;
+      }),
+    ];
+    return () => {
+      for (const stop of stops) stop();
+    };
+  }, [held, tooSoon]);
   useSignalEffect(() => {
     const chosen = selection.value.atv;
     if (chosen !== null) document.getElementById(`vehicle-${chosen}`)?.scrollIntoView({ block: "nearest" });
@@ -56,12 +82,12 @@ export function Floor() {
             <b>{t("cards.needingCount", { count: format.count(count) })}</b> <span class="muted">{t("cards.joinBelow")}</span>
           </p>
         )}
-        <Cards class="needing" ids={needing} label={t("cards.needing")} />
+        <Cards class="needing" ids={needing} all={all.value} tooSoon={tooSoon.value} label={t("cards.needing")} />
         <GoodsCards />
         <HeldCards />
         <MachineCards />
         <Place />
-        <Cards class="well" ids={well} label={t("cards.well", { name })} />
+        <Cards class="well" ids={well} all={all.value} tooSoon={tooSoon.value} label={t("cards.well", { name })} />
         {needing.length + well.length === 0 && <p class="empty">{t(world.value ? "cards.none" : "loading")}</p>}
         <CallCard />
         <DutyCard />

@@ -52,8 +52,8 @@ export function PlantMap({ aside, followed, onMoved, over, plant }: Props) {
     const { renderer, navigation } = surface.current ?? {};
     const vehicle = renderer?.fleet.get(found.id);
     const box = pickablesOf(plant).find(({ id }) => id === found.id)?.box;
-    if (vehicle) navigation?.goTo(vehicle);
-    else if (box) navigation?.goTo({ x: box.x_m, y: box.y_m });
+    if (vehicle) navigation?.bring(vehicle);
+    else if (box) navigation?.bring({ x: box.x_m, y: box.y_m });
   };
   return (
     <section class="map card" aria-label={t("map.title")} onPointerMoveCapture={(event) => {

@@ -1,12 +1,13 @@
 /** Reasons in the reader's language. What this version does not know stays as it is. */
 import type { CauseView, LackView } from "../api/types";
+import { withNames } from "./elsewhere";
 import { format, t, word } from "./index";
 import { factoryTime } from "./plant-time";
 import { waitText } from "./wait";
 
 /** What somebody reports in words of their own; some of them are known here. */
 export function failureText(said: string): string {
-  return word("failure", said);
+  return withNames(word("failure", said));
 }
 
 /** One of the reasons of the wire. */

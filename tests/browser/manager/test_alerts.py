@@ -86,6 +86,18 @@ def machines(house: OpenHouse) -> Machines:
     return house.do(Machines.join)
 
 
+def close(page: Page, closure: dict[str, str]) -> None:
+    """As a program of this person's browser would."""
+    page.evaluate(
+        """async body => {
+            const headers = {"Content-Type": "application/json"};
+            const answer = await fetch("/api/closures", {method: "POST", headers, body: JSON.stringify(body)});
+            if (!answer.ok) throw new Error(await answer.text());
+        }""",
+        closure,
+    )
+
+
 def log_of(page: Page, name: str = "All there were") -> Locator:
     return page.get_by_role("region", name=name)
 
@@ -106,6 +118,71 @@ def test_the_tab_tells_how_much_asks_for_an_answer(
     house.do(lambda _: machines.mend("M5"))
     expect(page).to_have_title(re.compile(r"^Dray"))
     expect(icon).to_have_attribute("href", "/static/icon.svg")
+
+
+def test_what_somebody_has_taken_is_counted_until_it_ends_and_lately_tells_what_people_did(
+    house: OpenHouse, machines: Machines, open_page: OpenPage, screenshot: Screenshot
+) -> None:
+    house.do(lambda _: machines.fail("M8"))
+    page = as_manager(house, open_page)
+    tag = page.locator(".alerts-button")
+    expect(tag).to_have_text("1 alarm")
+    page.locator(".inbox").get_by_role("button", name=re.compile("^Take: M8")).click()
+    expect(tag).to_have_text("1 alarm, taken")
+    close(page, {"kind": "closed", "place": "M5", "reason": "oil on the floor"})
+    tag.click()
+    lately = page.locator(".card.news")
+    expect(lately).to_contain_text("M5 closed. oil on the floor")
+    page.get_by_role("link", name="Plant", exact=True).click()
+    page.get_by_role("button", name="Open M5").click()
+    tag.click()
+    expect(lately).to_contain_text("M5 is open again")
+    screenshot(page, "alarm-taken")
+    house.do(lambda _: machines.mend("M8"))
+    expect(tag).to_have_text("No alarms")
+    expect(log_of(page)).to_contain_text("spindle")
+
+
+@pytest.mark.parametrize("size", [{"width": 1280, "height": 800}, {"width": 1440, "height": 900}])
+def test_an_alarm_and_a_closure_move_no_button_and_are_in_sight(
+    house: OpenHouse,
+    machines: Machines,
+    open_page: OpenPage,
+    screenshot: Screenshot,
+    size: dict[str, int],
+) -> None:
+    page = as_manager(house, open_page, viewport=size)
+    names = ("Publish", "Define", "Close lanes…", "Pause an area…")
+    buttons = [page.get_by_role("button", name=name, exact=True) for name in names]
+    for button in buttons:
+        expect(button).to_be_visible()
+    before = [button.bounding_box() for button in buttons]
+    house.do(lambda _: machines.fail("M8"))
+    take = page.locator(".inbox").get_by_role("button", name=re.compile("^Take: M8"))
+    expect(take).to_be_in_viewport(ratio=1.0)
+    assert [button.bounding_box() for button in buttons] == before
+    close(page, {"kind": "closed", "place": "M5", "reason": "oil on the floor"})
+    expect(page.get_by_role("button", name="Open M5")).to_be_visible()
+    assert [button.bounding_box() for button in buttons] == before
+    screenshot(page, f"alarm-fixed-places-{size['width']}")
+
+
+@pytest.mark.parametrize("language", LOCALES)
+def test_the_top_bar_is_as_high_with_an_alarm_that_is_open_taken_and_over(
+    house: OpenHouse, machines: Machines, open_page: OpenPage, screenshot: Screenshot, language: str
+) -> None:
+    page = as_manager(house, open_page, locale=LOCALES[language])
+    top, tag = page.locator("header.top"), page.locator(".alerts-button .tag")
+    expect(page.locator(".live-age")).not_to_be_empty()
+    before = top.bounding_box()
+    house.do(lambda _: machines.fail("M8"))
+    expect(tag).to_have_class(re.compile("tag-alarm"))
+    assert top.bounding_box() == before
+    page.locator(".inbox .take").click()
+    expect(tag).to_have_class("tag")
+    expect(tag).to_contain_text("1")
+    screenshot(page, f"alarm-taken-{language}")
+    assert top.bounding_box() == before
 
 
 def test_an_alert_is_put_aside_with_a_comment_asks_again_and_is_found_in_the_history(

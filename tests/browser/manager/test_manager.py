@@ -240,7 +240,7 @@ def test_an_alert_says_what_to_do_and_is_taken_on_by_name(
     page.keyboard.press("Enter")
     expect(alert).to_have_count(0)
     expect(inbox).to_be_hidden()
-    page.get_by_role("link", name="No alarms").click()
+    page.get_by_role("link", name="1 alarm, taken").click()
     for row in page.get_by_role("row").filter(has_text="M5").all():
         expect(row).to_contain_text("Management")
     page.request.delete(f"{quiet_factory}/api/faults/{fault.json()['id']}")
@@ -268,7 +268,7 @@ def test_a_keyboard_goes_on_at_the_next_alert_when_one_is_taken(
     expect(buttons).to_have_count(1)
     expect(page.get_by_role("button", name=last)).to_be_focused()
     page.keyboard.press("Enter")
-    expect(page.get_by_role("link", name="No alarms")).to_be_focused()
+    expect(page.get_by_role("link", name="2 alarms, taken")).to_be_focused()
     for fault in faults:
         page.request.delete(f"{quiet_factory}/api/faults/{fault.json()['id']}")
     quiet.advance(10.0)
@@ -281,6 +281,7 @@ def test_the_panel_speaks_the_language_that_is_chosen_and_remembers_it(
     page = open_page(quiet_factory, locale="es-ES")
     expect(page.get_by_role("heading", name="Lanzar producción")).to_be_visible()
     page.get_by_role("button", name="Management").click()
+    expect(page.get_by_role("link", name="Panel de operario")).to_have_attribute("href", "/operator")
     page.get_by_label("Idioma").select_option("Deutsch")
     expect(page.get_by_role("heading", name="Produktion starten")).to_be_visible()
     expect(page.locator("html")).to_have_attribute("lang", "de")

@@ -10,6 +10,7 @@ import pytest
 from floater import OPERATOR, dray_with_floater
 from frames import Frames
 from playwright.sync_api import Page, expect
+from tablet_kit import settle
 
 OpenPage = Callable[..., Page]
 Screenshot = Callable[..., Path]
@@ -79,6 +80,7 @@ def test_a_load_shifts_and_an_operator_stops_puts_right_acknowledges_and_resumes
         expect(overview).to_contain_text("the load has shifted")
         expect(card).to_contain_text("asks for help")
     expect(card).to_contain_text("the load has shifted")
+    settle(operator)
     with dray.going():
         card.get_by_role("button", name="I am on my way").last.tap()
         expect(card).to_contain_text("is on the way")

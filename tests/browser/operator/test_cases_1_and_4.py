@@ -16,7 +16,7 @@ import pytest
 from floater import OPERATOR, dray_with_floater
 from frames import Frames
 from playwright.sync_api import Page, expect
-from tablet_kit import LYING, PHONE, UPRIGHT
+from tablet_kit import LYING, PHONE, UPRIGHT, settle
 
 OpenPage = Callable[..., Page]
 Screenshot = Callable[..., Path]
@@ -180,8 +180,14 @@ def test_a_vehicle_whose_way_is_blocked_is_waited_for_while_somebody_comes_and_r
     task, card = again.agent["task"]["task"], f"#vehicle-{atv}"
     fault = break_down(dray, kind="vehicle_broken", atv=atv, problem=WAY_BLOCKED)
     with dray.going():
+        expect(tablet.locator(card).locator(".hand-over")).to_be_visible()
+    settle(tablet)
+    with dray.going():
         tablet.locator(card).locator(".hand-over").tap()
+        expect(tablet.locator(card).locator(".hand-over")).to_contain_class("leaving")
     look_at(tablets, screenshot, "case-4-leaving", card)
+    # It is sent once it cannot be taken back any more; time must not run away before that.
+    expect(tablet.locator(card).locator(".command")).to_contain_text("Hand over")
     row = manager.get_by_role("row").filter(has_text=task)
     dray.advance_until(lambda: is_delivered(dray, task), step_s=10.0)
     expect(row).to_contain_text("delivered")

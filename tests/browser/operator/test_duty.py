@@ -17,7 +17,7 @@ from open_house import OpenHouse, open_house
 from playwright.sync_api import Page, Route, expect
 from puppets import LATER_S, Puppet
 from tablet_kit import LOOKS as SHAPES
-from tablet_kit import LYING, TOUCH_PX, UPRIGHT, Enter, beat, card
+from tablet_kit import LYING, TOUCH_PX, UPRIGHT, Enter, beat, card, settle
 from variants import variants
 
 from dray.messages import (
@@ -298,6 +298,7 @@ def test_who_promises_at_the_card_of_a_vehicle_has_taken_its_call(
         lambda _inside: calling.say(state=CallState.ASKING, asked=("operator.another",), until_s=SOON_S),
     )
     expect(page.locator(".duty-open")).to_contain_text("ATV2")
+    settle(page)
     card(page, "ATV2").locator(".promises button").nth(1).tap()
     expect(page.locator(".call")).to_contain_text("expects you")
     house.until(lambda _inside: vehicle.heard)

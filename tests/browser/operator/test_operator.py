@@ -7,10 +7,12 @@ from pathlib import Path
 
 import pytest
 from complaints import Complaints
+from facts_kit import opened
 from gateway_kit import PIN, House
+from heartbeats import events, machine_heartbeat
 from open_house import OpenHouse
 from playwright.sync_api import Page, expect
-from puppets import Puppet
+from puppets import LATER_S, Puppet
 from tablet_kit import (
     AREA,
     HOLD_MS,
@@ -29,14 +31,18 @@ from tablet_kit import (
     forgive,
     kinds,
     press_and_hold,
+    settle,
     stop_of,
 )
 
 from dray.gateway.access.principal import Role
 from dray.gateway.access.sessions import LIFE_S
-from dray.messages import AtvStatus, CommandKind
+from dray.messages import AtvStatus, Brief, BufferLevel, CommandKind, Phase, TaskBrief, Transport
+from dray.messages import Role as MessageRole
+from dray.messages.fact import AwardAnswered
 
 Screenshot = Callable[..., Path]
+SHAFTS = Transport(item="shaft", quantity=40, sources=("S3",), destination=STATION, ability="tote", goal="G1")
 IN_EACH_LOOK = ["upright-dark-de", pytest.param("lying-light-en", marks=pytest.mark.slow)]
 
 
@@ -157,6 +163,7 @@ def test_a_call_for_help_comes_first_and_what_a_person_says_of_it_is_told_to_the
     expect(page.locator(".vehicle h2")).to_have_text(["ATV6", "ATV2"])
     asking = card(page, "ATV6")
     expect(asking.get_by_role("timer")).to_contain_text("min")
+    settle(page)
     screenshot(page, f"operator-help-{look}")
     asking.locator(".promises button").nth(1).tap()
     expect(asking.get_by_role("timer")).to_contain_text(WHO.title())
@@ -172,6 +179,45 @@ def test_a_call_for_help_comes_first_and_what_a_person_says_of_it_is_told_to_the
     expect(over).to_have_count(0)
     assert kinds(vehicles["ATV6"])[1:] == [CommandKind.HAND_OVER]
     screenshot(page, f"operator-handed-over-{look}")
+
+
+@pytest.mark.parametrize(
+    ("look", "said"),
+    [
+        ("lying-light-en", ("+24 with a vehicle elsewhere", "a vehicle elsewhere takes it")),
+        ("upright-dark-de", ("+24 bringt ein Fahrzeug anderswo", "ein Fahrzeug anderswo übernimmt")),
+        ("phone-dark-es", ("+24 con un vehículo en otra parte", "la asume un vehículo en otra parte")),
+    ],
+)
+def test_a_vehicle_elsewhere_is_words(
+    house: OpenHouse,
+    vehicles: dict[str, Puppet],
+    enter: Enter,
+    screenshot: Screenshot,
+    look: str,
+    said: tuple[str, str],
+) -> None:
+    stock = (BufferLevel(item="housing", level=11, capacity=72, reorder_point=20, on_order=24),)
+    brought = TaskBrief("M8-1", 1, "housing", 24, "S3", STATION, LATER_S + 900.0, primary="ATV1")
+    waiting = TaskBrief("M8-2", 1, "shaft", 40, "S3", STATION, LATER_S + 900.0, "ATV2", "ATV1")
+    brief = Brief("M8-2", 1, MessageRole.PRIMARY, STATION, Phase.APPROACHING, "shaft", 40)
+
+    async def work(inside: House) -> None:
+        await Puppet.join(inside, "ATV1", 25.0, 35.0)
+        tasks = (brought, waiting)
+        inside.bus.say(machine_heartbeat(STATION, 2, at_s=LATER_S, buffers=stock, tasks=tasks))
+        secondary = AwardAnswered("M8-2", 1, MessageRole.SECONDARY, "ATV1", "accepted")
+        for event in events(STATION, opened("M8-2", work=SHAFTS), secondary):
+            inside.bus.say(event)
+        vehicles["ATV2"].beat(task=brief)
+
+    house.do(work)
+    house.do(ask_for_help(vehicles["ATV2"]))
+    page = enter(**LOOKS[look])
+    expect(page.locator(".stock")).to_contain_text(said[0])
+    expect(card(page, "ATV2").locator(".hand-over")).to_contain_text(said[1], timeout=8000)
+    screenshot(page, f"operator-elsewhere-{look}")
+    assert "*" not in page.locator("body").inner_text()
 
 
 @pytest.mark.slow

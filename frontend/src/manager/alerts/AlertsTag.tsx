@@ -1,24 +1,25 @@
-import { isOpen } from "../../alerts/alerts";
 import { Icon } from "../../parts/Icon";
 import { n, t } from "../../text/manager";
+import { countsOf } from "../../alerts/alerts";
 import { alerts } from "../state";
 import { view } from "../views";
 
-/** How much is wrong that nobody has taken on, wherever one is. */
+/** How much is wrong, wherever one is: what nobody has taken on, and what somebody has, until it ends. */
 export function AlertsTag() {
-  const open = alerts.value.filter(isOpen);
-  const alarms = open.filter((alert) => alert.level === "alarm").length;
-  const warnings = open.length - alarms;
+  const { alarms, alarmsTaken, warnings, warningsTaken } = countsOf(alerts.value);
+  const open = alarms + warnings;
   return (
     <a class="alerts-button" href="#alerts" aria-current={view.value === "alerts" ? "page" : undefined}>
-      {open.length === 0 && (
+      {open + alarmsTaken + warningsTaken === 0 && (
         <span class="tag">
           <Icon name="check" />
           {t("alerts.none")}
         </span>
       )}
       {alarms > 0 && <span class="tag tag-alarm">{n("alerts.alarm", alarms)}</span>}
+      {alarms === 0 && alarmsTaken > 0 && <span class="tag">{n("alerts.alarmTaken", alarmsTaken)}</span>}
       {warnings > 0 && <span class="tag tag-warn">{n("alerts.warning", warnings)}</span>}
+      {open === 0 && alarmsTaken === 0 && warningsTaken > 0 && <span class="tag">{n("alerts.warningTaken", warningsTaken)}</span>}
     </a>
   );
 }

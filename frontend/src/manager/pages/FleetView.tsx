@@ -8,7 +8,9 @@ import { isLost } from "../../plant/silence";
 import { byId } from "../../plant/places";
 import { nowS, presentS, world } from "../../stream/stream";
 import { failureText } from "../../text/failure";
+import { sinceHeardIn } from "../../text/heard";
 import { format, t, word } from "../../text/manager";
+import { inFactoryTime } from "../../text/plant-time";
 import { ClockMark } from "../cards/agents/ClockMark";
 import { updateText } from "../cards/agents/update-text";
 import { doingText } from "../cards/atv/doing";
@@ -30,7 +32,7 @@ export function FleetView() {
   return (
     <Table
       title={t("fleet.title")}
-      heads={heads.map((head) => t(`fleet.${head}`))}
+      heads={heads.map((head) => (head === "heartbeat" ? inFactoryTime(t("fleet.heartbeat")) : t(`fleet.${head}`)))}
       empty={t(atvs.length === 0 ? "factory.none" : "filter.none")}
       aside={
         <>
@@ -71,7 +73,7 @@ function Row({ atv }: { atv: AtvView }) {
       </td>
       <td>{lost ? t("atv.noLink") : atv.link === "mesh" ? <Tag tone="warn">{linkText(atv)}</Tag> : linkText(atv)}</td>
       <td class={`num ${lost ? "tone-alarm" : ""}`}>
-        {t("machine.ago", { age: format.age(nowS.value - atv.seen_at_s) })} <ClockMark clock={atv.clock} />
+        {t("machine.ago", { age: sinceHeardIn(nowS.value - atv.seen_at_s, speed) })} <ClockMark clock={atv.clock} />
       </td>
       <td class="muted">
         {atv.software} {update !== "" && <Tag>{update}</Tag>}

@@ -38,6 +38,7 @@ export function PersonMenu() {
             {t("nav.people")}
           </button>
         )}
+        <a class="button" href="/operator">{t("nav.operator")}</a>
         <button type="button" class="button" popovertarget="person-menu" popovertargetaction="hide" onClick={() => { begin(); go("plant"); }}>
           {t("tour.again")}
         </button>

@@ -2,6 +2,7 @@ import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import type { AtvView } from "../../api/types";
 import { world } from "../../stream/stream";
+import { vehicleName } from "../../text/elsewhere";
 import { t } from "../../text/operator";
 import { give } from "../commands/given";
 import { hindranceOf } from "../../commands/hindrance";
@@ -66,5 +67,5 @@ export function Leaving({ disabled, onGone, text }: Props) {
 function handOverText(leaving: boolean, aboard: boolean, next: string): string {
   if (aboard) return t("handOver.aboard");
   if (leaving) return t("handOver.leaving");
-  return next === "" ? t("handOver.auction") : t("handOver.to", { atv: next });
+  return next === "" ? t("handOver.auction") : t("handOver.to", { atv: vehicleName(next) });
 }

@@ -6,10 +6,8 @@ import { give } from "../commands/given";
 import { hindranceOf } from "../../commands/hindrance";
 import { circumstancesOf, moment } from "../state";
 import { Checks } from "./Checks";
+import { forms, REASONS, setForm } from "./forms";
 import { HoldButton } from "./HoldButton";
-
-/** Why a vehicle is taken out of service; whoever needs other words has the management panel. */
-const REASONS = ["maintenance", "repair", "cleaning", "place"] as const;
 
 /** For how long: hours; null for as long as it takes. */
 const HOURS = [1, 8, null] as const;
@@ -28,14 +26,14 @@ interface Props {
   readonly send: (word: Word) => void;
 }
 
-/** A vehicle in or out of service. */
-export function Service({ atv }: { atv: AtvView }) {
+/** A vehicle in or out of service; one that has left is told nothing from here. */
+export function Service({ atv, left }: { atv: AtvView; left: boolean }) {
   const kind = atv.out_of_service ? "put_in" : "take_out";
   return (
     <ServiceActs
       id={atv.id}
       out={atv.out_of_service}
-      hindered={hindranceOf(kind, atv, circumstancesOf(atv)) !== null}
+      hindered={left || hindranceOf(kind, atv, circumstancesOf(atv)) !== null}
       finishes={atv.task ? t("service.afterWork") : null}
       checks={[t("check.vehicle.mended"), t("check.vehicle.load"), t("check.vehicle.clear")]}
       send={(word) => void give(atv.id, word)}
@@ -49,25 +47,21 @@ export function ServiceActs(props: Props) {
 }
 
 function Out({ finishes, hindered: disabled, id, send: say }: Props) {
-  const open = useSignal(false);
-  const reason = useSignal<(typeof REASONS)[number] | null>(null);
-  const afterWork = useSignal(false);
+  const form = forms.value.get(id);
   const send = (hours: number | null): void => {
-    const why = reason.value;
-    if (why === null) return;
-    open.value = false;
-    reason.value = null;
+    if (!form?.reason) return;
+    setForm(id, null);
     const back = hours === null ? {} : { wait_s: hours * 3600 };
-    say({ kind: "take_out", reason: t(`service.reason.${why}`), after_work: afterWork.value, ...back });
+    say({ kind: "take_out", reason: t(`service.reason.${form.reason}`), after_work: form.afterWork, ...back });
   };
-  if (!open.value)
+  if (!form)
     return (
       <button
         type="button"
         class="button service-open"
         disabled={disabled}
         onClick={() => {
-          open.value = true;
+          setForm(id, { reason: null, afterWork: false });
         }}
       >
         {t("service.out")}
@@ -81,9 +75,9 @@ function Out({ finishes, hindered: disabled, id, send: say }: Props) {
           key={each}
           type="button"
           class="button"
-          aria-pressed={reason.value === each}
+          aria-pressed={form.reason === each}
           onClick={() => {
-            reason.value = each;
+            setForm(id, { ...form, reason: each });
           }}
         >
           {t(`service.reason.${each}`)}
@@ -93,9 +87,9 @@ function Out({ finishes, hindered: disabled, id, send: say }: Props) {
         <button
           type="button"
           class="button after-work"
-          aria-pressed={afterWork.value}
+          aria-pressed={form.afterWork}
           onClick={() => {
-            afterWork.value = !afterWork.value;
+            setForm(id, { ...form, afterWork: !form.afterWork });
           }}
         >
           {finishes}
@@ -103,7 +97,7 @@ function Out({ finishes, hindered: disabled, id, send: say }: Props) {
       )}
       <span aria-hidden="true">{inFactoryTime(t("service.until"))}</span>
       {HOURS.map((hours) => (
-        <button key={hours} type="button" class="button" disabled={disabled || reason.value === null} onClick={() => {
+        <button key={hours} type="button" class="button" disabled={disabled || form.reason === null} onClick={() => {
           send(hours);
         }}>
           {hours === null ? t("service.open") : t("service.hours", { hours })}
@@ -113,8 +107,7 @@ function Out({ finishes, hindered: disabled, id, send: say }: Props) {
         type="button"
         class="button"
         onClick={() => {
-          open.value = false;
-          reason.value = null;
+          setForm(id, null);
         }}
       >
         {t("service.leave")}

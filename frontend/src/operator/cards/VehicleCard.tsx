@@ -14,6 +14,7 @@ import { areaAt, distanceM } from "../area/region";
 import { CommandLine } from "../commands/CommandLine";
 import { problemText } from "../problem-text";
 import { moment, names, plant, station } from "../state";
+import { forms } from "./forms";
 import { HelpAsk } from "./HelpAsk";
 import { type Need, needOf } from "./need";
 import { Release } from "./Release";
@@ -26,22 +27,23 @@ const TONES = {
 
 
 /** One vehicle near: what it does or needs, and what a person may ask of it. Stop is in the bar below all cards. */
-export function VehicleCard({ atv }: { atv: AtvView }) {
+export function VehicleCard({ atv, left, tooSoon }: { atv: AtvView; left: boolean; tooSoon: boolean }) {
   const need = needOf(atv, moment.value);
   const chosen = selection.value.atv === atv.id;
   return (
-    <li class={`vehicle card need-${need} ${chosen ? "chosen" : ""}`} id={`vehicle-${atv.id}`}>
+    <li class={`vehicle card need-${need} ${chosen ? "chosen" : ""} ${left ? "left" : ""}`} id={`vehicle-${atv.id}`}>
       <div class="vehicle-body">
         <header>
           <h2>
             <Link kind="atv" id={atv.id} />
           </h2>
-          <Tag tone={TONES[need]}>{needText(atv, need)}</Tag>
+          <Tag tone={left ? "normal" : TONES[need]}>{left ? t("need.left") : needText(atv, need)}</Tag>
+          {tooSoon && <Tag tone="warn">{t("stop.tooSoon")}</Tag>}
           {need === "stopped" && atv.problem !== "" && <Tag tone="alarm">{t("need.problem")}</Tag>}
           {need === "lost" && atv.status === "stopped" && <Tag tone="warn">{t("need.stopped")}</Tag>}
           <Where atv={atv} />
         </header>
-        <div class="vehicle-now">
+        <div class="vehicle-now" inert={left}>
           {!atv.removal && <p class="doing">{need === "lost" ? lostText(atv) : taskText(atv)}</p>}
           {need !== "lost" && <Waits atv={atv.id} />}
           {need !== "lost" && <BodyWait atv={atv} {...moment.value} />}
@@ -49,10 +51,13 @@ export function VehicleCard({ atv }: { atv: AtvView }) {
           {(atv.help !== null || atv.problem !== "") && need !== "lost" && <HelpAsk atv={atv} />}
         </div>
         <div class="vehicle-acts">
-          {atv.status === "stopped" && <Release atv={atv} />}
-          {atv.status !== "stopped" && atv.problem !== "" && <p class="advice">{t("release.stopFirst")}</p>}
-          <SpeedSteps atv={atv} />
-          <Service atv={atv} />
+          <div class="as-one" inert={left}>
+            {atv.status === "stopped" && <Release atv={atv} />}
+            {atv.status !== "stopped" && atv.problem !== "" && <p class="advice">{t("release.stopFirst")}</p>}
+            <SpeedSteps atv={atv} />
+          </div>
+          <Service atv={atv} left={left} />
+          {left && forms.value.has(atv.id) && <p class="advice">{t("service.gone")}</p>}
         </div>
         <CommandLine atv={atv.id} stopped={atv.status === "stopped"} />
       </div>

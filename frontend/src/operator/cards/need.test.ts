@@ -1,6 +1,6 @@
 import { describe, expect, test } from "vitest";
 import type { AtvView, BriefView, HelpView } from "../../api/types";
-import { groupsOf, needOf, patienceS, shownGroups } from "./need";
+import { groupsOf, movedCards, needOf, patienceS, shownGroups } from "./need";
 
 const NOW = { nowS: 1000, speed: 1 };
 const atv = (id: string, more: Partial<AtvView> = {}): AtvView =>
@@ -39,9 +39,25 @@ describe("the order of cards", () => {
     });
   });
 
-  test("changes at once while nobody touches it", () => {
+  test("lets whoever needs somebody come first while nobody touches it", () => {
     const wanted = { needing: ["ATV2"], well: ["ATV1"] };
     expect(shownGroups({ needing: [], well: ["ATV1", "ATV2"] }, wanted, false)).toEqual(wanted);
+  });
+
+  test("keeps every place: new ones join below, and who has left keeps its own while a hand may be over it", () => {
+    const before = { needing: [], well: ["ATV5", "ATV7"] };
+    const wanted = { needing: [], well: ["ATV1", "ATV7"] };
+    expect(shownGroups(before, wanted, false, new Set(["ATV5"])).well).toEqual(["ATV5", "ATV7", "ATV1"]);
+    expect(shownGroups(before, wanted, false).well).toEqual(["ATV7", "ATV1"]);
+    expect(shownGroups(before, wanted, true, new Set(["ATV5"])).well).toEqual(["ATV5", "ATV7", "ATV1"]);
+  });
+
+  test("tells which cards have come to another place: those behind the first change, and none that joins at the end", () => {
+    const before = { needing: ["ATV9"], well: ["ATV1", "ATV2", "ATV3"] };
+    expect(movedCards(before, before)).toEqual([]);
+    expect(movedCards(before, { ...before, well: [...before.well, "ATV4"] })).toEqual([]);
+    expect(movedCards(before, { ...before, well: ["ATV1", "ATV3"] })).toEqual(["ATV3"]);
+    expect(movedCards(before, { needing: ["ATV9", "ATV1"], well: ["ATV2", "ATV3"] })).toEqual(["ATV1", "ATV2", "ATV3"]);
   });
 
   test("is kept among those who need somebody: new ones join below", () => {

@@ -68,21 +68,37 @@ function untilS({ help }: AtvView): number {
 }
 
 /**
- * The groups as they are shown. Whoever needs somebody keeps its place among those, and new ones join below.
- * While a finger rests on a card none moves away from under it: who has gone is gone, who comes is put at the end.
+ * The groups as they are shown. Every card keeps its place in its group, and new ones join below.
+ * While a finger rests on a card none moves away from under it into the other group, either.
+ *
+ * @param staying those that have gone and keep their place: a moment for the hand that is on its way, or as long as a form is open
  */
-export function shownGroups(before: Groups, wanted: Groups, held: boolean): Groups {
-  const shown = held ? kept(before, wanted) : { needing: joined(before.needing, wanted.needing), well: wanted.well };
+export function shownGroups(before: Groups, wanted: Groups, held: boolean, staying: ReadonlySet<string> = new Set()): Groups {
+  const shown = held
+    ? kept(before, wanted, staying)
+    : { needing: joined(before.needing, wanted.needing, staying), well: joined(before.well, wanted.well, staying) };
   return same(shown.needing, before.needing) && same(shown.well, before.well) ? before : shown;
 }
 
-function joined(before: readonly string[], wanted: readonly string[]): string[] {
-  const [known, still] = [new Set(before), new Set(wanted)];
-  return [...before.filter((id) => still.has(id)), ...wanted.filter((id) => !known.has(id))];
+/** Vehicles whose card is at another place than before, or has come where another one was. */
+export function movedCards(before: Groups, after: Groups): string[] {
+  const [was, is] = [before, after].map(({ needing, well }) => [...needing, BETWEEN, ...well]) as [string[], string[]];
+  const first = is.findIndex((id, i) => id !== was[i]);
+  // Where nothing was nobody has seen anything else.
+  if (first < 0 || first >= was.length) return [];
+  return is.slice(first).filter((id) => id !== BETWEEN);
 }
 
-function kept(before: Groups, wanted: Groups): Groups {
-  const present = new Set([...wanted.needing, ...wanted.well]);
+/** What stands between the groups. */
+const BETWEEN = "";
+
+function joined(before: readonly string[], wanted: readonly string[], staying: ReadonlySet<string>): string[] {
+  const [known, still] = [new Set(before), new Set(wanted)];
+  return [...before.filter((id) => still.has(id) || staying.has(id)), ...wanted.filter((id) => !known.has(id))];
+}
+
+function kept(before: Groups, wanted: Groups, staying: ReadonlySet<string>): Groups {
+  const present = new Set([...wanted.needing, ...wanted.well, ...staying]);
   const known = new Set([...before.needing, ...before.well]);
   return {
     needing: before.needing.filter((id) => present.has(id)),

@@ -1,9 +1,12 @@
-/** Whether somebody has a finger, or the keyboard, on the cards: then they must not change places. */
+/** Hands on the cards: whether there is one, and whether it meets what it has seen there. */
+import { SETTLE_MS } from "../stop/places";
 
 /** A second touch often follows the first one. */
 const LINGER_MS = 1500;
 
 /**
+ * Somebody has a finger, or the keyboard, on the cards: then they must not change places.
+ *
  * @param element whatever holds the cards
  * @param onHeld told whenever that begins and ends
  * @returns how to stop listening
@@ -22,7 +25,7 @@ export function watchTouch(element: HTMLElement, onHeld: (held: boolean) => void
   element.addEventListener("pointerdown", () => {
     clearTimeout(timer);
     onHeld(true);
-  }, options);
+  }, { ...options, capture: true });
   addEventListener("pointerup", letGo, options);
   addEventListener("pointercancel", letGo, options);
   element.addEventListener("focusin", ({ target }) => {
@@ -33,6 +36,53 @@ export function watchTouch(element: HTMLElement, onHeld: (held: boolean) => void
     keys = false;
     letGo();
   }, options);
+  return () => {
+    clearTimeout(timer);
+    stopping.abort();
+  };
+}
+
+/** Long enough to be read. */
+const SAID_MS = 2_000;
+
+/**
+ * A touch on a card that has come to its place just now was meant for what was there before: it does not count, and that is said.
+ *
+ * @param element whatever holds the cards
+ * @param movedAtMs when the card of a vehicle has moved last, by `performance.now()`
+ * @param onRefused told the vehicle, and null when that was said for long enough
+ * @returns how to stop listening
+ */
+export function refuseTooSoon(
+  element: HTMLElement,
+  movedAtMs: ReadonlyMap<string, number>,
+  onRefused: (id: string | null) => void,
+): () => void {
+  const stopping = new AbortController();
+  let timer: number | undefined;
+  let refused = false;
+  const refuse = (event: Event): void => {
+    event.preventDefault();
+    event.stopPropagation();
+  };
+  element.addEventListener("pointerdown", (event) => {
+    const card = event.target instanceof Element ? event.target.closest(".vehicle") : null;
+    const id = card?.id.replace(/^vehicle-/, "") ?? "";
+    const atMs = movedAtMs.get(id);
+    refused = atMs !== undefined && performance.now() - atMs < SETTLE_MS;
+    if (!refused) return;
+    refuse(event);
+    onRefused(id);
+    clearTimeout(timer);
+    timer = window.setTimeout(() => {
+      onRefused(null);
+    }, SAID_MS);
+  }, { signal: stopping.signal, capture: true });
+  // The click of that touch; a keyboard's has no touch before it.
+  element.addEventListener("click", (event) => {
+    if (refused && event.detail > 0) refuse(event);
+    refused = false;
+  }, { signal: stopping.signal, capture: true });
   return () => {
     clearTimeout(timer);
     stopping.abort();

@@ -3,6 +3,7 @@ import type { TaskView } from "../../api/types";
 import { Tag } from "../../parts/Tag";
 import { freshness, world } from "../../stream/stream";
 import { isPast } from "../../stream/freshness";
+import { vehicleName } from "../../text/elsewhere";
 import { format, t } from "../../text/operator";
 import { CommandLine } from "../commands/CommandLine";
 import { giveMachine } from "../commands/given";
@@ -38,7 +39,7 @@ function GoodsCard({ task }: { task: TaskView }) {
     <li class="vehicle card machine-need need-help" id={`goods-${id}`}>
       <div class="vehicle-body">
         <header>
-          <h2>{t("goods.title", { atv: stranded.atv })}</h2>
+          <h2>{t("goods.title", { atv: vehicleName(stranded.atv) })}</h2>
           <Tag tone="warn">{id}</Tag>
         </header>
         <div class="vehicle-now">

@@ -1,6 +1,7 @@
 import type { MachineView } from "../../api/types";
 import { Tag } from "../../parts/Tag";
 import { world } from "../../stream/stream";
+import { vehicleName } from "../../text/elsewhere";
 import { failureText } from "../../text/failure";
 import { format, t } from "../../text/operator";
 import { knownText } from "../cards/HelpAsk";
@@ -84,12 +85,12 @@ function Coming({ machine }: { machine: MachineView }) {
     <ul class="coming">
       {coming.map(({ item, primary, quantity, secondary, task }) => {
         const due = world.value?.atvs.get(primary)?.task?.due_at_s;
-        const what = { quantity: format.count(quantity), item: names.value(item), atv: primary };
+        const what = { quantity: format.count(quantity), item: names.value(item), atv: vehicleName(primary) };
         return (
           <li key={task}>
             {t("machine.brings", what)}
             {due && ` · ${t("card.there", { at: format.due(due, moment.value.nowS) })}`}
-            {secondary !== "" && <span class="muted"> · {t("machine.secondary", { atv: secondary })}</span>}
+            {secondary !== "" && <span class="muted"> · {t("machine.secondary", { atv: vehicleName(secondary) })}</span>}
           </li>
         );
       })}

@@ -8,6 +8,7 @@ import { isLost } from "../../plant/silence";
 import { filledFrac, isLow } from "../../plant/stock";
 import { selection } from "../../selection/selection";
 import { world } from "../../stream/stream";
+import { vehicleName } from "../../text/elsewhere";
 import { failureText } from "../../text/failure";
 import { format, t, word } from "../../text/operator";
 import { moment, names, plant, station } from "../state";
@@ -112,10 +113,10 @@ function comingText(machine: MachineView, item: string, order: number): string {
   if (!task || task.primary === "") return t("station.ordered", { quantity });
   const carrier = world.value?.atvs.get(task.primary);
   const at = carrier?.task?.due_at_s;
-  const by = { quantity, atv: task.primary };
+  const by = { quantity, atv: vehicleName(task.primary) };
   // Who is silent or stands still promises nothing any more.
   if (carrier && isLost(carrier, moment.value.nowS, moment.value.speed)) return t("station.comingSilent", by);
   if (carrier?.status === "stopped") return t("station.comingStopped", by);
   const coming = at ? t("station.coming", { ...by, at: format.due(at, moment.value.nowS) }) : t("station.comingBy", by);
-  return task.secondary === "" ? coming : `${coming} · ${t("machine.secondary", { atv: task.secondary })}`;
+  return task.secondary === "" ? coming : `${coming} · ${t("machine.secondary", { atv: vehicleName(task.secondary) })}`;
 }

@@ -1,6 +1,6 @@
 import { describe, expect, test } from "vitest";
 import {
-  boxOnScreen, centredOn, contains, fitView, overlaps, scaleBar, toScreenX, toScreenY, wholeOf, zoomed,
+  boxOnScreen, centredOn, contains, fitView, isInSight, overlaps, scaleBar, toScreenX, toScreenY, wholeOf, zoomed,
 } from "./geometry";
 
 const floor = wholeOf({ width_m: 60, height_m: 40 });
@@ -37,6 +37,16 @@ test("centring brings a point into the middle", () => {
   const view = zoomed(fit, centredOn(fit, size, { x: 5, y: 35 }, 4));
   expect(toScreenX(view, 5)).toBeCloseTo(400);
   expect(toScreenY(view, 35)).toBeCloseTo(300);
+});
+
+test("what is in sight is not looked for: the map stays", () => {
+  const middle = { x: 5, y: 35 };
+  const near = zoomed(fit, centredOn(fit, size, middle, 4));
+  expect(isInSight(near, size, middle, 40)).toBe(true);
+  expect(isInSight(near, size, { x: 55, y: 35 }, 40)).toBe(false);
+  const edge = { x: (size.width - 10 - near.x0) / near.scale, y: 35 };
+  expect(isInSight(near, size, edge, 0)).toBe(true);
+  expect(isInSight(near, size, edge, 40)).toBe(false);
 });
 
 test("a box contains what lies in it, and near it with slack", () => {

@@ -85,6 +85,12 @@ export function centredOn(fit: View, size: Size, point: { x: number; y: number }
   };
 }
 
+/** Whether a point of the floor is on the screen, and not at its very edge. */
+export function isInSight(view: View, size: Size, point: { x: number; y: number }, marginPx: number): boolean {
+  const [x, y] = [toScreenX(view, point.x), toScreenY(view, point.y)];
+  return x >= marginPx && x <= size.width - marginPx && y >= marginPx && y <= size.height - marginPx;
+}
+
 export function boxOnScreen(view: View, box: Box): Rect {
   const x = toScreenX(view, box.x_m);
   const y = toScreenY(view, box.y_m);

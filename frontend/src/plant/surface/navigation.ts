@@ -1,7 +1,7 @@
 /** Pan and zoom of the map: wheel, pinch, drag, buttons and keys, within sensible bounds. */
 import { select } from "d3-selection";
 import { zoom, zoomIdentity, type ZoomBehavior } from "d3-zoom";
-import { centredOn, type Zoom } from "./geometry";
+import { centredOn, isInSight, type Zoom } from "./geometry";
 import type { PlantRenderer } from "../draw/renderer";
 
 /** Pixels per metre: closer than this a machine would fill the map. */
@@ -9,12 +9,16 @@ const CLOSEST = 90;
 const FURTHEST_K = 0.7;
 const KEY_STEP_PX = 60;
 const BUTTON_STEP = 1.5;
+/** Nearer to the edge something is easily overlooked. */
+const MARGIN_PX = 24;
 
 export interface Navigation {
   zoomBy: (steps: number) => void;
   fit: () => void;
   /** Brings a point of the floor into the middle, and near enough to be recognised. */
   goTo: (point: { x: number; y: number }) => void;
+  /** The same, where it is not in sight already. */
+  bring: (point: { x: number; y: number }) => void;
   key: (event: KeyboardEvent) => void;
   resized: () => void;
   stop: () => void;
@@ -43,6 +47,9 @@ export function navigate(surface: HTMLElement, renderer: PlantRenderer): Navigat
     },
     goTo: (point) => {
       set(centredOn(renderer.fit, renderer.size, point, Math.max(current.k, 1)));
+    },
+    bring: (point) => {
+      if (!isInSight(renderer.view, renderer.size, point, MARGIN_PX)) navigation.goTo(point);
     },
     key: (event) => {
       const pan = PANS[event.key];

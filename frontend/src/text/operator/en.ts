@@ -58,6 +58,7 @@ export const en = {
   "need.lost": "silent",
   "need.stopped": "stopped",
   "need.out": "out of service",
+  "need.left": "has left",
 
   "call.title": "Calls for help",
   "call.asks": "asks you",
@@ -195,6 +196,7 @@ export const en = {
   "service.hours": "{hours} h",
   "service.open": "not known",
   "service.leave": "Leave it",
+  "service.gone": "It has left your area: from here it is not told any more.",
   "service.since": "Out of service since {since}, by {by}.",
   "service.sinceWhy": "Out of service since {since}, by {by}: {reason}.",
   "service.back": "Expected back {at}.",

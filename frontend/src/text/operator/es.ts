@@ -60,6 +60,7 @@ export const es: Catalogue<typeof en> = {
   "need.lost": "mudo",
   "need.stopped": "parado",
   "need.out": "fuera de servicio",
+  "need.left": "se ha ido",
 
   "call.title": "Peticiones de ayuda",
   "call.asks": "le pregunta",
@@ -197,6 +198,7 @@ export const es: Catalogue<typeof en> = {
   "service.hours": "{hours} h",
   "service.open": "no se sabe",
   "service.leave": "Dejarlo",
+  "service.gone": "Ha salido de su zona: desde aquí ya no se le dice nada.",
   "service.since": "Fuera de servicio desde {since}, por {by}.",
   "service.sinceWhy": "Fuera de servicio desde {since}, por {by}: {reason}.",
   "service.back": "Se espera de vuelta {at}.",

@@ -15,6 +15,7 @@ from dray.gateway.access.login import cookies
 from dray.gateway.access.login.login import LinkUsedUp
 from dray.gateway.access.login.redirect import HOMES
 from dray.gateway.access.login.texts import TEXTS
+from dray.gateway.access.login.texts.catalogue import Catalogue
 from dray.gateway.access.principal import Role
 from dray.gateway.http.assets import NotBuilt, Panels
 from dray.gateway.http.language import language_of, remember_language, switches
@@ -55,6 +56,9 @@ def login_form(
     operator = form.get("as") == "operator" or (
         not form.get("as") and wanted.startswith(HOMES[Role.OPERATOR])
     )
+    by_badge = operator and bool(form.get("badge"))
+    texts = TEXTS[language_of(request)]
+    wrong = texts.wrong_badge if by_badge else texts.wrong_pin if operator else texts.wrong_password
     return page(
         panels,
         request,
@@ -65,7 +69,8 @@ def login_form(
         typed=form.get("name", ""),
         known=cookies.known_people(request) if operator else [],
         chosen=form.get("known", ""),
-        wrong="" if problem is None else _words(problem, language_of(request)),
+        wrong="" if problem is None else _words(problem, texts, wrong),
+        by_badge=by_badge,
         headers={} if problem is None else problem.headers,
         carried=[("next", wanted), ("as", form.get("as", ""))],
         # A page of another site led here, so the browser has kept our cookie to itself. Loaded again by
@@ -74,8 +79,7 @@ def login_form(
     )
 
 
-def _words(problem: Problem, language: str) -> str:
-    texts = TEXTS[language]
+def _words(problem: Problem, texts: Catalogue, wrong: str) -> str:
     match problem.status:
         case HTTPStatus.TOO_MANY_REQUESTS:
             wait_s = int(problem.headers["Retry-After"])
@@ -86,7 +90,7 @@ def _words(problem: Problem, language: str) -> str:
         case HTTPStatus.SERVICE_UNAVAILABLE:
             return texts.away if problem.kind == AWAY else texts.busy
         case _:
-            return texts.wrong
+            return wrong
 
 
 def page(

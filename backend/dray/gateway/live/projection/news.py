@@ -4,16 +4,21 @@ A takeover is told twice, by the vehicle and by the coordinator; it is one piece
 task and epoch, in which the coordinator's word counts for more. Of a vehicle's link, of its wish for
 help and of an order that waits only the newest is kept, so that a vehicle at the edge of the WLAN does
 not push the rest out.
+
+Silence, carrying away, Stop and closures are told by nobody's fact: `look` compares what is so with what was so before.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any, NamedTuple
+
+from msgspec.structs import replace
 
 from dray.gateway.live.projection.changes import Changes
 from dray.gateway.live.reasons import detail_of, failures_of
-from dray.gateway.live.views import NewsView
+from dray.gateway.live.views import ClosureView, CommandView, NewsView, RemovalView
 from dray.messages import Event, Link, Reason
 from dray.messages.fact import (
     CarrierChanged,
@@ -32,6 +37,26 @@ NEWS_KEPT = 50
 """What a person can still read; all facts are in the events."""
 
 
+class Present(NamedTuple):
+    """What is so at a moment, of what people should hear.
+
+    Attributes:
+        wall_s: the moment.
+        last_s: of each agent that is neither shut out nor carried away: when it was heard last (plant clock).
+        silent: those of them of whom nothing was heard for longer than they may be silent.
+        removals: what is told of vehicles that people have carried away.
+        closures: those that hold.
+        commands: what people have asked of vehicles lately.
+    """
+
+    wall_s: float
+    last_s: Mapping[str, float]
+    silent: frozenset[str]
+    removals: Mapping[str, RemovalView]
+    closures: Iterable[ClosureView]
+    commands: Iterable[CommandView]
+
+
 class News:
     """What has happened lately.
 
@@ -43,6 +68,10 @@ class News:
         self._to_wall_s = to_wall_s
         self._news: dict[str, NewsView] = {}
         """By name."""
+        self._silent_since_s: dict[str, float] = {}
+        """Those who are silent -> when they were heard last (plant clock)."""
+        self._away: frozenset[str] = frozenset()
+        self._closed: dict[str, ClosureView] = {}
         self._on: dict[type, Callable[[Event, Any], bool]] = {
             TookOver: self._took_over,
             CarrierChanged: self._carrier_changed,
@@ -66,6 +95,13 @@ class News:
         """
         handler = self._on.get(type(event.fact))
         return handler is not None and handler(event, event.fact)
+
+    def look(self, now: Present) -> None:
+        """Tell what has begun and ended since the last look."""
+        self._look_for_silence(now)
+        self._look_for_removals(now)
+        self._look_for_closures(now)
+        self._look_for_stops(now.commands)
 
     def views(self) -> tuple[NewsView, ...]:
         """All that is kept, oldest first; what has come late stands at its time."""
@@ -145,6 +181,60 @@ class News:
         news.goal, news.order = fact.goal, fact.order
         return self._tell(news)
 
+    # --- what is compared ---
+
+    def _look_for_silence(self, now: Present) -> None:
+        begun = sorted(now.silent - self._silent_since_s.keys())
+        heard = sorted(
+            agent for agent in self._silent_since_s if agent in now.last_s and agent not in now.silent
+        )
+        if begun:
+            self._say(f"silence-{begun[0]}", "silent", now.wall_s, begun[0], agents=_several(begun))
+        if heard:
+            silent_s = max(now.last_s[agent] - self._silent_since_s[agent] for agent in heard)
+            agents = _several(heard)
+            self._say(
+                f"silence-{heard[0]}", "heard_again", now.wall_s, heard[0], agents=agents, silent_s=silent_s
+            )
+        before = self._silent_since_s
+        self._silent_since_s = {agent: before.get(agent, now.last_s[agent]) for agent in now.silent}
+
+    def _look_for_removals(self, now: Present) -> None:
+        away = frozenset(now.removals)
+        for atv in away - self._away:
+            removal = now.removals[atv]
+            self._say(f"removal-{atv}", "carried_away", removal.at_s, atv, other=removal.by)
+        for atv in (self._away - away) & now.last_s.keys():
+            self._say(f"back-{atv}", "put_back", now.wall_s, atv)
+        self._away = away
+
+    def _look_for_closures(self, now: Present) -> None:
+        closed = {view.id: replace(view, lanes=(), not_known_by=(), cut_off=()) for view in now.closures}
+        for name in closed.keys() - self._closed.keys():
+            view = closed[name]
+            self._say(f"closure-{name}", "closed", view.at_s, "", other=view.by, closure=view)
+        for name in self._closed.keys() - closed.keys():
+            self._say(f"opened-{name}", "opened", now.wall_s, "", closure=self._closed[name])
+        self._closed = closed
+
+    def _look_for_stops(self, commands: Iterable[CommandView]) -> None:
+        """Who stops all vehicles of an area has done one thing."""
+        stops: dict[tuple[str, int], list[CommandView]] = defaultdict(list)
+        for command in commands:
+            if command.kind == "stop":
+                stops[command.by, int(command.at_s)].append(command)
+        for (by, second), given in stops.items():
+            name, agents = f"stop-{by}-{second}", _several(sorted({each.atv for each in given}))
+            known = self._news.get(name)
+            if known is None:
+                self._say(name, "stopped", given[0].at_s, given[0].atv, other=by, agents=agents)
+            elif known.agents != agents:
+                known.agents = agents
+                self.changes.mark(name)
+
+    def _say(self, name: str, kind: Any, at_s: float, agent: str, **more: Any) -> None:
+        self._tell(NewsView(id=name, kind=kind, at_s=at_s, agent=agent, **more))
+
     # --- agents ---
 
     def _memory_lost(self, event: Event, fact: MemoryLost) -> bool:
@@ -170,6 +260,12 @@ class News:
             del self._news[oldest]
             self.changes.drop(oldest)
         return True
+
+
+def _several(agents: Iterable[str]) -> tuple[str, ...]:
+    """All of them; nothing where one is named already."""
+    names = tuple(agents)
+    return names if len(names) > 1 else ()
 
 
 def _takeover(task: str, epoch: int) -> str:

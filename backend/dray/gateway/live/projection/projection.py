@@ -27,7 +27,7 @@ from dray.gateway.live.projection.figures.time_use import SILENT
 from dray.gateway.live.projection.figures.traffic import Traffic
 from dray.gateway.live.projection.injected_faults import InjectedFaults
 from dray.gateway.live.projection.materials import Materials
-from dray.gateway.live.projection.news import News
+from dray.gateway.live.projection.news import News, Present
 from dray.gateway.live.projection.obstacles import Obstacles
 from dray.gateway.live.projection.orders import Orders
 from dray.gateway.live.projection.recent_commands import RecentCommands
@@ -47,6 +47,7 @@ from dray.messages import (
 from dray.messages.floor.obstacle import ObstacleCleared, ObstacleSeen
 from dray.overload import Overload
 from dray.plant.model import PlantFile
+from dray.protocol.liveness.suspicion import AnyHeartbeat
 from dray.store.factory.exclusions import Exclusion
 from dray.store.factory.kpis import KpiSample
 from dray.store.factory.lane_traffic import LaneTraffic
@@ -245,7 +246,27 @@ class Projection:
             ),
             *alert_rules.of_orders(self.orders.in_trouble(wall_s), self.orders.impossible(), now),
         )
+        self.news.look(self._present(now))
         return self.alerts.look(causes.gathered(wrong, now.speed), wall_s)
+
+    def _present(self, now: alert_rules.Moment) -> Present:
+        """What is so that nobody's fact tells."""
+        lasts: dict[str, AnyHeartbeat] = {last.atv: last for last in self.atvs.heartbeats()}
+        lasts |= {last.machine: last for last, _ in self.machines.heartbeats()}
+        lasts |= {last.station: last for last in self.stations.heartbeats()}
+        there = {
+            agent: last
+            for agent, last in lasts.items()
+            if agent not in self.outsiders and agent not in self.removals
+        }
+        return Present(
+            wall_s=now.wall_s,
+            last_s={agent: last.at_s for agent, last in there.items()},
+            silent=frozenset(agent for agent, last in there.items() if now.is_lost(agent, last)),
+            removals=self.removals.views(),
+            closures=self.closures.views(),
+            commands=self.commands.views(),
+        )
 
     def working_of(self, machine: str) -> WallWorkingTime | None:
         """When a machine works, on the wall clock; None for one that never rests."""

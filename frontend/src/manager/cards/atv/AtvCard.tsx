@@ -11,6 +11,7 @@ import { isLost } from "../../../plant/silence";
 import { selection } from "../../../selection/selection";
 import { nowS, presentS, world } from "../../../stream/stream";
 import { failureText } from "../../../text/failure";
+import { sinceHeard } from "../../../text/heard";
 import { format, t, word } from "../../../text/manager";
 import { ClockMark } from "../agents/ClockMark";
 import { ShutOutMenu } from "../agents/ShutOutMenu";
@@ -88,7 +89,7 @@ function AtvCard({ atv }: { atv: AtvView }) {
         <Fact name={t("atv.speed")}>{t("atv.speedOf", { speed: format.number(atv.speed_mps, 1), most })}</Fact>
         <Fact name={t("atv.heartbeat")}>
           <span class={lost ? "tone-alarm" : atv.link === "mesh" ? "tone-warn" : ""}>
-            {t("atv.heardBy", { age: format.age(nowS.value - atv.seen_at_s), link: lost ? t("atv.noLink") : linkText(atv) })}
+            {t("atv.heardBy", { age: sinceHeard(nowS.value - atv.seen_at_s), link: lost ? t("atv.noLink") : linkText(atv) })}
           </span>{" "}
           <ClockMark clock={atv.clock} />
         </Fact>
@@ -134,7 +135,7 @@ function TaskFacts({ atv, lost, task }: { atv: AtvView; task: TaskView | undefin
       <Fact name={t("atv.for")}>
         <Link kind="machine" id={brief.coordinator} /> · {t("atv.loadOf", { quantity, item: names.value(brief.item) })}
       </Fact>
-      <PromiseFact dueAtS={brief.due_at_s} lost={lost} promisedAtS={task?.promised_at_s ?? null} />
+      <PromiseFact atv={atv} lost={lost} promisedAtS={task?.promised_at_s ?? null} />
     </>
   );
 }
@@ -147,7 +148,7 @@ function WatchFacts({ atv, task }: { atv: AtvView; task: TaskView | undefined })
         <Fact name={t("atv.watchedBy")}>
           {watcher ? (
             <>
-              <Link kind="atv" id={watcher.id} /> · {t("machine.ago", { age: format.age(nowS.value - watcher.seen_at_s) })}
+              <Link kind="atv" id={watcher.id} /> · {t("machine.ago", { age: sinceHeard(nowS.value - watcher.seen_at_s) })}
             </>
           ) : (
             t("atv.nobody")

@@ -2,7 +2,7 @@ import { Link } from "../../../parts/Link";
 import { format, t, word } from "../../../text/manager";
 import { factoryTime } from "../../../text/plant-time";
 import type { BidView } from "../../../api/types";
-import type { BidRow } from "./auction";
+import { barOf, type BidRow } from "./auction";
 
 interface Props {
   row: BidRow;
@@ -24,10 +24,13 @@ export function BidLine({ row, parts, mostS, won }: Props) {
   const note = noteOf(row, won);
   return (
     <li class={`bid ${won && standing === "primary" ? "bid-won" : ""}`}>
-      <Link kind="atv" id={bid.bidder} />
+      <span class="bid-who">
+        <Link kind="atv" id={bid.bidder} />
+        {bid.battery_reckoned && <small class="muted" title={t("auction.reckonedWhy")}>{t("auction.reckoned")}</small>}
+      </span>
       <span class="bid-bar" role="img" aria-label={label} title={label}>
-        {parts.map((part) => (
-          <i key={part} class={`part-${part}`} style={{ width: `${((bid.parts_s[part] ?? 0) / mostS) * 100}%` }} />
+        {barOf(bid, parts, mostS).map(({ frac, part }) => (
+          <i key={part} class={`part-${part}`} style={{ width: `${frac * 100}%` }} />
         ))}
       </span>
       <span class="num">{format.duration(bid.total_s)}</span>

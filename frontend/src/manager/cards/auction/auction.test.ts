@@ -1,8 +1,9 @@
+import { readFileSync } from "node:fs";
 import { describe, expect, test } from "vitest";
 import type { AtvView, BidView, RefusalView, TaskView, WhyView } from "../../../api/types";
 import { NOTHING, type Selection } from "../../../selection/selection";
 import type { World } from "../../../stream/world";
-import { auctionOf, shownTask } from "./auction";
+import { auctionOf, barOf, OTHER, PART_ORDER, shownTask } from "./auction";
 import { whyText } from "./why-text";
 import { taskTimes } from "./times";
 
@@ -94,6 +95,30 @@ describe("an auction", () => {
   test("names the parts in the order in which they are spent, and none that nobody spends", () => {
     const parts_s = { suitability: 0, energy: 3, loaded_way: 2, empty_way: 1 };
     expect(auctionOf(task({ bids: [bid("A", 1, 1, { parts_s })] })).parts).toEqual(["empty_way", "loaded_way", "energy"]);
+  });
+});
+
+describe("the bar of a bid", () => {
+  const css = readFileSync(new URL("../../../styles/cards/auction.css", import.meta.url), "utf8");
+
+  test("is as long as its price, whatever the price is made of", () => {
+    const prices = [
+      { empty_way: 20, loaded_way: 40, waiting: 32 }, { empty_way: 91.8, energy: 0.2 }, { queue: 0.4, making: 91.6 },
+      { empty_way: 30, unheard_of: 62 },
+    ];
+    const bids = prices.map((parts_s, i) => bid(`ATV${i}`, 0, 0, { parts_s, total_s: 92 }));
+    const { mostS, parts } = auctionOf(task({ bids }));
+    const lengths = bids.map((each) => barOf(each, parts, mostS).reduce((sum, { frac }) => sum + frac, 0));
+    for (const length of lengths) expect(length).toBeCloseTo(1, 9);
+  });
+
+  test("has a part for what no legend names, and none for nothing", () => {
+    expect(barOf({ parts_s: { making: 4 }, total_s: 5 }, ["making"], 10)).toEqual([{ part: "making", frac: 0.4 }, { part: OTHER, frac: 0.1 }]);
+    expect(barOf({ parts_s: { making: 5 }, total_s: 5 }, ["making", "rest"], 10)).toEqual([{ part: "making", frac: 0.5 }]);
+  });
+
+  test.each([...PART_ORDER, OTHER])("has a look for %s", (part) => {
+    expect(css).toMatch(new RegExp(`\\.part-${part}[,\\s][^}]*background: `));
   });
 });
 

@@ -27,9 +27,11 @@ export interface Auction {
   readonly parts: readonly string[];
 }
 
-/** A part that nobody spends half a second on is not worth a place in the legend. */
+/** A part that nobody spends half a second on is not worth a place in the legend: it is among the rest. */
 const SHOWN_S = 0.5;
-const PART_ORDER = ["empty_way", "loaded_way", "energy", "suitability", "waiting", "reliability", "queue", "material", "making", "rest", "passed"];
+/** What a price has beside the parts in the legend. */
+export const OTHER = "other";
+export const PART_ORDER = ["empty_way", "loaded_way", "energy", "suitability", "waiting", "reliability", "queue", "material", "making", "rest", "passed"];
 
 export function auctionOf(task: TaskView): Auction {
   const hasWon = isWon(task);
@@ -88,6 +90,24 @@ function latestRefusals(refusals: readonly RefusalView[], epoch: number): Refusa
 function standingOf(task: TaskView, agent: string): BidRow["standing"] {
   if (agent === task.primary) return "primary";
   return agent === task.secondary ? "secondary" : null;
+}
+
+/** One part of a bar: what it stands for, and how much of the longest bar it takes. */
+export interface BarPart {
+  readonly part: string;
+  readonly frac: number;
+}
+
+/**
+ * What is drawn of a bid. Together it is as long as the price: whatever is summed and not in the legend is one part at the end.
+ *
+ * @param mostS what a full bar stands for
+ */
+export function barOf({ parts_s: partsS, total_s: totalS }: Pick<BidView, "parts_s" | "total_s">, parts: readonly string[], mostS: number): BarPart[] {
+  const drawn = parts.map((part) => ({ part, s: Math.max(0, partsS[part] ?? 0) }));
+  const other = totalS - drawn.reduce((sum, { s }) => sum + s, 0);
+  const all = other > 0 ? [...drawn, { part: OTHER, s: other }] : drawn;
+  return all.filter(({ s }) => s > 0).map(({ part, s }) => ({ part, frac: s / mostS }));
 }
 
 function partsOf(rows: readonly BidRow[]): string[] {

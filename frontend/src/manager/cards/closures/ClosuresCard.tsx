@@ -5,7 +5,7 @@ import { nowS, world } from "../../../stream/stream";
 import { format, t } from "../../../text/manager";
 import { problemText } from "../../problem-text";
 import { plant } from "../../state";
-import { whereText } from "./closure-text";
+import { howText, whereText } from "./closure-text";
 
 /** What people have closed to vehicles: by whom, why, until when, and the way back. Nothing while all is open. */
 export function ClosuresCard() {
@@ -39,13 +39,13 @@ function Line({ closure }: { closure: ClosureView }) {
       busy.value = false;
     }
   };
-  const { at_s: atS, by, cut_off: cutOff, kind, not_known_by: unaware, reason, speed_mps: speed, until_at_s: untilS } = closure;
+  const { at_s: atS, by, cut_off: cutOff, not_known_by: unaware, reason, until_at_s: untilS } = closure;
   const where = whereText(closure, plant.value?.areas ?? []);
   const at = format.due(atS, nowS.value);
   return (
     <li>
       <p>
-        <strong>{where}</strong> · {kind === "slow" ? t("closures.slowTo", { speed: format.number(speed ?? 0, 1) }) : t(`closures.is.${kind}`)}
+        <strong>{where}</strong> · {howText(closure)}
         <span class="line">{reason}</span>
         <small class="line muted">
           {untilS === null ? t("closures.since", { at, by }) : t("closures.sinceUntil", { at, by, until: format.due(untilS, nowS.value) })}

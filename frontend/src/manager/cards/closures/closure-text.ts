@@ -2,7 +2,7 @@
 import type { ClosureRequest, ClosureView, Outlook } from "../../../api/types";
 import { laneOf, roadOf } from "../../../plant/surface/lanes";
 import type { Corner } from "../../../selection/outline";
-import { t } from "../../../text/manager";
+import { format, t } from "../../../text/manager";
 
 export type Kind = ClosureView["kind"];
 
@@ -15,6 +15,11 @@ export function whereText(closure: Pick<ClosureView, "area" | "lane" | "outline"
   if (lane) return t("closures.lane", roadOf(lane));
   if (outline.length > 0) return t("closures.drawnArea", { corners: outline.length });
   return place !== "" ? place : (areas.find(({ id }) => id === area)?.name ?? area);
+}
+
+/** How it is closed: "closed", "one-way", "0.5 m/s". */
+export function howText({ kind, speed_mps: speedMps }: Pick<ClosureView, "kind" | "speed_mps">): string {
+  return kind === "slow" ? t("closures.slowTo", { speed: format.number(speedMps ?? 0, 1) }) : t(`closures.is.${kind}`);
 }
 
 export interface Draft {

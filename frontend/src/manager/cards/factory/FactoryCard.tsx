@@ -35,6 +35,12 @@ export function FactoryCard() {
         <Kpi value={seconds(factory?.transport_p95_s)} name={inFactoryTime(t("factory.p95"))} term="p95" />
       </div>
       <Sparkline values={factory?.deliveries_per_hour ?? []} />
+      {/* Above what grows: these buttons keep their places. */}
+      <div class="card-foot">
+        <PauseMenu />
+        <LaneFaultMenu />
+        <Later load={async () => (await import("../closures/CloseMenu")).CloseMenu} />
+      </div>
       <StatusRow name={t("factory.atvs")} group="atv" counts={counts.atvs} order={ATV_ORDER} />
       <StatusRow
         name={t("factory.machines")}
@@ -43,11 +49,6 @@ export function FactoryCard() {
         order={MACHINE_ORDER}
       />
       <Later load={async () => (await import("../duty/DutyRow")).load()} />
-      <div class="card-foot">
-        <PauseMenu />
-        <LaneFaultMenu />
-        <Later load={async () => (await import("../closures/CloseMenu")).CloseMenu} />
-      </div>
     </Card>
   );
 }

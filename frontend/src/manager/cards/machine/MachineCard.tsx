@@ -8,6 +8,7 @@ import { Tag, toneOfMachine } from "../../../parts/Tag";
 import { isLost } from "../../../plant/silence";
 import { nowS, presentS, world } from "../../../stream/stream";
 import { causeText, failureText } from "../../../text/failure";
+import { sinceHeard } from "../../../text/heard";
 import { format, n, t, word } from "../../../text/manager";
 import { ClockMark } from "../agents/ClockMark";
 import { ShutOutMenu } from "../agents/ShutOutMenu";
@@ -54,7 +55,7 @@ export function MachineCard({ spec, machine }: { spec: MachineSpec; machine: Mac
         )}
         <Fact name={t("machine.heartbeat")}>
           <span class={lost ? "tone-alarm" : ""}>
-            {machine ? t("machine.ago", { age: format.age(nowS.value - machine.seen_at_s) }) : t("machine.never")}
+            {machine ? t("machine.ago", { age: sinceHeard(nowS.value - machine.seen_at_s) }) : t("machine.never")}
           </span>{" "}
           <ClockMark clock={machine?.clock} />
         </Fact>

@@ -5,6 +5,7 @@ import { Link } from "../../../parts/Link";
 import { Tag } from "../../../parts/Tag";
 import { isLost } from "../../../plant/silence";
 import { nowS, presentS, world } from "../../../stream/stream";
+import { sinceHeard } from "../../../text/heard";
 import { format, t } from "../../../text/manager";
 import { ClockMark } from "../agents/ClockMark";
 import { ShutOutNote } from "../agents/ShutOutNote";
@@ -33,7 +34,7 @@ export function PlaceCard({ place }: { place: PlaceInfo }) {
         {beats && (
           <Fact name={t("machine.heartbeat")}>
             <span class={lost ? "tone-alarm" : ""}>
-              {station ? t("machine.ago", { age: format.age(nowS.value - station.seen_at_s) }) : t("machine.never")}
+              {station ? t("machine.ago", { age: sinceHeard(nowS.value - station.seen_at_s) }) : t("machine.never")}
             </span>{" "}
             <ClockMark clock={station?.clock} />
           </Fact>

@@ -1,5 +1,5 @@
 /** News in words. */
-import type { NewsView } from "../../../api/types";
+import type { ClosureView, NewsView } from "../../../api/types";
 import { causeText, reasonText } from "../../../text/failure";
 import { format, t } from "../../../text/manager";
 import { factoryTime } from "../../../text/plant-time";
@@ -10,10 +10,13 @@ export interface Called {
   readonly goal: (id: string) => string;
   /** The customer's reference. */
   readonly order: (id: string) => string;
+  /** What was closed, and how. */
+  readonly closure: (closure: ClosureView) => { readonly where: string; readonly how: string };
 }
 
 export function newsText(news: NewsView, nowS: number, called: Called): string {
-  const { agent, arrived, confirmed, other, successor, task } = news;
+  const { agent, arrived, closure, confirmed, other, successor, task } = news;
+  const agents = format.list(news.agents.length > 0 ? news.agents : [agent]);
   const goal = called.goal(news.goal);
   const silence = factoryTime(news.silent_s, undefined, "age");
   const reason = news.cause === null ? reasonText(news.reason) : causeText(news.cause);
@@ -42,6 +45,20 @@ export function newsText(news: NewsView, nowS: number, called: Called): string {
       return t("news.goalWaits", { order: called.order(news.order), reason });
     case "memory_lost":
       return t("news.memoryLost", { agent, reason });
+    case "silent":
+      return t("news.silent", { agents });
+    case "heard_again":
+      return t("news.heardAgain", { agents, silence });
+    case "carried_away":
+      return t("news.carriedAway", { agent, by: other });
+    case "put_back":
+      return t("news.putBack", { agent });
+    case "stopped":
+      return t("news.stopped", { agents, by: other });
+    case "closed":
+      return closure === null ? "" : t("news.closed", { by: other, reason: closure.reason, ...called.closure(closure) });
+    case "opened":
+      return closure === null ? "" : t("news.opened", called.closure(closure));
   }
 }
 

@@ -1,17 +1,19 @@
 import { describe, expect, test } from "vitest";
-import type { NewsView } from "../../../api/types";
+import type { ClosureView, NewsView } from "../../../api/types";
 import type { World } from "../../../stream/world";
 import { keyOf, lately, strips, subjectOf, toneOf } from "./news";
 import { newsText } from "./news-text";
 
 const news = (more: Partial<NewsView>): NewsView => ({
   id: "M8-3@2", kind: "took_over", at_s: 100, agent: "ATV1", other: "ATV3", task: "M8-3", epoch: 2, goal: "",
-  successor: "", arrived: 0, order: "", reason: "silent", cause: null, silent_s: 3.6, until_at_s: null, confirmed: true, ...more,
+  successor: "", arrived: 0, order: "", reason: "silent", cause: null, silent_s: 3.6, until_at_s: null, confirmed: true, agents: [], closure: null, ...more,
 });
 
 describe("news in words", () => {
   const NOW_S = 1_900_000_000;
-  const text = (each: NewsView): string => newsText(each, NOW_S, { goal: () => "24 Gear unit G2", order: () => "PO-17" });
+  const text = (each: NewsView): string => newsText(each, NOW_S, {
+    goal: () => "24 Gear unit G2", order: () => "PO-17", closure: ({ area }) => ({ where: area, how: "closed" }),
+  });
 
   test("say who took over from whom, and after how much silence", () => {
     expect(text(news({}))).toBe("ATV1 took over M8-3 from ATV3 after 3.6\u202fs of silence");
@@ -40,11 +42,22 @@ describe("news in words", () => {
     expect(text(waits)).toBe("Order PO-17 waits: M8 is silent");
   });
 
+  const closure = { area: "North", reason: "oil" } as ClosureView;
+
+  test("tell silence with its length, and of whom people have stopped, carried away and closed", () => {
+    expect(text(news({ kind: "silent", agents: ["ATV1", "ATV2"] }))).toBe("Nothing is heard of ATV1, ATV2 any more");
+    expect(text(news({ kind: "heard_again", silent_s: 123 }))).toBe("ATV1 heard again after 2:03\u202fmin of silence");
+    expect(text(news({ kind: "stopped", other: "Mara" }))).toBe("Mara stopped ATV1");
+    expect(text(news({ kind: "carried_away", other: "Mara" }))).toBe("Mara has carried ATV1 away");
+    expect(text(news({ kind: "closed", other: "Mara", closure }))).toBe("Mara: North closed. oil");
+    expect(text(news({ kind: "opened", closure }))).toBe("North is open again");
+  });
+
   test.each([
     "took_over", "takeover_refused", "announced_anew", "link_lost", "link_back", "help_asked", "help_promised",
-    "goal_lost", "goal_waits", "memory_lost",
+    "goal_lost", "goal_waits", "memory_lost", "silent", "heard_again", "carried_away", "put_back", "stopped", "closed", "opened",
   ] as const)("leave no gap in %s", (kind) => {
-    const said = text(news({ kind, goal: "G1", until_at_s: NOW_S }));
+    const said = text(news({ kind, goal: "G1", until_at_s: NOW_S, closure }));
     expect(said).not.toMatch(/[{}]/);
     expect(said.length).toBeGreaterThan(10);
   });

@@ -10,8 +10,10 @@ const MOST_STRIPS = 3;
 /** As many as a person scrolls through. */
 const MOST_LISTED = 20;
 
-/** What a person need not be told at once: good news, and what follows other news. */
-const QUIET = new Set<NewsView["kind"]>(["link_back", "help_promised"]);
+/** What a person need not be told at once: good news, what follows other news, what people have done, and what is an alert. */
+const QUIET = new Set<NewsView["kind"]>([
+  "link_back", "help_promised", "silent", "heard_again", "carried_away", "put_back", "stopped", "closed", "opened",
+]);
 
 /** Newest first. */
 export function lately(news: Iterable<NewsView>): NewsView[] {
@@ -46,6 +48,7 @@ export function toneOf(news: NewsView): "warn" | "chosen" | "normal" {
     case "goal_waits":
     case "memory_lost":
     case "announced_anew":
+    case "silent":
       return "warn";
     case "took_over":
       return "chosen";

@@ -3,8 +3,9 @@ import type { NewsView } from "../../../api/types";
 import { choose } from "../../../selection/selection";
 import { world } from "../../../stream/stream";
 import { format, t } from "../../../text/manager";
-import { names, orderName, taskName } from "../../state";
+import { names, orderName, plant, taskName } from "../../state";
 import { go } from "../../views";
+import { howText, whereText } from "../closures/closure-text";
 import { subjectOf } from "./news";
 import type { Called } from "./news-text";
 
@@ -26,4 +27,5 @@ export const CALLED: Called = {
     return t("auction.what", { quantity: format.count(task.quantity), item: names.value(task.item) });
   },
   order: orderName,
+  closure: (closure) => ({ where: whereText(closure, plant.value?.areas ?? []), how: howText(closure) }),
 };

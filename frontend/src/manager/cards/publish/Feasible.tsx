@@ -4,7 +4,7 @@ import { Tag } from "../../../parts/Tag";
 import { nowS, world } from "../../../stream/stream";
 import { format, n, t } from "../../../text/manager";
 import { names, plant } from "../../state";
-import { makersOf, needsOf, quantityOf } from "./draft";
+import { makersOf, needsOf, quantityOf, unableOf } from "./draft";
 import { draft, outcome } from "./form";
 import { Needs, NeedsButton } from "./Needs";
 import { followDraft, preview } from "./preview";
@@ -49,7 +49,7 @@ export function Feasible() {
 
 function Foreseen({ found }: { found: OrderPreview }) {
   const able = found.machines.filter(({ available }) => available);
-  const lost = found.machines.length - able.length;
+  const { lost, unheard } = unableOf(found.machines, world.value?.machines ?? new Map<string, unknown>());
   const free = Math.min(...able.map(({ queue_s }) => queue_s));
   return (
     <>
@@ -58,6 +58,7 @@ function Foreseen({ found }: { found: OrderPreview }) {
           ? t(found.machines.length === 0 ? "publish.nobody" : "publish.nobodyNow")
           : t(free < 1 ? "publish.freeNow" : "publish.freeIn", { machines: named(able.map(({ machine }) => machine)), free: factoryTime(free, world.value?.factory.speed ?? 1) })}
         {lost > 0 && <span class="tone-warn"> {n("publish.lostMachines", lost)}</span>}
+        {unheard > 0 && <span class="muted"> {n("publish.unheardMachines", unheard)}</span>}
       </p>
       {found.earliest_at_s !== null && found.latest_at_s !== null && (
         <p>

@@ -82,3 +82,13 @@ export function needsOf(plant: PlantFile, product: string, quantity: number): Ne
     return [{ name: material.name, pieces, lots: Math.ceil(pieces / material.lot) }];
   });
 }
+
+/** Of the machines that cannot make it now: how many are silent or broken, and of how many nothing was heard yet. */
+export function unableOf(
+  offers: readonly { readonly machine: string; readonly available: boolean }[],
+  heard: ReadonlyMap<string, unknown>,
+): { lost: number; unheard: number } {
+  const unable = offers.filter(({ available }) => !available);
+  const unheard = unable.filter(({ machine }) => !heard.has(machine)).length;
+  return { lost: unable.length - unheard, unheard };
+}

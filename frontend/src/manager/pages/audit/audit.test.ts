@@ -30,6 +30,7 @@ test("what else a line tells is one line of text in people's words", () => {
   expect(detailText({ change: '{"priority":"urgent","due_at":null}' })).toBe("change (priority urgent · due none)");
   expect(detailText({ name: "ERP", days: null, place: "", areas: [] })).toBe("name ERP");
   expect(detailText({})).toBe("");
+  expect(detailText({ kind: "resume", after_work: false, command: "6c21f0a4-0b7e-4c55-9a40-1f2d3c4b5a69" })).toBe("kind resume");
   speak("de", de, "de-DE");
   expect(plain(detailText({ kind: "take_out", reason: "kind", wait_s: 3600 }))).toBe("Art aus dem Betrieb nehmen · Grund kind · für 60:00 min");
   speak("de", { ...de, ...faults }, "de-DE");

@@ -8,7 +8,17 @@ const CHOSEN: ReadonlySet<string> = new Set(["kind", "state", "answer", "by", "p
 
 /** @returns nothing of what was left empty */
 export function detailText(detail: Detail): string {
-  return partsText(Object.entries(detail).filter(([, value]) => value !== null && value !== "" && !(Array.isArray(value) && value.length === 0)));
+  return partsText(Object.entries(detail).filter(([, value]) => tellsSomething(value)));
+}
+
+/** As the gateway numbers commands: it tells people nothing. */
+const NUMBERED = /^[0-9a-f]{8}-?(?:[0-9a-f]{4}-?){3}[0-9a-f]{12}$/;
+
+/** Not what was left empty, or not asked for, nor a number that nobody has given. */
+function tellsSomething(value: unknown): boolean {
+  if (value === null || value === "" || value === false) return false;
+  if (typeof value === "string") return !NUMBERED.test(value);
+  return !(Array.isArray(value) && value.length === 0);
 }
 
 function partsText(parts: readonly (readonly [string, unknown])[]): string {

@@ -5,6 +5,8 @@ import { Table } from "../../../parts/Table";
 import { Tag, type Tone } from "../../../parts/Tag";
 import { boundS } from "../../../plant/silence";
 import { presentS, world } from "../../../stream/stream";
+import { sinceHeardIn } from "../../../text/heard";
+import { inFactoryTime } from "../../../text/plant-time";
 import { speakAlso } from "../../../text/speech";
 import { format, t, tables, word } from "../../../text/views/records";
 import { linkText } from "../../cards/atv/link";
@@ -35,7 +37,7 @@ export function WatchView() {
     <Table
       title={t("watch.title")}
       hint={t("watch.hint")}
-      heads={heads.map((head) => t(`watch.${head}`))}
+      heads={heads.map((head) => (head === "age" || head === "guardAge" ? inFactoryTime(t(`watch.${head}`)) : t(`watch.${head}`)))}
       empty={t(all.length === 0 ? "watch.none" : "watch.noneOf")}
       aside={<Filters all={all} />}
     >
@@ -116,14 +118,14 @@ function Vehicle({ id, strong = false }: { id: string; strong?: boolean }) {
 function Age({ atv }: { atv: AtvView }) {
   const ageS = Math.max(0, presentS.value - atv.seen_at_s);
   const bound = boundS(atv, world.value?.factory.speed ?? 1);
-  const age = format.age(ageS);
+  const age = sinceHeardIn(ageS);
   const lost = ageS > bound;
   return (
     <span class="age">
       <Meter
         frac={ageS / bound}
         tone={lost ? "alarm" : ageS > bound / 2 ? "warn" : "normal"}
-        label={t("watch.ageLabel", { age, bound: format.age(bound) })}
+        label={t("watch.ageLabel", { age, bound: sinceHeardIn(bound) })}
       />
       <span class={`num ${lost ? "tone-alarm" : ""}`}>{age}</span>
       {atv.link === "mesh" && !lost && <Tag tone="warn">{linkText(atv)}</Tag>}

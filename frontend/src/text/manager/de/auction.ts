@@ -21,6 +21,8 @@ export const auction: Catalogue<typeof english> = {
   "auction.late": "{by} nach der Zusage",
   "auction.refused": "abgesagt: {reason}",
   "auction.bidLabel": "{bidder}: {total}, davon {parts}",
+  "auction.reckoned": "Akku errechnet",
+  "auction.reckonedWhy": "Wie voll der Akku ist, wurde hier errechnet: Das Fahrzeug sagt es nicht.",
   "auction.moreBids.one": "+{n} Gebot",
   "auction.moreBids.other": "+{n} Gebote",
   "auction.moreRefusals.one": "+{n} Absage",

@@ -18,6 +18,8 @@ export const auction = {
   "auction.late": "{by} after the promise",
   "auction.refused": "refused: {reason}",
   "auction.bidLabel": "{bidder}: {total}, of which {parts}",
+  "auction.reckoned": "battery reckoned",
+  "auction.reckonedWhy": "How full its battery is was reckoned here: the vehicle does not tell it.",
   "auction.moreBids.one": "+{n} bid",
   "auction.moreBids.other": "+{n} bids",
   "auction.moreRefusals.one": "+{n} refusal",

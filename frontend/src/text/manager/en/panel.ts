@@ -17,7 +17,7 @@ export const panel = {
   "skip.toContent": "Skip to the content",
 
   "news.title": "Lately",
-  "news.none": "No failures since this gateway was started.",
+  "news.none": "Nothing since this gateway was started.",
   "news.took": "{agent} took over {task} from {other}: {reason}",
   "news.tookSilent": "{agent} took over {task} from {other} after {silence} of silence",
   "news.taking": "{agent} takes over {task} from {other}: {reason}",
@@ -33,6 +33,13 @@ export const panel = {
   "news.goalLostWhole": "{agent} failed with {goal}, all delivered by then",
   "news.goalWaits": "Order {order} waits: {reason}",
   "news.memoryLost": "{agent} began without its memory: {reason}",
+  "news.silent": "Nothing is heard of {agents} any more",
+  "news.heardAgain": "{agents} heard again after {silence} of silence",
+  "news.carriedAway": "{by} has carried {agent} away",
+  "news.putBack": "{agent} is back on the floor",
+  "news.stopped": "{by} stopped {agents}",
+  "news.closed": "{by}: {where} {how}. {reason}",
+  "news.opened": "{where} is open again",
   "news.region": "News from the plant",
   "news.dismiss": "Dismiss",
 
@@ -155,6 +162,7 @@ export const panel = {
   "agent.probation": "on probation: {done} of {of}",
 
   "fleet.show": "Show {id} on the plant",
+  "nav.operator": "Operator panel",
   "nav.people": "People and keys",
   "nav.replay": "What was",
   "replay.show": "Show this moment",

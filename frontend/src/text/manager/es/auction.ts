@@ -21,6 +21,8 @@ export const auction: Catalogue<typeof english> = {
   "auction.late": "{by} después de lo prometido",
   "auction.refused": "rehusó: {reason}",
   "auction.bidLabel": "{bidder}: {total}, de ello {parts}",
+  "auction.reckoned": "batería calculada",
+  "auction.reckonedWhy": "Cuánta batería tiene se ha calculado aquí: el vehículo no lo dice.",
   "auction.moreBids.one": "+{n} oferta",
   "auction.moreBids.other": "+{n} ofertas",
   "auction.moreRefusals.one": "+{n} negativa",

@@ -20,7 +20,7 @@ export const panel: Catalogue<typeof english> = {
   "skip.toContent": "Saltar al contenido",
 
   "news.title": "Últimamente",
-  "news.none": "Ningún fallo desde que arrancó esta central.",
+  "news.none": "Nada desde que arrancó esta central.",
   "news.took": "{agent} asumió {task} de {other}: {reason}",
   "news.tookSilent": "{agent} asumió {task} de {other} tras {silence} de silencio",
   "news.taking": "{agent} asume {task} de {other}: {reason}",
@@ -36,6 +36,13 @@ export const panel: Catalogue<typeof english> = {
   "news.goalLostWhole": "{agent} falló con {goal}, ya estaba todo entregado",
   "news.goalWaits": "El pedido {order} espera: {reason}",
   "news.memoryLost": "{agent} empezó sin su memoria: {reason}",
+  "news.silent": "Ya no se oye nada de {agents}",
+  "news.heardAgain": "{agents}: se vuelve a oír tras {silence} de silencio",
+  "news.carriedAway": "{by} ha retirado {agent}",
+  "news.putBack": "{agent} vuelve a estar en planta",
+  "news.stopped": "{by} ha parado {agents}",
+  "news.closed": "{by}: {where} {how}. {reason}",
+  "news.opened": "{where} vuelve a estar abierto",
   "news.region": "Noticias de la planta",
   "news.dismiss": "Cerrar",
 
@@ -158,6 +165,7 @@ export const panel: Catalogue<typeof english> = {
   "agent.probation": "a prueba: {done} de {of}",
 
   "fleet.show": "Mostrar {id} en el plano",
+  "nav.operator": "Panel de operario",
   "nav.people": "Personas y claves",
   "nav.replay": "Lo que fue",
   "replay.show": "Mostrar este momento",

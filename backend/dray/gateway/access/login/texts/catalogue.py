@@ -28,7 +28,9 @@ class Catalogue(msgspec.Struct, frozen=True, kw_only=True):
     to_operator: str
     to_manager: str
 
-    wrong: str
+    wrong_pin: str
+    wrong_password: str
+    wrong_badge: str
     too_many: str
     seconds: str
     minutes: str

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import ClassVar
 
 from msgspec.structs import replace
@@ -47,6 +47,10 @@ class Removals:
             before = self._freed.get((fact.atv, fact.number), ())
             self._freed[fact.atv, fact.number] = tuple(sorted({*before, *fact.places}))
         return (fact.atv,)
+
+    def views(self) -> Mapping[str, RemovalView]:
+        """Those that are off the floor, as they were decided."""
+        return self._views
 
     def view(self, atv: str) -> RemovalView | None:
         """What is told of one vehicle; None when it is on the floor."""

@@ -1,0 +1,115 @@
+"""Cards of vehicles that come and go: none comes under a hand that was over another one, and no open form is lost."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from gateway_kit import House
+from open_house import OpenHouse
+from playwright.sync_api import Page, expect
+from puppets import Puppet
+from tablet_kit import IN_AREA, LOOKS, LYING, PHONE, UPRIGHT, Enter, card, kinds
+
+from dray.messages import CommandKind
+
+Screenshot = Callable[..., Path]
+
+AWAY = (25.0, 35.0)
+"""Outside of the area."""
+
+TOUCH_AT_ONCE = """new Promise(done => {
+    const list = document.querySelector(".cards.well");
+    new MutationObserver((_, looking) => {
+        if (document.querySelector("#vehicle-ATV2")) return;
+        looking.disconnect();
+        const button = document.querySelector("#vehicle-ATV6 .steps button");
+        const touch = {bubbles: true, cancelable: true, detail: 1};
+        button.dispatchEvent(new PointerEvent("pointerdown", touch));
+        button.dispatchEvent(new MouseEvent("click", touch));
+        done();
+    }).observe(list, {childList: true});
+})"""
+"""A finger that is down in the very moment in which a card has moved up."""
+
+
+def drive(vehicle: Puppet, place: tuple[float, float]) -> Callable[[House], None]:
+    async def say(_house: House) -> None:
+        vehicle.x_m, vehicle.y_m = place
+        vehicle.beat()
+
+    return say
+
+
+@pytest.mark.parametrize(
+    ("look", "gone"),
+    [
+        ("lying-light-en", "has left your area"),
+        ("upright-dark-de", "Ihren Bereich verlassen"),
+        ("phone-dark-es", "Ha salido de su zona"),
+    ],
+)
+def test_an_open_form_stays_when_its_vehicle_leaves_and_is_sent_when_it_is_back(
+    house: OpenHouse, vehicles: dict[str, Puppet], enter: Enter, screenshot: Screenshot, look: str, gone: str
+) -> None:
+    page = enter(**LOOKS[look])
+    own = card(page, "ATV2")
+    own.locator(".service-open").tap()
+    form = own.locator(".service")
+    form.locator("button").nth(1).tap()
+    house.do(drive(vehicles["ATV2"], AWAY))
+    expect(own).to_contain_text(gone)
+    expect(form.locator("button").nth(1)).to_have_attribute("aria-pressed", "true")
+    expect(form.locator("button").nth(5)).to_be_disabled()
+    expect(page.locator(".vehicle h2")).to_have_text(["ATV2", "ATV6"])
+    own.scroll_into_view_if_needed()
+    screenshot(page, f"operator-form-left-{look}")
+    house.do(drive(vehicles["ATV2"], IN_AREA["ATV2"]))
+    form.locator("button").nth(5).tap()
+    expect(form).to_have_count(0)
+    expect(own.locator(".service-back")).to_be_visible()
+    assert kinds(vehicles["ATV2"]) == [CommandKind.TAKE_OUT]
+
+
+def test_a_card_that_moves_up_counts_no_touch_at_first_and_says_so(
+    house: OpenHouse, vehicles: dict[str, Puppet], enter: Enter
+) -> None:
+    page = enter()
+    expect(page.locator(".vehicle h2")).to_have_text(["ATV2", "ATV6"])
+    page.evaluate("window.touched = " + TOUCH_AT_ONCE + "; 0")
+    house.do(drive(vehicles["ATV2"], AWAY))
+    expect(card(page, "ATV2")).to_contain_text("has left")
+    expect(card(page, "ATV2").locator(".steps button").first).to_be_visible()
+    page.evaluate("window.touched")
+    expect(card(page, "ATV6")).to_contain_text("new here: touch again")
+    assert kinds(vehicles["ATV6"]) == []
+    expect(card(page, "ATV6")).not_to_contain_text("touch again")
+    card(page, "ATV6").locator(".steps button").first.tap()
+    expect(card(page, "ATV6").locator(".command")).to_contain_text("confirmed by the vehicle")
+    assert kinds(vehicles["ATV6"]) == [CommandKind.SET_SPEED]
+
+
+def test_who_joins_is_below_those_who_are_there(
+    house: OpenHouse, vehicles: dict[str, Puppet], enter: Enter
+) -> None:
+    page = enter()
+    expect(page.locator(".vehicle h2")).to_have_text(["ATV2", "ATV6"])
+    house.do(lambda inside: Puppet.join(inside, "ATV1", *IN_AREA["ATV2"]))
+    expect(page.locator(".vehicle h2")).to_have_text(["ATV2", "ATV6", "ATV1"])
+
+
+@pytest.mark.parametrize("size", [PHONE, UPRIGHT, LYING])
+def test_the_stations_name_is_whole(
+    house: OpenHouse,
+    vehicles: dict[str, Puppet],
+    enter: Enter,
+    screenshot: Screenshot,
+    size: dict[str, int],
+) -> None:
+    page: Page = enter(viewport=size)
+    name = page.get_by_role("heading", level=1)
+    expect(name).to_have_text("M8 · Assembly cell 4")
+    assert name.evaluate("h1 => h1.scrollWidth <= h1.clientWidth && h1.scrollHeight <= h1.clientHeight")
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    screenshot(page, f"operator-header-{size['width']}")
