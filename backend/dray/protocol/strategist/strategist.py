@@ -368,6 +368,8 @@ class Strategist(AgentBase):
         goal = self._book.goal(goal_id)
         if goal is None:
             return
+        if now_s >= goal.named_s + GOAL_SILENCE_S:
+            goal.offered = False  # That was said in a life that its machine may have forgotten: it can make the goal as others can.
         # Once the gate is shut there is no way back: an older answer of it must not be taken for the last.
         failure = goal.failure or self._failure(goal, now_s)
         fit = self._monitor.anybody_fit(goal.work, now_s, goal.machine if goal.offered else "")
