@@ -227,7 +227,7 @@ SPEAKERS: Mapping[type[Message], frozenset[Kind]] = {
     ProblemEnded: _BIDDERS,
     ObstacleSeen: _ATVS,
     ObstacleCleared: _GATEWAYS,
-    CommandAnswered: _BIDDERS,
+    CommandAnswered: _BIDDERS | _STATIONS,
     OrderReleased: _GATEWAYS,
     OrderCancelled: _GATEWAYS,
     OrderRevoked: _GATEWAYS,

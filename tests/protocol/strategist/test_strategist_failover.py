@@ -215,6 +215,16 @@ def test_what_a_machine_that_works_offers_goes_to_others_and_not_back_to_it(othe
     assert reasons.get("M7") == (None if others_live else Reason.CLOSED)
 
 
+def test_what_was_offered_by_a_machine_that_has_forgotten_it_may_go_back_to_it() -> None:
+    rig, goal = making()
+    offered = msgspec.structs.replace(brief(goal), offered=True)
+    beats(rig, rig.now_s + 2.0 * GOAL_SILENCE_S, "M7", goals=(brief(goal),))
+    beats(rig, rig.now_s + 2.0 * GOAL_SILENCE_S, "M7", goals=(offered,))
+    assert rig.admitted(goal) == 24, "it is the only one that lives"
+    beats(rig, rig.now_s + 2.0 * GOAL_SILENCE_S, "M7")
+    assert rig.admitted(goal) == 0
+
+
 def test_a_machine_that_is_back_when_the_gate_is_shut_comes_too_late() -> None:
     rig, goal = making()
     beats(rig, rig.now_s + GOAL_SILENCE_S + 1.0, "M8")

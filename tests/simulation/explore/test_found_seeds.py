@@ -110,6 +110,10 @@ FOUND_WITH_TRAFFIC = [
     ("all", 100057),
     # The only vehicle of a plant of three levels went for parts one by one, as they were made, and needed more than six hours.
     ("all", 100095),
+    # The only machine for a goal had offered it to others while it was out of service, and lost its notes: nobody asked it for the goal again.
+    ("all", 114),
+    # Nobody heard what a station answered to a person who had looked for a load.
+    ("all", 130),
 ]
 
 

@@ -13,6 +13,7 @@ from dray.messages import (
     AnyFact,
     AnyMessage,
     CallAnswered,
+    CommandAnswered,
     Event,
     Fact,
     HelpCall,
@@ -21,6 +22,7 @@ from dray.messages import (
     StationHeartbeat,
     StrategistHeartbeat,
 )
+from dray.messages.fact import CommandObeyed
 from dray.messages.speakers import SIGNATURES, SPEAKERS, TELLERS
 from dray.plant import default_plant
 from dray_sim.clock.loop import clock, run
@@ -64,6 +66,10 @@ def test_every_message_has_its_speakers() -> None:
 def test_every_fact_has_its_tellers() -> None:
     assert set(TELLERS) == set(typing.get_args(AnyFact))
     assert all(TELLERS.values())
+
+
+def test_whoever_obeys_a_word_may_answer_it() -> None:
+    assert SPEAKERS[CommandAnswered] == TELLERS[CommandObeyed]
 
 
 def test_every_field_that_says_who_speaks_is_compared_with_the_speaker() -> None:
