@@ -5,6 +5,7 @@
     transport_s   = bidding + 2 * longest way + loading + unloading + ASKING_S
     task bound_s  = settle_s + transport_s * (1 + tasks that were done meanwhile / vehicles that are able)
     stall bound_s = settle_s + GOAL_BIDDING_S + transport_s + longest cycle + longest rest
+    must charge_s = vehicles / chargers * charging from empty until a vehicle takes work again, where that takes long
 
 A task waits in the worst case while the whole fleet carries others, so its bound grows with what was
 done meanwhile, and with nothing else: a task that nobody serves while nothing is done is a deadlock, and
@@ -74,6 +75,8 @@ class Bounds:
         cycle_s = max(making.cycle_s for spec in plant.machines.values() for making in spec.makes)
         self.stall_s = self.settle_s + GOAL_BIDDING_S + self.transport_s + cycle_s + _longest_rest_s(plant)
         """As long as anything is open, something must come forward within this (s)."""
+        self.must_charge_s = _must_charge_s(plant)
+        """How much longer all of it may take while a vehicle must charge (s)."""
 
     def task_s(self, item: str, done_meanwhile: int) -> float:
         """How long a transport may stay open (s).
@@ -91,11 +94,28 @@ def _charging_s(plant: Plant) -> float:
 
     Nothing where batteries outlast a run by far.
     """
-    kinds = [plant.vehicle_types[spec.type] for spec in plant.fleet.values()]
-    if min(kind.battery_wh / kind.charge_w for kind in kinds) * 3600.0 > QUICK_CHARGE_S:
+    if not _charges_quickly(plant):
         return 0.0
+    kinds = [plant.vehicle_types[spec.type] for spec in plant.fleet.values()]
     charge_s = max(Battery(kind).charging_s(0.0) for kind in kinds)
     return 2.0 * ceil(len(kinds) / len(plant.chargers)) * charge_s
+
+
+def _must_charge_s(plant: Plant) -> float:
+    """Until the last one of a fleet that must charge takes work again; nothing where full charges are in every bound."""
+    if _charges_quickly(plant) or not plant.chargers:
+        return 0.0
+    types = sorted({spec.type for spec in plant.fleet.values()})
+    one_s = max(
+        Battery(plant.vehicle_types[kind]).charging_s(0.0, plant.charger_queue.enough_frac(kind))
+        for kind in types
+    )
+    return ceil(len(plant.fleet) / len(plant.chargers)) * one_s
+
+
+def _charges_quickly(plant: Plant) -> bool:
+    kinds = [plant.vehicle_types[spec.type] for spec in plant.fleet.values()]
+    return min(kind.battery_wh / kind.charge_w for kind in kinds) * 3600.0 <= QUICK_CHARGE_S
 
 
 def _longest_way_s(plant: Plant) -> float:

@@ -15,6 +15,7 @@ from dray.messages import (
     Event,
     Message,
     OrderReleased,
+    Refusal,
     RevocationTaken,
     Transport,
     TransportAnswered,
@@ -22,6 +23,7 @@ from dray.messages import (
     TransportState,
 )
 from dray.messages.fact import (
+    BidRefused,
     GoodsDelivered,
     MemoryLost,
     OrderDropped,
@@ -76,6 +78,8 @@ class LivenessCheck:
         self._moved_s = 0.0
         """When something came forward last."""
         self._look_s = float("inf")
+        self._charging_s = float("-inf")
+        """When a vehicle has said last that it must charge before it works."""
 
     def start(self, at_s: float) -> None:
         """The last fault has ended, and the last order was placed."""
@@ -118,18 +122,15 @@ class LivenessCheck:
                 self._open.setdefault(fact.task, (at_s, self._done, fact.work.item))
                 self._coordinator[fact.task] = event.agent
         elif type(fact) is MemoryLost:
-            # It does not know of its transports; what still is to be done it announces under other names.
-            for task in [task for task in self._open if self._coordinator[task] == event.agent]:
-                del self._open[task]
-            # Nor of what it has asked others to fetch: when they lose their memory too, nobody does.
-            for order in [order for order, asker in self._orders.items() if asker == event.agent]:
-                del self._orders[order]
+            self._forget_those_of(event.agent)
         elif type(fact) is TransportProgressed:
             if fact.state in TRANSPORT_ENDED:
                 self._end_order(fact.transport)
             if fact.state is TransportState.DELIVERED:
                 # Machines ask for the same again and again: what is called off brings nothing forward.
                 self._moved_s = at_s
+        elif type(fact) is BidRefused and fact.reason is Refusal.BATTERY and event.agent != self._liar:
+            self._charging_s = at_s
         elif isinstance(fact, PROGRESS):
             self._moved_s = at_s
             if type(fact) is TaskClosed and self._open.pop(fact.task, None) is not None:
@@ -137,6 +138,14 @@ class LivenessCheck:
                 self._ended[fact.task] = None
             elif isinstance(fact, OrderFulfilled | OrderDropped):
                 self._end_order(fact.order)
+
+    def _forget_those_of(self, agent: str) -> None:
+        # It does not know of its transports; what still is to be done it announces under other names.
+        for task in [task for task in self._open if self._coordinator[task] == agent]:
+            del self._open[task]
+        # Nor of what it has asked others to fetch: when they lose their memory too, nobody does.
+        for order in [order for order, asker in self._orders.items() if asker == agent]:
+            del self._orders[order]
 
     def _return_order(self, message: RevocationTaken) -> None:
         """It is not worked at, unless it was released again meanwhile."""
@@ -168,11 +177,16 @@ class LivenessCheck:
         for task, (opened_s, done_before, item) in self._open.items():
             waited_s = at_s - max(opened_s, self._since_s)
             bound_s = self._bounds.task_s(item, self._done - max(done_before, self._done_before))
+            bound_s += self._charging_bound_s(opened_s)
             if waited_s > bound_s:
                 seen = f"{task} did not end in {waited_s:.0f} s of quiet; its bound is {bound_s:.0f} s"
                 raise InvariantBroken(1, at_s, seen)
         stood_s = at_s - self._moved_s
-        if stood_s > self._bounds.stall_s:
+        if stood_s > self._bounds.stall_s + self._charging_bound_s(self._moved_s):
             waiting = ", ".join((*self._orders, *self._open))
             seen = f"nothing came forward in {stood_s:.0f} s of quiet while these were open: {waiting}"
             raise InvariantBroken(1, at_s, seen)
+
+    def _charging_bound_s(self, since_s: float) -> float:
+        """What is added to a bound that counts from then on."""
+        return self._bounds.must_charge_s if self._charging_s >= since_s else 0.0

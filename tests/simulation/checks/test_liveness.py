@@ -11,11 +11,13 @@ from dray.messages import (
     CancellationTaken,
     Message,
     OrderReleased,
+    Refusal,
     RevocationTaken,
+    Role,
     TransportOrdered,
     TransportState,
 )
-from dray.messages.fact import Fact, MemoryLost, OrderFulfilled, PieceMade, TransportProgressed
+from dray.messages.fact import BidRefused, Fact, MemoryLost, OrderFulfilled, PieceMade, TransportProgressed
 from dray.protocol.people.patience import PATIENCE_MAX_S
 from dray_sim.checks.bounds import NOTICE_S, Bounds
 from dray_sim.checks.broken import InvariantBroken
@@ -189,3 +191,17 @@ def test_a_task_for_few_vehicles_may_wait_longer() -> None:
     assert any("pallet" not in kind.abilities for kind in kinds)
     assert bounds.task_s("housing", 0) == bounds.task_s("shaft", 0)
     assert bounds.task_s("housing", 5) > bounds.task_s("shaft", 5)
+
+
+def test_while_a_vehicle_must_charge_all_may_take_longer_and_no_longer_than_that() -> None:
+    watched = Watched()
+    watched.liveness.start(0.0)
+    watched.say("desk", OrderReleased(order="D1", items=(), due_s=0.0))
+    watched.say(
+        "ATV2",
+        BidRefused(task="M8-1", epoch=1, role=Role.PRIMARY, reason=Refusal.BATTERY, detail="must charge"),
+    )
+    assert 0.0 < watched.bounds.must_charge_s < 4.0 * watched.bounds.stall_s
+    watched.wait(watched.bounds.stall_s + watched.bounds.must_charge_s - 10.0)
+    with pytest.raises(InvariantBroken, match="nothing came forward"):
+        watched.wait(20.0)

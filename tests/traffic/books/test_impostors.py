@@ -16,6 +16,7 @@ from dray.messages.floor.traffic import HoldsAsked
 from dray.protocol.runtime.events import Effect, Ignore, Send
 from dray.protocol.runtime.throttle import TOLD_EVERY_S
 from dray.protocol.traffic.books.bookkeeping import NOTE
+from dray.protocol.traffic.books.district import NOT_ON_THE_FLOOR
 from dray.protocol.traffic.books.impostors import ANOTHERS_KEY
 from dray.protocol.traffic.books.roll_call import BESIDE_MAX, ROLL_S
 
@@ -177,3 +178,23 @@ def tell_all(keeper: Keeper, epoch: int) -> None:
     for atv in PLANT.fleet:
         if atv != "ATV1":
             keeper.told(atv, wish(epoch=epoch), ROLL_S + 1.0)
+
+
+def test_who_has_the_certificate_alone_keeps_no_dead_vehicle_on_the_floor(keeper: Keeper) -> None:
+    for before_s in (3.0, 2.0, 1.0):
+        keeper.told("ATV1", own(key=STOLEN, seq=10**6 - int(before_s)), LATER_S - before_s)
+        keeper.told("ATV1", own(groups=((HERE,),)), LATER_S - before_s)
+    effects = keeper.told("gateway", Removals(removals=(word(atv="ATV1"),)), LATER_S)
+    assert (ignored(effects), held(keeper)) == ([], set())
+
+
+def test_nor_does_it_hinder_people_who_put_it_back(keeper: Keeper) -> None:
+    keeper.told("gateway", Removals(removals=(word(atv="ATV1"),)), LATER_S)
+    keeper.comes("B", HERE, now_s=LATER_S + 1.0)
+    keeper.told("ATV1", own(key=STOLEN, seq=10**6), LATER_S + 1.0)
+    put_back = Removals(removals=(word(2, atv="ATV1", node=HERE),))
+    assert ignored(keeper.told("gateway", put_back, LATER_S + 1.0)) == []
+    effects = keeper.told("ATV1", own(key=STOLEN, seq=10**6 + 1), LATER_S + 2.0)
+    assert ignored(effects) == [NOT_ON_THE_FLOOR]
+    keeper.told("B", wish(seq=2, seen=keeper.book.version), LATER_S + 3.0)
+    assert held(keeper) == {HERE}

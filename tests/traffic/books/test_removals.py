@@ -67,6 +67,12 @@ def test_nor_of_one_that_still_asks_for_places(keeper: Keeper) -> None:
     assert keeper.remove() == [IS_HEARD]
 
 
+def test_what_it_has_said_long_before_is_no_sign_that_it_lives(keeper: Keeper) -> None:
+    old = wish(HERE, ELSEWHERE, seq=1)
+    keeper.told("A", old, LATER_S - 1.0)
+    assert keeper.remove() == []
+
+
 def test_a_keeper_that_has_just_begun_to_listen_believes_nothing() -> None:
     assert Keeper(now_s=LATER_S - 1.0).remove() == [TOO_EARLY]
 

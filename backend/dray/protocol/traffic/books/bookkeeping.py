@@ -90,8 +90,6 @@ class Bookkeeping:
         """Since when it listens to all vehicles; None when it does not."""
         self._named_s: dict[str, float] = {}
         """Vehicle -> when a person's word that it was carried away was heard last."""
-        self._wished_s: dict[str, float] = {}
-        """Vehicle -> when it has said last what it holds."""
         self._written: dict[str, Kept] = {}
         self._outdated: list[str] = []
         """Districts of a plant file that was changed: their books are to be forgotten."""
@@ -202,7 +200,8 @@ class Bookkeeping:
                 self._named_s[atv] = now_s
             return objection
         self._named_s[atv] = now_s
-        if now_s - self._wished_s.get(atv, -WISHED_S) < WISHED_S:
+        spoke_s = max(district.spoke_s(atv) for district in self._books.districts.values())
+        if now_s - spoke_s < WISHED_S:
             return IS_HEARD
         last = self._neighbours.last(atv)
         was_at = last.route[:1] if last is not None else ()
@@ -225,7 +224,6 @@ class Bookkeeping:
             if self._traffic is None or not self._traffic.is_signed(sender, message):
                 self._impostors.tell(sender, now_s)
                 return
-            self._wished_s[sender] = now_s
         if self._books is None or not self._books.on_message(sender, message.district, message, now_s):
             self._out.append(Ignore(NOT_KEPT_HERE))
         self._follow(now_s)

@@ -41,6 +41,7 @@ BOOK_TICK = "book tick"
 
 NEVER_GRANTED = "it says to have seen a grant that nobody has given"
 NOT_HEARD_THERE = "it says to hold what no book has granted, and is not heard there"
+NOT_ON_THE_FLOOR = "a wish of a vehicle that is being put back, from before it was carried away"
 
 OUTBID_S = 30.0
 """The keeper that is told by one alone of a later epoch than its own begins a still later one, once in so long."""
@@ -100,6 +101,7 @@ class District:
         self._hindrances: dict[str, Hindrance] = {}
         self._owed: set[str] = set()
         """Vehicles that are to be told what the book says of them, once that counts."""
+        self._spoke_s: dict[str, float] = {}
         self._newest: dict[str, dict[bytes, tuple[int, int]]] = {}
         """Vehicle -> key -> life and number of its newest wish. More than one key only while several hold something in its name."""
         self._look_s = NEVER_S
@@ -190,6 +192,8 @@ class District:
             self._out.append(Ignore("a place that is not in this district"))
             return
         if self._roll is not None:
+            if wish.holds:
+                self._spoke_s[sender] = now_s
             if self._roll.note(sender, wish, now_s):
                 self._close_roll(now_s)
             return
@@ -205,17 +209,26 @@ class District:
             self.copies.note_highest(wish.epoch)
             self._seek(now_s)
             return
-        if not self._is_believed(sender, wish, now_s):
-            return
+        if self._is_believed(sender, wish, now_s):
+            self._note_wish(sender, wish, now_s)
+            self._settle(now_s)
+
+    def _note_wish(self, sender: str, wish: PlaceWished, now_s: float) -> None:
         known = self._book.removal_of(sender, wish.mark)
         self._book.remove(sender, wish.removal, wish.mark)
         self._book.begin_life(sender, wish)
         if wish.removal < known:
+            if self._carried.is_being_put_back(sender):
+                # It is not on the floor yet: whoever says this has stolen its name, or it was said before.
+                self._out.append(Ignore(NOT_ON_THE_FLOOR))
+                return
             # It does not know that it was carried away: what it held is void, and that is all that it is told.
             wish = replace(wish, holds=(), groups=())
         else:
             self._carried.unaware.discard(sender)
         if self._is_newest(sender, wish):
+            if any(line.mark == wish.mark for line in self._book.of(sender)):
+                self._spoke_s[sender] = now_s
             # One that was overtaken gives nothing back: what it did not hold then it may hold now.
             if wish.removal >= known:
                 self._book.strike(wish, sender)
@@ -223,7 +236,6 @@ class District:
             self._owed.add(sender)
             if wish.removal >= known:
                 self._neighbours.on_wish(sender, wish, now_s)
-        self._settle(now_s)
 
     def _is_believed(self, sender: str, wish: PlaceWished, now_s: float) -> bool:
         """Whether a wish may be the vehicle's own."""
@@ -246,6 +258,10 @@ class District:
         self._newest[atv] = {mark: newest for mark, newest in by_key.items() if mark in holding}
         self._newest[atv][wish.mark] = (wish.life, wish.seq)
         return True
+
+    def spoke_s(self, atv: str) -> float:
+        """When the vehicle has said last what it holds here: words of before, and of who has not its key, do not count."""
+        return self._spoke_s.get(atv, float("-inf"))
 
     def remove(self, removal: Removal, place: str, now_s: float) -> None:
         """A person has carried a vehicle away: whatever it held is free. One that is being put back has `place` kept for it."""
