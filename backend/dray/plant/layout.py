@@ -25,6 +25,7 @@ from math import atan2, cos, hypot, pi, sin, sqrt
 
 import msgspec
 
+from dray.plant.floor.rectangles import Rectangle, standing
 from dray.plant.floor.road import Road, over_crossing
 from dray.plant.model import Lane, Node, PlantFile, VehicleType
 
@@ -45,7 +46,7 @@ DIGEST_CHARS = 8
 
 
 class Size(msgspec.Struct, frozen=True):
-    """The largest vehicle of a plant, each measure by itself, and the distances that follow from it (m)."""
+    """The largest of some types of vehicles, each measure by itself, and the distances that follow from it (m)."""
 
     length_m: float
     width_m: float
@@ -60,6 +61,10 @@ class Size(msgspec.Struct, frozen=True):
             max(kind.width_m for kind in kinds),
             max(kind.turning_radius_m for kind in kinds),
         )
+
+    def at(self, node: Node, heading_rad: float) -> Rectangle:
+        """What such a vehicle covers that stands on a node."""
+        return standing(node, heading_rad, self.length_m, self.width_m)
 
     @property
     def offset_m(self) -> float:

@@ -2,19 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from math import cos, hypot, pi, sin
 
-import msgspec
-
-from dray.plant.floor.rectangles import Rectangle, gap_m, standing
-from dray.plant.model import Node, VehicleType
+from dray.plant.floor.rectangles import Rectangle, gap_m
+from dray.plant.layout import MARGIN_M, Size
+from dray.plant.model import Node
 
 CLEARANCE_M = 0.005
 """Between two vehicles that right of way keeps apart, at the least: five times what the coordinates of stop points are rounded by."""
-
-MARGIN_M = 0.2
-"""Between a vehicle and a place that it gives back: what localisation and control may be off."""
 
 SHARPEST_SIN = 0.2
 """Lanes that leave a node at less than 12 degrees are one road: they are told apart by their ends only."""
@@ -24,28 +19,6 @@ SAME_RAD = 1e-6
 
 STEP_M = 1e-4
 """By so much a corner of a turning vehicle moves at least before it is looked at again."""
-
-
-class Covered(msgspec.Struct, frozen=True):
-    """The largest of some types of vehicles, each measure by itself (m)."""
-
-    length_m: float
-    width_m: float
-    turning_radius_m: float
-
-    @classmethod
-    def of(cls, kinds: Iterable[VehicleType]) -> Covered:
-        """Of some types; at least one."""
-        kinds = tuple(kinds)
-        return cls(
-            max(kind.length_m for kind in kinds),
-            max(kind.width_m for kind in kinds),
-            max(kind.turning_radius_m for kind in kinds),
-        )
-
-    def at(self, node: Node, heading_rad: float) -> Rectangle:
-        """What it covers that stands on a node."""
-        return standing(node, heading_rad, self.length_m, self.width_m)
 
 
 def clear_m(length_m: float, width_m: float, angle_rad: float) -> float:
@@ -72,7 +45,7 @@ def turn_rad(before_rad: float, after_rad: float) -> float:
     return pi if abs(turned + pi) < SAME_RAD else turned
 
 
-def turning_gap_m(size: Covered, node: Node, before_rad: float, after_rad: float, other: Rectangle) -> float:
+def turning_gap_m(size: Size, node: Node, before_rad: float, after_rad: float, other: Rectangle) -> float:
     """How far a vehicle that turns on the spot keeps from what another one covers; below 0 how deep they overlap.
 
     It stops looking where there is less than `CLEARANCE_M`: what it has found then is returned.

@@ -20,14 +20,13 @@ from typing import NamedTuple, TypeVar
 
 from dray.plant.floor.clearance import (
     CLEARANCE_M,
-    MARGIN_M,
     SAME_RAD,
-    Covered,
     clear_m,
     turn_rad,
     turning_gap_m,
 )
 from dray.plant.floor.rectangles import Rectangle, driven, gap_m
+from dray.plant.layout import MARGIN_M, Size
 from dray.plant.model import Node
 from dray.plant.plant import Plant
 from dray.plant.roads import DirectedLane
@@ -85,13 +84,13 @@ class Room:
     def __init__(self, plant: Plant) -> None:
         self._plant = plant
         kinds = plant.vehicle_types
-        whole = Covered.of(kinds.values())
+        whole = Size.of(kinds.values())
         self._reach_m = whole.length_m + whole.turning_radius_m + MARGIN_M
         starts: dict[str, set[str]] = {}
         for spec in plant.fleet.values():
             starts.setdefault(spec.node, set()).add(spec.type)
-        self._sizes: dict[frozenset[str], Covered] = {}
-        self._size_at: dict[str, Covered] = {}
+        self._sizes: dict[frozenset[str], Size] = {}
+        self._size_at: dict[str, Size] = {}
         self._headings: dict[str, tuple[float, ...]] = {}
         self._turns: dict[str, tuple[Turn, ...]] = {}
         for node in plant.nodes:
@@ -287,7 +286,7 @@ class Room:
             next(iter(common)), against, lane, second
         )
 
-    def _side_by_side(self, node: str, left: DirectedLane, other: DirectedLane, size: Covered) -> bool:
+    def _side_by_side(self, node: str, left: DirectedLane, other: DirectedLane, size: Size) -> bool:
         """Whether a vehicle that has left a node, and given it back, touches one that comes from there or goes there."""
         out = left if left.start == node else self._plant.roads.lane(left.end, left.start)
         if out is None or out.start != node or node not in (other.start, other.end):
@@ -326,15 +325,15 @@ class Room:
         own = frozenset(each.type for each in lane.types if each.type in known)
         return own or frozenset(known)
 
-    def _size(self, kinds: frozenset[str]) -> Covered:
+    def _size(self, kinds: frozenset[str]) -> Size:
         size = self._sizes.get(kinds)
         if size is None:
             known = self._plant.vehicle_types
-            size = Covered.of(known[kind] for kind in sorted(kinds))
+            size = Size.of(known[kind] for kind in sorted(kinds))
             self._sizes[kinds] = size
         return size
 
-    def _largest(self, nodes: Iterable[str]) -> Covered:
+    def _largest(self, nodes: Iterable[str]) -> Size:
         return max((self._size_at[node] for node in nodes), key=lambda size: (size.length_m, size.width_m))
 
     # --- what is near -------------------------------------------------------------------------------
@@ -367,9 +366,9 @@ class Room:
             yield start.x_m + part * (end.x_m - start.x_m), start.y_m + part * (end.y_m - start.y_m)
 
 
-def _past(start: Node, end: Node, length_m: float, size: Covered) -> Rectangle | None:
+def _past(start: Node, end: Node, length_m: float, size: Size) -> Rectangle | None:
     """What a vehicle covers on a lane after it has given back the place at its start; None where it is not so far."""
-    spacing_m = size.length_m / 2.0 + size.turning_radius_m + MARGIN_M
+    spacing_m = size.spacing_m
     if spacing_m >= length_m:
         return None
     part = spacing_m / length_m

@@ -15,7 +15,8 @@ from zlib import crc32
 import msgspec
 
 from dray.plant import DirectedLane, Plant
-from dray.plant.floor.clearance import MARGIN_M, clear_m
+from dray.plant.floor.clearance import clear_m
+from dray.plant.layout import MARGIN_M
 
 KEEPERS = 3
 """Who keep the book of a district, its copies included: one may fail, or be cut off, and two still agree."""
