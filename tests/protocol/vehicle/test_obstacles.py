@@ -192,6 +192,26 @@ def test_whoever_drives_there_knows_that_it_is_gone_and_tells() -> None:
     assert floor(rig) == frozenset()
 
 
+def test_who_has_entered_a_lane_does_not_forget_what_stands_before_it() -> None:
+    rig = contracted()
+    way = comes_to(rig, 1)
+    effects = blocked(rig, way, 1, entered=True)
+    [said] = told(effects)
+    (asked,) = facts(effects, HelpAsked)
+    for_s = said.forget_in_s
+    for _ in range(4):
+        effects = rig.run(rig.now_s + for_s)
+        [said] = told(effects)
+        assert (said.there, for_s < said.forget_in_s <= FORGOTTEN_AT_MOST_S) == (
+            True,
+            for_s < FORGOTTEN_AT_MOST_S,
+        )
+        for_s = said.forget_in_s
+        assert not facts(effects, HelpAsked)
+        assert not instructed(effects, Drive)
+        assert rig.heartbeats(AtvHeartbeat)[-1].problem == asked.reason
+
+
 def test_a_person_says_that_it_is_cleared() -> None:
     rig = parked()
     rig.on_message("ATV5", seen("b2", "b3"))

@@ -175,14 +175,17 @@ class ObstacleHandling:
 
     def _way_blocked(self, report: WayBlocked, now_s: float) -> None:
         start, end = report.start, report.end
-        for_s = self._floor.obstacles.meet(start, end, self._owner.id, now_s)
-        self._changed()
-        self._untold[start, end] = now_s + for_s
-        self.tell(now_s)
+        self._meet(start, end, now_s)
         if report.entered or not (self._go_round(start, now_s) or self._turn_aside(start, now_s)):
             self._stands_before, self._may_turn = (start, end), not report.entered
             self._reason = self._told(start, end, entered=report.entered)
             self._raise(now_s)
+
+    def _meet(self, start: str, end: str, now_s: float) -> None:
+        for_s = self._floor.obstacles.meet(start, end, self._owner.id, now_s)
+        self._changed()
+        self._untold[start, end] = now_s + for_s
+        self.tell(now_s)
 
     def _told(self, start: str, end: str, *, entered: bool) -> str:
         """What it waits for, in words."""
@@ -237,7 +240,11 @@ class ObstacleHandling:
         if self._floor.obstacles.look(now_s):
             self._silent.look()
             self._changed()
-            self._try_round(now_s)
+            if self._stands_before is None or self._may_turn:
+                self._try_round(now_s)
+            elif not self._floor.obstacles.is_on(*self._stands_before):
+                # It has entered that lane and still sees what lies there: its body says when it is gone.
+                self._meet(*self._stands_before, now_s)
         self._set_alarm()
 
     def _heed(self, start: str, end: str, now_s: float, *, news: bool, there: bool) -> None:
