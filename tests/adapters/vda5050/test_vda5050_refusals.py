@@ -180,7 +180,9 @@ def test_a_refusal_that_does_not_name_the_order_is_told_with_its_words_and_ends_
     refuse_with(rig, kind, level, references)
     rig.do(drive("west", "middle"), for_s=120.0)
     assert rig.failures() == [f"{kind}: not supported"]
-    assert len(rig.orders()) == profile.tries
+    # It keeps its error, so that the next tries are refused in silence: that takes longer than it may.
+    ids = {order["orderId"] for order in rig.orders()}
+    assert 1 < len(ids) < profile.tries
     assert rig.problems() == []
     del rig.vehicle.on_message
     rig.do(drive("west", "middle", order=2), for_s=60.0)

@@ -144,7 +144,7 @@ ODDITIES: dict[str, Odd] = {
     "a stale last node": Odd(adds(lastNodeSequenceId=0)),
     "paused while it drives": Odd(adds(paused=True)),
     "a node that it cannot reach": Odd(do=reaches_no_node, told_s=TOLD_S),
-    "a parameter that it refuses": Odd(do=refuses, told_s=2 * TOLD_S),
+    "a parameter that it refuses": Odd(do=refuses, told_s=TOLD_S),
     "its pause button": Odd(adds(paused=True, driving=False), stands, told_s=TOLD_S),
     "an obstacle": Odd(
         adds(safetyState={"eStop": "NONE", "fieldViolation": True}, driving=False, paused=False),
@@ -157,9 +157,21 @@ ODDITIES: dict[str, Odd] = {
     "a fatal error that flickers": Odd(
         flicker(errors=[{"errorType": "motor", "errorLevel": "FATAL"}]), told_s=TOLD_S
     ),
+    "a critical error that stays": Odd(
+        adds(errors=[{"errorType": "tooHot", "errorLevel": "CRITICAL"}]), told_s=TOLD_S
+    ),
+    "an order error that stays": Odd(adds(errors=[{"errorType": "orderError", "errorLevel": "WARNING"}])),
+    "instant actions that are full": Odd(
+        adds(errors=[{"errorType": "INSTANT_ACTION_STATES_FULL", "errorLevel": "WARNING"}])
+    ),
+    "zone actions that are full": Odd(
+        adds(errors=[{"errorType": "ZONE_ACTION_STATES_FULL", "errorLevel": "WARNING"}])
+    ),
     "a warning that stays": Odd(adds(errors=[{"errorType": "x" * 1500, "errorLevel": "WARNING"}])),
     "a battery that counts to 1": Odd(battery(0.85)),
     "a battery of -1": Odd(battery(-1)),
+    "a battery of 255": Odd(battery(255)),
+    "a battery that is no number": Odd(battery(math.nan)),
     "no word on its battery": Odd(battery(None)),
 }
 

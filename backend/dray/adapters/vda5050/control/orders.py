@@ -11,7 +11,14 @@ from typing import Protocol
 
 from dray.adapters.vda5050.control.instant import ASK_STATE, InstantActions
 from dray.adapters.vda5050.control.order_state import ACTIVE, OrderState
-from dray.adapters.vda5050.control.refusals import CRITICAL, FATAL, critical, refusal, unsupported
+from dray.adapters.vda5050.control.refusals import (
+    CRITICAL,
+    FATAL,
+    critical,
+    kept_refusal,
+    refusal,
+    unsupported,
+)
 from dray.adapters.vda5050.control.unwilling import Unwilling
 from dray.adapters.vda5050.control.vehicle_order import Kind, Place, Stop, VehicleOrder
 from dray.adapters.vda5050.control.view import NEVER_S, VehicleView
@@ -39,6 +46,9 @@ STALE_S = 30.0
 
 STRANGERS = 2
 """States in a row with another order before ours counts as forgotten: one may be an old state that came late."""
+
+TRYING_S = 20.0
+"""An order is not tried again that was said first so long ago: whoever says nothing takes `silent_s` for each time."""
 
 FIRST_RETRY_S = 1.0
 """A vehicle that was not idle yet is, soon; each retry waits twice as long."""
@@ -150,12 +160,12 @@ class Orders:
 
     def offer(self, order: VehicleOrder, now_s: float) -> None:
         """Say a new order; `present` is None or over."""
-        self.present = order
+        self.present, order.begun_s = order, now_s
         self._offer(order, now_s)
 
     def recognise(self, order: VehicleOrder, now_s: float) -> None:
         """Go on with an order of an earlier life: it runs, or it is said again."""
-        self.present, order.offered_s = order, now_s
+        self.present, order.begun_s, order.offered_s = order, now_s, now_s
 
     def extend(
         self,
@@ -304,7 +314,8 @@ class Orders:
             if now_s - order.said_s >= self._profile.resend_s:
                 self._say(order, now_s)
         elif order.now is OrderState.OFFERED:
-            self._refuse(order, order.refused_with or REFUSED_SILENTLY, now_s)
+            kept = kept_refusal(self._view.state)
+            self._refuse(order, order.refused_with or (kept.text if kept else REFUSED_SILENTLY), now_s)
         else:
             self._take_back_update(order)
 
@@ -316,7 +327,8 @@ class Orders:
     def _refuse(self, order: VehicleOrder, reason: str, now_s: float) -> None:
         order.reason = reason
         order.states.enter(OrderState.REFUSED)
-        if order.is_unwanted or len(order.ids) >= self._profile.tries:
+        is_over = len(order.ids) >= self._profile.tries or now_s - order.begun_s >= TRYING_S
+        if order.is_unwanted or is_over:
             if not order.is_unwanted:
                 self.unwilling.refused("" if reason == REFUSED_SILENTLY else reason, now_s)
             self._end(order, OrderState.ENDED, reason, now_s)

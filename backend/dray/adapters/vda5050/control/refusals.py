@@ -49,6 +49,11 @@ def refusal(order: VehicleOrder, state: State) -> VehicleError | None:
     return next((error for error in fresh if not error.order_named), None)
 
 
+def kept_refusal(state: State) -> VehicleError | None:
+    """An error about orders that names none and is still shown: vehicles keep it until they take an order, and do not say it anew."""
+    return next((each for each in state.errors or () if is_about_order(each) and not each.order_named), None)
+
+
 def unsupported(error: VehicleError) -> frozenset[str]:
     """The names of parameters that an error says are not supported; empty where it says no such thing."""
     if plain(error.error_type) != UNSUPPORTED:

@@ -101,6 +101,8 @@ class VehicleOrder:
         self.takes_updates = True
         self.is_twice = False
         """Its node is listed twice."""
+        self.begun_s = 0.0
+        """When it was offered first."""
         self.offered_s = self.said_s = 0.0
         self.retry_s = 0.0
         """When it may be offered again."""
