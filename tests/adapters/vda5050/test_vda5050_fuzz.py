@@ -24,7 +24,7 @@ SANE_S = 900.0
 TRIES = 3
 """An agent whose way was refused tries again."""
 
-QUICK, LONG = 4, 750
+QUICK, LONG = 4, 900
 """Examples of 30 to 60 states; three versions at length are more than 100,000 states."""
 
 
@@ -126,4 +126,4 @@ def test_after_a_hundred_thousand_odd_states_of_three_versions_work_goes_on(
     lengths: list[int] = []
     fuzzed(version, LONG, lengths.append)
     record_property("seeds", f"{version}: {sum(lengths)} states")
-    assert sum(lengths) >= 100_000 / len(VERSIONS) * 0.7
+    assert sum(lengths) >= 100_000 / len(VERSIONS)
