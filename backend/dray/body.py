@@ -452,6 +452,13 @@ def bounded(said: Said) -> Said:
             return msgspec.structs.replace(said, broken=_words(said.broken), stock=_stock(said.stock))
         case StorageState():
             return msgspec.structs.replace(said, stock=_stock(said.stock))
+        case DutyState():
+            busy_until_s = said.busy_until_s
+            if busy_until_s is not None:
+                busy_until_s = _between(busy_until_s, LONGEST_S)
+            return msgspec.structs.replace(said, label=_words(said.label), busy_until_s=busy_until_s)
+        case DutyChanged():
+            return msgspec.structs.replace(said, state=bounded(said.state))
         case _:
             return said
 

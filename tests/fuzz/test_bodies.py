@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from callers import OperatorRig
+from defaults import PLANT
 from examples import examples
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -16,15 +18,29 @@ from dray.body import (
     BodyState,
     Broken,
     CycleFailed,
+    DutyChanged,
+    GateState,
+    GoodsArrived,
     ProblemRaised,
+    StockChanged,
     StorageState,
     VehicleState,
     WorkcellState,
     bounded,
 )
 from dray.codec import decode, encode
-from dray.messages import AtvHeartbeat, BodyWait, Event, MachineHeartbeat, Pose
+from dray.messages import (
+    AtvHeartbeat,
+    BodyWait,
+    Event,
+    MachineHeartbeat,
+    OperatorHeartbeat,
+    Pose,
+    StationHeartbeat,
+)
+from dray.protocol.gate.gate import DeliveryGate
 from dray.protocol.runtime.events import Publish, Record, Send
+from dray.protocol.station.station import Station
 
 NUMBERS = st.floats() | st.sampled_from([2e6, -1e300, 1e11, -0.0])
 
@@ -76,16 +92,63 @@ def test_a_vehicle_with_any_values_and_words_is_heard(
 
 
 @settings(max_examples=examples(200))
-@given(WORDS, st.dictionaries(st.sampled_from(["board", "shaft"]), st.integers()), st.booleans())
-def test_a_machine_with_any_stock_and_words_is_heard(words: str, stock: dict[str, int], breaks: bool) -> None:
+@given(
+    WORDS, st.dictionaries(st.sampled_from(["board", "shaft"]), st.integers()), st.booleans(), st.integers()
+)
+def test_a_machine_with_any_stock_and_words_is_heard(
+    words: str, stock: dict[str, int], breaks: bool, change: int
+) -> None:
     rig = MachineRig()
     state = rig.sense()
     state = bounded(replace(state, broken=words if breaks else "", stock=state.stock | stock))
     rig.sense = lambda: state  # type: ignore[method-assign]
     rig.start()
     rig.report(bounded(Broken(reason=words) if breaks else CycleFailed(product="gear", reason=words)))
+    rig.report(bounded(StockChanged(item="shaft", change=change, seq=rig.sense().seq + 1, vehicle="")))
     rig.run(12.0)
     assert_read(rig, MachineHeartbeat)
+
+
+@settings(max_examples=examples(100))
+@given(
+    st.dictionaries(st.sampled_from(["board", "shaft"]), st.integers()),
+    st.integers(),
+    st.integers(min_value=0),
+)
+def test_a_storage_with_any_stock_is_heard(stock: dict[str, int], change: int, seq: int) -> None:
+    rig = Rig(Station("S1", PLANT))
+    state = bounded(
+        StorageState(
+            stock={kept.material: 0 for kept in PLANT.storages["S1"].stocks} | stock, seq=0, opened=()
+        )
+    )
+    rig.sense = lambda: state  # type: ignore[method-assign]
+    rig.start()
+    rig.report(bounded(StockChanged(item="shaft", change=change, seq=seq, vehicle="")))
+    rig.run(12.0)
+    assert_read(rig, StationHeartbeat)
+
+
+@settings(max_examples=examples(100))
+@given(st.integers(), st.integers())
+def test_a_gate_with_any_count_is_heard(arrived: int, total: int) -> None:
+    rig = Rig(DeliveryGate(PLANT))
+    rig.sense = lambda: bounded(GateState(arrived={"O1-1.1": arrived}))  # type: ignore[method-assign]
+    rig.start()
+    rig.report(bounded(GoodsArrived("O1-1.1", total, 4, "ATV1")))
+    rig.run(12.0)
+    assert_read(rig, StationHeartbeat)
+
+
+@settings(max_examples=examples(100))
+@given(WORDS, st.none() | NUMBERS)
+def test_whoever_is_on_duty_is_heard(label: str, busy_until_s: float | None) -> None:
+    rig = OperatorRig("operator.A")
+    rig.state = bounded(replace(rig.state, label=label, busy_until_s=busy_until_s))
+    rig.start()
+    rig.report(bounded(DutyChanged(replace(rig.state, label=label))))
+    rig.run(12.0)
+    assert_read(rig, OperatorHeartbeat)
 
 
 @settings(max_examples=examples(300))

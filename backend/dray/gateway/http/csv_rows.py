@@ -17,6 +17,7 @@ from itertools import islice
 import msgspec
 
 from dray.gateway.http.problems import MAX_FIELD_ERRORS, FieldError, Problem, unusable
+from dray.messages.base import encodable
 from dray.plant.file.text_encoding import LOST, UnknownEncodingError, decode_text
 
 MAX_ROWS = 1_000
@@ -100,9 +101,7 @@ def text_of_file(text: str | None, packed: str | None) -> FileText:
     if (text is None) == (packed is None):
         raise unusable(FieldError.of("csv", "file_needed"))
     if packed is None:
-        # JSON may hold halves of characters, which no text can.
-        whole = (text or "").encode("utf-16", "surrogatepass").decode("utf-16", "replace")
-        return FileText(whole)
+        return FileText(encodable(text or ""))
     try:
         content = base64.b64decode(packed, validate=True)
     except ValueError:
@@ -112,7 +111,7 @@ def text_of_file(text: str | None, packed: str | None) -> FileText:
     except UnknownEncodingError:
         return FileText("", faults=[RowFault.of(1, "", "csv_encoding")])
     read_as = [RowFault.of(1, "", "csv_read_as", encoding=decoded.encoding)] if decoded.assumed else []
-    return FileText(decoded.text, hints=read_as)
+    return FileText(encodable(decoded.text), hints=read_as)
 
 
 def read_rows(text: str, columns: Sequence[str], needed: Sequence[str]) -> tuple[list[Row], list[RowFault]]:

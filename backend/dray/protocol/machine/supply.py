@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Collection
 
 from dray.messages import BufferLevel, Production, Transport
+from dray.messages.base import COUNT_MAX
 from dray.plant import Plant
 from dray.protocol.machine.production import GoalBook
 from dray.protocol.machine.replenishment import LeadTime, order_quantity, reorder_point, runs_out_at_s
@@ -173,7 +174,8 @@ class Supply:
         return lead
 
     def _move(self, item: str, pieces: int) -> None:
-        self.stock[item] = self.stock.get(item, 0) + pieces
+        # A workcell that counts wrongly is heard all the same: no level can be told that is below 0.
+        self.stock[item] = min(max(self.stock.get(item, 0) + pieces, 0), COUNT_MAX)
         self._levels = None
 
     def _missing(self, material: str, cycling: str) -> int:

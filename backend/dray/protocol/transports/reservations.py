@@ -21,6 +21,7 @@ from collections.abc import Callable, Iterator, Mapping
 
 from dray.memory import ReservationMemory
 from dray.messages import StockAsked, StockLevel
+from dray.messages.base import COUNT_MAX
 from dray.protocol.runtime.bounded_map import BoundedMap
 from dray.protocol.runtime.events import NEVER_S
 
@@ -125,10 +126,13 @@ class Reservations:
         return self._level != believed
 
     def change(self, item: str, pieces: int, seq: int) -> None:
-        """Pieces came, or went if negative, as the storage reports; what is known already changes nothing."""
+        """Pieces came, or went if negative, as the storage reports; what is known already changes nothing.
+
+        A level is never below 0, nor above what can be told: a storage that counts wrongly is heard all the same.
+        """
         if seq > self._seq and item in self._level:
             self._seq = seq
-            self._level[item] += pieces
+            self._level[item] = min(max(self._level[item] + pieces, 0), COUNT_MAX)
 
     def level(self, item: str) -> int:
         return self._level.get(item, 0)
