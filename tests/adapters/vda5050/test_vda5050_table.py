@@ -57,7 +57,8 @@ def test_a_report_is_a_link_and_what_it_says_and_the_sentence_below_counts_them(
         place = urlsplit(link[1])
         assert (place.scheme, place.netloc) == ("https", "github.com"), report
         assert re.fullmatch(r"/[\w.-]+/[\w.-]+/(issues|pull)/\d+", place.path), report
-        assert not place.query and not place.fragment
+        assert not place.query
+        assert not place.fragment
     assert f"\n{len(reports)} of these {len(found)} rows have a report.\n" in DOCUMENT
 
 
