@@ -123,6 +123,12 @@ class ChargerQueue:
         draw_frac = spec.idle_w * way_s / HOUR_S / battery_wh
         return drive_frac + max(RESERVE_FRAC, self._own_frac(spec) + draw_frac)
 
+    def way_frac(self, kind: str, way_m: float, way_s: float) -> float:
+        """What a vehicle must have that sets off to a charger, so that it comes there."""
+        spec = self._plant.vehicle_types[kind]
+        used_wh = way_m * spec.drive_wh_per_m + way_s * spec.idle_w / HOUR_S
+        return used_wh / (spec.battery_wh * self._battery) + SPARE_FRAC
+
     # --- how it is done ---
 
     def _settle(self, types: Iterable[str]) -> None:

@@ -6,11 +6,13 @@ from collections import Counter
 
 import msgspec
 import pytest
+from official_schemas import MISSING, folder, objections
 from vda_rig import FLOWING, PROFILE, Rig
 from yard import drive
 
-from dray.adapters.vda5050.profile import ActionUse, Profile
+from dray.adapters.vda5050.profile import ActionUse, Profile, parse_profile, write_profile
 from dray.body import ActionDone, ActionFailed, Pick
+from dray.errors import SettingsError
 from dray_sim.bodies.held_out import HeldOut
 
 BY_HAND = ActionUse(
@@ -126,6 +128,29 @@ def test_a_profile_may_have_it_done_as_any_other_pick() -> None:
     at_the_pit(rig).comes()
     assert rig.do(FETCH, for_s=30.0) == [ActionDone(order=5)]
     assert len(actions_of(rig, "pick")) == 1
+
+
+def test_a_parameter_may_be_a_list_as_3_0_has_it_for_the_trigger() -> None:
+    text = b"version: '3.0'\npick_by_hand: {type: waitForTrigger, parameters: {triggerType: [LOCAL, 'at {node}']}}\n"
+    profile = parse_profile(text, "list.yaml")
+    assert parse_profile(write_profile(profile).encode(), "again.yaml") == profile
+    rig = Rig(msgspec.structs.replace(PATIENT, version="3.0", pick_by_hand=profile.pick_by_hand))
+    at_the_pit(rig)
+    rig.do(FETCH, for_s=5.0)
+    nodes = [node for order in rig.orders() for node in order["nodes"]]
+    (action,) = (action for node in nodes for action in node["actions"])
+    assert action["actionParameters"] == [{"key": "triggerType", "value": ["LOCAL", "at pit"]}]
+    if folder() is None:
+        pytest.skip(MISSING)
+    (order,) = (said for said in rig.said("order") if any(node["actions"] for node in said["nodes"]))
+    assert objections("3.0", "order", order) == []
+
+
+def test_a_list_may_hold_texts_only() -> None:
+    with pytest.raises(SettingsError, match=r"list\.yaml"):
+        parse_profile(b"pick: {type: pick, parameters: {side: [1, {a: 2}]}}", "list.yaml")
+    with pytest.raises(SettingsError, match="no parameter can be 'nowhere'"):
+        parse_profile(b"pick: {type: pick, parameters: {side: ['{nowhere}']}}", "list.yaml")
 
 
 def test_a_node_that_the_plant_does_not_have_is_refused() -> None:

@@ -12,6 +12,7 @@ from yard import PICK, TO_CORNER, drive
 from dray.adapters.vda5050.profile import load_profile, parse_profile
 from dray.body import ActionFailed, Drive, ProblemCleared, WayBlocked, WayDone, WayFree
 from dray.errors import SettingsError
+from dray_sim.vda5050.misbehaviour import Misbehaviour
 
 V3 = msgspec.structs.replace(PROFILE, version="3.0")
 KEPT = msgspec.structs.replace(PROFILE, kept_until_order=("pathBlocked",))
@@ -255,3 +256,19 @@ def test_what_every_order_needs_cannot_be_left_out() -> None:
     with pytest.raises(SettingsError, match="leave_out: no order is one without nodeId"):
         parse_profile(b"leave_out: [nodeId]", "mine.yaml")
     assert "trajectory" in load_profile("default").leave_out
+
+
+def test_a_warning_about_an_order_that_was_said_twice_refuses_no_update_of_it() -> None:
+    """SAME_ORDER_UPDATE_ID names the order and lasts: states still have it when the next update is on its way."""
+    rig = Rig(
+        msgspec.structs.replace(FLOWING, version="3.0"), Misbehaviour(lingering_warnings=True), delay_s=0.4
+    )
+    for tick in range(750):
+        rig.clock.call_at(tick / 5.0, rig.vehicle.say_state)
+    rig.do(drive(*TO_CORNER), for_s=3.0)
+    twice = {"orderId": rig.orders()[0]["orderId"], "orderUpdateId": "0"}
+    rig.vehicle.condition.errors.append(("SAME_ORDER_UPDATE_ID", "WARNING", "said twice", twice))
+    rig.run(150.0)
+    assert [order["orderUpdateId"] for order in rig.orders()] == [0, 1, 2]
+    assert rig.failures() == []
+    assert rig.heard[-1] == WayDone(order=1, node="corner")

@@ -8,6 +8,7 @@ import pytest
 from layout_files import edge, layout, lif, node, station
 
 from dray.plant.exchange.assemble import Imported
+from dray.plant.exchange.lif_values import NAMED as KNOWN
 from dray.plant.exchange.read import read_layout
 
 LINE = [node("a", 0, 0), node("b", 10, 0)]
@@ -63,3 +64,78 @@ def test_a_draft_between_the_versions_names_the_type_in_its_own_way() -> None:
     assert [each["id"] for each in found.data["vehicle_types"]] == ["light"]
     assert "taken for all" not in said(found)
     assert "not understood" not in said(found)
+
+
+def origin(name: str | None, *layouts: Any, **more: object) -> dict[str, Any]:
+    return {**({} if name is None else {"originId": name}), "layouts": list(layouts), **more}
+
+
+def read_origins(*origins: dict[str, Any]) -> Imported:
+    return read_layout(lif(origins=list(origins)).replace(b'"layouts":[],', b"", 1), "hall.json")
+
+
+def test_origins_without_an_id_do_not_lie_on_one_another() -> None:
+    one = layout(LINE, [edge("a", "b")])
+    other = layout([node("c", 0, 0), node("d", 10, 0)], [edge("c", "d")], layoutId="M")
+    apart = read_origins(origin(None, one), origin(None, other))
+    spots = {(each["x_m"], each["y_m"]) for each in apart.data["nodes"]}
+    assert len(spots) == 4
+    assert "`originId` is missing (2 times" in said(apart)
+    together = read_origins(origin("O", one), origin("O", other))
+    assert len({(each["x_m"], each["y_m"]) for each in together.data["nodes"]}) == 2
+    assert "originId" not in said(together)
+
+
+def test_what_is_said_of_layouts_and_origins_is_kept() -> None:
+    drawn = layout(LINE, [edge("a", "b")], layoutDescriptor="hall B", wild=1)
+    found = read_origins(origin("O", drawn, originDescriptor="pillar 3", odd=2))
+    assert found.mapping["kept"]["origins"] == [{"originId": "O", "originDescriptor": "pillar 3", "odd": 2}]
+    (kept,) = found.mapping["kept"]["layouts"]
+    assert (kept["layoutId"], kept["layoutDescriptor"], kept["wild"]) == ("L", "hall B", 1)
+    assert kept.keys().isdisjoint({"nodes", "edges", "stations"})
+    for text in ("`odd` of an origin is not understood", "`wild` of a layout is not understood"):
+        assert text in said(found)
+
+
+def test_a_list_of_types_that_is_empty_is_said() -> None:
+    nobody = {**LINE[1], "mobileRobotTypeNodeProperties": []}
+    found = read(layout([LINE[0], nobody], [edge("a", "b")]))
+    assert "/nodes/1/mobileRobotTypeNodeProperties: `mobileRobotTypeNodeProperties` is empty" in said(found)
+
+
+def test_a_lane_with_a_trajectory_and_a_guide_line_is_said() -> None:
+    curve = {
+        "degree": 1,
+        "knotVector": [0, 0, 0.5, 1, 1],
+        "controlPoints": [{"x": x, "y": y} for x, y in ((0, 0), (5, 3), (10, 0))],
+    }
+    guide = {"direction": "left", "length": 12.0}
+    both = read(layout(LINE, [edge("a", "b", trajectory=curve, physicalLineGuidedProperty=guide)]))
+    assert "a trajectory or a guide line, not both: the trajectory is taken" in said(both)
+    assert both.data["lanes"][0]["shape"] == [{"x_m": 5.0, "y_m": 3.0}]
+    for alone in ({"trajectory": curve}, {"physicalLineGuidedProperty": guide}):
+        assert "not both" not in said(read(layout(LINE, [edge("a", "b", **alone)])))
+
+
+def test_each_field_of_the_schema_of_2_0_0_is_known() -> None:
+    """Its names as published in September 2026, by kind of object; what is not in a plant is kept."""
+    published = {
+        "metaInformation": "lifId creator exportTimestamp lifVersion",
+        "origin": "originId originDescriptor layouts",
+        "layout": "layoutId layoutName layoutVersion layoutLevelId layoutDescriptor nodes edges stations",
+        "node": "nodeId nodeDescriptor mapId nodePosition mobileRobotTypeNodeProperties",
+        "node property": "mobileRobotTypes theta allowedDeviationXY loadRestriction requiredActions"
+        " feasibleActions forbiddenActionTypes",
+        "edge": "edgeId edgeName edgeDescriptor startNodeId endNodeId mobileRobotTypeEdgeProperties",
+        "edge property": "mobileRobotTypes orientationType reachOrientationBeforeEntering"
+        " mobileRobotOrientations rotationAtStartNodeAllowed rotationAtEndNodeAllowed maximumSpeed"
+        " maximumRotationSpeed minimumLoadHandlingDeviceHeight maximumMobileRobotHeight loadRestriction"
+        " requiredActions feasibleActions forbiddenActionTypes trajectory physicalLineGuidedProperty"
+        " reentryAllowed corridor",
+        "station": "stationId interactionNodeIds stationName stationType stationDescriptor stationHeight"
+        " stationPosition",
+    }
+    assert published.keys() == KNOWN.keys()
+    assert {kind: set(names.split()) - KNOWN[kind] for kind, names in published.items()} == {
+        kind: set() for kind in published
+    }

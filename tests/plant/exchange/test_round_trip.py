@@ -152,3 +152,56 @@ def test_lif_2_0_0_is_written_by_its_own_names() -> None:
     assert not [old for old in ("vehicleType", "maxSpeed", "requirementType", "Description") if old in text]
     notes = read_layout(text.encode(), "again.json").notes
     assert not [note for note in notes if "not understood" in note.text]
+
+
+def test_lif_2_0_0_has_every_field_that_its_schema_requires() -> None:
+    """By the published schema of 2.0.0: `required`, `minItems`, and ranges."""
+    shaped = lane_with_a_shape()
+    document = msgspec.json.decode(export_lif(shaped, AT, "2.0.0"))
+    (origin,) = document["origins"]
+    (layout,) = origin["layouts"]
+    assert origin["originId"]
+    assert {"layoutId", "layoutVersion", "nodes", "edges"} <= layout.keys()
+    trajectories = []
+    for node in layout["nodes"]:
+        assert {"nodeId", "mapId", "nodePosition", "mobileRobotTypeNodeProperties"} <= node.keys()
+        assert node["nodePosition"].keys() == {"x", "y"}
+        for each in node["mobileRobotTypeNodeProperties"]:
+            assert each["mobileRobotTypes"]
+            for action in each.get("feasibleActions", ()):
+                assert {"actionType", "blockingType"} <= action.keys()
+    for edge in layout["edges"]:
+        assert {"edgeId", "startNodeId", "endNodeId", "mobileRobotTypeEdgeProperties"} <= edge.keys()
+        assert edge["mobileRobotTypeEdgeProperties"]
+        for each in edge["mobileRobotTypeEdgeProperties"]:
+            assert all(robot.keys() == {"manufacturer", "seriesName"} for robot in each["mobileRobotTypes"])
+            trajectories += [each["trajectory"]] if "trajectory" in each else []
+    assert trajectories
+    for curve in trajectories:
+        assert (type(curve["degree"]), curve["degree"]) == (int, 1)
+        assert len(curve["knotVector"]) == len(curve["controlPoints"]) + curve["degree"] + 1
+        assert 0.0 <= min(curve["knotVector"]) <= max(curve["knotVector"]) <= 1.0
+    for station in layout["stations"]:
+        assert {"stationId", "interactionNodeIds"} <= station.keys()
+        assert station["interactionNodeIds"]
+
+
+def lane_with_a_shape() -> Plant:
+    file = default_plant().file
+    first, *others = file.lanes
+    nodes = {node.id: node for node in file.nodes}
+    start, end = nodes[first.start], nodes[first.end]
+    middle = Point((start.x_m + end.x_m) / 2.0 + 0.1, (start.y_m + end.y_m) / 2.0 + 0.1)
+    return Plant(replace(file, lanes=(replace(first, shape=(middle,)), *others)))
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+def test_an_export_has_our_ids_where_vehicles_know_others(version: str) -> None:
+    file = default_plant().file
+    (first, *others), (lane, *lanes) = file.nodes, file.lanes
+    renamed = replace(
+        file,
+        nodes=(replace(first, originals=("17",)), *others),
+        lanes=(replace(lane, original="E 17"), *lanes),
+    )
+    assert export_lif(Plant(renamed), AT, version) == export_lif(default_plant(), AT, version)

@@ -221,6 +221,8 @@ def write_profile(profile: Profile) -> str:
 
 
 def _filled(value: Value, known: dict[str, Value]) -> Value:
+    if isinstance(value, tuple):
+        return tuple(str(_filled(each, known)) for each in value)
     if not isinstance(value, str):
         return value
     # A value that is nothing but one name keeps its type: a quantity stays a number.

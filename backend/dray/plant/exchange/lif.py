@@ -87,7 +87,7 @@ class _Reader(LifValues):
             meta.get("creator") == CREATOR,
             kept=self._rest(self._data, {"layouts", "origins"}),
         )
-        layouts = list(self._layouts())
+        layouts = list(self._layouts(found))
         if found.ours:
             self._fastest_mps = inf
         else:
@@ -102,11 +102,21 @@ class _Reader(LifValues):
 
     # --- layouts -----------------------------------------------------------------------------------
 
-    def _layouts(self) -> Iterator[tuple[str, str, Json]]:
+    def _origins(self, found: TrackLayout) -> Iterator[tuple[str, str, Json]]:
+        """Id, pointer and content of every origin; before 2.0.0 all layouts have one, which has no id."""
+        if "origins" not in self._data:
+            yield "", "", self._data
+            return
+        for at, origin in self._objects(self._data, "origins", ""):
+            self._strange(origin, "origin", at)
+            found.kept.setdefault("origins", []).append(self._rest(origin, {"layouts"}))
+            # One without an id is an origin of its own: its layouts must not lie on those of another.
+            yield f"{self._id(origin, 'originId', at) or at}/", at, origin
+
+    def _layouts(self, found: TrackLayout) -> Iterator[tuple[str, str, Json]]:
         """Level, pointer and content of every layout that is wanted."""
-        origins = self._objects(self._data, "origins", "") if "origins" in self._data else [("", self._data)]
         seen = set()
-        for origin_at, origin in origins:
+        for origin_id, origin_at, origin in self._origins(found):
             for at, layout in self._objects(origin, "layouts", origin_at):
                 name = str(layout.get("layoutId") or "")
                 seen.add(name)
@@ -114,13 +124,12 @@ class _Reader(LifValues):
                     self._notes.add(at, f"layout {name} is left out, as asked for")
                     continue
                 self._strange(layout, "layout", at)
+                found.kept.setdefault("layouts", []).append(
+                    self._rest(layout, {"nodes", "edges", "stations"})
+                )
                 first = next((node for _, node in self._objects(layout, "nodes", at, quiet=True)), {})
                 level = str(layout.get("layoutLevelId") or first.get("mapId") or "")
-                yield (
-                    f"{origin.get('originId') or ''}/{level}" if "origins" in self._data else level,
-                    at,
-                    layout,
-                )
+                yield f"{origin_id}{level}", at, layout
         for name in self._wanted:
             if name not in seen:
                 self._notes.add("/layouts", f"there is no layout {name}")
@@ -243,6 +252,10 @@ class _Reader(LifValues):
                         limits[kind] = limit
                         if kind and (self._types[kind].max_speed_mps or 0.0) < limit:
                             self._types[kind].max_speed_mps = limit
+                if each.get("trajectory") is not None and each.get("physicalLineGuidedProperty") is not None:
+                    self._notes.add(
+                        where, "a lane has a trajectory or a guide line, not both: the trajectory is taken"
+                    )
                 if each.get("trajectory") is not None:
                     own = self._curve(each["trajectory"], f"{where}/trajectory", spots[start], spots[end])
                     if corners is not None and own is not None and own != corners:

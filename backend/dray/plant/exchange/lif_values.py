@@ -22,6 +22,7 @@ ACTIONS = ("actions", "requiredActions", "feasibleActions")
 
 NAMED = {
     "metaInformation": {"projectIdentification", "lifId", "creator", "exportTimestamp", "lifVersion"},
+    "origin": {"originId", "originDescriptor", "originDescription", "layouts"},
     "layout": {
         *(
             "layoutId",
@@ -131,6 +132,11 @@ class LifValues:
                 at, f"`{old}` is missing: which types of vehicles may use it is not said; taken for all"
             )
             return []
+        if of[key] == []:
+            self._notes.add(
+                f"{at}/{key}",
+                f"`{key}` is empty: which types of vehicles may use it is not said; taken for all",
+            )
         return self._objects(of, key, at)
 
     def _strange(self, of: Json, kind: str, at: str) -> None:
@@ -215,4 +221,4 @@ def number_of(value: object) -> float | None:
 
 
 def _a(kind: str) -> str:
-    return f"an {kind}" if kind.startswith("e") else f"a {kind}"
+    return f"an {kind}" if kind.startswith(("e", "o")) else f"a {kind}"

@@ -19,8 +19,8 @@ from math import hypot
 from dray.errors import NoWay
 from dray.messages import DwellPointClaimed
 from dray.messages.keys import Keys
-from dray.plant import Plant
-from dray.plant.charger_queue import WORTH_FRAC
+from dray.plant import Plant, Routes
+from dray.plant.charger_queue import SPARE_FRAC, WORTH_FRAC
 from dray.protocol.runtime.bounded_map import BoundedMap
 from dray.protocol.runtime.events import Effect, Publish, Subscribe, Unsubscribe
 
@@ -52,6 +52,9 @@ RIVALS = 256
 
 COMPARED = 4
 """Dwell points whose ways are compared: the nearest by way is among the nearest as the crow flies."""
+
+MUCH_NEARER = 0.5
+"""Of the way to a charger that is left from a place for which a waiting vehicle leaves its own, at most."""
 
 
 class Hold(Enum):
@@ -120,6 +123,18 @@ class DwellPoints:
         Returns:
             False when none is left to ask for.
         """
+        found = self.nearest(charger=charger, node=node, battery_frac=battery_frac, now_s=now_s, near=near)
+        if not found:
+            return False
+        self.leave()
+        self._claim(found, battery_frac, Hold.CLAIMED)
+        return True
+
+    def nearest(self, *, charger: bool, node: str, battery_frac: float, now_s: float, near: str = "") -> str:
+        """The dwell point that `seek` claims; empty for none.
+
+        A charger that the battery does not reach is none, as long as another one is nearer: its turn comes.
+        """
         self._taken_until_s = {
             dwell_point: until_s for dwell_point, until_s in self._taken_until_s.items() if until_s > now_s
         }
@@ -133,26 +148,73 @@ class DwellPoints:
         ]
         if open_ways := self.reached_round(node):
             free = [dwell_point for dwell_point in free if dwell_point in open_ways]
-        if not free:
-            return False
         near = near or node
+        close = self._plant.closest(near, free, COMPARED)
+        if not charger:
+            close = tuple(
+                each for each in close if self._may_rest(node, self._plant.node_of(each), battery_frac)
+            )
         try:
-            nearest, _ = routes.nearest(near, self._plant.closest(near, free, COMPARED))
+            nearest, way = routes.nearest(near, close)
         except NoWay:
+            return ""
+        queue = self._plant.charger_queue
+        is_far = charger and battery_frac < queue.way_frac(self._type, way.length_m, way.duration_s)
+        return "" if is_far and self._plant.node_of(nearest) != self.nearest_charger(near) else nearest
+
+    def seek_nearer(self, node: str, battery_frac: float, now_s: float) -> bool:
+        """Claim a parking place or a spare place that is much nearer to a charger; False when there is none.
+
+        Whoever stands far away while all chargers are taken may not come there any more when its turn comes.
+        """
+        charger = self.nearest_charger(node)
+        if not charger:
+            return False
+        plant, routes = self._plant, self._plant.routes(self._type)
+        stands = {each: plant.stand_of(each) for each in (*plant.parkings, *plant.spare_places.all)}
+        closed = plant.restrictions.nodes
+        free = [each for each, at in stands.items() if not self.is_taken(each, now_s) and at not in closed]
+        there = plant.nodes[charger]
+
+        def distance_m(each: str) -> float:
+            spot = plant.nodes[stands[each]]
+            return hypot(there.x_m - spot.x_m, there.y_m - spot.y_m)
+
+        found, least_s = "", MUCH_NEARER * _way_s(routes, node, charger)
+        for each in nsmallest(COMPARED, free, key=distance_m):
+            way_s = _way_s(routes, stands[each], charger)
+            if way_s < least_s:
+                found, least_s = each, way_s
+        if not found:
             return False
         self.leave()
-        self._claim(nearest, battery_frac, Hold.CLAIMED)
+        self._claim(found, battery_frac, Hold.CLAIMED)
         return True
 
-    def seek_spare(self, node: str, battery_frac: float, now_s: float) -> bool:
-        """Claim the nearest spare place of the roads that is not known to be taken; False when there is none."""
+    def _may_rest(self, node: str, place: str, battery_frac: float) -> bool:
+        """Whether a vehicle that goes to a place comes to a charger from there, or is nearer to one than where it is."""
+        queue, routes = self._plant.charger_queue, self._plant.routes(self._type)
+        near = self._plant.closest(place, self._plant.chargers, COMPARED)
+        try:
+            there, (_, on) = routes.way(node, place), routes.nearest(place, near)
+        except NoWay:
+            return True
+        used_frac = queue.way_frac(self._type, there.length_m, there.duration_s) - SPARE_FRAC
+        if battery_frac - used_frac >= queue.needed_frac(self._type, on.length_m, on.duration_s):
+            return True
+        charger = self.nearest_charger(node)
+        return not charger or on.duration_s <= _way_s(routes, node, charger)
+
+    def seek_spare(self, node: str, battery_frac: float, now_s: float, near: str = "") -> bool:
+        """Claim the nearest spare place of the roads that is not known to be taken, as `seek` does; False when there is none."""
         plant = self._plant
         closed = plant.restrictions.nodes
         free = [
             each for each in plant.spare_places.all if not self.is_taken(each, now_s) and each not in closed
         ]
         routes = plant.routes(self._type)
-        here = plant.nodes[node]
+        near = near or node
+        here = plant.nodes[near]
 
         def distance_m(spot: str) -> float:
             there = plant.nodes[spot]
@@ -160,11 +222,8 @@ class DwellPoints:
 
         found, least_s = "", float("inf")
         for spot in nsmallest(COMPARED, free, key=distance_m):
-            try:
-                way_s = routes.duration_s(node, spot)
-            except NoWay:
-                continue
-            if way_s < least_s:
+            way_s = _way_s(routes, near, spot)
+            if way_s < least_s and self._may_rest(node, spot, battery_frac):
                 found, least_s = spot, way_s
         if not found:
             return False
@@ -289,3 +348,10 @@ class DwellPoints:
             standing=self.hold is Hold.STANDING,
         )
         self._out.append(Publish(self._keys.dwell_point(self.dwell_point), claim))
+
+
+def _way_s(routes: Routes, start: str, end: str) -> float:
+    try:
+        return routes.duration_s(start, end)
+    except NoWay:
+        return float("inf")

@@ -291,7 +291,7 @@ class IdlePositioning:
         if parked and not wants_charge:
             return
         if (wants_charge and self._seek(True, battery_frac, now_s)) or (
-            not parked and self._seek(False, battery_frac, now_s)
+            self._seek_nearer(battery_frac, now_s) if parked else self._seek(False, battery_frac, now_s)
         ):
             self._timers.set(CLAIM, now_s + CONTEST_S)
             return
@@ -307,7 +307,13 @@ class IdlePositioning:
         found = self._dwell_points.seek(
             charger=charger, node=node, battery_frac=battery_frac, now_s=now_s, near=near
         )
-        return found or (not charger and self._dwell_points.seek_spare(near or node, battery_frac, now_s))
+        return found or (not charger and self._dwell_points.seek_spare(node, battery_frac, now_s, near))
+
+    def _seek_nearer(self, battery_frac: float, now_s: float) -> bool:
+        """It is parked and waits for a charger: go nearer to one, while it can."""
+        return self._charging.is_needy and self._dwell_points.seek_nearer(
+            self._driver.next_node, battery_frac, now_s
+        )
 
     def _stand_here(self, battery_frac: float, now_s: float) -> None:
         """Claim the dwell point in which the vehicle stands, unless another one has just won it."""

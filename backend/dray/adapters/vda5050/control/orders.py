@@ -188,6 +188,8 @@ class Orders:
         order.speeds_mps += speeds_mps
         order.beyond = beyond
         order.offered_s = now_s
+        errors = self._view.state.errors or ()
+        order.old_errors |= {error.key for error in errors if error.error_level not in (FATAL, CRITICAL)}
         self._remember()
         self._say(order, now_s)
 

@@ -39,14 +39,13 @@ def is_about_order(error: VehicleError) -> bool:
 def refusal(order: VehicleOrder, state: State) -> VehicleError | None:
     """The error that refuses an order: one that names it, else a new one about orders that names no other.
 
-    Warnings that linger name others, or were there before the order was said.
+    Warnings that linger name others, or were there before the order or its update was said.
     """
-    errors = state.errors or ()
+    errors = [error for error in state.errors or () if error.key not in order.old_errors]
     named = next((error for error in errors if error.names(order.id)), None)
     if named is not None:
         return named
-    fresh = (error for error in errors if is_about_order(error) and error.key not in order.old_errors)
-    return next((error for error in fresh if not error.order_named), None)
+    return next((error for error in errors if is_about_order(error) and not error.order_named), None)
 
 
 def kept_refusal(state: State) -> VehicleError | None:

@@ -92,7 +92,7 @@ class VehicleOrder:
         self.states: States[OrderState] = States("an order", TRANSITIONS, OrderState.OFFERED)
         self.reason = ""
         self.old_errors: frozenset[tuple[str, str, tuple[str, ...]]] = frozenset()
-        """What the vehicle complained of when it was offered: that refuses something else."""
+        """What the vehicle complained of when it was offered, or warned of when it was extended: that refuses something else."""
         self.refused_with = ""
         """The words of its newest refusal in words."""
         self.ended_by: VehicleError | None = None

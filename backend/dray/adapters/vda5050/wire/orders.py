@@ -11,7 +11,8 @@ import msgspec
 
 from dray.adapters.vda5050.wire.dialects import Dialect
 
-Value = str | float | int | bool
+Value = str | float | int | bool | tuple[str, ...]
+"""Of a parameter: 3.0 has some that are lists of texts."""
 
 
 class Action(msgspec.Struct, frozen=True):
