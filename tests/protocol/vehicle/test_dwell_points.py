@@ -11,7 +11,14 @@ from dray.messages import DwellPointClaimed
 from dray.plant import Plant
 from dray.plant.charger_queue import WORTH_FRAC
 from dray.protocol.runtime.events import Effect, Publish, Subscribe
-from dray.protocol.vehicle.dwell_points import APPROACH_S, BLOCKED_S, TAKEN_MEMORY_S, DwellPoints, Hold
+from dray.protocol.vehicle.dwell_points import (
+    APPROACH_S,
+    BLOCKED_S,
+    MUCH_NEARER,
+    TAKEN_MEMORY_S,
+    DwellPoints,
+    Hold,
+)
 from dray.protocol.vehicle.idle_positioning import WaitingPlaces
 
 
@@ -301,3 +308,67 @@ def test_who_must_charge_looks_for_a_parking_place_near_its_charger() -> None:
     assert dwell_points.seek(charger=False, node="e3", battery_frac=0.2, now_s=0.0, near=charger)
     nearest = min(PLANT.parkings, key=lambda each: routes.duration_s(charger, PLANT.node_of(each)))
     assert dwell_points.dwell_point == nearest
+
+
+SMALL = Plant(
+    msgspec.structs.replace(
+        PLANT.file,
+        vehicle_types=tuple(
+            msgspec.structs.replace(kind, battery_wh=12.0) for kind in PLANT.file.vehicle_types
+        ),
+    )
+)
+"""The same with batteries that last for minutes."""
+
+
+def way_to_charger_s(node: str) -> float:
+    return min(SMALL.routes("light").duration_s(node, SMALL.node_of(each)) for each in SMALL.chargers)
+
+
+FAR = max(sorted(SMALL.stops), key=way_to_charger_s)
+"""The node from which the way to a charger is longest."""
+
+
+def with_small_battery() -> DwellPoints:
+    return DwellPoints("ATV5", SMALL, "light", KEYS, [])
+
+
+def test_a_charger_that_the_battery_does_not_reach_is_waited_past_for_a_nearer_one() -> None:
+    ways = sorted(
+        (SMALL.routes("light").way(FAR, SMALL.node_of(each)).length_m, each) for each in SMALL.chargers
+    )
+    (near_m, near), (next_m, _) = ways[:2]
+    assert next_m > near_m + 1.0
+    queue = SMALL.charger_queue
+    way = SMALL.routes("light").way(FAR, SMALL.node_of(near))
+    just_frac = queue.way_frac("light", way.length_m, way.duration_s) + 0.001
+    for battery_frac, found in ((just_frac, False), (1.0, True)):
+        points = with_small_battery()
+        assert points.seek(charger=True, node=FAR, battery_frac=just_frac, now_s=0.0)
+        points.on_claim(rival(near, battery_frac=0.0), 0.0)
+        assert points.seek(charger=True, node=FAR, battery_frac=battery_frac, now_s=1.0) is found
+
+
+def test_nobody_rests_where_no_charger_can_be_reached_from_in_time() -> None:
+    by_charger = SMALL.node_of(next(iter(SMALL.chargers)))
+    queue, routes = SMALL.charger_queue, SMALL.routes("light")
+    needed_frac = queue.needed_frac("light", 0.0, 0.0)
+    full, low = with_small_battery(), with_small_battery()
+    assert full.seek(charger=False, node=by_charger, battery_frac=1.0, now_s=0.0)
+    away = routes.way(by_charger, SMALL.node_of(full.dwell_point))
+    assert away.length_m > 1.0
+    low.seek(charger=False, node=by_charger, battery_frac=needed_frac + 0.01, now_s=0.0)
+    assert low.dwell_point != full.dwell_point
+
+
+def test_who_waits_far_from_a_charger_goes_much_nearer_and_then_stays() -> None:
+    points = with_small_battery()
+    assert points.seek_nearer(FAR, 0.2, 0.0)
+    stands = SMALL.stand_of(points.dwell_point)
+    assert way_to_charger_s(stands) <= MUCH_NEARER * way_to_charger_s(FAR)
+    least_s = way_to_charger_s(stands)
+    a_little_away = [
+        node for node in sorted(SMALL.stops) if least_s < way_to_charger_s(node) < least_s / MUCH_NEARER
+    ]
+    assert a_little_away
+    assert not any(with_small_battery().seek_nearer(node, 0.2, 1.0) for node in a_little_away)
