@@ -11,7 +11,9 @@ import gc
 import os
 import signal
 import sys
+from collections import defaultdict
 from collections.abc import Callable, Generator, Iterator
+from itertools import count
 from pathlib import Path
 from typing import TypeVar
 
@@ -191,12 +193,40 @@ SQLITE_ONLY = frozenset(
 on both, they would take two minutes for nothing."""
 
 
+SEVERAL_AT_ONCE = frozenset(
+    f"test_{noun}"
+    for noun in (
+        "alert_history_several",
+        "alerts_taken",
+        "call_limits",
+        "database_sync",
+        "exclusions",
+        "idempotency",
+        "order_changes",
+        "orders",
+        "outbox",
+        "people",
+        "queries",
+        "reconciliation",
+        "recurring_orders",
+        "shared_orders",
+    )
+)
+"""Modules of the gateway that are about several who write at once, or about how rows are found: there the databases differ."""
+
+ONE_OF = 3
+"""Of the tests of each other module so many have one on PostgreSQL in `make test-long`, the first among them; the others are left to
+`make campaign`. All are in `make test` on SQLite, and those of the store on both."""
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     items[:] = [item for item in items if not _is_needless(item)]
+    numbers: defaultdict[Path, Iterator[int]] = defaultdict(count)
     for item in items:
         # What depends on the kind of database is the store's, whose own tests run on both in `make test`.
         if _is_on_postgresql(item) and _place(item).parts[0] != "store":
-            item.add_marker(pytest.mark.slow)
+            soon = next(numbers[item.path]) % ONE_OF == 0 or item.path.stem in SEVERAL_AT_ONCE
+            item.add_marker(pytest.mark.slow if soon else pytest.mark.campaign)
     items.sort(key=lambda item: item.path.stem != LONGEST)
 
 

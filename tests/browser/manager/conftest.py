@@ -1,4 +1,4 @@
-"""A running factory for each module of tests that says with which options."""
+"""A factory that all modules share whose tests fill in forms."""
 
 from __future__ import annotations
 
@@ -8,9 +8,14 @@ from typing import Any
 import pytest
 
 
-@pytest.fixture(scope="module")
-def factory(request: pytest.FixtureRequest, start_dray: Callable[..., Any]) -> Iterator[str]:
-    """The address of a factory that runs with what the module's `OPTIONS` say; it ends in order."""
-    dray = start_dray(*request.module.OPTIONS)
-    yield dray.url
+@pytest.fixture(scope="session")
+def forms(start_dray: Callable[..., Any]) -> Iterator[Any]:
+    """A factory in which nobody orders but tests. Its time stands; a test lets it pass.
+
+    It is for all tests that fill in forms. Each names things of its own, and leaves no order to be made.
+    """
+    dray = start_dray("--speed", "20", "--no-demand", stepped=True)
+    # Everybody has been heard.
+    dray.advance(5.0)
+    yield dray
     assert dray.stop() == 0, dray.output()

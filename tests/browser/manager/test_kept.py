@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -14,17 +14,10 @@ OpenPage = Callable[..., Page]
 Screenshot = Callable[..., Path]
 
 
-@pytest.fixture(scope="module")
-def factory(start_dray: Callable[..., Any]) -> Iterator[Any]:
-    dray = start_dray("--speed", "4", "--no-demand")
-    yield dray
-    assert dray.stop() == 0, dray.output()
-
-
 def test_a_manager_is_told_what_is_kept_for_how_long(
-    factory: Any, open_page: OpenPage, screenshot: Screenshot
+    forms: Any, open_page: OpenPage, screenshot: Screenshot
 ) -> None:
-    page = open_page(f"{factory.url}/#audit")
+    page = open_page(f"{forms.url}/#audit")
     page.get_by_role("button", name="What is kept").click()
     sheet = page.get_by_role("dialog", name="What is kept for how long")
     expect(sheet.get_by_role("row")).to_have_count(10)
@@ -35,16 +28,16 @@ def test_a_manager_is_told_what_is_kept_for_how_long(
 
 @pytest.mark.parametrize("view", ["audit", "tasks", "alerts"])
 def test_a_list_that_reaches_back_beyond_what_is_kept_says_so(
-    factory: Any, open_page: OpenPage, view: str
+    forms: Any, open_page: OpenPage, view: str
 ) -> None:
-    page = open_page(f"{factory.url}/#{view}?since=2020-01-01T00:00")
+    page = open_page(f"{forms.url}/#{view}?since=2020-01-01T00:00")
     expect(page.get_by_role("status").filter(has_text="are no longer kept (400 days)")).to_be_visible()
 
 
 def test_a_moment_that_is_no_longer_kept_says_since_when_there_is_something(
-    factory: Any, open_page: OpenPage, screenshot: Screenshot, complaints: Complaints
+    forms: Any, open_page: OpenPage, screenshot: Screenshot, complaints: Complaints
 ) -> None:
-    page = open_page(f"{factory.url}/#replay/1577836800.0")
+    page = open_page(f"{forms.url}/#replay/1577836800.0")
     expect(page.get_by_role("status").filter(has_text="is no longer kept (14 days)")).to_be_visible()
     expect(page.get_by_text("Nothing is kept of 1 Jan")).to_be_visible()
     screenshot(page, "replay-no-longer-kept")

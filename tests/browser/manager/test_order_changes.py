@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from complaints import Complaints
 from playwright.sync_api import Locator, Page, expect
@@ -11,17 +12,13 @@ from playwright.sync_api import Locator, Page, expect
 OpenPage = Callable[..., Page]
 Screenshot = Callable[..., Path]
 
-OPTIONS = ("--no-demand",)
 
-
-def place(page: Page, factory: str, reference: str, quantity: int) -> str:
-    """Place an order that takes hours; its id."""
-    items = [{"product": "motor-e4", "quantity": quantity}]
-    said = page.request.post(
-        f"{factory}/api/orders", data={"customer": "Acme", "reference": reference, "items": items}
-    )
-    assert said.status == 201, said.text()
-    return str(said.json()["id"])
+def place(forms: Any, reference: str) -> str:
+    """Place an order that takes hours, at a moment of its own; its id."""
+    items = [{"product": "motor-e4", "quantity": 300}]
+    placed = forms.ask("/api/orders", {"customer": "Acme", "reference": reference, "items": items})
+    forms.advance(0.1)
+    return str(placed["id"])
 
 
 def references(rows: Locator) -> list[str]:
@@ -29,12 +26,10 @@ def references(rows: Locator) -> list[str]:
 
 
 def test_an_order_in_work_is_changed_and_moved_and_who_comes_too_late_is_told_so(
-    factory: str, open_page: OpenPage, screenshot: Screenshot, complaints: Complaints
+    forms: Any, open_page: OpenPage, screenshot: Screenshot, complaints: Complaints
 ) -> None:
-    page = open_page(f"{factory}/#orders")
-    first = place(page, factory, "FIRST", 300)
-    place(page, factory, "SECOND", 300)
-    third = place(page, factory, "THIRD", 300)
+    page = open_page(f"{forms.url}/#orders")
+    first, second, third = (place(forms, reference) for reference in ("FIRST", "SECOND", "THIRD"))
 
     # By hand, then by the button.
     rows = page.locator("tbody tr[draggable=true]")
@@ -48,7 +43,7 @@ def test_an_order_in_work_is_changed_and_moved_and_who_comes_too_late_is_told_so
     screenshot(page, "orders-moved")
 
     # By the form of its page, beside somebody else.
-    page.goto(f"{factory}/#orders/{first}")
+    page.goto(f"{forms.url}/#orders/{first}")
     form = page.locator(".order-change")
     save = form.get_by_role("button", name="Save changes")
     expect(save).to_be_disabled()
@@ -58,12 +53,15 @@ def test_an_order_in_work_is_changed_and_moved_and_who_comes_too_late_is_told_so
     screenshot(page, "order-changing")
     save.click()
     expect(page.get_by_role("heading", level=1)).to_have_text("FIRST-B")
-    expect(form).to_contain_text("nothing changed yet")
+    # Until the factory has answered.
+    expect(form).to_contain_text("being changed")
+    with forms.going():
+        expect(form).to_contain_text("nothing changed yet")
 
     form.get_by_label("Reference").fill("FIRST-C")
-    kept = page.request.get(f"{factory}/api/orders/{first}")
+    kept = page.request.get(f"{forms.url}/api/orders/{first}")
     other = page.request.patch(
-        f"{factory}/api/orders/{first}",
+        f"{forms.url}/api/orders/{first}",
         data={"reference": "FIRST-D"},
         headers={"If-Match": kept.headers["etag"]},
     )
@@ -77,4 +75,7 @@ def test_an_order_in_work_is_changed_and_moved_and_who_comes_too_late_is_told_so
     form.locator("input[inputmode=numeric]").fill("0")
     expect(form).to_contain_text("That is not possible")
     expect(save).to_be_disabled()
-    assert page.request.get(f"{factory}/api/orders/{third}").json()["items"][0]["quantity"] == 300
+    assert page.request.get(f"{forms.url}/api/orders/{third}").json()["items"][0]["quantity"] == 300
+
+    for order in (first, second, third):
+        forms.ask(f"/api/orders/{order}/cancel", {})

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from complaints import Complaints
 from looks import LOCALES, WIDTHS_PX, in_every_look
@@ -12,13 +13,11 @@ from playwright.sync_api import Page, expect
 OpenPage = Callable[..., Page]
 Screenshot = Callable[..., Path]
 
-OPTIONS = ("--no-demand",)
-
 
 def test_a_product_is_defined_and_ordered_and_a_change_that_comes_too_late_is_refused(
-    factory: str, open_page: OpenPage, screenshot: Screenshot, complaints: Complaints
+    forms: Any, open_page: OpenPage, screenshot: Screenshot, complaints: Complaints
 ) -> None:
-    page = open_page(f"{factory}/#products")
+    page = open_page(f"{forms.url}/#products")
     page.get_by_role("button", name="Define…").click()
     form = page.locator(".product-form")
     form.get_by_label("Id: letters").fill("pump-p9")
@@ -42,20 +41,19 @@ def test_a_product_is_defined_and_ordered_and_a_change_that_comes_too_late_is_re
     expect(row).to_contain_text("M1")
     screenshot(page, "product-defined")
 
-    ordered = page.request.post(
-        f"{factory}/api/orders",
-        data={"customer": "Acme", "items": [{"product": "pump-p9", "quantity": 4}]},
-    )
-    assert ordered.status == 201, ordered.text()
+    items = [{"product": "pump-p9", "quantity": 4}]
+    ordered = forms.ask("/api/orders", {"customer": "Acme", "items": items})
+    assert ordered["items"][0]["product"] == "pump-p9"
+    forms.ask(f"/api/orders/{ordered['id']}/cancel", {})
 
     # Somebody else is faster.
     row.get_by_role("button", name="Pump P9").click()
     form.get_by_label("Pieces, row 1").fill("3")
-    kept = page.request.get(f"{factory}/api/products/pump-p9")
+    kept = page.request.get(f"{forms.url}/api/products/pump-p9")
     told = kept.json()
     body = {key: told[key] for key in ("name", "lot", "ability", "bill", "machines", "documents")}
     other = page.request.put(
-        f"{factory}/api/products/pump-p9",
+        f"{forms.url}/api/products/pump-p9",
         data=body | {"name": "Pump P9 long"},
         headers={"If-Match": kept.headers["etag"]},
     )
@@ -82,9 +80,9 @@ def test_a_product_is_defined_and_ordered_and_a_change_that_comes_too_late_is_re
 
 @in_every_look
 def test_the_form_fits_every_width(
-    factory: str, open_page: OpenPage, screenshot: Screenshot, language: str, theme: str
+    forms: Any, open_page: OpenPage, screenshot: Screenshot, language: str, theme: str
 ) -> None:
-    page = open_page(f"{factory}/#products", locale=LOCALES[language], color_scheme=theme)
+    page = open_page(f"{forms.url}/#products", locale=LOCALES[language], color_scheme=theme)
     expect(page.locator("[aria-busy=true]")).to_have_count(0)
     page.locator("[popovertarget=product-form]").first.click()
     for width in WIDTHS_PX:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 from complaints import Complaints
@@ -13,13 +14,11 @@ from playwright.sync_api import Page, expect
 OpenPage = Callable[..., Page]
 Screenshot = Callable[..., Path]
 
-OPTIONS = ("--no-demand",)
-
 
 @pytest.fixture
-def page(factory: str, open_page: OpenPage) -> Page:
+def page(forms: Any, open_page: OpenPage) -> Page:
     """The view, by the link on the page of orders."""
-    page = open_page(f"{factory}/#orders", timezone_id="Europe/Berlin")
+    page = open_page(f"{forms.url}/#orders", timezone_id="Europe/Berlin")
     page.get_by_role("link", name="Recurring work").click()
     expect(page.get_by_role("heading", level=1)).to_contain_text("Recurring work")
     expect(page.locator("[aria-busy=true]")).to_have_count(0)
@@ -128,9 +127,9 @@ def test_an_order_is_planned_line_by_line_and_becomes_a_transport(
 
 @in_every_look
 def test_it_fits_every_width(
-    factory: str, open_page: OpenPage, screenshot: Screenshot, language: str, theme: str
+    forms: Any, open_page: OpenPage, screenshot: Screenshot, language: str, theme: str
 ) -> None:
-    page = open_page(f"{factory}/#recurring", locale=LOCALES[language], color_scheme=theme)
+    page = open_page(f"{forms.url}/#recurring", locale=LOCALES[language], color_scheme=theme)
     expect(page.locator("[aria-busy=true]")).to_have_count(0)
     page.locator("[popovertarget=recurring-form]").first.click()
     for kind in ("transport", "order"):

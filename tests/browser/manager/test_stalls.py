@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import pytest
 from playwright.sync_api import Page, Route, WebSocketRoute, expect
 
 OpenPage = Callable[..., Page]
-
-
-OPTIONS = ("--no-demand",)
 
 
 class Stream:
@@ -27,12 +25,12 @@ class Stream:
 
 @pytest.mark.slow
 def test_a_stream_that_stalls_is_shown_as_old_with_its_age_and_afterwards_as_new(
-    factory: str, open_page: OpenPage
+    forms: Any, open_page: OpenPage
 ) -> None:
-    page = open_page("about:blank", visits=factory)
+    page = open_page("about:blank", visits=forms.url)
     page.clock.install()
     stream = Stream(page)
-    page.goto(factory)
+    page.goto(forms.url)
     expect(page.locator(".live-live").first).to_be_visible()
     stream.stalled = True
     page.clock.run_for(6_000)
@@ -46,15 +44,15 @@ def test_a_stream_that_stalls_is_shown_as_old_with_its_age_and_afterwards_as_new
 
 @pytest.mark.slow
 def test_a_server_that_takes_its_time_leaves_a_page_that_says_what_it_waits_for(
-    factory: str, open_page: OpenPage
+    forms: Any, open_page: OpenPage
 ) -> None:
-    page, held = open_page("about:blank", visits=factory), list[Route]()
+    page, held = open_page("about:blank", visits=forms.url), list[Route]()
 
     def hold(route: Route) -> None:
         held.append(route)
 
     page.route("**/api/plant", hold)
-    page.goto(factory)
+    page.goto(forms.url)
     waiting = page.locator(".map-waiting")
     expect(waiting).to_be_visible()
     expect(waiting).not_to_be_empty()

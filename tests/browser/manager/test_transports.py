@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from complaints import Complaints
 from looks import LOCALES, WIDTHS_PX, in_every_look
@@ -12,13 +13,11 @@ from playwright.sync_api import Page, expect
 OpenPage = Callable[..., Page]
 Screenshot = Callable[..., Path]
 
-OPTIONS = ("--no-demand",)
-
 
 def test_a_load_is_called_for_and_seen_and_one_that_waits_for_its_vehicle_tells_why_and_is_called_off(
-    factory: str, open_page: OpenPage, screenshot: Screenshot, complaints: Complaints
+    forms: Any, open_page: OpenPage, screenshot: Screenshot, complaints: Complaints
 ) -> None:
-    page = open_page(f"{factory}/#tasks")
+    page = open_page(f"{forms.url}/#tasks")
     page.get_by_role("link", name="Plain transports").click()
     expect(page.get_by_role("heading", level=1)).to_contain_text("Plain transports")
     expect(page.get_by_text("Nobody has called for anything yet.")).to_be_visible()
@@ -52,10 +51,8 @@ def test_a_load_is_called_for_and_seen_and_one_that_waits_for_its_vehicle_tells_
     expect(row).to_be_visible()
 
     # Nobody else may carry it, and that one takes no work.
-    taken_out = page.request.post(
-        f"{factory}/api/atvs/ATV3/commands", data={"command": "out-1", "kind": "take_out"}
-    )
-    assert taken_out.ok, taken_out.text()
+    with forms.going():
+        forms.ask("/api/atvs/ATV3/commands", {"command": "out-1", "kind": "take_out"})
     page.get_by_role("button", name="Call…").click()
     page.get_by_label("Material").select_option("shaft")
     page.get_by_label("Pieces").fill("7")
@@ -70,16 +67,19 @@ def test_a_load_is_called_for_and_seen_and_one_that_waits_for_its_vehicle_tells_
     waiting.get_by_role("button", name="Keep it").click()
     waiting.get_by_role("button", name="Call off").click()
     waiting.get_by_role("group").get_by_role("button", name="Call off").click()
+    # Until the factory has answered.
+    expect(waiting).to_contain_text("being called off")
+    with forms.going():
+        expect(waiting).not_to_contain_text("being called off")
     expect(waiting).to_contain_text("called off")
-    expect(waiting).not_to_contain_text("being called off")
     screenshot(page, "transports-called-off")
 
 
 @in_every_look
 def test_it_fits_every_width(
-    factory: str, open_page: OpenPage, screenshot: Screenshot, language: str, theme: str
+    forms: Any, open_page: OpenPage, screenshot: Screenshot, language: str, theme: str
 ) -> None:
-    page = open_page(f"{factory}/#transports", locale=LOCALES[language], color_scheme=theme)
+    page = open_page(f"{forms.url}/#transports", locale=LOCALES[language], color_scheme=theme)
     expect(page.locator("[aria-busy=true]")).to_have_count(0)
     page.locator("[popovertarget=call-form]").first.click()
     for width in WIDTHS_PX:

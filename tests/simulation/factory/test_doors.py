@@ -6,6 +6,7 @@ from functools import partial
 
 import pytest
 from msgspec.structs import replace
+from variants import variants
 
 from dray.messages import AtvHeartbeat, ObstacleSeen
 from dray.messages.floor.obstacle import FORGOTTEN_S
@@ -51,7 +52,7 @@ async def look(stage: Stage, failing: tuple[str, ...]) -> tuple[int, list[Obstac
     return opened, [seen.said for seen in stage.witness.all(ObstacleSeen)]
 
 
-@pytest.mark.parametrize("traffic", [True, False])
+@pytest.mark.parametrize("traffic", variants([True, False]))
 def test_vehicles_pass_doors_all_day_and_nothing_of_it_is_an_obstacle(traffic: bool) -> None:
     with with_right_of_way(traffic):
         played = play(SHIFT, PLANT, 1, partial(look, failing=()))
@@ -62,7 +63,7 @@ def test_vehicles_pass_doors_all_day_and_nothing_of_it_is_an_obstacle(traffic: b
     assert not told
 
 
-@pytest.mark.parametrize("traffic", [True, False])
+@pytest.mark.parametrize("traffic", variants([True, False]))
 def test_doors_that_fail_are_told_gone_round_and_known_to_be_right_again(traffic: bool) -> None:
     failing = ("D1", "D2", "D3", "D4")
     with with_right_of_way(traffic):

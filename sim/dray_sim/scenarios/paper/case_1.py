@@ -246,23 +246,6 @@ async def _alone(stage: Stage, *, failing: bool) -> Alone:
 # --- all of it -----------------------------------------------------------------------------------
 
 
-def case_1(seed: int) -> Findings:
-    """Play all three, and the third once more without the failure."""
-    others, mended = PART.play(seed), MENDED.play(seed)
-    plant = only_on(ONLY_PRODUCT, ONLY_MACHINE)
-    alone = play(ALONE, plant, seed, fail_alone)
-    twin = play(ALONE, plant, seed, work_alone)
-    return Findings(
-        runs=(others, mended, alone, twin),
-        checks=(
-            *MENDED.checks(mended),
-            *PART.checks(others),
-            *(_waiting(alone.told, twin.told) if alone.told is not None and twin.told is not None else ()),
-        ),
-        tables=(_times(alone.told, twin.told),) if alone.told is not None and twin.told is not None else (),
-    )
-
-
 def _mended(told: Failed | None) -> tuple[Check, ...]:
     return (
         Check(
@@ -374,6 +357,23 @@ MENDED = Part(
     (ScenarioStep.MACHINE_BROKEN, ScenarioStep.MACHINE_MENDED, ScenarioStep.ALL_DELIVERED),
     _mended,
 )
+
+
+def case_1(seed: int, fails: Part[Failed | None] = PART, breaks: Part[Failed | None] = MENDED) -> Findings:
+    """Play all three, and the third once more without the failure."""
+    others, mended = fails.play(seed), breaks.play(seed)
+    plant = only_on(ONLY_PRODUCT, ONLY_MACHINE)
+    alone = play(ALONE, plant, seed, fail_alone)
+    twin = play(ALONE, plant, seed, work_alone)
+    return Findings(
+        runs=(others, mended, alone, twin),
+        checks=(
+            *breaks.checks(mended),
+            *fails.checks(others),
+            *(_waiting(alone.told, twin.told) if alone.told is not None and twin.told is not None else ()),
+        ),
+        tables=(_times(alone.told, twin.told),) if alone.told is not None and twin.told is not None else (),
+    )
 
 
 CASE_1 = Scenario(

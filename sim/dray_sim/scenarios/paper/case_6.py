@@ -253,13 +253,13 @@ PART = Part(
 )
 
 
-def case_6(seed: int) -> Findings:
-    """Play the same demand with the update and without."""
-    updated = PART.play(seed)
+def case_6(seed: int, part: Part[Span] = PART) -> Findings:
+    """Play the same demand with the update and without, for as long as the part lasts, in its plant."""
+    updated = part.play(seed)
     told = updated.told
     if told is None:
         return Findings(runs=(updated,), checks=())
-    twin_run = play(SHIFT, default_plant(), seed, partial(let_be, took_s=told.took_s))
+    twin_run = play(part.shift, part.plant(), seed, partial(let_be, took_s=told.took_s))
     twin = twin_run.told
     if twin is None:
         return Findings(runs=(updated, twin_run), checks=())
@@ -267,7 +267,7 @@ def case_6(seed: int) -> Findings:
     return Findings(
         runs=(updated, twin_run),
         checks=(
-            *PART.checks(updated),
+            *part.checks(updated),
             Check(
                 f"Production goes on: at least {SHARE:.0%} of the transports and pieces of the same time without an update",
                 told.transports >= SHARE * twin.transports and told.pieces >= SHARE * twin.pieces,
