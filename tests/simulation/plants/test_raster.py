@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dray.plant import parse_plant, plant_yaml
 from dray.plant.planning.room import room_faults
+from dray_sim.plants.fleet_sizes import with_fleet
 from dray_sim.plants.play import draw
 from dray_sim.plants.raster import draw_raster
 
@@ -35,3 +36,14 @@ def test_a_seed_gives_the_same_plant_and_another_one_another() -> None:
     assert first.orders == second.orders
     assert draw(6, small=True).plant != first.plant
     assert parse_plant(plant_yaml(first.plant), "again") == first.plant
+
+
+def test_a_floor_is_given_as_many_vehicles_as_are_asked_for() -> None:
+    plant = draw_raster(27)
+    for count in (2, len(plant.fleet), 32):
+        more = with_fleet(plant, count)
+        assert len(more.fleet) == count
+        assert len({spec.node for spec in more.fleet.values()}) == count
+        kept = min(count, len(plant.fleet))
+        assert tuple(more.file.fleet[:kept]) == tuple(plant.file.fleet[:kept])
+        assert more.nodes == plant.nodes
