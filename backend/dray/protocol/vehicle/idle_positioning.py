@@ -126,6 +126,11 @@ class IdlePositioning:
     def charging(self) -> bool:
         return self._charge_order != 0
 
+    @property
+    def is_reserve(self) -> bool:
+        """Whether it stands in a place of the reserve, where it takes no work that others can do."""
+        return self._dwell_points.is_reserve
+
     # --- beginning and end ---
 
     def start(self, battery_frac: float, now_s: float) -> None:
@@ -307,7 +312,20 @@ class IdlePositioning:
         found = self._dwell_points.seek(
             charger=charger, node=node, battery_frac=battery_frac, now_s=now_s, near=near
         )
-        return found or (not charger and self._dwell_points.seek_spare(near or node, battery_frac, now_s))
+        return found or (not charger and self._seek_spare(near or node, battery_frac, now_s))
+
+    def _seek_spare(self, node: str, battery_frac: float, now_s: float) -> bool:
+        """No parking place is left: out of the way on the roads, else at a free charger, in the reserve, or in somebody's way."""
+        dwell_points, spare = self._dwell_points, self._plant.spare_places
+        if dwell_points.seek_spare(spare.clear, node, battery_frac, now_s):
+            return True
+        if spare.reserve:
+            if dwell_points.hold is Hold.STANDING and dwell_points.is_charger:
+                return False  # As good as any that is left.
+            if dwell_points.seek(charger=True, node=node, battery_frac=battery_frac, now_s=now_s):
+                return True
+        rest = (*spare.reserve, *spare.others)
+        return dwell_points.seek_spare(rest, node, battery_frac, now_s)
 
     def _stand_here(self, battery_frac: float, now_s: float) -> None:
         """Claim the dwell point in which the vehicle stands, unless another one has just won it."""
