@@ -13,6 +13,7 @@ from dray.plant.charger_queue import WORTH_FRAC
 from dray.protocol.runtime.events import Effect, Publish, Subscribe
 from dray.protocol.vehicle.dwell_points import APPROACH_S, BLOCKED_S, TAKEN_MEMORY_S, DwellPoints, Hold
 from dray.protocol.vehicle.idle_positioning import WaitingPlaces
+from dray_sim.plants.raster import draw_raster
 
 
 class Driver:
@@ -301,3 +302,32 @@ def test_who_must_charge_looks_for_a_parking_place_near_its_charger() -> None:
     assert dwell_points.seek(charger=False, node="e3", battery_frac=0.2, now_s=0.0, near=charger)
     nearest = min(PLANT.parkings, key=lambda each: routes.duration_s(charger, PLANT.node_of(each)))
     assert dwell_points.dwell_point == nearest
+
+
+def test_a_charger_of_the_reserve_is_asked_for_when_no_other_is_left() -> None:
+    plant = draw_raster(17)
+    shut = [each for each in plant.chargers if plant.stand_of(each) in plant.spare_places.shut]
+    assert shut
+    out: list[Effect] = []
+    points = DwellPoints("V1", plant, plant.fleet["V1"].type, KEYS, out)
+    beside = plant.stand_of(shut[0])
+    asked: list[str] = []
+    for now_s in range(len(plant.chargers)):
+        assert points.seek(charger=True, node=beside, battery_frac=0.5, now_s=float(now_s))
+        asked.append(points.dwell_point)
+        points.stand(points.dwell_point, 0.5)
+        assert points.is_reserve is (points.dwell_point in shut)
+        points.block(float(now_s))
+    assert set(asked[-len(shut) :]) == set(shut)
+
+
+def test_who_stands_at_a_place_of_the_reserve_belongs_to_it_and_who_drives_there_does_not_yet() -> None:
+    plant = draw_raster(17)
+    spare = plant.spare_places
+    points = DwellPoints("V1", plant, plant.fleet["V1"].type, KEYS, [])
+    assert points.seek_spare(spare.reserve, spare.reserve[0], 0.5, 0.0)
+    assert not points.is_reserve
+    points.arrive()
+    assert points.is_reserve
+    points.stand(spare.clear[0], 0.5)
+    assert not points.is_reserve
