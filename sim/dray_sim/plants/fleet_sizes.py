@@ -28,7 +28,7 @@ class FleetSize(msgspec.Struct, frozen=True):
 
     vehicles: int
     places: int
-    """How many vehicles the floor has dwell points and clear spare places for."""
+    """For how many vehicles the floor has dwell points and places out of the way, the reserve's too."""
     transports: int
     pieces: int
     p50_s: float
@@ -106,7 +106,7 @@ def play_sizes(
 def _row(plant: Plant, report: Report) -> FleetSize:
     return FleetSize(
         vehicles=len(plant.fleet),
-        places=len(plant.dwell_points) + len(plant.spare_places.clear),
+        places=len(plant.dwell_points) + len(plant.spare_places.clear) + len(plant.spare_places.reserve),
         transports=report.transports,
         pieces=report.pieces_delivered,
         p50_s=report.transport_p50_s,
