@@ -35,6 +35,11 @@ class SparePlaces(msgspec.Struct, frozen=True):
         """All of them, the better ones first."""
         return (*self.clear, *self.reserve, *self.others)
 
+    @property
+    def reserve_size(self) -> int:
+        """How many vehicles may be in the reserve at one time."""
+        return len(self.reserve) + len(self.shut)
+
     def is_reserve(self, node: str) -> bool:
         """Whether a vehicle that waits at a node belongs to the reserve."""
         return node in self.shut or node in self.reserve

@@ -24,6 +24,7 @@ from dray.protocol.vehicle.bidding import (
 )
 from dray.protocol.vehicle.charging import Charging
 from dray.protocol.vehicle.pricing import Quote, Unable
+from dray_sim.plants.raster import draw_raster
 
 SPOT = PLANT.nodes["p3"]
 FREE = Standing(
@@ -254,3 +255,21 @@ def test_the_reserve_carries_what_nobody_else_may_and_watches_those_at_work() ->
     reserve = standing(is_reserve=True)
     assert len(sent(at(0.0, reserve, work=transport(vehicle="ATV1")), Bid)) == 1
     assert len(sent(at(0.0, reserve, role=Role.SECONDARY, primary="ATV2"), Bid)) == 1
+
+
+@pytest.mark.parametrize(("seed", "leaves"), [(17, True), (4, False)])
+def test_the_reserve_carries_what_too_few_others_can(seed: int, leaves: bool) -> None:
+    """In raster 4 two of five vehicles carry what only the larger type can; the reserve may be both of them."""
+    plant = draw_raster(seed)
+    large = plant.vehicle_types["all"]
+    rare = large.abilities[-1]
+    item = next(name for name in (*plant.materials, *plant.products) if plant.ability_of(name) == rare)
+    source, machine = next(iter(plant.storages)), next(iter(plant.machines))
+    out: list[Effect] = []
+    spot = plant.nodes[plant.spare_places.reserve[0]]
+    circumstances = standing(node=spot.id, x_m=spot.x_m, y_m=spot.y_m, is_reserve=True)
+    carrier = Bidder("V1", plant, large.id, Probation(0), Charging(plant, large.id), Waits(), out)
+    work = transport(item=item, sources=(source,), destination=machine, ability=rare)
+    asked = announcement(work=work, x_m=spot.x_m, y_m=spot.y_m, coordinator=machine)
+    carrier.on_announced(asked, circumstances, 0.0)
+    assert (sent(out, Bid) == []) is leaves

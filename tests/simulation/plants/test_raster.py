@@ -55,7 +55,7 @@ def test_a_floor_is_given_as_many_vehicles_as_are_asked_for() -> None:
 
 
 def test_who_waits_in_the_reserve_takes_no_work_that_others_can_do() -> None:
-    plant = draw_raster(4)
+    plant = draw_raster(28)
     assert plant.spare_places.reserve
 
     async def look(stage: Stage) -> tuple[set[str], list[str]]:

@@ -73,6 +73,7 @@ class Bidder:
         out: list[Effect],
     ) -> None:
         self._atv = atv
+        self._plant = plant
         self._pricer = Pricer(plant, vehicle_type)
         self._probation = probation
         self._waits = waits
@@ -122,12 +123,21 @@ class Bidder:
         return None
 
     def _is_left_to_others(self, message: TaskAnnounced, standing: Standing, now_s: float) -> bool:
-        """Whether this vehicle waits in the reserve, and the task has not waited for long."""
-        if not standing.is_reserve or message.role is not Role.PRIMARY:
+        """Whether this vehicle waits in the reserve, enough others can carry the load, and it has not waited for long."""
+        work = message.work
+        if not standing.is_reserve or message.role is not Role.PRIMARY or not isinstance(work, Transport):
             return False
-        is_its_own = isinstance(message.work, Transport) and message.work.vehicle == self._atv
-        needed_s = message.needed_s or message.deadline_s
-        return not is_its_own and now_s < needed_s + RESERVE_AFTER_S
+        if work.vehicle or not self._has_able_at_work(work):
+            return False
+        return now_s < (message.needed_s or message.deadline_s) + RESERVE_AFTER_S
+
+    def _has_able_at_work(self, work: Transport) -> bool:
+        """Whether a third of the vehicles that can carry a load are at work, even if all places of the reserve are taken by such ones."""
+        plant = self._plant
+        able = sum(
+            set(work.needed) <= set(plant.vehicle_types[spec.type].abilities) for spec in plant.fleet.values()
+        )
+        return 2 * able >= 3 * plant.spare_places.reserve_size
 
     def review(self, award: Award, standing: Standing, now_s: float) -> Quote | Unable:
         """Whether an award can still be taken, from where the vehicle is now."""
