@@ -188,7 +188,8 @@ class Refusal(StrEnum):
     CLOSED = "closed"
     """What people have closed leaves no way."""
     NOT_FIT = "not_fit"
-    """Stopped, in error, on the radio mesh, draining, or on probation and this is not for it."""
+    """Stopped, in error, on the radio mesh, draining, in the reserve of a fleet that is too large for its roads, or on probation and this is
+    not for it."""
     IS_PRIMARY = "is_primary"
     """Asked to watch itself."""
 

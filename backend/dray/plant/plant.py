@@ -155,7 +155,8 @@ class Plant:
         stops = (node for node in self.stops if not self.has_place(node))
         needed = len(self.fleet) - len(self.dwell_points)
         docks = map(self.node_of, self.places)
-        return spare_nodes(self.nodes, map(self.roads_of, kinds), stops, docks, needed)
+        goods = map(self.node_of, (*self.machines, *self.storages, *self.warehouses))
+        return spare_nodes(self.nodes, map(self.roads_of, kinds), stops, docks, needed, goods)
 
     def stand_of(self, dwell_point: str) -> str:
         """The node of a dwell point; of a spare place it is its id."""

@@ -1,9 +1,10 @@
 """Where vehicles without a dwell point wait: nodes of the roads that nobody needs.
 
 A plant with fewer chargers and parking places than vehicles has some that stand in the lanes. While they stand at the nodes named first
-here, everybody else still gets from every dock to every other, and each of them gets away and back. Where these are too few the floor is
-too small for the fleet: the least used nodes follow that are before no dock, so that the rest of the vehicles stand apart and in the way
-of few. Every agent works the same nodes out, and vehicles claim them as they claim parking places.
+here, everybody else still gets from every dock to every other, and each of them gets away and back. Where these are too few, some vehicles
+are a *reserve*, which takes no work that others can do: it may shut some chargers and parking places off, in which others of the reserve
+stand, and no dock where goods are handed over. Where that is too little as well the floor is too small for the fleet: the least used nodes
+follow that are before no dock. Every agent works the same nodes out, and vehicles claim them as they claim parking places.
 """
 
 from __future__ import annotations
@@ -24,11 +25,24 @@ class SparePlaces(msgspec.Struct, frozen=True):
     """In nobody's way."""
     others: tuple[str, ...]
     """In somebody's way: for whom there is nothing better."""
+    reserve: tuple[str, ...] = ()
+    """Of the reserve: while vehicles stand there, all docks for goods reach one another, and those in `shut` do not."""
+    shut: frozenset[str] = frozenset()
+    """Nodes of chargers and parking places that the reserve shuts off: whoever stands there belongs to it."""
 
     @property
     def all(self) -> tuple[str, ...]:
-        """Both, the better ones first."""
-        return (*self.clear, *self.others)
+        """All of them, the better ones first."""
+        return (*self.clear, *self.reserve, *self.others)
+
+    @property
+    def reserve_size(self) -> int:
+        """How many vehicles may be in the reserve at one time."""
+        return len(self.reserve) + len(self.shut)
+
+    def is_reserve(self, node: str) -> bool:
+        """Whether a vehicle that waits at a node belongs to the reserve."""
+        return node in self.shut or node in self.reserve
 
 
 SOURCES = 24
@@ -37,6 +51,9 @@ SOURCES = 24
 TRIED_PER_PLACE = 6
 """Nodes that are looked at for each place that is needed: the least used first."""
 
+LEFT_FRAC = 0.5
+"""Part of the chargers and parking places that no reserve shuts off."""
+
 
 def spare_nodes(
     nodes: Mapping[str, Node],
@@ -44,6 +61,7 @@ def spare_nodes(
     stops: Iterable[str],
     docks: Iterable[str],
     needed: int,
+    goods: Iterable[str] = (),
 ) -> SparePlaces:
     """The least used nodes at which vehicles can wait, at most as many as are needed.
 
@@ -53,8 +71,9 @@ def spare_nodes(
         stops: where vehicles may stand.
         docks: where they dock, charge and park.
         needed: how many nodes are asked for.
+        goods: those of the docks where goods are handed over; none for a floor without a reserve.
     """
-    every, docked = tuple(roads), tuple(dict.fromkeys(docks))
+    every, docked, stops = tuple(roads), tuple(dict.fromkeys(docks)), tuple(stops)
     if needed <= 0 or not docked:
         return SparePlaces((), ())
     mouths = {mouth for dock in docked for one in every for mouth in _mouths(one, dock)}
@@ -71,8 +90,52 @@ def spare_nodes(
             break
         if all(_leaves_all(one, docked, (*clear, node)) for one in floors):
             clear.append(node)
-    others = [node for node in free if node not in clear]
-    return SparePlaces(tuple(clear), tuple(others[: needed - len(clear)]))
+    reserve, shut = _reserve(floors, docked, tuple(dict.fromkeys(goods)), stops, clear, every, used, needed)
+    others = [node for node in free if node not in clear and node not in reserve]
+    rest = needed - len(clear) - len(reserve)
+    return SparePlaces(tuple(clear), tuple(others[:rest]), tuple(reserve), shut)
+
+
+def _reserve(
+    floors: list[_Floor],
+    docked: tuple[str, ...],
+    goods: tuple[str, ...],
+    stops: tuple[str, ...],
+    clear: list[str],
+    every: tuple[Roads, ...],
+    used: Mapping[str, int],
+    needed: int,
+) -> tuple[list[str], frozenset[str]]:
+    """Nodes for what is left of the fleet, and the docks without goods that are shut off by vehicles there.
+
+    Each next one is the one that shuts off the fewest, and of those the least used.
+    """
+    dwells = frozenset(docked).difference(goods)
+    mouths = {mouth for dock in goods for one in every for mouth in _mouths(one, dock)}
+    tried = [node for node in stops if node not in docked and node not in mouths and node not in clear]
+    tried.sort(key=lambda node: used.get(node, 0))
+    del tried[TRIED_PER_PLACE * needed :]
+    reserve: list[str] = []
+    shut: frozenset[str] = frozenset()
+    while goods and len(clear) + len(reserve) < needed:
+        best: tuple[int, str, frozenset[str]] | None = None
+        for node in tried:
+            reached = _reached(floors, goods, (*clear, *reserve, node))
+            lost = dwells - reached
+            if node not in reserve and reached.issuperset(goods) and (best is None or len(lost) < best[0]):
+                best = len(lost), node, lost
+        if best is None or len(dwells) - best[0] < LEFT_FRAC * len(dwells):
+            break
+        reserve.append(best[1])
+        shut = best[2]
+    return reserve, shut
+
+
+def _reached(floors: list[_Floor], goods: tuple[str, ...], taken: tuple[str, ...]) -> set[str]:
+    """All nodes to which every vehicle gets from a dock for goods, and back, while others stand at some nodes."""
+    closed = frozenset(taken)
+    ways = [_flood(goods[0], closed, onward) for one in floors for onward in (one.after, one.before)]
+    return set.intersection(*ways)
 
 
 def _mouths(roads: Roads, dock: str) -> Iterable[str]:

@@ -11,7 +11,7 @@ import msgspec
 
 from dray.messages import OrderItem
 from dray.plant import Plant
-from dray.plant.planning.advice import NO_LOAD_FRAC, advice
+from dray.plant.planning.advice import NO_LOAD_FRAC, Advice, advice
 from dray.plant.planning.flow import Flow
 from dray_sim.people import demand
 from dray_sim.plants.draw import draw_plant
@@ -243,10 +243,15 @@ def play_seed(
             f"dray sim plants --seed {seed} --kind {kind}{' --small' if small else ''}{f' --hours {hours:g}' if hours != HOURS else ''}"
             f" {'--traffic' if traffic else '--no-traffic'}"
         ),
-        foreseen=next((each.text for each in warned if each.load_frac < NO_LOAD_FRAC), ""),
+        foreseen=next((each.text for each in warned if _forbids(each)), ""),
         verdict=report.verdict,
         warnings=tuple(f"{each.kind}: {each.text}" for each in warned),
     )
+
+
+def _forbids(warning: Advice) -> bool:
+    """Whether it says that the plant cannot be served at all: too little of something, or too many vehicles for its floor."""
+    return warning.load_frac < NO_LOAD_FRAC or (warning.kind == "dwell_points" and warning.level == "error")
 
 
 def _told(plant: Plant, wait: Waiting) -> str:

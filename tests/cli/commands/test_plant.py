@@ -210,6 +210,23 @@ def test_drawn_plants_are_played_judged_and_kept(tmp_path: Path) -> None:
     assert each["replay"] == "dray sim plants --seed 3 --kind raster --small --hours 0.3 --traffic"
 
 
+def test_fleets_of_several_sizes_are_compared_on_one_floor(tmp_path: Path) -> None:
+    rows = tmp_path / "sizes.json"
+    asked = ("--small", "--hours", "0.25", "--vehicles", "1,4", "--json", str(rows))
+    code, told = dray("sim", "plants", "--seed", "3", *asked)
+    assert code == 0, told
+    one, four = json.loads(rows.read_text())
+    assert (one["vehicles"], four["vehicles"]) == (1, 4)
+    assert one["transports"] < four["transports"]
+    assert len(told.splitlines()) == 3
+
+
+@pytest.mark.parametrize("sizes", ["0,4", "2,,4", "many"])
+def test_sizes_of_fleets_that_are_none_are_refused(sizes: str) -> None:
+    with pytest.raises(SettingsError, match="no list of numbers"):
+        dray("sim", "plants", "--seed", "3", "--vehicles", sizes)
+
+
 # --- layouts of other systems -------------------------------------------------------------------------
 
 

@@ -9,6 +9,8 @@ import pytest
 from dray.plant import Plant, default_plant, load_plant, parse_plant
 from dray.plant.planning.advice import Advice, advice
 from dray.plant.planning.flow import Flow
+from dray_sim.plants.fleet_sizes import with_fleet
+from dray_sim.plants.raster import draw_raster
 from dray_sim.scenarios.paper.laboratory import only_on
 
 
@@ -49,6 +51,22 @@ def test_fewer_dwell_points_than_vehicles(small_text: str) -> None:
     )
     assert "2 dwell points (1 chargers, 1 parking places) for 4 vehicles: 2 without work" in dwell_points.text
     assert "add 2 parking places" in dwell_points.text
+
+
+def test_a_fleet_that_finds_no_place_on_its_floor_is_an_error_with_the_number_that_it_bears() -> None:
+    floor = draw_raster(27)
+    [enough] = [each for each in advice(with_fleet(floor, 31)) if each.kind == "dwell_points"]
+    [too_many] = [each for each in advice(with_fleet(floor, 34)) if each.kind == "dwell_points"]
+    assert (enough.level, too_many.level) == ("warning", "error")
+    assert "the floor bears 31 vehicles at most" in too_many.text
+    assert "take 3 vehicles away" in too_many.text
+    assert "at most" not in enough.text
+
+
+def test_the_reserve_of_a_fleet_is_named() -> None:
+    [dwell_points] = [each for each in advice(draw_raster(17)) if each.kind == "dwell_points"]
+    assert dwell_points.level == "warning"
+    assert "8 are a reserve, which takes no work that others can do" in dwell_points.text
 
 
 def test_as_many_dwell_points_as_vehicles_are_enough(small_text: str) -> None:

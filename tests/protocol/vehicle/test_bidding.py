@@ -15,9 +15,16 @@ from dray.messages.fact import BidRefused, BidSent
 from dray.protocol.contract_net.trust.probation import Probation
 from dray.protocol.contract_net.waits import Waits
 from dray.protocol.runtime.events import Effect, Record, Send
-from dray.protocol.vehicle.bidding import MAX_WATCHES, PLACES_TOLD, Bidder, Standing
+from dray.protocol.vehicle.bidding import (
+    MAX_WATCHES,
+    PLACES_TOLD,
+    RESERVE_AFTER_S,
+    Bidder,
+    Standing,
+)
 from dray.protocol.vehicle.charging import Charging
 from dray.protocol.vehicle.pricing import Quote, Unable
+from dray_sim.plants.raster import draw_raster
 
 SPOT = PLANT.nodes["p3"]
 FREE = Standing(
@@ -219,3 +226,50 @@ def test_no_coordinator_tells_of_more_places_than_a_transport_has() -> None:
     [bid] = sent(on_announcement(waits=(*told, Wait(place="M8", wait_s=40.0))), Bid)
     assert isinstance(bid.cost, TransportCost)
     assert bid.cost.waiting_s == 0.0
+
+
+# --- a fleet that is too large for the roads ----------------------------------------------------------
+
+
+def at(now_s: float, circumstances: Standing, **changes: Any) -> list[Effect]:
+    """What a vehicle does about an announcement at a time."""
+    out: list[Effect] = []
+    bidder("light", out).on_announced(
+        announcement(deadline_s=now_s + 900.0, needed_s=500.0, **changes), circumstances, now_s
+    )
+    return out
+
+
+def test_the_reserve_leaves_work_to_others_until_it_has_waited_for_long() -> None:
+    reserve = standing(is_reserve=True)
+    early, late = 500.0 + RESERVE_AFTER_S - 1.0, 500.0 + RESERVE_AFTER_S
+    [refused] = facts(at(early, reserve), BidRefused)
+    assert refused.reason is Refusal.NOT_FIT
+    assert "reserve" in refused.detail
+    assert sent(at(early, reserve), Bid) == []
+    assert len(sent(at(late, reserve), Bid)) == 1
+    assert len(sent(at(early, FREE), Bid)) == 1
+
+
+def test_the_reserve_carries_what_nobody_else_may_and_watches_those_at_work() -> None:
+    reserve = standing(is_reserve=True)
+    assert len(sent(at(0.0, reserve, work=transport(vehicle="ATV1")), Bid)) == 1
+    assert len(sent(at(0.0, reserve, role=Role.SECONDARY, primary="ATV2"), Bid)) == 1
+
+
+@pytest.mark.parametrize(("seed", "leaves"), [(17, True), (4, False)])
+def test_the_reserve_carries_what_too_few_others_can(seed: int, leaves: bool) -> None:
+    """In raster 4 two of five vehicles carry what only the larger type can; the reserve may be both of them."""
+    plant = draw_raster(seed)
+    large = plant.vehicle_types["all"]
+    rare = large.abilities[-1]
+    item = next(name for name in (*plant.materials, *plant.products) if plant.ability_of(name) == rare)
+    source, machine = next(iter(plant.storages)), next(iter(plant.machines))
+    out: list[Effect] = []
+    spot = plant.nodes[plant.spare_places.reserve[0]]
+    circumstances = standing(node=spot.id, x_m=spot.x_m, y_m=spot.y_m, is_reserve=True)
+    carrier = Bidder("V1", plant, large.id, Probation(0), Charging(plant, large.id), Waits(), out)
+    work = transport(item=item, sources=(source,), destination=machine, ability=rare)
+    asked = announcement(work=work, x_m=spot.x_m, y_m=spot.y_m, coordinator=machine)
+    carrier.on_announced(asked, circumstances, 0.0)
+    assert (sent(out, Bid) == []) is leaves

@@ -20,6 +20,7 @@ from dray.protocol.vehicle.dwell_points import (
     Hold,
 )
 from dray.protocol.vehicle.idle_positioning import WaitingPlaces
+from dray_sim.plants.raster import draw_raster
 
 
 class Driver:
@@ -372,3 +373,32 @@ def test_who_waits_far_from_a_charger_goes_much_nearer_and_then_stays() -> None:
     ]
     assert a_little_away
     assert not any(with_small_battery().seek_nearer(node, 0.2, 1.0) for node in a_little_away)
+
+
+def test_a_charger_of_the_reserve_is_asked_for_when_no_other_is_left() -> None:
+    plant = draw_raster(17)
+    shut = [each for each in plant.chargers if plant.stand_of(each) in plant.spare_places.shut]
+    assert shut
+    out: list[Effect] = []
+    points = DwellPoints("V1", plant, plant.fleet["V1"].type, KEYS, out)
+    beside = plant.stand_of(shut[0])
+    asked: list[str] = []
+    for now_s in range(len(plant.chargers)):
+        assert points.seek(charger=True, node=beside, battery_frac=0.5, now_s=float(now_s))
+        asked.append(points.dwell_point)
+        points.stand(points.dwell_point, 0.5)
+        assert points.is_reserve is (points.dwell_point in shut)
+        points.block(float(now_s))
+    assert set(asked[-len(shut) :]) == set(shut)
+
+
+def test_who_stands_at_a_place_of_the_reserve_belongs_to_it_and_who_drives_there_does_not_yet() -> None:
+    plant = draw_raster(17)
+    spare = plant.spare_places
+    points = DwellPoints("V1", plant, plant.fleet["V1"].type, KEYS, [])
+    assert points.seek_spare(spare.reserve, spare.reserve[0], 0.5, 0.0)
+    assert not points.is_reserve
+    points.arrive()
+    assert points.is_reserve
+    points.stand(spare.clear[0], 0.5)
+    assert not points.is_reserve

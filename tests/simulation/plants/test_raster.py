@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+from typing import cast
+
 from dray.plant import parse_plant, plant_yaml
 from dray.plant.planning.room import room_faults
+from dray.protocol.vehicle.atv import Atv
+from dray_sim.plants.fleet_sizes import with_fleet
 from dray_sim.plants.play import draw
 from dray_sim.plants.raster import draw_raster
+from dray_sim.run.evidence import HELD
+from dray_sim.run.stage import Shift, Stage, play, with_right_of_way
 
 SEEDS = range(30)
 
@@ -35,3 +41,39 @@ def test_a_seed_gives_the_same_plant_and_another_one_another() -> None:
     assert first.orders == second.orders
     assert draw(6, small=True).plant != first.plant
     assert parse_plant(plant_yaml(first.plant), "again") == first.plant
+
+
+def test_a_floor_is_given_as_many_vehicles_as_are_asked_for() -> None:
+    plant = draw_raster(27)
+    for count in (2, len(plant.fleet), 32):
+        more = with_fleet(plant, count)
+        assert len(more.fleet) == count
+        assert len({spec.node for spec in more.fleet.values()}) == count
+        kept = min(count, len(plant.fleet))
+        assert tuple(more.file.fleet[:kept]) == tuple(plant.file.fleet[:kept])
+        assert more.nodes == plant.nodes
+
+
+def test_who_waits_in_the_reserve_takes_no_work_that_others_can_do() -> None:
+    plant = draw_raster(28)
+    assert plant.spare_places.reserve
+
+    async def look(stage: Stage) -> tuple[set[str], list[str]]:
+        reserve: set[str] = set()
+        waited, called = set[str](), list[str]()
+        while stage.now_s() < 1200.0:
+            agents = {atv: cast(Atv, stage.factory.workers[atv].agent) for atv in plant.fleet}
+            called += [atv for atv in reserve if agents[atv].is_busy]
+            reserve = {atv for atv in agents if agents[atv].is_reserve}
+            waited |= reserve
+            await stage.until_s(stage.now_s() + 1.0)
+        return waited, called
+
+    with with_right_of_way(True):
+        played = play(Shift(name="reserve", duration_s=1200.0, load=0.1), plant, 1, look)
+    assert played.invariants == HELD
+    assert played.report.transports > 5
+    assert played.told is not None
+    waited, called = played.told
+    assert waited
+    assert called == []

@@ -98,18 +98,29 @@ def _floor(plant: Plant) -> Iterator[Advice]:
 
 
 def _dwell_points(plant: Plant) -> Iterator[Advice]:
-    dwell_points, fleet = len(plant.dwell_points), len(plant.fleet)
-    if dwell_points < fleet:
-        missing = fleet - dwell_points
-        clear = len(plant.spare_places.clear)
-        wait = f"{missing} without work wait on the roads"
-        if clear < missing:
-            wait += f", {missing - clear} of them in somebody's way: {dwell_points + clear} vehicles at most"
-        text = (
-            f"{dwell_points} dwell points ({len(plant.chargers)} chargers, {len(plant.parkings)} parking places) for {fleet} "
-            f"vehicles: {wait}; add {missing} parking place{'s' * (missing > 1)}"
+    dwell_points, fleet, spare = len(plant.dwell_points), len(plant.fleet), plant.spare_places
+    missing = fleet - dwell_points
+    if missing <= 0:
+        return
+    wait = [f"{missing} without work wait on the roads"]
+    if spare.reserve:
+        wait.append(
+            f"{len(spare.reserve) + len(spare.shut)} are a reserve, which takes no work that others can do"
         )
-        yield Advice("dwell_points", "parkings", text)
+    if spare.others:
+        wait.append(f"{len(spare.others)} wait in somebody's way")
+    homeless = missing - len(spare.all)
+    if homeless:
+        wait.append(
+            f"{homeless} find no place that is not before a dock: the floor bears {fleet - homeless} vehicles at most"
+        )
+    text = (
+        f"{dwell_points} dwell points ({len(plant.chargers)} chargers, {len(plant.parkings)} parking places) for {fleet} "
+        f"vehicles: {', '.join(wait)}; add {missing} parking place{'s' * (missing > 1)}"
+    )
+    if homeless:
+        text += f", or take {homeless} vehicle{'s' * (homeless > 1)} away"
+    yield Advice("dwell_points", "parkings", text, level="error" if homeless else "warning")
 
 
 def _uncounted(plant: Plant) -> Iterator[Advice]:

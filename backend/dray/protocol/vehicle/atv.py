@@ -320,6 +320,10 @@ class Atv(AgentBase):
         out = self._commands.out_of_service
         return None if out is None or out.after_work else Reason.OUT_OF_SERVICE
 
+    @property
+    def is_reserve(self) -> bool:
+        return self._idle.is_reserve
+
     def unfit(self) -> str:
         return self._status_report.unfit(self.link)
 

@@ -22,6 +22,11 @@ PLACES_TOLD = 32
 """Places whose waiting time one announcement tells: its sources, and its destination."""
 
 
+RESERVE_AFTER_S = 300.0
+"""A task that has waited for so long beyond the time when it was needed is carried by a vehicle of the reserve, too: those at work may be
+broken, or unable to carry it."""
+
+
 class Standing(msgspec.Struct, frozen=True):
     """A vehicle's circumstances at the moment of an announcement or an award."""
 
@@ -40,6 +45,8 @@ class Standing(msgspec.Struct, frozen=True):
     watches: int
     battery_reckoned: bool = False
     """`battery_frac` is not measured."""
+    is_reserve: bool = False
+    """It belongs to the reserve of a fleet that is too large for the roads (`dray.plant.spare_places`)."""
 
 
 class Bidder:
@@ -66,6 +73,7 @@ class Bidder:
         out: list[Effect],
     ) -> None:
         self._atv = atv
+        self._plant = plant
         self._pricer = Pricer(plant, vehicle_type)
         self._probation = probation
         self._waits = waits
@@ -86,6 +94,11 @@ class Bidder:
             return None  # A neighbour of those who were asked: its cell only touches the circle.
         if isinstance(message.work, Transport) and message.work.vehicle not in ("", self._atv):
             return None  # Only another one may carry it.
+        if self._is_left_to_others(message, standing, now_s):
+            self._refusals.note(
+                message, Refusal.NOT_FIT, "in the reserve: the floor has no room for more at work"
+            )
+            return Refusal.NOT_FIT
         for told in message.waits[:PLACES_TOLD]:
             if told.wait_s or not told.expected:
                 self._waits.note(told.place, message.coordinator, told.wait_s, now_s)
@@ -108,6 +121,23 @@ class Bidder:
             message, answer.cost, answer.finish_s, now_s, answer.source, battery_reckoned=reckoned
         )
         return None
+
+    def _is_left_to_others(self, message: TaskAnnounced, standing: Standing, now_s: float) -> bool:
+        """Whether this vehicle waits in the reserve, enough others can carry the load, and it has not waited for long."""
+        work = message.work
+        if not standing.is_reserve or message.role is not Role.PRIMARY or not isinstance(work, Transport):
+            return False
+        if work.vehicle or not self._has_able_at_work(work):
+            return False
+        return now_s < (message.needed_s or message.deadline_s) + RESERVE_AFTER_S
+
+    def _has_able_at_work(self, work: Transport) -> bool:
+        """Whether a third of the vehicles that can carry a load are at work, even if all places of the reserve are taken by such ones."""
+        plant = self._plant
+        able = sum(
+            set(work.needed) <= set(plant.vehicle_types[spec.type].abilities) for spec in plant.fleet.values()
+        )
+        return 2 * able >= 3 * plant.spare_places.reserve_size
 
     def review(self, award: Award, standing: Standing, now_s: float) -> Quote | Unable:
         """Whether an award can still be taken, from where the vehicle is now."""

@@ -63,6 +63,10 @@ class Owner(Protocol):
     def gives_back(self) -> Reason | None:
         """Why it gives back what is not on board yet; None while it does not."""
 
+    @property
+    def is_reserve(self) -> bool:
+        """Whether it belongs to the reserve of a fleet that is too large for the roads."""
+
     def unfit(self) -> str:
         """Why it may take no work at all; empty when it may."""
 
@@ -187,6 +191,7 @@ class Contracts:
             unfit=self._owner.unfit(),
             busy_with=self.job.task if self.job is not None else "",
             watches=len(self.standby) - (task in self.standby),
+            is_reserve=self._owner.is_reserve,
         )
 
     def _on_announced(self, _sender: str, message: TaskAnnounced, now_s: float) -> None:
@@ -203,7 +208,8 @@ class Contracts:
 
     def seek(self, now_s: float) -> None:
         """It has no job: ask for work that waits, if it can take any."""
-        if self._work_search.is_known and not self._charging.is_needy and not self._owner.unfit():
+        may_work = not (self._charging.is_needy or self._owner.is_reserve or self._owner.unfit())
+        if self._work_search.is_known and may_work:
             self._work_search.ask_for_work(self._owner.battery_frac, now_s)
 
     def _ask_for_work(self, _about: str, now_s: float) -> None:

@@ -12,6 +12,7 @@ any more, and the vehicle goes and looks.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from enum import Enum
 from heapq import nsmallest
 from math import hypot
@@ -102,6 +103,14 @@ class DwellPoints:
     def is_charger(self) -> bool:
         return self.dwell_point in self._plant.chargers
 
+    @property
+    def is_reserve(self) -> bool:
+        """Whether the vehicle stands in a place of the reserve."""
+        return self.hold is Hold.STANDING and self._is_reserve(self.dwell_point)
+
+    def _is_reserve(self, dwell_point: str) -> bool:
+        return self._plant.spare_places.is_reserve(self._plant.stand_of(dwell_point))
+
     def is_taken(self, dwell_point: str, now_s: float) -> bool:
         """Whether another one has won this dwell point not long ago."""
         return self._taken_until_s.get(dwell_point, 0.0) > now_s
@@ -148,6 +157,8 @@ class DwellPoints:
         ]
         if open_ways := self.reached_round(node):
             free = [dwell_point for dwell_point in free if dwell_point in open_ways]
+        # Whoever goes to one of the reserve's takes no more work: only where there is no other.
+        free = [each for each in free if not self._is_reserve(each)] or free
         near = near or node
         close = self._plant.closest(near, free, COMPARED)
         if not charger:
@@ -205,13 +216,13 @@ class DwellPoints:
         charger = self.nearest_charger(node)
         return not charger or on.duration_s <= _way_s(routes, node, charger)
 
-    def seek_spare(self, node: str, battery_frac: float, now_s: float, near: str = "") -> bool:
-        """Claim the nearest spare place of the roads that is not known to be taken, as `seek` does; False when there is none."""
+    def seek_spare(
+        self, among: Iterable[str], node: str, battery_frac: float, now_s: float, near: str = ""
+    ) -> bool:
+        """Claim the nearest of some spare places of the roads that is not known to be taken, as `seek` does; False when there is none."""
         plant = self._plant
         closed = plant.restrictions.nodes
-        free = [
-            each for each in plant.spare_places.all if not self.is_taken(each, now_s) and each not in closed
-        ]
+        free = [each for each in among if not self.is_taken(each, now_s) and each not in closed]
         routes = plant.routes(self._type)
         near = near or node
         here = plant.nodes[near]

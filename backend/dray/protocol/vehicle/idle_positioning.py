@@ -126,6 +126,11 @@ class IdlePositioning:
     def charging(self) -> bool:
         return self._charge_order != 0
 
+    @property
+    def is_reserve(self) -> bool:
+        """Whether it stands in a place of the reserve, where it takes no work that others can do."""
+        return self._dwell_points.is_reserve
+
     # --- beginning and end ---
 
     def start(self, battery_frac: float, now_s: float) -> None:
@@ -307,13 +312,26 @@ class IdlePositioning:
         found = self._dwell_points.seek(
             charger=charger, node=node, battery_frac=battery_frac, now_s=now_s, near=near
         )
-        return found or (not charger and self._dwell_points.seek_spare(node, battery_frac, now_s, near))
+        return found or (not charger and self._seek_spare(node, battery_frac, now_s, near))
 
     def _seek_nearer(self, battery_frac: float, now_s: float) -> bool:
         """It is parked and waits for a charger: go nearer to one, while it can."""
         return self._charging.is_needy and self._dwell_points.seek_nearer(
             self._driver.next_node, battery_frac, now_s
         )
+
+    def _seek_spare(self, node: str, battery_frac: float, now_s: float, near: str) -> bool:
+        """No parking place is left: out of the way on the roads, else at a free charger, in the reserve, or in somebody's way."""
+        dwell_points, spare = self._dwell_points, self._plant.spare_places
+        if dwell_points.seek_spare(spare.clear, node, battery_frac, now_s, near):
+            return True
+        if spare.reserve:
+            if dwell_points.hold is Hold.STANDING and dwell_points.is_charger:
+                return False  # As good as any that is left.
+            if dwell_points.seek(charger=True, node=node, battery_frac=battery_frac, now_s=now_s):
+                return True
+        rest = (*spare.reserve, *spare.others)
+        return dwell_points.seek_spare(rest, node, battery_frac, now_s, near)
 
     def _stand_here(self, battery_frac: float, now_s: float) -> None:
         """Claim the dwell point in which the vehicle stands, unless another one has just won it."""

@@ -28,6 +28,13 @@ def plants(
     traffic: Traffic = None,
     json: Annotated[Path | None, typer.Option(help="Write the judgements here too.")] = None,
     write: Annotated[Path | None, typer.Option(help="Write the plant of --seed to this file.")] = None,
+    vehicles: Annotated[
+        str,
+        typer.Option(
+            help="Instead: the floor of --seed with fleets of these sizes (2,4,8), each for --hours, at orders that take all of the "
+            "machines' time."
+        ),
+    ] = "",
 ) -> None:
     """Draw plants of any shape, let each work at a load that it can serve, and judge.
 
@@ -49,6 +56,9 @@ def plants(
             _write(seed, drawn, small, write)
     judged: list[Judgement] = []
     on = right_of_way(traffic)
+    if vehicles:
+        _compare_fleets(first, drawn, _sizes(vehicles), small=small, hours=hours, traffic=on, json=json)
+        return
     for each in play_seeds(first, count, drawn, small=small, hours=hours, traffic=on, jobs=jobs or cores()):
         judged.append(each)
         for line in each.tell(whole=seed is not None):
@@ -62,6 +72,39 @@ def plants(
         f"or explained, {len(unnamed)} failed"
     )
     if unnamed:
+        raise typer.Exit(1)
+
+
+def _sizes(text: str) -> tuple[int, ...]:
+    from dray.errors import SettingsError
+
+    sizes = tuple(int(each) for each in text.split(",") if each.strip().isdecimal() and int(each) > 0)
+    if len(sizes) != text.count(",") + 1:
+        raise SettingsError("--vehicles", f"{text} is no list of numbers above 0: give it as 2,4,8")
+    return sizes
+
+
+def _compare_fleets(
+    seed: int,
+    kind: Kind,
+    sizes: tuple[int, ...],
+    *,
+    small: bool,
+    hours: float,
+    traffic: bool,
+    json: Path | None,
+) -> None:
+    from dray.cli.runtime.output import write_json
+    from dray_sim.plants.fleet_sizes import HEADING, FleetSize, play_sizes
+
+    typer.echo(HEADING)
+    rows: list[FleetSize] = []
+    for row in play_sizes(seed, sizes, kind, small=small, hours=hours, traffic=traffic):
+        rows.append(row)
+        typer.echo(row.tell())
+    if json is not None:
+        write_json(json, rows)
+    if not all(row.holds for row in rows):
         raise typer.Exit(1)
 
 
