@@ -49,6 +49,14 @@ def test_a_short_wait_is_not_told_as_the_cause_of_a_long_delay() -> None:
     assert held([SPAN], [spell("waits", 100, 150, task="M1-1")])["M1-1"].lasted_s == 50.0
 
 
+def test_of_a_machine_the_material_that_was_missing_longest_is_told() -> None:
+    goal = Span("O-1-1", "M1", 100.0, 500.0, late_s=200.0)
+    starved = Spell(agent="M1", doing="starves", from_at_s=200.0, until_at_s=280.0, other="rotor")
+    made = Spell(agent="M1", doing="makes", from_at_s=280.0, until_at_s=500.0)
+    hold = held([goal], [made, starved])["O-1-1"]
+    assert (hold.doing, hold.by, hold.lasted_s) == ("starves", "rotor", 80.0)
+
+
 async def late_transport(house: House, **fields: Any) -> None:
     """One that came 200 s later than promised, and its carrier, which waited for 150 s."""
     usual = {"kind": "transport", "coordinator": "M1", "item": "steel", "quantity": 8, "state": "delivered"}
@@ -56,7 +64,7 @@ async def late_transport(house: House, **fields: Any) -> None:
     ends = {"promised_at_s": NOW_S - 300, "closed_at_s": NOW_S - 100, "carrier": "ATV1"}
     row = TaskRow(**{"id": "M1-1"} | usual | times | ends | fields)  # type: ignore[arg-type]
     async with house.store.write() as work:
-        await work.tasks._connection.execute(tasks.insert(), row_of_task(row, ""))  # noqa: SLF001
+        await work.tasks._connection.execute(tasks.insert(), row_of_task(row, ""))
         waited = spell("waits", NOW_S - 400, NOW_S - 250, task=row.id, other="ATV4")
         await work.spells.add([waited, spell("carries", NOW_S - 250, NOW_S - 100, task=row.id)])
 

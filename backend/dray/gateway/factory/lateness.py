@@ -8,12 +8,12 @@ from typing import NamedTuple
 
 import msgspec
 
-from dray.store.work import Work
 from dray.store.orders.tasks import TaskRow
 from dray.store.replay.spells import Spell
+from dray.store.work import Work
 
-HOLDS = frozenset({"waits", "stopped", "blocked", "silent", "charges", "out"})
-"""What a vehicle with a task does that brings it no nearer."""
+HOLDS = frozenset({"waits", "stopped", "blocked", "silent", "charges", "out", "starves", "broken"})
+"""What a vehicle with a task, or a machine with a goal, does that brings it no nearer."""
 
 EXPLAINS_FRAC = 0.25
 """Least part of the lateness that a hold has to be as long as to be told as its cause."""
@@ -26,9 +26,9 @@ class Hold(msgspec.Struct, frozen=True, kw_only=True):
     """What held a carrier up."""
 
     doing: str
-    """As in `/api/spells`: waits, stopped, blocked, silent, charges or out."""
+    """As in `/api/spells`: one of `HOLDS`."""
     by: str = ""
-    """For whom it waited longest, or what was wrong; empty where nobody knows."""
+    """For whom or what it waited longest, or what was wrong; empty where nobody knows."""
     lasted_s: float
     """Wall seconds of all of that kind together."""
 
@@ -45,13 +45,13 @@ class Span(NamedTuple):
 
 
 def late_span(row: TaskRow, now_s: float) -> Span | None:
-    """When the carrier of a late transport had it; None of one that is as promised, or of which that is not known.
+    """When the carrier of a late task had it; None of one that is as promised, or of which that is not known.
 
     Args:
         row: the task.
         now_s: wall clock, for one that has not ended.
     """
-    if row.kind != "transport" or row.promised_at_s is None or row.contracted_at_s is None or not row.carrier:
+    if row.promised_at_s is None or row.contracted_at_s is None or not row.carrier:
         return None
     until_s = now_s if row.closed_at_s is None else row.closed_at_s
     late_s = until_s - row.promised_at_s

@@ -58,10 +58,10 @@ class TaskRecord(msgspec.Struct, frozen=True, kw_only=True):
     deadline_at_s: float
     closed_at_s: float | None
     held: str = ""
-    """Of a late transport: what held its carrier up longest. `waits`, `stopped`, `blocked`, `silent`, `charges` or `out`, as
-    `GET /api/spells` has them; empty where nothing did, or where it is not kept any more."""
+    """Of a late task: what held its carrier up longest. `waits`, `stopped`, `blocked`, `silent`, `charges`, `out`, `starves` or `broken`,
+    as `GET /api/spells` has them; empty where nothing did, or where it is not kept any more."""
     held_by: str = ""
-    """For whom it waited longest, or what was wrong."""
+    """For whom or what it waited longest, or what was wrong."""
     held_s: float = 0.0
     """How long that held it up, all together."""
 

@@ -17,7 +17,7 @@ import { sortBy, usePaged } from "../../parts/pages/paged";
 import { ShowLink } from "../../parts/ShowLink";
 import { names, plant, taskName } from "../../state";
 import { addressOf, asked } from "../../views";
-import { heldKey } from "../../parts/rows/held";
+import { heldKey, machineHeldKey } from "../../parts/rows/held";
 import { queryOf, STATES, tableOf } from "./filter";
 import { factoryTime } from "../../../text/plant-time";
 
@@ -150,8 +150,10 @@ function Result({ task }: { task: Shown }) {
 
 /** What held its carrier up, where that was long enough to be why it was late. */
 function Cause({ task }: { task: Shown }) {
-  const held = heldKey(task.held, task.held_by);
+  const { held: doing, held_by: by, kind } = task;
+  const held = kind === "transport" ? heldKey(doing, by) : machineHeldKey(doing, by);
   if (held === null) return null;
   const speed = world.value?.factory.speed ?? 1;
-  return <small class="line">{t(`held.${held}`, { time: factoryTime(task.held_s * speed, speed), by: task.held_by })}</small>;
+  const said = { time: factoryTime(task.held_s * speed, speed), by: kind === "transport" ? by : names.value(by) };
+  return <small class="line">{t(`held.${held}`, said)}</small>;
 }
