@@ -50,3 +50,27 @@ def test_each_card_shows_three_of_its_rows(
             card.evaluate("(card) => card.scrollIntoView()")
         assert card.evaluate(ROWS_IN_SIGHT) >= 3, card.get_attribute("class")
     screenshot(page, f"cards-{language}-{width_px}")
+
+
+def test_on_a_wall_text_is_larger_and_a_sheet_opens_beside_its_button(
+    busy: Any, open_page: Callable[..., Page], screenshot: Callable[..., Path]
+) -> None:
+    page = open_page(busy.url, viewport={"width": 2560, "height": 1300})
+    button = page.locator(".factory .pop-button").first
+    expect(page.locator(".orders .order").first).to_be_visible()
+    on_wall = page.locator(".orders .order-status").first.bounding_box()
+    button.click()
+    sheet = page.locator(".pop-sheet:popover-open")
+    expect(sheet).to_be_visible()
+    around, inside = button.bounding_box(), sheet.bounding_box()
+    assert around is not None
+    assert inside is not None
+    assert 0 <= inside["y"] - around["y"] - around["height"] < 10
+    assert inside["x"] <= around["x"] + around["width"] / 2 <= inside["x"] + inside["width"]
+    screenshot(page, "cards-wall")
+    page.keyboard.press("Escape")
+    page.set_viewport_size({"width": 1440, "height": 1300})
+    on_desk = page.locator(".orders .order-status").first.bounding_box()
+    assert on_wall is not None
+    assert on_desk is not None
+    assert on_wall["height"] > 1.2 * on_desk["height"]

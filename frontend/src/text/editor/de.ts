@@ -107,6 +107,8 @@ export const de: Catalogue<typeof en> = {
   "play.transports": "Übergaben je Stunde, im Mittel",
   "play.waiting": "der Fahrzeugzeit wartet",
   "play.beside": "{value} in der Datei des laufenden Werks",
+  "play.next": "So fährt das Werk danach:",
+  "play.nextHow": "den Entwurf als Datei sichern, das Werk beenden und mit dieser Datei neu starten: dray up --plant DATEI, oder DRAY_PLANT_FILE bei jedem Agenten. Nach einem Entwurf fährt nichts.",
   "play.bottleneck": "Engpass:",
   "start.what": "Ein Entwurf liegt neben dem laufenden Werk: nichts fährt danach. Er wird beim Zeichnen geprüft, und eine Schicht kann darin gespielt werden.",
   "start.name": "Name des Entwurfs",

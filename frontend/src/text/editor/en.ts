@@ -105,6 +105,8 @@ export const en = {
   "play.transports": "handed over an hour, on average",
   "play.waiting": "of the vehicles’ time waits",
   "play.beside": "{value} in the running plant’s file",
+  "play.next": "To run the factory by it:",
+  "play.nextHow": "save this draft as a file, end the factory, and start it again with that file: dray up --plant FILE, or DRAY_PLANT_FILE for each agent. Nothing drives by a draft.",
   "play.bottleneck": "Bottleneck:",
   "start.what": "A draft lies beside the running plant: nothing drives by it. It is checked as it is drawn, and a shift can be played in it.",
   "start.name": "Name of the draft",

@@ -107,6 +107,8 @@ export const es: Catalogue<typeof en> = {
   "play.transports": "entregas por hora, de media",
   "play.waiting": "del tiempo de vehículos en espera",
   "play.beside": "{value} en el archivo de la planta en marcha",
+  "play.next": "Para que la planta lo use:",
+  "play.nextHow": "guarde el borrador como archivo, pare la planta y arránquela con él: dray up --plant ARCHIVO, o DRAY_PLANT_FILE en cada agente. Nada circula según un borrador.",
   "play.bottleneck": "Cuello de botella:",
   "start.what": "Un borrador está junto a la planta en marcha: nada circula según él. Se comprueba al dibujar y se puede simular un turno.",
   "start.name": "Nombre del borrador",

@@ -1,7 +1,7 @@
 import { format, t } from "../../../text/manager";
 import { sparkPoints } from "./spark";
 
-const WIDTH = 84;
+const WIDTH = 72;
 const HEIGHT = 16;
 
 /** Deliveries per hour over the last hour, with the newest figure in words. */
