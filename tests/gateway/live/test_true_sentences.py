@@ -26,6 +26,7 @@ from dray_sim.people.order_client import OrderClient
 
 LENGTH_S = 2400
 STEP_S = 5
+AFTER_S = 0.7
 FAULT_EVERY_S = 120
 
 BEATS_S = 12.0
@@ -135,9 +136,11 @@ def walked(seed: int) -> Walk:
                 group.create_task(OrderClient(factory.bus, factory.clock).place(orders)),
             ]
             for step in range(STEP_S, LENGTH_S, STEP_S):
-                await asyncio.sleep(STEP_S)
+                # Between heartbeats, too, which come at whole seconds.
+                await asyncio.sleep(STEP_S - AFTER_S)
+                walks[0].look(step - AFTER_S)
+                await asyncio.sleep(AFTER_S)
                 walks[0].trouble(float(step))
-                walks[0].look(float(step))
             for task in tasks:
                 task.cancel()
 
