@@ -289,7 +289,7 @@ export function PlayPanel() {
       {faults && <p class="muted">{t("play.faults")}</p>}
       {failed.value && <p role="alert" class="complaint">{failed.value}</p>}
       <div role="status">
-        {played?.state === "playing" && <p>{t("play.playing")}</p>}
+        {played?.state === "playing" && <p>{t("play.playing")} <progress aria-label={t("play.playing")} /></p>}
         {played?.state === "failed" && <p class="complaint">{t("play.failed", { reason: played.reason })}</p>}
         {played?.state === "done" && played.draft && played.running && <Result draft={played.draft} running={played.running} hours={played.hours} />}
       </div>
@@ -319,6 +319,7 @@ function Result({ draft, running, hours }: { draft: Figures; running: Figures; h
         ))}
       </dl>
       <p><b>{t("play.bottleneck")}</b> {draft.bottleneck}</p>
+      <p class="ed-next"><b>{t("play.next")}</b> {t("play.nextHow")}</p>
     </>
   );
 }

@@ -7,7 +7,7 @@ import * as state from "./state";
 
 export function Start() {
   const name = useSignal("");
-  const onto = useSignal(true);
+  const onto = useSignal(false);
   const unit = useSignal("");
   const failed = useSignal("");
   const busy = useSignal(false);

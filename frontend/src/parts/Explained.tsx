@@ -1,5 +1,6 @@
 import type { ComponentChildren } from "preact";
 import { useId, useRef } from "preact/hooks";
+import { zoomOf } from "./zoom";
 
 const MARGIN_PX = 8;
 
@@ -23,8 +24,9 @@ export function Explained({ children, says }: { says: ComponentChildren; childre
     const at = currentTarget.getBoundingClientRect();
     const { height, width } = note.current.getBoundingClientRect();
     const below = at.bottom + height + MARGIN_PX <= innerHeight;
-    note.current.style.top = `${below ? at.bottom : Math.max(0, at.top - height)}px`;
-    note.current.style.left = `${Math.max(MARGIN_PX, Math.min(at.left, innerWidth - width - MARGIN_PX))}px`;
+    const zoom = zoomOf(note.current);
+    note.current.style.top = `${(below ? at.bottom : Math.max(0, at.top - height)) / zoom}px`;
+    note.current.style.left = `${Math.max(MARGIN_PX, Math.min(at.left, innerWidth - width - MARGIN_PX)) / zoom}px`;
   };
   const hide = (): void => {
     note.current?.hidePopover();

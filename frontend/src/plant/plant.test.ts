@@ -2,7 +2,7 @@ import { describe, expect, test } from "vitest";
 import type { AtvView, TaskView } from "../api/types";
 import { detailOf } from "./draw/detail";
 import { labelRect, lookOf, shortName } from "./draw/vehicles";
-import { layersFrom } from "./controls/layers";
+import { layersFrom, layersWith } from "./controls/layers";
 import { meshLinks, watchLinks } from "./surface/links";
 import { find, type Findable } from "./places";
 import { boundS, isLost, isOverdue } from "./silence";
@@ -58,6 +58,13 @@ describe("detail", () => {
   test("falls away with the zoom until vehicles are dots", () => {
     expect(detailOf(12, 8)).toMatchObject({ vehicleParts: true, vehicleLabels: true, everybody: true });
     expect(detailOf(2, 1000)).toMatchObject({ vehicleParts: false, vehicleLabels: false, everybody: false });
+  });
+
+  test("has lines of the chosen alone where many are in sight, and of everybody for who wishes", () => {
+    expect([detailOf(12, 30).everybody, detailOf(12, 31).everybody, detailOf(12, 50, true).everybody]).toEqual([true, false, true]);
+    expect(detailOf(12, 50)).toMatchObject({ vehicleParts: true, vehicleLabels: true });
+    expect([layersWith(true).includes("all"), layersWith(true, true).includes("all")]).toEqual([false, true]);
+    expect(layersFrom(null).all).toBe(false);
   });
 });
 

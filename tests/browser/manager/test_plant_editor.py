@@ -74,7 +74,8 @@ def test_from_a_lif_file_to_a_played_shift(
     expect(page.get_by_role("heading", name="Plant editor")).to_be_visible()
     # Alone, the layout lacks what no layout tells.
     page.get_by_label("Name of the draft").fill("Layout alone")
-    page.get_by_label("what a layout cannot tell").uncheck()
+    # A foreign file brings nothing of this plant, unless somebody wishes so.
+    expect(page.get_by_label("what a layout cannot tell")).not_to_be_checked()
     page.get_by_label("Plant file (YAML)").set_input_files(lif_file)
     expect(page.get_by_role("heading", name="Layout alone")).to_be_visible()
     expect(page.locator(".ed-checks li").filter(has_text="is open: what makes products")).to_be_visible()

@@ -12,6 +12,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 import msgspec
 
+from dray.gateway.factory.lateness import holds_of
 from dray.gateway.http.csv_tables import Row, row_of
 from dray.messages.fact import CarrierChanged, TaskClosed
 from dray.messages.keys import STRATEGISTS
@@ -53,6 +54,10 @@ class PromiseLine(msgspec.Struct, frozen=True, kw_only=True):
     worst_s: float | None = None
     worst_task: str = ""
     """Which one that was."""
+    worst_held: str = ""
+    """What held it up longest then, as `held` of `GET /api/tasks/history`; empty where nothing did, or where it is not kept any more."""
+    worst_held_by: str = ""
+    """For whom it waited longest, or what was wrong."""
     lost: int = 0
     """Transports that somebody else had to carry on."""
     last_at_s: float | None = None
@@ -107,13 +112,25 @@ class Ledger:
             await self._read_on()
         everything = [each for account in self._accounts.values() for each in account.delivered]
         lost = sum(account.lost for account in self._accounts.values())
-        return PromiseLedger(
-            on_time_within_s=ON_TIME_S,
-            fleet=_line("", everything, lost),
-            items=tuple(
-                _line(atv, account.delivered, account.lost) for atv, account in sorted(self._accounts.items())
-            ),
-        )
+        lines = [
+            _line("", everything, lost),
+            *(_line(atv, account.delivered, account.lost) for atv, account in sorted(self._accounts.items())),
+        ]
+        fleet, *items = await self._explained(lines)
+        return PromiseLedger(on_time_within_s=ON_TIME_S, fleet=fleet, items=tuple(items))
+
+    async def _explained(self, lines: Sequence[PromiseLine]) -> list[PromiseLine]:
+        """With what held up the worst of each."""
+        worst = {line.worst_task for line in lines if line.worst_s is not None and line.worst_s > ON_TIME_S}
+        async with self._store.read() as work:
+            # All of them have ended.
+            holds = await holds_of(work, (await work.tasks.many(worst)).values(), now_s=0.0)
+        return [
+            line
+            if (hold := holds.get(line.worst_task)) is None
+            else msgspec.structs.replace(line, worst_held=hold.doing, worst_held_by=hold.by)
+            for line in lines
+        ]
 
     async def _read_on(self) -> None:
         wanted = EventFilter(kinds=_KINDS)

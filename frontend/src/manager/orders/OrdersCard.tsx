@@ -2,13 +2,13 @@ import { useComputed } from "@preact/signals";
 import type { OrderView } from "../../api/types";
 import { Card } from "../../parts/Card";
 import { world } from "../../stream/stream";
-import { n, t, word } from "../../text/manager";
+import { format, n, t, word } from "../../text/manager";
 import { names } from "../state";
 import { addressOf } from "../views";
 import { DueText } from "./DueText";
 import { OrderActions } from "./OrderActions";
-import { OrderProgress } from "./OrderProgress";
-import { inOrder, isClosed, stateOf } from "./progress";
+import { ProgressBar } from "./OrderProgress";
+import { inOrder, isClosed, progressOf, stateOf } from "./progress";
 import { WaitsText } from "./WaitsText";
 
 /** The card holds the open ones and the last that closed; the view Orders has them all. */
@@ -36,6 +36,8 @@ export function OrdersCard() {
 
 function OrderRow({ order }: { order: OrderView }) {
   const what = order.items.map((item) => names.value(item.product)).join(", ");
+  const from = [order.reference, order.customer].filter(Boolean).join(" · ");
+  const { delivered, quantity } = progressOf(order);
   return (
     <li class={`order ${isClosed(order) ? "closed" : ""}`}>
       <div class="order-line">
@@ -44,11 +46,12 @@ function OrderRow({ order }: { order: OrderView }) {
         </a>
         <span class="order-status">{word("order", stateOf(order))}</span>
       </div>
-      <OrderProgress order={order} />
       <div class="order-line small muted">
-        <span class="clip">{[order.reference, order.customer].filter(Boolean).join(" · ")}</span>
+        <span class="clip" title={from}>{from}</span>
+        <span class="num">{t("orders.counts", { delivered: format.count(delivered), quantity: format.count(quantity) })}</span>
         {order.waits !== null ? <WaitsText waits={order.waits} /> : order.status === "stored" ? <OrderActions order={order} /> : <DueText order={order} />}
       </div>
+      <ProgressBar order={order} />
     </li>
   );
 }

@@ -1,5 +1,6 @@
 import type { ComponentChildren } from "preact";
 import { useEffect, useId, useRef } from "preact/hooks";
+import { zoomOf } from "../../parts/zoom";
 import { Icon, type IconName } from "../../parts/Icon";
 
 const GAP_PX = 6;
@@ -27,8 +28,9 @@ export function PopButton({ icon, label, title, onToggle, children }: Props) {
     const { height, width } = sheet.current.getBoundingClientRect();
     const below = at.bottom + GAP_PX;
     const top = below + height + MARGIN_PX > innerHeight ? at.top - GAP_PX - height : below;
-    sheet.current.style.top = `${Math.max(MARGIN_PX, top)}px`;
-    sheet.current.style.left = `${Math.max(MARGIN_PX, at.right - width)}px`;
+    const zoom = zoomOf(sheet.current);
+    sheet.current.style.top = `${Math.max(MARGIN_PX, top) / zoom}px`;
+    sheet.current.style.left = `${Math.max(MARGIN_PX, at.right - width) / zoom}px`;
   };
   /** What is on it may come later, or grow. */
   useEffect(() => {

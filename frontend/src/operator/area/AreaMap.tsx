@@ -8,7 +8,7 @@ import { t } from "../../text/operator";
 import { placeName } from "../state";
 import { regionOf } from "./region";
 
-const LAYERS = signal<Layers>({ ways: true, traffic: true, primary: false, watch: false, mesh: true, areas: true, heat: false, labels: true });
+const LAYERS = signal<Layers>({ ways: true, traffic: true, primary: false, watch: false, mesh: true, all: false, areas: true, heat: false, labels: true });
 
 /** The operator's own area, live. A touch on a vehicle shows its card. */
 export function AreaMap({ plant }: { plant: PlantFile }) {

@@ -16,18 +16,21 @@ export interface Detail {
 
 /** Drawn a little larger than life, so that it can be seen and hit. */
 const VEHICLE_RADIUS_M = 0.95;
-/** More than this at once would cover the floor with lines. */
-const CROWD = 80;
+/** Lines of more than these would cover the floor: a plant of 50 vehicles has some 200. */
+export const LINES_MOST = 30;
+/** Of more than these at once no names are drawn. */
+const NAMES_MOST = 240;
 
-export function detailOf(scale: number, vehiclesInSight: number): Detail {
+/** @param all whether somebody wants the lines of everybody, however many there are */
+export function detailOf(scale: number, vehiclesInSight: number, all = false): Detail {
   const vehiclePx = Math.min(15, Math.max(3, VEHICLE_RADIUS_M * scale));
   return {
     vehiclePx,
     vehicleParts: vehiclePx >= 6,
-    vehicleLabels: vehiclePx >= 6.5 && vehiclesInSight <= 3 * CROWD,
+    vehicleLabels: vehiclePx >= 6.5 && vehiclesInSight <= NAMES_MOST,
     placeLabels: scale >= 4,
     machineParts: scale >= 7,
     laneMarks: scale >= 14,
-    everybody: vehiclesInSight <= CROWD,
+    everybody: all || vehiclesInSight <= LINES_MOST,
   };
 }

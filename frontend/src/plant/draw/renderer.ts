@@ -220,7 +220,7 @@ export class PlantRenderer {
     const nowS = this.#presentS();
     const moving = this.fleet.play({ serverS: nowS, passedS, speed, smooth: this.#smooth });
     const vehicles = this.#inSight();
-    const detail = detailOf(this.view.scale, vehicles.length);
+    const detail = detailOf(this.view.scale, vehicles.length, this.#shown.layers.all);
     if (this.#stale.floor) this.#drawFloor(detail);
     if (this.#stale.machines) this.#drawMachines(detail);
     this.#stale = { floor: false, machines: false };

@@ -347,6 +347,7 @@ export const de: Catalogue<typeof en> = {
   "map.layer.mesh": "Funk",
   "map.layer.areas": "Bereiche",
   "map.layer.heat": "Verkehr",
+  "map.layer.all": "Alle Linien",
   "map.layer.labels": "Namen",
   "map.zoomIn": "Vergrößern",
   "map.zoomOut": "Verkleinern",

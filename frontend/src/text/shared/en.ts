@@ -344,6 +344,7 @@ export const en = {
   "map.layer.mesh": "Mesh",
   "map.layer.areas": "Areas",
   "map.layer.heat": "Traffic",
+  "map.layer.all": "All lines",
   "map.layer.labels": "Labels",
   "map.zoomIn": "Zoom in",
   "map.zoomOut": "Zoom out",

@@ -347,6 +347,7 @@ export const es: Catalogue<typeof en> = {
   "map.layer.mesh": "Radio",
   "map.layer.areas": "Zonas",
   "map.layer.heat": "Tráfico",
+  "map.layer.all": "Todas las líneas",
   "map.layer.labels": "Nombres",
   "map.zoomIn": "Acercar",
   "map.zoomOut": "Alejar",

@@ -12,6 +12,7 @@ from fastapi.responses import Response
 from dray.gateway.access.caller import Caller
 from dray.gateway.access.gate import missing
 from dray.gateway.access.principal import Scope
+from dray.gateway.factory.lateness import Hold, holds_of
 from dray.gateway.http.csv_tables import Format, Row, header_of, row_of, table, with_csv
 from dray.gateway.http.provided import Provided
 from dray.gateway.http.responses import PAGE, Cursor, Json, Limit, list_of, listing, read_cursor, write_cursor
@@ -56,6 +57,13 @@ class TaskRecord(msgspec.Struct, frozen=True, kw_only=True):
     """When its last carrier had promised to be done; told at its end."""
     deadline_at_s: float
     closed_at_s: float | None
+    held: str = ""
+    """Of a late task: what held its carrier up longest. `waits`, `stopped`, `blocked`, `silent`, `charges`, `out`, `starves` or `broken`,
+    as `GET /api/spells` has them; empty where nothing did, or where it is not kept any more."""
+    held_by: str = ""
+    """For whom or what it waited longest, or what was wrong."""
+    held_s: float = 0.0
+    """How long that held it up, all together."""
 
 
 EXAMPLE = TaskRecord(
@@ -126,9 +134,9 @@ async def list_task_history(
         words=words,
     )
     if format == "csv":
-        return table("tasks", header_of(COLUMNS), _rows(store, wanted, sort, descending, sees_orders))
+        return table("tasks", header_of(COLUMNS), _rows(store, wanted, sort, descending, sees_orders, now_s))
     after = read_cursor(cursor, tuple[float, str])
-    records, last = await _page(store, wanted, sort, descending, after, limit, sees_orders)
+    records, last = await _page(store, wanted, sort, descending, after, limit, sees_orders, now_s)
     return listing(records, None if last is None else write_cursor(*last))
 
 
@@ -140,23 +148,25 @@ async def _page(
     after: Place | None,
     limit: int,
     sees_orders: bool,
+    now_s: float,
 ) -> tuple[list[TaskRecord], Place | None]:
     """Some, and where to go on; None at the end."""
     async with store.read() as work:
         found = await work.tasks.page(wanted, after, limit + 1, sort, descending=descending)
         references = await work.orders.references({row.order_id for row, _ in found if row.order_id})
+        holds = await holds_of(work, (row for row, _ in found[:limit]), now_s)
     last = found[limit - 1][1] if len(found) > limit else None
-    records = [_record(row, references.get(row.order_id)) for row, _ in found[:limit]]
+    records = [_record(row, references.get(row.order_id), holds.get(row.id)) for row, _ in found[:limit]]
     return (records if sees_orders else [_without_order(each) for each in records]), last
 
 
 async def _rows(
-    store: Store, wanted: TaskFilter, sort: SortedBy, descending: bool, sees_orders: bool
+    store: Store, wanted: TaskFilter, sort: SortedBy, descending: bool, sees_orders: bool, now_s: float
 ) -> AsyncIterator[Row]:
     """All that are wanted, as cells."""
     after: Place | None = None
     while True:
-        records, after = await _page(store, wanted, sort, descending, after, ROWS_AT_ONCE, sees_orders)
+        records, after = await _page(store, wanted, sort, descending, after, ROWS_AT_ONCE, sees_orders, now_s)
         for record in records:
             yield row_of(COLUMNS, record)
         if after is None:
@@ -169,6 +179,9 @@ def _without_order(record: TaskRecord) -> TaskRecord:
     )
 
 
-def _record(row: TaskRow, reference: str | None) -> TaskRecord:
-    known = {name: getattr(row, name) for name in COLUMNS if name not in {"order", "reference"}}
-    return TaskRecord(**known, order=row.order_id, reference=reference)
+def _record(row: TaskRow, reference: str | None, hold: Hold | None) -> TaskRecord:
+    known = {name: getattr(row, name) for name in COLUMNS if name in TaskRow.__struct_fields__}
+    record = TaskRecord(**known, order=row.order_id, reference=reference)
+    if hold is None:
+        return record
+    return msgspec.structs.replace(record, held=hold.doing, held_by=hold.by, held_s=hold.lasted_s)

@@ -27,12 +27,12 @@ export function FactoryCard() {
     frac == null ? t("factory.none") : format.percent(frac, 1);
   const seconds = (s: number | null | undefined) => (s == null ? t("factory.none") : format.duration(s));
   return (
-    <Card title={t("factory.title")} class="factory">
+    <Card title={inFactoryTime(t("factory.title"))} class="factory">
       <div class="kpis">
         <Kpi value={percent(factory?.on_time_frac)} name={t("factory.onTime")} />
         <Kpi value={percent(factory?.starved_frac)} name={t("factory.starved")} />
-        <Kpi value={seconds(factory?.transport_p50_s)} name={inFactoryTime(t("factory.p50"))} term="p50" />
-        <Kpi value={seconds(factory?.transport_p95_s)} name={inFactoryTime(t("factory.p95"))} term="p95" />
+        <Kpi value={seconds(factory?.transport_p50_s)} name={t("factory.p50")} term="p50" />
+        <Kpi value={seconds(factory?.transport_p95_s)} name={t("factory.p95")} term="p95" />
       </div>
       <Sparkline values={factory?.deliveries_per_hour ?? []} />
       {/* Above what grows: these buttons keep their places. */}

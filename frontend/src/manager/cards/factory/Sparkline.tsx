@@ -1,9 +1,8 @@
 import { format, t } from "../../../text/manager";
-import { inFactoryTime } from "../../../text/plant-time";
 import { sparkPoints } from "./spark";
 
-const WIDTH = 108;
-const HEIGHT = 24;
+const WIDTH = 72;
+const HEIGHT = 16;
 
 /** Deliveries per hour over the last hour, with the newest figure in words. */
 export function Sparkline({ values }: { values: readonly number[] }) {
@@ -16,7 +15,7 @@ export function Sparkline({ values }: { values: readonly number[] }) {
   });
   return (
     <div class="spark">
-      <span>{inFactoryTime(t("factory.deliveries"))}</span>
+      <span>{t("factory.deliveries")}</span>
       <svg role="img" aria-label={label} width={WIDTH + 8} height={HEIGHT + 8} viewBox={`-4 -4 ${WIDTH + 8} ${HEIGHT + 8}`}>
         <line x1="0" y1={HEIGHT} x2={WIDTH} y2={HEIGHT} class="spark-base" />
         <polyline points={points.map((point) => point.join(",")).join(" ")} class="spark-line" />

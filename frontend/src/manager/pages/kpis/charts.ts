@@ -1,5 +1,6 @@
 /** Which charts there are, and what is drawn in each. */
-import type { Figure } from "./history";
+import type { KpiHistory } from "../../../api/types";
+import { type Figure, transportsPerHour } from "./history";
 
 /** A colour of the design tokens. Grey is normal; what should not be is amber or red. */
 export type Ink = "steel-ink" | "steel" | "wall" | "line" | "warn" | "alarm";
@@ -28,6 +29,8 @@ export interface Chart {
   readonly lines: readonly Line[];
   /** Shares that are near to all the time: what is lost is shown, not what is there. */
   readonly zoomed?: boolean;
+  /** Its figure over all steps is told, too: a step of a minute holds one or two of what is counted by the hour. */
+  readonly mean?: (history: KpiHistory) => number | null;
 }
 
 export const CHARTS: readonly Chart[] = [
@@ -83,6 +86,7 @@ export const CHARTS: readonly Chart[] = [
     unit: "count",
     kind: "lines",
     lines: [{ figure: "transports_per_hour", name: "transports", ink: "steel-ink" }],
+    mean: transportsPerHour,
   },
   {
     name: "interventions",

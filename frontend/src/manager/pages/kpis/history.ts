@@ -38,6 +38,13 @@ export function stacked(columns: readonly Column[]): Column[] {
   );
 }
 
+/** Handed over per hour of factory time, over all that was seen; null of nothing. The same as a shift that is played tells in the editor. */
+export function transportsPerHour({ items }: KpiHistory): number | null {
+  const spanS = items.reduce((sum, point) => sum + point.span_s, 0);
+  const count = items.reduce((sum, point) => sum + point.transports, 0);
+  return spanS > 0 ? (count * 3600) / spanS : null;
+}
+
 /** The newest figure that is known. */
 export function lastOf(column: Column): number | null {
   return column.findLast((value) => value !== null) ?? null;

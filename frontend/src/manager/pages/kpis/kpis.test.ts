@@ -3,7 +3,7 @@ import type { KpiHistory, KpiPoint } from "../../../api/types";
 import { CHARTS } from "./charts";
 import { stepFor } from "./charts/keys";
 import { shownValue } from "./charts/shown";
-import { columnOf, lastOf, stacked, stepsOf } from "./history";
+import { columnOf, lastOf, stacked, stepsOf, transportsPerHour } from "./history";
 
 const point = (at_s: number, more: Partial<KpiPoint>): KpiPoint => ({ at_s, ...more }) as KpiPoint;
 const history: KpiHistory = {
@@ -24,6 +24,16 @@ describe("a column of the history", () => {
     expect(lastOf(columnOf(history, "commands"))).toBe(0);
     expect(lastOf([null, null])).toBeNull();
   });
+});
+
+test("what was handed over is told per hour of all that was seen, not of the steps in which something was", () => {
+  const items = [
+    point(600, { span_s: 600, transports: 20, transports_per_hour: 120 }),
+    point(900, { span_s: 600, transports: 0, transports_per_hour: 0 }),
+    point(1200, { span_s: 300, transports: 5, transports_per_hour: 60 }),
+  ];
+  expect(transportsPerHour({ ...history, items })).toBe(60);
+  expect(transportsPerHour({ ...history, items: [] })).toBeNull();
 });
 
 describe("a stack", () => {

@@ -6,6 +6,7 @@ import { Table } from "../../../parts/Table";
 import { world } from "../../../stream/stream";
 import { speakAlso } from "../../../text/speech";
 import { format, t, tables } from "../../../text/views/records";
+import { type HeldKey, heldKey } from "../../parts/rows/held";
 import { useRefreshed } from "../../refreshed";
 import { ShowLink } from "../../parts/ShowLink";
 import { AT_FIRST, COLUMNS, next, type Order, sorted } from "./ledger";
@@ -88,7 +89,7 @@ function Row({ line, within }: { line: PromiseLine; within: number }) {
       <td>{frac !== null && <OnTime frac={frac} />}</td>
       <Late lateS={line.median_s} within={within} />
       <Late lateS={line.p95_s} within={within} />
-      <Late lateS={line.worst_s} within={within} task={line.worst_task} />
+      <Late lateS={line.worst_s} within={within} task={line.worst_task} held={heldKey(line.worst_held, line.worst_held_by)} by={line.worst_held_by} />
       <td class={`num ${lost > 0 ? "" : "faint"}`}>{format.count(lost)}</td>
       <td class="num muted">{lastAtS !== null && format.clock(lastAtS)}</td>
     </tr>
@@ -106,12 +107,20 @@ function OnTime({ frac }: { frac: number }) {
   );
 }
 
-function Late({ lateS, task = "", within }: { lateS: number | null; task?: string; within: number }) {
+interface LateProps {
+  lateS: number | null;
+  task?: string;
+  within: number;
+  held?: HeldKey | null;
+  by?: string;
+}
+
+function Late({ by = "", held = null, lateS, task = "", within }: LateProps) {
   if (lateS === null) return <td />;
   return (
     <td class={`num ${lateS > within ? "tone-warn" : ""}`}>
       {lateText(lateS)}
-      {task !== "" && <small class="line">{t("promises.worstOf", { task })}</small>}
+      {task !== "" && <small class="line">{t("promises.worstOf", { task })}{held !== null && `: ${t(`heldUp.${held}`, { by })}`}</small>}
     </td>
   );
 }

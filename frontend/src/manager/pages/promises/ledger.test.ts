@@ -4,7 +4,7 @@ import { AT_FIRST, next, sorted } from "./ledger";
 
 const line = (atv: string, p95_s: number | null, more: Partial<PromiseLine> = {}): PromiseLine => ({
   atv, delivered: 10, on_time: 9, on_time_frac: p95_s === null ? null : 0.9, median_s: p95_s, p95_s, worst_s: p95_s,
-  worst_task: "", lost: 0, last_at_s: null, ...more,
+  worst_task: "", worst_held: "", worst_held_by: "", lost: 0, last_at_s: null, ...more,
 });
 const order = (lines: PromiseLine[], by: Parameters<typeof sorted>[1]): string[] => sorted(lines, by).map(({ atv }) => atv);
 

@@ -17,6 +17,7 @@ import { sortBy, usePaged } from "../../parts/pages/paged";
 import { ShowLink } from "../../parts/ShowLink";
 import { names, plant, taskName } from "../../state";
 import { addressOf, asked } from "../../views";
+import { heldKey, machineHeldKey } from "../../parts/rows/held";
 import { queryOf, STATES, tableOf } from "./filter";
 import { factoryTime } from "../../../text/plant-time";
 
@@ -143,5 +144,16 @@ function Result({ task }: { task: Shown }) {
   const lateS = (task.closed_at_s - task.promised_at_s) * speed;
   if (Math.abs(lateS) < PUNCTUAL_S) return <span>{t("tasks.onTime")}</span>;
   const by = factoryTime(Math.abs(lateS), speed);
-  return lateS > 0 ? <span class="tone-warn">{t("tasks.broken", { by })}</span> : <span>{t("tasks.kept", { by })}</span>;
+  if (lateS > 0) return <><span class="tone-warn">{t("tasks.broken", { by })}</span><Cause task={task} /></>;
+  return <span>{t("tasks.kept", { by })}</span>;
+}
+
+/** What held its carrier up, where that was long enough to be why it was late. */
+function Cause({ task }: { task: Shown }) {
+  const { held: doing, held_by: by, kind } = task;
+  const held = kind === "transport" ? heldKey(doing, by) : machineHeldKey(doing, by);
+  if (held === null) return null;
+  const speed = world.value?.factory.speed ?? 1;
+  const said = { time: factoryTime(task.held_s * speed, speed), by: kind === "transport" ? by : names.value(by) };
+  return <small class="line">{t(`held.${held}`, said)}</small>;
 }

@@ -45,6 +45,11 @@ export function ChartCard({ chart, history }: { chart: Chart; history: KpiHistor
         {chart.lines.map((line, i) => (
           <Entry key={line.name} chart={chart} line={line} value={valueAt(columns[i] ?? [], at.value)} />
         ))}
+        {chart.mean && (
+          <li>
+            {t("kpis.mean")} <b>{shownValue(chart, chart.mean(history))}</b>
+          </li>
+        )}
       </ul>
     </Card>
   );

@@ -1,0 +1,76 @@
+"""Each card of the plant's view shows some of its rows, in every language and on low screens."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from looks import LOCALES
+from playwright.sync_api import Page, expect
+
+SIZES_PX = ((1440, 900), (1024, 768))
+"""A laptop, on which nothing scrolls, and a tablet, whose page does."""
+
+ROWS_IN_SIGHT = """(card) => {
+  const inside = (row) => {
+    const { bottom, top } = row.getBoundingClientRect();
+    for (let around = row.parentElement; around !== document.body; around = around.parentElement) {
+      if (getComputedStyle(around).overflowY === "visible") continue;
+      const clip = around.getBoundingClientRect();
+      if (top < clip.top - 0.5 || bottom > clip.bottom + 0.5) return false;
+    }
+    return top >= 0 && bottom <= innerHeight + 0.5;
+  };
+  return [...card.querySelectorAll("li.order, .kpi, .status-row, dt, .bid, .field")].filter(inside).length;
+}"""
+"""How many rows of a card are whole within it, within what scrolls around it, and within the window."""
+
+
+@pytest.mark.parametrize(("width_px", "height_px"), SIZES_PX)
+@pytest.mark.parametrize("language", LOCALES)
+def test_each_card_shows_three_of_its_rows(
+    busy: Any,
+    open_page: Callable[..., Page],
+    screenshot: Callable[..., Path],
+    language: str,
+    width_px: int,
+    height_px: int,
+) -> None:
+    size = {"width": width_px, "height": height_px}
+    page = open_page(busy.url, viewport=size, locale=LOCALES[language])
+    cards = [page.locator(f".card.{name}") for name in ("factory", "orders", "publish", "machine", "atv")]
+    expect(page.locator(".orders .order").nth(2)).to_be_attached()
+    expect(page.locator(".publish .feasible li").first).to_be_attached()
+    for card in cards:
+        expect(card).to_be_visible()
+        if width_px < 1181:
+            # The page scrolls there; no card within it has to.
+            card.evaluate("(card) => card.scrollIntoView()")
+        assert card.evaluate(ROWS_IN_SIGHT) >= 3, card.get_attribute("class")
+    screenshot(page, f"cards-{language}-{width_px}")
+
+
+def test_on_a_wall_text_is_larger_and_a_sheet_opens_beside_its_button(
+    busy: Any, open_page: Callable[..., Page], screenshot: Callable[..., Path]
+) -> None:
+    page = open_page(busy.url, viewport={"width": 2560, "height": 1300})
+    button = page.locator(".factory .pop-button").first
+    expect(page.locator(".orders .order").first).to_be_visible()
+    on_wall = page.locator(".orders .order-status").first.bounding_box()
+    button.click()
+    sheet = page.locator(".pop-sheet:popover-open")
+    expect(sheet).to_be_visible()
+    around, inside = button.bounding_box(), sheet.bounding_box()
+    assert around is not None
+    assert inside is not None
+    assert 0 <= inside["y"] - around["y"] - around["height"] < 10
+    assert inside["x"] <= around["x"] + around["width"] / 2 <= inside["x"] + inside["width"]
+    screenshot(page, "cards-wall")
+    page.keyboard.press("Escape")
+    page.set_viewport_size({"width": 1440, "height": 1300})
+    on_desk = page.locator(".orders .order-status").first.bounding_box()
+    assert on_wall is not None
+    assert on_desk is not None
+    assert on_wall["height"] > 1.2 * on_desk["height"]
