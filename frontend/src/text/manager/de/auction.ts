@@ -156,7 +156,7 @@ export const auction: Catalogue<typeof english> = {
   "refusal.ability": "nicht fähig, es zu tragen",
   "refusal.no_way": "ohne Weg dorthin",
   "refusal.closed": "da der Weg gesperrt ist",
-  "refusal.not_fit": "nicht fahrtüchtig",
+  "refusal.not_fit": "nimmt zurzeit keine Arbeit",
   "refusal.watching_enough": "mit genug anderen zu überwachen",
   "refusal.is_primary": "selbst schon primär",
 

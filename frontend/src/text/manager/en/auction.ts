@@ -153,7 +153,7 @@ export const auction = {
   "refusal.ability": "unable to carry it",
   "refusal.no_way": "without a way there",
   "refusal.closed": "with no way but closed ones",
-  "refusal.not_fit": "not fit to drive",
+  "refusal.not_fit": "takes no work at present",
   "refusal.watching_enough": "watching enough others",
   "refusal.is_primary": "carrying it already",
 
