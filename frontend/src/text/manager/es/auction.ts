@@ -156,7 +156,7 @@ export const auction: Catalogue<typeof english> = {
   "refusal.ability": "por no poder llevarlo",
   "refusal.no_way": "por no tener camino",
   "refusal.closed": "por tener el camino cerrado",
-  "refusal.not_fit": "por no poder circular",
+  "refusal.not_fit": "por no aceptar trabajo ahora",
   "refusal.watching_enough": "por vigilar ya bastante",
   "refusal.is_primary": "por llevarlo ya",
 
