@@ -48,6 +48,8 @@ RULES: Mapping[tuple[str, str], Rule] = {
     ("GET", "/api/track/{token}"): PUBLIC,
     ("GET", "/track/{token}"): PUBLIC,
     ("GET", "/call/{token}"): PUBLIC,
+    ("GET", "/call/{token}/code.svg"): PUBLIC,
+    ("GET", "/call/{token}/sign"): PUBLIC,
     ("POST", "/call/{token}"): Rule(public=True, action="transport.call"),
     ("POST", "/call/{token}/{transport}/cancel"): Rule(public=True, action="transport.cancel"),
     ("GET", "/login"): PUBLIC,
