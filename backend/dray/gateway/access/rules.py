@@ -76,6 +76,7 @@ RULES: Mapping[tuple[str, str], Rule] = {
     ("POST", "/api/keys/{key}/revoke"): Rule(Scope.PEOPLE_WRITE, action="key.revoke"),
     ("GET", "/api/audit"): Rule(Scope.AUDIT_READ),
     ("GET", "/api/stream"): Rule(Scope.FACTORY_READ, by_area=True),
+    ("GET", "/api/priorities"): KNOWN,
     ("GET", "/api/plant"): Rule(Scope.FACTORY_READ, by_area=True),
     ("GET", "/api/products"): Rule(Scope.ORDERS_READ),
     ("GET", "/api/products/{product}"): Rule(Scope.ORDERS_READ),
