@@ -37,7 +37,7 @@ REFUSALS = {
     "ability": "unable to carry it",
     "no_way": "without a way there",
     "closed": "with no way but closed ones",
-    "not_fit": "not fit to drive",
+    "not_fit": "takes no work at present",
     "watching_enough": "watching enough others",
     "is_primary": "carrying it already",
 }
