@@ -27,7 +27,7 @@ TRANSPORT_WITHIN_S = {
     Priority.LOW: 3600.0,
 }
 """Plant seconds within which a plain transport is wanted where no time is given; of high and urgent ones at the latest. Of what waits
-the vehicles take first what was wanted first, and all counts as wanted five minutes after it was given out (`auction.PATIENCE_S`): from then on it is
+the vehicles take first what was wanted first, and all counts as wanted five minutes after it was given out (`auction_rules.PATIENCE_S`): from then on it is
 passed only by what had been called for before."""
 
 ORDER_WITHIN_S = {

@@ -10,8 +10,8 @@ from spoken import production, transport
 
 from dray.messages import Role
 from dray.priorities import ORDER_WITHIN_S, TRANSPORT_WITHIN_S, Priority, order_wanted_s
-from dray.protocol.contract_net.auction import PATIENCE_S, Auction
-from dray.protocol.contract_net.auction_rules import AuctionRules
+from dray.protocol.contract_net.auction import Auction
+from dray.protocol.contract_net.auction_rules import PATIENCE_S, AuctionRules
 from dray.protocol.contract_net.task import OpenTask
 from dray.protocol.contract_net.terms import Place, Terms
 from dray.protocol.machine.production import Goal, GoalBook

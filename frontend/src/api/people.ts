@@ -8,6 +8,7 @@ type Schemas = components["schemas"];
 export type Person = Schemas["PersonAnswer"];
 export type PersonDraft = Schemas["PersonDraft"];
 export type Key = Schemas["KeyAnswer"];
+export type NewKey = Schemas["NewKeyAnswer"];
 export type KeyDraft = Schemas["KeyDraft"];
 export type SecretKind = Schemas["SecretDraft"]["kind"];
 
@@ -42,9 +43,9 @@ export async function fetchKeys(): Promise<Key[]> {
   return await allOf(async (query) => await bodyOf(gateway.GET("/api/keys", { params: { query } })));
 }
 
-/** The new key's token: it is told this one time. */
-export async function makeKey(draft: KeyDraft): Promise<string> {
-  return (await bodyOf(gateway.POST("/api/keys", { body: draft }))).token;
+/** A new key: what it is shown by is told this one time. */
+export async function makeKey(draft: KeyDraft): Promise<NewKey> {
+  return await bodyOf(gateway.POST("/api/keys", { body: draft }));
 }
 
 export async function revokeKey(key: string): Promise<void> {

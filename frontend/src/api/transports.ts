@@ -4,6 +4,7 @@ import type { components } from "./types";
 
 export type TransportAnswer = components["schemas"]["TransportAnswer"];
 export type TransportState = components["schemas"]["TransportState"];
+export type Priorities = components["schemas"]["PrioritiesAnswer"];
 export type TransportDraft = components["schemas"]["TransportDraft"];
 
 /** The newest from or to a place. */
@@ -24,4 +25,9 @@ export async function callTransport(draft: TransportDraft, key: string): Promise
 /** Calls it off, as long as it is not on board. */
 export async function callOff(transport: string): Promise<TransportAnswer> {
   return await bodyOf(gateway.POST("/api/transports/{transport}/cancel", { params: { path: { transport } } }));
+}
+
+/** How soon each priority is wanted, and for how long what waits is passed at the most. */
+export async function fetchPriorities(): Promise<Priorities> {
+  return await bodyOf(gateway.GET("/api/priorities"));
 }

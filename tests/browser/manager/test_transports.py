@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -24,6 +25,9 @@ def test_a_load_is_called_for_and_seen_and_one_that_waits_for_its_vehicle_tells_
 
     page.get_by_role("button", name="Call…").click()
     page.get_by_label("Material").select_option("shaft")
+    priority = page.get_by_label("Priority")
+    expect(priority).to_have_accessible_description(re.compile("low 60 min"))
+    expect(page.locator("#call-ageing")).to_contain_text("lets others pass for 5 min at most")
     page.get_by_label("Pieces").fill("4000")
     page.get_by_label("To", exact=True).select_option("M8")
     page.get_by_label("Vehicle that carries").select_option("pallet")

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from datetime import UTC, date, datetime, timedelta
+from datetime import UTC, date, datetime, time, timedelta
+from pathlib import Path
+from zoneinfo import ZoneInfo
 
 import pytest
 
@@ -111,3 +113,60 @@ def test_what_is_no_calendar_is_refused_with_what_would_be(
     with pytest.raises(CalendarError, match=reason) as refused:
         Calendar(expression, zone)
     assert refused.value.error.field == field
+
+
+DOCUMENT = Path(__file__).parents[3] / "docs/api.md"
+
+EXPRESSIONS = ("30 2 * * *", "0 * * * *", "0 6 * * MON-FRI")
+
+LATE = {
+    BERLIN: "2030-03-31T03:00:00+02:00",
+    "America/New_York": "2030-03-10T03:00:00-04:00",
+    "Australia/Lord_Howe": None,
+}
+"""When the run of 02:30 comes in the night that lacks that time. On Lord Howe clocks go from 02:00 to 02:30, and back from 02:00 to 01:30."""
+
+
+def year_of(expression: str, zone: str) -> list[datetime]:
+    """All runs of 2030, asked for one after another as the scheduler does."""
+    calendar = Calendar(expression, zone)
+    now_s, end_s = (datetime(year, 1, 1, tzinfo=ZoneInfo(zone)).timestamp() for year in (2030, 2031))
+    found = []
+    moment_s = calendar.after(now_s - 1)
+    while moment_s is not None and moment_s < end_s:
+        found.append(calendar.local(moment_s))
+        moment_s = calendar.after(moment_s)
+    return found
+
+
+@pytest.mark.parametrize("zone", LATE)
+def test_at_half_past_two_it_comes_once_each_day_of_a_year(zone: str) -> None:
+    runs = year_of("30 2 * * *", zone)
+    assert [run.date() for run in runs] == [date(2030, 1, 1) + timedelta(days=day) for day in range(365)]
+    late = LATE[zone]
+    assert [run.isoformat() for run in runs if run.time() != time(2, 30)] == ([late] if late else [])
+
+
+@pytest.mark.parametrize("zone", LATE)
+def test_each_full_hour_of_a_year_comes_once(zone: str) -> None:
+    first, last = (datetime(year, 1, 1, tzinfo=ZoneInfo(zone)).timestamp() for year in (2030, 2031))
+    # Clocks are set by full or half hours: no full hour is missed by these steps.
+    steps = (datetime.fromtimestamp(each, ZoneInfo(zone)) for each in range(int(first), int(last), 1800))
+    assert year_of("0 * * * *", zone) == [each for each in steps if each.minute == 0]
+
+
+@pytest.mark.parametrize("zone", LATE)
+def test_at_six_it_comes_once_each_weekday_of_a_year(zone: str) -> None:
+    days = (date(2030, 1, 1) + timedelta(days=day) for day in range(365))
+    runs = year_of("0 6 * * MON-FRI", zone)
+    assert [run.date() for run in runs] == [day for day in days if day.weekday() < 5]
+    assert {run.time() for run in runs} == {time(6)}
+    assert len({run.utcoffset() for run in runs}) == 2, "in summer and in winter"
+
+
+@pytest.mark.parametrize("zone", LATE)
+def test_the_documents_table_counts_them(zone: str) -> None:
+    lines = DOCUMENT.read_text(encoding="utf-8").splitlines()
+    [row] = [line.strip("| ").split(" | ") for line in lines if line.startswith(f"| {zone} |")]
+    told = [int(row[column].split(":")[0].replace(",", "")) for column in (1, 3, 4)]
+    assert told == [len(year_of(each, zone)) for each in EXPRESSIONS]

@@ -8,9 +8,10 @@ from typing import Any
 import httpx
 import pytest
 from answers import problem
-from gateway_kit import NOW_S, House
+from gateway_kit import HOME, NOW_S, House
 
 from dray.gateway.access.principal import Scope
+from dray.gateway.calling.code import drawn
 from dray.gateway.calling.texts import TEXTS
 from dray.messages import TransportOrdered
 
@@ -147,3 +148,52 @@ async def test_a_form_that_means_nothing_is_refused_in_words_and_does_nothing(ho
 
 def test_every_language_says_everything() -> None:
     assert len({frozenset(texts) for texts in TEXTS.values()}) == 1
+
+
+async def test_a_sign_has_the_address_of_the_page_as_a_code_and_in_letters(house: House) -> None:
+    token, _ = await key_of(house, Scope.TRANSPORTS_CALL, places="M8")
+    visitor, address = house.visitor(), f"{HOME}/call/{token}"
+    sign = await visitor.get(f"/call/{token}/sign", headers={"Accept-Language": "en"})
+    assert sign.status_code == 200
+    assert "<h1>M8</h1>" in sign.text
+    assert "Assembly cell 4" in sign.text
+    assert f'<p class="call-address">{address}</p>' in sign.text
+    [image] = re.findall(r'<img src="(/call/[^"]+)"', sign.text)
+    code = await visitor.get(image)
+    assert (code.status_code, code.headers["Content-Type"]) == (200, "image/svg+xml")
+    assert code.content == drawn(address)
+    assert code.content != drawn(f"{address}/sign")
+    assert code.headers["Cache-Control"] == "no-store"
+    assert (await visitor.get(f"/call/{token}")).status_code == 200, "what the code leads to"
+
+
+@pytest.mark.parametrize("what", ["sign", "code.svg"])
+async def test_a_key_that_has_no_page_has_no_sign(house: House, what: str) -> None:
+    everywhere, _ = await key_of(house, Scope.TRANSPORTS_CALL)
+    more, _ = await key_of(house, Scope.TRANSPORTS_CALL, Scope.ORDERS_READ, places="M8")
+    for token in (everywhere, more, "dray_nobody"):
+        answer = await house.visitor().get(f"/call/{token}/{what}")
+        assert answer.status_code == 404
+        assert "<svg" not in answer.text
+
+
+@pytest.mark.parametrize(
+    ("scopes", "places", "has"),
+    [
+        (["transports:call"], ["M8"], True),
+        (["transports:call", "transports:call"], ["M8"], True),
+        (["transports:call"], ["M8", "M9"], False),
+        (["transports:call"], [], False),
+        (["transports:call", "orders:read"], ["M8"], False),
+        (["orders:read"], [], False),
+    ],
+)
+async def test_who_makes_the_key_of_one_place_is_told_its_page(
+    house: House, scopes: list[str], places: list[str], has: bool
+) -> None:
+    made = await house.client.post("/api/keys", json={"name": "Button", "scopes": scopes, "places": places})
+    assert made.status_code == 201, made.text
+    token, url = made.json()["token"], made.json()["page_url"]
+    assert url == (f"{HOME}/call/{token}" if has else None)
+    page = await house.visitor().get(f"/call/{token}")
+    assert page.status_code == (200 if has else 404)

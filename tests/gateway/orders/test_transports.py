@@ -27,6 +27,7 @@ from dray.messages import (
 )
 from dray.messages import Role as Part
 from dray.messages.fact import BidRefused, TaskOpened, TransportProgressed
+from dray.protocol.contract_net.auction_rules import PATIENCE_S
 
 pytestmark = pytest.mark.anyio
 
@@ -297,3 +298,13 @@ async def test_a_wish_for_a_vehicle_ends_and_an_order_for_it_does_not(
         # Nobody waits for that vehicle any more, so nobody asks why it does not come.
         waits = (await house.get(f"{PATH}/{answer['id']}"))["vehicle_waits"]
         assert waits == ("silent" if only else None)
+
+
+async def test_what_priorities_mean_is_told_as_it_is_done(house: House) -> None:
+    told = await house.get("/api/priorities")
+    for priority, within_s in told["transports"].items():
+        asked = (await house.client.post(PATH, json=DRAFT | {"priority": priority})).json()
+        created, due = (datetime.fromisoformat(asked[each]) for each in ("created_at", "due_at"))
+        assert (due - created).total_seconds() == pytest.approx(within_s, abs=0.01), priority
+    assert list(told["transports"]) == list(told["orders"]) == ["urgent", "high", "normal", "low"]
+    assert told["passed_most_s"] == PATIENCE_S

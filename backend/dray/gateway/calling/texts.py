@@ -29,6 +29,9 @@ _KEYS = (
     "gone",
     "gone_note",
     "refused",
+    "sign_code",
+    "sign_scan",
+    "sign_print",
 )
 
 _STATES = ("waiting", "assigned", "on_board", "delivered", "cancelled", "being_cancelled")
@@ -67,7 +70,10 @@ TEXTS: Mapping[str, Mapping[str, str]] = {
         No stop is here. In danger: the red button on the vehicle.
         This key calls nothing any more
         It was taken back, has run out, or is no key of one place. Ask whoever looks after Dray.
-        Not called: {reason}""",
+        Not called: {reason}
+        QR code of the page on which to call
+        Scan this with a phone to have something brought here or taken away.
+        Print this page and hang it up here. A phone must reach the address above; whoever has it can call.""",
         """called
         taken by a vehicle
         on board
@@ -103,7 +109,10 @@ TEXTS: Mapping[str, Mapping[str, str]] = {
         Hier ist kein Stopp. Bei Gefahr: der rote Knopf am Fahrzeug.
         Mit diesem Schlüssel lässt sich nichts mehr rufen
         Er wurde zurückgenommen, ist abgelaufen oder gehört zu keinem Platz. Fragen Sie, wer Dray betreut.
-        Nicht gerufen: {reason}""",
+        Nicht gerufen: {reason}
+        QR-Code der Seite, auf der man ruft
+        Mit dem Handy einlesen, um hierher etwas bringen oder von hier etwas abholen zu lassen.
+        Diese Seite ausdrucken und hier aufhängen. Das Handy muss die Adresse oben erreichen; wer sie hat, kann rufen.""",
         """gerufen
         von einem Fahrzeug übernommen
         an Bord
@@ -139,7 +148,10 @@ TEXTS: Mapping[str, Mapping[str, str]] = {
         Aquí no hay parada. En peligro: el botón rojo del vehículo.
         Esta clave ya no llama a nada
         Fue retirada, caducó o no es de un puesto. Pregunte a quien cuida de Dray.
-        No pedido: {reason}""",
+        No pedido: {reason}
+        Código QR de la página en la que se llama
+        Escanéelo con un móvil para que traigan algo aquí o se lo lleven.
+        Imprima esta página y cuélguela aquí. El móvil debe llegar a la dirección de arriba; quien la tiene puede llamar.""",
         """pedido
         lo tomó un vehículo
         a bordo

@@ -17,6 +17,7 @@ from dray.gateway.access.principal import Scope
 from dray.gateway.access.tokens import new_id, new_key
 from dray.gateway.http.problems import FieldError, not_found, unusable
 from dray.gateway.http.provided import Now, Provided
+from dray.gateway.http.public_urls import BaseUrl
 from dray.gateway.http.request_bodies import LINE, json_only
 from dray.gateway.http.responses import PAGE, Cursor, Json, Limit, described, list_of, page, problems
 from dray.gateway.http.shares import share_of
@@ -78,8 +79,11 @@ class NewKeyAnswer(msgspec.Struct, frozen=True, kw_only=True):
     """A new key; its token is told this one time and kept nowhere."""
 
     token: str
-    """For `Authorization: Bearer`; of a call button, `/call/` and this is its page."""
+    """For `Authorization: Bearer`."""
     key: KeyAnswer
+    page_url: str | None = None
+    """Of a key that calls for transports at one place and may do nothing else: the address of its page for phones. With `/code.svg` behind it, that is
+    a QR code; with `/sign`, a page to be printed."""
 
 
 EXAMPLE = KeyAnswer(
@@ -157,6 +161,7 @@ async def make_key(
     store: Provided[Store],
     projection: Provided[Projection],
     caller: Caller,
+    base_url: BaseUrl,
     note: Noted,
     now_s: Now,
     draft: KeyDraft,
@@ -191,7 +196,9 @@ async def make_key(
     note.target = key.id
     async with store.write() as work:
         await work.api_keys.add(token, key)
-    return Json(NewKeyAnswer(token=token, key=_answer(key)), HTTPStatus.CREATED)
+    button = scopes == (Scope.TRANSPORTS_CALL.value,) and len(places) == 1
+    page_url = f"{base_url}/call/{token}" if button else None
+    return Json(NewKeyAnswer(token=token, key=_answer(key), page_url=page_url), HTTPStatus.CREATED)
 
 
 @router.post(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from fastapi import APIRouter, Depends, FastAPI
 
 from dray.gateway.access.caller import admitted
-from dray.gateway.routes import health, keys, me, people, plant, stream
+from dray.gateway.routes import health, keys, me, people, plant, priorities, stream
 from dray.gateway.routes.factory import (
     agents,
     alerts,
@@ -64,6 +64,7 @@ API = (
     replay,
     reports,
     plant,
+    priorities,
     traffic,
     waits,
     faults,

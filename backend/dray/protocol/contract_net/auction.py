@@ -43,15 +43,12 @@ from dray.messages import (
     Work,
 )
 from dray.messages.fact import Answer, AwardAnswered, AwardGiven, BidReceived, RoundFailed, TaskOpened
-from dray.protocol.contract_net.auction_rules import AuctionRules
+from dray.protocol.contract_net.auction_rules import PATIENCE_S, AuctionRules
 from dray.protocol.contract_net.bids import Bids, Offer
 from dray.protocol.contract_net.terms import SPAN_MAX_S, SPANS_MAX, Place, Terms
 from dray.protocol.contract_net.trust.assessment import Assessor
 from dray.protocol.contract_net.trust.plausibility import by_our_clock
 from dray.protocol.runtime.events import NEVER_S, Effect, Ignore, Publish, Record, Send
-
-PATIENCE_S = 300.0
-"""What has waited so long is as urgent as what was needed by now."""
 
 
 class Stage(Enum):

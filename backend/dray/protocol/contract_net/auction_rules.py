@@ -14,6 +14,9 @@ import msgspec
 
 from dray.protocol.liveness.suspicion import JITTER_S
 
+PATIENCE_S = 300.0
+"""What has waited so long is as urgent as what was needed by now."""
+
 
 class AuctionRules(msgspec.Struct, frozen=True):
     """The time-outs and the radius of a coordinator's auctions."""

@@ -1,6 +1,6 @@
 """The transports of one coordinator for which no vehicle was found yet, the most urgent first (docs/protocol.md, overload).
 
-Urgent is what was needed first, or has waited long (`auction.PATIENCE_S`). Of what needs the same vehicles only the most
+Urgent is what was needed first, or has waited long (`auction_rules.PATIENCE_S`). Of what needs the same vehicles only the most
 urgent is announced; a vehicle that asks for work is offered that one.
 """
 

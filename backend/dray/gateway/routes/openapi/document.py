@@ -59,6 +59,7 @@ from dray.gateway.routes.orders.schedules import RunsPreview, ScheduleAnswer
 from dray.gateway.routes.orders.timeline import LinksRevoked, NewLink, OrderStory
 from dray.gateway.routes.orders.transports import TransportAnswer
 from dray.gateway.routes.people import LoginLinkAnswer, PersonAnswer
+from dray.gateway.routes.priorities import PrioritiesAnswer
 from dray.gateway.routes.products.imports import ProductsAnswer
 from dray.gateway.routes.products.products import ProductAnswer
 from dray.gateway.tracking.answer import TrackAnswer
@@ -103,6 +104,7 @@ SHAPES = (
     MachineView,
     MaterialAnswer,
     MeAnswer,
+    PrioritiesAnswer,
     ObstacleView,
     OrderAnswer,
     PlacedOrder,

@@ -19,12 +19,14 @@ from dray.gateway.access.audit_log import Noted
 from dray.gateway.access.audit_recorder import address_of
 from dray.gateway.access.principal import Principal, Scope
 from dray.gateway.access.tokens import new_token
+from dray.gateway.calling.code import drawn
 from dray.gateway.calling.page import SHOWN, called, tiles, until
 from dray.gateway.calling.texts import TEXTS
 from dray.gateway.http.assets import NotBuilt, Panels
 from dray.gateway.http.language import language_of, remember_language, switches
 from dray.gateway.http.problems import Problem
 from dray.gateway.http.provided import Now, Provided
+from dray.gateway.http.public_urls import BaseUrl
 from dray.gateway.http.request_bodies import read_form
 from dray.gateway.live.projection import Projection
 from dray.gateway.orders.idempotency import own_key
@@ -63,6 +65,40 @@ async def call_page(
     if caller is None:
         return _page(panels, request, HTTPStatus.NOT_FOUND, "call-gone.html")
     return await _shown(store, projection, panels, request, caller, now_s, item=item)
+
+
+@router.api_route("/call/{token}/sign", methods=["GET", "HEAD"])
+async def call_sign(
+    access: Provided[Access],
+    projection: Provided[Projection],
+    panels: Provided[Panels],
+    base_url: BaseUrl,
+    request: Request,
+    token: str,
+) -> Response:
+    """What is printed and hung up at the place: the page's address as a QR code and in letters."""
+    caller = await _caller(access, request, token)
+    if caller is None:
+        return _page(panels, request, HTTPStatus.NOT_FOUND, "call-gone.html")
+    return _page(
+        panels,
+        request,
+        HTTPStatus.OK,
+        "call-sign.html",
+        place=caller.station,
+        name=_name_of(projection, caller.station),
+        page=f"/call/{token}",
+        address=f"{base_url}/call/{token}",
+        until=until(caller, TEXTS[language_of(request)]),
+    )
+
+
+@router.api_route("/call/{token}/code.svg", methods=["GET", "HEAD"])
+async def call_code(access: Provided[Access], base_url: BaseUrl, request: Request, token: str) -> Response:
+    """The page's address as a QR code."""
+    if await _caller(access, request, token) is None:
+        return PlainTextResponse("This key calls nothing.\n", HTTPStatus.NOT_FOUND, headers=HEADERS)
+    return Response(drawn(f"{base_url}/call/{token}"), media_type="image/svg+xml", headers=HEADERS)
 
 
 @router.post("/call/{token}")
@@ -191,6 +227,12 @@ def _page(panels: Panels, request: Request, status: HTTPStatus, template: str, *
     answer = HTMLResponse(html, status, headers=HEADERS)
     remember_language(answer, request)
     return answer
+
+
+def _name_of(projection: Projection, place: str) -> str:
+    plant = projection.site.plant
+    known = plant.machines.get(place) or plant.stores.get(place)
+    return place if known is None else known.name or place
 
 
 def _back(token: str) -> Response:

@@ -7,7 +7,7 @@ import { Once } from "../../parts/Once";
 import { Sheet } from "../../parts/Sheet";
 import { me } from "../../shell/session";
 import { plant } from "../../state";
-import { addKey, calls, complaints, editKey, key, outcome, ticked, token } from "./state";
+import { addKey, calls, complaints, editKey, key, outcome, page, ticked, token } from "./state";
 
 /** What the button opens. */
 export const KEY = "key-sheet";
@@ -26,13 +26,33 @@ export function KeySheet({ onChanged }: { onChanged: () => void }) {
         {token.value === "" ? (
           <Draft onChanged={onChanged} />
         ) : (
-          <Once value={token.value} label={t("people.keyToken")} copy={t("people.copy")} copied={t("people.copied")} notCopied={t("people.notCopied")} hint={t("people.keyOnce")} />
+          <>
+            <Once value={token.value} label={t("people.keyToken")} copy={t("people.copy")} copied={t("people.copied")} notCopied={t("people.notCopied")} hint={t("people.keyOnce")} />
+            {page.value !== "" && <Page token={token.value} url={page.value} />}
+          </>
         )}
         <p role="status" class="outcome outcome-bad">
           {outcome.value?.text}
         </p>
       </div>
     </Sheet>
+  );
+}
+
+/** A call button's page, for phones: its address, the same as a QR code, and a sign with both. */
+function Page({ token: shown, url }: { token: string; url: string }) {
+  // Of this gateway: the address itself may be that of a proxy before it.
+  const own = `/call/${shown}`;
+  return (
+    <section class="people-page" aria-labelledby="key-page">
+      <h3 id="key-page">{t("people.page")}</h3>
+      <Once value={url} label={t("people.pageAddress")} copy={t("people.copy")} copied={t("people.copied")} notCopied={t("people.notCopied")} hint={t("people.pageHint")}>
+        <a class="button small" href={`${own}/sign`} target="_blank" rel="noreferrer">
+          {t("people.pageSign")}
+        </a>
+      </Once>
+      <img src={`${own}/code.svg`} alt={t("people.pageCode")} width={220} height={220} />
+    </section>
   );
 }
 

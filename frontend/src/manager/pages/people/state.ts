@@ -20,6 +20,8 @@ export const link = signal("");
 export const key = signal(something());
 /** The token of the key that was made; empty for none. */
 export const token = signal("");
+/** The address of its page, where it is a call button of one place; empty for none. */
+export const page = signal("");
 /** Which key somebody is asked about before it is taken back; empty for none. */
 export const asked = signal("");
 
@@ -68,7 +70,7 @@ export function begin(person: Person | null): void {
 
 export function beginKey(): void {
   key.value = something();
-  token.value = "";
+  token.value = page.value = "";
   forget();
 }
 
@@ -113,7 +115,9 @@ export const addKey = (): Promise<boolean> =>
     const { days, items, name, open, openEach, places, priority, scopes } = key.value;
     const limits = calls(scopes) ? { places, items, open_max: numberOf(open), open_each_max: numberOf(openEach), priority } : {};
     // The gateway says best which of them it does not know.
-    token.value = await makeKey({ name: name.trim(), scopes: scopes as never, days: numberOf(days), ...limits });
+    const made = await makeKey({ name: name.trim(), scopes: scopes as never, days: numberOf(days), ...limits });
+    token.value = made.token;
+    page.value = made.page_url ?? "";
     key.value = something();
     return "";
   });

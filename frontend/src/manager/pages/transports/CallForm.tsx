@@ -1,13 +1,28 @@
 import type { ComponentProps } from "preact";
-import { t } from "../../../text/views/transports";
+import { fetchPriorities, type Priorities } from "../../../api/transports";
+import { format, t, word } from "../../../text/views/transports";
+import { PRIORITIES } from "../../orders/priority";
 import { PrioritySelect } from "../../orders/PrioritySelect";
 import * as parts from "../../parts/Field";
 import { Sheet } from "../../parts/Sheet";
+import { useRefreshed } from "../../refreshed";
 import { plant } from "../../state";
 import { busy, complaints, edit, outcome, send, type Written, written } from "./call";
 
 /** What the button opens. */
 export const FORM = "call-form";
+
+const AGEING = "call-ageing";
+
+// Its figures change with the gateway's version only.
+const PRIORITIES_EVERY_MS = 3_600_000;
+
+/** What priorities mean, and how long what is low waits for others. */
+export function ageingText({ passed_most_s: mostS, transports }: Priorities): string {
+  const minutes = (spanS: number): string => format.count(spanS / 60);
+  const within = PRIORITIES.map((each) => t("called.within", { priority: word("priority", each), minutes: minutes(transports[each] ?? 0) }));
+  return t("called.ageing", { within: format.list(within), most: minutes(mostS) });
+}
 
 type TextPart = { [K in keyof Written]: Written[K] extends string ? K : never }[keyof Written];
 
@@ -15,6 +30,7 @@ type TextPart = { [K in keyof Written]: Written[K] extends string ? K : never }[
 export function CallForm({ onCalled }: { onCalled: () => void }) {
   const { due, only, priority, quantity, vehicle } = written.value;
   const file = plant.value;
+  const { answer: priorities } = useRefreshed(fetchPriorities, PRIORITIES_EVERY_MS);
   const places = [...(file?.storages ?? []), ...(file?.machines ?? [])];
   const abilities = [...new Set(file?.vehicle_types.flatMap((type) => type.abilities) ?? [])];
   return (
@@ -37,7 +53,7 @@ export function CallForm({ onCalled }: { onCalled: () => void }) {
           <Choice part="from" label={t("called.source")} none={t("called.nearest")} options={places} />
           <Choice part="to" label={t("called.to")} none={t("called.nearest")} options={places} />
           <Field part="priority" label={t("orders.priority")}>
-            {(attributes) => <PrioritySelect {...attributes} value={priority} onChoose={(chosen) => { edit({ priority: chosen }); }} />}
+            {(attributes) => <PrioritySelect {...attributes} aria-describedby={`${attributes["aria-describedby"]} ${AGEING}`} value={priority} onChoose={(chosen) => { edit({ priority: chosen }); }} />}
           </Field>
           <Field part="due" label={t("called.dueAt")}>
             {(attributes) => <input {...attributes} type="datetime-local" value={due} onChange={(event) => { edit({ due: event.currentTarget.value }); }} />}
@@ -51,6 +67,9 @@ export function CallForm({ onCalled }: { onCalled: () => void }) {
             </label>
           )}
         </div>
+        <p id={AGEING} class="muted">
+          {priorities.value && ageingText(priorities.value)}
+        </p>
         <p class="form-actions">
           <span role="status" class={`outcome outcome-${outcome.value?.good ? "good" : "bad"}`}>
             {outcome.value?.text}

@@ -31,6 +31,8 @@ export const transports: Catalogue<typeof en> = {
   "called.ability": "Fahrzeug, das trägt",
   "called.noAbility": "wie es das Material verlangt",
   "called.dueAt": "Fällig (optional)",
+  "called.within": "{priority} {minutes} min",
+  "called.ageing": "Gewünscht binnen (Uhr der Fabrik): {within}. Was auf ein Fahrzeug wartet, lässt höchstens {most} min lang anderes vor: Was danach gerufen wird, kommt dahinter.",
   "called.send": "Rufen",
   "called.sent": "Gerufen: {id}",
   "called.failed": "Nicht getan: {reason}",

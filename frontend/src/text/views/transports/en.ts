@@ -29,6 +29,8 @@ export const transports = {
   "called.ability": "Vehicle that carries",
   "called.noAbility": "as the material asks",
   "called.dueAt": "Due (optional)",
+  "called.within": "{priority} {minutes} min",
+  "called.ageing": "Wanted within (of the factory's clock): {within}. What waits for a vehicle lets others pass for {most} min at most: what is called for after that goes behind it.",
   "called.send": "Call for it",
   "called.sent": "Called: {id}",
   "called.failed": "Not done: {reason}",

@@ -31,6 +31,8 @@ export const transports: Catalogue<typeof en> = {
   "called.ability": "Vehículo que lleva",
   "called.noAbility": "lo que pide el material",
   "called.dueAt": "Plazo (opcional)",
+  "called.within": "{priority} {minutes} min",
+  "called.ageing": "Se quiere en (reloj de la fábrica): {within}. Lo que espera un vehículo deja pasar a otros {most} min como máximo: lo que se pide después va detrás.",
   "called.send": "Pedir",
   "called.sent": "Pedido: {id}",
   "called.failed": "No se ha hecho: {reason}",
