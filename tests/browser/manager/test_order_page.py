@@ -69,6 +69,64 @@ def test_an_order_tells_its_whole_story_on_a_page_of_its_own(
     expect(page.get_by_role("heading", level=1)).to_have_text("PO-48213")
 
 
+NOW_PLUS_AN_HOUR = """atS => {
+    const at = new Date((atS + 3600) * 1000);
+    return new Date(at.getTime() - at.getTimezoneOffset() * 60000).toISOString().slice(0, 16);
+}"""
+"""As a field of date and time wants it."""
+
+
+def test_the_axis_says_now_due_and_when_all_is_expected(
+    quiet: Any, factory: str, open_page: OpenPage, screenshot: Screenshot
+) -> None:
+    page = open_page(factory, viewport={"width": 1440, "height": 900})
+    due = page.evaluate(NOW_PLUS_AN_HOUR, quiet.wall_s)
+    page.get_by_label("Due").fill(due)
+    publish(page, "Waterworks South", "PO-AXIS", 10)
+    page.get_by_role("link", name="Orders", exact=True).click()
+    page.get_by_role("link", name="PO-AXIS").click()
+    quiet.advance_until(lambda: page.locator(".lane-expected").count() > 0)
+    signs = page.locator(".lane-signs")
+    expect(signs).to_contain_text(re.compile(r"now \d\d:\d\d"))
+    expect(signs).to_contain_text(f"due {due[-5:]}")
+    expected = page.locator(".lane").filter(has=page.locator(".lane-expected"))
+    expect(expected).to_contain_text(re.compile(r"Deliveredall, expected \d\d:\d\d to \d\d:\d\d"))
+    legend = page.locator(".lane-legend")
+    for named in ("delivery expected", "now", "due"):
+        expect(legend).to_contain_text(named)
+    for theme in THEMES:
+        page.emulate_media(color_scheme=theme)
+        screenshot(page, f"order-axis-{theme}")
+
+
+def test_what_is_chosen_on_it_stands_in_its_address(quiet: Any, factory: str, open_page: OpenPage) -> None:
+    page = open_page(factory)
+    publish(page, "Waterworks South", "PO-CHOSEN", 10)
+    page.get_by_role("link", name="Orders", exact=True).click()
+    page.get_by_role("link", name="PO-CHOSEN").click()
+    quiet.advance_until(lambda: page.locator(".lane-transport").count() > 0)
+    transport, told = page.locator(".lane-transport").first, page.locator(".order-told")
+    problems = page.get_by_role("button", name="Problems")
+    transport.click()
+    expect(page).to_have_url(re.compile(r"#orders/O-[^?]+\?transport=[^&]+$"))
+    problems.click()
+    expect(page).to_have_url(re.compile(r"\?transport=[^&]+&events=problems$"))
+    sent = page.url
+    page.reload()
+    expect(transport).to_have_attribute("aria-pressed", "true")
+    expect(problems).to_have_attribute("aria-pressed", "true")
+    page.go_back()
+    expect(problems).to_have_attribute("aria-pressed", "false")
+    expect(told).to_be_visible()
+    page.go_back()
+    expect(told).to_have_count(0)
+    page.go_forward()
+    expect(told).to_be_visible()
+    other = open_page(sent)
+    expect(other.locator(".lane-transport").first).to_have_attribute("aria-pressed", "true")
+    expect(other.get_by_role("button", name="Problems")).to_have_attribute("aria-pressed", "true")
+
+
 def test_links_for_the_customer_are_made_and_taken_back_there(
     factory: str, open_page: OpenPage, screenshot: Screenshot
 ) -> None:
