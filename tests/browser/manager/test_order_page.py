@@ -12,6 +12,8 @@ from complaints import Complaints
 from looks import THEMES, WIDTHS_PX
 from playwright.sync_api import Page, expect
 
+ROOT = Path(__file__).resolve().parents[3]
+
 OpenPage = Callable[..., Page]
 Screenshot = Callable[[Page, str], Path]
 
@@ -85,7 +87,7 @@ def test_the_axis_says_now_due_and_when_all_is_expected(
     publish(page, "Waterworks South", "PO-AXIS", 10)
     page.get_by_role("link", name="Orders", exact=True).click()
     page.get_by_role("link", name="PO-AXIS").click()
-    quiet.advance_until(lambda: page.locator(".lane-expected").count() > 0)
+    quiet.advance_until(lambda: page.locator(".lane .lane-expected").count() > 0)
     signs = page.locator(".lane-signs")
     expect(signs).to_contain_text(re.compile(r"now \d\d:\d\d"))
     expect(signs).to_contain_text(f"due {due[-5:]}")
@@ -161,6 +163,46 @@ def test_an_order_that_there_is_not_says_so(
     complaints.clear()
 
 
+COLOUR_OF = """([selector, name]) => getComputedStyle(document.querySelector(selector))[name]"""
+WHITE = "rgb(255, 255, 255)"
+
+
+def test_it_prints_light_from_the_dark_theme_and_without_what_can_be_clicked(
+    quiet: Any, factory: str, open_page: OpenPage, tmp_path: Path
+) -> None:
+    page = open_page(factory, viewport={"width": 1440, "height": 900}, color_scheme="dark")
+    publish(page, "Waterworks South", "PO-PAPER", 10)
+    page.get_by_role("link", name="Orders", exact=True).click()
+    page.get_by_role("link", name="PO-PAPER").click()
+    quiet.advance_until(lambda: page.locator(".lane-transport").count() > 0)
+    page.locator(".lane-transport").first.click()
+
+    def colour(selector: str, name: str) -> str:
+        return str(page.evaluate(COLOUR_OF, [selector, name]))
+
+    assert colour(".order-lanes", "backgroundColor") != WHITE
+    on_screen = colour(".lane-axis ~ div .lane-goal", "color")
+    page.emulate_media(media="print", color_scheme="dark")
+    # Whether the system is dark, or somebody has chosen it here.
+    for theme in (None, "dark"):
+        page.evaluate("theme => theme && (document.documentElement.dataset.theme = theme)", theme)
+        for selector in ("body", ".app", ".order-head", ".order-lanes", ".order-moments", ".order-told"):
+            assert colour(selector, "backgroundColor") in (WHITE, "rgba(0, 0, 0, 0)"), selector
+        assert colour("body", "backgroundColor") == WHITE
+        assert colour("#order-title", "color") == "rgb(29, 36, 43)" != on_screen
+        # Bars are printed as they are drawn: dark on white.
+        assert colour(".lane-legend .lane-carry", "backgroundColor") == "rgb(60, 70, 80)"
+        assert colour(".lane-bar", "printColorAdjust") == "exact"
+    for what in (".top", ".order-deeds", ".order-change", ".order-links", ".order-moments .segments"):
+        expect(page.locator(what)).to_be_hidden()
+    expect(page.locator(".order-told")).to_be_visible()
+    expect(page.locator(".lane-signs")).to_contain_text("now ")
+    pdf = page.pdf(path=tmp_path / "order.pdf", format="A4")
+    assert len(re.findall(rb"/Type\s*/Page\b", pdf)) >= 1
+    page.set_viewport_size({"width": 794, "height": 1123})
+    page.screenshot(path=ROOT / "artifacts/screenshots/order-paper.png", full_page=True)
+
+
 CLOCKS_OVERLAP = """() => {
     const clocks = [...document.querySelectorAll(".lane-tick")].filter((each) => getComputedStyle(each).visibility === "visible");
     const boxes = clocks.map((each) => each.getBoundingClientRect());
@@ -186,3 +228,25 @@ def test_the_page_fits(
     assert page.evaluate("document.querySelector('.order-page').scrollWidth <= innerWidth")
     assert not page.evaluate(CLOCKS_OVERLAP)
     screenshot(page, f"order-page-{width}-{theme}")
+
+
+def test_an_alert_about_an_order_leads_to_its_page(
+    quiet: Any, factory: str, open_page: OpenPage, screenshot: Screenshot
+) -> None:
+    page = open_page(factory)
+    page.get_by_label("Due").fill(page.evaluate(NOW_PLUS_AN_HOUR, quiet.wall_s - 3540))
+    publish(page, "Waterworks South", "PO-LATE", 400)
+    quiet.advance_until(lambda: any(each["kind"] == "order_late" for each in quiet.ask("/api/alerts")["items"]))
+    heading = page.get_by_role("heading", level=1)
+    page.locator(".inbox").get_by_role("link", name="Show PO-LATE").click()
+    expect(heading).to_have_text("PO-LATE")
+    page.goto(f"{factory}/#alerts")
+    page.get_by_role("link", name="Show PO-LATE").click()
+    expect(heading).to_have_text("PO-LATE")
+    # And of what was: the log below, and the picture of the past.
+    page.goto(f"{factory}/#alerts")
+    log = page.get_by_role("region", name="All there were")
+    expect(log.get_by_role("link", name="PO-LATE", exact=True)).to_be_visible()
+    screenshot(page, "alerts-order")
+    log.get_by_role("link", name="PO-LATE", exact=True).click()
+    expect(heading).to_have_text("PO-LATE")

@@ -1,6 +1,7 @@
 import { fetchOrder, fetchTimeline } from "../../../api/client";
 import type { OrderView } from "../../../api/types";
 import { Card } from "../../../parts/Card";
+import "../../../parts/paper.css";
 import { choose } from "../../../selection/selection";
 import { nowS, world } from "../../../stream/stream";
 import { speakAlso } from "../../../text/speech";
