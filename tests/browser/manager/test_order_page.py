@@ -6,10 +6,12 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
+from urllib.parse import urlencode
 
 import pytest
 from complaints import Complaints
 from looks import THEMES, WIDTHS_PX
+from manager_kit import iso, kept_moment
 from playwright.sync_api import Page, expect
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -83,7 +85,7 @@ def test_the_axis_says_now_due_and_when_all_is_expected(
 ) -> None:
     page = open_page(factory, viewport={"width": 1440, "height": 900})
     due = page.evaluate(NOW_PLUS_AN_HOUR, quiet.wall_s)
-    page.get_by_label("Due").fill(due)
+    page.get_by_role("textbox", name="Due (optional)").fill(due)
     publish(page, "Waterworks South", "PO-AXIS", 10)
     page.get_by_role("link", name="Orders", exact=True).click()
     page.get_by_role("link", name="PO-AXIS").click()
@@ -234,7 +236,7 @@ def test_an_alert_about_an_order_leads_to_its_page(
     quiet: Any, factory: str, open_page: OpenPage, screenshot: Screenshot
 ) -> None:
     page = open_page(factory)
-    page.get_by_label("Due").fill(page.evaluate(NOW_PLUS_AN_HOUR, quiet.wall_s - 3540))
+    page.get_by_role("textbox", name="Due (optional)").fill(page.evaluate(NOW_PLUS_AN_HOUR, quiet.wall_s - 3540))
     publish(page, "Waterworks South", "PO-LATE", 400)
     quiet.advance_until(lambda: any(each["kind"] == "order_late" for each in quiet.ask("/api/alerts")["items"]))
     heading = page.get_by_role("heading", level=1)
@@ -247,6 +249,37 @@ def test_an_alert_about_an_order_leads_to_its_page(
     page.goto(f"{factory}/#alerts")
     log = page.get_by_role("region", name="All there were")
     expect(log.get_by_role("link", name="PO-LATE", exact=True)).to_be_visible()
-    screenshot(page, "alerts-order")
+    for theme in THEMES:
+        page.emulate_media(color_scheme=theme)
+        screenshot(page, f"alerts-order-{theme}")
     log.get_by_role("link", name="PO-LATE", exact=True).click()
     expect(heading).to_have_text("PO-LATE")
+
+
+def test_the_past_leads_to_the_page_of_an_order_that_was_late(
+    quiet: Any, factory: str, open_page: OpenPage, screenshot: Screenshot
+) -> None:
+    page = open_page(factory)
+    page.get_by_role("textbox", name="Due (optional)").fill(page.evaluate(NOW_PLUS_AN_HOUR, quiet.wall_s - 3540))
+    publish(page, "Waterworks South", "PO-PAST", 400)
+    order = next(
+        each["id"] for each in quiet.ask("/api/orders?q=PO-PAST")["items"] if each["reference"] == "PO-PAST"
+    )
+    marks: list[dict[str, Any]] = []
+
+    def marked() -> bool:
+        span = urlencode({"since": iso(quiet.wall_s - 600), "until": iso(quiet.wall_s)})
+        found = quiet.ask(f"/api/replay/overview?{span}")["marks"]
+        marks[:] = [each for each in found if each["order"] == order]
+        return bool(marks)
+
+    quiet.advance_until(marked)
+    kept_moment(quiet)
+    page.goto(f"{factory}/#replay/{marks[0]['at_s']:.1f}")
+    named = page.locator(".replay-mark").get_by_role("link", name="PO-PAST")
+    expect(named).to_be_visible()
+    for theme in THEMES:
+        page.emulate_media(color_scheme=theme)
+        screenshot(page, f"replay-order-{theme}")
+    named.click()
+    expect(page.get_by_role("heading", level=1)).to_have_text("PO-PAST")

@@ -61,7 +61,7 @@ export function Lanes({ dueS, expected, groups, nowS, span }: Props) {
       {expected !== null && (
         <div class="lane lane-goal">
           <b>{t("orderPage.delivered")}</b>
-          <Track {...shared} bars={barsOfExpected(expected)} note={expectedText(expected, nowS)} />
+          <Track {...shared} bars={barsOfExpected(expected, nowS)} note={expectedText(expected, nowS)} />
         </div>
       )}
     </div>

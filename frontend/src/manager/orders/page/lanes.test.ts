@@ -86,9 +86,12 @@ describe("the signs at the head of the axis", () => {
 });
 
 test("the expected range is one bar from the earliest to the latest", () => {
-  expect(barsOfExpected({ from_at_s: 300, to_at_s: 400 })).toEqual([{ kind: "expected", fromS: 300, toS: 400 }]);
-  expect(barsOfExpected({ from_at_s: 300, to_at_s: 290 })).toEqual([{ kind: "expected", fromS: 300, toS: 300 }]);
-  expect(barsOfExpected(null)).toEqual([]);
+  expect(barsOfExpected({ from_at_s: 300, to_at_s: 400 }, 200)).toEqual([{ kind: "expected", fromS: 300, toS: 400 }]);
+  expect(barsOfExpected({ from_at_s: 300, to_at_s: 290 }, 200)).toEqual([{ kind: "expected", fromS: 300, toS: 300 }]);
+  // Nothing is expected in the past.
+  expect(barsOfExpected({ from_at_s: 300, to_at_s: 400 }, 350)).toEqual([{ kind: "expected", fromS: 350, toS: 400 }]);
+  expect(barsOfExpected({ from_at_s: 300, to_at_s: 400 }, 500)).toEqual([{ kind: "expected", fromS: 500, toS: 500 }]);
+  expect(barsOfExpected(null, 200)).toEqual([]);
 });
 
 describe("in words", () => {

@@ -85,9 +85,11 @@ export function legendOf(isClosed: boolean, isDue: boolean, isExpected: boolean)
   ];
 }
 
-/** From the earliest to the latest moment at which all of the order may be delivered; nothing where nobody can tell. */
-export function barsOfExpected(expected: Story["expected"]): Bar[] {
-  return expected === null ? [] : [{ kind: "expected", fromS: expected.from_at_s, toS: Math.max(expected.from_at_s, expected.to_at_s) }];
+/** From the earliest to the latest moment at which all of the order may be delivered, neither of them past; nothing where nobody can tell. */
+export function barsOfExpected(expected: Story["expected"], nowS: number): Bar[] {
+  if (expected === null) return [];
+  const fromS = Math.max(expected.from_at_s, nowS);
+  return [{ kind: "expected", fromS, toS: Math.max(fromS, expected.to_at_s) }];
 }
 
 /** Now, while the order goes on, and when it is due. */
