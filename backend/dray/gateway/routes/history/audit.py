@@ -76,7 +76,9 @@ async def list_audit(
     async with store.read() as work:
         place = None if after is None else after[0]
         rows = await work.audit.page(wanted, place, limit + 1, oldest_first=oldest_first)
-        targets = {row.target for row in rows[:limit] if row.target} if caller.may(Scope.ORDERS_READ) else set()
+        targets = (
+            {row.target for row in rows[:limit] if row.target} if caller.may(Scope.ORDERS_READ) else set()
+        )
         orders = await work.orders.names(targets)
     next_cursor = write_cursor(rows[limit - 1].position) if len(rows) > limit else None
     return listing([_line(row, orders) for row in rows[:limit]], next_cursor)
