@@ -33,6 +33,18 @@ def publish(page: Page, customer: str, reference: str, quantity: int) -> None:
     expect(page.locator(".outcome-good")).to_contain_text("Published as")
 
 
+def place(quiet: Any, reference: str, quantity: int, due_in_s: float) -> str:
+    """Place an order that is due so many seconds of the wall clock from now; its id."""
+    product = quiet.ask("/api/products")["items"][0]["id"]
+    wanted = {"customer": "Waterworks South", "reference": reference, "due_at": iso(quiet.wall_s + due_in_s)}
+    items = [{"product": product, "quantity": quantity}]
+    return str(quiet.ask("/api/orders", wanted | {"items": items})["id"])
+
+
+LATE = (400, 30.0)
+"""More pieces than can be delivered until then."""
+
+
 def test_an_order_tells_its_whole_story_on_a_page_of_its_own(
     quiet: Any, factory: str, open_page: OpenPage, screenshot: Screenshot
 ) -> None:
@@ -86,7 +98,7 @@ def test_the_axis_says_now_due_and_when_all_is_expected(
     page = open_page(factory, viewport={"width": 1440, "height": 900})
     due = page.evaluate(NOW_PLUS_AN_HOUR, quiet.wall_s)
     page.get_by_role("textbox", name="Due (optional)").fill(due)
-    publish(page, "Waterworks South", "PO-AXIS", 10)
+    publish(page, "Waterworks South", "PO-AXIS", 60)
     page.get_by_role("link", name="Orders", exact=True).click()
     page.get_by_role("link", name="PO-AXIS").click()
     quiet.advance_until(lambda: page.locator(".lane .lane-expected").count() > 0)
@@ -172,10 +184,10 @@ WHITE = "rgb(255, 255, 255)"
 def test_it_prints_light_from_the_dark_theme_and_without_what_can_be_clicked(
     quiet: Any, factory: str, open_page: OpenPage, tmp_path: Path
 ) -> None:
-    page = open_page(factory, viewport={"width": 1440, "height": 900}, color_scheme="dark")
-    publish(page, "Waterworks South", "PO-PAPER", 10)
-    page.get_by_role("link", name="Orders", exact=True).click()
-    page.get_by_role("link", name="PO-PAPER").click()
+    order = place(quiet, "PO-PAPER", 10, 3600.0)
+    page = open_page(
+        f"{factory}/#orders/{order}", viewport={"width": 1440, "height": 900}, color_scheme="dark"
+    )
     quiet.advance_until(lambda: page.locator(".lane-transport").count() > 0)
     page.locator(".lane-transport").first.click()
 
@@ -198,7 +210,7 @@ def test_it_prints_light_from_the_dark_theme_and_without_what_can_be_clicked(
     for what in (".top", ".order-deeds", ".order-change", ".order-links", ".order-moments .segments"):
         expect(page.locator(what)).to_be_hidden()
     expect(page.locator(".order-told")).to_be_visible()
-    expect(page.locator(".lane-signs")).to_contain_text("now ")
+    expect(page.locator(".lane-signs")).to_contain_text("due ")
     pdf = page.pdf(path=tmp_path / "order.pdf", format="A4")
     assert len(re.findall(rb"/Type\s*/Page\b", pdf)) >= 1
     page.set_viewport_size({"width": 794, "height": 1123})
@@ -232,18 +244,10 @@ def test_the_page_fits(
     screenshot(page, f"order-page-{width}-{theme}")
 
 
-def place_late(quiet: Any, reference: str) -> str:
-    """Place an order that cannot be delivered until it is due; its id."""
-    product = quiet.ask("/api/products")["items"][0]["id"]
-    wanted = {"customer": "Waterworks South", "reference": reference, "due_at": iso(quiet.wall_s + 30)}
-    items = [{"product": product, "quantity": 400}]
-    return str(quiet.ask("/api/orders", wanted | {"items": items})["id"])
-
-
 def test_an_alert_about_an_order_leads_to_its_page(
     quiet: Any, factory: str, open_page: OpenPage, screenshot: Screenshot
 ) -> None:
-    place_late(quiet, "PO-LATE")
+    place(quiet, "PO-LATE", *LATE)
     page = open_page(factory)
     quiet.advance_until(
         lambda: any(each["kind"] == "order_late" for each in quiet.ask("/api/alerts")["items"])
@@ -272,7 +276,7 @@ PAST_S = 10.0
 def test_the_past_leads_to_the_page_of_an_order_that_was_late(
     quiet: Any, factory: str, open_page: OpenPage, screenshot: Screenshot
 ) -> None:
-    order = place_late(quiet, "PO-PAST")
+    order = place(quiet, "PO-PAST", *LATE)
     marks: list[dict[str, Any]] = []
 
     def marked() -> bool:

@@ -36,9 +36,9 @@ from dray.gateway.routes.factory.inventory import InventoryLine, MaterialAnswer,
 from dray.gateway.routes.factory.plant_draft_bodies import EXAMPLE as DRAFT
 from dray.gateway.routes.factory.plant_draft_bodies import LINE_EXAMPLE, PLAY_EXAMPLE
 from dray.gateway.routes.history.alerts import EXAMPLE as ALERT_RECORD
+from dray.gateway.routes.history.audit import AuditLine
 from dray.gateway.routes.history.events import EventAnswer
 from dray.gateway.routes.history.kept import EXAMPLE as KEPT
-from dray.gateway.routes.history.audit import AuditLine
 from dray.gateway.routes.history.replay import EXAMPLES as REPLAY
 from dray.gateway.routes.history.reports import EXAMPLES as REPORTS
 from dray.gateway.routes.history.tasks import EXAMPLE as TASK_RECORD
