@@ -61,6 +61,10 @@ export function addressOf(order: string): string {
   return `#orders/${encodeURIComponent(order)}`;
 }
 
+export function goToOrder(order: string): void {
+  location.hash = addressOf(order);
+}
+
 /** The moment in an address `#replay/1893456000.5`, seconds since 1970; null when there is none. */
 export function momentFrom(hash: string): number | null {
   const atS = hash.startsWith("#replay/") ? Number(hash.slice("#replay/".length)) : NaN;

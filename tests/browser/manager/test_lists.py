@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 import pytest
-from looks import LOCALES, WIDTHS_PX, in_every_look
+from looks import LOCALES, THEMES, WIDTHS_PX, in_every_look
 from playwright.sync_api import Page, expect
 
 OpenPage = Callable[..., Page]
@@ -122,7 +123,9 @@ def test_tasks_of_all_history_are_found_by_their_order(
     expect(page.get_by_role("heading", name="X-D5-9")).to_be_visible()
 
 
-def test_the_audit_log_is_asked_for_by_its_address(factory: Any, open_page: OpenPage) -> None:
+def test_the_audit_log_is_asked_for_by_its_address(
+    factory: Any, open_page: OpenPage, screenshot: Screenshot
+) -> None:
     page = open_page(f"{factory.url}/#audit?action=order.import&sort=oldest")
     rows = page.locator("tbody tr")
     expect(rows).to_have_count(2)
@@ -132,6 +135,19 @@ def test_the_audit_log_is_asked_for_by_its_address(factory: Any, open_page: Open
     )
     page.get_by_role("combobox", name="What").select_option("order.place")
     expect(rows).to_have_count(1)
+    # The order by its customer's number, and the way to its page and back.
+    order = rows.locator("a.link")
+    expect(order).to_have_text("X-D5-9")
+    for theme in THEMES:
+        page.emulate_media(color_scheme=theme)
+        screenshot(page, f"audit-order-{theme}")
+    order.click()
+    expect(page.get_by_role("heading", name="X-D5-9")).to_be_visible()
+    page.go_back()
+    rows.get_by_role("button", name="Only X-D5-9").click()
+    expect(page).to_have_url(re.compile("target=O-"))
+    expect(rows).to_have_count(1)
+    page.go_back()
     page.go_back()
     expect(rows).to_have_count(2)
 

@@ -6,11 +6,15 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
+from urllib.parse import urlencode
 
 import pytest
 from complaints import Complaints
 from looks import THEMES, WIDTHS_PX
+from manager_kit import iso, kept_moment
 from playwright.sync_api import Page, expect
+
+ROOT = Path(__file__).resolve().parents[3]
 
 OpenPage = Callable[..., Page]
 Screenshot = Callable[[Page, str], Path]
@@ -27,6 +31,18 @@ def publish(page: Page, customer: str, reference: str, quantity: int) -> None:
     page.get_by_label("Reference").fill(reference)
     page.get_by_role("button", name="Publish", exact=True).click()
     expect(page.locator(".outcome-good")).to_contain_text("Published as")
+
+
+def place(quiet: Any, reference: str, quantity: int, due_in_s: float) -> str:
+    """Place an order that is due so many seconds of the wall clock from now; its id."""
+    product = quiet.ask("/api/products")["items"][0]["id"]
+    wanted = {"customer": "Waterworks South", "reference": reference, "due_at": iso(quiet.wall_s + due_in_s)}
+    items = [{"product": product, "quantity": quantity}]
+    return str(quiet.ask("/api/orders", wanted | {"items": items})["id"])
+
+
+LATE = (400, 30.0)
+"""More pieces than can be delivered until then."""
 
 
 def test_an_order_tells_its_whole_story_on_a_page_of_its_own(
@@ -69,6 +85,64 @@ def test_an_order_tells_its_whole_story_on_a_page_of_its_own(
     expect(page.get_by_role("heading", level=1)).to_have_text("PO-48213")
 
 
+NOW_PLUS_AN_HOUR = """atS => {
+    const at = new Date((atS + 3600) * 1000);
+    return new Date(at.getTime() - at.getTimezoneOffset() * 60000).toISOString().slice(0, 16);
+}"""
+"""As a field of date and time wants it."""
+
+
+def test_the_axis_says_now_due_and_when_all_is_expected(
+    quiet: Any, factory: str, open_page: OpenPage, screenshot: Screenshot
+) -> None:
+    page = open_page(factory, viewport={"width": 1440, "height": 900})
+    due = page.evaluate(NOW_PLUS_AN_HOUR, quiet.wall_s)
+    page.get_by_role("textbox", name="Due (optional)").fill(due)
+    publish(page, "Waterworks South", "PO-AXIS", 60)
+    page.get_by_role("link", name="Orders", exact=True).click()
+    page.get_by_role("link", name="PO-AXIS").click()
+    quiet.advance_until(lambda: page.locator(".lane .lane-expected").count() > 0)
+    signs = page.locator(".lane-signs")
+    expect(signs).to_contain_text(re.compile(r"now \d\d:\d\d"))
+    expect(signs).to_contain_text(f"due {due[-5:]}")
+    expected = page.locator(".lane").filter(has=page.locator(".lane-expected"))
+    expect(expected).to_contain_text(re.compile(r"Deliveredall, expected \d\d:\d\d to \d\d:\d\d"))
+    legend = page.locator(".lane-legend")
+    for named in ("delivery expected", "now", "due"):
+        expect(legend).to_contain_text(named)
+    for theme in THEMES:
+        page.emulate_media(color_scheme=theme)
+        screenshot(page, f"order-axis-{theme}")
+
+
+def test_what_is_chosen_on_it_stands_in_its_address(quiet: Any, factory: str, open_page: OpenPage) -> None:
+    page = open_page(factory)
+    publish(page, "Waterworks South", "PO-CHOSEN", 10)
+    page.get_by_role("link", name="Orders", exact=True).click()
+    page.get_by_role("link", name="PO-CHOSEN").click()
+    quiet.advance_until(lambda: page.locator(".lane-transport").count() > 0)
+    transport, told = page.locator(".lane-transport").first, page.locator(".order-told")
+    problems = page.get_by_role("button", name="Problems")
+    transport.click()
+    expect(page).to_have_url(re.compile(r"#orders/O-[^?]+\?transport=[^&]+$"))
+    problems.click()
+    expect(page).to_have_url(re.compile(r"\?transport=[^&]+&events=problems$"))
+    sent = page.url
+    page.reload()
+    expect(transport).to_have_attribute("aria-pressed", "true")
+    expect(problems).to_have_attribute("aria-pressed", "true")
+    page.go_back()
+    expect(problems).to_have_attribute("aria-pressed", "false")
+    expect(told).to_be_visible()
+    page.go_back()
+    expect(told).to_have_count(0)
+    page.go_forward()
+    expect(told).to_be_visible()
+    other = open_page(sent)
+    expect(other.locator(".lane-transport").first).to_have_attribute("aria-pressed", "true")
+    expect(other.get_by_role("button", name="Problems")).to_have_attribute("aria-pressed", "true")
+
+
 def test_links_for_the_customer_are_made_and_taken_back_there(
     factory: str, open_page: OpenPage, screenshot: Screenshot
 ) -> None:
@@ -103,6 +177,46 @@ def test_an_order_that_there_is_not_says_so(
     complaints.clear()
 
 
+COLOUR_OF = """([selector, name]) => getComputedStyle(document.querySelector(selector))[name]"""
+WHITE = "rgb(255, 255, 255)"
+
+
+def test_it_prints_light_from_the_dark_theme_and_without_what_can_be_clicked(
+    quiet: Any, factory: str, open_page: OpenPage, tmp_path: Path
+) -> None:
+    order = place(quiet, "PO-PAPER", 10, 3600.0)
+    page = open_page(
+        f"{factory}/#orders/{order}", viewport={"width": 1440, "height": 900}, color_scheme="dark"
+    )
+    quiet.advance_until(lambda: page.locator(".lane-transport").count() > 0)
+    page.locator(".lane-transport").first.click()
+
+    def colour(selector: str, name: str) -> str:
+        return str(page.evaluate(COLOUR_OF, [selector, name]))
+
+    assert colour(".order-lanes", "backgroundColor") != WHITE
+    on_screen = colour(".lane-axis ~ div .lane-goal", "color")
+    page.emulate_media(media="print", color_scheme="dark")
+    # Whether the system is dark, or somebody has chosen it here.
+    for theme in (None, "dark"):
+        page.evaluate("theme => theme && (document.documentElement.dataset.theme = theme)", theme)
+        for selector in ("body", ".app", ".order-head", ".order-lanes", ".order-moments", ".order-told"):
+            assert colour(selector, "backgroundColor") in (WHITE, "rgba(0, 0, 0, 0)"), selector
+        assert colour("body", "backgroundColor") == WHITE
+        assert colour("#order-title", "color") == "rgb(29, 36, 43)" != on_screen
+        # Bars are printed as they are drawn: dark on white.
+        assert colour(".lane-legend .lane-carry", "backgroundColor") == "rgb(60, 70, 80)"
+        assert colour(".lane-bar", "printColorAdjust") == "exact"
+    for what in (".top", ".order-deeds", ".order-change", ".order-links", ".order-moments .segments"):
+        expect(page.locator(what)).to_be_hidden()
+    expect(page.locator(".order-told")).to_be_visible()
+    expect(page.locator(".lane-signs")).to_contain_text("due ")
+    pdf = page.pdf(path=tmp_path / "order.pdf", format="A4")
+    assert len(re.findall(rb"/Type\s*/Page\b", pdf)) >= 1
+    page.set_viewport_size({"width": 794, "height": 1123})
+    page.screenshot(path=ROOT / "artifacts/screenshots/order-paper.png", full_page=True)
+
+
 CLOCKS_OVERLAP = """() => {
     const clocks = [...document.querySelectorAll(".lane-tick")].filter((each) => getComputedStyle(each).visibility === "visible");
     const boxes = clocks.map((each) => each.getBoundingClientRect());
@@ -128,3 +242,58 @@ def test_the_page_fits(
     assert page.evaluate("document.querySelector('.order-page').scrollWidth <= innerWidth")
     assert not page.evaluate(CLOCKS_OVERLAP)
     screenshot(page, f"order-page-{width}-{theme}")
+
+
+def test_an_alert_about_an_order_leads_to_its_page(
+    quiet: Any, factory: str, open_page: OpenPage, screenshot: Screenshot
+) -> None:
+    place(quiet, "PO-LATE", *LATE)
+    page = open_page(factory)
+    quiet.advance_until(
+        lambda: any(each["kind"] == "order_late" for each in quiet.ask("/api/alerts")["items"])
+    )
+    heading = page.get_by_role("heading", level=1)
+    page.locator(".inbox").get_by_role("link", name="Show PO-LATE").click()
+    expect(heading).to_have_text("PO-LATE")
+    page.goto(f"{factory}/#alerts")
+    page.get_by_role("link", name="Show PO-LATE").click()
+    expect(heading).to_have_text("PO-LATE")
+    # And of what was: the log below, and the picture of the past.
+    page.goto(f"{factory}/#alerts")
+    log = page.get_by_role("region", name="All there were")
+    expect(log.get_by_role("link", name="PO-LATE", exact=True)).to_be_visible()
+    for theme in THEMES:
+        page.emulate_media(color_scheme=theme)
+        screenshot(page, f"alerts-order-{theme}")
+    log.get_by_role("link", name="PO-LATE", exact=True).click()
+    expect(heading).to_have_text("PO-LATE")
+
+
+PAST_S = 10.0
+"""After so long a moment is past for every panel."""
+
+
+def test_the_past_leads_to_the_page_of_an_order_that_was_late(
+    quiet: Any, factory: str, open_page: OpenPage, screenshot: Screenshot
+) -> None:
+    order = place(quiet, "PO-PAST", *LATE)
+    marks: list[dict[str, Any]] = []
+
+    def marked() -> bool:
+        span = urlencode({"since": iso(quiet.wall_s - 600), "until": iso(quiet.wall_s)})
+        found = quiet.ask(f"/api/replay/overview?{span}")["marks"]
+        marks[:] = [each for each in found if each["order"] == order]
+        return bool(marks)
+
+    quiet.advance_until(marked)
+    # The past ends two seconds before now.
+    quiet.advance_until(lambda: quiet.wall_s > marks[0]["at_s"] + PAST_S)
+    kept_moment(quiet)
+    page = open_page(f"{factory}/#replay/{marks[0]['at_s']:.1f}")
+    named = page.locator(".replay-mark").get_by_role("link", name="PO-PAST")
+    expect(named).to_be_visible()
+    for theme in THEMES:
+        page.emulate_media(color_scheme=theme)
+        screenshot(page, f"replay-order-{theme}")
+    named.click()
+    expect(page.get_by_role("heading", level=1)).to_have_text("PO-PAST")

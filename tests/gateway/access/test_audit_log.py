@@ -46,6 +46,21 @@ async def test_who_did_what_is_written_down_with_what_came_of_it(house: House) -
     assert (told["who"], told["who_kind"], told["from_ip"]) == ("boss", "person", "127.0.0.1")
 
 
+async def test_a_line_about_an_order_tells_what_its_customer_calls_it(
+    house: House, visitor: httpx.AsyncClient
+) -> None:
+    placed = (await house.client.post("/api/orders", json=draft(reference="PO-17"))).json()
+    bare = (await house.client.post("/api/orders", json=draft(reference=None))).json()
+    await house.client.post("/api/atvs/ATV99/commands", json={"kind": "stop"})
+    lines = (await house.get("/api/audit", oldest_first=True))["items"]
+    told = [(line["target"], line["is_order"], line["reference"]) for line in lines]
+    assert told == [(placed["id"], True, "PO-17"), (bare["id"], True, None), ("ATV99", False, None)]
+    # Who may read no orders is told no customer's numbers either.
+    _, header = await house.key(Scope.AUDIT_READ)
+    kept = (await visitor.get("/api/audit", headers=header)).json()["items"]
+    assert {(line["is_order"], line["reference"]) for line in kept} == {(False, None)}
+
+
 async def test_what_the_rules_refuse_is_written_down_too(house: House, visitor: httpx.AsyncClient) -> None:
     ana = await house.log_in("ana", Role.OPERATOR, "AREA1")
     await ana.post("/api/orders", json=draft())

@@ -175,11 +175,14 @@ class Orders:
 
     async def references(self, ids: Collection[str]) -> dict[str, str]:
         """What customers call those of these orders that they have a name for."""
+        return {order: name for order, name in (await self.names(ids)).items() if name is not None}
+
+    async def names(self, ids: Collection[str]) -> dict[str, str | None]:
+        """Those of these ids that are orders, each with what its customer calls it."""
         if not ids:
             return {}
         query = select(orders.c.id, orders.c.reference).where(orders.c.id.in_(list(ids)))
-        rows = await self._connection.execute(query.where(orders.c.reference.is_not(None)))
-        return {row.id: row.reference for row in rows}
+        return {row.id: row.reference for row in await self._connection.execute(query)}
 
     async def referred_to(self, references: Collection[str], since_s: float) -> list[Referred]:
         """Orders that were placed since then under some references and are not cancelled; of one reference oldest first.

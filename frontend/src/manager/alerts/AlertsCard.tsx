@@ -4,7 +4,7 @@ import type { AlertView } from "../../api/types";
 import { nowS, world } from "../../stream/stream";
 import { format, n, t } from "../../text/manager";
 import { alerts } from "../state";
-import { showSubject, subjectOf } from "./subject";
+import { SubjectLink } from "./SubjectLink";
 import { failed } from "./take";
 import { TakeButton } from "./TakeButton";
 
@@ -45,9 +45,7 @@ function Line({ alert }: { alert: AlertView }) {
       <i aria-hidden="true" />
       <p>
         <span class="unseen">{t(`alerts.kind.${alert.level}`)}: </span>
-        <button type="button" class="link" aria-label={t("alerts.show", { subject: subjectOf(alert) })} onClick={() => { showSubject(alert); }}>
-          {subjectOf(alert)}
-        </button>{" "}
+        <SubjectLink alert={alert} />{" "}
         {what}
         <small class="line muted">{asksText(alert)}</small>
       </p>

@@ -13,7 +13,8 @@ import { MomentLink } from "../replay/MomentLink";
 import { AwaitedActions } from "./AwaitedActions";
 import { AlertLog } from "./history/AlertLog";
 import { SayMenu } from "./SayMenu";
-import { showSubject, subjectOf } from "./subject";
+import { subjectOf } from "./subject";
+import { SubjectLink } from "./SubjectLink";
 import { failed } from "./take";
 import { TakeButton } from "./TakeButton";
 
@@ -47,9 +48,7 @@ function Row({ alert }: { alert: AlertView }) {
   return (
     <tr class={open ? "" : "closed"}>
       <th scope="row">
-        <button type="button" class="link" aria-label={t("alerts.show", { subject: subjectOf(alert) })} onClick={() => { showSubject(alert); }}>
-          {subjectOf(alert)}
-        </button>
+        <SubjectLink alert={alert} />
       </th>
       <td>
         <Tag tone={alert.level === "alarm" ? "alarm" : "warn"}>{t(`alerts.kind.${alert.level}`)}</Tag> {what}

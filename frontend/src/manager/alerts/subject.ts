@@ -5,18 +5,29 @@ import { choose } from "../../selection/selection";
 import { world } from "../../stream/stream";
 import { t } from "../../text";
 import { orderName, taskName } from "../state";
-import { go } from "../views";
+import { go, goToOrder } from "../views";
+
+/** The order by whose name an alert is told; empty where it is told by another one: goods by the vehicle that has them on board. */
+export function orderOf({ agent, goods, order }: AlertView): string {
+  return goods !== null && agent !== "" ? "" : order;
+}
 
 export function subjectOf(alert: AlertView): string {
-  const { agent, goods, order, task } = alert;
+  const { agent, goods, task } = alert;
   if (isOfPlant(alert)) return t("alerts.plant");
   if (goods !== null && agent !== "") return agent;
+  const order = orderOf(alert);
   if (order !== "") return orderName(order);
   return task === "" ? agent : taskName(task, world.value?.tasks.get(task)?.order ?? "");
 }
 
 export function showSubject(alert: AlertView): void {
+  const order = orderOf(alert);
+  if (order !== "") {
+    goToOrder(order);
+    return;
+  }
   const chosen = chosenOf(alert, world.value?.atvs ?? new Map());
   if (chosen) choose(chosen);
-  go(chosen || isOfPlant(alert) ? "plant" : "orders");
+  go("plant");
 }

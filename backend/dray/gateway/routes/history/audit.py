@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Mapping
 from typing import Annotated, Literal
 
 import msgspec
@@ -10,6 +10,8 @@ from fastapi import APIRouter, Query
 from fastapi.responses import Response
 
 from dray.gateway.access.access import Access
+from dray.gateway.access.caller import Caller
+from dray.gateway.access.principal import Scope
 from dray.gateway.http.csv_tables import Format, Row, header_of, row_of, table, with_csv
 from dray.gateway.http.provided import Provided
 from dray.gateway.http.responses import PAGE, Cursor, Json, Limit, list_of, listing, read_cursor, write_cursor
@@ -29,16 +31,27 @@ LAST_POSITION = 2**63 - 1
 LAST_S = 1e12
 """Some 30,000 years."""
 
+
+class AuditLine(AuditRow, frozen=True, kw_only=True):
+    """A line of the audit log, with what is known of the order that it is about."""
+
+    is_order: bool = False
+    """Whether `target` is an order, and who asks may read orders."""
+    reference: str | None = None
+    """The customer's own number of that order."""
+
+
 Moment = Annotated[float | None, Query(ge=0, le=LAST_S, description="Seconds since 1970")]
 Word = Annotated[str, Query(max_length=128, pattern=r"^[^\x00]*$")]
 
 
 @router.get(
-    "/audit", responses={200: with_csv(list_of(AuditRow, "Lines, newest first"))}, response_class=Json
+    "/audit", responses={200: with_csv(list_of(AuditLine, "Lines, newest first"))}, response_class=Json
 )
 async def list_audit(
     store: Provided[Store],
     access: Provided[Access],
+    caller: Caller,
     since: Moment = None,
     until: Moment = None,
     who: Word = "",
@@ -63,8 +76,17 @@ async def list_audit(
     async with store.read() as work:
         place = None if after is None else after[0]
         rows = await work.audit.page(wanted, place, limit + 1, oldest_first=oldest_first)
+        targets = (
+            {row.target for row in rows[:limit] if row.target} if caller.may(Scope.ORDERS_READ) else set()
+        )
+        orders = await work.orders.names(targets)
     next_cursor = write_cursor(rows[limit - 1].position) if len(rows) > limit else None
-    return listing(rows[:limit], next_cursor)
+    return listing([_line(row, orders) for row in rows[:limit]], next_cursor)
+
+
+def _line(row: AuditRow, orders: Mapping[str, str | None]) -> AuditLine:
+    told = {name: getattr(row, name) for name in AuditRow.__struct_fields__}
+    return AuditLine(**told, is_order=row.target in orders, reference=orders.get(row.target))
 
 
 async def _rows(store: Store, wanted: AuditFilter, oldest_first: bool) -> AsyncIterator[Row]:

@@ -44,6 +44,7 @@ from dray.gateway.routes.factory.faults import FaultsAnswer
 from dray.gateway.routes.factory.floor.traffic import TrafficAnswer
 from dray.gateway.routes.factory.inventory import InventoryLine, MaterialAnswer, StorageAnswer
 from dray.gateway.routes.factory.plant_draft_bodies import DraftView, PlanView
+from dray.gateway.routes.history.audit import AuditLine
 from dray.gateway.routes.history.events import EventAnswer
 from dray.gateway.routes.history.kept import KeptView
 from dray.gateway.routes.history.quality import QualityAnswer
@@ -64,7 +65,6 @@ from dray.gateway.routes.products.imports import ProductsAnswer
 from dray.gateway.routes.products.products import ProductAnswer
 from dray.gateway.tracking.answer import TrackAnswer
 from dray.plant.model import PlantFile
-from dray.store.access.audit import AuditRow
 from dray.store.factory.exclusions import Exclusion
 from dray.store.factory.plant_drafts import DraftLine
 
@@ -72,7 +72,7 @@ SHAPES = (
     AlertView,
     AlertRecord,
     AtvView,
-    AuditRow,
+    AuditLine,
     ClosureView,
     CallAnswered,
     CommandAnswer,

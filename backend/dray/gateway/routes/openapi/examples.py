@@ -36,6 +36,7 @@ from dray.gateway.routes.factory.inventory import InventoryLine, MaterialAnswer,
 from dray.gateway.routes.factory.plant_draft_bodies import EXAMPLE as DRAFT
 from dray.gateway.routes.factory.plant_draft_bodies import LINE_EXAMPLE, PLAY_EXAMPLE
 from dray.gateway.routes.history.alerts import EXAMPLE as ALERT_RECORD
+from dray.gateway.routes.history.audit import AuditLine
 from dray.gateway.routes.history.events import EventAnswer
 from dray.gateway.routes.history.kept import EXAMPLE as KEPT
 from dray.gateway.routes.history.replay import EXAMPLES as REPLAY
@@ -56,7 +57,6 @@ from dray.gateway.routes.products.products import EXAMPLE as PRODUCT
 from dray.gateway.tracking.answer import TrackAnswer, TrackEta, TrackStage
 from dray.gateway.tracking.track import StageName, TrackedItem
 from dray.plant import default_plant
-from dray.store.access.audit import AuditRow
 
 NOW_S = ORDER.created_at_s + 60.0
 """A minute after the order of the example was placed."""
@@ -309,7 +309,7 @@ _STRUCTS = (
             "answer": "accepted",
         },
     ),
-    AuditRow(
+    AuditLine(
         position=311,
         at_s=NOW_S,
         who="operator-area1",

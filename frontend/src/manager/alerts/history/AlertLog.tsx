@@ -13,8 +13,8 @@ import { PrintButton } from "../../parts/paper/PrintButton";
 import { usePaged } from "../../parts/pages/paged";
 import { MomentLink } from "../../replay/MomentLink";
 import { alerts } from "../../state";
-import { asked } from "../../views";
-import { subjectOf } from "../subject";
+import { addressOf, asked } from "../../views";
+import { orderOf, subjectOf } from "../subject";
 import { KINDS, LEVELS, queryOf, STATES, tableOf } from "./filter";
 
 const HEADS = ["alerts.subject", "alerts.problem", "alertLog.from", "alertLog.to", "alertLog.words"] as const;
@@ -73,11 +73,12 @@ function Filters() {
 
 function Row({ record }: { record: AlertRecord }) {
   const subject = record.reference ?? subjectOf(record);
+  const order = record.reference === null ? orderOf(record) : record.order;
   // As it was said last: how long ago something was is told as of then.
   const thenS = record.ended_at_s ?? nowS.value;
   return (
     <tr>
-      <th scope="row"><span class="name">{subject}</span></th>
+      <th scope="row">{order === "" ? <span class="name">{subject}</span> : <a class="link" href={addressOf(order)}>{subject}</a>}</th>
       <td>
         <Tag tone={record.level === "alarm" ? "alarm" : "warn"}>{t(`alerts.kind.${record.level}`)}</Tag>{" "}
         {whatText(record, thenS, world.value?.factory.speed ?? 1)}

@@ -1,8 +1,9 @@
-import { describe, expect, test } from "vitest";
+import { describe, expect, test, vi } from "vitest";
 import type { ClosureView, NewsView } from "../../../api/types";
 import type { World } from "../../../stream/world";
 import { keyOf, lately, strips, subjectOf, toneOf } from "./news";
 import { newsText } from "./news-text";
+import { showNews } from "./show";
 
 const news = (more: Partial<NewsView>): NewsView => ({
   id: "M8-3@2", kind: "took_over", at_s: 100, agent: "ATV1", other: "ATV3", task: "M8-3", epoch: 2, goal: "",
@@ -93,6 +94,14 @@ test("news lead to the task, else to whom they are about, else nowhere", () => {
   expect(subjectOf(news({ task: "" }), world)).toEqual({ kind: "atv", id: "ATV1" });
   expect(subjectOf(news({ task: "", agent: "M8" }), world)).toEqual({ kind: "machine", id: "M8" });
   expect(subjectOf(news({ task: "", agent: "strategist" }), world)).toBeNull();
+});
+
+test("news of an order that waits lead to its page", () => {
+  const address = { hash: "" };
+  vi.stubGlobal("location", address);
+  showNews(news({ kind: "goal_waits", agent: "strategist", task: "", order: "O-1" }));
+  expect(address.hash).toBe("#orders/O-1");
+  vi.unstubAllGlobals();
 });
 
 test("what waits for a person warns; what the plant has mended itself does not", () => {

@@ -4,18 +4,22 @@ import { choose } from "../../../selection/selection";
 import { world } from "../../../stream/stream";
 import { format, t } from "../../../text/manager";
 import { names, orderName, plant, taskName } from "../../state";
-import { go } from "../../views";
+import { go, goToOrder } from "../../views";
 import { howText, whereText } from "../closures/closure-text";
 import { subjectOf } from "./news";
 import type { Called } from "./news-text";
 
 export function showNews(news: NewsView): void {
+  if (news.kind === "goal_waits" && news.order !== "") {
+    goToOrder(news.order);
+    return;
+  }
   const known = world.value;
   const subject = known && subjectOf(news, known);
   // The new carrier's card first, then its task below the map.
   if (known?.atvs.has(news.agent)) choose({ kind: "atv", id: news.agent });
   if (subject) choose(subject);
-  go(news.kind === "goal_waits" && !subject ? "orders" : "plant");
+  go("plant");
 }
 
 /** As the stream knows them; by their own names where they have left it. */

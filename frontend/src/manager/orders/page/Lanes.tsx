@@ -1,7 +1,7 @@
-import type { Signal } from "@preact/signals";
 import { format, t } from "../../../text/views/order";
 import { names } from "../../state";
-import { type Bar, type Goal, type Group, percentOf, type Span, ticksOf, type Transport } from "./lanes";
+import { chooseTransport, chosenTransport } from "./address";
+import { type Bar, barsOfExpected, type Goal, type Group, percentOf, type Sign, signsOf, type Span, type Story, ticksOf, type Transport } from "./lanes";
 import { loadOf, placeOf } from "./moments";
 
 const TICKS = 7;
@@ -14,20 +14,22 @@ interface Props {
   span: Span;
   nowS: number;
   dueS: number | null;
-  /** The chosen transport's task; empty for none. */
-  chosen: Signal<string>;
+  /** When all of it may be delivered; null where nobody can tell, and once it is. */
+  expected: Story["expected"];
 }
 
 /** Goals, transports and hand-overs, on one axis of time. */
-export function Lanes({ chosen, dueS, groups, nowS, span }: Props) {
+export function Lanes({ dueS, expected, groups, nowS, span }: Props) {
   const left = (atS: number) => ({ left: `${percentOf(span, atS)}%` });
   const ticks = ticksOf(span, TICKS);
+  const signs = signsOf(span, nowS, dueS);
+  const shared = { signs, span, ticks };
   const isFine = ticks.some((atS) => atS % 60 !== 0);
   return (
     <div class="lanes">
-      <div class="lane lane-axis" aria-hidden="true">
+      <div class="lane lane-axis">
         <span />
-        <span class="lane-track">
+        <span class="lane-track" aria-hidden="true">
           {ticks.map((atS) => (
             <i key={atS} class="lane-tick num" style={left(atS)}>
               {isFine ? format.clock(atS) : format.hour(atS)}
@@ -35,27 +37,72 @@ export function Lanes({ chosen, dueS, groups, nowS, span }: Props) {
           ))}
         </span>
       </div>
+      {signs.length > 0 && <Signs signs={signs} span={span} nowS={nowS} />}
       {groups.map((group) => (
         <div key={group.goal.goal} role="group" aria-label={goalText(group.goal)}>
           <div class="lane lane-goal">
             <b>{goalText(group.goal)}</b>
-            <Track bars={group.bars} span={span} note={madeText(group.goal)} ticks={ticks} marks={[nowS, dueS]} />
+            <Track {...shared} bars={group.bars} note={madeText(group.goal)} />
           </div>
           {group.transports.map(({ bars, transport }) => (
             <button
               key={transport.task}
               type="button"
               class="lane lane-transport"
-              aria-pressed={chosen.value === transport.task}
-              onClick={() => (chosen.value = chosen.value === transport.task ? "" : transport.task)}
+              aria-pressed={chosenTransport.value === transport.task}
+              onClick={() => { chooseTransport(chosenTransport.value === transport.task ? "" : transport.task); }}
             >
               <span>{titleOf(transport)}</span>
-              <Track bars={bars} span={span} note={carriersOf(transport)} ticks={ticks} marks={[nowS, dueS]} />
+              <Track {...shared} bars={bars} note={carriersOf(transport)} />
             </button>
           ))}
         </div>
       ))}
+      {expected !== null && (
+        <div class="lane lane-goal">
+          <b>{t("orderPage.delivered")}</b>
+          <Track {...shared} bars={barsOfExpected(expected, nowS)} note={expectedText(expected, nowS)} />
+        </div>
+      )}
     </div>
+  );
+}
+
+interface SignsProps {
+  signs: readonly Sign[];
+  span: Span;
+  nowS: number;
+}
+
+/** Their lines go on through all lanes. */
+function Signs({ nowS, signs, span }: SignsProps) {
+  return (
+    <div class="lane lane-signs">
+      <span />
+      <span class={signs.some(({ row }) => row > 0) ? "lane-track lane-two-rows" : "lane-track"}>
+        <SignLines signs={signs} span={span} />
+        {signs.map(({ atS, kind, row }) => (
+          <span
+            key={kind}
+            class={`lane-sign lane-sign-${kind} lane-row-${String(row)} num`}
+            // As far to the left of its line as the line is along the axis: so it never leaves the axis.
+            style={{ left: `${percentOf(span, atS)}%`, transform: `translateX(-${percentOf(span, atS)}%)` }}
+          >
+            {t(`lanes.${kind}`, { at: kind === "due" ? format.due(atS, Number.isFinite(nowS) ? nowS : atS) : format.hour(atS) })}
+          </span>
+        ))}
+      </span>
+    </div>
+  );
+}
+
+function SignLines({ signs, span }: { signs: readonly Sign[]; span: Span }) {
+  return (
+    <>
+      {signs.map(({ atS, kind }) => (
+        <i key={kind} class={`lane-${kind}`} style={{ left: `${percentOf(span, atS)}%` }} />
+      ))}
+    </>
   );
 }
 
@@ -64,12 +111,11 @@ interface TrackProps {
   span: Span;
   note: string;
   ticks: readonly number[];
-  /** Now, and when the order is due. */
-  marks: readonly [number, number | null];
+  signs: readonly Sign[];
 }
 
-function Track({ bars, marks, note, span, ticks }: TrackProps) {
-  const [nowS, dueS] = marks;
+function Track({ bars, note, signs, span, ticks }: TrackProps) {
+  const nowS = signs.find(({ kind }) => kind === "now")?.atS ?? span.toS;
   const endPercent = bars.length > 0 ? Math.max(...bars.map((bar) => percentOf(span, bar.toS))) : percentOf(span, nowS);
   const startPercent = Math.min(...bars.map((bar) => percentOf(span, bar.fromS)), endPercent);
   // A note stands behind its bar, or before it where no room is left, and below it where there is none either.
@@ -87,8 +133,7 @@ function Track({ bars, marks, note, span, ticks }: TrackProps) {
           style={{ left: `${percentOf(span, bar.fromS)}%`, width: `${percentOf(span, bar.toS) - percentOf(span, bar.fromS)}%` }}
         />
       ))}
-      {nowS < span.toS && <i class="lane-now" style={{ left: `${percentOf(span, nowS)}%` }} />}
-      {dueS !== null && <i class="lane-due" style={{ left: `${percentOf(span, dueS)}%` }} />}
+      <SignLines signs={signs} span={span} />
       <small class="lane-note" style={noteAt}>
         {note}
       </small>
@@ -106,6 +151,10 @@ function madeText(goal: Goal): string {
   return goal.promised_at_s !== null && goal.made < goal.quantity && goal.ended === ""
     ? `${made} · ${t("lanes.promised", { at: format.hour(goal.promised_at_s) })}`
     : made;
+}
+
+function expectedText({ from_at_s: fromS, to_at_s: toS }: NonNullable<Story["expected"]>, nowS: number): string {
+  return t("lanes.expected", { from: format.due(fromS, nowS), to: format.due(toS, nowS) });
 }
 
 function titleOf(transport: Transport): string {

@@ -1,19 +1,19 @@
-import { type Signal, useSignal } from "@preact/signals";
+import { useSignal } from "@preact/signals";
 import { Tag } from "../../../parts/Tag";
 import { nowS } from "../../../stream/stream";
 import { format, t } from "../../../text/views/order";
 import { MomentLink } from "../../replay/MomentLink";
-import { isProblem, isWanted, type Moment, momentText, type Wanted } from "./moments";
+import { chooseTransport, chosenTransport, FILTERS, wantedEvents, wantEvents } from "./address";
+import { isProblem, isWanted, type Moment, momentText } from "./moments";
 
-const FILTERS = ["all", "transports", "problems"] as const;
 /** Before somebody asks for more. */
 const AT_FIRST = 40;
 
 /** What happened, newest first; one selection with the lanes. */
-export function Moments({ chosen, isWhole, moments }: { moments: readonly Moment[]; isWhole: boolean; chosen: Signal<string> }) {
-  const wanted = useSignal<Wanted>("all");
+export function Moments({ isWhole, moments }: { moments: readonly Moment[]; isWhole: boolean }) {
+  const chosen = chosenTransport.value;
   const all = useSignal(false);
-  const fitting = moments.filter((moment) => isWanted(moment, wanted.value)).reverse();
+  const fitting = moments.filter((moment) => isWanted(moment, wantedEvents.value)).reverse();
   const shown = all.value ? fitting : fitting.slice(0, AT_FIRST);
   return (
     <section class="card order-moments" aria-labelledby="order-moments">
@@ -23,7 +23,7 @@ export function Moments({ chosen, isWhole, moments }: { moments: readonly Moment
         <div class="card-aside">
           <span class="segments" role="group" aria-label={t("moments.show")}>
             {FILTERS.map((each) => (
-              <button key={each} type="button" aria-pressed={wanted.value === each} onClick={() => (wanted.value = each)}>
+              <button key={each} type="button" aria-pressed={wantedEvents.value === each} onClick={() => { wantEvents(each); }}>
                 {t(`moments.${each}`)}
               </button>
             ))}
@@ -34,7 +34,7 @@ export function Moments({ chosen, isWhole, moments }: { moments: readonly Moment
       {fitting.length === 0 && <p class="empty">{t("moments.none")}</p>}
       <ol>
         {shown.map((moment, index) => (
-          <li key={`${moment.at_s}-${moment.kind}-${moment.task}-${index}`} class={moment.task !== "" && moment.task === chosen.value ? "chosen" : ""}>
+          <li key={`${moment.at_s}-${moment.kind}-${moment.task}-${index}`} class={moment.task !== "" && moment.task === chosen ? "chosen" : ""}>
             <time class="num muted" dateTime={new Date(moment.at_s * 1000).toISOString()}>
               {format.when(moment.at_s, nowS.value)}
             </time>
@@ -44,7 +44,7 @@ export function Moments({ chosen, isWhole, moments }: { moments: readonly Moment
             {moment.task === "" ? (
               <span>{momentText(moment)}</span>
             ) : (
-              <button type="button" class="moment-text" aria-pressed={moment.task === chosen.value} onClick={() => (chosen.value = moment.task)}>
+              <button type="button" class="moment-text" aria-pressed={moment.task === chosen} onClick={() => { chooseTransport(moment.task); }}>
                 {momentText(moment)}
               </button>
             )}

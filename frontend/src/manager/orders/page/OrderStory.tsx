@@ -1,7 +1,7 @@
-import { type Signal, useSignal } from "@preact/signals";
 import { fetchOrder, fetchTimeline } from "../../../api/client";
 import type { OrderView } from "../../../api/types";
 import { Card } from "../../../parts/Card";
+import "../../../parts/paper.css";
 import { choose } from "../../../selection/selection";
 import { nowS, world } from "../../../stream/stream";
 import { speakAlso } from "../../../text/speech";
@@ -10,10 +10,11 @@ import { useRefreshed } from "../../refreshed";
 import { go, shownOrder } from "../../views";
 import { isClosed } from "../progress";
 import { WaitsText } from "../WaitsText";
+import { chosenTransport } from "./address";
 import { ChangeCard } from "./ChangeCard";
 import { Head } from "./Head";
 import { Lanes } from "./Lanes";
-import { groupsOf, spanOf, type Story, type Transport } from "./lanes";
+import { groupsOf, legendOf, spanOf, type Story, type Transport } from "./lanes";
 import { LinkCard } from "./LinkCard";
 import { Moments } from "./Moments";
 import { transportText } from "./moments";
@@ -30,7 +31,6 @@ export async function load(): Promise<typeof OrderStory> {
 /** The order that the address names: what was made of it, who carried it, and what is still to come. */
 export function OrderStory() {
   const id = shownOrder.value;
-  const chosen = useSignal("");
   const { again, answer, failed } = useRefreshed(async () => {
     const order = shownOrder.value;
     const [kept, story] = await Promise.all([fetchOrder(order), fetchTimeline(order)]);
@@ -64,8 +64,8 @@ export function OrderStory() {
       <Head order={order} story={story} />
       <div class="order-columns">
         <div class="order-main">
-          <LanesCard order={order} story={story} chosen={chosen} />
-          <Moments moments={story.moments} isWhole={story.is_whole} chosen={chosen} />
+          <LanesCard order={order} story={story} />
+          <Moments moments={story.moments} isWhole={story.is_whole} />
         </div>
         <div class="order-side">
           {order.waits !== null && (
@@ -81,24 +81,26 @@ export function OrderStory() {
   );
 }
 
-function LanesCard({ chosen, order, story }: { order: OrderView; story: Story; chosen: Signal<string> }) {
+function LanesCard({ order, story }: { order: OrderView; story: Story }) {
   const lastS = order.delivered_at_s ?? story.moments.at(-1)?.at_s ?? order.created_at_s;
   const untilS = isClosed(order) ? lastS : nowS.value;
   const groups = groupsOf(story, untilS);
   const span = spanOf(story, [untilS, order.due_at_s, story.expected?.to_at_s ?? null], order.created_at_s);
-  const transport = story.transports.find((each) => each.task === chosen.value);
+  const expected = isClosed(order) ? null : story.expected;
+  const drawn = legendOf(isClosed(order), order.due_at_s !== null, expected !== null);
+  const transport = story.transports.find((each) => each.task === chosenTransport.value);
   return (
     <Card title={t("lanes.title")} class="order-lanes">
       {groups.length === 0 ? (
         <p class="empty">{t("lanes.none")}</p>
       ) : (
-        <Lanes groups={groups} span={span} nowS={isClosed(order) ? Infinity : nowS.value} dueS={order.due_at_s} chosen={chosen} />
+        <Lanes groups={groups} span={span} nowS={isClosed(order) ? Infinity : nowS.value} dueS={order.due_at_s} expected={expected} />
       )}
       {groups.length > 0 && (
         <p class="lane-legend" aria-hidden="true">
-          {(["fetch", "carry", "lost", "made", "open"] as const).map((kind) => (
+          {drawn.map((kind) => (
             <span key={kind}>
-              <i class={`lane-bar lane-${kind}`} /> {t(`lanes.legend.${kind}`)}
+              <i class={kind === "now" || kind === "due" ? `lane-${kind}` : `lane-bar lane-${kind}`} /> {t(`lanes.legend.${kind}`)}
             </span>
           ))}
         </p>

@@ -1,5 +1,5 @@
 import { describe, expect, test } from "vitest";
-import { barsOfGoal, barsOfLeg, type Goal, groupsOf, type Leg, percentOf, spanOf, type Story, ticksOf, type Transport } from "./lanes";
+import { barsOfExpected, barsOfGoal, barsOfLeg, type Goal, groupsOf, type Leg, legendOf, percentOf, signsOf, spanOf, type Story, ticksOf, type Transport } from "./lanes";
 import { momentText, transportText } from "./moments";
 
 const goal = (more: Partial<Goal>): Goal => ({
@@ -62,6 +62,36 @@ describe("the axis", () => {
       expect(ticks.length).toBeGreaterThan(0);
     }
   });
+});
+
+describe("the signs at the head of the axis", () => {
+  const span = { fromS: 0, toS: 1000 };
+
+  test("are now and due, on one line where there is room for both", () => {
+    expect(signsOf(span, 100, 900)).toEqual([{ kind: "now", atS: 100, row: 0 }, { kind: "due", atS: 900, row: 0 }]);
+    expect(signsOf(span, 600, 700)).toEqual([{ kind: "now", atS: 600, row: 0 }, { kind: "due", atS: 700, row: 1 }]);
+    expect(signsOf(span, 100, null)).toEqual([{ kind: "now", atS: 100, row: 0 }]);
+  });
+
+  test("leave now out where the order has ended", () => {
+    expect(signsOf(span, Infinity, 700)).toEqual([{ kind: "due", atS: 700, row: 0 }]);
+    expect(signsOf(span, Infinity, null)).toEqual([]);
+  });
+
+  test("are in the legend, as is the expected range, where they are drawn", () => {
+    const bars = ["fetch", "carry", "lost", "made", "open"];
+    expect(legendOf(false, true, true)).toEqual([...bars, "expected", "now", "due"]);
+    expect(legendOf(true, false, false)).toEqual(bars);
+  });
+});
+
+test("the expected range is one bar from the earliest to the latest", () => {
+  expect(barsOfExpected({ from_at_s: 300, to_at_s: 400 }, 200)).toEqual([{ kind: "expected", fromS: 300, toS: 400 }]);
+  expect(barsOfExpected({ from_at_s: 300, to_at_s: 290 }, 200)).toEqual([{ kind: "expected", fromS: 300, toS: 300 }]);
+  // Nothing is expected in the past.
+  expect(barsOfExpected({ from_at_s: 300, to_at_s: 400 }, 350)).toEqual([{ kind: "expected", fromS: 350, toS: 400 }]);
+  expect(barsOfExpected({ from_at_s: 300, to_at_s: 400 }, 500)).toEqual([{ kind: "expected", fromS: 500, toS: 500 }]);
+  expect(barsOfExpected(null, 200)).toEqual([]);
 });
 
 describe("in words", () => {

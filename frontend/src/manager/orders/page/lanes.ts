@@ -6,8 +6,8 @@ export type Goal = components["schemas"]["OrderGoalView"];
 export type Transport = components["schemas"]["WayOutView"];
 export type Leg = components["schemas"]["LegView"];
 
-/** `fetch`: to the source; `carry`: with the load; `lost`: replaced on the way; `made`: a machine works; `open`: what is still to come. */
-export type BarKind = "fetch" | "carry" | "lost" | "made" | "open";
+/** `fetch`: to the source; `carry`: with the load; `lost`: replaced on the way; `made`: a machine works; `open`: what is still to come; `expected`: when all of it may be delivered. */
+export type BarKind = "fetch" | "carry" | "lost" | "made" | "open" | "expected";
 
 export interface Bar {
   readonly kind: BarKind;
@@ -21,6 +21,14 @@ export interface Span {
   readonly toS: number;
 }
 
+/** A moment that is drawn through all lanes, with its time at the head of the axis. */
+export interface Sign {
+  readonly kind: "now" | "due";
+  readonly atS: number;
+  /** Lines above the lanes: 0 stands on them, 1 has another sign below itself. */
+  readonly row: 0 | 1;
+}
+
 /** A goal, and the transports of what it has made. */
 export interface Group {
   readonly goal: Goal;
@@ -32,6 +40,8 @@ const HOUR_S = 3600;
 const STEPS_S = [10, 30, 60, 120, 300, 600, 900, 1800, HOUR_S, 2 * HOUR_S, 6 * HOUR_S, 12 * HOUR_S, 24 * HOUR_S, 168 * HOUR_S];
 /** What is shorter has no ticks that tell anything. */
 const LEAST_SPAN_S = 60;
+/** Two signs that are nearer have no room beside one another. */
+const SIGNS_APART_PERCENT = 30;
 
 export function groupsOf(story: Story, nowS: number): Group[] {
   return story.goals.map((goal) => ({
@@ -63,6 +73,31 @@ export function barsOfLeg(leg: Leg, nowS: number): Bar[] {
     { kind: "fetch", fromS: leg.since_at_s, toS: aboardS },
     { kind: "carry", fromS: aboardS, toS: Math.max(aboardS, untilS) },
   ];
+}
+
+/** What the legend names, as far as it is drawn. */
+export function legendOf(isClosed: boolean, isDue: boolean, isExpected: boolean): (BarKind | Sign["kind"])[] {
+  return [
+    "fetch", "carry", "lost", "made", "open",
+    ...(isExpected ? ["expected" as const] : []),
+    ...(isClosed ? [] : ["now" as const]),
+    ...(isDue ? ["due" as const] : []),
+  ];
+}
+
+/** From the earliest to the latest moment at which all of the order may be delivered, neither of them past; nothing where nobody can tell. */
+export function barsOfExpected(expected: Story["expected"], nowS: number): Bar[] {
+  if (expected === null) return [];
+  const fromS = Math.max(expected.from_at_s, nowS);
+  return [{ kind: "expected", fromS, toS: Math.max(fromS, expected.to_at_s) }];
+}
+
+/** Now, while the order goes on, and when it is due. */
+export function signsOf(span: Span, nowS: number, dueS: number | null): Sign[] {
+  const now: Sign[] = nowS < span.toS ? [{ kind: "now", atS: nowS, row: 0 }] : [];
+  if (dueS === null) return now;
+  const isNear = now.some(({ atS }) => Math.abs(percentOf(span, atS) - percentOf(span, dueS)) < SIGNS_APART_PERCENT);
+  return [...now, { kind: "due", atS: dueS, row: isNear ? 1 : 0 }];
 }
 
 /** From the first of an order to the last of it, with what is expected and due, and a little room at the end. */

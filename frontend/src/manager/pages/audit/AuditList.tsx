@@ -1,4 +1,4 @@
-import type { AuditRow } from "../../../api/types";
+import type { AuditLine } from "../../../api/types";
 import { Table } from "../../../parts/Table";
 import { Tag } from "../../../parts/Tag";
 import { nowS } from "../../../stream/stream";
@@ -9,6 +9,7 @@ import { ListKeptNote } from "../../parts/kept/KeptNote";
 import { Pages } from "../../parts/pages/Pages";
 import { PrintButton } from "../../parts/paper/PrintButton";
 import { narrow } from "../../parts/pages/paged";
+import { addressOf } from "../../views";
 import { detailText } from "./detail";
 import { Filters } from "./Filters";
 import { oldestFirst, useLog } from "./log";
@@ -55,7 +56,7 @@ function emptyText(isLoading: boolean, failed: string | null): string {
   return t(isLoading ? "audit.loading" : "audit.empty");
 }
 
-function Row({ line }: { line: AuditRow }) {
+function Row({ line }: { line: AuditLine }) {
   const { action, at_s, detail, from_ip, result, target, who, who_kind } = line;
   return (
     <tr>
@@ -71,10 +72,26 @@ function Row({ line }: { line: AuditRow }) {
         </small>
       </th>
       <td>{word("audit.did", action)}</td>
-      <td>{target !== "" && <Only what={target} by={{ target }} />}</td>
+      <td>{target !== "" && <Target line={line} />}</td>
       <td>{result === "done" ? word("audit.came", result) : <Tag tone="warn">{word("audit.came", result)}</Tag>}</td>
       <td class="audit-detail">{detailText(detail)}</td>
     </tr>
+  );
+}
+
+/** An order by its customer's number, with the way to its page. */
+function Target({ line: { is_order: isOrder, reference, target } }: { line: AuditLine }) {
+  if (!isOrder) return <Only what={target} by={{ target }} />;
+  const name = reference ?? target;
+  return (
+    <>
+      <a class="link" href={addressOf(target)}>
+        {name}
+      </a>{" "}
+      <button type="button" class="button small" onClick={() => { narrow({ target }); }}>
+        {t("audit.only", { what: name })}
+      </button>
+    </>
   );
 }
 

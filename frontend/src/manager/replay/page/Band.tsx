@@ -1,8 +1,10 @@
 import { Icon } from "../../../parts/Icon";
 import { nowS } from "../../../stream/stream";
 import { format, t } from "../../../text/views/replay";
+import { orderName } from "../../state";
+import { addressOf } from "../../views";
 import { markBeside } from "./film";
-import { markText } from "./marks";
+import { leadText } from "./marks";
 import { atS, overview, playing, rate, RATES, seekMark, setPlaying, setRate } from "./state";
 
 const NEAR_S = 1;
@@ -23,7 +25,13 @@ export function Band() {
         </h1>
         <p>{ageS < 5 ? t("replay.now") : t("replay.ago", { age: format.duration(ageS) })}</p>
         <p role="status" class="replay-mark">
-          {here.map(markText).join(" · ")}
+          {here.map((mark, index) => (
+            <span key={`${mark.kind} ${String(index)}`}>
+              {index > 0 && " · "}
+              {leadText(mark)}
+              {mark.order !== "" && <a class="link" href={addressOf(mark.order)}>{orderName(mark.order)}</a>}
+            </span>
+          ))}
         </p>
       </div>
       <div class="replay-buttons">

@@ -7,10 +7,11 @@ import { Tag } from "../../../parts/Tag";
 import { choose, NOTHING, selection } from "../../../selection/selection";
 import { format, t } from "../../../text/views/replay";
 import { factoryTime } from "../../../text/plant-time";
-import { subjectOf } from "../../alerts/subject";
+import { orderOf, subjectOf } from "../../alerts/subject";
 import { whyText } from "../../cards/auction/why-text";
 import { loadOf, placeOf } from "../../orders/page/moments";
 import { problemText } from "../../problem-text";
+import { addressOf } from "../../views";
 import { fetchKnowledge, type Knowledge } from "./api";
 import { KnowledgeTable } from "./KnowledgeTable";
 import { atS, past, secondS } from "./state";
@@ -90,7 +91,8 @@ function Everything() {
           <li key={alert.id}>
             <Tag tone={alert.level === "alarm" ? "alarm" : "warn"}>{t(`alerts.kind.${alert.level}`)}</Tag>
             <span>
-              <b>{subjectOf(alert)}</b> {whatText(alert, world.atS, world.factory.speed)}
+              {orderOf(alert) === "" ? <b>{subjectOf(alert)}</b> : <a class="link" href={addressOf(orderOf(alert))}>{subjectOf(alert)}</a>}{" "}
+              {whatText(alert, world.atS, world.factory.speed)}
             </span>
           </li>
         ))}

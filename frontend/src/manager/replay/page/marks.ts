@@ -4,7 +4,13 @@ import { orderName } from "../../state";
 import type { Mark } from "./film";
 
 export function markText(mark: Mark): string {
-  const order = mark.order === "" ? "" : orderName(mark.order);
-  const whom = [mark.agent, mark.other, order].filter((each) => each !== "").join(", ");
-  return `${format.clock(mark.at_s)} ${word("mark", mark.kind)}${whom === "" ? "" : `: ${whom}`}`;
+  return `${leadText(mark)}${mark.order === "" ? "" : orderName(mark.order)}`;
+}
+
+/** What stands before the name of its order; all of it where there is none. */
+export function leadText({ agent, at_s: atS, kind, order, other }: Mark): string {
+  const whom = [agent, other].filter((each) => each !== "").join(", ");
+  const what = `${format.clock(atS)} ${word("mark", kind)}`;
+  if (order === "") return whom === "" ? what : `${what}: ${whom}`;
+  return whom === "" ? `${what}: ` : `${what}: ${whom}, `;
 }
