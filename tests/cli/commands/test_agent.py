@@ -108,6 +108,24 @@ def test_a_joining_agent_that_does_not_fit_into_the_plant_of_the_others_is_refus
     assert f"{file}: machines[12]" in error
 
 
+@pytest.mark.parametrize(
+    ("agent", "body", "wrong"),
+    [
+        (("machine", "M1"), "controller", "DRAY_BODY: controller is no body of a machine: give it floor"),
+        (("machine", "M1"), "vda5050", "DRAY_BODY: vda5050 is no body of a machine: give it floor"),
+        (("atv", "ATV1"), "controller", "controller is no body of a vehicle: give it floor or vda5050"),
+        (("station", "S1"), "vda5050", "vda5050 is no body of a station: give it floor or controller"),
+        (("gate",), "vda5050", "vda5050 is no body of the gate: give it floor or controller"),
+    ],
+)
+def test_a_body_that_an_agent_cannot_have_is_refused_and_not_replaced_by_a_simulated_one(
+    dray: Dray, agent: tuple[str, ...], body: str, wrong: str
+) -> None:
+    code, told = dray("agent", *agent, DRAY_BODY=body, DRAY_BUS_PLAIN="true")
+    assert code == 2
+    assert wrong in told
+
+
 @pytest.mark.parametrize("command", [("agent", "machine", "M1"), ("strategist",), ("floor",), ("historian",)])
 def test_without_certificates_plain_links_must_be_asked_for(dray: Dray, command: tuple[str, ...]) -> None:
     code, told = dray(*command)

@@ -74,7 +74,7 @@ def machine(
     from dray.protocol.machine.machine import Machine
     from dray.protocol.runtime.running import Running
 
-    where = _surroundings(settings, traffic=traffic)
+    where = _with_body(_surroundings(settings, traffic=traffic), "a machine")
     plant = where.plant if joining is None else _grown(where.plant, joining, name)
     spec, places = one_of(plant.machines, name, "NAME"), where.traffic
     trusts = _trusted(where)
@@ -149,6 +149,7 @@ def atv(
     )
     joining = _joining(where.plant, name, type_, node)
     spec = joining or one_of(where.plant.fleet, name, "NAME")
+    _with_body(where, "a vehicle", "vda5050")
     trusts, places = _trusted(where), where.traffic
     key = VehicleKey(name, own_key(where.settings.journal_folder / f"{name}.key"))
 
@@ -195,7 +196,9 @@ def station(
     from dray.cli.runtime.output import one_of
     from dray.protocol.station.station import Station
 
-    where = _surroundings(settings, traffic=traffic, body=body, broker=broker)
+    where = _with_body(
+        _surroundings(settings, traffic=traffic, body=body, broker=broker), "a station", "controller"
+    )
     one_of(where.plant.stores, name, "NAME")
     trusts, places = _trusted(where), where.traffic
 
@@ -230,7 +233,7 @@ def gate(
     from dray.messages.keys import GATE
     from dray.protocol.gate.gate import DeliveryGate
 
-    where = _surroundings(settings, body=body, broker=broker)
+    where = _with_body(_surroundings(settings, body=body, broker=broker), "the gate", "controller")
     one_of({GATE: None}, name, "NAME")
 
     def make(life: int) -> DeliveryGate:
@@ -277,6 +280,21 @@ def _surroundings(file: Path | None, *, traffic: bool | None = None, **options: 
     from dray.cli.runtime.surroundings import Surroundings
 
     return Surroundings.of(load_settings(settings_file=file, traffic=traffic, **options))
+
+
+def _with_body(where: Surroundings, agent: str, *real: str) -> Surroundings:
+    """The same, where its body is one that such an agent can have.
+
+    Raises:
+        SettingsError: it is not.
+    """
+    from dray.errors import SettingsError
+
+    kinds = ("floor", *real)
+    if where.settings.body not in kinds:
+        reason = f"{where.settings.body} is no body of {agent}: give it {' or '.join(kinds)}"
+        raise SettingsError("DRAY_BODY", reason)
+    return where
 
 
 def _grown(plant: Plant, file: Path, name: str) -> Plant:
