@@ -350,16 +350,18 @@ def test_a_charger_that_the_battery_does_not_reach_is_waited_past_for_a_nearer_o
         assert points.seek(charger=True, node=FAR, battery_frac=battery_frac, now_s=1.0) is found
 
 
-def test_nobody_rests_where_no_charger_can_be_reached_from_in_time() -> None:
-    by_charger = SMALL.node_of(next(iter(SMALL.chargers)))
-    queue, routes = SMALL.charger_queue, SMALL.routes("light")
-    needed_frac = queue.needed_frac("light", 0.0, 0.0)
-    full, low = with_small_battery(), with_small_battery()
-    assert full.seek(charger=False, node=by_charger, battery_frac=1.0, now_s=0.0)
-    away = routes.way(by_charger, SMALL.node_of(full.dwell_point))
-    assert away.length_m > 1.0
-    low.seek(charger=False, node=by_charger, battery_frac=needed_frac + 0.01, now_s=0.0)
-    assert low.dwell_point != full.dwell_point
+def test_nobody_rests_in_a_road_from_where_no_charger_can_be_reached_in_time() -> None:
+    plant = Plant(msgspec.structs.replace(SMALL.file, parkings=()))
+    far = max(plant.spare_places.all, key=way_to_charger_s)
+    by_charger = plant.node_of(next(iter(plant.chargers)))
+    little_frac = plant.charger_queue.needed_frac("light", 0.0, 0.0) + 0.01
+    for node, battery_frac, found in (
+        (by_charger, 1.0, True),
+        (by_charger, little_frac, False),
+        (FAR, little_frac, way_to_charger_s(far) <= way_to_charger_s(FAR)),
+    ):
+        points = DwellPoints("ATV5", plant, "light", KEYS, [])
+        assert points.seek_spare([far], node, battery_frac, 0.0) is found
 
 
 def test_who_waits_far_from_a_charger_goes_much_nearer_and_then_stays() -> None:

@@ -162,9 +162,9 @@ class DwellPoints:
         near = near or node
         close = self._plant.closest(near, free, COMPARED)
         if not charger:
-            close = tuple(
-                each for each in close if self._may_rest(node, self._plant.node_of(each), battery_frac)
-            )
+            # A parking place that is far from the chargers is better than none: whoever stands in a road holds others up.
+            good = [each for each in close if self._may_rest(node, self._plant.node_of(each), battery_frac)]
+            close = tuple(good) or close
         try:
             nearest, way = routes.nearest(near, close)
         except NoWay:
