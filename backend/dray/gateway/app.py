@@ -34,6 +34,7 @@ from dray.gateway.services import Beside, measure, open_services, restore, runni
 from dray.plant.model import PlantFile
 from dray.ports import Bus
 from dray.settings import Settings
+from dray.shapes import prepare_shapes
 from dray.store import Historian, Store
 
 
@@ -76,6 +77,7 @@ def create_app(
         operators: runs the agents of people on duty; None where nobody can be.
         scenario: what the factory plays, where it is simulated; None where nobody wrote its day.
     """
+    prepare_shapes()
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:

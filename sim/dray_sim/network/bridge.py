@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from dray.adapters.crossing import Crossing
 from dray.errors import UnavailableError
+from dray.shapes import prepare_shapes
 from dray_sim.clock.loop import VirtualLoop
 from dray_sim.clock.wall import Wall, steady_wall
 
@@ -182,6 +183,7 @@ class SimThread(Generic[T]):
             TimeoutError: not ready after `timeout_s` real seconds; it goes on trying.
             whatever the factory raised before it was ready.
         """
+        prepare_shapes()
         self._thread.start()
         return self._ready.result(timeout_s)
 
