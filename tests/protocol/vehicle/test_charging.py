@@ -12,8 +12,8 @@ from dray.plant import Charging as Rules
 from dray.plant import Hours, Plant
 from dray.plant.charger_queue import RESERVE_FRAC, WORTH_FRAC
 from dray.plant.working_time import WeeklySpan, WorkingHours
+from dray.protocol.vehicle.battery_reserve import BatteryReserve
 from dray.protocol.vehicle.charging import GIVES_WAY_AGAIN_S, Charging
-from dray.protocol.vehicle.reserve import NEVER_FRAC, Reserve
 
 HERE = "ch2"
 NIGHT = (Hours(start_h=22.0, end_h=6.0),)
@@ -45,19 +45,13 @@ def test_who_must_charge_takes_no_work_until_the_way_to_the_charger_was_worth_it
 
 
 def test_far_from_every_charger_a_vehicle_must_charge_earlier() -> None:
-    needed_frac = Reserve(PLANT, "light").needed_frac("a1")
+    needed_frac = BatteryReserve(PLANT, "light").needed_frac("a1")
     charging = vehicle(must_below_frac=0.0)
     charging.note(needed_frac + 0.001, "a1")
     assert not charging.is_needy
     charging.note(needed_frac - 0.001, "a1")
     assert charging.is_needy
     assert needed_frac > RESERVE_FRAC
-
-
-def test_where_no_charger_can_be_reached_nothing_is_promised() -> None:
-    lanes = tuple(lane for lane in PLANT.file.lanes if "a1" not in (lane.start, lane.end))
-    alone = Plant(msgspec.structs.replace(PLANT.file, lanes=lanes))
-    assert Reserve(alone, "light").needed_frac("a1") == NEVER_FRAC
 
 
 @pytest.mark.parametrize(
@@ -181,7 +175,7 @@ def test_with_small_batteries_the_queue_at_the_chargers_is_kept_for() -> None:
     charging, queue = Charging(plant, "light"), plant.charger_queue
     base_frac, enough_frac = queue.base_frac("light"), queue.enough_frac("light")
     assert base_frac > RESERVE_FRAC + WORTH_FRAC
-    assert Reserve(plant, "light").needed_frac("a1") > base_frac
+    assert BatteryReserve(plant, "light").needed_frac("a1") > base_frac
     charging.note(base_frac - 0.01, plant.node_of("CH1"))
     assert charging.is_needy
     charging.note(enough_frac - 0.01, plant.node_of("CH1"))

@@ -303,7 +303,7 @@ def test_on_its_way_to_a_charger_a_vehicle_is_turned_round_only_for_what_a_charg
 
 def test_who_must_charge_looks_for_a_parking_place_near_its_charger() -> None:
     driver = Driver()
-    charger = driver.dwell_points.nearest_charger("e3")
+    charger = driver.dwell_points.reserve.nearest_charger("e3")
     routes = PLANT.routes("light")
     dwell_points = driver.dwell_points
     assert dwell_points.seek(charger=False, node="e3", battery_frac=0.2, now_s=0.0, near=charger)
@@ -348,20 +348,6 @@ def test_a_charger_that_the_battery_does_not_reach_is_waited_past_for_a_nearer_o
         assert points.seek(charger=True, node=FAR, battery_frac=just_frac, now_s=0.0)
         points.on_claim(rival(near, battery_frac=0.0), 0.0)
         assert points.seek(charger=True, node=FAR, battery_frac=battery_frac, now_s=1.0) is found
-
-
-def test_nobody_rests_in_a_road_from_where_no_charger_can_be_reached_in_time() -> None:
-    plant = Plant(msgspec.structs.replace(SMALL.file, parkings=()))
-    far = max(plant.spare_places.all, key=way_to_charger_s)
-    by_charger = plant.node_of(next(iter(plant.chargers)))
-    little_frac = plant.charger_queue.needed_frac("light", 0.0, 0.0) + 0.01
-    for node, battery_frac, found in (
-        (by_charger, 1.0, True),
-        (by_charger, little_frac, False),
-        (FAR, little_frac, way_to_charger_s(far) <= way_to_charger_s(FAR)),
-    ):
-        points = DwellPoints("ATV5", plant, "light", KEYS, [])
-        assert points.seek_spare([far], node, battery_frac, 0.0) is found
 
 
 def test_who_waits_far_from_a_charger_goes_much_nearer_and_then_stays() -> None:

@@ -14,7 +14,7 @@ from dray.messages import CommandRefusal
 from dray.plant import Plant, VehicleType
 from dray.plant.charger_queue import RESERVE_FRAC, WORTH_FRAC
 from dray.protocol.runtime.bounded_map import BoundedMap
-from dray.protocol.vehicle.reserve import Reserve
+from dray.protocol.vehicle.battery_reserve import BatteryReserve
 
 SPENT_FRAC = 0.05
 """Below `up_to_frac`, before a vehicle that stands at a charger plugs in again."""
@@ -52,7 +52,7 @@ class Charging:
         self._must_below_frac = max(self._rules.must_below_frac, plant.charger_queue.base_frac(vehicle_type))
         """Below this a vehicle of its type must charge wherever it is."""
         self._again_s = min(GIVES_WAY_AGAIN_S, _worth_s(plant.vehicle_types[vehicle_type]))
-        self._reserve = Reserve(plant, vehicle_type)
+        self._reserve = BatteryReserve(plant, vehicle_type)
         self._is_needy = False
         self._is_short = False
         """It could not take some work for want of battery, and has not charged since."""

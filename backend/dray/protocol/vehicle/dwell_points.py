@@ -21,9 +21,10 @@ from dray.errors import NoWay
 from dray.messages import DwellPointClaimed
 from dray.messages.keys import Keys
 from dray.plant import Plant, Routes
-from dray.plant.charger_queue import SPARE_FRAC, WORTH_FRAC
+from dray.plant.charger_queue import WORTH_FRAC
 from dray.protocol.runtime.bounded_map import BoundedMap
 from dray.protocol.runtime.events import Effect, Publish, Subscribe, Unsubscribe
+from dray.protocol.vehicle.battery_reserve import COMPARED, BatteryReserve
 
 CONTEST_S = 1.0
 """How long an objection is waited for: many times the latency of a good WLAN. A later one is still
@@ -50,9 +51,6 @@ PAUSE_S = 300.0
 
 RIVALS = 256
 """Claims of others that are remembered: those of forty vehicles on half a dozen chargers."""
-
-COMPARED = 4
-"""Dwell points whose ways are compared: the nearest by way is among the nearest as the crow flies."""
 
 MUCH_NEARER = 0.5
 """Of the way to a charger that is left from a place for which a waiting vehicle leaves its own, at most."""
@@ -95,6 +93,7 @@ class DwellPoints:
         """By rival, when it was told last that this dwell point is held."""
         self._claim_battery_frac = 0.0
         """By which contests are decided: the battery when it claimed, less by WORTH_FRAC on the way to a charger."""
+        self.reserve = BatteryReserve(plant, vehicle_type)
         self.dwell_point = ""
         """The dwell point that is claimed or stood in; empty for none."""
         self.hold = Hold.NONE
@@ -163,7 +162,11 @@ class DwellPoints:
         close = self._plant.closest(near, free, COMPARED)
         if not charger:
             # A parking place that is far from the chargers is better than none: whoever stands in a road holds others up.
-            good = [each for each in close if self._may_rest(node, self._plant.node_of(each), battery_frac)]
+            good = [
+                each
+                for each in close
+                if self.reserve.is_enough_after(node, self._plant.node_of(each), battery_frac)
+            ]
             close = tuple(good) or close
         try:
             nearest, way = routes.nearest(near, close)
@@ -171,14 +174,16 @@ class DwellPoints:
             return ""
         queue = self._plant.charger_queue
         is_far = charger and battery_frac < queue.way_frac(self._type, way.length_m, way.duration_s)
-        return "" if is_far and self._plant.node_of(nearest) != self.nearest_charger(near) else nearest
+        return (
+            "" if is_far and self._plant.node_of(nearest) != self.reserve.nearest_charger(near) else nearest
+        )
 
     def seek_nearer(self, node: str, battery_frac: float, now_s: float) -> bool:
         """Claim a parking place or a spare place that is much nearer to a charger; False when there is none.
 
         Whoever stands far away while all chargers are taken may not come there any more when its turn comes.
         """
-        charger = self.nearest_charger(node)
+        charger = self.reserve.nearest_charger(node)
         if not charger:
             return False
         plant, routes = self._plant, self._plant.routes(self._type)
@@ -202,20 +207,6 @@ class DwellPoints:
         self._claim(found, battery_frac, Hold.CLAIMED)
         return True
 
-    def _may_rest(self, node: str, place: str, battery_frac: float) -> bool:
-        """Whether a vehicle that goes to a place comes to a charger from there, or is nearer to one than where it is."""
-        queue, routes = self._plant.charger_queue, self._plant.routes(self._type)
-        near = self._plant.closest(place, self._plant.chargers, COMPARED)
-        try:
-            there, (_, on) = routes.way(node, place), routes.nearest(place, near)
-        except NoWay:
-            return True
-        used_frac = queue.way_frac(self._type, there.length_m, there.duration_s) - SPARE_FRAC
-        if battery_frac - used_frac >= queue.needed_frac(self._type, on.length_m, on.duration_s):
-            return True
-        charger = self.nearest_charger(node)
-        return not charger or on.duration_s <= _way_s(routes, node, charger)
-
     def seek_spare(
         self, among: Iterable[str], node: str, battery_frac: float, now_s: float, near: str = ""
     ) -> bool:
@@ -234,7 +225,7 @@ class DwellPoints:
         found, least_s = "", float("inf")
         for spot in nsmallest(COMPARED, free, key=distance_m):
             way_s = _way_s(routes, near, spot)
-            if way_s < least_s and self._may_rest(node, spot, battery_frac):
+            if way_s < least_s and self.reserve.is_enough_after(node, spot, battery_frac):
                 found, least_s = spot, way_s
         if not found:
             return False
@@ -255,14 +246,6 @@ class DwellPoints:
         plant = self._plant
         places = [each for each in self.reached_round(node) if plant.node_of(each) != node]
         return plant.node_of(plant.routes(self._type).nearest(node, places)[0]) if places else ""
-
-    def nearest_charger(self, node: str) -> str:
-        """The node of the nearest charger, whoever has it; empty where none can be reached."""
-        near = self._plant.closest(node, self._plant.chargers, COMPARED)
-        try:
-            return self._plant.node_of(self._plant.routes(self._type).nearest(node, near)[0])
-        except NoWay:
-            return ""
 
     def set_off(self) -> None:
         """Nobody has objected: from now on only somebody who is emptier by what a charge is worth takes the charger away.

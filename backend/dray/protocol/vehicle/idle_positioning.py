@@ -22,10 +22,10 @@ from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.protocol.runtime.events import Effect
 from dray.protocol.runtime.timers import Timers, spread_frac
+from dray.protocol.vehicle.battery_reserve import COMPARED, NEVER_FRAC, BatteryReserve
 from dray.protocol.vehicle.charging import Charging
 from dray.protocol.vehicle.drivers.driver import Driver
 from dray.protocol.vehicle.dwell_points import CONTEST_S, DwellPoints, Hold
-from dray.protocol.vehicle.reserve import COMPARED, NEVER_FRAC, Reserve
 
 SETTLE = "settle"
 CLAIM = "claim"
@@ -51,7 +51,7 @@ class WaitingPlaces:
     def __init__(self, plant: Plant, vehicle_type: str) -> None:
         self._plant = plant
         self._type = vehicle_type
-        self._reserve = Reserve(plant, vehicle_type)
+        self._reserve = BatteryReserve(plant, vehicle_type)
         docks = {plant.node_of(place) for place in plant.places}
         free = tuple(node for node in plant.stops if node not in docks)
         # Material comes from a source warehouse by other means than these vehicles.
@@ -308,7 +308,7 @@ class IdlePositioning:
         node, near = self._driver.next_node, ""
         if not charger and self._charging.is_needy:
             # It waits for a charger, and has little left for the way there.
-            near = self._dwell_points.nearest_charger(node)
+            near = self._dwell_points.reserve.nearest_charger(node)
         found = self._dwell_points.seek(
             charger=charger, node=node, battery_frac=battery_frac, now_s=now_s, near=near
         )

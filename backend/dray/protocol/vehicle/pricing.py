@@ -22,8 +22,8 @@ from dray.messages import Refusal, Transport, TransportCost
 from dray.plant import Plant
 from dray.plant.restrictions import OPEN
 from dray.protocol.contract_net.dock import dock_of
+from dray.protocol.vehicle.battery_reserve import BatteryReserve
 from dray.protocol.vehicle.drivers.driver import limited_s
-from dray.protocol.vehicle.reserve import Reserve
 
 ENERGY_S_PER_WH = 2.0
 """A second of charging at 600 W gives a sixth of a Wh: energy costs the time to get it back, and a
@@ -64,7 +64,7 @@ class Pricer:
     def __init__(self, plant: Plant, vehicle_type: str) -> None:
         self._plant = plant
         self._type = plant.vehicle_types[vehicle_type]
-        self._reserve = Reserve(plant, vehicle_type)
+        self._reserve = BatteryReserve(plant, vehicle_type)
 
     def quote(
         self,

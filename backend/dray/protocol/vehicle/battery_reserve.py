@@ -1,6 +1,7 @@
 """What must be left in a vehicle's battery, by where it is: the way to a charger, and the queue there.
 
-The arithmetic is `dray.plant.charger_queue`, with which `dray plant check` reckons too. Here are the ways that are open now.
+The reserve of a fleet is something else: vehicles (`dray.plant.spare_places`). The arithmetic is `dray.plant.charger_queue`, with which
+`dray plant check` reckons too. Here are the ways that are open now.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ from collections.abc import Iterable
 
 from dray.errors import NoWay
 from dray.plant import Plant, Routes
+from dray.plant.charger_queue import SPARE_FRAC
 from dray.plant.restrictions import OPEN
 
 COMPARED = 4
@@ -18,8 +20,8 @@ NEVER_FRAC = 2.0
 """Stands for "no charger can be reached": more than any battery holds."""
 
 
-class Reserve:
-    """The reserve of one type of vehicle, by place.
+class BatteryReserve:
+    """The reserve in the batteries of one type of vehicle, by place.
 
     Args:
         plant: where the chargers are.
@@ -51,6 +53,34 @@ class Reserve:
                 frac = self._to_charger_frac(self._plant.routes(self._type, OPEN), node, near)
             self._needed_frac[node] = frac
         return frac
+
+    def is_enough_after(self, start: str, place: str, battery_frac: float) -> bool:
+        """Whether a vehicle that goes from one node to rest at another comes to a charger from there, or is nearer to one than now.
+
+        Args:
+            start: where the vehicle is.
+            place: where it would rest.
+            battery_frac: what its battery holds now.
+        """
+        queue, routes = self._queue, self._plant.routes(self._type)
+        near = self._plant.closest(place, self._plant.chargers, COMPARED)
+        try:
+            there, (_, on) = routes.way(start, place), routes.nearest(place, near)
+        except NoWay:
+            return True
+        used_frac = queue.way_frac(self._type, there.length_m, there.duration_s) - SPARE_FRAC
+        if battery_frac - used_frac >= self.needed_frac(place):
+            return True
+        charger = self.nearest_charger(start)
+        return not charger or on.duration_s <= routes.duration_s(start, charger)
+
+    def nearest_charger(self, node: str) -> str:
+        """The node of the nearest charger, whoever has it; empty where none can be reached."""
+        near = self._plant.closest(node, self._plant.chargers, COMPARED)
+        try:
+            return self._plant.node_of(self._plant.routes(self._type).nearest(node, near)[0])
+        except NoWay:
+            return ""
 
     def _to_charger_frac(self, routes: Routes, node: str, near: Iterable[str]) -> float:
         try:
