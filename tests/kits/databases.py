@@ -56,9 +56,10 @@ BEGIN
     FOR it IN SELECT c.oid FROM pg_class c WHERE relnamespace = 'public'::regnamespace AND relkind = 'S' LOOP
         EXECUTE 'ALTER SEQUENCE ' || it || ' RESTART';
     END LOOP;
+    INSERT INTO change_log (kind, subject, status, at_s) VALUES ('begin', '', '', 0);
 END $$
 """
-"""References between rows are not looked at while all rows go."""
+"""References between rows are not looked at while all rows go. The change log begins with a line, as its migration has it."""
 
 
 def make_tables(url: str) -> None:

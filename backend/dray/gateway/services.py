@@ -51,6 +51,7 @@ from dray.gateway.metrics import Metrics
 from dray.gateway.metrics.history import History
 from dray.gateway.metrics.state import State
 from dray.gateway.orders.actions import OrderActions
+from dray.gateway.orders.change_feed import ChangeFeed
 from dray.gateway.orders.changes import OrderChanging
 from dray.gateway.orders.completions import Completions
 from dray.gateway.orders.idempotency import KEYS_KEPT_S
@@ -103,6 +104,7 @@ class Services:
     placement: OrderPlacement
     actions: OrderActions
     changing: OrderChanging
+    change_feed: ChangeFeed
     completions: Completions
     reconciliation: Reconciliation
     transports: PlainTransports
@@ -142,6 +144,7 @@ class Services:
             OrderPlacement: self.placement,
             OrderActions: self.actions,
             OrderChanging: self.changing,
+            ChangeFeed: self.change_feed,
             PlainTransports: self.transports,
             Scheduler: self.scheduler,
             Outbox: self.outbox,
@@ -246,6 +249,7 @@ def open_services(
         placement=placement,
         actions=OrderActions(store, projection, outbox, wall_s),
         changing=OrderChanging(store, projection, outbox, wall_s),
+        change_feed=ChangeFeed(store),
         completions=Completions(store, outbox, projection, wall_s),
         reconciliation=Reconciliation(store, outbox, wall_s),
         transports=transports,

@@ -74,6 +74,7 @@ class Retention:
         now_s, kept = self._wall_s(), self._kept_for
         before = self.too_many
         await self._all(lambda: self._events(now_s - kept.events_s, now_s))
+        await self._rows(lambda work: work.change_log.prune(now_s - kept.events_s, AT_ONCE))
         await self._rows(lambda work: work.samples.prune(now_s - kept.samples_s, AT_ONCE, now_s))
         await self._rows(lambda work: work.kpis.prune(now_s - kept.figures_s, AT_ONCE))
         await self._rows(lambda work: work.piece_hours.prune(now_s - kept.figures_s, AT_ONCE))

@@ -162,6 +162,7 @@ RULES: Mapping[tuple[str, str], Rule] = {
     ("POST", "/api/orders/{order}/release"): Rule(Scope.ORDERS_WRITE, action="order.release"),
     ("POST", "/api/orders/{order}/revoke"): Rule(Scope.ORDERS_WRITE, action="order.revoke"),
     ("POST", "/api/orders/{order}/cancel"): Rule(Scope.ORDERS_WRITE, action="order.cancel"),
+    ("GET", "/api/changes"): Rule(Scope.ORDERS_READ),
     ("GET", "/api/transports"): Rule(Scope.TRANSPORTS_CALL, by_area=True),
     ("POST", "/api/transports"): Rule(Scope.TRANSPORTS_CALL, by_area=True, action="transport.call"),
     ("GET", "/api/transports/{transport}"): Rule(Scope.TRANSPORTS_CALL, by_area=True),

@@ -23,7 +23,16 @@ from dray.gateway.routes.factory.floor import areas, carrying, closures, obstacl
 from dray.gateway.routes.history import alerts as alert_history
 from dray.gateway.routes.history import audit, events, kept, kpis, promises, quality, replay, reports
 from dray.gateway.routes.history import tasks as task_history
-from dray.gateway.routes.orders import changes, imports, orders, schedules, timeline, track, transports
+from dray.gateway.routes.orders import (
+    change_feed,
+    changes,
+    imports,
+    orders,
+    schedules,
+    timeline,
+    track,
+    transports,
+)
 from dray.gateway.routes.pages import call, customer, docs, login, panels
 from dray.gateway.routes.products import imports as product_imports
 from dray.gateway.routes.products import products
@@ -32,6 +41,7 @@ API = (
     # Its path looks like that of an order, so it comes first.
     imports,
     orders,
+    change_feed,
     changes,
     timeline,
     track,

@@ -54,6 +54,7 @@ from dray.gateway.routes.history.tasks import TaskRecord
 from dray.gateway.routes.keys import KeyAnswer, NewKeyAnswer
 from dray.gateway.routes.me import MeAnswer
 from dray.gateway.routes.openapi.examples import examples
+from dray.gateway.routes.orders.change_feed import ChangesAnswer
 from dray.gateway.routes.orders.imports import ImportAnswer
 from dray.gateway.routes.orders.orders import OrderAnswer, PlacedOrder
 from dray.gateway.routes.orders.schedules import RunsPreview, ScheduleAnswer
@@ -131,6 +132,7 @@ SHAPES = (
     TaskView,
     TrackAnswer,
     TrafficAnswer,
+    ChangesAnswer,
     TransportAnswer,
     WaitView,
 )

@@ -132,6 +132,7 @@ export const rows: Catalogue<typeof en> = {
   "problem.bug": "Dray hat einen Fehler gemacht; er steht im Protokoll. Noch einmal versuchen und melden, wenn es wieder geschieht.",
   "problem.call-over": "Dieser Ruf ist vorbei, oder jemand anderes hat ihn angenommen.",
   "problem.changed-since": "Jemand hat es inzwischen geändert. Noch einmal lesen.",
+  "problem.changes-forgotten": "Was sich seitdem geändert hat, ist nicht mehr bekannt. Die Listen neu lesen.",
   "problem.database-away": "Die Datenbank antwortet nicht. In einigen Sekunden noch einmal versuchen.",
   "problem.disabled": "Diese Person darf sich nicht anmelden. Zuerst wieder zulassen.",
   "problem.draft-changed": "Jemand hat inzwischen eine andere Fassung dieses Entwurfs gespeichert. Sie lesen und die Änderung darauf zeichnen.",

@@ -129,6 +129,7 @@ export const rows = {
   "problem.bug": "Dray has made a mistake; it is in the log. Try again, and report it if it happens again.",
   "problem.call-over": "This call is over, or somebody else has taken it.",
   "problem.changed-since": "Somebody has changed it meanwhile. Read it again.",
+  "problem.changes-forgotten": "What has changed since then is not known any more. Read the lists anew.",
   "problem.database-away": "The database does not answer. Try again in some seconds.",
   "problem.disabled": "This person may not log in. Let them in again first.",
   "problem.draft-changed": "Somebody has saved another version of this draft meanwhile. Read it, and draw your change on that.",

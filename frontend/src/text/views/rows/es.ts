@@ -132,6 +132,7 @@ export const rows: Catalogue<typeof en> = {
   "problem.bug": "Dray ha cometido un error; está en el registro. Inténtelo de nuevo y comuníquelo si vuelve a ocurrir.",
   "problem.call-over": "Esta llamada ya terminó, o la ha aceptado otra persona.",
   "problem.changed-since": "Alguien lo ha cambiado entretanto. Vuelva a leerlo.",
+  "problem.changes-forgotten": "Ya no se sabe qué ha cambiado desde entonces. Lea las listas de nuevo.",
   "problem.database-away": "La base de datos no responde. Inténtelo de nuevo en unos segundos.",
   "problem.disabled": "Esta persona no puede entrar. Permítaselo primero.",
   "problem.draft-changed": "Alguien ha guardado entretanto otra versión de este borrador. Léala y dibuje su cambio sobre ella.",

@@ -1,0 +1,126 @@
+"""Changes of orders and transports, for systems that follow them."""
+
+from __future__ import annotations
+
+from http import HTTPStatus
+from typing import Annotated, Literal
+
+import msgspec
+from fastapi import APIRouter, Query
+
+from dray.gateway.access.caller import Caller
+from dray.gateway.access.principal import Scope
+from dray.gateway.http.problems import Problem
+from dray.gateway.http.provided import Provided
+from dray.gateway.http.responses import PAGE, Json, Limit, described, iso, problems
+from dray.gateway.orders.change_feed import WAIT_S, ChangeFeed
+from dray.gateway.orders.transports import PlainTransports
+from dray.store.orders.change_log import ORDER, TRANSPORT, Change, Seen
+
+router = APIRouter(tags=["orders"])
+
+LAST_POSITION = 2**63 - 1
+"""The largest number that SQL can hold."""
+
+
+class ChangeAnswer(msgspec.Struct, frozen=True, kw_only=True):
+    """One change of an order or a transport."""
+
+    position: int
+    """Grows with every change."""
+    at: str
+    kind: str
+    """order or transport."""
+    id: str
+    reference: str | None
+    """What its customer calls an order."""
+    status: str
+    """As this change has left it: GET /api/orders/ID or /api/transports/ID tells the rest, as it is now."""
+
+
+class ChangesAnswer(msgspec.Struct, frozen=True, kw_only=True):
+    """Changes, oldest first."""
+
+    items: tuple[ChangeAnswer, ...]
+    since: int
+    """Ask for those `since` this next."""
+    more: bool
+    """Whether there are more already."""
+
+
+EXAMPLE = ChangesAnswer(
+    items=(
+        ChangeAnswer(
+            position=4711,
+            at="2030-01-01T10:37:00Z",
+            kind=ORDER,
+            id="O-1M9K3X2A4-K7QM",
+            reference="PO-1002",
+            status="in_production",
+        ),
+    ),
+    since=4711,
+    more=False,
+)
+
+
+@router.get(
+    "/changes",
+    responses={
+        200: described(ChangesAnswer, "Changes, oldest first", EXAMPLE),
+        **problems(
+            p410="What came after `since` is not kept any more",
+            p429="The caller waits in as many requests as one may",
+        ),
+    },
+    response_class=Json,
+)
+async def list_changes(
+    feed: Provided[ChangeFeed],
+    transports: Provided[PlainTransports],
+    caller: Caller,
+    since: Annotated[
+        int | None,
+        Query(ge=0, le=LAST_POSITION, description="`since` of the answer before; left out: from now on"),
+    ] = None,
+    kind: Annotated[Literal["order", "transport"] | None, Query(description="Only these")] = None,
+    wait: Annotated[
+        float, Query(ge=0, le=WAIT_S, description="Seconds to wait for a change where there is none yet")
+    ] = 0.0,
+    limit: Limit = PAGE,
+) -> Json:
+    """Every change of orders and transports, in the order in which they were written, without a gap.
+
+    Begin without `since`: the answer is empty and says where you are. Then read the lists, and ask for what has changed since
+    then, again and again, with `wait=30`. Transports are told to whom GET /api/transports shows them.
+    """
+    if since is None:
+        return Json(ChangesAnswer(items=(), since=await feed.newest(), more=False))
+    own = transports.places_of(caller)
+    seen = Seen(
+        orders=kind != TRANSPORT,
+        transports=kind != ORDER and caller.may(Scope.TRANSPORTS_CALL),
+        places=None if own is None else sorted(own),
+        caller="" if caller.may(Scope.FACTORY_READ) else caller.key,
+    )
+    found = await feed.after(since, seen, limit, caller=caller.key, wait_s=wait)
+    if found.is_forgotten:
+        raise Problem(
+            HTTPStatus.GONE,
+            "changes-forgotten",
+            "Changes since then are not kept",
+            f"what came after {since} is older than what is kept (DRAY_EVENTS_DAYS), or the database is another one; "
+            "ask without since, then read GET /api/orders and GET /api/transports anew",
+        )
+    return Json(ChangesAnswer(items=tuple(map(_answer, found.rows)), since=found.until, more=found.more))
+
+
+def _answer(row: Change) -> ChangeAnswer:
+    return ChangeAnswer(
+        position=row.position,
+        at=iso(row.at_s),
+        kind=row.kind,
+        id=row.subject,
+        reference=row.reference,
+        status=row.status,
+    )

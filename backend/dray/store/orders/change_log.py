@@ -1,0 +1,129 @@
+"""The change log in SQL: every change of an order or a plain transport, numbered in the order of the commits.
+
+Triggers on both tables write it (`migrations/versions/0037_change_log.py`), so nothing that changes an order can leave it out. The
+database has one writer at a time: whoever has read up to a position has missed nothing before it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import msgspec
+from sqlalchemy import Column, ColumnElement, Double, Index, String, Table, delete, false, func, or_, select
+from sqlalchemy.ext.asyncio import AsyncConnection
+
+from dray.store.orders.transports import transports
+from dray.store.tables import Id, Position, metadata, orders
+
+change_log = Table(
+    "change_log",
+    metadata,
+    Column("position", Position, primary_key=True, autoincrement=True),
+    Column("kind", String(16), nullable=False),
+    Column("subject", Id, nullable=False),
+    Column("status", String(16), nullable=False),
+    Column("at_s", Double, nullable=False),
+    Index(None, "at_s"),
+    # Numbers of pruned rows must never be given again: readers go on after the last one they saw.
+    sqlite_autoincrement=True,
+    comment="Every change of an order or a plain transport, in the order of the commits. Written by triggers.",
+)
+
+ORDER, TRANSPORT = "order", "transport"
+
+
+class Change(msgspec.Struct, frozen=True, gc=False):
+    """One change."""
+
+    position: int
+    """Grows with every change."""
+    kind: str
+    """ORDER or TRANSPORT."""
+    subject: str
+    """Its id."""
+    status: str
+    """As the change has left it."""
+    at_s: float
+    """Wall clock."""
+    reference: str | None
+    """What its customer calls the order."""
+
+
+class Seen(msgspec.Struct, frozen=True, kw_only=True):
+    """Which changes somebody is shown."""
+
+    orders: bool
+    transports: bool
+    places: Sequence[str] | None = None
+    """Transports from or to one of these only; None for all."""
+    caller: str = ""
+    """Transports of this caller only; empty for everybody's."""
+
+    def conditions(self) -> list[ColumnElement[bool]]:
+        """As SQL; `transports` is joined."""
+        c = transports.c
+        shown: list[ColumnElement[bool]] = [change_log.c.kind == ORDER] if self.orders else []
+        if self.transports:
+            carried = change_log.c.kind == TRANSPORT
+            if self.places is not None:
+                carried &= c.source.in_(self.places) | c.destination.in_(self.places)
+            if self.caller:
+                carried &= c.caller == self.caller
+            shown.append(carried)
+        return [or_(false(), *shown)]
+
+
+class ChangeLog:
+    """The change log, inside one transaction."""
+
+    def __init__(self, connection: AsyncConnection) -> None:
+        self._connection = connection
+
+    async def ends(self) -> tuple[int, int]:
+        """The positions of the oldest and of the newest change that is kept.
+
+        Somebody who has read up to the oldest one, or further, can go on. For this the log begins with a line that is no change, and
+        keeps the newest of those that were forgotten.
+        """
+        c = change_log.c
+        oldest, newest = (
+            await self._connection.execute(select(func.min(c.position), func.max(c.position)))
+        ).one()
+        return oldest or 0, newest or 0
+
+    async def page(self, after: int, until: int, seen: Seen, limit: int) -> list[Change]:
+        """Changes behind a position and up to another one, oldest first.
+
+        Args:
+            after: the position of the last change that is known.
+            until: the position of the last one that is wanted.
+            seen: which ones.
+            limit: how many at most.
+        """
+        c = change_log.c
+        query = (
+            select(c.position, c.kind, c.subject, c.status, c.at_s, orders.c.reference)
+            .select_from(
+                change_log.outerjoin(orders, (c.kind == ORDER) & (orders.c.id == c.subject)).outerjoin(
+                    transports, (c.kind == TRANSPORT) & (transports.c.id == c.subject)
+                )
+            )
+            .where(c.position > after, c.position <= until, *seen.conditions())
+            .order_by(c.position)
+            .limit(limit)
+        )
+        return [Change(*row) for row in await self._connection.execute(query)]
+
+    async def prune(self, before_s: float, at_most: int) -> int:
+        """Forget some from before this moment, all but the newest of them; returns how many."""
+        c = change_log.c
+        oldest = select(c.position, c.at_s).order_by(c.position).limit(at_most + 1)
+        rows = (await self._connection.execute(oldest)).all()
+        old = 0
+        while old < len(rows) and rows[old].at_s < before_s:
+            old += 1
+        if old < 2:
+            return 0
+        last = rows[old - 2].position
+        await self._connection.execute(delete(change_log).where(c.position <= last))
+        return old - 1
