@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -37,7 +38,7 @@ def test_work_is_planned_seen_in_advance_paused_and_removed(
     page: Page, screenshot: Screenshot, complaints: Complaints
 ) -> None:
     plan(page, "Early", "0")
-    page.get_by_label("Sun").check()
+    page.get_by_role("checkbox", name="Sun").check()
     page.get_by_label("at", exact=True).fill("02:30")
     expect(page.get_by_label("Time zone")).to_have_value("Europe/Berlin")
     page.get_by_role("button", name="Show the next moments").click()
@@ -56,8 +57,8 @@ def test_work_is_planned_seen_in_advance_paused_and_removed(
     screenshot(page, "recurring-list")
 
     row.get_by_role("button", name="Early", exact=True).click()
-    expect(page.get_by_label("Sun")).to_be_checked()
-    expect(page.get_by_label("Sat")).not_to_be_checked()
+    expect(page.get_by_role("checkbox", name="Sun")).to_be_checked()
+    expect(page.get_by_role("checkbox", name="Sat")).not_to_be_checked()
     page.get_by_label("Or cron's five fields").fill("61 * * * *")
     page.get_by_role("button", name="Keep", exact=True).click()
     expect(page.locator("#recurring-cron-wrong")).to_contain_text("This is no calendar of cron")
@@ -65,6 +66,16 @@ def test_work_is_planned_seen_in_advance_paused_and_removed(
     # What is refused, the browser tells of by itself.
     assert all("status of 422" in each for each in complaints)
     complaints.clear()
+
+    skip = row.get_by_role("button", name=re.compile("^Skip .* of Early$"))
+    first = str(skip.get_attribute("aria-label")).removeprefix("Skip ").removesuffix(" of Early")
+    skip.click()
+    expect(row).to_contain_text(f"skipped: {first}")
+    expect(row.get_by_role("button", name=f"Skip {first} of Early")).to_have_count(0)
+    screenshot(page, "recurring-skipped")
+    row.get_by_role("button", name=f"Do {first} of Early all the same").click()
+    expect(row.get_by_role("button", name=f"Skip {first} of Early")).to_be_visible()
+    expect(row).not_to_contain_text("skipped")
 
     page.get_by_role("button", name="Pause Early").click()
     expect(row).to_contain_text("paused")

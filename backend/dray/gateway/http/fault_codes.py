@@ -84,6 +84,7 @@ TEXTS: Mapping[str, str] = {
     "zone_unknown": "there is no time zone '{zone}'; give its IANA name, as Europe/Berlin",
     "cron_fields": "give five fields: minute, hour, day of the month, month, day of the week, as 0 6 * * MON-FRI",
     "cron_unreadable": "{why}; give cron's fields, as 0 6 * * MON-FRI",
+    "no_run": "it is no coming moment of this calendar; the next one is {next}",
     "never": "no day is like that; give one that comes",
     "passed": "this time has passed: name a later one, or leave it out",
     "more_than_a_year": "that is more than a year from now: leave it out, and open it then",

@@ -32,15 +32,23 @@ class Calendar:
         expression: of cron, with five fields.
         time_zone: by its IANA name, as `Europe/Berlin`.
         holidays: days of that time zone on which nothing is done.
+        skipped: single moments at which nothing is done.
 
     Raises:
         CalendarError: with what is wrong, and what would be right.
     """
 
-    def __init__(self, expression: str, time_zone: str, holidays: frozenset[date] = frozenset()) -> None:
+    def __init__(
+        self,
+        expression: str,
+        time_zone: str,
+        holidays: frozenset[date] = frozenset(),
+        skipped: frozenset[float] = frozenset(),
+    ) -> None:
         if time_zone not in _time_zones():
             raise CalendarError("time_zone", "zone_unknown", zone=time_zone)
-        self._expression, self._zone, self._holidays = expression, ZoneInfo(time_zone), holidays
+        self._expression, self._zone = expression, ZoneInfo(time_zone)
+        self._holidays, self._skipped = holidays, skipped
         if len(expression.split()) != FIELDS:
             raise CalendarError("calendar", "cron_fields")
         try:
@@ -70,9 +78,12 @@ class Calendar:
             found = next(CronSim(self._expression, start, reverse=True), None)
             if found is None or found.timestamp() <= first_s:
                 return first_s
-            if found.date() not in self._holidays:
+            if found.date() in self._holidays:
+                start = datetime.combine(found.date(), time.min, self._zone)
+            elif found.timestamp() in self._skipped:
+                start = found
+            else:
                 return found.timestamp()
-            start = datetime.combine(found.date(), time.min, self._zone)
 
     def _moments(self, wall_s: float) -> Iterator[float]:
         start = self.local(wall_s)
@@ -84,7 +95,8 @@ class Calendar:
                     # A day is passed over as a whole: by its minutes that could be a thousand steps.
                     start = datetime.combine(found.date(), time(23, 59, 59), self._zone)
                     break
-                yield found.timestamp()
+                if found.timestamp() not in self._skipped:
+                    yield found.timestamp()
             else:
                 return
 

@@ -16,7 +16,7 @@ from pydantic import (
 )
 
 from dray.gateway.http.request_bodies import Line
-from dray.gateway.orders.drafts import MAX_ITEMS, ItemDraft, OrderDraft
+from dray.gateway.orders.drafts import MAX_ITEMS, DueMoment, ItemDraft, OrderDraft
 from dray.gateway.orders.transport_draft import TransportDraft
 from dray.priorities import Priority
 
@@ -84,6 +84,12 @@ Zone = Annotated[Line, Field(max_length=64)]
 
 Holidays = Annotated[list[Day], Field(max_length=HOLIDAYS_MAX)]
 """Days of the time zone on which nothing is done."""
+
+SKIPPED_MAX = 50
+"""Single moments that are left out; for more of them a day off is said, or a pause."""
+
+Skipped = Annotated[list[DueMoment], Field(max_length=SKIPPED_MAX)]
+"""Moments of the calendar at which nothing is done."""
 
 _ONE = "say either transport, what is brought, or order, what is made"
 
@@ -164,6 +170,8 @@ class ScheduleChange(BaseModel):
     calendar: Expression | None = None
     time_zone: Zone | None = None
     holidays: Holidays | None = None
+    skipped: Skipped | None = None
+    """All that are left out from now on: with one more to leave it out, with one fewer to have it done all the same."""
     missed: Missed | None = None
     paused: Annotated[bool | None, Field(strict=True)] = None
     transport: Recurring | None = None

@@ -12,7 +12,7 @@ import contextlib
 import logging
 import math
 import secrets
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from datetime import date
 from http import HTTPStatus
 
@@ -143,7 +143,7 @@ class Scheduler:
 
     def _changed(self, row: ScheduleRow, change: ScheduleChange, by: str) -> ScheduleRow:
         now_s = self._wall_s()
-        fields = change.model_dump(exclude_none=True, exclude={"transport", "order", "missed"})
+        fields = change.model_dump(exclude_none=True, exclude={"transport", "order", "missed", "skipped"})
         if change.holidays is not None:
             fields["holidays"] = _kept_days(change.holidays)
         other_work = change.transport is not None or change.order is not None
@@ -155,6 +155,8 @@ class Scheduler:
         after = msgspec.structs.replace(row, **fields, revision=row.revision + 1, by=by, at_s=now_s)
         if _moments(after) != _moments(row):
             after = self._begun(after, now_s)
+        wanted = None if change.skipped is None else [moment.timestamp() for moment in change.skipped]
+        after = self._skipping(after, wanted, now_s)
         if other_work:
             self._runs.check(after, now_s)
         return after
@@ -197,7 +199,8 @@ class Scheduler:
             return
         assert row.next_at_s is not None  # noqa: S101 - it is due
         moment_s = calendar.newest(row.next_at_s, now_s)
-        after = msgspec.structs.replace(row, next_at_s=calendar.after(now_s))
+        coming = [moment_s for moment_s in skipped_of(row) if moment_s > now_s]
+        after = msgspec.structs.replace(row, next_at_s=calendar.after(now_s), skipped=_kept_moments(coming))
         if now_s - moment_s > PUNCTUAL_S and not row.make_up:
             await self._move(row, msgspec.structs.replace(after, missed_at_s=moment_s))
             return
@@ -233,6 +236,30 @@ class Scheduler:
 
     # --- how it is read ---
 
+    def _skipping(self, row: ScheduleRow, wanted: list[float] | None, now_s: float) -> ScheduleRow:
+        """Without some coming moments; what was left out before and is none of its calendar's any more is forgotten.
+
+        Raises:
+            Problem: 422 one is none of its moments.
+        """
+        known = skipped_of(row)
+        calendar = calendar_of(msgspec.structs.replace(row, skipped="[]"))
+        skipped = []
+        for index, moment_s in enumerate(known if wanted is None else wanted):
+            if moment_s > now_s and calendar.after(moment_s - 1.0) == moment_s:
+                skipped.append(moment_s)
+            elif wanted is not None and moment_s not in known:
+                next_s = calendar.after(now_s)
+                coming = "none" if next_s is None else calendar.local(next_s).isoformat()
+                raise unusable(FieldError.of(f"skipped[{index}]", "no_run", next=coming))
+        kept = _kept_moments(skipped)
+        if kept == row.skipped or row.next_at_s is None:
+            return msgspec.structs.replace(row, skipped=kept)
+        # One that has just come is not lost by this.
+        since_s = min(now_s, row.next_at_s - 1.0)
+        after = msgspec.structs.replace(row, skipped=kept)
+        return msgspec.structs.replace(after, next_at_s=calendar_of(after).after(since_s))
+
     def _begun(self, row: ScheduleRow, now_s: float) -> ScheduleRow:
         try:
             next_s = calendar_of(row).after(now_s)
@@ -249,12 +276,17 @@ def calendar_of(row: ScheduleRow) -> Calendar:
     Raises:
         CalendarError: its time zone is not known here.
     """
-    return Calendar(row.calendar, row.time_zone, frozenset(days_of(row)))
+    return Calendar(row.calendar, row.time_zone, frozenset(days_of(row)), frozenset(skipped_of(row)))
 
 
 def days_of(row: ScheduleRow) -> list[date]:
     """The days on which a schedule's work rests."""
     return msgspec.json.decode(row.holidays, type=list[date])
+
+
+def skipped_of(row: ScheduleRow) -> list[float]:
+    """The moments that are left out, in wall clock seconds."""
+    return msgspec.json.decode(row.skipped, type=list[float])
 
 
 def _moments(row: ScheduleRow) -> tuple[str, str, str, bool]:
@@ -263,6 +295,10 @@ def _moments(row: ScheduleRow) -> tuple[str, str, str, bool]:
 
 def _kept_days(days: list[date]) -> str:
     return msgspec.json.encode(sorted(set(days))).decode()
+
+
+def _kept_moments(moments: Iterable[float]) -> str:
+    return msgspec.json.encode(sorted(set(moments))).decode()
 
 
 def _kept_transport(draft: TransportDraft | None) -> str:

@@ -52,6 +52,7 @@ schedules = Table(
     Column("last_refused", Text, nullable=False, server_default=""),
     Column("missed_at_s", Double),
     Column("owner", String(200), nullable=False, server_default=""),
+    Column("skipped", Text, nullable=False, server_default="[]"),
     UniqueConstraint("name"),
     Index(None, "next_at_s"),
     comment="Recurring work. next_at_s: the first moment of its calendar that is not used yet.",
@@ -96,6 +97,8 @@ class ScheduleRow(msgspec.Struct, frozen=True, kw_only=True, gc=False):
     """The last moment that was left out because it was past."""
     owner: str = ""
     """Kind and id of who has begun it; empty where nobody knows."""
+    skipped: str = "[]"
+    """JSON: a list of moments of its calendar at which nothing is done."""
 
 
 _COLUMNS = [schedules.c[name] for name in ScheduleRow.__struct_fields__]

@@ -19,7 +19,7 @@ from dray.gateway.http.responses import PAGE, Cursor, Json, Limit, described, is
 from dray.gateway.http.versions import version_tag
 from dray.gateway.schedules.calendar import Calendar, CalendarError
 from dray.gateway.schedules.drafts import PreviewDraft, RecurringOrder, ScheduleChange, ScheduleDraft
-from dray.gateway.schedules.scheduler import Scheduler, calendar_of, days_of
+from dray.gateway.schedules.scheduler import Scheduler, calendar_of, days_of, skipped_of
 from dray.store import Store
 from dray.store.orders.schedules import ScheduleRow
 
@@ -90,6 +90,8 @@ class ScheduleAnswer(msgspec.Struct, frozen=True, kw_only=True):
     calendar: str
     time_zone: str
     holidays: tuple[str, ...]
+    skipped: tuple[str, ...] = ()
+    """Moments of its calendar at which nothing is done, in its time zone."""
     missed: str
     """skip or catch_up: what is done about moments that have passed while no gateway was there."""
     paused: bool
@@ -228,7 +230,7 @@ async def change_schedule(
     draft: ScheduleChange,
     if_match: IfMatch = None,
 ) -> Json:
-    """Change a schedule, pause it or let it go on. What passes while it is paused is never made up for."""
+    """Change a schedule, leave out single moments, pause it or let it go on. What passes while it is paused is never made up for."""
     note.target = schedule
     note.detail |= draft.model_dump(mode="json", exclude_none=True, by_alias=True)
     _admit(caller, draft.order)
@@ -287,6 +289,7 @@ def _answer(row: ScheduleRow) -> ScheduleAnswer:
         calendar=row.calendar,
         time_zone=row.time_zone,
         holidays=tuple(day.isoformat() for day in days_of(row)),
+        skipped=_skipped(row),
         missed="catch_up" if row.make_up else "skip",
         paused=row.paused,
         transport=msgspec.json.decode(row.transport, type=RecurringTransport) if row.transport else None,
@@ -297,6 +300,15 @@ def _answer(row: ScheduleRow) -> ScheduleAnswer:
         changed_by=row.by,
         changed_at=iso(row.at_s),
     )
+
+
+def _skipped(row: ScheduleRow) -> tuple[str, ...]:
+    moments = skipped_of(row)
+    try:
+        local = calendar_of(row).local
+    except CalendarError:
+        return tuple(map(iso, moments))
+    return tuple(local(at_s).isoformat() for at_s in moments)
 
 
 def _next_runs(row: ScheduleRow) -> tuple[str, ...]:

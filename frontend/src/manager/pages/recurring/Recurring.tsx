@@ -73,11 +73,13 @@ export function Recurring() {
 }
 
 function Row({ act, schedule }: { schedule: Schedule; act: (what: Promise<unknown>) => Promise<void> }) {
-  const { calendar, name, next_runs, paused, time_zone } = schedule;
+  const { calendar, name, next_runs, paused, skipped, time_zone } = schedule;
   const times = timesOf(schedule);
   const named = times?.days.map((day) => dayName(day, language.value)) ?? [];
   const days = named.length > 0 ? named.join(", ") : t("recurring.everyDay");
-  const [next, ...later] = next_runs.map((moment) => shown(moment, time_zone, language.value));
+  const at = (moment: string): string => shown(moment, time_zone, language.value);
+  const [next, ...later] = next_runs;
+  const leaveOut = (moments: readonly string[]): void => void act(changeSchedule(schedule, { skipped: [...moments] }));
   return (
     <tr>
       <th scope="row">
@@ -93,8 +95,22 @@ function Row({ act, schedule }: { schedule: Schedule; act: (what: Promise<unknow
         <small class="line muted">{time_zone}</small>
       </td>
       <td>
-        {paused ? <Tag tone="warn">{t("recurring.paused")}</Tag> : (next ?? "–")}
-        <small class="line muted">{later.join(" · ")}</small>
+        {paused && <Tag tone="warn">{t("recurring.paused")}</Tag>}
+        {!paused && (next === undefined ? "–" : at(next))}
+        {next !== undefined && (
+          <button type="button" class="link recurring-omit" aria-label={t("recurring.omitOf", { at: at(next), name })} onClick={() => { leaveOut([...skipped, next]); }}>
+            {t("recurring.omit")}
+          </button>
+        )}
+        <small class="line muted">{later.map(at).join(" · ")}</small>
+        {skipped.map((moment) => (
+          <small class="line muted" key={moment}>
+            {t("recurring.omitted", { at: at(moment) })}
+            <button type="button" class="link recurring-omit" aria-label={t("recurring.undoOf", { at: at(moment), name })} onClick={() => { leaveOut(skipped.filter((each) => each !== moment)); }}>
+              {t("recurring.undo")}
+            </button>
+          </small>
+        ))}
       </td>
       <td>
         <Last schedule={schedule} />
