@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import asyncio
+import csv
+import io
 from datetime import datetime
 from typing import Any
 
 import pytest
 from answers import problem
 from fake_bus import FakeBus
-from gateway_kit import House, gateway
+from gateway_kit import PRODUCT, House, gateway
 from recurring_kit import BRING, DAY_S, DRAFT, PATH, SIX_S, added, brought, change, look
 from wall_clock import NOW_S, Wall
 
@@ -335,3 +337,28 @@ async def test_what_is_left_out_in_a_pause_stays_left_out(house: House) -> None:
     assert (await change(house, paused, skipped=[at]))["next_runs"] == []
     on = await change(house, await house.get(f"{PATH}/{paused['id']}"), paused=False)
     assert on["next_runs"][0] == "2030-03-19T06:00:00+01:00"
+
+
+async def test_all_of_it_is_a_table_with_a_row_for_each_item(house: House) -> None:
+    order = {
+        "customer": "=Hall 3",
+        "items": [{"product": "pump-p3", "quantity": 20}, {"product": PRODUCT, "quantity": 2}],
+        "due_after_s": 3600.0,
+    }
+    shafts = await added(house, holidays=["2030-12-25", "2030-12-26"])
+    await added(house, name="Pumps", calendar="0 7 * * *", transport=None, order=order)
+    await look(house, SIX_S)
+    answer = await house.client.get(PATH, params={"format": "csv"})
+    assert answer.headers["content-type"].startswith("text/csv")
+    rows = sorted(csv.DictReader(io.StringIO(answer.text)), key=lambda row: row["item"])
+    by_item = {row["item"]: row for row in rows}
+    assert list(by_item) == sorted([PRODUCT, "pump-p3", "shaft"])
+    shaft, pump = by_item["shaft"], by_item["pump-p3"]
+    [brought_now] = await brought(house)
+    assert (shaft["name"], shaft["kind"], shaft["from"], shaft["to"]) == ("Shafts", "transport", "S3", "M8")
+    assert (shaft["holidays"], shaft["last"]) == ("2030-12-25 2030-12-26", brought_now["id"])
+    assert shaft["next_run"] == shafts["next_runs"][1]
+    assert (pump["kind"], pump["quantity"], pump["due_after_s"]) == ("order", "20", "3600.0")
+    # No program takes it for a formula.
+    assert pump["customer"] == "'=Hall 3"
+    assert pump["last"] == ""

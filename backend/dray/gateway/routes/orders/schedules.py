@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from http import HTTPStatus
 from typing import Annotated
 
@@ -12,6 +13,7 @@ from dray.gateway.access.audit_log import Noted
 from dray.gateway.access.caller import Caller
 from dray.gateway.access.gate import forbidden
 from dray.gateway.access.principal import Principal, Scope
+from dray.gateway.http.csv_tables import Format, Row, table, with_csv
 from dray.gateway.http.problems import not_found, unusable
 from dray.gateway.http.provided import Now, Provided
 from dray.gateway.http.request_bodies import json_only
@@ -136,13 +138,43 @@ EXAMPLES = (
 """One of each answer."""
 
 
-@router.get(
-    "/schedules", responses={200: list_of(ScheduleAnswer, "Recurring work, by id")}, response_class=Json
+COLUMNS = (
+    *("name", "calendar", "time_zone", "holidays", "skipped", "missed", "paused", "kind"),
+    *(
+        "from",
+        "to",
+        "customer",
+        "reference",
+        "item",
+        "quantity",
+        "priority",
+        "vehicle",
+        "ability",
+        "due_after_s",
+    ),
+    *("next_run", "last_planned_at", "last", "last_refused"),
 )
-async def list_schedules(store: Provided[Store], cursor: Cursor = None, limit: Limit = PAGE) -> Json:
-    """What is brought or ordered again and again: by which calendar, when next, and what came of it last."""
+
+
+@router.get(
+    "/schedules",
+    responses={200: with_csv(list_of(ScheduleAnswer, "Recurring work, by id"))},
+    response_class=Json,
+)
+async def list_schedules(
+    store: Provided[Store],
+    cursor: Cursor = None,
+    limit: Limit = PAGE,
+    format: Format = "json",  # noqa: A002 - the word that others use
+) -> Response:
+    """What is brought or ordered again and again: by which calendar, when next, and what came of it last.
+
+    As a table it has a row for each transport, and for each item of an order.
+    """
     async with store.read() as work:
         rows = await work.schedules.all()
+    if format == "csv":
+        return table("recurring", COLUMNS, (line for row in rows for line in _lines(_answer(row))))
     return page([_answer(row) for row in rows], lambda each: each.id, cursor, limit)
 
 
@@ -300,6 +332,25 @@ def _answer(row: ScheduleRow) -> ScheduleAnswer:
         changed_by=row.by,
         changed_at=iso(row.at_s),
     )
+
+
+def _lines(each: ScheduleAnswer) -> Iterator[Row]:
+    """As rows of a table, with the cells of COLUMNS."""
+    days, skipped = " ".join(each.holidays), " ".join(each.skipped)
+    begin = (each.name, each.calendar, each.time_zone, days, skipped, each.missed, each.paused)
+    last = LastRun(planned_at="") if each.last is None else each.last
+    came = last.transport or last.order
+    end = (next(iter(each.next_runs), None), last.planned_at, came, last.refused)
+    if (one := each.transport) is not None:
+        what = (one.item, one.quantity, one.priority, one.vehicle, one.ability)
+        yield (*begin, "transport", one.source, one.to, None, None, *what, None, *end)
+    if (order := each.order) is not None:
+        for item in order.items:
+            what = (item.product, item.quantity, order.priority, None, None)
+            yield (
+                *(*begin, "order", None, None, order.customer, order.reference),
+                *(*what, order.due_after_s, *end),
+            )
 
 
 def _skipped(row: ScheduleRow) -> tuple[str, ...]:

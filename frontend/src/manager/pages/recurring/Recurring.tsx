@@ -4,6 +4,7 @@ import { Table } from "../../../parts/Table";
 import { Tag } from "../../../parts/Tag";
 import { language, speakAlso } from "../../../text/speech";
 import { format, t, tables } from "../../../text/views/recurring";
+import { CsvLink } from "../../parts/filters/CsvLink";
 import { Sure } from "../../parts/Sure";
 import { problemText } from "../../problem-text";
 import { useRefreshed } from "../../refreshed";
@@ -50,9 +51,12 @@ export function Recurring() {
       empty={unread.value === null ? t(answer.value ? "recurring.none" : "view.loading") : t("list.failed", { reason: unread.value })}
       busy={answer.value === null && unread.value === null}
       aside={
-        <button type="button" class="button primary" popovertarget={FORM} onClick={() => { begin(null); }}>
-          {t("recurring.add")}
-        </button>
+        <>
+          <CsvLink href="/api/schedules?format=csv" />
+          <button type="button" class="button primary" popovertarget={FORM} onClick={() => { begin(null); }}>
+            {t("recurring.add")}
+          </button>
+        </>
       }
       below={
         <>
