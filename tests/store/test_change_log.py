@@ -183,7 +183,7 @@ async def test_what_is_forgotten_leaves_a_mark(store: Store) -> None:
 
 async def test_after_an_upgrade_orders_from_before_are_followed(store: Store) -> None:
     await keep(store, order(1))
-    await downgrade(store.database, "0036")
+    await downgrade(store.database, "0038")
     await upgrade(store.database)
     assert await told(store) == []
     async with store.write() as work:

@@ -1,6 +1,6 @@
 """The change log in SQL: every change of an order or a plain transport, numbered in the order of the commits.
 
-Triggers on both tables write it (`migrations/versions/0037_change_log.py`), so nothing that changes an order can leave it out. The
+Triggers on both tables write it (`migrations/versions/0039_change_log.py`), so nothing that changes an order can leave it out. The
 database has one writer at a time: whoever has read up to a position has missed nothing before it.
 """
 

@@ -3,7 +3,7 @@
 Triggers write them: whatever changes an order is noted, in its transaction. There is one writer at a time, so numbers follow one
 another as commits do.
 
-Revision: 0037, after 0036
+Revision: 0039, after 0038
 """
 
 from __future__ import annotations
@@ -11,8 +11,8 @@ from __future__ import annotations
 import sqlalchemy as sa
 from alembic import op
 
-revision = "0037"
-down_revision = "0036"
+revision = "0039"
+down_revision = "0038"
 branch_labels = None
 depends_on = None
 
