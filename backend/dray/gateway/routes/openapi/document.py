@@ -38,6 +38,7 @@ from dray.gateway.live.views import (
 )
 from dray.gateway.live.views.duty import DutyView
 from dray.gateway.orders.feasibility import OrderPreview
+from dray.gateway.orders.transport_timeline import TransportStory
 from dray.gateway.routes.factory.command_answers import CommandAnswer
 from dray.gateway.routes.factory.duty import CallAnswered
 from dray.gateway.routes.factory.faults import FaultsAnswer
@@ -132,6 +133,7 @@ SHAPES = (
     TrackAnswer,
     TrafficAnswer,
     TransportAnswer,
+    TransportStory,
     WaitView,
 )
 """Structs that routers answer with, and the frames of the stream."""

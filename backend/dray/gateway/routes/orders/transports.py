@@ -29,7 +29,9 @@ from dray.gateway.http.responses import (
 )
 from dray.gateway.live.projection import Projection
 from dray.gateway.orders.idempotency import Key, own_key
+from dray.gateway.orders.timeline import LegView, MomentView, WayOutView
 from dray.gateway.orders.transport_draft import TransportDraft
+from dray.gateway.orders.transport_timeline import KINDS, TransportStory, transport_timeline
 from dray.gateway.orders.transports import PlainTransports
 from dray.gateway.orders.wanted_vehicle import why_not
 from dray.gateway.routes.search import Words
@@ -93,6 +95,37 @@ EXAMPLE = TransportAnswer(
     carrier="ATV6",
     expected_at="2030-01-01T10:44:00Z",
     task="T-1M9K3X2A4-K7QM-1",
+)
+
+ATTEMPTS_MOST = 100
+"""Times that one transport may have been given out and is told so: once usually, and again for each restart of its destination."""
+
+EVENTS_MOST = 2_000
+"""Events that are read for one transport: ten takeovers of each attempt have fewer."""
+
+STORY = TransportStory(
+    attempts=(
+        WayOutView(
+            task="T-1M9K3X2A4-K7QM-1",
+            goal="",
+            item="bearing",
+            quantity=40,
+            source="S5",
+            destination="M8",
+            opened_at_s=1_893_493_020.0,
+            legs=(LegView(carrier="ATV6", since_at_s=1_893_493_025.0, aboard_at_s=1_893_493_080.0),),
+        ),
+    ),
+    moments=(
+        MomentView(
+            kind="called",
+            at_s=1_893_493_020.0,
+            agent="Call button M8",
+            other="M8",
+            item="bearing",
+            quantity=40,
+        ),
+    ),
 )
 
 DRAFTS = {
@@ -211,6 +244,28 @@ async def get_transport(
     if row is None or not transports.may_see(row, caller):
         raise not_found("transport", transport, "GET /api/transports")
     return Json(transport_answer(row, why_not(row, projection, now_s)))
+
+
+@router.get(
+    "/transports/{transport}/timeline",
+    responses={
+        200: described(TransportStory, "How it was given out, who carried it, and what happened", STORY),
+        **problems(p404="There is no such transport"),
+    },
+    response_class=Json,
+)
+async def transport_timeline_of(
+    store: Provided[Store], transports: Provided[PlainTransports], caller: Caller, transport: str
+) -> Json:
+    """All of one plain transport: called for, won, fetched, handed over, and whoever took it over."""
+    async with store.read() as work:
+        row = await work.transports.get(transport)
+        if row is None or not transports.may_see(row, caller):
+            raise not_found("transport", transport, "GET /api/transports")
+        tasks = await work.tasks.of_transport(transport, ATTEMPTS_MOST)
+        rows = await work.events.of_tasks([task.id for task in tasks], KINDS, EVENTS_MOST + 1)
+    is_whole = len(rows) <= EVENTS_MOST
+    return Json(transport_timeline(row, tasks, rows[:EVENTS_MOST], is_whole=is_whole))
 
 
 @router.post(

@@ -96,22 +96,27 @@ function LanesCard({ order, story }: { order: OrderView; story: Story }) {
       ) : (
         <Lanes groups={groups} span={span} nowS={isClosed(order) ? Infinity : nowS.value} dueS={order.due_at_s} expected={expected} />
       )}
-      {groups.length > 0 && (
-        <p class="lane-legend" aria-hidden="true">
-          {drawn.map((kind) => (
-            <span key={kind}>
-              <i class={kind === "now" || kind === "due" ? `lane-${kind}` : `lane-bar lane-${kind}`} /> {t(`lanes.legend.${kind}`)}
-            </span>
-          ))}
-        </p>
-      )}
+      {groups.length > 0 && <Legend kinds={drawn} />}
       {transport && <Told transport={transport} />}
     </Card>
   );
 }
 
+/** What the bars and lines of the lanes mean. */
+export function Legend({ kinds }: { kinds: ReturnType<typeof legendOf> }) {
+  return (
+    <p class="lane-legend" aria-hidden="true">
+      {kinds.map((kind) => (
+        <span key={kind}>
+          <i class={kind === "now" || kind === "due" ? `lane-${kind}` : `lane-bar lane-${kind}`} /> {t(`lanes.legend.${kind}`)}
+        </span>
+      ))}
+    </p>
+  );
+}
+
 /** The chosen transport, in words. */
-function Told({ transport }: { transport: Transport }) {
+export function Told({ transport }: { transport: Transport }) {
   const carrier = transport.legs.at(-1)?.carrier ?? "";
   return (
     <div class="order-told" role="status">

@@ -16,7 +16,7 @@ import { PrintButton } from "../../parts/paper/PrintButton";
 import { sortBy, usePaged } from "../../parts/pages/paged";
 import { ShowLink } from "../../parts/ShowLink";
 import { names, plant, taskName } from "../../state";
-import { addressOf, asked } from "../../views";
+import { addressOf, addressOfTransport, asked, transportOf } from "../../views";
 import { heldKey, machineHeldKey } from "../../parts/rows/held";
 import { queryOf, STATES, tableOf } from "./filter";
 import { factoryTime } from "../../../text/plant-time";
@@ -102,6 +102,7 @@ function Row({ task }: { task: Shown }) {
   const source = task.source.replaceAll("/", " / ");
   const opened = live && isOpen(live);
   const name = taskName(task.id, order, task.reference ?? order);
+  const called = transportOf(task.id);
   return (
     <tr>
       <th scope="row">
@@ -109,7 +110,10 @@ function Row({ task }: { task: Shown }) {
       </th>
       <td>{t("auction.what", { quantity: format.count(task.quantity), item: names.value(task.item) })}</td>
       <td>{task.destination && t("auction.way", { source, destination: task.destination })}</td>
-      <td>{order && <a class="link" href={addressOf(order)}>{task.reference ?? order}</a>}</td>
+      <td>
+        {order && <a class="link" href={addressOf(order)}>{task.reference ?? order}</a>}
+        {called && <a class="link" href={addressOfTransport(called)}>{called}</a>}
+      </td>
       <td>
         {live?.phase && opened ? word("phase", live.phase) : word("state", task.state)}
         {live?.trouble != null && <small class="line tone-warn">{causeText(live.trouble)}</small>}

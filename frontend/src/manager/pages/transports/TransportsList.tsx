@@ -10,7 +10,7 @@ import { usePaged } from "../../parts/pages/paged";
 import { Sure } from "../../parts/Sure";
 import { problemText } from "../../problem-text";
 import { names, plant } from "../../state";
-import { asked as address } from "../../views";
+import { addressOfTransport, asked as address } from "../../views";
 import "./call.css";
 import { CallForm, FORM } from "./CallForm";
 import { canCallOff, queryOf, STATES } from "./filter";
@@ -103,7 +103,9 @@ function Row({ end, transport }: { transport: TransportAnswer; end: (id: string)
     <tr>
       <th scope="row">
         {format.count(quantity)} {names.value(item)}
-        <small class="line muted">{id}</small>
+        <small class="line">
+          <a class="link" href={addressOfTransport(id)}>{id}</a>
+        </small>
       </th>
       <td>{t("called.wayOf", { source: transport.from, to })}</td>
       <td>
