@@ -27,6 +27,7 @@ from dray.gateway.factory.closings import Closings
 from dray.gateway.factory.commands import Commands
 from dray.gateway.factory.duty import DutyRota, OperatorHost
 from dray.gateway.factory.dxf_plans import DxfPlans
+from dray.gateway.factory.estimate_keeper import EstimateKeeper
 from dray.gateway.factory.exclusions import Exclusions
 from dray.gateway.factory.fault_injection import FaultInjection, FaultInjector
 from dray.gateway.factory.figure_sampler import Sampler
@@ -105,6 +106,7 @@ class Services:
     changing: OrderChanging
     completions: Completions
     reconciliation: Reconciliation
+    estimates: EstimateKeeper
     transports: PlainTransports
     scheduler: Scheduler
     commands: Commands
@@ -142,6 +144,7 @@ class Services:
             OrderPlacement: self.placement,
             OrderActions: self.actions,
             OrderChanging: self.changing,
+            EstimateKeeper: self.estimates,
             PlainTransports: self.transports,
             Scheduler: self.scheduler,
             Outbox: self.outbox,
@@ -248,6 +251,7 @@ def open_services(
         changing=OrderChanging(store, projection, outbox, wall_s),
         completions=Completions(store, outbox, projection, wall_s),
         reconciliation=Reconciliation(store, outbox, wall_s),
+        estimates=EstimateKeeper(store, projection, wall_s),
         transports=transports,
         scheduler=Scheduler(store, Runs(transports, placement), wall_s),
         commands=commands,
@@ -342,6 +346,7 @@ async def running(services: Services, beside: Beside | None) -> AsyncIterator[No
                 services.outbox,
                 services.completions,
                 services.transports,
+                services.estimates,
                 services.scheduler,
                 services.alerts,
                 services.exclusions,

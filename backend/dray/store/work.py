@@ -32,6 +32,7 @@ from dray.store.history.events import Events
 from dray.store.history.incarnations import Incarnations
 from dray.store.history.samples import Samples
 from dray.store.kept import Kept
+from dray.store.orders.estimates import Estimates
 from dray.store.orders.goals import Goals
 from dray.store.orders.idempotency_keys import IdempotencyKeys
 from dray.store.orders.milestones import Milestones
@@ -58,6 +59,7 @@ class Work:
         self.links = Links(connection)
         self.order_changes = OrderChanges(connection)
         self.order_histories = OrderHistories(connection)
+        self.estimates = Estimates(connection)
         self.goals = Goals(connection)
         self.milestones = Milestones(connection)
         self.transports = Transports(connection)
