@@ -321,6 +321,46 @@ async def test_what_priorities_mean_is_told_as_it_is_done(house: House) -> None:
     assert told["passed_most_s"] == PATIENCE_S
 
 
+async def sorted_ones(house: House) -> list[str]:
+    """Three, of which the one that was called for last is due first."""
+    dues = ("2030-03-18T00:00:00Z", "2030-03-19T00:00:00Z", "2030-03-17T19:00:00Z")
+    names = []
+    for second, due in enumerate(dues):
+        house.wall.now_s += second
+        names.append((await called(house, due_at=due))["id"])
+    return names
+
+
+async def test_they_are_sorted_by_when_they_were_called_and_by_when_they_are_due(house: House) -> None:
+    first, second, third = await sorted_ones(house)
+
+    async def pages(**asked: Any) -> list[str]:
+        found, cursor = [], None
+        while True:
+            page = await house.get(PATH, limit=2, **asked, **({"cursor": cursor} if cursor else {}))
+            found += [each["id"] for each in page["items"]]
+            if (cursor := page["next_cursor"]) is None:
+                return found
+
+    assert await pages() == [third, second, first]
+    assert await pages(descending=False) == [first, second, third]
+    assert await pages(sort="due", descending=False) == [third, first, second]
+    assert await pages(sort="due") == [second, first, third]
+    assert (await house.client.get(PATH, params={"sort": "colour"})).status_code == 422
+
+
+async def test_all_of_them_come_as_a_table_in_the_same_order(house: House) -> None:
+    first, second, third = await sorted_ones(house)
+    answer = await house.client.get(PATH, params={"format": "csv", "sort": "due", "limit": 1})
+    assert answer.headers["content-type"].startswith("text/csv")
+    header, *lines = answer.text.splitlines()
+    assert header.startswith("id,status,from,to,item,quantity,priority,")
+    assert [line.split(",")[0] for line in lines] == [second, first, third]
+    _, stranger = await house.key(Scope.TRANSPORTS_CALL)
+    others = await house.visitor(**stranger).get(PATH, params={"format": "csv"})
+    assert others.text.splitlines() == [header]
+
+
 # --- its timeline -----------------------------------------------------------------------------------
 
 

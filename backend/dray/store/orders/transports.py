@@ -7,6 +7,7 @@ newest counts, and an end stays.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from typing import Literal
 
 import msgspec
 from sqlalchemy import (
@@ -20,10 +21,12 @@ from sqlalchemy import (
     Table,
     Text,
     UniqueConstraint,
+    delete,
     func,
     insert,
     or_,
     select,
+    tuple_,
     update,
 )
 from sqlalchemy.exc import IntegrityError
@@ -70,6 +73,8 @@ transports = Table(
     UniqueConstraint("key"),
     Index(None, "created_at_s", "id"),
     Index(None, "status", "created_at_s", "id"),
+    Index(None, "due_at_s", "id"),
+    Index(None, "ended_at_s"),
     comment="Plain transports. incarnation, number: the newest event of its destination that was told about it.",
 )
 
@@ -121,6 +126,16 @@ class TransportRow(msgspec.Struct, frozen=True, kw_only=True, gc=False):
     def has_ended(self) -> bool:
         """Whether nothing changes any more."""
         return self.status in TRANSPORT_ENDED
+
+
+SortedBy = Literal["called", "due"]
+
+_KEYS = {"called": transports.c.created_at_s, "due": transports.c.due_at_s}
+
+
+def place_of(row: TransportRow, by: SortedBy) -> tuple[float, str]:
+    """Where a transport stands in a list."""
+    return (row.created_at_s if by == "called" else row.due_at_s), row.id
 
 
 _OPEN = [state.value for state in TransportState if state not in TRANSPORT_ENDED]
@@ -182,19 +197,25 @@ class Transports:
         after: tuple[float, str] | None,
         limit: int,
         words: Sequence[Sought] = (),
+        by: SortedBy = "called",
+        descending: bool = True,
     ) -> list[TransportRow]:
-        """Some, newest first.
+        """Some, newest first if nothing else is said.
 
         Args:
             statuses: only these; empty for all.
             places: only those from or to one of these; None for all.
             caller: only those of this one; empty for all.
-            after: where the page before has ended.
+            after: where the page before has ended (`place_of`).
             limit: how many at most.
+            by: what they are sorted by; those that are alike stand by their ids.
+            descending: the direction.
             words: each stands somewhere in it: in its id, its places, what is brought, its vehicle, or who has called it.
         """
         c = transports.c
-        query = select(*_COLUMNS).order_by(c.created_at_s.desc(), c.id.desc()).limit(limit)
+        key = _KEYS[by]
+        query = select(*_COLUMNS).limit(limit)
+        query = query.order_by(key.desc(), c.id.desc()) if descending else query.order_by(key, c.id)
         if statuses:
             query = query.where(c.status.in_([status.value for status in statuses]))
         if places is not None:
@@ -204,9 +225,14 @@ class Transports:
         for word in words:
             query = query.where(_holds(word))
         if after is not None:
-            at_s, name = after
-            query = query.where((c.created_at_s < at_s) | ((c.created_at_s == at_s) & (c.id < name)))
+            here, there = tuple_(key, c.id), tuple_(*after)
+            query = query.where(here < there if descending else here > there)
         return [_row(row) for row in await self._connection.execute(query)]
+
+    async def prune(self, before_s: float, at_most: int) -> int:
+        """Forget some that ended before then; returns how many."""
+        old = select(transports.c.id).where(transports.c.ended_at_s < before_s).limit(at_most)
+        return (await self._connection.execute(delete(transports).where(transports.c.id.in_(old)))).rowcount
 
     async def put(self, row: TransportRow) -> None:
         """Replace what is known of one."""

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import AsyncIterator, Awaitable, Callable
 from http import HTTPStatus
 from typing import Annotated
 
 import msgspec
 from fastapi import APIRouter, Depends, Query
+from fastapi.responses import Response
+from msgspec.structs import fields
 
 from dray.gateway.access.audit_log import Noted
 from dray.gateway.access.caller import Caller
 from dray.gateway.access.principal import Principal, Scope
+from dray.gateway.http.csv_tables import Format, Row, row_of, table, with_csv
 from dray.gateway.http.problems import not_found
 from dray.gateway.http.provided import Now, Provided
 from dray.gateway.http.request_bodies import json_only
@@ -37,7 +41,7 @@ from dray.gateway.orders.wanted_vehicle import why_not
 from dray.gateway.routes.search import Words
 from dray.messages import TransportState
 from dray.store import Store
-from dray.store.orders.transports import TransportRow
+from dray.store.orders.transports import SortedBy, TransportRow, place_of
 
 router = APIRouter(tags=["transports"])
 
@@ -96,6 +100,14 @@ EXAMPLE = TransportAnswer(
     expected_at="2030-01-01T10:44:00Z",
     task="T-1M9K3X2A4-K7QM-1",
 )
+
+COLUMNS = tuple(name for name in TransportAnswer.__struct_fields__ if name != "vehicle_waits")
+"""Of a table: all but what is so at this moment only."""
+
+HEADER = tuple(each.encode_name for each in fields(TransportAnswer) if each.name in COLUMNS)
+
+ROWS_AT_ONCE = 500
+"""Transports read in one go for a table."""
 
 ATTEMPTS_MOST = 100
 """Times that one transport may have been given out and is told so: once usually, and again for each restart of its destination."""
@@ -185,7 +197,7 @@ async def call_transport(
 
 @router.get(
     "/transports",
-    responses={200: list_of(TransportAnswer, "Plain transports, newest first")},
+    responses={200: with_csv(list_of(TransportAnswer, "Plain transports, newest first"))},
     response_class=Json,
 )
 async def list_transports(
@@ -199,27 +211,52 @@ async def list_transports(
     place: Annotated[
         str, Query(max_length=32, pattern=r"^[^\x00]*$", description="Only those from or to this place")
     ] = "",
+    sort: Annotated[SortedBy, Query(description="`called`: by when they were called for")] = "called",
+    descending: bool = True,
     cursor: Cursor = None,
     limit: Limit = PAGE,
-) -> Json:
-    """All plain transports there ever were; a caller that is limited to areas sees those from and to them."""
+    format: Format = "json",  # noqa: A002 - the word that others use
+) -> Response:
+    """All plain transports that are kept; a caller that is limited to areas sees those from and to them."""
     after = read_cursor(cursor, tuple[float, str])
     own = transports.places_of(caller)
     places = own if not place else frozenset({place}) if own is None else own & {place}
-    async with store.read() as work:
-        rows = await work.transports.page(
-            statuses=status or (),
-            places=None if places is None else sorted(places),
-            caller=_only_own(caller),
-            after=after,
-            limit=limit + 1,
-            words=words,
-        )
+
+    async def read(after: tuple[float, str] | None, most: int) -> list[TransportRow]:
+        async with store.read() as work:
+            return await work.transports.page(
+                statuses=status or (),
+                places=None if places is None else sorted(places),
+                caller=_only_own(caller),
+                after=after,
+                limit=most,
+                words=words,
+                by=sort,
+                descending=descending,
+            )
+
+    if format == "csv":
+        return table("transports", HEADER, _rows(read, sort))
+    rows = await read(after, limit + 1)
     last = rows[limit - 1] if len(rows) > limit else None
     return listing(
         [transport_answer(row, why_not(row, projection, now_s)) for row in rows[:limit]],
-        None if last is None else write_cursor(last.created_at_s, last.id),
+        None if last is None else write_cursor(*place_of(last, sort)),
     )
+
+
+async def _rows(
+    read: Callable[[tuple[float, str] | None, int], Awaitable[list[TransportRow]]], sort: SortedBy
+) -> AsyncIterator[Row]:
+    """All that are wanted, as cells, read page by page."""
+    after: tuple[float, str] | None = None
+    while True:
+        rows = await read(after, ROWS_AT_ONCE)
+        for row in rows:
+            yield row_of(COLUMNS, transport_answer(row))
+        if len(rows) < ROWS_AT_ONCE:
+            return
+        after = place_of(rows[-1], sort)
 
 
 @router.get(
