@@ -14,7 +14,7 @@ export async function fetchTransports(place: string, limit: number): Promise<Tra
 }
 
 /** A page of all there ever were, the newest first. */
-export async function fetchCalled(query: { q?: string; status?: TransportState[]; place?: string; sort?: "called" | "due"; descending?: boolean; limit: number; cursor?: string }): Promise<{ items: TransportAnswer[]; next_cursor: string | null }> {
+export async function fetchCalled(query: { q?: string; status?: TransportState[]; place?: string; sort?: "called" | "due"; descending?: boolean; limit: number; cursor?: string }): Promise<{ items: TransportAnswer[]; next_cursor: string | null; total: number | null }> {
   return await bodyOf(gateway.GET("/api/transports", { params: { query } }));
 }
 

@@ -31,6 +31,7 @@ from sqlalchemy.ext.asyncio import AsyncConnection
 
 from dray.messages import Event, Production, Role, Transport
 from dray.messages.fact import AwardAnswered, CarrierChanged, TaskClosed, TaskOpened, WatchLost
+from dray.store.database.counting import total_of
 from dray.store.database.dialect import insert_new
 from dray.store.database.searching import Sought, searched
 from dray.store.history.clocks import ToWall
@@ -212,6 +213,10 @@ class Tasks:
             place = fields.pop("place")
             found.append((TaskRow(**fields), (place, row.id)))
         return found
+
+    async def total(self, wanted: TaskFilter) -> int | None:
+        """How many are wanted; None for very many."""
+        return await total_of(self._connection, select(tasks.c.id).where(*wanted.conditions()))
 
     async def follow(self, new: Iterable[Event], to_wall_s: ToWall) -> None:
         """Bring them up to date with what coordinators have told."""

@@ -267,6 +267,8 @@ def _tell_shapes(operation: dict[str, Any]) -> None:
         elif "items" in schema.get("properties", {}):
             items = [examples()[_name(schema["properties"]["items"]["items"])]]
             content["example"] = {"items": items, "next_cursor": None}
+            if "total" in schema.get("properties", ()):
+                content["example"]["total"] = len(items)
 
 
 def _with_nulls(example: dict[str, Any], name: str) -> object:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator, Awaitable, Callable
+from collections.abc import AsyncIterator
 from http import HTTPStatus
 from typing import Annotated
 
@@ -23,10 +23,10 @@ from dray.gateway.http.responses import (
     Cursor,
     Json,
     Limit,
+    counted,
+    counted_list_of,
     described,
     iso,
-    list_of,
-    listing,
     problems,
     read_cursor,
     write_cursor,
@@ -41,7 +41,7 @@ from dray.gateway.orders.wanted_vehicle import why_not
 from dray.gateway.routes.search import Words
 from dray.messages import TransportState
 from dray.store import Store
-from dray.store.orders.transports import SortedBy, TransportRow, place_of
+from dray.store.orders.transports import SortedBy, TransportFilter, TransportRow, place_of
 
 router = APIRouter(tags=["transports"])
 
@@ -197,7 +197,7 @@ async def call_transport(
 
 @router.get(
     "/transports",
-    responses={200: with_csv(list_of(TransportAnswer, "Plain transports, newest first"))},
+    responses={200: with_csv(counted_list_of(TransportAnswer, "Plain transports, newest first"))},
     response_class=Json,
 )
 async def list_transports(
@@ -222,36 +222,34 @@ async def list_transports(
     own = transports.places_of(caller)
     places = own if not place else frozenset({place}) if own is None else own & {place}
 
-    async def read(after: tuple[float, str] | None, most: int) -> list[TransportRow]:
-        async with store.read() as work:
-            return await work.transports.page(
-                statuses=status or (),
-                places=None if places is None else sorted(places),
-                caller=_only_own(caller),
-                after=after,
-                limit=most,
-                words=words,
-                by=sort,
-                descending=descending,
-            )
-
+    wanted = TransportFilter(
+        statuses=status or (),
+        places=None if places is None else sorted(places),
+        caller=_only_own(caller),
+        words=words,
+    )
     if format == "csv":
-        return table("transports", HEADER, _rows(read, sort))
-    rows = await read(after, limit + 1)
+        return table("transports", HEADER, _rows(store, wanted, sort, descending))
+    async with store.read() as work:
+        rows = await work.transports.page(wanted, after, limit + 1, sort, descending=descending)
+        is_all = cursor is None and len(rows) <= limit
+        total = len(rows) if is_all else None if words else await work.transports.total(wanted)
     last = rows[limit - 1] if len(rows) > limit else None
-    return listing(
+    return counted(
         [transport_answer(row, why_not(row, projection, now_s)) for row in rows[:limit]],
         None if last is None else write_cursor(*place_of(last, sort)),
+        total,
     )
 
 
 async def _rows(
-    read: Callable[[tuple[float, str] | None, int], Awaitable[list[TransportRow]]], sort: SortedBy
+    store: Store, wanted: TransportFilter, sort: SortedBy, descending: bool
 ) -> AsyncIterator[Row]:
     """All that are wanted, as cells, read page by page."""
     after: tuple[float, str] | None = None
     while True:
-        rows = await read(after, ROWS_AT_ONCE)
+        async with store.read() as work:
+            rows = await work.transports.page(wanted, after, ROWS_AT_ONCE, sort, descending=descending)
         for row in rows:
             yield row_of(COLUMNS, transport_answer(row))
         if len(rows) < ROWS_AT_ONCE:

@@ -8,7 +8,7 @@ import { format, t, tables, word } from "../../../text/views/records";
 import { ListKeptNote } from "../../parts/kept/KeptNote";
 import { Pages } from "../../parts/pages/Pages";
 import { PrintButton } from "../../parts/paper/PrintButton";
-import { narrow } from "../../parts/pages/paged";
+import { countOf, narrow } from "../../parts/pages/paged";
 import { addressOf, addressOfTransport, isTransport } from "../../views";
 import { detailText } from "./detail";
 import { Filters } from "./Filters";
@@ -33,7 +33,7 @@ export function AuditList() {
       hint={t("audit.hint")}
       empty={emptyText(page.value === null, failed.value)}
       busy={page.value === null && failed.value === null}
-      more={page.value?.next_cursor != null}
+      {...countOf(page.value)}
       sorting={{
         column: 0,
         descending: !oldestFirst.value,

@@ -13,7 +13,7 @@ import { CsvLink } from "../../parts/filters/CsvLink";
 import { ListKeptNote } from "../../parts/kept/KeptNote";
 import { Pages } from "../../parts/pages/Pages";
 import { PrintButton } from "../../parts/paper/PrintButton";
-import { sortBy, usePaged } from "../../parts/pages/paged";
+import { countOf, sortBy, usePaged } from "../../parts/pages/paged";
 import { ShowLink } from "../../parts/ShowLink";
 import { names, plant, taskName } from "../../state";
 import { addressOf, addressOfTransport, asked, transportOf } from "../../views";
@@ -46,7 +46,7 @@ export function TasksList() {
       heads={HEADS.map((head) => t(`tasks.${head}`))}
       busy={page.value === null && failed.value === null}
       empty={emptyText(page.value === null, failed.value)}
-      more={page.value?.next_cursor != null}
+      {...countOf(page.value)}
       sorting={{
         column: SORTED.findIndex((name) => name !== "" && name === asked.value.sort),
         descending: asked.value.down !== "no",

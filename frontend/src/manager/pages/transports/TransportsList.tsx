@@ -7,7 +7,7 @@ import { format, t, tables, word } from "../../../text/views/transports";
 import { AskedChoice, AskedWords } from "../../parts/filters/Asked";
 import { CsvLink } from "../../parts/filters/CsvLink";
 import { Pages } from "../../parts/pages/Pages";
-import { sortBy, usePaged } from "../../parts/pages/paged";
+import { countOf, sortBy, usePaged } from "../../parts/pages/paged";
 import { Sure } from "../../parts/Sure";
 import { problemText } from "../../problem-text";
 import { names, plant } from "../../state";
@@ -49,7 +49,7 @@ export function TransportsList() {
       hint={t("called.hint")}
       empty={emptyText(page.value === null, unread.value)}
       busy={page.value === null && unread.value === null}
-      more={page.value?.next_cursor != null}
+      {...countOf(page.value)}
       sorting={{
         column: SORTED.findIndex((name) => name !== "" && name === (address.value.sort ?? "called")),
         descending: address.value.down !== "no",
