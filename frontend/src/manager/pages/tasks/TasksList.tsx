@@ -103,17 +103,15 @@ function Row({ task }: { task: Shown }) {
   const opened = live && isOpen(live);
   const name = taskName(task.id, order, task.reference ?? order);
   const called = transportOf(task.id);
+  const what = t("auction.what", { quantity: format.count(task.quantity), item: names.value(task.item) });
   return (
     <tr>
       <th scope="row">
         {live ? <ShowLink chosen={{ kind: "task", id: task.id }} name={name} label={t("tasks.open", { id: name })} /> : name}
       </th>
-      <td>{t("auction.what", { quantity: format.count(task.quantity), item: names.value(task.item) })}</td>
+      <td>{called === "" ? what : <a class="link" href={addressOfTransport(called)}>{what}</a>}</td>
       <td>{task.destination && t("auction.way", { source, destination: task.destination })}</td>
-      <td>
-        {order && <a class="link" href={addressOf(order)}>{task.reference ?? order}</a>}
-        {called && <a class="link" href={addressOfTransport(called)}>{called}</a>}
-      </td>
+      <td>{order && <a class="link" href={addressOf(order)}>{task.reference ?? order}</a>}</td>
       <td>
         {live?.phase && opened ? word("phase", live.phase) : word("state", task.state)}
         {live?.trouble != null && <small class="line tone-warn">{causeText(live.trouble)}</small>}
