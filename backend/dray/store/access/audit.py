@@ -114,8 +114,9 @@ def _conditions(wanted: AuditFilter) -> list[ColumnElement[bool]]:
 
 def _holds(word: Sought, *, by_orders: bool) -> ColumnElement[bool]:
     c = audit.c
-    texts = (c.who, c.action, c.target, c.from_ip, c.detail)
-    found = [text.icontains(word.text, autoescape=True) for text in texts]
+    # One comparison for each line: no word has a line's end in it.
+    texts = c.who + "\n" + c.action + "\n" + c.target + "\n" + c.from_ip + "\n" + c.detail
+    found = [texts.icontains(word.text, autoescape=True)]
     found += [c.detail.contains(f'"{item}"', autoescape=True) for item in word.named]
     if by_orders:
         named = select(orders.c.id).where(orders.c.search.contains(word.text.casefold(), autoescape=True))
