@@ -26,6 +26,7 @@ class Keeping(BaseSettings):
     """Figures by the minute, some 140 MB, and pieces by the hour: a year can be compared with the one before. Panels ask for 35 days."""
 
     tasks_days: Days = 400.0
+    transports_days: Days = 400.0
     """Tasks that have ended, likewise."""
 
     alerts_days: Days = 400.0

@@ -6,6 +6,7 @@ import asyncio
 import logging
 import random
 from dataclasses import dataclass
+from typing import Any
 
 import msgspec
 import pytest
@@ -13,7 +14,7 @@ from alembic.script import ScriptDirectory
 from history import Line, a_day, contracted, heartbeat, keep, made, order, same_clock, tell
 
 from dray.errors import UnavailableError
-from dray.messages import Event, Phase, Reason
+from dray.messages import Event, Phase, Reason, TransportState
 from dray.messages.fact import CarrierChanged, PhaseEntered, PieceMade
 from dray.messages.keys import Keys
 from dray.store import Historian, Store, downgrade, retention, upgrade
@@ -24,6 +25,7 @@ from dray.store.history.events import EventFilter, EventRow
 from dray.store.orders.order_histories import KINDS, OrderHistory, together
 from dray.store.orders.progress import Goal, note
 from dray.store.orders.tasks import TaskFilter
+from dray.store.orders.transports import TransportRow
 from dray.store.retention import KeptFor, Retention
 from dray.store.work import Work
 
@@ -36,6 +38,7 @@ ALL = KeptFor(
     samples_s=NOW_S,
     figures_s=NOW_S,
     tasks_s=NOW_S,
+    transports_s=NOW_S,
     alerts_s=NOW_S,
     audit_s=NOW_S,
     events_most=1_000_000,
@@ -233,6 +236,35 @@ async def test_each_kind_has_an_age_of_its_own(store: Store) -> None:
         await work.alerts.end("a-1", 11.0, 20.0, "")
     await forgetting(store, alerts_s=5.0).forget()
     assert await left() == (1, 1, 0, 1)
+
+
+async def test_a_plain_transport_that_has_ended_goes_by_its_age(store: Store) -> None:
+    usual: dict[str, Any] = {
+        "source": "S1",
+        "destination": "M1",
+        "item": "steel",
+        "quantity": 1,
+        "priority": "normal",
+        "called_by": "x",
+        "caller": "key x",
+        "due_at_s": 1.0,
+        "created_at_s": 1.0,
+        "updated_at_s": 1.0,
+    }
+    ends = {"T-old": NOW_S - 20.0, "T-new": NOW_S - 2.0, "T-open": None}
+    async with store.write() as work:
+        for name, ended_at_s in ends.items():
+            state = TransportState.WAITING if ended_at_s is None else TransportState.DELIVERED
+            await work.transports.add(TransportRow(id=name, status=state, ended_at_s=ended_at_s, **usual))
+
+    async def left() -> set[str]:
+        async with store.read() as work:
+            return {row.id for row in await work.transports.many(ends)}
+
+    await forgetting(store).forget()
+    assert await left() == set(ends)
+    await forgetting(store, transports_s=10.0).forget()
+    assert await left() == {"T-new", "T-open"}
 
 
 async def test_a_takeover_is_kept_once_and_as_long_as_figures(store: Store) -> None:

@@ -27,6 +27,7 @@ from dray.gateway.factory.closings import Closings
 from dray.gateway.factory.commands import Commands
 from dray.gateway.factory.duty import DutyRota, OperatorHost
 from dray.gateway.factory.dxf_plans import DxfPlans
+from dray.gateway.factory.estimate_keeper import EstimateKeeper
 from dray.gateway.factory.exclusions import Exclusions
 from dray.gateway.factory.fault_injection import FaultInjection, FaultInjector
 from dray.gateway.factory.figure_sampler import Sampler
@@ -107,6 +108,7 @@ class Services:
     change_feed: ChangeFeed
     completions: Completions
     reconciliation: Reconciliation
+    estimates: EstimateKeeper
     transports: PlainTransports
     scheduler: Scheduler
     commands: Commands
@@ -145,6 +147,7 @@ class Services:
             OrderActions: self.actions,
             OrderChanging: self.changing,
             ChangeFeed: self.change_feed,
+            EstimateKeeper: self.estimates,
             PlainTransports: self.transports,
             Scheduler: self.scheduler,
             Outbox: self.outbox,
@@ -252,6 +255,7 @@ def open_services(
         change_feed=ChangeFeed(store),
         completions=Completions(store, outbox, projection, wall_s),
         reconciliation=Reconciliation(store, outbox, wall_s),
+        estimates=EstimateKeeper(store, projection, wall_s),
         transports=transports,
         scheduler=Scheduler(store, Runs(transports, placement), wall_s),
         commands=commands,
@@ -346,6 +350,7 @@ async def running(services: Services, beside: Beside | None) -> AsyncIterator[No
                 services.outbox,
                 services.completions,
                 services.transports,
+                services.estimates,
                 services.scheduler,
                 services.alerts,
                 services.exclusions,

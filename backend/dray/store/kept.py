@@ -11,6 +11,7 @@ from sqlalchemy.ext.asyncio import AsyncConnection
 from dray.store.factory.alert_history import alerts
 from dray.store.factory.lane_traffic import lane_traffic
 from dray.store.orders.tasks import tasks
+from dray.store.orders.transports import transports
 from dray.store.replay.tables import recordings
 from dray.store.tables import audit, events, heartbeat_samples, kpi_samples, orders
 
@@ -25,6 +26,7 @@ class Oldest(msgspec.Struct, frozen=True, kw_only=True, gc=False):
     figures_s: float | None
     lanes_s: float | None
     tasks_s: float | None
+    transports_s: float | None
     alerts_s: float | None
     audit_s: float | None
     events: int
@@ -48,6 +50,7 @@ class Kept:
             figures_s=await self._first(kpi_samples.c.at_s),
             lanes_s=await self._first(lane_traffic.c.hour_s),
             tasks_s=await self._first(tasks.c.opened_at_s),
+            transports_s=await self._first(transports.c.created_at_s),
             alerts_s=await self._first(alerts.c.since_at_s),
             audit_s=await self._first(audit.c.at_s),
             events=last - first + 1 if last else 0,

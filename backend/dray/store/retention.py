@@ -36,6 +36,7 @@ class KeptFor(msgspec.Struct, frozen=True, kw_only=True):
     samples_s: float
     figures_s: float
     tasks_s: float
+    transports_s: float
     alerts_s: float
     audit_s: float
     events_most: int
@@ -80,6 +81,7 @@ class Retention:
         await self._rows(lambda work: work.piece_hours.prune(now_s - kept.figures_s, AT_ONCE))
         await self._rows(lambda work: work.takeovers.prune(now_s - kept.figures_s, AT_ONCE))
         await self._rows(lambda work: work.tasks.prune(now_s - kept.tasks_s, AT_ONCE))
+        await self._rows(lambda work: work.transports.prune(now_s - kept.transports_s, AT_ONCE))
         await self._rows(lambda work: work.alerts.prune(now_s - kept.alerts_s, AT_ONCE))
         await self._rows(lambda work: work.audit.prune(now_s - kept.audit_s, AT_ONCE))
         if self.too_many > before:

@@ -33,6 +33,7 @@ from dray.store.history.incarnations import Incarnations
 from dray.store.history.samples import Samples
 from dray.store.kept import Kept
 from dray.store.orders.change_log import ChangeLog
+from dray.store.orders.estimates import Estimates
 from dray.store.orders.goals import Goals
 from dray.store.orders.idempotency_keys import IdempotencyKeys
 from dray.store.orders.milestones import Milestones
@@ -60,6 +61,7 @@ class Work:
         self.order_changes = OrderChanges(connection)
         self.change_log = ChangeLog(connection)
         self.order_histories = OrderHistories(connection)
+        self.estimates = Estimates(connection)
         self.goals = Goals(connection)
         self.milestones = Milestones(connection)
         self.transports = Transports(connection)

@@ -3,6 +3,7 @@ import { bodyOf, gateway } from "./gateway";
 import type { components } from "./types";
 
 export type TransportAnswer = components["schemas"]["TransportAnswer"];
+export type TransportStory = components["schemas"]["TransportStory"];
 export type TransportState = components["schemas"]["TransportState"];
 export type Priorities = components["schemas"]["PrioritiesAnswer"];
 export type TransportDraft = components["schemas"]["TransportDraft"];
@@ -13,8 +14,17 @@ export async function fetchTransports(place: string, limit: number): Promise<Tra
 }
 
 /** A page of all there ever were, the newest first. */
-export async function fetchCalled(query: { q?: string; status?: TransportState[]; place?: string; limit: number; cursor?: string }): Promise<{ items: TransportAnswer[]; next_cursor: string | null }> {
+export async function fetchCalled(query: { q?: string; status?: TransportState[]; place?: string; sort?: "called" | "due"; descending?: boolean; limit: number; cursor?: string }): Promise<{ items: TransportAnswer[]; next_cursor: string | null; total: number | null }> {
   return await bodyOf(gateway.GET("/api/transports", { params: { query } }));
+}
+
+export async function fetchTransport(transport: string): Promise<TransportAnswer> {
+  return await bodyOf(gateway.GET("/api/transports/{transport}", { params: { path: { transport } } }));
+}
+
+/** How it was given out, who carried it, and what happened. */
+export async function fetchTransportStory(transport: string): Promise<TransportStory> {
+  return await bodyOf(gateway.GET("/api/transports/{transport}/timeline", { params: { path: { transport } } }));
 }
 
 /** @param key the same for every try: however often it is sent, it is done once */

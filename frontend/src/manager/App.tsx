@@ -5,7 +5,7 @@ import { Loaded } from "./parts/Loaded";
 import { NewsBanner } from "./shell/NewsBanner";
 import { TopBar } from "./shell/TopBar";
 import { step } from "./story/tour";
-import { shownOrder, view } from "./views";
+import { shownOrder, shownTransport, view } from "./views";
 
 /** A view whose script comes when somebody looks at it; until then its name in the menu stands there. */
 const later =
@@ -31,6 +31,13 @@ const SHOWN = {
 };
 
 const OrderPage = later(async () => (await import("./orders/page/OrderStory")).load());
+const TransportPage = later(async () => (await import("./pages/transports/page/TransportStory")).load(), "nav.tasks");
+
+/** An order and a transport have a page of their own; all others are views. */
+function shown(): FunctionComponent {
+  if (view.value === "orders" && shownOrder.value !== "") return OrderPage;
+  return view.value === "transports" && shownTransport.value !== "" ? TransportPage : SHOWN[view.value];
+}
 
 /** The address names the view; what is skipped to must not change it. */
 function skip(event: Event): void {
@@ -39,7 +46,7 @@ function skip(event: Event): void {
 }
 
 export function App() {
-  const View = view.value === "orders" && shownOrder.value !== "" ? OrderPage : SHOWN[view.value];
+  const View = shown();
   return (
     <div class="app" data-tour={view.value === "plant" && step.value > 0 ? step.value : undefined}>
       <a class="skip" href="#content" onClick={skip}>

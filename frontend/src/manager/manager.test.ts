@@ -12,7 +12,7 @@ import { problemText } from "./problem-text";
 import { checkDraft, type Draft, fieldOf, makersOf, needsOf, orderOf, unableOf } from "./cards/publish/draft";
 import { isAskable } from "./cards/publish/preview";
 import { taskName } from "./state";
-import { addressOf, orderFrom, viewFrom } from "./views";
+import { addressOf, namedIn, viewFrom } from "./views";
 
 const plant = {
   materials: [{ id: "shaft", name: "Shaft", lot: 40 }, { id: "bearing", name: "Bearing", lot: 40 }],
@@ -174,11 +174,11 @@ test("an address that is no view leads to the plant", () => {
 
 test("an order has an address of its own", () => {
   expect(viewFrom("#orders/O-1")).toBe("orders");
-  expect(orderFrom("#orders/O-1")).toBe("O-1");
-  expect(orderFrom("#orders")).toBe("");
-  expect(orderFrom("#tasks/O-1")).toBe("");
-  expect(orderFrom(addressOf("a/b c%"))).toBe("a/b c%");
-  expect(orderFrom("#orders/%E0%A4%A")).toBe("%E0%A4%A");
+  expect(namedIn("#orders/O-1", "orders")).toBe("O-1");
+  expect(namedIn("#orders", "orders")).toBe("");
+  expect(namedIn("#tasks/O-1", "orders")).toBe("");
+  expect(namedIn(addressOf("a/b c%"), "orders")).toBe("a/b c%");
+  expect(namedIn("#orders/%E0%A4%A", "orders")).toBe("%E0%A4%A");
 });
 
 describe("an order that is taken back", () => {

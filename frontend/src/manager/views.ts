@@ -13,6 +13,8 @@ export type ViewName = (typeof VIEWS)[number];
 export const view = signal<ViewName>("plant");
 /** The order whose page is shown; empty for none. */
 export const shownOrder = signal("");
+/** The plain transport whose page is shown; empty for none. */
+export const shownTransport = signal("");
 
 /** What else the address says, as what is looked for in a list; empty for nothing. */
 export type Asked = Readonly<Record<string, string>>;
@@ -23,13 +25,14 @@ export function viewFrom(hash: string): ViewName {
   return VIEWS.find((each) => `#${each}` === name) ?? "plant";
 }
 
-/** The order in an address `#orders/O-…`; empty when there is none. */
-export function orderFrom(hash: string): string {
-  const order = hash.startsWith("#orders/") ? (hash.slice("#orders/".length).split("?", 1)[0] ?? "") : "";
+/** The order in an address `#orders/O-…`, or the plain transport in `#transports/T-…`; empty when there is none. */
+export function namedIn(hash: string, list: "orders" | "transports"): string {
+  const start = `#${list}/`;
+  const name = hash.startsWith(start) ? (hash.slice(start.length).split("?", 1)[0] ?? "") : "";
   try {
-    return decodeURIComponent(order);
+    return decodeURIComponent(name);
   } catch {
-    return order; // Nobody has written it that way; it is an order that there is not.
+    return name; // Nobody has written it that way; it is one that there is not.
   }
 }
 
@@ -61,6 +64,23 @@ export function addressOf(order: string): string {
   return `#orders/${encodeURIComponent(order)}`;
 }
 
+export function addressOfTransport(transport: string): string {
+  return `#transports/${encodeURIComponent(transport)}`;
+}
+
+/** `T-…-2`, or `T-….3-2` by a third life of its destination. */
+const ATTEMPT = /^(T-[0-9A-Z]{9}-[0-9A-Z]{4})(?:\.\d+)?-\d+$/;
+
+/** The plain transport that a task is an attempt at; empty for a task of another kind. */
+export function transportOf(task: string): string {
+  return ATTEMPT.exec(task)?.[1] ?? "";
+}
+
+/** Whether something is called as plain transports are. */
+export function isTransport(id: string): boolean {
+  return transportOf(`${id}-1`) === id;
+}
+
 export function goToOrder(order: string): void {
   location.hash = addressOf(order);
 }
@@ -80,7 +100,8 @@ export function followAddress(): void {
   const follow = (): void => {
     batch(() => {
       view.value = viewFrom(location.hash);
-      shownOrder.value = orderFrom(location.hash);
+      shownOrder.value = namedIn(location.hash, "orders");
+      shownTransport.value = namedIn(location.hash, "transports");
       asked.value = askedFrom(location.hash);
     });
   };

@@ -1,6 +1,6 @@
 /** A view that is one table. */
 import type { ComponentChildren, VNode } from "preact";
-import { t } from "../text";
+import { format, t } from "../text";
 import { Explained } from "./Explained";
 import { columnsOf } from "./stacked";
 import "./paper.css";
@@ -44,7 +44,7 @@ export function Table({ aside, below, busy = false, children, count, empty, expl
       <section class="card">
         <header class="card-head">
           <h1>{title}</h1>
-          <span class="count">{count ?? children.length}{more && "+"}</span>
+          <span class="count">{format.count(count ?? children.length)}{more && "+"}</span>
           {aside !== undefined && <div class="table-aside">{aside}</div>}
         </header>
         {hint !== undefined && <p class="table-hint">{hint}</p>}

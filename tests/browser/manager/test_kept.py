@@ -20,7 +20,7 @@ def test_a_manager_is_told_what_is_kept_for_how_long(
     page = open_page(f"{forms.url}/#audit")
     page.get_by_role("button", name="What is kept").click()
     sheet = page.get_by_role("dialog", name="What is kept for how long")
-    expect(sheet.get_by_role("row")).to_have_count(10)
+    expect(sheet.get_by_role("row")).to_have_count(11)
     expect(sheet.get_by_role("row", name="Log of what vehicles and machines told")).to_contain_text("14 days")
     expect(sheet.get_by_role("row", name="Orders")).to_contain_text("as long as the database")
     screenshot(page, "kept")

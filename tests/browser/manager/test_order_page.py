@@ -115,6 +115,26 @@ def test_the_axis_says_now_due_and_when_all_is_expected(
         screenshot(page, f"order-axis-{theme}")
 
 
+def test_it_says_how_the_expected_time_has_moved(
+    quiet: Any, factory: str, open_page: OpenPage, screenshot: Screenshot
+) -> None:
+    order = place(quiet, "PO-MOVED", 30, 3600.0)
+    quiet.advance_until(lambda: bool(quiet.ask(f"/api/orders/{order}/timeline")["estimates"]))
+    kept = quiet.ask(f"/api/orders/{order}/timeline")["estimates"]
+    assert kept[0]["cause"] == "first"
+    page = open_page(f"{factory}/#orders/{order}", viewport={"width": 1440, "height": 900})
+    card = page.get_by_role("region", name="How the expected time moved")
+    expect(card.get_by_role("img")).to_have_accessible_name(
+        re.compile(r"Expected at first \d\d:\d\d to \d\d:\d\d")
+    )
+    expect(card.locator(".estimates-step")).to_have_count(len(kept))
+    quiet.ask(f"/api/orders/{order}/cancel", {})
+    expect(page.locator(".order-head .tag").first).to_have_text("cancelled")
+    # An order that has ended tells it, too.
+    expect(card.locator(".estimates-step").first).to_be_visible()
+    screenshot(page, "order-estimates")
+
+
 def test_what_is_chosen_on_it_stands_in_its_address(quiet: Any, factory: str, open_page: OpenPage) -> None:
     page = open_page(factory)
     publish(page, "Waterworks South", "PO-CHOSEN", 10)

@@ -180,9 +180,15 @@ async def test_the_log_is_read_in_pages_and_as_a_table_without_formulas(house: H
         await house.client.post("/api/atvs/=HYPERLINK(1)/commands", json={"kind": "stop"})
     first = await house.get("/api/audit", limit=3)
     assert len(first["items"]) == 3
+    assert first["total"] == 5
     rest = await house.get("/api/audit", limit=3, cursor=first["next_cursor"])
+    assert rest["total"] == 5
     assert (len(rest["items"]), rest["next_cursor"]) == (2, None)
-    assert await house.get("/api/audit", since=NOW_S + 1) == {"items": [], "next_cursor": None}
+    assert await house.get("/api/audit", since=NOW_S + 1) == {
+        "items": [],
+        "next_cursor": None,
+        "total": 0,
+    }
     assert len((await house.get("/api/audit", until=NOW_S + 1, result="refused"))["items"]) == 5
     table = await house.client.get("/api/audit", params={"format": "csv"})
     assert table.headers["content-type"].startswith("text/csv")
@@ -195,3 +201,30 @@ async def test_the_log_is_read_in_pages_and_as_a_table_without_formulas(house: H
 @pytest.mark.parametrize("query", ["since=-1", "since=x", "until=nan", "result=lost", "who=" + "x" * 129])
 async def test_a_question_to_the_log_that_cannot_be_answered_is_refused(house: House, query: str) -> None:
     problem(await house.client.get(f"/api/audit?{query}"), 422, "unusable-fields")
+
+
+async def test_words_are_looked_for_in_all_of_a_line_and_in_what_its_order_is_called(house: House) -> None:
+    order = (await house.place(reference="PO-48213", customer="Waterworks South"))["id"]
+    await house.client.post(f"/api/orders/{order}/cancel")
+    other = (await house.place(reference="PO-7"))["id"]
+
+    async def found(words: str, **more: Any) -> list[tuple[str, str]]:
+        answer = await house.get("/api/audit", q=words, **more)
+        assert answer["total"] == len(answer["items"])
+        return [(each["action"], each["target"]) for each in answer["items"]]
+
+    assert await found("po-48213") == [("order.cancel", order), ("order.place", order)]
+    assert await found("PO-48213 cancel") == [("order.cancel", order)]
+    assert await found("po-7") == [("order.place", other)]
+    assert await found(other.lower()) == [("order.place", other)]
+    assert await found("order.place", target=order) == [("order.place", order)]
+    assert await found("100%") == []
+    # On several pages nobody counts them.
+    assert (await house.get("/api/audit", q="order", limit=1))["total"] is None
+
+
+async def test_words_do_not_tell_of_orders_who_may_not_read_them(house: House) -> None:
+    await house.place(reference="PO-48213")
+    _, auditor = await house.key(Scope.AUDIT_READ)
+    answer = await house.visitor(**auditor).get("/api/audit", params={"q": "waterworks"})
+    assert (answer.status_code, answer.json()["items"]) == (200, [])

@@ -247,7 +247,14 @@ async def test_takeovers_are_told_when_the_log_of_events_has_forgotten_them(hous
     await house.say(events("M1", changed))
     before, _ = await report(house, until=at(house.wall.now_s + 1.0))
     forgotten = KeptFor(
-        events_s=-1e9, samples_s=0, figures_s=1e9, tasks_s=0, alerts_s=0, audit_s=1e9, events_most=1000
+        events_s=-1e9,
+        samples_s=0,
+        figures_s=1e9,
+        tasks_s=0,
+        transports_s=0,
+        alerts_s=0,
+        audit_s=1e9,
+        events_most=1000,
     )
     await Retention(house.store, forgotten, house.wall).forget()
     assert (await house.get("/api/events"))["items"] == []

@@ -32,7 +32,14 @@ from dray.store.retention import KeptFor, Retention
 pytestmark = pytest.mark.anyio
 
 NOTHING = KeptFor(
-    events_s=-1e9, samples_s=-1e9, figures_s=-1e9, tasks_s=-1e9, alerts_s=-1e9, audit_s=-1e9, events_most=1000
+    events_s=-1e9,
+    samples_s=-1e9,
+    figures_s=-1e9,
+    tasks_s=-1e9,
+    transports_s=-1e9,
+    alerts_s=-1e9,
+    audit_s=-1e9,
+    events_most=1000,
 )
 """Is kept, of whatever age."""
 

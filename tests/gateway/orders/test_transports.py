@@ -17,6 +17,8 @@ from dray.gateway.access.rules import RULES
 from dray.gateway.orders.transport_draft import WISH_S
 from dray.messages import (
     AtvStatus,
+    Phase,
+    Reason,
     Refusal,
     Transport,
     TransportAnswered,
@@ -26,7 +28,16 @@ from dray.messages import (
     TransportState,
 )
 from dray.messages import Role as Part
-from dray.messages.fact import BidRefused, TaskOpened, TransportProgressed
+from dray.messages.fact import (
+    AnyFact,
+    AwardAnswered,
+    BidRefused,
+    CarrierChanged,
+    PhaseEntered,
+    TaskClosed,
+    TaskOpened,
+    TransportProgressed,
+)
 from dray.protocol.contract_net.auction_rules import PATIENCE_S
 
 pytestmark = pytest.mark.anyio
@@ -227,7 +238,7 @@ async def test_a_call_button_is_refused_everywhere_else(house: House, place: str
         if answer.status_code != 403:
             refused[method, route] = answer.status_code
     assert not refused
-    assert sum(rule.scope is Scope.TRANSPORTS_CALL for rule in RULES.values()) == 4
+    assert sum(rule.scope is Scope.TRANSPORTS_CALL for rule in RULES.values()) == 5
 
 
 async def test_an_operator_calls_for_the_own_area(house: House) -> None:
@@ -308,3 +319,123 @@ async def test_what_priorities_mean_is_told_as_it_is_done(house: House) -> None:
         assert (due - created).total_seconds() == pytest.approx(within_s, abs=0.01), priority
     assert list(told["transports"]) == list(told["orders"]) == ["urgent", "high", "normal", "low"]
     assert told["passed_most_s"] == PATIENCE_S
+
+
+async def sorted_ones(house: House) -> list[str]:
+    """Three, of which the one that was called for last is due first."""
+    dues = ("2030-03-18T00:00:00Z", "2030-03-19T00:00:00Z", "2030-03-17T19:00:00Z")
+    names = []
+    for second, due in enumerate(dues):
+        house.wall.now_s += second
+        names.append((await called(house, due_at=due))["id"])
+    return names
+
+
+async def test_they_are_sorted_by_when_they_were_called_and_by_when_they_are_due(house: House) -> None:
+    first, second, third = await sorted_ones(house)
+
+    async def pages(**asked: Any) -> list[str]:
+        found, cursor = [], None
+        while True:
+            page = await house.get(PATH, limit=2, **asked, **({"cursor": cursor} if cursor else {}))
+            found += [each["id"] for each in page["items"]]
+            if (cursor := page["next_cursor"]) is None:
+                return found
+
+    assert await pages() == [third, second, first]
+    assert await pages(descending=False) == [first, second, third]
+    assert await pages(sort="due", descending=False) == [third, first, second]
+    assert await pages(sort="due") == [second, first, third]
+    assert (await house.client.get(PATH, params={"sort": "colour"})).status_code == 422
+
+
+async def test_all_of_them_come_as_a_table_in_the_same_order(house: House) -> None:
+    first, second, third = await sorted_ones(house)
+    answer = await house.client.get(PATH, params={"format": "csv", "sort": "due", "limit": 1})
+    assert answer.headers["content-type"].startswith("text/csv")
+    header, *lines = answer.text.splitlines()
+    assert header.startswith("id,status,from,to,item,quantity,priority,")
+    assert [line.split(",")[0] for line in lines] == [second, first, third]
+    _, stranger = await house.key(Scope.TRANSPORTS_CALL)
+    others = await house.visitor(**stranger).get(PATH, params={"format": "csv"})
+    assert others.text.splitlines() == [header]
+
+
+# --- its timeline -----------------------------------------------------------------------------------
+
+
+def carried(name: str) -> list[tuple[str, AnyFact]]:
+    """ATV6 wins and falls silent, ATV1 takes over and brings it."""
+    work = Transport("shaft", 40, ("S3",), "M8", "tote")
+    return [
+        ("M8", TaskOpened(f"{name}-1", 1, Part.PRIMARY, 1, work, 20.0, 300.0, 5.0)),
+        ("M8", AwardAnswered(f"{name}-1", 1, Part.SECONDARY, "ATV1", "accepted")),
+        ("M8", AwardAnswered(f"{name}-1", 1, Part.PRIMARY, "ATV6", "accepted")),
+        ("ATV6", PhaseEntered(f"{name}-1", 1, Phase.APPROACHING, "S3")),
+        ("M8", CarrierChanged(f"{name}-1", 2, "ATV6", "ATV1", Reason.SILENT, 5.5)),
+        ("ATV1", PhaseEntered(f"{name}-1", 2, Phase.APPROACHING, "S3")),
+        ("ATV1", PhaseEntered(f"{name}-1", 2, Phase.CARRYING, "S3")),
+        ("ATV1", PhaseEntered(f"{name}-1", 2, Phase.HANDING_OVER, "M8")),
+        ("M8", TaskClosed(f"{name}-1", 2, "delivered", "ATV1", 45.0)),
+        ("M8", progress(name, TransportState.DELIVERED)),
+    ]
+
+
+async def told(house: House, name: str) -> None:
+    for number, (agent, fact) in enumerate(carried(name), 1):
+        await house.say(events(agent, fact, first=number, at_s=10.0 * number))
+
+
+async def test_its_timeline_tells_who_won_who_took_over_and_who_brought_it(house: House) -> None:
+    name, other = (await called(house))["id"], (await called(house))["id"]
+    before = await house.get(f"{PATH}/{name}/timeline")
+    assert ([each["kind"] for each in before["moments"]], before["attempts"]) == (["called"], [])
+    await told(house, name)
+    story = await house.get(f"{PATH}/{name}/timeline")
+    assert [(each["kind"], each["agent"]) for each in story["moments"]] == [
+        ("called", "Administrator"),
+        ("won", "ATV6"),
+        ("took_over", "ATV1"),
+        ("fetched", "ATV1"),
+        ("handed_over", "ATV1"),
+        ("delivered", ""),
+    ]
+    (attempt,) = story["attempts"]
+    assert (attempt["source"], attempt["destination"], attempt["outcome"]) == ("S3", "M8", "delivered")
+    assert [(leg["carrier"], leg["replaced"]) for leg in attempt["legs"]] == [
+        ("ATV6", "silent"),
+        ("ATV1", ""),
+    ]
+    assert story["is_whole"]
+    assert (await house.get(f"{PATH}/{other}/timeline"))["attempts"] == []
+
+
+async def test_its_timeline_still_tells_who_brought_it_when_the_log_has_forgotten(house: House) -> None:
+    name = (await called(house))["id"]
+    await told(house, name)
+    async with house.store.write() as work:
+        await work.events.forget(1, 1_000)
+    story = await house.get(f"{PATH}/{name}/timeline")
+    # Who had won before that is not known any more.
+    assert [each["kind"] for each in story["moments"]] == ["called", "delivered"]
+    (attempt,) = story["attempts"]
+    assert [leg["carrier"] for leg in attempt["legs"]] == ["ATV1"]
+    assert (attempt["outcome"], story["is_whole"]) == ("delivered", False)
+
+
+async def test_who_won_it_is_still_told_where_nobody_has_taken_it_over(house: House) -> None:
+    name = (await called(house))["id"]
+    opened, _, won, *_ = carried(name)
+    await house.say(events("M8", opened[1], won[1]))
+    async with house.store.write() as work:
+        await work.events.forget(1, 1_000)
+    story = await house.get(f"{PATH}/{name}/timeline")
+    assert [(each["kind"], each["agent"]) for each in story["moments"]][1:] == [("won", "ATV6")]
+
+
+async def test_a_timeline_is_for_who_may_see_the_transport(house: House) -> None:
+    name = (await called(house))["id"]
+    _, stranger = await house.key(Scope.TRANSPORTS_CALL)
+    answer = await house.visitor(**stranger).get(f"{PATH}/{name}/timeline")
+    assert answer.status_code == 404
+    assert (await house.client.get(f"{PATH}/T-1M9K3X2A4-0000/timeline")).status_code == 404

@@ -23,7 +23,7 @@ async def kept(house: House) -> dict[str, dict[str, Any]]:
 
 async def test_each_kind_has_its_days_and_orders_have_none(house: House) -> None:
     found = await kept(house)
-    assert [each["days"] for each in found.values()] == [None, 14, 14, 3, 400, 35, 400, 400, 400]
+    assert [each["days"] for each in found.values()] == [None, 14, 14, 3, 400, 35, 400, 400, 400, 400]
     assert found["orders"]["gone_before_at_s"] is None
     assert found["events"]["gone_before_at_s"] == NOW_S - 14 * DAY_S
     assert found["tasks"]["since_at_s"] is None

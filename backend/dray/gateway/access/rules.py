@@ -166,6 +166,7 @@ RULES: Mapping[tuple[str, str], Rule] = {
     ("GET", "/api/transports"): Rule(Scope.TRANSPORTS_CALL, by_area=True),
     ("POST", "/api/transports"): Rule(Scope.TRANSPORTS_CALL, by_area=True, action="transport.call"),
     ("GET", "/api/transports/{transport}"): Rule(Scope.TRANSPORTS_CALL, by_area=True),
+    ("GET", "/api/transports/{transport}/timeline"): Rule(Scope.TRANSPORTS_CALL, by_area=True),
     ("POST", "/api/transports/{transport}/cancel"): Rule(
         Scope.TRANSPORTS_CALL, by_area=True, action="transport.cancel"
     ),

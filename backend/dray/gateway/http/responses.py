@@ -43,6 +43,11 @@ def listing(items: Sequence[object], next_cursor: str | None) -> Json:
     return Json({"items": items, "next_cursor": next_cursor})
 
 
+def counted(items: Sequence[object], next_cursor: str | None, total: int | None) -> Json:
+    """One page of a list of which it is told how many there are on all pages; None where that is not cheap."""
+    return Json({"items": items, "next_cursor": next_cursor, "total": total})
+
+
 def write_cursor(*position: str | float) -> str:
     """A cursor that stands behind `position`."""
     return urlsafe_b64encode(msgspec.json.encode(position)).decode().rstrip("=")
@@ -105,6 +110,18 @@ def list_of(shape: type[object], description: str) -> dict[str, Any]:
         },
     }
     return {"description": description, "content": {"application/json": {"schema": schema}}}
+
+
+def counted_list_of(shape: type[object], description: str) -> dict[str, Any]:
+    """How OpenAPI tells of a page of a list of which it is told how many there are."""
+    answer = list_of(shape, description)
+    schema = answer["content"]["application/json"]["schema"]
+    schema["required"].append("total")
+    schema["properties"]["total"] = {
+        "anyOf": [{"type": "integer"}, {"type": "null"}],
+        "description": "How many there are on all pages; null for more than 10,000, and where words are looked for on several pages",
+    }
+    return answer
 
 
 def problems(**kinds: str) -> Mapping[int | str, dict[str, Any]]:

@@ -12,9 +12,10 @@ from typing import Literal
 import msgspec
 
 from dray.gateway.live.views.base import View
-from dray.messages import Phase, Transport
+from dray.messages import Phase, Role, Transport
 from dray.messages.fact import (
     AnyFact,
+    AwardAnswered,
     CarrierChanged,
     GoalContracted,
     GoalLost,
@@ -33,6 +34,10 @@ from dray.store.history.events import EventRow
 from dray.store.orders.progress import Goal
 
 MomentKind = Literal[
+    "called",
+    "won",
+    "called_off",
+    "cancelled",
     "planned",
     "moved",
     "waits",
@@ -64,7 +69,7 @@ class LegView(View, kw_only=True):
 
 
 class WayOutView(View, kw_only=True):
-    """A transport of goods from the machine that made them."""
+    """A transport: of goods from the machine that made them, or of a load that somebody has called for (`goal` is empty then)."""
 
     task: str
     goal: str
@@ -184,7 +189,7 @@ class _Timeline:
 
     def on(self, fact: AnyFact, at_s: float, agent: str) -> None:
         match fact:
-            case TaskOpened() | PhaseEntered() | CarrierChanged() | TaskClosed():
+            case TaskOpened() | AwardAnswered() | PhaseEntered() | CarrierChanged() | TaskClosed():
                 self._on_task(fact, at_s, agent)
             case OrderFulfilled():
                 # A strategist that was away when the order ended tells it again.
@@ -256,19 +261,35 @@ class _Timeline:
     # --- transports ---
 
     def _on_task(
-        self, fact: TaskOpened | PhaseEntered | CarrierChanged | TaskClosed, at_s: float, agent: str
+        self,
+        fact: TaskOpened | AwardAnswered | PhaseEntered | CarrierChanged | TaskClosed,
+        at_s: float,
+        agent: str,
     ) -> None:
         if isinstance(fact, TaskOpened):
             if isinstance(fact.work, Transport):
                 self._on_opened(fact.task, fact.work, at_s)
         elif fact.task in self._ways:
             match fact:
+                case AwardAnswered(answer="accepted", role=Role.PRIMARY):
+                    way = self._ways[fact.task]
+                    self._say(
+                        "won",
+                        at_s,
+                        task=fact.task,
+                        goal=way.goal,
+                        agent=fact.bidder,
+                        item=way.item,
+                        quantity=way.quantity,
+                    )
                 case PhaseEntered():
                     self._on_phase(fact, at_s, agent)
                 case CarrierChanged():
                     self._on_change(fact, at_s)
                 case TaskClosed():
                     self._on_close(fact, at_s)
+                case _:
+                    pass
 
     def _on_opened(self, task: str, work: Transport, at_s: float) -> None:
         """Every round of bidding is an opening; the first one counts."""

@@ -111,10 +111,15 @@ def eta(goals: Sequence[Running], history: History, now_s: float) -> Range | Non
     return _ahead(Range(max(r.from_s for r in known), max(r.to_s for r in known)), now_s)
 
 
+def step_s(width_s: float) -> float:
+    """The step of the clock in which a range of this width is told, in seconds."""
+    return next(step for longest, step in STEPS_S if width_s <= longest)
+
+
 def rounded(exact: Range) -> Range:
     """The range in steps of the clock, outwards: it never gets narrower by that."""
-    step_s = next(step for longest, step in STEPS_S if exact.to_s - exact.from_s <= longest)
-    return Range(exact.from_s // step_s * step_s, ceil(exact.to_s / step_s) * step_s)
+    step = step_s(exact.to_s - exact.from_s)
+    return Range(exact.from_s // step * step, ceil(exact.to_s / step) * step)
 
 
 def quantile(ascending: Sequence[float], part: float) -> float:

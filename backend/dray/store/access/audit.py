@@ -5,10 +5,12 @@ from __future__ import annotations
 from typing import Annotated, Any
 
 import msgspec
-from sqlalchemy import ColumnElement, delete, insert, select
+from sqlalchemy import ColumnElement, delete, insert, or_, select
 from sqlalchemy.ext.asyncio import AsyncConnection
 
-from dray.store.tables import audit
+from dray.store.database.counting import total_of
+from dray.store.database.searching import Sought
+from dray.store.tables import audit, orders
 
 
 class AuditRow(msgspec.Struct, frozen=True, kw_only=True):
@@ -42,6 +44,10 @@ class AuditFilter(msgspec.Struct, frozen=True, kw_only=True):
     action: str = ""
     target: str = ""
     result: str = ""
+    words: tuple[Sought, ...] = ()
+    """All of them stand somewhere in a line: in who, what, about what, from where, or in its detail."""
+    by_orders: bool = False
+    """Whether words are looked for in the texts of the order that a line is about, too."""
 
 
 class Audit:
@@ -75,6 +81,10 @@ class Audit:
         rows = [dict(row._mapping) for row in await self._connection.execute(query)]  # noqa: SLF001 - SQLAlchemy's public name
         return [AuditRow(**row | {"detail": msgspec.Raw(row["detail"].encode())}) for row in rows]
 
+    async def total(self, wanted: AuditFilter) -> int | None:
+        """How many are wanted; None for very many."""
+        return await total_of(self._connection, select(audit.c.position).where(*_conditions(wanted)))
+
     async def prune(self, before_s: float, at_most: int) -> int:
         """Forget some of the lines from before this moment; returns how many."""
         old = select(audit.c.position).where(audit.c.at_s < before_s).limit(at_most)
@@ -98,4 +108,17 @@ def _conditions(wanted: AuditFilter) -> list[ColumnElement[bool]]:
         conditions.append(audit.c.at_s >= wanted.since_s)
     if wanted.until_s is not None:
         conditions.append(audit.c.at_s < wanted.until_s)
+    conditions += [_holds(word, by_orders=wanted.by_orders) for word in wanted.words]
     return conditions
+
+
+def _holds(word: Sought, *, by_orders: bool) -> ColumnElement[bool]:
+    c = audit.c
+    # One comparison for each line: no word has a line's end in it.
+    texts = c.who + "\n" + c.action + "\n" + c.target + "\n" + c.from_ip + "\n" + c.detail
+    found = [texts.icontains(word.text, autoescape=True)]
+    found += [c.detail.contains(f'"{item}"', autoescape=True) for item in word.named]
+    if by_orders:
+        named = select(orders.c.id).where(orders.c.search.contains(word.text.casefold(), autoescape=True))
+        found.append(c.target.in_(named))
+    return or_(*found)

@@ -10,6 +10,7 @@ from sqlalchemy import ColumnElement, Row, bindparam, func, insert, or_, select,
 from sqlalchemy.ext.asyncio import AsyncConnection
 
 from dray.priorities import Priority
+from dray.store.database.counting import total_of
 from dray.store.database.searching import searched
 from dray.store.orders.order_filter import OrderFilter
 from dray.store.orders.order_sorting import NEWEST_FIRST, Place, Sorting
@@ -250,6 +251,10 @@ class Orders:
         if after is not None:
             conditions.append(sorting.after(after))
         return await self._select(*conditions, limit=limit, sorting=sorting)
+
+    async def total(self, wanted: OrderFilter) -> int | None:
+        """How many are wanted; None for very many."""
+        return await total_of(self._connection, select(orders.c.id).where(*wanted.conditions()))
 
     async def totals(self) -> OrderTotals:
         """Count what was delivered."""

@@ -31,6 +31,7 @@ from sqlalchemy.ext.asyncio import AsyncConnection
 
 from dray.messages import Event, Production, Role, Transport
 from dray.messages.fact import AwardAnswered, CarrierChanged, TaskClosed, TaskOpened, WatchLost
+from dray.store.database.counting import total_of
 from dray.store.database.dialect import insert_new
 from dray.store.database.searching import Sought, searched
 from dray.store.history.clocks import ToWall
@@ -169,6 +170,19 @@ class Tasks:
         rows = await self._connection.execute(select(*_COLUMNS).where(tasks.c.id.in_(list(ids))))
         return {row.id: TaskRow(**row._mapping) for row in rows}  # noqa: SLF001 - SQLAlchemy's public name
 
+    async def of_transport(self, transport: str, limit: int) -> list[TaskRow]:
+        """Under which names a plain transport was given out: `T-…-2`, or `T-….3-2` by a third life of its destination.
+
+        Args:
+            transport: its id.
+            limit: how many at most.
+        """
+        c = tasks.c
+        # In every order of letters that a database may have, "-" and "." come before "Z".
+        query = select(*_COLUMNS).where(c.id > transport, c.id < f"{transport}Z").order_by(c.id).limit(limit)
+        rows = [TaskRow(**row._mapping) for row in await self._connection.execute(query)]  # noqa: SLF001
+        return [row for row in rows if row.id.startswith((f"{transport}-", f"{transport}."))]
+
     async def page(
         self,
         wanted: TaskFilter,
@@ -199,6 +213,10 @@ class Tasks:
             place = fields.pop("place")
             found.append((TaskRow(**fields), (place, row.id)))
         return found
+
+    async def total(self, wanted: TaskFilter) -> int | None:
+        """How many are wanted; None for very many."""
+        return await total_of(self._connection, select(tasks.c.id).where(*wanted.conditions()))
 
     async def follow(self, new: Iterable[Event], to_wall_s: ToWall) -> None:
         """Bring them up to date with what coordinators have told."""

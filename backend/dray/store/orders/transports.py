@@ -7,6 +7,7 @@ newest counts, and an end stays.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from typing import Literal
 
 import msgspec
 from sqlalchemy import (
@@ -20,10 +21,12 @@ from sqlalchemy import (
     Table,
     Text,
     UniqueConstraint,
+    delete,
     func,
     insert,
     or_,
     select,
+    tuple_,
     update,
 )
 from sqlalchemy.exc import IntegrityError
@@ -31,6 +34,7 @@ from sqlalchemy.ext.asyncio import AsyncConnection
 
 from dray.messages import TRANSPORT_ENDED, Event, TransportState
 from dray.messages.fact import TransportProgressed
+from dray.store.database.counting import total_of
 from dray.store.database.searching import Sought
 from dray.store.history.clocks import ToWall
 from dray.store.tables import Id, metadata
@@ -70,6 +74,8 @@ transports = Table(
     UniqueConstraint("key"),
     Index(None, "created_at_s", "id"),
     Index(None, "status", "created_at_s", "id"),
+    Index(None, "due_at_s", "id"),
+    Index(None, "ended_at_s"),
     comment="Plain transports. incarnation, number: the newest event of its destination that was told about it.",
 )
 
@@ -121,6 +127,40 @@ class TransportRow(msgspec.Struct, frozen=True, kw_only=True, gc=False):
     def has_ended(self) -> bool:
         """Whether nothing changes any more."""
         return self.status in TRANSPORT_ENDED
+
+
+class TransportFilter(msgspec.Struct, frozen=True, kw_only=True, gc=False):
+    """Which transports are wanted; empty fields want all."""
+
+    statuses: Sequence[TransportState] = ()
+    places: Sequence[str] | None = None
+    """Only those from or to one of these; None for all."""
+    caller: str = ""
+    """Only those of this one."""
+    words: tuple[Sought, ...] = ()
+    """Each stands somewhere in it: in its id, its places, what is brought, its vehicle, or who has called it."""
+
+    def conditions(self) -> list[ColumnElement[bool]]:
+        """What a row has to fulfil."""
+        c = transports.c
+        wanted: list[ColumnElement[bool]] = []
+        if self.statuses:
+            wanted.append(c.status.in_([status.value for status in self.statuses]))
+        if self.places is not None:
+            wanted.append(c.source.in_(self.places) | c.destination.in_(self.places))
+        if self.caller:
+            wanted.append(c.caller == self.caller)
+        return [*wanted, *(_holds(word) for word in self.words)]
+
+
+SortedBy = Literal["called", "due"]
+
+_KEYS = {"called": transports.c.created_at_s, "due": transports.c.due_at_s}
+
+
+def place_of(row: TransportRow, by: SortedBy) -> tuple[float, str]:
+    """Where a transport stands in a list."""
+    return (row.created_at_s if by == "called" else row.due_at_s), row.id
 
 
 _OPEN = [state.value for state in TransportState if state not in TRANSPORT_ENDED]
@@ -175,38 +215,38 @@ class Transports:
 
     async def page(
         self,
-        *,
-        statuses: Sequence[TransportState],
-        places: Sequence[str] | None,
-        caller: str,
+        wanted: TransportFilter,
         after: tuple[float, str] | None,
         limit: int,
-        words: Sequence[Sought] = (),
+        by: SortedBy = "called",
+        *,
+        descending: bool = True,
     ) -> list[TransportRow]:
-        """Some, newest first.
+        """Some, newest first if nothing else is said.
 
         Args:
-            statuses: only these; empty for all.
-            places: only those from or to one of these; None for all.
-            caller: only those of this one; empty for all.
-            after: where the page before has ended.
+            wanted: which ones.
+            after: where the page before has ended (`place_of`).
             limit: how many at most.
-            words: each stands somewhere in it: in its id, its places, what is brought, its vehicle, or who has called it.
+            by: what they are sorted by; those that are alike stand by their ids.
+            descending: the direction.
         """
-        c = transports.c
-        query = select(*_COLUMNS).order_by(c.created_at_s.desc(), c.id.desc()).limit(limit)
-        if statuses:
-            query = query.where(c.status.in_([status.value for status in statuses]))
-        if places is not None:
-            query = query.where(c.source.in_(places) | c.destination.in_(places))
-        if caller:
-            query = query.where(c.caller == caller)
-        for word in words:
-            query = query.where(_holds(word))
+        key, name = _KEYS[by], transports.c.id
+        query = select(*_COLUMNS).where(*wanted.conditions()).limit(limit)
+        query = query.order_by(key.desc(), name.desc()) if descending else query.order_by(key, name)
         if after is not None:
-            at_s, name = after
-            query = query.where((c.created_at_s < at_s) | ((c.created_at_s == at_s) & (c.id < name)))
+            here, there = tuple_(key, name), tuple_(*after)
+            query = query.where(here < there if descending else here > there)
         return [_row(row) for row in await self._connection.execute(query)]
+
+    async def total(self, wanted: TransportFilter) -> int | None:
+        """How many are wanted; None for very many."""
+        return await total_of(self._connection, select(transports.c.id).where(*wanted.conditions()))
+
+    async def prune(self, before_s: float, at_most: int) -> int:
+        """Forget some that ended before then; returns how many."""
+        old = select(transports.c.id).where(transports.c.ended_at_s < before_s).limit(at_most)
+        return (await self._connection.execute(delete(transports).where(transports.c.id.in_(old)))).rowcount
 
     async def put(self, row: TransportRow) -> None:
         """Replace what is known of one."""

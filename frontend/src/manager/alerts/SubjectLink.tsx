@@ -1,16 +1,15 @@
 import type { AlertView } from "../../api/types";
 import { t } from "../../text/manager";
-import { addressOf } from "../views";
-import { orderOf, showSubject, subjectOf } from "./subject";
+import { pageOf, showSubject, subjectOf } from "./subject";
 
-/** Whom an alert is about, and the way there: an order has a page, all else is on the plant. */
+/** Whom an alert is about, and the way there: an order and a plain transport have a page, all else is on the plant. */
 export function SubjectLink({ alert }: { alert: AlertView }) {
-  const order = orderOf(alert);
+  const page = pageOf(alert);
   const subject = subjectOf(alert);
   const label = t("alerts.show", { subject });
-  if (order !== "") {
+  if (page !== "") {
     return (
-      <a class="link" href={addressOf(order)} aria-label={label}>
+      <a class="link" href={page} aria-label={label}>
         {subject}
       </a>
     );

@@ -5,7 +5,7 @@ import { choose } from "../../selection/selection";
 import { world } from "../../stream/stream";
 import { t } from "../../text";
 import { orderName, taskName } from "../state";
-import { go, goToOrder } from "../views";
+import { addressOf, addressOfTransport, go, transportOf } from "../views";
 
 /** The order by whose name an alert is told; empty where it is told by another one: goods by the vehicle that has them on board. */
 export function orderOf({ agent, goods, order }: AlertView): string {
@@ -21,10 +21,18 @@ export function subjectOf(alert: AlertView): string {
   return task === "" ? agent : taskName(task, world.value?.tasks.get(task)?.order ?? "");
 }
 
-export function showSubject(alert: AlertView): void {
+/** The page of the order or plain transport by whose name an alert is told; empty where it is told by another one. */
+export function pageOf(alert: AlertView): string {
   const order = orderOf(alert);
-  if (order !== "") {
-    goToOrder(order);
+  if (order !== "") return addressOf(order);
+  const transport = alert.goods === null ? transportOf(alert.task) : "";
+  return transport === "" ? "" : addressOfTransport(transport);
+}
+
+export function showSubject(alert: AlertView): void {
+  const page = pageOf(alert);
+  if (page !== "") {
+    location.hash = page;
     return;
   }
   const chosen = chosenOf(alert, world.value?.atvs ?? new Map());

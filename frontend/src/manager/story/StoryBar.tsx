@@ -5,7 +5,7 @@ import { lastChosen, NOTHING, selection } from "../../selection/selection";
 import { world } from "../../stream/stream";
 import { format, t } from "../../text/manager";
 import { names, orderName, taskName } from "../state";
-import { addressOf } from "../views";
+import { addressOf, addressOfTransport, transportOf } from "../views";
 import { follow, following } from "./address";
 import { isUnknown, storyOf, taskOfStory } from "./story";
 import { Term } from "./Term";
@@ -25,6 +25,7 @@ export function StoryBar() {
   const task = world.value && taskOfStory(world.value, story);
   const { order, place, standby } = story;
   const isTransport = task?.kind === "transport";
+  const called = transportOf(task?.id ?? "");
   // Who watches over it may be the chosen one; the story is the carrier's.
   const atv = standby !== null && task ? task.primary : story.atv;
   return (
@@ -39,6 +40,11 @@ export function StoryBar() {
         {atv !== null && <Part name={t("story.vehicle")}><Link kind="atv" id={atv} /></Part>}
         {standby !== null && <Part name={<Term name="standby">{t("story.standby")}</Term>}><Link kind="atv" id={standby} /></Part>}
         {place !== null && <Part name={t(place.kind === "machine" ? "story.machine" : "story.place")}><Link kind={place.kind} id={place.id} /></Part>}
+        {called !== "" && (
+          <Part name={t("story.called")}>
+            <a class="link" href={addressOfTransport(called)}>{called}</a>
+          </Part>
+        )}
         {order !== null && (
           <Part name={t("story.order")}>
             <a class="link" href={addressOf(order)}>{orderName(order)}</a>

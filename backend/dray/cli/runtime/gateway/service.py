@@ -122,6 +122,7 @@ def _kept_for(settings: Settings) -> KeptFor:
         samples_s=settings.samples_days * DAY_S,
         figures_s=settings.figures_days * DAY_S,
         tasks_s=settings.tasks_days * DAY_S,
+        transports_s=settings.transports_days * DAY_S,
         alerts_s=settings.alerts_days * DAY_S,
         audit_s=settings.audit_days * DAY_S,
         events_most=settings.events_most,

@@ -82,6 +82,10 @@ class Orders:
         """How many have not ended."""
         return len(self._orders) - len(self._ended)
 
+    def open_ids(self) -> frozenset[str]:
+        """Those at which the factory works."""
+        return frozenset(name for name, order in self._orders.items() if order.status in OPEN)
+
     def open_of(self, caller: str) -> int:
         """How many of those that somebody has placed have not ended."""
         return self._open_of[caller]

@@ -14,7 +14,17 @@ from dray.gateway.access.caller import Caller
 from dray.gateway.access.principal import Scope
 from dray.gateway.http.csv_tables import Format, Row, header_of, row_of, table, with_csv
 from dray.gateway.http.provided import Provided
-from dray.gateway.http.responses import PAGE, Cursor, Json, Limit, list_of, listing, read_cursor, write_cursor
+from dray.gateway.http.responses import (
+    PAGE,
+    Cursor,
+    Json,
+    Limit,
+    counted,
+    counted_list_of,
+    read_cursor,
+    write_cursor,
+)
+from dray.gateway.routes.search import Words
 from dray.store import Store
 from dray.store.access.audit import AuditFilter, AuditRow
 
@@ -46,12 +56,15 @@ Word = Annotated[str, Query(max_length=128, pattern=r"^[^\x00]*$")]
 
 
 @router.get(
-    "/audit", responses={200: with_csv(list_of(AuditLine, "Lines, newest first"))}, response_class=Json
+    "/audit",
+    responses={200: with_csv(counted_list_of(AuditLine, "Lines, newest first"))},
+    response_class=Json,
 )
 async def list_audit(
     store: Provided[Store],
     access: Provided[Access],
     caller: Caller,
+    words: Words,
     since: Moment = None,
     until: Moment = None,
     who: Word = "",
@@ -65,10 +78,20 @@ async def list_audit(
 ) -> Response:
     """What people and other systems did, or tried to do.
 
-    `since` and `until` bound the time; `who`, `action`, `target` and `result` must fit exactly.
+    Words of `q` may stand in who, what, about what, from where and in the detail, and in what the order is called by that it was about. `since` and `until` bound the time; `who`, `action`, `target` and `result` must fit exactly.
     """
     after = read_cursor(cursor, tuple[Annotated[int, msgspec.Meta(ge=0, le=LAST_POSITION)]])
-    wanted = AuditFilter(since_s=since, until_s=until, who=who, action=action, target=target, result=result)
+    sees_orders = caller.may(Scope.ORDERS_READ)
+    wanted = AuditFilter(
+        since_s=since,
+        until_s=until,
+        who=who,
+        action=action,
+        target=target,
+        result=result,
+        words=words,
+        by_orders=sees_orders,
+    )
     # Lines of stops are written after their answers: whoever reads the log reads them all.
     await access.audit_log.catch_up()
     if format == "csv":
@@ -76,12 +99,12 @@ async def list_audit(
     async with store.read() as work:
         place = None if after is None else after[0]
         rows = await work.audit.page(wanted, place, limit + 1, oldest_first=oldest_first)
-        targets = (
-            {row.target for row in rows[:limit] if row.target} if caller.may(Scope.ORDERS_READ) else set()
-        )
+        is_all = cursor is None and len(rows) <= limit
+        total = len(rows) if is_all else None if words else await work.audit.total(wanted)
+        targets = {row.target for row in rows[:limit] if row.target} if sees_orders else set()
         orders = await work.orders.names(targets)
     next_cursor = write_cursor(rows[limit - 1].position) if len(rows) > limit else None
-    return listing([_line(row, orders) for row in rows[:limit]], next_cursor)
+    return counted([_line(row, orders) for row in rows[:limit]], next_cursor, total)
 
 
 def _line(row: AuditRow, orders: Mapping[str, str | None]) -> AuditLine:

@@ -18,7 +18,7 @@ router = APIRouter(tags=["history"])
 DAY_S = 86_400.0
 
 KeptKind = Literal[
-    "orders", "events", "replay", "samples", "figures", "lanes", "tasks", "alerts", "audit"
+    "orders", "events", "replay", "samples", "figures", "lanes", "tasks", "transports", "alerts", "audit"
 ]  # fmt: skip
 """`lanes` is the traffic of lanes by the hour, `samples` are of heartbeats, `figures` by the minute, `replay` is what panels showed."""
 
@@ -64,6 +64,7 @@ async def list_kept(store: Provided[Store], settings: Provided[Settings], now_s:
         "figures": (settings.figures_days, "DRAY_FIGURES_DAYS"),
         "lanes": (KEPT_S / DAY_S, ""),
         "tasks": (settings.tasks_days, "DRAY_TASKS_DAYS"),
+        "transports": (settings.transports_days, "DRAY_TRANSPORTS_DAYS"),
         "alerts": (settings.alerts_days, "DRAY_ALERTS_DAYS"),
         "audit": (settings.audit_days, "DRAY_AUDIT_DAYS"),
     }

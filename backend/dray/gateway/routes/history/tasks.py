@@ -15,7 +15,16 @@ from dray.gateway.access.principal import Scope
 from dray.gateway.factory.lateness import Hold, holds_of
 from dray.gateway.http.csv_tables import Format, Row, header_of, row_of, table, with_csv
 from dray.gateway.http.provided import Provided
-from dray.gateway.http.responses import PAGE, Cursor, Json, Limit, list_of, listing, read_cursor, write_cursor
+from dray.gateway.http.responses import (
+    PAGE,
+    Cursor,
+    Json,
+    Limit,
+    counted,
+    counted_list_of,
+    read_cursor,
+    write_cursor,
+)
 from dray.gateway.live.visibility import goal_alias
 from dray.gateway.orders.drafts import Moment
 from dray.gateway.routes.search import NowS, Words
@@ -94,7 +103,7 @@ COLUMNS = TaskRecord.__struct_fields__
 
 @router.get(
     "/tasks/history",
-    responses={200: with_csv(list_of(TaskRecord, "Tasks, newest first"))},
+    responses={200: with_csv(counted_list_of(TaskRecord, "Tasks, newest first"))},
     response_class=Json,
 )
 async def list_task_history(
@@ -137,7 +146,12 @@ async def list_task_history(
         return table("tasks", header_of(COLUMNS), _rows(store, wanted, sort, descending, sees_orders, now_s))
     after = read_cursor(cursor, tuple[float, str])
     records, last = await _page(store, wanted, sort, descending, after, limit, sees_orders, now_s)
-    return listing(records, None if last is None else write_cursor(*last))
+    if cursor is None and last is None:
+        total: int | None = len(records)
+    else:
+        async with store.read() as work:
+            total = None if words else await work.tasks.total(wanted)
+    return counted(records, None if last is None else write_cursor(*last), total)
 
 
 async def _page(

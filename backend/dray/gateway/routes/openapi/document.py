@@ -38,6 +38,7 @@ from dray.gateway.live.views import (
 )
 from dray.gateway.live.views.duty import DutyView
 from dray.gateway.orders.feasibility import OrderPreview
+from dray.gateway.orders.transport_timeline import TransportStory
 from dray.gateway.routes.factory.command_answers import CommandAnswer
 from dray.gateway.routes.factory.duty import CallAnswered
 from dray.gateway.routes.factory.faults import FaultsAnswer
@@ -134,6 +135,7 @@ SHAPES = (
     TrafficAnswer,
     ChangesAnswer,
     TransportAnswer,
+    TransportStory,
     WaitView,
 )
 """Structs that routers answer with, and the frames of the stream."""
@@ -267,6 +269,8 @@ def _tell_shapes(operation: dict[str, Any]) -> None:
         elif "items" in schema.get("properties", {}):
             items = [examples()[_name(schema["properties"]["items"]["items"])]]
             content["example"] = {"items": items, "next_cursor": None}
+            if "total" in schema.get("properties", ()):
+                content["example"]["total"] = len(items)
 
 
 def _with_nulls(example: dict[str, Any], name: str) -> object:

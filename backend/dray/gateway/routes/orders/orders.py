@@ -21,10 +21,10 @@ from dray.gateway.http.responses import (
     Cursor,
     Json,
     Limit,
+    counted,
+    counted_list_of,
     described,
     iso,
-    list_of,
-    listing,
     problems,
     read_cursor,
     write_cursor,
@@ -219,7 +219,7 @@ async def preview_order(placement: Provided[OrderPlacement], draft: WorkDraft) -
 
 @router.get(
     "/orders",
-    responses={200: with_csv(list_of(OrderAnswer, "Orders, newest first"))},
+    responses={200: with_csv(counted_list_of(OrderAnswer, "Orders, newest first"))},
     response_class=Json,
 )
 async def list_orders(
@@ -247,10 +247,13 @@ async def list_orders(
     after = read_cursor(cursor, sorting.shape)
     async with store.read() as work:
         orders = await work.orders.page(wanted, after, limit + 1, sorting)
+        is_all = cursor is None and len(orders) <= limit
+        total = len(orders) if is_all else None if wanted.words else await work.orders.total(wanted)
     last = orders[limit - 1] if len(orders) > limit else None
-    return listing(
+    return counted(
         [order_answer(order, base, projection.orders.why_waits(order.id)) for order in orders[:limit]],
         None if last is None else write_cursor(*sorting.place(last)),
+        total,
     )
 
 

@@ -28,6 +28,7 @@ from dray.gateway.tracking.facts import facts_of_order
 from dray.gateway.tracking.track import track
 from dray.store import Store
 from dray.store.history.events import EventFilter
+from dray.store.orders.estimates import EstimateCause
 from dray.store.orders.order_histories import KINDS, together
 from dray.store.orders.tracking_links import WORKING_MAX, Link
 
@@ -55,11 +56,29 @@ class LinkView(msgspec.Struct, frozen=True):
     revoked_at_s: float | None
 
 
+class EstimateView(msgspec.Struct, frozen=True):
+    """When an order was expected, as told from a moment on. Times are wall clock seconds."""
+
+    at_s: float
+    from_at_s: float | None
+    """None where nothing could be told."""
+    to_at_s: float | None
+    cause: EstimateCause
+    """Why it moved: `first`, `changed` (by people), `moved` (to another machine), `stands`, `silent` or `material` (of a machine), `passed` (by another
+    order), `replaced` (a carrier), `held_up` (its goods), `no_machine`, `later`, `sooner`, `closer` (known more exactly), `again`, `unknown`."""
+    agent: str
+    """The machine or vehicle that it is about; of `replaced` and `moved` the one before."""
+    other: str
+    """Of `replaced` and `moved` who goes on, of `material` what was lacking, of `passed` the other order."""
+
+
 class OrderStory(TimelineView, kw_only=True):
     """The timeline of an order, what is expected of it, and its customer's links."""
 
     expected: ExpectedView | None = None
     """None when nothing can be said honestly, and when it has ended."""
+    estimates: tuple[EstimateView, ...] = ()
+    """How the expectation has moved, oldest first: a step for each time that an end of it moved by more than a step of the clock in which it is told."""
     late: str = ""
     """How the expectation stands to the due time: `maybe`, `yes`, or empty."""
     links: tuple[LinkView, ...] = ()
@@ -103,6 +122,10 @@ EXAMPLE = OrderStory(
         ),
     ),
     expected=ExpectedView(1_893_456_420.0, 1_893_456_480.0),
+    estimates=(
+        EstimateView(1_893_456_010.0, 1_893_456_360.0, 1_893_456_420.0, "first", "", ""),
+        EstimateView(1_893_456_200.0, 1_893_456_420.0, 1_893_456_540.0, "material", "M4", "bearing"),
+    ),
     links=(LinkView(1_893_456_000.0, None, None),),
 )
 
@@ -159,6 +182,7 @@ async def order_timeline(
         )
         kept = await work.order_histories.of_order(order)
         links = await work.links.of_order(order)
+        estimates = await work.estimates.of_order(order)
     told = timeline(together(kept, rows[:EVENTS_MOST]), facts.goals, is_whole=len(rows) <= EVENTS_MOST)
     tracked = track(facts)
     expected = None if tracked.eta is None else ExpectedView(tracked.eta.from_s, tracked.eta.to_s)
@@ -169,6 +193,7 @@ async def order_timeline(
             moments=told.moments,
             is_whole=told.is_whole,
             expected=expected,
+            estimates=tuple(EstimateView(**msgspec.structs.asdict(each)) for each in estimates),
             late=tracked.late.value,
             links=tuple(LinkView(each.created_at_s, each.expires_at_s, each.revoked_at_s) for each in links),
         )

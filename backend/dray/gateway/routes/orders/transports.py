@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import AsyncIterator
 from http import HTTPStatus
 from typing import Annotated
 
 import msgspec
 from fastapi import APIRouter, Depends, Query
+from fastapi.responses import Response
+from msgspec.structs import fields
 
 from dray.gateway.access.audit_log import Noted
 from dray.gateway.access.caller import Caller
 from dray.gateway.access.principal import Principal, Scope
+from dray.gateway.http.csv_tables import Format, Row, row_of, table, with_csv
 from dray.gateway.http.problems import not_found
 from dray.gateway.http.provided import Now, Provided
 from dray.gateway.http.request_bodies import json_only
@@ -19,23 +23,25 @@ from dray.gateway.http.responses import (
     Cursor,
     Json,
     Limit,
+    counted,
+    counted_list_of,
     described,
     iso,
-    list_of,
-    listing,
     problems,
     read_cursor,
     write_cursor,
 )
 from dray.gateway.live.projection import Projection
 from dray.gateway.orders.idempotency import Key, own_key
+from dray.gateway.orders.timeline import LegView, MomentView, WayOutView
 from dray.gateway.orders.transport_draft import TransportDraft
+from dray.gateway.orders.transport_timeline import KINDS, TransportStory, transport_timeline
 from dray.gateway.orders.transports import PlainTransports
 from dray.gateway.orders.wanted_vehicle import why_not
 from dray.gateway.routes.search import Words
 from dray.messages import TransportState
 from dray.store import Store
-from dray.store.orders.transports import TransportRow
+from dray.store.orders.transports import SortedBy, TransportFilter, TransportRow, place_of
 
 router = APIRouter(tags=["transports"])
 
@@ -95,6 +101,45 @@ EXAMPLE = TransportAnswer(
     task="T-1M9K3X2A4-K7QM-1",
 )
 
+COLUMNS = tuple(name for name in TransportAnswer.__struct_fields__ if name != "vehicle_waits")
+"""Of a table: all but what is so at this moment only."""
+
+HEADER = tuple(each.encode_name for each in fields(TransportAnswer) if each.name in COLUMNS)
+
+ROWS_AT_ONCE = 500
+"""Transports read in one go for a table."""
+
+ATTEMPTS_MOST = 100
+"""Times that one transport may have been given out and is told so: once usually, and again for each restart of its destination."""
+
+EVENTS_MOST = 2_000
+"""Events that are read for one transport: ten takeovers of each attempt have fewer."""
+
+STORY = TransportStory(
+    attempts=(
+        WayOutView(
+            task="T-1M9K3X2A4-K7QM-1",
+            goal="",
+            item="bearing",
+            quantity=40,
+            source="S5",
+            destination="M8",
+            opened_at_s=1_893_493_020.0,
+            legs=(LegView(carrier="ATV6", since_at_s=1_893_493_025.0, aboard_at_s=1_893_493_080.0),),
+        ),
+    ),
+    moments=(
+        MomentView(
+            kind="called",
+            at_s=1_893_493_020.0,
+            agent="Call button M8",
+            other="M8",
+            item="bearing",
+            quantity=40,
+        ),
+    ),
+)
+
 DRAFTS = {
     "bring": {
         "summary": "A load from a storage to a machine",
@@ -152,7 +197,7 @@ async def call_transport(
 
 @router.get(
     "/transports",
-    responses={200: list_of(TransportAnswer, "Plain transports, newest first")},
+    responses={200: with_csv(counted_list_of(TransportAnswer, "Plain transports, newest first"))},
     response_class=Json,
 )
 async def list_transports(
@@ -166,27 +211,50 @@ async def list_transports(
     place: Annotated[
         str, Query(max_length=32, pattern=r"^[^\x00]*$", description="Only those from or to this place")
     ] = "",
+    sort: Annotated[SortedBy, Query(description="`called`: by when they were called for")] = "called",
+    descending: bool = True,
     cursor: Cursor = None,
     limit: Limit = PAGE,
-) -> Json:
-    """All plain transports there ever were; a caller that is limited to areas sees those from and to them."""
+    format: Format = "json",  # noqa: A002 - the word that others use
+) -> Response:
+    """All plain transports that are kept; a caller that is limited to areas sees those from and to them."""
     after = read_cursor(cursor, tuple[float, str])
     own = transports.places_of(caller)
     places = own if not place else frozenset({place}) if own is None else own & {place}
-    async with store.read() as work:
-        rows = await work.transports.page(
-            statuses=status or (),
-            places=None if places is None else sorted(places),
-            caller=_only_own(caller),
-            after=after,
-            limit=limit + 1,
-            words=words,
-        )
-    last = rows[limit - 1] if len(rows) > limit else None
-    return listing(
-        [transport_answer(row, why_not(row, projection, now_s)) for row in rows[:limit]],
-        None if last is None else write_cursor(last.created_at_s, last.id),
+
+    wanted = TransportFilter(
+        statuses=status or (),
+        places=None if places is None else sorted(places),
+        caller=_only_own(caller),
+        words=words,
     )
+    if format == "csv":
+        return table("transports", HEADER, _rows(store, wanted, sort, descending))
+    async with store.read() as work:
+        rows = await work.transports.page(wanted, after, limit + 1, sort, descending=descending)
+        is_all = cursor is None and len(rows) <= limit
+        total = len(rows) if is_all else None if words else await work.transports.total(wanted)
+    last = rows[limit - 1] if len(rows) > limit else None
+    return counted(
+        [transport_answer(row, why_not(row, projection, now_s)) for row in rows[:limit]],
+        None if last is None else write_cursor(*place_of(last, sort)),
+        total,
+    )
+
+
+async def _rows(
+    store: Store, wanted: TransportFilter, sort: SortedBy, descending: bool
+) -> AsyncIterator[Row]:
+    """All that are wanted, as cells, read page by page."""
+    after: tuple[float, str] | None = None
+    while True:
+        async with store.read() as work:
+            rows = await work.transports.page(wanted, after, ROWS_AT_ONCE, sort, descending=descending)
+        for row in rows:
+            yield row_of(COLUMNS, transport_answer(row))
+        if len(rows) < ROWS_AT_ONCE:
+            return
+        after = place_of(rows[-1], sort)
 
 
 @router.get(
@@ -211,6 +279,28 @@ async def get_transport(
     if row is None or not transports.may_see(row, caller):
         raise not_found("transport", transport, "GET /api/transports")
     return Json(transport_answer(row, why_not(row, projection, now_s)))
+
+
+@router.get(
+    "/transports/{transport}/timeline",
+    responses={
+        200: described(TransportStory, "How it was given out, who carried it, and what happened", STORY),
+        **problems(p404="There is no such transport"),
+    },
+    response_class=Json,
+)
+async def transport_timeline_of(
+    store: Provided[Store], transports: Provided[PlainTransports], caller: Caller, transport: str
+) -> Json:
+    """All of one plain transport: called for, won, fetched, handed over, and whoever took it over."""
+    async with store.read() as work:
+        row = await work.transports.get(transport)
+        if row is None or not transports.may_see(row, caller):
+            raise not_found("transport", transport, "GET /api/transports")
+        tasks = await work.tasks.of_transport(transport, ATTEMPTS_MOST)
+        rows = await work.events.of_tasks([task.id for task in tasks], KINDS, EVENTS_MOST + 1)
+    is_whole = len(rows) <= EVENTS_MOST
+    return Json(transport_timeline(row, tasks, rows[:EVENTS_MOST], is_whole=is_whole))
 
 
 @router.post(

@@ -34,6 +34,7 @@ from dray.gateway.orders.transport_draft import TransportDraft
 from dray.gateway.orders.transports import PlainTransports
 from dray.gateway.routes.orders.transports import transport_answer
 from dray.store import Store
+from dray.store.orders.transports import TransportFilter
 
 router = APIRouter(include_in_schema=False)
 
@@ -190,9 +191,7 @@ async def _shown(
 ) -> Response:
     texts = TEXTS[language_of(request)]
     async with store.read() as work:
-        rows = await work.transports.page(
-            statuses=(), places=None, caller=caller.key, after=None, limit=SHOWN
-        )
+        rows = await work.transports.page(TransportFilter(caller=caller.key), None, SHOWN)
     choices = tiles(projection, caller, item, texts)
     chosen = next((tile for tile in choices if tile.chosen), None)
     return _page(

@@ -10,7 +10,7 @@ import { AskedChoice, AskedMoment, AskedOnly, AskedWords } from "../../parts/fil
 import { CsvLink } from "../../parts/filters/CsvLink";
 import { Pages } from "../../parts/pages/Pages";
 import { PrintButton } from "../../parts/paper/PrintButton";
-import { sortBy, usePaged } from "../../parts/pages/paged";
+import { countOf, sortBy, usePaged } from "../../parts/pages/paged";
 import { names, plant } from "../../state";
 import { addressOf, asked } from "../../views";
 import { queryOf, STATUSES, tableOf } from "../filter";
@@ -64,7 +64,7 @@ export function OrdersList() {
       heads={heads}
       busy={page.value === null && failed.value === null}
       empty={emptyText(page.value === null, failed.value)}
-      more={page.value?.next_cursor != null}
+      {...countOf(page.value)}
       sorting={{
         column: SORTED.findIndex((name) => name !== "" && name === asked.value.sort),
         descending: asked.value.down === "yes",

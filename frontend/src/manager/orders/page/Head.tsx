@@ -90,7 +90,8 @@ function dueText(order: OrderView): string {
   return leftS >= 0 ? t("orderPage.dueIn", { time: format.duration(leftS) }) : t("orderPage.dueSince", { time: format.duration(-leftS) });
 }
 
-function Figure({ children, head, more = "", warns = false }: { head: string; more?: string; warns?: boolean; children: ComponentChildren }) {
+/** One figure of the head, with a line below it. */
+export function Figure({ children, head, more = "", warns = false }: { head: string; more?: string; warns?: boolean; children: ComponentChildren }) {
   return (
     <div>
       <dt>{head}</dt>

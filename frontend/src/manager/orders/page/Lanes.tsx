@@ -20,41 +20,18 @@ interface Props {
 
 /** Goals, transports and hand-overs, on one axis of time. */
 export function Lanes({ dueS, expected, groups, nowS, span }: Props) {
-  const left = (atS: number) => ({ left: `${percentOf(span, atS)}%` });
-  const ticks = ticksOf(span, TICKS);
-  const signs = signsOf(span, nowS, dueS);
-  const shared = { signs, span, ticks };
-  const isFine = ticks.some((atS) => atS % 60 !== 0);
+  const shared = sharedOf(span, nowS, dueS);
   return (
     <div class="lanes">
-      <div class="lane lane-axis">
-        <span />
-        <span class="lane-track" aria-hidden="true">
-          {ticks.map((atS) => (
-            <i key={atS} class="lane-tick num" style={left(atS)}>
-              {isFine ? format.clock(atS) : format.hour(atS)}
-            </i>
-          ))}
-        </span>
-      </div>
-      {signs.length > 0 && <Signs signs={signs} span={span} nowS={nowS} />}
+      <Axis {...shared} nowS={nowS} />
       {groups.map((group) => (
         <div key={group.goal.goal} role="group" aria-label={goalText(group.goal)}>
           <div class="lane lane-goal">
             <b>{goalText(group.goal)}</b>
             <Track {...shared} bars={group.bars} note={madeText(group.goal)} />
           </div>
-          {group.transports.map(({ bars, transport }) => (
-            <button
-              key={transport.task}
-              type="button"
-              class="lane lane-transport"
-              aria-pressed={chosenTransport.value === transport.task}
-              onClick={() => { chooseTransport(chosenTransport.value === transport.task ? "" : transport.task); }}
-            >
-              <span>{titleOf(transport)}</span>
-              <Track {...shared} bars={bars} note={carriersOf(transport)} />
-            </button>
+          {group.transports.map((each) => (
+            <TransportLane key={each.transport.task} {...shared} {...each} />
           ))}
         </div>
       ))}
@@ -65,6 +42,64 @@ export function Lanes({ dueS, expected, groups, nowS, span }: Props) {
         </div>
       )}
     </div>
+  );
+}
+
+interface TransportProps extends Omit<Props, "groups"> {
+  attempts: Group["transports"];
+}
+
+/** How a plain transport was given out and carried, on the same axis. */
+export function TransportLanes({ attempts, dueS, expected, nowS, span }: TransportProps) {
+  const shared = sharedOf(span, nowS, dueS);
+  return (
+    <div class="lanes">
+      <Axis {...shared} nowS={nowS} />
+      {attempts.map((each) => (
+        <TransportLane key={each.transport.task} {...shared} {...each} />
+      ))}
+      {expected !== null && (
+        <div class="lane lane-goal">
+          <b>{t("orderPage.delivered")}</b>
+          <Track {...shared} bars={barsOfExpected(expected, nowS)} note={t("lanes.expectedAt", { at: format.due(expected.to_at_s, nowS) })} />
+        </div>
+      )}
+    </div>
+  );
+}
+
+type Shared = Pick<TrackProps, "signs" | "span" | "ticks">;
+
+function sharedOf(span: Span, nowS: number, dueS: number | null): Shared {
+  return { signs: signsOf(span, nowS, dueS), span, ticks: ticksOf(span, TICKS) };
+}
+
+function Axis({ nowS, signs, span, ticks }: Shared & { nowS: number }) {
+  const isFine = ticks.some((atS) => atS % 60 !== 0);
+  return (
+    <>
+      <div class="lane lane-axis">
+        <span />
+        <span class="lane-track" aria-hidden="true">
+          {ticks.map((atS) => (
+            <i key={atS} class="lane-tick num" style={{ left: `${percentOf(span, atS)}%` }}>
+              {isFine ? format.clock(atS) : format.hour(atS)}
+            </i>
+          ))}
+        </span>
+      </div>
+      {signs.length > 0 && <Signs signs={signs} span={span} nowS={nowS} />}
+    </>
+  );
+}
+
+function TransportLane({ bars, transport, ...shared }: Shared & Group["transports"][number]) {
+  const isChosen = chosenTransport.value === transport.task;
+  return (
+    <button type="button" class="lane lane-transport" aria-pressed={isChosen} onClick={() => { chooseTransport(isChosen ? "" : transport.task); }}>
+      <span>{titleOf(transport)}</span>
+      <Track {...shared} bars={bars} note={carriersOf(transport)} />
+    </button>
   );
 }
 

@@ -12,6 +12,7 @@ import { isClosed } from "../progress";
 import { WaitsText } from "../WaitsText";
 import { chosenTransport } from "./address";
 import { ChangeCard } from "./ChangeCard";
+import { EstimatesCard } from "./EstimatesCard";
 import { Head } from "./Head";
 import { Lanes } from "./Lanes";
 import { groupsOf, legendOf, spanOf, type Story, type Transport } from "./lanes";
@@ -73,6 +74,13 @@ export function OrderStory() {
               <WaitsText waits={order.waits} />
             </Card>
           )}
+          <EstimatesCard
+            key={`estimates ${id}`}
+            estimates={story.estimates}
+            dueS={order.due_at_s}
+            deliveredS={order.delivered_at_s}
+            untilS={isClosed(order) ? endOf(order, story) : nowS.value}
+          />
           <ChangeCard key={`change ${id}`} kept={found.kept} onChanged={again} />
           <LinkCard key={id} order={id} links={story.links} onChanged={again} />
         </div>
@@ -81,9 +89,13 @@ export function OrderStory() {
   );
 }
 
+/** When an order that has ended did so, as far as that is known. */
+function endOf(order: OrderView, story: Story): number {
+  return order.delivered_at_s ?? story.moments.at(-1)?.at_s ?? order.created_at_s;
+}
+
 function LanesCard({ order, story }: { order: OrderView; story: Story }) {
-  const lastS = order.delivered_at_s ?? story.moments.at(-1)?.at_s ?? order.created_at_s;
-  const untilS = isClosed(order) ? lastS : nowS.value;
+  const untilS = isClosed(order) ? endOf(order, story) : nowS.value;
   const groups = groupsOf(story, untilS);
   const span = spanOf(story, [untilS, order.due_at_s, story.expected?.to_at_s ?? null], order.created_at_s);
   const expected = isClosed(order) ? null : story.expected;
@@ -96,22 +108,27 @@ function LanesCard({ order, story }: { order: OrderView; story: Story }) {
       ) : (
         <Lanes groups={groups} span={span} nowS={isClosed(order) ? Infinity : nowS.value} dueS={order.due_at_s} expected={expected} />
       )}
-      {groups.length > 0 && (
-        <p class="lane-legend" aria-hidden="true">
-          {drawn.map((kind) => (
-            <span key={kind}>
-              <i class={kind === "now" || kind === "due" ? `lane-${kind}` : `lane-bar lane-${kind}`} /> {t(`lanes.legend.${kind}`)}
-            </span>
-          ))}
-        </p>
-      )}
+      {groups.length > 0 && <Legend kinds={drawn} />}
       {transport && <Told transport={transport} />}
     </Card>
   );
 }
 
+/** What the bars and lines of the lanes mean. */
+export function Legend({ kinds }: { kinds: ReturnType<typeof legendOf> }) {
+  return (
+    <p class="lane-legend" aria-hidden="true">
+      {kinds.map((kind) => (
+        <span key={kind}>
+          <i class={kind === "now" || kind === "due" ? `lane-${kind}` : `lane-bar lane-${kind}`} /> {t(`lanes.legend.${kind}`)}
+        </span>
+      ))}
+    </p>
+  );
+}
+
 /** The chosen transport, in words. */
-function Told({ transport }: { transport: Transport }) {
+export function Told({ transport }: { transport: Transport }) {
   const carrier = transport.legs.at(-1)?.carrier ?? "";
   return (
     <div class="order-told" role="status">

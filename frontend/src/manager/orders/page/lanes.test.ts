@@ -10,7 +10,7 @@ const leg = (more: Partial<Leg>): Leg => ({ carrier: "ATV1", since_at_s: 200, ab
 const transport = (legs: Leg[], more: Partial<Transport> = {}): Transport => ({
   task: "M9.1-1", goal: "O-1.1", item: "g2", quantity: 5, source: "M9", destination: "OUT", opened_at_s: 190, closed_at_s: null, outcome: "", legs, ...more,
 });
-const story = (more: Partial<Story>): Story => ({ goals: [], transports: [], moments: [], is_whole: true, expected: null, late: "", links: [], ...more });
+const story = (more: Partial<Story>): Story => ({ goals: [], transports: [], moments: [], is_whole: true, expected: null, late: "", links: [], estimates: [], ...more });
 
 describe("a goal's bars", () => {
   test("end where its last piece was made, or go on to what is promised", () => {

@@ -7,8 +7,8 @@ import type { Transport } from "./lanes";
 export type Moment = components["schemas"]["MomentView"];
 export type Wanted = "all" | "transports" | "problems";
 
-const OF_TRANSPORTS: ReadonlySet<Moment["kind"]> = new Set(["fetched", "handed_over", "took_over", "announced_anew", "arrived"]);
-const PROBLEMS: ReadonlySet<Moment["kind"]> = new Set(["moved", "waits", "took_over", "announced_anew", "withdrawn", "dropped"]);
+const OF_TRANSPORTS: ReadonlySet<Moment["kind"]> = new Set(["won", "fetched", "handed_over", "took_over", "announced_anew", "arrived"]);
+const PROBLEMS: ReadonlySet<Moment["kind"]> = new Set(["moved", "waits", "took_over", "announced_anew", "withdrawn", "dropped", "called_off", "cancelled"]);
 
 export function isWanted(moment: Moment, wanted: Wanted): boolean {
   if (wanted === "transports") return OF_TRANSPORTS.has(moment.kind);

@@ -8,8 +8,8 @@ import { format, t, tables, word } from "../../../text/views/records";
 import { ListKeptNote } from "../../parts/kept/KeptNote";
 import { Pages } from "../../parts/pages/Pages";
 import { PrintButton } from "../../parts/paper/PrintButton";
-import { narrow } from "../../parts/pages/paged";
-import { addressOf } from "../../views";
+import { countOf, narrow } from "../../parts/pages/paged";
+import { addressOf, addressOfTransport, isTransport } from "../../views";
 import { detailText } from "./detail";
 import { Filters } from "./Filters";
 import { oldestFirst, useLog } from "./log";
@@ -33,7 +33,7 @@ export function AuditList() {
       hint={t("audit.hint")}
       empty={emptyText(page.value === null, failed.value)}
       busy={page.value === null && failed.value === null}
-      more={page.value?.next_cursor != null}
+      {...countOf(page.value)}
       sorting={{
         column: 0,
         descending: !oldestFirst.value,
@@ -79,13 +79,13 @@ function Row({ line }: { line: AuditLine }) {
   );
 }
 
-/** An order by its customer's number, with the way to its page. */
+/** An order by its customer's number, and a plain transport, with the way to its page. */
 function Target({ line: { is_order: isOrder, reference, target } }: { line: AuditLine }) {
-  if (!isOrder) return <Only what={target} by={{ target }} />;
+  if (!isOrder && !isTransport(target)) return <Only what={target} by={{ target }} />;
   const name = reference ?? target;
   return (
     <>
-      <a class="link" href={addressOf(target)}>
+      <a class="link" href={isOrder ? addressOf(target) : addressOfTransport(target)}>
         {name}
       </a>{" "}
       <button type="button" class="button small" onClick={() => { narrow({ target }); }}>

@@ -1,6 +1,7 @@
 import { Later } from "../../../parts/Later";
 import { t, word } from "../../../text/views/records";
 import { narrow } from "../../parts/pages/paged";
+import { AskedWords } from "../../parts/filters/Asked";
 import { Choice } from "../../parts/filters/Choice";
 import { CsvLink } from "../../parts/filters/CsvLink";
 import { ACTIONS, NOTHING, RESULTS, tableOf } from "./filter";
@@ -10,6 +11,7 @@ import { filter, oldestFirst } from "./log";
 export function Filters() {
   return (
     <>
+      <AskedWords />
       <Moment name="since" />
       <Moment name="until" />
       <Words name="who" />

@@ -3,6 +3,8 @@ import type { AuditQuery } from "../../../api/client";
 import type { Asked } from "../../views";
 
 export interface Filter {
+  /** Words of which each must stand somewhere in a line. */
+  readonly q: string;
   /** As a field of date and time has it, in the reader's zone; empty for no bound. */
   readonly since: string;
   readonly until: string;
@@ -12,7 +14,7 @@ export interface Filter {
   readonly result: string;
 }
 
-export const NOTHING: Filter = { since: "", until: "", who: "", action: "", target: "", result: "" };
+export const NOTHING: Filter = { q: "", since: "", until: "", who: "", action: "", target: "", result: "" };
 
 /** What the address asks for. */
 export function filterFrom(said: Asked): Filter {
@@ -30,8 +32,8 @@ export const ACTIONS = [
 export const RESULTS = ["done", "refused", "failed"] as const;
 
 /** What the gateway is asked for: only what was filled in. */
-export function queryOf({ action, result, since, target, until, who }: Filter): AuditQuery {
-  const all = { since: secondsOf(since), until: secondsOf(until), who: who.trim(), action, target: target.trim(), result };
+export function queryOf({ action, q, result, since, target, until, who }: Filter): AuditQuery {
+  const all = { q: q.trim(), since: secondsOf(since), until: secondsOf(until), who: who.trim(), action, target: target.trim(), result };
   return Object.fromEntries(Object.entries(all).filter(([, value]) => value !== "" && !Number.isNaN(value)));
 }
 

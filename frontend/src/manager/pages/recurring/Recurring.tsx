@@ -9,7 +9,7 @@ import { Sure } from "../../parts/Sure";
 import { problemText } from "../../problem-text";
 import { useRefreshed } from "../../refreshed";
 import { names } from "../../state";
-import { addressOf } from "../../views";
+import { addressOf, addressOfTransport } from "../../views";
 import { dayName, shown, timesOf } from "./draft";
 import { begin } from "./form";
 import "./recurring.css";
@@ -170,7 +170,11 @@ function Last({ schedule: { last, missed_at, time_zone } }: { schedule: Schedule
   return (
     <>
       {last === null ? "–" : at(last.planned_at)}
-      {last?.transport != null && <small class="line muted">{last.transport}</small>}
+      {last?.transport != null && (
+        <small class="line">
+          <a href={addressOfTransport(last.transport)}>{last.transport}</a>
+        </small>
+      )}
       {last?.order != null && (
         <small class="line">
           <a href={addressOf(last.order)}>{last.order}</a>

@@ -13,10 +13,10 @@ import { CsvLink } from "../../parts/filters/CsvLink";
 import { ListKeptNote } from "../../parts/kept/KeptNote";
 import { Pages } from "../../parts/pages/Pages";
 import { PrintButton } from "../../parts/paper/PrintButton";
-import { sortBy, usePaged } from "../../parts/pages/paged";
+import { countOf, sortBy, usePaged } from "../../parts/pages/paged";
 import { ShowLink } from "../../parts/ShowLink";
 import { names, plant, taskName } from "../../state";
-import { addressOf, asked } from "../../views";
+import { addressOf, addressOfTransport, asked, transportOf } from "../../views";
 import { heldKey, machineHeldKey } from "../../parts/rows/held";
 import { queryOf, STATES, tableOf } from "./filter";
 import { factoryTime } from "../../../text/plant-time";
@@ -46,7 +46,7 @@ export function TasksList() {
       heads={HEADS.map((head) => t(`tasks.${head}`))}
       busy={page.value === null && failed.value === null}
       empty={emptyText(page.value === null, failed.value)}
-      more={page.value?.next_cursor != null}
+      {...countOf(page.value)}
       sorting={{
         column: SORTED.findIndex((name) => name !== "" && name === asked.value.sort),
         descending: asked.value.down !== "no",
@@ -102,12 +102,14 @@ function Row({ task }: { task: Shown }) {
   const source = task.source.replaceAll("/", " / ");
   const opened = live && isOpen(live);
   const name = taskName(task.id, order, task.reference ?? order);
+  const called = transportOf(task.id);
+  const what = t("auction.what", { quantity: format.count(task.quantity), item: names.value(task.item) });
   return (
     <tr>
       <th scope="row">
         {live ? <ShowLink chosen={{ kind: "task", id: task.id }} name={name} label={t("tasks.open", { id: name })} /> : name}
       </th>
-      <td>{t("auction.what", { quantity: format.count(task.quantity), item: names.value(task.item) })}</td>
+      <td>{called === "" ? what : <a class="link" href={addressOfTransport(called)}>{what}</a>}</td>
       <td>{task.destination && t("auction.way", { source, destination: task.destination })}</td>
       <td>{order && <a class="link" href={addressOf(order)}>{task.reference ?? order}</a>}</td>
       <td>

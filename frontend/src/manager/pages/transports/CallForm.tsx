@@ -7,6 +7,7 @@ import * as parts from "../../parts/Field";
 import { Sheet } from "../../parts/Sheet";
 import { useRefreshed } from "../../refreshed";
 import { plant } from "../../state";
+import { addressOfTransport } from "../../views";
 import { busy, complaints, edit, outcome, send, type Written, written } from "./call";
 
 /** What the button opens. */
@@ -73,6 +74,9 @@ export function CallForm({ onCalled }: { onCalled: () => void }) {
         <p class="form-actions">
           <span role="status" class={`outcome outcome-${outcome.value?.good ? "good" : "bad"}`}>
             {outcome.value?.text}
+            {outcome.value?.called !== undefined && (
+              <a class="link" href={addressOfTransport(outcome.value.called)}>{outcome.value.called}</a>
+            )}
           </span>
           <button type="submit" class="button primary" disabled={busy.value}>
             {t("called.send")}

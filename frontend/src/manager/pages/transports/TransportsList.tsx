@@ -5,17 +5,19 @@ import { nowS } from "../../../stream/stream";
 import { speakAlso } from "../../../text/speech";
 import { format, t, tables, word } from "../../../text/views/transports";
 import { AskedChoice, AskedWords } from "../../parts/filters/Asked";
+import { CsvLink } from "../../parts/filters/CsvLink";
 import { Pages } from "../../parts/pages/Pages";
-import { usePaged } from "../../parts/pages/paged";
+import { countOf, sortBy, usePaged } from "../../parts/pages/paged";
 import { Sure } from "../../parts/Sure";
 import { problemText } from "../../problem-text";
 import { names, plant } from "../../state";
-import { asked as address } from "../../views";
+import { addressOfTransport, asked as address } from "../../views";
 import "./call.css";
 import { CallForm, FORM } from "./CallForm";
-import { canCallOff, queryOf, STATES } from "./filter";
+import { canCallOff, queryOf, STATES, tableOf } from "./filter";
 
 const HEADS = ["what", "way", "state", "vehicle", "by", "at", "due", "actions"] as const;
+const SORTED = ["", "", "", "", "", "called", "due", ""] as const;
 
 /** Which one somebody is asked about before it is called off; empty for none. */
 const asked = signal("");
@@ -47,7 +49,13 @@ export function TransportsList() {
       hint={t("called.hint")}
       empty={emptyText(page.value === null, unread.value)}
       busy={page.value === null && unread.value === null}
-      more={page.value?.next_cursor != null}
+      {...countOf(page.value)}
+      sorting={{
+        column: SORTED.findIndex((name) => name !== "" && name === (address.value.sort ?? "called")),
+        descending: address.value.down !== "no",
+        by: (column) => { sortBy(SORTED[column] ?? "", true); },
+        can: (column) => SORTED[column] !== "",
+      }}
       aside={
         <>
           <Filters />
@@ -89,6 +97,7 @@ function Filters() {
       <AskedWords />
       <AskedChoice name="state" label={t("called.state")} options={states} />
       <AskedChoice name="place" label={t("called.place")} options={places} />
+      <CsvLink href={tableOf(address.value)} />
     </>
   );
 }
@@ -103,7 +112,9 @@ function Row({ end, transport }: { transport: TransportAnswer; end: (id: string)
     <tr>
       <th scope="row">
         {format.count(quantity)} {names.value(item)}
-        <small class="line muted">{id}</small>
+        <small class="line">
+          <a class="link" href={addressOfTransport(id)}>{id}</a>
+        </small>
       </th>
       <td>{t("called.wayOf", { source: transport.from, to })}</td>
       <td>

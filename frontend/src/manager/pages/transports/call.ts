@@ -25,7 +25,8 @@ export const EMPTY: Written = { item: "", quantity: "", from: "", to: "", priori
 export const written = signal<Written>(EMPTY);
 export const complaints = signal<Readonly<Record<string, string>>>({});
 export const busy = signal(false);
-export const outcome = signal<{ good: boolean; text: string } | null>(null);
+/** `called`: which one it has become. */
+export const outcome = signal<{ good: boolean; text: string; called?: string } | null>(null);
 
 /** The same for every try at what is written: a transport whose answer was lost is not called twice. */
 let key = "";
@@ -69,7 +70,7 @@ export async function send(): Promise<boolean> {
   try {
     const { id } = await callTransport(draftOf(written.value), key);
     edit(EMPTY);
-    outcome.value = { good: true, text: t("called.sent", { id }) };
+    outcome.value = { good: true, text: t("called.sent", { id: "" }), called: id };
     return true;
   } catch (error) {
     const { at, elsewhere } = complaintsOf(error instanceof Problem ? error.errors : []);

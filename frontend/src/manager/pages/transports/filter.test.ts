@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import { complaintsOf, draftOf, EMPTY } from "./call";
-import { queryOf } from "./filter";
+import { queryOf, tableOf } from "./filter";
 
 test.each([
   [{}, {}],
@@ -8,7 +8,13 @@ test.each([
   [{ state: "delivered", place: "M8" }, { status: ["delivered"], place: "M8" }],
   [{ state: "eaten" }, {}],
   [{ q: "bearing M8" }, { q: "bearing M8" }],
-])("the address %j asks for %j", (said, query) => { expect(queryOf(said)).toEqual(query); });
+])("the address %j asks for %j", (said, query) => { expect(queryOf(said)).toEqual({ ...query, sort: "called", descending: true }); });
+
+test("the address says in which order they come, in the list and in the table", () => {
+  expect(queryOf({ sort: "due", down: "no" })).toEqual({ sort: "due", descending: false });
+  expect(queryOf({ sort: "colour" }).sort).toBe("called");
+  expect(tableOf({ sort: "due", down: "no", state: "open" })).toBe("/api/transports?status=waiting&status=assigned&status=on_board&sort=due&descending=false&format=csv");
+});
 
 test("what is left empty is left to the gateway, and what is no number it refuses", () => {
   expect(draftOf({ ...EMPTY, item: "shaft", quantity: " 40 ", to: "M8" })).toEqual({

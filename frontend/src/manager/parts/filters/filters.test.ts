@@ -1,7 +1,7 @@
 import { describe, expect, test } from "vitest";
 import * as orders from "../../orders/filter";
 import * as tasks from "../../pages/tasks/filter";
-import { askedFrom, addressWith, orderFrom, viewFrom } from "../../views";
+import { askedFrom, addressWith, namedIn, viewFrom } from "../../views";
 import { holds } from "./match";
 
 describe("words that are looked for", () => {
@@ -17,8 +17,8 @@ describe("the address", () => {
     const address = addressWith("#orders", { q: "D5 & more", status: "open", late: "" });
     expect(address).toBe("#orders?q=D5+%26+more&status=open");
     expect(askedFrom(address)).toEqual({ q: "D5 & more", status: "open" });
-    expect([viewFrom(address), orderFrom(address)]).toEqual(["orders", ""]);
-    expect(orderFrom("#orders/O-1?q=D5")).toBe("O-1");
+    expect([viewFrom(address), namedIn(address, "orders")]).toEqual(["orders", ""]);
+    expect(namedIn("#orders/O-1?q=D5", "orders")).toBe("O-1");
     expect(askedFrom("#orders/O-1")).toEqual({});
   });
 });

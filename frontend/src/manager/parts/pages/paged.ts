@@ -7,6 +7,14 @@ import { ask, type Asked, asked } from "../../views";
 export interface PageOf<T> {
   readonly items: readonly T[];
   readonly next_cursor: string | null;
+  /** How many there are on all pages; null where nobody has counted. */
+  readonly total?: number | null;
+}
+
+/** What stands beside the title of a list: how many there are, or how many are on this page, and that there are more. */
+export function countOf(page: PageOf<unknown> | null): { count: number; more: boolean } {
+  const total = page?.total ?? null;
+  return total === null ? { count: page?.items.length ?? 0, more: page?.next_cursor != null } : { count: total, more: false };
 }
 
 interface Paged<T> extends Pick<Refreshed<unknown>, "again" | "failed"> {

@@ -12,6 +12,7 @@ export const story: Catalogue<typeof en> = {
   "story.standby": "Steht bereit",
   "story.machine": "Maschine",
   "story.place": "Ort",
+  "story.called": "Gerufen",
   "story.order": "Auftrag",
   "story.follow": "Folgen",
   "story.followTitle": "Karte und Felder gehen mit dem Gewählten mit, bis jemand die Karte bewegt",

@@ -9,6 +9,7 @@ export const story = {
   "story.standby": "Stands by",
   "story.machine": "Machine",
   "story.place": "Place",
+  "story.called": "Called for",
   "story.order": "Order",
   "story.follow": "Follow",
   "story.followTitle": "The map and the cards go along with what is chosen, until somebody moves the map",

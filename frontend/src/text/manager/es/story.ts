@@ -12,6 +12,7 @@ export const story: Catalogue<typeof en> = {
   "story.standby": "De reserva",
   "story.machine": "Máquina",
   "story.place": "Lugar",
+  "story.called": "Pedido como",
   "story.order": "Pedido",
   "story.follow": "Seguir",
   "story.followTitle": "El plano y las fichas van con lo elegido hasta que alguien mueva el plano",

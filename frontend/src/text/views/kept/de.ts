@@ -24,6 +24,7 @@ export const kept: Catalogue<typeof en> = {
   "kept.of.figures": "Kennzahlen je Minute, Teile je Stunde, Übernahmen",
   "kept.of.lanes": "Verkehr der Fahrwege je Stunde",
   "kept.of.tasks": "Transporte und Fertigungsaufträge",
+  "kept.of.transports": "Einfache Transporte",
   "kept.of.alerts": "Meldungen",
   "kept.of.audit": "Protokoll: wer was tat",
   "kept.gone.tasks": "Transporte, die vor {at} endeten, werden nicht mehr aufbewahrt ({days}).",

@@ -21,6 +21,7 @@ export const kept = {
   "kept.of.figures": "Figures by the minute, pieces by the hour, takeovers",
   "kept.of.lanes": "Traffic of lanes by the hour",
   "kept.of.tasks": "Tasks",
+  "kept.of.transports": "Plain transports",
   "kept.of.alerts": "Alerts",
   "kept.of.audit": "Audit log",
   "kept.gone.tasks": "Tasks that ended before {at} are no longer kept ({days}).",

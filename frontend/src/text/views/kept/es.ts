@@ -24,6 +24,7 @@ export const kept: Catalogue<typeof en> = {
   "kept.of.figures": "Cifras por minuto, piezas por hora, relevos",
   "kept.of.lanes": "Tráfico de los carriles por hora",
   "kept.of.tasks": "Transportes y trabajos de fabricación",
+  "kept.of.transports": "Transportes sueltos",
   "kept.of.alerts": "Avisos",
   "kept.of.audit": "Registro de acciones",
   "kept.gone.tasks": "Los transportes que terminaron antes de {at} ya no se guardan ({days}).",

@@ -1,0 +1,109 @@
+"""The timeline of a plain transport: called for, won, fetched and handed over, with whoever took it over. Pure.
+
+A transport may be given out several times, under a name each: its destination restarts, or a load comes in parts. Steps are read from
+what agents have told; where the log has forgotten that, what the table of tasks keeps longer is told instead.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from dray.gateway.live.views.base import View
+from dray.gateway.orders.timeline import LegView, MomentKind, MomentView, WayOutView, timeline
+from dray.messages import TransportState
+from dray.messages.fact import AwardAnswered, CarrierChanged, PhaseEntered, TaskClosed, TaskOpened
+from dray.store.history.events import EventRow
+from dray.store.orders.tasks import TaskRow
+from dray.store.orders.transports import TransportRow
+
+TOLD_BY = (TaskOpened, AwardAnswered, PhaseEntered, CarrierChanged, TaskClosed)
+"""Facts of which it is made."""
+
+KINDS = tuple(kind.__name__ for kind in TOLD_BY)
+
+
+class TransportStory(View, kw_only=True):
+    """All of a plain transport, oldest first. Times are wall clock seconds."""
+
+    attempts: tuple[WayOutView, ...] = ()
+    """Each time it was given out; one, where nothing went otherwise."""
+    moments: tuple[MomentView, ...] = ()
+    is_whole: bool = True
+    """False where the log has forgotten its steps, and only tells who carried it last, and when."""
+
+
+def transport_timeline(
+    row: TransportRow, tasks: Sequence[TaskRow], rows: Iterable[EventRow], *, is_whole: bool = True
+) -> TransportStory:
+    """What is known of a transport.
+
+    Args:
+        row: the transport.
+        tasks: under which names it was given out.
+        rows: what the log has of these, in any order.
+        is_whole: whether there are no more of them.
+    """
+    told = timeline(rows, ())
+    ways = {way.task: way for way in told.transports}
+    forgotten = [task for task in tasks if task.id not in ways]
+    attempts = [*ways.values(), *(_known(task) for task in forgotten)]
+    moments = [*_begun(row), *told.moments, *(each for task in forgotten for each in _kept(task)), *_end(row)]
+    return TransportStory(
+        attempts=tuple(sorted(attempts, key=lambda way: way.opened_at_s)),
+        moments=tuple(sorted(moments, key=lambda moment: moment.at_s)),
+        is_whole=is_whole and not forgotten,
+    )
+
+
+def _known(task: TaskRow) -> WayOutView:
+    """An attempt whose steps are forgotten."""
+    legs: tuple[LegView, ...] = ()
+    if task.carrier and task.contracted_at_s is not None:
+        legs = (LegView(carrier=task.carrier, since_at_s=task.contracted_at_s, until_at_s=task.closed_at_s),)
+    return WayOutView(
+        task=task.id,
+        goal="",
+        item=task.item,
+        quantity=task.quantity,
+        source=task.source,
+        destination=task.destination,
+        opened_at_s=task.opened_at_s,
+        closed_at_s=task.closed_at_s,
+        outcome=task.state if task.state in ("delivered", "withdrawn") else "",
+        legs=legs,
+    )
+
+
+def _kept(task: TaskRow) -> list[MomentView]:
+    """Who won it is known where nobody has taken it over."""
+    if task.epoch > 1 or not task.carrier or task.contracted_at_s is None:
+        return []
+    return [
+        MomentView(
+            kind="won",
+            at_s=task.contracted_at_s,
+            task=task.id,
+            agent=task.carrier,
+            item=task.item,
+            quantity=task.quantity,
+        )
+    ]
+
+
+def _begun(row: TransportRow) -> list[MomentView]:
+    called = [_of(row, "called", row.created_at_s)]
+    return called if row.cancel_at_s is None else [*called, _of(row, "called_off", row.cancel_at_s)]
+
+
+def _end(row: TransportRow) -> list[MomentView]:
+    if row.ended_at_s is None:
+        return []
+    kind: MomentKind = "delivered" if row.status is TransportState.DELIVERED else "cancelled"
+    return [_of(row, kind, row.ended_at_s)]
+
+
+def _of(row: TransportRow, kind: MomentKind, at_s: float) -> MomentView:
+    agent = row.called_by if kind == "called" else ""
+    return MomentView(
+        kind=kind, at_s=at_s, agent=agent, other=row.destination, item=row.item, quantity=row.quantity
+    )

@@ -1,0 +1,113 @@
+import { useSignal } from "@preact/signals";
+import { Card } from "../../../parts/Card";
+import { nowS } from "../../../stream/stream";
+import { format, t } from "../../../text/views/order";
+import { names, orderName } from "../../state";
+import { addressOf } from "../../views";
+import { type Estimate, heightOf, leftOf, type Move, movesOf, stepsOf, timeOf, topOf } from "./estimates";
+
+/** The newest, before somebody asks for more. */
+const AT_FIRST = 5;
+
+interface Props {
+  estimates: readonly Estimate[];
+  dueS: number | null;
+  deliveredS: number | null;
+  /** Now, or the order's end. */
+  untilS: number;
+}
+
+/** How the expected time has moved, as a band, and below it why. */
+export function EstimatesCard({ deliveredS, dueS, estimates, untilS }: Props) {
+  const all = useSignal(false);
+  if (estimates.length === 0) return null;
+  const moves = movesOf(estimates);
+  const hidden = all.value ? 0 : Math.max(0, moves.length - AT_FIRST);
+  const shown = moves.slice(hidden);
+  return (
+    <Card title={t("estimates.title")} class="order-estimates">
+      <Band estimates={estimates} dueS={dueS} deliveredS={deliveredS} untilS={untilS} shown={shown} first={hidden + 1} />
+      {moves.length === 0 && <p class="muted">{t("estimates.stayed")}</p>}
+      {hidden > 0 && (
+        <button type="button" class="button small" onClick={() => (all.value = true)}>
+          {t("moments.more", { n: format.count(hidden) })}
+        </button>
+      )}
+      <ol start={hidden + 1}>
+        {shown.map((move) => (
+          <li key={move.estimate.at_s}>
+            <time class="num muted" dateTime={new Date(move.estimate.at_s * 1000).toISOString()}>
+              {format.when(move.estimate.at_s, nowS.value)}
+            </time>{" "}
+            {move.estimate.cause === "passed" ? <a class="link" href={addressOf(move.estimate.other)}>{moveText(move)}</a> : moveText(move)}
+          </li>
+        ))}
+      </ol>
+    </Card>
+  );
+}
+
+function Band({ deliveredS, dueS, estimates, first, shown, untilS }: Props & { shown: readonly Move[]; first: number }) {
+  const time = timeOf(estimates, untilS);
+  const height = heightOf(estimates, [dueS, deliveredS]);
+  const at = (atS: number) => ({ left: `${leftOf(time, atS)}%` });
+  const top = (atS: number) => ({ top: `${topOf(height, atS)}%` });
+  const known = estimates.flatMap(({ from_at_s, to_at_s }) => [from_at_s, to_at_s].filter((atS) => atS !== null));
+  const ends = known.length === 0 ? [] : [Math.min(...known), Math.max(...known)];
+  return (
+    <div class="estimates" role="img" aria-label={bandText(estimates)}>
+      <span class="estimates-scale num" aria-hidden="true">
+        {ends.map((atS) => (
+          <i key={atS} style={top(atS)}>{format.hour(atS)}</i>
+        ))}
+      </span>
+      <span class="estimates-band">
+        {stepsOf(estimates, time, height, untilS).map((step) => (
+          <i
+            key={step.leftPercent}
+            class="estimates-step"
+            style={{ left: `${step.leftPercent}%`, width: `${step.widthPercent}%`, top: `${step.topPercent}%`, height: `${step.heightPercent}%` }}
+          />
+        ))}
+        {dueS !== null && (
+          <i class="estimates-due" style={top(dueS)}>
+            <small>{t("lanes.legend.due")}</small>
+          </i>
+        )}
+        {shown.map(({ estimate }, index) => (
+          <i key={estimate.at_s} class="estimates-move" style={at(estimate.at_s)}>
+            <small class="num">{first + index}</small>
+          </i>
+        ))}
+        {deliveredS !== null && <i class="estimates-end" style={{ ...at(deliveredS), ...top(deliveredS) }} />}
+      </span>
+      <span class="estimates-time num" aria-hidden="true">
+        <i>{format.hour(time.fromS)}</i>
+        <i>{format.hour(time.toS)}</i>
+      </span>
+    </div>
+  );
+}
+
+/** What the band shows, for who does not see it: the first and the last of it. */
+function bandText(estimates: readonly Estimate[]): string {
+  const told = estimates.filter(({ to_at_s }) => to_at_s !== null);
+  const text = (estimate: Estimate | undefined): string =>
+    estimate?.from_at_s == null || estimate.to_at_s === null
+      ? t("orderPage.unknown")
+      : t("orderPage.range", { from: format.due(estimate.from_at_s, nowS.value), to: format.due(estimate.to_at_s, nowS.value) });
+  return t("estimates.label", { first: text(told[0]), last: text(told.at(-1)) });
+}
+
+/** Why it moved, by name, and by how much. */
+export function moveText({ byS, estimate }: Move): string {
+  const { agent, cause, other } = estimate;
+  const because = {
+    agent,
+    other: cause === "material" ? names.value(other) : cause === "passed" ? orderName(other) : other,
+  };
+  const text = t(other === "" && (cause === "moved" || cause === "replaced") ? `estimates.${cause}.nobody` : `estimates.${cause}`, because);
+  if (estimate.to_at_s === null) return t("estimates.untold", { text });
+  if (byS === null || byS === 0) return text;
+  return t(byS > 0 ? "estimates.by.later" : "estimates.by.sooner", { text, time: format.duration(Math.abs(byS)) });
+}

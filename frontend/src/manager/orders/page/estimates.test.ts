@@ -1,0 +1,49 @@
+import { describe, expect, test } from "vitest";
+import { type Estimate, heightOf, leftOf, movesOf, stepsOf, timeOf, topOf } from "./estimates";
+import { moveText } from "./EstimatesCard";
+
+const at = (atS: number, fromS: number | null, toS: number | null, more: Partial<Estimate> = {}): Estimate => ({
+  at_s: atS, from_at_s: fromS, to_at_s: toS, cause: "later", agent: "", other: "", ...more,
+});
+
+const MOVED = [
+  at(0, 1000, 1300, { cause: "first" }),
+  at(100, 1050, 1250, { cause: "closer" }),
+  at(200, 1400, 1700, { cause: "replaced", agent: "ATV3", other: "ATV1" }),
+  at(300, null, null, { cause: "stands", agent: "M4" }),
+  at(400, 1500, 1600, { cause: "again" }),
+];
+
+describe("the estimates of an order", () => {
+  test("have a move for each that people want to know the cause of", () => {
+    expect(movesOf(MOVED).map(({ byS, estimate }) => [estimate.cause, byS])).toEqual([["replaced", 450], ["stands", null], ["again", null]]);
+  });
+
+  test("are drawn as long as each was told, with a gap where nothing could be", () => {
+    const time = timeOf(MOVED, 500);
+    const height = heightOf(MOVED, [1350, null]);
+    expect([time.fromS, time.toS]).toEqual([0, 500]);
+    const steps = stepsOf(MOVED, time, height, 500);
+    expect(steps.map(({ leftPercent, widthPercent }) => [leftPercent, widthPercent])).toEqual([[0, 20], [20, 20], [40, 20], [80, 20]]);
+    for (const { heightPercent, topPercent } of steps) {
+      expect(topPercent).toBeGreaterThan(0);
+      expect(topPercent + heightPercent).toBeLessThan(100);
+    }
+  });
+
+  test("are higher the later they are", () => {
+    const span = { fromS: 0, toS: 100 };
+    expect(leftOf(span, 25)).toBe(25);
+    expect(topOf(span, 25)).toBe(75);
+  });
+});
+
+describe("a move says its cause by name, and by how much", () => {
+  test("later, sooner, and where nobody can tell", () => {
+    const [replaced, stands, again] = movesOf(MOVED).map(moveText);
+    expect(replaced).toMatch(/^ATV1 carries on for ATV3: .*later$/);
+    expect(stands).toBe("M4 stands: nobody can tell when");
+    expect(again).toBe("It can be told again");
+    expect(moveText({ estimate: at(0, 1, 2, { cause: "sooner" }), byS: -120 })).toMatch(/sooner$/);
+  });
+});

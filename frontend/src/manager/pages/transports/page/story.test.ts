@@ -1,0 +1,63 @@
+import { describe, expect, test } from "vitest";
+import type { TransportAnswer, TransportStory } from "../../../../api/transports";
+import { isTransport, namedIn, addressOfTransport, transportOf } from "../../../views";
+import { attemptsOf, carriersOf, expectedS, lateS, spanOf } from "./story";
+
+const at = (atS: number): string => new Date(atS * 1000).toISOString();
+
+const transport = (more: Partial<TransportAnswer>): TransportAnswer => ({
+  id: "T-1M9K3X2A4-K7QM", status: "assigned", from: "S5", to: "M8", item: "bearing", quantity: 40, priority: "normal", vehicle: null, vehicle_until: null,
+  vehicle_waits: null, ability: null, called_by: "Button", created_at: at(1000), due_at: at(1900), cancel_at: null, ended_at: null, updated_at: at(1000),
+  carrier: null, expected_at: null, task: null, wait: null, refused: null, ...more,
+});
+
+const leg = { carrier: "ATV1", since_at_s: 1010, aboard_at_s: null, until_at_s: null, replaced: "" };
+
+const story = (...legs: (typeof leg | (Omit<typeof leg, "aboard_at_s"> & { aboard_at_s: number | null; until_at_s: number | null }))[]): TransportStory => ({
+  attempts: [{ task: "T-1M9K3X2A4-K7QM-1", goal: "", item: "bearing", quantity: 40, source: "S5", destination: "M8", opened_at_s: 1001, closed_at_s: null, outcome: "", legs }],
+  moments: [], is_whole: true,
+});
+
+describe("a plain transport's page", () => {
+  test("tells who carries it last, and who did before", () => {
+    expect(carriersOf(story())).toEqual({ last: "", before: [] });
+    expect(carriersOf(story({ ...leg, carrier: "ATV3" }, leg))).toEqual({ last: "ATV1", before: ["ATV3"] });
+  });
+
+  test("is late by what is expected, or by now where that is later, and not once it is called off", () => {
+    expect(lateS(transport({ expected_at: at(1950) }), 1500)).toBe(50);
+    expect(lateS(transport({ expected_at: at(1950) }), 2000)).toBe(100);
+    expect(lateS(transport({}), 1500)).toBe(0);
+    expect(lateS(transport({ status: "delivered", ended_at: at(1901) }), 5000)).toBe(1);
+    expect(lateS(transport({ status: "cancelled", ended_at: at(2000) }), 5000)).toBe(0);
+  });
+
+  test("has an axis from the call to what is due and expected", () => {
+    const span = spanOf(transport({ expected_at: at(2000) }), story(), 1500);
+    expect(span.fromS).toBe(1000);
+    expect(span.toS).toBeGreaterThan(2000);
+    expect(expectedS(transport({ expected_at: at(2000), ended_at: at(1800) }))).toBeNull();
+  });
+
+  test("draws each leg until it ends, or until now", () => {
+    expect(attemptsOf(story(leg), 1100)[0]?.bars).toEqual([{ kind: "fetch", fromS: 1010, toS: 1100 }]);
+  });
+});
+
+describe("an attempt is named after its transport", () => {
+  test("in the first life of its destination and in a later one", () => {
+    expect(transportOf("T-1M9K3X2A4-K7QM-1")).toBe("T-1M9K3X2A4-K7QM");
+    expect(transportOf("T-1M9K3X2A4-K7QM.3-12")).toBe("T-1M9K3X2A4-K7QM");
+  });
+
+  test("and no other task is", () => {
+    for (const other of ["M4-1", "M4.2-1", "O-1M9K3X2A4-K7QM-1.1", "T-1M9K3X2A4-K7QM", ""]) expect(transportOf(other)).toBe("");
+    expect(isTransport("T-1M9K3X2A4-K7QM")).toBe(true);
+    expect(isTransport("O-1M9K3X2A4-K7QM")).toBe(false);
+  });
+
+  test("and its page has an address", () => {
+    expect(namedIn(addressOfTransport("T-1M9K3X2A4-K7QM"), "transports")).toBe("T-1M9K3X2A4-K7QM");
+    expect(namedIn("#transports?q=T-1", "transports")).toBe("");
+  });
+});
