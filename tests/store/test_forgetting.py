@@ -36,9 +36,7 @@ def in_small_pieces(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     return
 
 
-KEPT: dict[str, Any] = dict.fromkeys(("samples_s", "figures_s", "tasks_s", "alerts_s", "audit_s"), 1e9) | {
-    "events_most": 1_000_000
-}
+KEPT: dict[str, Any] = dict.fromkeys(KeptFor.__struct_fields__, 1e9) | {"events_most": 1_000_000}
 """All but the log is kept for ever."""
 
 

@@ -217,12 +217,8 @@ async def _forgotten(name: str, store: Store) -> Row:
     async with store.read() as work:
         (oldest,) = await work.events.page(EventFilter(), None, 1, newest_first=False)
     old = oldest.at_s + EVERY_S * FORGOTTEN * AT_ONCE / EVENTS_EACH
-    all_s = NOW_S + DAY_S
-    kept = KeptFor(
-        events_s=NOW_S - old,
-        events_most=1 << 62,
-        **dict.fromkeys(("samples_s", "figures_s", "tasks_s", "alerts_s", "audit_s"), all_s),
-    )
+    of_events: dict[str, Any] = {"events_s": NOW_S - old, "events_most": 1 << 62}
+    kept = KeptFor(**dict.fromkeys(KeptFor.__struct_fields__, NOW_S + DAY_S) | of_events)
     begun_s = time.perf_counter()
     await Retention(timed, kept, lambda: NOW_S).forget()
     a_second = FORGOTTEN * AT_ONCE / (time.perf_counter() - begun_s)
