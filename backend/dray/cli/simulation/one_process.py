@@ -50,6 +50,7 @@ from dray_sim.factory.installation import directly
 from dray_sim.factory.sim_factory import SimFactory
 from dray_sim.faults import Faults
 from dray_sim.network.bridge import BridgedBus, SimThread
+from dray_sim.people.porters import Porters
 from dray_sim.run.live import LivePlay
 from dray_sim.run.stage import with_right_of_way
 from dray_sim.scenarios import LivePart
@@ -178,6 +179,9 @@ def _life(
             with with_right_of_way(service.settings.traffic):
                 play = LivePlay(live_part.part, service.plant, seed, make)
             factory, faults = play.stage.factory, play.stage.faults
+        if factory.traffic is not None:
+            # Else nobody holds places that somebody would have to free.
+            Porters(factory, faults)
         scale = TimeScale(now.now_s(), wall.now_s(), service.speed)
         documents = FetchedDocuments()
         for workcell in factory.workcells.values():
