@@ -71,6 +71,11 @@ class Crossing:
         """Held where these two are looked at and changed; what else is shared needs one step of the interpreter."""
         self._awake = False
 
+    @property
+    def waiting(self) -> int:
+        """Calls that wait to be made."""
+        return len(self._calls)
+
     def say(self, message: Message, call: Callable[..., object], *args: Any) -> None:
         """Cross with something that is said by, or on, the first of `args`: dropped when there is no room."""
         if len(self._calls) < HEARTBEAT_ROOM:

@@ -92,14 +92,14 @@ def create_app(
             historian=historian,
             panels=panels,
             faults=faults,
+            scenario=scenario,
             collectors=collectors,
             wall_s=wall_s,
             hasher=hasher,
             operators=operators,
         )
         await restore(services)
-        if scenario is not None:
-            scenario.follow(services.projection.scenarios.put)
+        services.scenario.follow()
         measure(services)
         provide(app, services.by_type(), wall_s)
         async with running(services, beside):

@@ -33,6 +33,7 @@ from dray.gateway.factory.fault_injection import FaultInjection, FaultInjector
 from dray.gateway.factory.figure_sampler import Sampler
 from dray.gateway.factory.plant_drafts import as_yaml
 from dray.gateway.factory.promises import Ledger
+from dray.gateway.factory.scenario_play import ScenarioPlay, ScenarioPlayer
 from dray.gateway.factory.shift_player import ShiftPlayer
 from dray.gateway.factory.shift_reporter import ShiftReporter
 from dray.gateway.http.assets import Panels
@@ -119,6 +120,7 @@ class Services:
     carrying: Carrying
     duty: DutyRota
     faults: FaultInjection
+    scenario: ScenarioPlay
     ledger: Ledger
     shift_player: ShiftPlayer
     shift_reporter: ShiftReporter
@@ -161,6 +163,7 @@ class Services:
             DutyRota: self.duty,
             TimeScale: self.time,
             FaultInjection: self.faults,
+            ScenarioPlay: self.scenario,
             Ledger: self.ledger,
             ShiftPlayer: self.shift_player,
             ShiftReporter: self.shift_reporter,
@@ -181,6 +184,7 @@ def open_services(
     historian: Historian | None,
     panels: Panels | None,
     faults: FaultInjector | None,
+    scenario: ScenarioPlayer | None,
     collectors: Iterable[Collector],
     wall_s: Callable[[], float],
     hasher: Hasher | None,
@@ -268,6 +272,7 @@ def open_services(
         carrying=Carrying(store, projection, authority, peer.tell_all, time=time, wall_s=wall_s),
         duty=DutyRota(operators, authority, names=settings.operator_names == "name", wall_s=wall_s),
         faults=FaultInjection(faults, projection.faults),
+        scenario=ScenarioPlay(scenario, projection.scenarios),
         ledger=Ledger(store),
         shift_player=ShiftPlayer(
             lambda: side_work.do(PLAYER, as_yaml, msgspec.json.encode(projection.site.plant.file).decode())

@@ -261,6 +261,11 @@ export async function endFault(fault: string): Promise<void> {
   await bodyOf(gateway.DELETE("/api/faults/{fault}", { params: { path: { fault } } }));
 }
 
+/** Lets the factory run as fast as it can until the next step of its scenario, or no longer. */
+export async function skipToNextStep(skips: boolean): Promise<void> {
+  await bodyOf(skips ? gateway.POST("/api/scenario/skip") : gateway.DELETE("/api/scenario/skip"));
+}
+
 /** An idempotency key; also where the page is not on HTTPS and `randomUUID` is missing. */
 export function newKey(): string {
   const bytes = crypto.getRandomValues(new Uint8Array(16));

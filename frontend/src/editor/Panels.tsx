@@ -6,6 +6,8 @@ import * as model from "./model";
 import { Repair } from "./Repair";
 import * as state from "./state";
 import { stocksOf } from "./stocks";
+import { COLUMNS, REFERS, rowsOf } from "./lists";
+import { Entries, OneOf, Rows } from "./ListFields";
 import { Choice, Stocks } from "./StockFields";
 
 export function Tools() {
@@ -36,11 +38,11 @@ const FIELDS: Record<string, readonly string[]> = {
   unassigned: ["id", "name", "node", "original"],
 };
 
-/** Fields that are lists, also where they are not there yet. */
-const LISTS = new Set(["makes", "stocks", "types", "working_time", "originals", "max_vehicle"]);
+/** Fields that are written as in the file, also where they are not there yet. */
+const LISTS = new Set(["makes", "stocks", "types", "working_time", "originals", "max_vehicle", "box", "polygon", "lanes", ...model.LISTS]);
 
 /** Fields that a plant does without: left empty they are not there, and so not open. */
-const OPTIONAL = new Set(["max_vehicle", "originals", "map", "original", "original_back"]);
+const OPTIONAL = new Set(["max_vehicle", "originals", "map", "original", "original_back", "working_time", "speed_limit_mps", "closes_after_s", "types"]);
 
 /** Words of the plant file of which one is chosen. */
 const CHOICES: Record<string, readonly string[]> = { refill: ["itself", "vehicles", "none"], kind: ["source", "delivery"] };
@@ -96,6 +98,11 @@ export function Properties() {
         const values = CHOICES[name];
         const stocks = name === "stocks" ? stocksOf(entry.stocks) : null;
         if (values) return <Choice key={key} name={name} values={values} value={entry[name]} left={name === "refill" ? "itself" : ""} onChange={note} />;
+        const refers = REFERS[name];
+        if (refers) return <OneOf key={key} all={refers(data)} label={word("field", name)} value={entry[name]} onChange={(value) => { note(value ?? null); }} />;
+        const makes = name === "makes" ? rowsOf(entry.makes) : null;
+        if (makes) return <Rows key={key} columns={COLUMNS.makes ?? []} data={data} name={name} rows={makes} onChange={note} />;
+        if (name === "box" && isBox(entry.box)) return <BoxFields key={key} box={entry.box} onChange={note} />;
         if (stocks) return <Stocks key={key} data={data} stocks={stocks} refilled={entry.refill === "vehicles"} onChange={note} />;
         return <Field key={key} name={name} value={entry[name]} onChange={note} />;
       })}
@@ -138,6 +145,32 @@ function nameOf(entry: Entry | null): string {
   return id ?? (start === undefined ? "?" : `${start} – ${end ?? ""}`);
 }
 
+const SIDES = ["x_m", "y_m", "width_m", "depth_m"] as const;
+
+/** Whether a value is a box of which some sides may be open. */
+function isBox(value: unknown): value is Partial<model.Box> | null | undefined {
+  return value === null || value === undefined || (typeof value === "object" && !Array.isArray(value));
+}
+
+/** Middle and size of what stands on the floor. */
+function BoxFields({ box, onChange }: { box: Partial<model.Box> | null | undefined; onChange: (value: unknown) => void }) {
+  return (
+    <fieldset class="ed-rows">
+      <legend>{word("field", "box")}</legend>
+      <div class="ed-box">
+        {SIDES.map((side) => (
+          <label key={side}>{word("column", side)}
+            <input type="number" step="any" min={side === "x_m" || side === "y_m" ? undefined : 0} value={box?.[side] ?? ""} onChange={(event) => {
+              const said = event.currentTarget.value;
+              onChange({ ...box, [side]: said === "" ? null : Number(said) });
+            }} />
+          </label>
+        ))}
+      </div>
+    </fieldset>
+  );
+}
+
 function Field({ name, value, onChange }: { name: string; value: unknown; onChange: (value: unknown) => void }) {
   const wrong = useSignal(false);
   // What is being typed stays, whatever comes of the draft meanwhile.
@@ -148,11 +181,11 @@ function Field({ name, value, onChange }: { name: string; value: unknown; onChan
   if (typeof value === "boolean" || name === "both_ways" || name === "direct") {
     return <label class="ed-check"><input type="checkbox" checked={value === true} onChange={(event) => { onChange(event.currentTarget.checked); }} /> {label}</label>;
   }
-  const empty = OPTIONAL.has(name) ? undefined : name === "types" ? [] : null;
-  if ((typeof value === "object" && (value !== null || !OPTIONAL.has(name))) || LISTS.has(name)) {
+  const empty = OPTIONAL.has(name) ? undefined : null;
+  if ((typeof value === "object" && value !== null) || LISTS.has(name)) {
     return (
       <label>{label}
-        <textarea rows={name === "box" ? 2 : 3} aria-invalid={wrong.value} value={typed.value ?? (value === undefined || (value === null && OPTIONAL.has(name)) ? "" : JSON.stringify(value))} onInput={note} onChange={(event) => {
+        <textarea rows={name === "box" ? 2 : 3} aria-invalid={wrong.value} value={typed.value ?? (value === undefined || value === null ? "" : JSON.stringify(value))} onInput={note} onChange={(event) => {
           try {
             onChange(event.currentTarget.value === "" ? empty : JSON.parse(event.currentTarget.value));
             wrong.value = false;
@@ -218,18 +251,24 @@ function Plan() {
   );
 }
 
-/** Sections that have no place on the floor, as they stand in the file. */
+/** Sections that have no place on the floor. */
 function Sections() {
-  const section = useSignal<string>("materials");
+  const section = useSignal<(typeof model.LISTS)[number]>("materials");
+  const data = state.data.value;
+  // What is typed here belongs here, also when it is told after another list was chosen.
+  const shown = section.value;
+  const value = data[shown];
+  const rows = rowsOf(value);
+  const note = (next: unknown): void => { state.draw({ ...state.data.value, [shown]: next }); };
   return (
     <fieldset>
       <legend>{t("sections")}</legend>
       <label>{t("sections.which")}
-        <select value={section.value} onChange={(event) => { section.value = event.currentTarget.value; }}>
-          {model.SECTIONS.map((each) => <option key={each} value={each}>{word("section", each)}</option>)}
+        <select value={section.value} onChange={(event) => { section.value = event.currentTarget.value as "materials"; }}>
+          {model.LISTS.map((each) => <option key={each} value={each}>{word("section", each)}</option>)}
         </select>
       </label>
-      <Field key={section.value} name={section.value} value={state.data.value[section.value] ?? null} onChange={(value) => { state.draw({ ...state.data.value, [section.value]: value }); }} />
+      {rows ? <Entries key={shown} data={data} rows={rows} section={shown} onChange={note} /> : <Field key={shown} name={shown} value={value} onChange={note} />}
     </fieldset>
   );
 }

@@ -24,7 +24,24 @@ describe("drawing", () => {
 
   test("a new place leaves open what nobody has said", () => {
     const next = model.withPlace(DATA, "storages", { x_m: 0, y_m: 0 }, 0.5);
-    expect(next.storages).toEqual([{ id: "S1", name: "S1", node: "a", box: { x_m: 0, y_m: 1.5, width_m: 2, depth_m: 1.5 }, stocks: null }]);
+    expect(next.storages).toEqual([{ id: "S1", name: "S1", node: "a", box: { x_m: 1, y_m: 1.5, width_m: 2, depth_m: 1.5 }, stocks: null }]);
+  });
+
+  test("the box of a new dock stands inside the floor, wherever the dock is", () => {
+    const floor = { width_m: 20, height_m: 10 };
+    const box = (x_m: number, y_m: number) => model.boxBeside(floor, { x_m, y_m });
+    expect(box(10, 5)).toEqual({ x_m: 10, y_m: 6.5, width_m: 2, depth_m: 1.5 });
+    expect(box(10, 9.5)).toEqual({ x_m: 10, y_m: 8, width_m: 2, depth_m: 1.5 });
+    expect(box(0, 5)).toEqual({ x_m: 1, y_m: 6.5, width_m: 2, depth_m: 1.5 });
+    for (const x_m of [-3, 0, 0.4, 10, 19.6, 20, 25]) {
+      for (const y_m of [-3, 0, 0.4, 5, 9.6, 10, 14]) {
+        const { depth_m, width_m, ...at } = box(x_m, y_m);
+        expect(at.x_m - width_m / 2).toBeGreaterThanOrEqual(0);
+        expect(at.x_m + width_m / 2).toBeLessThanOrEqual(20);
+        expect(at.y_m - depth_m / 2).toBeGreaterThanOrEqual(0);
+        expect(at.y_m + depth_m / 2).toBeLessThanOrEqual(10);
+      }
+    }
   });
 
   test("a node takes its docks' boxes along, and its name is changed wherever it is meant", () => {

@@ -49,9 +49,12 @@ export type Data = Readonly<Record<string, unknown>>;
 export const PLACES = ["machines", "storages", "warehouses", "chargers", "parkings", "unassigned"] as const;
 export type PlaceSection = (typeof PLACES)[number];
 
-/** Sections that are lists of things with no place on the floor, and those that are drawn. */
+/** Sections that are lists of things with no place on the floor. */
+export const LISTS = ["materials", "products", "stations", "vehicle_types", "fleet"] as const;
+
+/** These, and those that are drawn. */
 export const SECTIONS = [
-  "materials", "products", "stations", "vehicle_types", "fleet", ...PLACES, "areas", "nodes", "lanes", "doors",
+  ...LISTS, ...PLACES, "areas", "nodes", "lanes", "doors",
 ] as const;
 
 export interface Chosen {
@@ -155,11 +158,25 @@ export function withLane(data: Data, start: string, end: string, bothWays: boole
   return added(data, "lanes", { start, end, speed_limit_mps: 1.5, both_ways: bothWays });
 }
 
+const BOX = { width_m: 2, depth_m: 1.5 };
+/** From a dock to the middle of its box. */
+const AWAY_M = 1.5;
+
+/** Where the box of a new dock stands: above it, else below, or beside it, inside the floor; of a dock outside of it, as near as can be. */
+export function boxBeside(data: Data, { x_m, y_m }: Spot): Box {
+  const [width_m, height_m] = [Number(data.width_m) || Infinity, Number(data.height_m) || Infinity];
+  const spots = [[0, AWAY_M], [0, -AWAY_M], [AWAY_M, 0], [-AWAY_M, 0]].map(([dx = 0, dy = 0]) => ({ x_m: x_m + dx, y_m: y_m + dy }));
+  const inside = (at_m: number, size_m: number, wide_m: number): number => Math.max(size_m / 2, Math.min(at_m, wide_m - size_m / 2));
+  const within = (spot: Spot): Spot => ({ x_m: inside(spot.x_m, BOX.width_m, width_m), y_m: inside(spot.y_m, BOX.depth_m, height_m) });
+  const fits = (spot: Spot): boolean => within(spot).y_m === spot.y_m && Math.abs(within(spot).x_m - spot.x_m) <= BOX.width_m / 2;
+  return { ...within(spots.find(fits) ?? { x_m, y_m }), ...BOX };
+}
+
 /** A place that docks at a node; what nobody has said of it is null, and open. */
 export function withPlace(data: Data, section: PlaceSection, spot: Spot, within_m: number): Data {
   const [next, node] = withNode(data, spot, within_m);
   const id = freeId(next, LETTERS[section], "places");
-  const box = { x_m: spot.x_m, y_m: spot.y_m + 1.5, width_m: 2, depth_m: 1.5 };
+  const box = boxBeside(next, spot);
   const known = entries<{ id: string }>(next, "stations")[0]?.id ?? null;
   const made: Record<PlaceSection, object> = {
     machines: { id, name: id, station: known, node, box, makes: null },
@@ -177,7 +194,7 @@ export function assigned(data: Data, index: number, to: PlaceSection): Data {
   const station = entries<Place>(data, "unassigned")[index];
   if (!station) return data;
   const spot = nodeById(data).get(station.node ?? "") ?? { x_m: 0, y_m: 0 };
-  const box = station.box ?? { x_m: spot.x_m, y_m: spot.y_m + 1.5, width_m: 2, depth_m: 1.5 };
+  const box = station.box ?? boxBeside(data, spot);
   const { id, node } = station;
   const name = station.name ?? id;
   // What vehicles call it stays, whatever it is.

@@ -2,7 +2,7 @@ import { useSignal } from "@preact/signals";
 import { useId } from "preact/hooks";
 import { carryAway, putBack } from "../api/client";
 import type { AtvView, PlantFile } from "../api/types";
-import { byId } from "../plant/places";
+import { freePlaces } from "../plant/free-places";
 import { isLost } from "../plant/silence";
 import { format, t } from "../text";
 import { factoryTime } from "../text/plant-time";
@@ -10,6 +10,8 @@ import { factoryTime } from "../text/plant-time";
 interface Props {
   atv: AtvView;
   atvs: Iterable<AtvView>;
+  /** Whether its body is simulated. */
+  isSimulated: boolean;
   plant: PlantFile | null;
   nowS: number;
   speed: number;
@@ -39,6 +41,12 @@ export function Carrying(props: Props) {
       {failed.value !== "" && <p role="alert">{failed.value}</p>}
     </div>
   );
+}
+
+/** A person of the simulation has put it down; what somebody has switched off as a fault stays off. */
+function keptText(kept: boolean, isSimulated: boolean): "carry.kept" | "carry.stands" | "carry.waits" {
+  if (!kept) return "carry.waits";
+  return isSimulated ? "carry.stands" : "carry.kept";
 }
 
 interface Acting extends Props {
@@ -80,13 +88,13 @@ function Away({ act, atv, busy, nowS }: Acting) {
   );
 }
 
-function Back({ act, atv, atvs, busy, nowS, plant, speed }: Acting) {
+function Back({ act, atv, atvs, busy, isSimulated, nowS, plant, speed }: Acting) {
   const chosen = useSignal("");
   const id = useId();
   const away = atv.removal;
   if (!away) return null;
   const leftS = away.believed_at_s - nowS;
-  const places = freePlaces(plant, atvs, atv.id);
+  const places = freePlaces(plant, atvs, atv);
   const place = chosen.value === "" ? (places[0] ?? "") : chosen.value;
   return (
     <>
@@ -96,7 +104,7 @@ function Back({ act, atv, atvs, busy, nowS, plant, speed }: Acting) {
           ? t("carry.freed", { places: format.list(away.freed) })
           : leftS > 0 && t("carry.soon", { time: factoryTime(leftS * speed, speed) })}
       </p>
-      {away.node !== "" && <p role="status">{t(away.kept ? "carry.kept" : "carry.waits", { node: away.node })}</p>}
+      {away.node !== "" && <p role="status">{t(keptText(away.kept, isSimulated), { node: away.node })}</p>}
       <label for={id}>{t("carry.where")}</label>
       <div class="put-back">
         <select
@@ -123,11 +131,4 @@ function Back({ act, atv, atvs, busy, nowS, plant, speed }: Acting) {
       </div>
     </>
   );
-}
-
-/** Parking places and chargers where no other vehicle is, or is about to be. */
-function freePlaces(plant: PlantFile | null, atvs: Iterable<AtvView>, but: string): string[] {
-  const taken = new Set([...atvs].filter((atv) => atv.id !== but && !atv.removal).flatMap((atv) => [atv.node, ...atv.holds]));
-  const all = [plant?.parkings, plant?.chargers].flatMap((some) => [...(some ?? [])].sort(byId));
-  return all.filter(({ node }) => !taken.has(node)).map(({ id }) => id);
 }

@@ -198,6 +198,14 @@ class Faults:
         for name in tuple(self._active):
             self.end(name)
 
+    def switch_on(self, agent: str) -> None:
+        """Switch a vehicle or a machine on again, as far as no fault holds it off. Harmless when it is on."""
+        if self._holds(agent, PoweredOff):
+            return
+        self.world.power_on(agent)
+        if self._holds(agent, *_ENDED):
+            self.world.crash(agent)
+
     # --- how it is done --------------------------------------------------------------------------
 
     def _do(self, fault: Fault) -> None:
@@ -255,7 +263,7 @@ class Faults:
         world = self.world
         match fault:
             case PoweredOff(agent):
-                self._put_on(agent)
+                self.switch_on(agent)
             case Crashed(agent) | JournalLost(agent):
                 # Without power it comes with the power, which somebody may have given by hand meanwhile.
                 if not self._holds(agent, *_ENDED) and not world.running(agent):
@@ -284,13 +292,6 @@ class Faults:
             case DoorFailed(door):
                 if not self._holds(door, DoorFailed):
                     self.world.floor.doors.repair(door)
-
-    def _put_on(self, agent: str) -> None:
-        if self._holds(agent, PoweredOff):
-            return
-        self.world.power_on(agent)
-        if self._holds(agent, *_ENDED):
-            self.world.crash(agent)
 
     def _holds(self, name: str, *kinds: type[Fault]) -> bool:
         """Whether an active fault of these kinds is about `name`."""

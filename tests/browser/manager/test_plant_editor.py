@@ -134,6 +134,51 @@ def test_from_a_lif_file_to_a_played_shift(
 
 
 @pytest.mark.slow
+def test_what_a_layout_leaves_open_is_shown_empty_and_filled_in_by_choice(
+    workshop: str, open_page: OpenPage, screenshot: Screenshot, lif_file: Path
+) -> None:
+    page = open_page(f"{workshop}/editor", **SIZE)
+    page.get_by_label("Name of the draft").fill("Filled in")
+    page.get_by_label("Plant file (YAML)").set_input_files(lif_file)
+    expect(page.get_by_role("heading", name="Filled in")).to_be_visible()
+    side, kept = page.locator(".ed-side"), page.locator(".ed-kept")
+    lists = side.get_by_role("group", name="Lists of the plant file")
+    for section in ("Materials", "Products", "Working stations", "Vehicle types", "Fleet"):
+        lists.get_by_label("List").select_option(section)
+        written = lists.locator("input, textarea").evaluate_all("all => all.map((each) => each.value)")
+        assert not [each for each in written if "null" in each], section
+    lists.get_by_label("List").select_option("Materials")
+    lists.get_by_role("button", name="New entry").click()
+    lists.get_by_label("Name").fill("Shaft")
+    lists.get_by_label("Pieces in a container").fill("20")
+    lists.get_by_label("Pieces in a machine").fill("60")
+    lists.get_by_label("List").select_option("Products")
+    lists.get_by_role("button", name="New entry").click()
+    lists.get_by_role("button", name="One more").click()
+    lists.get_by_role("combobox", name="Material", exact=True).select_option("material1")
+    lists.get_by_label("Pieces", exact=True).fill("3")
+    lists.get_by_label("Pieces", exact=True).press("Tab")
+    expect(kept).to_contain_text("kept as version")
+    screenshot(page, "editor-lists")
+    side.get_by_label("Kind").select_option("Station without a purpose")
+    side.get_by_label("Which").select_option(index=1)
+    side.get_by_role("button", name="Machine").click()
+    expect(side.get_by_label("Working station")).to_have_value("")
+    side.get_by_role("button", name="One more").click()
+    expect(side.get_by_role("combobox", name="Product", exact=True)).to_have_value("product1")
+    side.get_by_label("Cycle, s").fill("45")
+    side.get_by_label("Cycle, s").press("Tab")
+    expect(kept).to_contain_text("kept as version")
+    screenshot(page, "editor-machine")
+    draft = page.request.get(f"{workshop}/api/plant-drafts/{page.evaluate('location.hash.slice(1)')}").json()[
+        "data"
+    ]
+    assert draft["materials"] == [{"id": "material1", "name": "Shaft", "lot": 20, "buffer": 60}]
+    assert draft["products"][0]["bill"] == [{"material": "material1", "quantity": 3}]
+    assert draft["machines"][0]["makes"] == [{"product": "product1", "cycle_s": 45}]
+
+
+@pytest.mark.slow
 def test_it_is_drawn_with_the_keyboard_alone_in_the_dark_and_in_german(
     workshop: str, open_page: OpenPage, screenshot: Screenshot
 ) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from playwright.sync_api import Page, expect
 from dray.gateway.live.views import ScenarioCheckView, ScenarioView, StepView
 from dray.scenario_steps import ScenarioStep
 
+from fake_player import FakePlayer  # isort: skip - as below
 from gateway_kit import House  # isort: skip - its folder is on the path since `open_house` is
 
 OpenPage = Callable[..., Page]
@@ -65,6 +67,35 @@ def test_steps_are_told_as_they_happen_and_then_the_end(
     expect(lines.nth(2)).to_contain_text("did not happen")
     card.locator("summary").click()
     expect(card.get_by_text("ATV1 delivers")).to_be_visible()
+
+
+def test_a_manager_sees_when_the_next_step_comes_and_skips_to_it(
+    sqlite_url: str, open_page: OpenPage, screenshot: Screenshot
+) -> None:
+    player = FakePlayer()
+    with open_house(sqlite_url, wall=GoingWall(), scenario=player) as house:
+        page = as_manager(house, open_page)
+        card = page.locator(".scenario")
+        expect(card.get_by_role("listitem").nth(1)).to_contain_text(re.compile(r"next, in \d+:\d\d\smin$"))
+        screenshot(page, "scenario-countdown")
+        card.get_by_role("button", name="Skip to the next step").click()
+        stop = card.get_by_role("button", name="Stop skipping")
+        expect(stop).to_be_visible()
+        assert player.view.skipping
+        stop.click()
+        expect(card.get_by_role("button", name="Skip to the next step")).to_be_visible()
+        assert not player.view.skipping
+
+        async def come(_inside: House) -> None:
+            steps = (
+                player.view.steps[0],
+                StepView(step=ScenarioStep.CONTRACTED, after_s=601.0, agents=("M8",)),
+            )
+            player.put(state="held", after_s=601.0, steps=steps)
+
+        house.do(come)
+        expect(card.get_by_role("status")).to_have_text("Held, after 10:01 min")
+        expect(card.get_by_role("button", name="Skip to the next step")).to_have_count(0)
 
 
 @pytest.mark.slow

@@ -30,6 +30,7 @@ from dray.gateway.factory.alerts import AlertMonitor
 from dray.gateway.factory.commands import Commands
 from dray.gateway.factory.exclusions import Exclusions
 from dray.gateway.factory.fault_injection import FaultInjector
+from dray.gateway.factory.scenario_play import ScenarioPlayer
 from dray.gateway.http.assets import Panels
 from dray.gateway.http.provided import provided
 from dray.gateway.live.peer import Peer
@@ -217,6 +218,7 @@ async def gateway(
     incarnation: int = 1,
     panels: Panels | None = None,
     faults: FaultInjector | None = None,
+    scenario: ScenarioPlayer | None = None,
     collectors: Iterable[Collector] = (),
     change: Callable[[FastAPI], None] = lambda _app: None,
     duty: bool = False,
@@ -234,6 +236,7 @@ async def gateway(
         incarnation: of the plant's agents.
         panels: templates and built files, when not the package's own.
         faults: the injector of a simulated factory.
+        scenario: the player of a simulated factory.
         collectors: of metrics beside the gateway's own.
         change: something to do to the application before it starts.
         duty: whether people can be on duty.
@@ -263,6 +266,7 @@ async def gateway(
             historian=historian,
             panels=panels,
             faults=faults,
+            scenario=scenario,
             collectors=collectors,
             wall_s=wall,
             hasher=QUICK,

@@ -1,4 +1,4 @@
-"""What panels say of silence, waiting and lack, compared with the simulated factory in which it is so or not.
+"""What panels say of silence, waiting, lack, stocks and lateness, compared with the simulated factory in which it is so or not.
 
 Each sentence stands here with the state in which it is true. Forty minutes with crashes are walked in steps of seconds; what is told
 is at most as old as the heartbeats are.
@@ -7,7 +7,7 @@ is at most as old as the heartbeats are.
 from __future__ import annotations
 
 import asyncio
-from collections import Counter
+from collections import Counter, defaultdict
 from random import Random
 from typing import Any
 
@@ -32,6 +32,9 @@ FAULT_EVERY_S = 120
 BEATS_S = 12.0
 """Two heartbeats of an agent that rests, and a look: what has changed since then may not be told yet."""
 
+LOOKS = 5
+"""Looks within which a heartbeat has told what is so: `BEATS_S`, and one more."""
+
 SILENT_S = 40.0
 """Who has been silent for so long is told as silent."""
 
@@ -47,8 +50,17 @@ class Walk:
         """Agents that are crashed -> since when."""
         self.up_s: dict[str, float] = {}
         """Agents that were started again -> when."""
-        self.moved_s: dict[str, float] = {}
-        """Vehicles -> when they moved last."""
+        self.moved_s: defaultdict[str, list[float]] = defaultdict(list)
+        """Vehicles -> the looks at which they moved."""
+        self.waited_s: defaultdict[str, list[float]] = defaultdict(list)
+        """Vehicles -> the looks at which they were told to wait."""
+        self.put_down_s: dict[str, float] = {}
+        """Vehicles -> when they were seen first without the load that they had."""
+        self.loaded: set[str] = set()
+        self.lay: defaultdict[tuple[str, str], list[int]] = defaultdict(list)
+        """Storage and material -> pieces at the last looks."""
+        self.ended: set[str] = set()
+        """Transports whose end was told."""
         self.had_s: dict[tuple[str, str], float] = {}
         """Machine and material -> when it had some last."""
         self.said: Counter[str] = Counter()
@@ -70,8 +82,17 @@ class Walk:
     def look(self, at_s: float) -> None:
         """Compare what is told now with what is so."""
         for vehicle, body in self.factory.vehicles.items():
-            if body.sense().speed_mps:
-                self.moved_s[vehicle] = at_s
+            state = body.sense()
+            if state.speed_mps:
+                self.moved_s[vehicle].append(at_s)
+            if state.load:
+                self.loaded.add(vehicle)
+            elif vehicle in self.loaded:
+                self.loaded.remove(vehicle)
+                self.put_down_s[vehicle] = at_s
+        for storage, store in self.factory.floor.storages.items():
+            for item, pieces in store.stock.items():
+                self.lay[storage, item] = [*self.lay[storage, item], pieces][-LOOKS:]
         for machine, cell in self.factory.workcells.items():
             for item, level in cell.sense().stock.items():
                 if level:
@@ -82,6 +103,8 @@ class Walk:
         self._silence(told, at_s)
         self._waits(told, at_s)
         self._lack(told, at_s)
+        self._stocks(told, at_s)
+        self._lateness(told, at_s)
 
     def _claim(self, at_s: float, sentence: str, of: str, *, true: bool) -> None:
         self.said[sentence] += 1
@@ -99,11 +122,15 @@ class Walk:
 
     def _waits(self, told: Any, at_s: float) -> None:
         for wait in told.waits:
-            # It is told that it stands since then: it has not driven in the time that a heartbeat is old.
-            is_so = self.moved_s.get(wait.id, 0.0) <= wait.since_at_s - NOW_S + BEATS_S or (
-                at_s - self.moved_s[wait.id] < BEATS_S
-            )
-            self._claim(at_s, "it waits", wait.id, true=is_so)
+            # It stands since then: it has not driven, but for what heartbeats have not told yet.
+            begun_s, moved_s = wait.since_at_s - NOW_S + BEATS_S, self.moved_s[wait.id]
+            drove_on = any(begun_s < each <= at_s - BEATS_S for each in moved_s)
+            # Who was told to wait at each of the last looks, since whenever, has not driven at each of them.
+            told_s = self.waited_s[wait.id]
+            told_s.append(at_s)
+            first_s = at_s - (LOOKS - 1) * STEP_S - AFTER_S
+            drives = all(len(each) >= LOOKS and each[-LOOKS] >= first_s for each in (moved_s, told_s))
+            self._claim(at_s, "it waits", wait.id, true=not drove_on and not drives)
 
     def _lack(self, told: Any, at_s: float) -> None:
         for machine in told.machines:
@@ -115,6 +142,29 @@ class Walk:
                 has = cell.stock.get(item, 0) > 0 and at_s - self.up_s.get(machine.id, 0.0) > BEATS_S
                 is_so = not has or at_s - self.had_s[machine.id, item] < BEATS_S
                 self._claim(at_s, "it has none of this material", f"{machine.id} {item}", true=is_so)
+
+    def _stocks(self, told: Any, at_s: float) -> None:
+        for station in told.stations:
+            for stock in station.stocks:
+                lay = self.lay[station.id, stock.item]
+                is_so = min(lay) <= stock.level <= max(lay)
+                self._claim(at_s, "so much lies in the storage", f"{station.id} {stock.item}", true=is_so)
+
+    def _lateness(self, told: Any, at_s: float) -> None:
+        for task in told.tasks:
+            if task.kind != "transport" or not task.primary:
+                continue
+            put_down_s = self.put_down_s.get(task.primary, -BEATS_S)
+            if task.state == "delivered" and task.id not in self.ended:
+                self.ended.add(task.id)
+                # So late as it is told to have come, it has put its load down.
+                is_so = abs(task.closed_at_s - NOW_S - put_down_s) < BEATS_S
+                self._claim(at_s, "it handed over then", task.id, true=is_so)
+            elif task.state == "contracted" and task.phase == "carrying" and task.promised_at_s is not None:
+                if NOW_S + at_s <= task.promised_at_s:
+                    continue
+                is_so = task.primary in self.loaded or at_s - put_down_s < BEATS_S
+                self._claim(at_s, "it is late, with its load on board", task.id, true=is_so)
 
 
 def walked(seed: int) -> Walk:
@@ -157,5 +207,8 @@ def test_what_panels_say_is_so_at_every_step() -> None:
         "who is silent is told as silent",
         "it waits",
         "it has none of this material",
+        "so much lies in the storage",
+        "it handed over then",
+        "it is late, with its load on board",
     )
     assert all(walk.said[sentence] > 10 for sentence in sentences), walk.said

@@ -9,16 +9,13 @@ from typing import Any, TypeVar
 
 import msgspec
 
-from dray.errors import UnavailableError
+from dray.cli.simulation.factory_thread import inside
 from dray.gateway.factory.fault_injection import FaultKind, FaultRefused
 from dray.gateway.live.views import FaultView
 from dray_sim.faults import Fault, FaultError, Faults, kind_of, read_fault
 from dray_sim.faults.kinds import KINDS
 
 T = TypeVar("T")
-
-ANSWER_S = 10.0
-"""Wall seconds to wait for the factory: a fault takes a moment, but the factory may have a lot to do."""
 
 SUBJECTS = ("agent", "atv", "machine", "sender", "receiver")
 """Fields of faults that may name an agent."""
@@ -55,6 +52,20 @@ class SimFaultInjector:
         """See `FaultInjector.end`."""
         await self._inside(lambda: self._end(fault))
 
+    async def _inside(self, call: Callable[[], T]) -> T:
+        """Call in the factory's thread.
+
+        Raises:
+            FaultRefused: as the simulator's `FaultError`.
+            UnavailableError: the factory has ended, or has too much to do.
+        """
+        try:
+            return await inside(self._loop, call)
+        except FaultError as error:
+            # The whole request is the fault, so its fields need no prefix.
+            field = error.field.removeprefix("fault").lstrip(".") or "body"
+            raise FaultRefused(field, error.reason) from None
+
     # --- in the factory's thread ---
 
     def _begin(self, data: bytes) -> tuple[str, Fault]:
@@ -64,38 +75,6 @@ class SimFaultInjector:
     def _end(self, fault: str) -> None:
         if fault in self._faults.active:
             self._faults.end(fault)
-
-    async def _inside(self, call: Callable[[], T]) -> T:
-        """Call in the factory's thread.
-
-        Raises:
-            FaultRefused: as the simulator's `FaultError`.
-            UnavailableError: the factory has ended, or has too much to do.
-        """
-
-        async def inside() -> T:
-            return call()
-
-        coroutine = inside()
-        try:
-            answer = asyncio.run_coroutine_threadsafe(coroutine, self._loop)
-        except RuntimeError:
-            # The loop is closed.
-            coroutine.close()
-            raise _away("it has ended") from None
-        try:
-            async with asyncio.timeout(ANSWER_S):
-                return await asyncio.wrap_future(answer)
-        except FaultError as error:
-            # The whole request is the fault, so its fields need no prefix.
-            field = error.field.removeprefix("fault").lstrip(".") or "body"
-            raise FaultRefused(field, error.reason) from None
-        except TimeoutError:
-            raise _away(f"no answer within {ANSWER_S:g} s") from None
-
-
-def _away(reason: str) -> UnavailableError:
-    return UnavailableError("the simulated factory", reason, "look at the log of `dray up`")
 
 
 def _kind(fault: type[Fault]) -> FaultKind:

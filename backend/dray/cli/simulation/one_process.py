@@ -36,6 +36,7 @@ from dray.cli.runtime.telemetry.logs import prepare_logs
 from dray.cli.runtime.telemetry.traces import traced, watched
 from dray.cli.simulation.factory_meter import FactoryMeter
 from dray.cli.simulation.fault_injection import SimFaultInjector
+from dray.cli.simulation.rehearsal import Rehearsed, rehearsing
 from dray.cli.simulation.scenario_player import SimScenarioPlayer
 from dray.gateway.app import create_app
 from dray.gateway.live.timescale import TimeScale
@@ -44,11 +45,12 @@ from dray.ports import Bus
 from dray.store import Store, open_store
 from dray_sim.bodies.floor import NEARLY_EMPTY_FRAC
 from dray_sim.clock.loop import clock, paced
-from dray_sim.clock.wall import Wall, steady_wall
+from dray_sim.clock.wall import HurryingClock, Wall
 from dray_sim.factory.installation import directly
 from dray_sim.factory.sim_factory import SimFactory
 from dray_sim.faults import Faults
 from dray_sim.network.bridge import BridgedBus, SimThread
+from dray_sim.people.porters import Porters
 from dray_sim.run.live import LivePlay
 from dray_sim.run.stage import with_right_of_way
 from dray_sim.scenarios import LivePart
@@ -98,7 +100,7 @@ async def run_service(
         UnavailableError: the port or the database is not to be had.
         whatever ended the factory.
     """
-    wall = wall or steady_wall()
+    wall = wall or HurryingClock().wall
     service, token = with_admin_token(service)
     settings = service.settings
     prepare_logs(settings)
@@ -116,12 +118,19 @@ async def run_service(
             factory = SimThread(life, paced(service.speed), wall=wall)
             try:
                 inside = await asyncio.to_thread(factory.start, BUILDING_S)
-                app = _app(service, store, authority, factory, inside, incarnation, (stops, port), live, wall)
+                player = _player(factory, inside, live, wall)
+                app = _app(
+                    service, store, authority, factory, inside, incarnation, (stops, port), player, wall
+                )
                 url = address_of(listener, settings.host)
                 greeting = greeting_of(
                     service, url, token, await welcome(store, service.plant.file, wall.now_s())
                 )
-                await serve(service, app, listener, greeting, factory.wait)
+                async with contextlib.AsyncExitStack() as beside:
+                    if player is not None and live is not None:
+                        rehearsed = Rehearsed(live.part.name, seed, settings.traffic)
+                        await beside.enter_async_context(rehearsing(rehearsed, player.expect))
+                    await serve(service, app, listener, greeting, factory.wait)
             finally:
                 await asyncio.to_thread(factory.stop)
         finally:
@@ -170,6 +179,9 @@ def _life(
             with with_right_of_way(service.settings.traffic):
                 play = LivePlay(live_part.part, service.plant, seed, make)
             factory, faults = play.stage.factory, play.stage.faults
+        if factory.traffic is not None:
+            # Else nobody holds places that somebody would have to free.
+            Porters(factory, faults)
         scale = TimeScale(now.now_s(), wall.now_s(), service.speed)
         documents = FetchedDocuments()
         for workcell in factory.workcells.values():
@@ -195,7 +207,7 @@ def _app(
     inside: Inside,
     incarnation: int,
     stops: tuple[socket.socket, int],
-    live: LivePart | None,
+    player: SimScenarioPlayer | None,
     wall: Wall,
 ) -> FastAPI:
     settings, plant = service.settings, service.plant
@@ -221,7 +233,12 @@ def _app(
         faults=SimFaultInjector(inside.faults, factory.loop, wall.now_s),
         beside=StopPath(*stops, settings, beside, authority, inside.time, incarnation, wall.now_s).beside,
         operators=OperatorWorkers(bus, Keys(plant.id), inside.time, wall.now_s),
-        scenario=None
-        if inside.play is None or live is None
-        else SimScenarioPlayer(inside.play, factory.loop, live.shows),
+        scenario=player,
     )
+
+
+def _player(factory: Factory, inside: Inside, live: LivePart | None, wall: Wall) -> SimScenarioPlayer | None:
+    """Who tells of the scenario that is played; None where none is."""
+    if inside.play is None or live is None:
+        return None
+    return SimScenarioPlayer(inside.play, factory.loop, live.shows, inside.time, wall.hurry)

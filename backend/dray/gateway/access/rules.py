@@ -179,6 +179,9 @@ RULES: Mapping[tuple[str, str], Rule] = {
     ("GET", "/api/faults"): Rule(Scope.FACTORY_READ),
     ("POST", "/api/faults"): Rule(Scope.FAULTS_WRITE, action="fault.begin"),
     ("DELETE", "/api/faults/{fault}"): Rule(Scope.FAULTS_WRITE, action="fault.end"),
+    ("GET", "/api/scenario"): Rule(Scope.FACTORY_READ),
+    ("POST", "/api/scenario/skip"): Rule(Scope.FAULTS_WRITE, action="scenario.skip"),
+    ("DELETE", "/api/scenario/skip"): Rule(Scope.FAULTS_WRITE, action="scenario.skip_end"),
 }
 """By method and path template, as the routers name them. A websocket begins as a GET."""
 

@@ -17,6 +17,7 @@ from dray.gateway.routes.factory import (
     machine_commands,
     machines,
     plant_drafts,
+    scenario,
     tasks,
 )
 from dray.gateway.routes.factory.floor import areas, carrying, closures, obstacles, traffic, waits
@@ -78,6 +79,7 @@ API = (
     traffic,
     waits,
     faults,
+    scenario,
     me,
     people,
     keys,

@@ -47,7 +47,7 @@ export function VehicleCard({ atv, left, tooSoon }: { atv: AtvView; left: boolea
           {!atv.removal && <p class="doing">{need === "lost" ? lostText(atv) : taskText(atv)}</p>}
           {need !== "lost" && <Waits atv={atv.id} />}
           {need !== "lost" && <BodyWait atv={atv} {...moment.value} />}
-          <Carrying atv={atv} atvs={world.value?.atvs.values() ?? []} plant={plant.value} {...moment.value} problemText={problemText} />
+          <Carrying atv={atv} atvs={world.value?.atvs.values() ?? []} isSimulated={world.value?.fault_injection ?? false} plant={plant.value} {...moment.value} problemText={problemText} />
           {(atv.help !== null || atv.problem !== "") && need !== "lost" && <HelpAsk atv={atv} />}
         </div>
         <div class="vehicle-acts">

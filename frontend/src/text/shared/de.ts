@@ -384,10 +384,11 @@ export const de: Catalogue<typeof en> = {
   "carry.said": "Weggetragen, sagt {by}.",
   "carry.freed": "Wieder frei: {places}.",
   "carry.soon": "Was es gehalten hat, ist in {time} frei: so lange könnte es noch zu hören sein.",
-  "carry.where": "Zurückstellen auf",
+  "carry.where": "Zurückstellen auf (nächster zuerst)",
   "carry.keep": "Diesen Platz freihalten",
   "carry.waits": "Noch nicht abstellen: {node} ist noch nicht dafür freigehalten.",
   "carry.kept": "{node} ist freigehalten. Dort abstellen und einschalten.",
+  "carry.stands": "Es steht jetzt auf {node}. Es wird eingeschaltet, wenn seine Störung endet.",
   "carry.failed": "Nicht geschehen: {reason}",
 
   "table.sortBy": "Nach {column} ordnen",

@@ -381,10 +381,11 @@ export const en = {
   "carry.said": "Carried away, says {by}.",
   "carry.freed": "Free again: {places}.",
   "carry.soon": "What it held is free in {time}: nobody believes it while it could still be heard.",
-  "carry.where": "Put it back at",
+  "carry.where": "Put it back at (nearest first)",
   "carry.keep": "Keep this place",
   "carry.waits": "Do not put it down yet: {node} is not kept for it.",
   "carry.kept": "{node} is kept for it. Put it down there, and switch it on.",
+  "carry.stands": "It stands on {node} now. It is switched on when its fault ends.",
   "carry.failed": "Not done: {reason}",
 
   "table.sortBy": "Sort by {column}",

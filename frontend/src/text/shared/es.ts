@@ -384,10 +384,11 @@ export const es: Catalogue<typeof en> = {
   "carry.said": "Retirado, dice {by}.",
   "carry.freed": "Libre de nuevo: {places}.",
   "carry.soon": "Lo que ocupaba queda libre en {time}: hasta entonces aún podría oírse.",
-  "carry.where": "Devolverlo a",
+  "carry.where": "Devolverlo a (el más cercano primero)",
   "carry.keep": "Reservar este lugar",
   "carry.waits": "No lo ponga aún: {node} todavía no está reservado.",
   "carry.kept": "{node} está reservado. Póngalo allí y enciéndalo.",
+  "carry.stands": "Ya está en {node}. Se enciende cuando termina su fallo.",
   "carry.failed": "No se hizo: {reason}",
 
   "table.sortBy": "Ordenar por {column}",

@@ -40,6 +40,8 @@ class StepView(View, kw_only=True):
     step: ScenarioStep
     after_s: float | None = None
     """Factory seconds after the scenario began; None as long as it has not happened."""
+    expected_s: float | None = None
+    """The same, by a rehearsal with the same seed and by how late the last step was; None as long as the rehearsal has not come so far."""
     agents: tuple[str, ...] = ()
     """Whom it is about."""
 
@@ -69,6 +71,10 @@ class ScenarioView(View, kw_only=True):
     """Factory seconds from its begin to its end."""
     checks: tuple[ScenarioCheckView, ...] = ()
     """Why, when it has ended."""
+    began_at_s: float = 0.0
+    """Wall clock."""
+    skipping: bool = False
+    """Whether the factory runs as fast as it can, until the next step."""
 
 
 class UseView(View, kw_only=True):

@@ -70,6 +70,7 @@ function AtvCard({ atv }: { atv: AtvView }) {
         key={atv.id}
         atv={atv}
         atvs={world.value?.atvs.values() ?? []}
+        isSimulated={world.value?.fault_injection ?? false}
         plant={plant.value}
         nowS={presentS.value}
         speed={speed}

@@ -1,10 +1,15 @@
+import { useSignal } from "@preact/signals";
+import type { ComponentChildren } from "preact";
+import { skipToNextStep } from "../../../api/client";
 import type { ScenarioView, StepView } from "../../../api/types";
 import { Card } from "../../../parts/Card";
 import { choose } from "../../../selection/selection";
-import { world } from "../../../stream/stream";
+import { presentS, world } from "../../../stream/stream";
 import { speakAlso } from "../../../text/speech";
 import { factoryTime, inFactoryTime } from "../../../text/plant-time";
 import { format, t, tables } from "../../../text/views/scenario";
+import { problemText } from "../../problem-text";
+import { leftS, nextOf } from "./steps";
 
 /** The card, once it has its words. */
 export async function load(): Promise<typeof ScenarioSteps> {
@@ -12,15 +17,16 @@ export async function load(): Promise<typeof ScenarioSteps> {
   return ScenarioSteps;
 }
 
-/** Which steps have happened and when, which one is next, how it ended. */
+/** Which steps have happened and when, which one is next and when, how it ended. */
 export function ScenarioSteps({ scenario }: { scenario: ScenarioView }) {
   const { after_s: afterS, checks, id, state, steps } = scenario;
-  const next = state === "playing" ? steps.find((step) => step.after_s === null) : undefined;
+  const next = nextOf(scenario);
   return (
     <Card class="scenario" title={inFactoryTime(t("scenario.title", { name: id }))}>
+      {state === "playing" && <Skip isSkipping={scenario.skipping} />}
       <ol>
         {steps.map((step) => (
-          <Line key={step.step} step={step} isNext={step === next} isOver={state !== "playing"} />
+          <Line key={step.step} step={step} when={step === next ? <Countdown scenario={scenario} step={step} /> : whenOf(step, state !== "playing")} isNext={step === next} />
         ))}
       </ol>
       <p role="status" class={state === "failed" ? "tone-alarm" : ""}>
@@ -43,9 +49,8 @@ export function ScenarioSteps({ scenario }: { scenario: ScenarioView }) {
   );
 }
 
-function Line({ step, isNext, isOver }: { step: StepView; isNext: boolean; isOver: boolean }) {
+function Line({ step, when, isNext }: { step: StepView; when: ComponentChildren; isNext: boolean }) {
   const { after_s: afterS, agents } = step;
-  const when = afterS !== null ? format.duration(afterS) : isNext ? t("scenario.next") : isOver ? t("scenario.never") : "";
   return (
     <li class={afterS === null ? "todo" : ""} aria-current={isNext ? "step" : undefined}>
       <span>
@@ -57,6 +62,38 @@ function Line({ step, isNext, isOver }: { step: StepView; isNext: boolean; isOve
       </span>
       <small>{when}</small>
     </li>
+  );
+}
+
+function whenOf({ after_s: afterS }: StepView, isOver: boolean): string {
+  if (afterS !== null) return format.duration(afterS);
+  return isOver ? t("scenario.never") : "";
+}
+
+/** How long until the next step, where a rehearsal has told it. */
+function Countdown({ scenario, step }: { scenario: ScenarioView; step: StepView }) {
+  const left = leftS(step, scenario, presentS.value, world.value?.factory.speed ?? 1);
+  if (left === null) return <>{t("scenario.next")}</>;
+  return <>{left > 0 ? t("scenario.in", { time: format.duration(left) }) : t("scenario.late")}</>;
+}
+
+function Skip({ isSkipping }: { isSkipping: boolean }) {
+  const busy = useSignal(false);
+  const failed = useSignal("");
+  const act = (): void => {
+    busy.value = true;
+    failed.value = "";
+    void skipToNextStep(!isSkipping)
+      .catch((error: unknown) => { failed.value = t("scenario.skipFailed", { reason: problemText(error) }); })
+      .finally(() => { busy.value = false; });
+  };
+  return (
+    <div class="to-next">
+      <button type="button" class="button" disabled={busy.value} title={t("scenario.skipHint")} onClick={act}>
+        {t(isSkipping ? "scenario.skipping" : "scenario.skip")}
+      </button>
+      {failed.value !== "" && <p role="alert" class="tone-alarm">{failed.value}</p>}
+    </div>
   );
 }
 

@@ -36,6 +36,8 @@ export const records: Catalogue<typeof en> = {
   "audit.did.link.revoke": "Links zurückgenommen",
   "audit.did.fault.begin": "Versuch begonnen",
   "audit.did.fault.end": "Versuch beendet",
+  "audit.did.scenario.skip": "zum nächsten Schritt gesprungen",
+  "audit.did.scenario.skip_end": "Springen beendet",
   "audit.did.login": "Anmeldung",
   "audit.did.login.station": "Arbeitsplatz gewählt",
   "audit.did.logout": "Abmeldung",

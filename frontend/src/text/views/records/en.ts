@@ -33,6 +33,8 @@ export const records = {
   "audit.did.link.revoke": "links taken back",
   "audit.did.fault.begin": "fault begun",
   "audit.did.fault.end": "fault ended",
+  "audit.did.scenario.skip": "skipped to the next step",
+  "audit.did.scenario.skip_end": "skipping ended",
   "audit.did.login": "login",
   "audit.did.login.station": "station taken",
   "audit.did.logout": "logout",

@@ -36,6 +36,8 @@ export const records: Catalogue<typeof en> = {
   "audit.did.link.revoke": "enlaces retirados",
   "audit.did.fault.begin": "ensayo iniciado",
   "audit.did.fault.end": "ensayo terminado",
+  "audit.did.scenario.skip": "saltó al siguiente paso",
+  "audit.did.scenario.skip_end": "salto terminado",
   "audit.did.login": "inicio de sesión",
   "audit.did.login.station": "puesto elegido",
   "audit.did.logout": "cierre de sesión",

@@ -153,6 +153,8 @@ export const rows: Catalogue<typeof en> = {
   "problem.not-on-duty": "Zuerst den Dienst beginnen.",
   "problem.not-recorded": "Vielleicht ist es geschehen, aber es ließ sich nicht aufschreiben. Nachsehen und noch einmal versuchen.",
   "problem.not-simulated": "Störungen lassen sich nur in einer simulierten Fabrik von Hand beginnen.",
+  "problem.no-scenario": "Hier wird kein Szenario gespielt.",
+  "problem.scenario-over": "Das Szenario ist zu Ende: es gibt keinen nächsten Schritt.",
   "problem.order-ended": "Dieser Auftrag ist beendet. Einen anderen aufgeben.",
   "problem.other-origin": "Das Panel unter der Adresse öffnen, unter der das Gateway gefragt wird.",
   "problem.own-gateway": "Dieses Gateway kann sich nicht selbst aussperren. Ein anderes Gateway fragen.",

@@ -150,6 +150,8 @@ export const rows = {
   "problem.not-on-duty": "Go on duty first.",
   "problem.not-recorded": "It may have been done, but it could not be written down. Look, and try again.",
   "problem.not-simulated": "Faults can be begun by hand in a simulated factory only.",
+  "problem.no-scenario": "No scenario is played here.",
+  "problem.scenario-over": "The scenario has ended: there is no next step.",
   "problem.order-ended": "This order has ended. Place another one.",
   "problem.other-origin": "Open the panel under the address at which the gateway is asked.",
   "problem.own-gateway": "This gateway cannot shut itself out. Ask another gateway.",

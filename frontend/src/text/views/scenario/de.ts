@@ -5,6 +5,12 @@ import type { scenario as en } from "./en";
 export const scenario: Catalogue<typeof en> = {
   "scenario.title": "Szenario {name}",
   "scenario.next": "als Nächstes",
+  "scenario.in": "als Nächstes, in {time}",
+  "scenario.late": "als Nächstes, später als erwartet",
+  "scenario.skip": "Zum nächsten Schritt springen",
+  "scenario.skipping": "Nicht mehr springen",
+  "scenario.skipHint": "Die Fabrik läuft bis zum nächsten Schritt so schnell sie kann. Es geschieht dasselbe.",
+  "scenario.skipFailed": "Nicht gesprungen: {reason}",
   "scenario.never": "nicht geschehen",
   "scenario.held": "Gehalten, nach {after}",
   "scenario.failed": "Nicht gehalten, nach {after}",

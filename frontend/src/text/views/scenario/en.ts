@@ -2,6 +2,12 @@
 export const scenario = {
   "scenario.title": "Scenario {name}",
   "scenario.next": "next",
+  "scenario.in": "next, in {time}",
+  "scenario.late": "next, later than expected",
+  "scenario.skip": "Skip to the next step",
+  "scenario.skipping": "Stop skipping",
+  "scenario.skipHint": "The factory runs as fast as it can until the next step. What happens is the same.",
+  "scenario.skipFailed": "Not skipped: {reason}",
   "scenario.never": "did not happen",
   "scenario.held": "Held, after {after}",
   "scenario.failed": "Did not hold, after {after}",

@@ -5,6 +5,12 @@ import type { scenario as en } from "./en";
 export const scenario: Catalogue<typeof en> = {
   "scenario.title": "Escenario {name}",
   "scenario.next": "a continuación",
+  "scenario.in": "a continuación, en {time}",
+  "scenario.late": "a continuación, más tarde de lo previsto",
+  "scenario.skip": "Saltar al siguiente paso",
+  "scenario.skipping": "Dejar de saltar",
+  "scenario.skipHint": "La fábrica funciona lo más rápido que puede hasta el siguiente paso. Ocurre lo mismo.",
+  "scenario.skipFailed": "No se saltó: {reason}",
   "scenario.never": "no ocurrió",
   "scenario.held": "Se cumplió, tras {after}",
   "scenario.failed": "No se cumplió, tras {after}",

@@ -1,0 +1,50 @@
+"""Calls from the gateway's loop into the thread of a simulated factory."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from typing import TypeVar
+
+from dray.errors import UnavailableError
+
+T = TypeVar("T")
+
+ANSWER_S = 10.0
+"""Wall seconds to wait for the factory: a call takes a moment, but the factory may have a lot to do."""
+
+
+async def inside(loop: asyncio.AbstractEventLoop, call: Callable[[], T]) -> T:
+    """Call something in the factory's thread.
+
+    Args:
+        loop: of the factory.
+        call: made on that loop.
+
+    Returns:
+        What it returns.
+
+    Raises:
+        UnavailableError: the factory has ended, or has too much to do.
+        whatever `call` raises.
+    """
+
+    async def called() -> T:
+        return call()
+
+    coroutine = called()
+    try:
+        answer = asyncio.run_coroutine_threadsafe(coroutine, loop)
+    except RuntimeError:
+        # The loop is closed.
+        coroutine.close()
+        raise _away("it has ended") from None
+    try:
+        async with asyncio.timeout(ANSWER_S):
+            return await asyncio.wrap_future(answer)
+    except TimeoutError:
+        raise _away(f"no answer within {ANSWER_S:g} s") from None
+
+
+def _away(reason: str) -> UnavailableError:
+    return UnavailableError("the simulated factory", reason, "look at the log of `dray up`")

@@ -1,0 +1,97 @@
+/** Lists of the plant file as forms: an entry is chosen and filled in; short lists within one stand under one another. */
+import { useSignal } from "@preact/signals";
+import { t, word } from "../text/editor";
+import { BEGINS, COLUMNS, type Column, type Row, valueOf, withRow, withValue, writtenOf } from "./lists";
+import type { Data } from "./model";
+
+interface Listed {
+  readonly data: Data;
+  readonly rows: readonly Row[];
+  readonly onChange: (rows: readonly Row[]) => void;
+}
+
+/** A section without a place on the floor. */
+export function Entries({ data, rows, section, onChange }: Listed & { section: string }) {
+  const columns = COLUMNS[section] ?? [];
+  const at = useSignal(0);
+  const index = Math.min(at.value, rows.length - 1);
+  const row = rows[index];
+  return (
+    <>
+      <label>{t("entries.which")}
+        <select value={index} disabled={rows.length === 0} onChange={(event) => { at.value = Number(event.currentTarget.value); }}>
+          {rows.map((each, number) => <option key={number} value={number}>{writtenOf(each.id) || "?"}</option>)}
+        </select>
+      </label>
+      {row && <Columns key={index} columns={columns} data={data} row={row} onChange={(next) => { onChange(replaced(rows, index, next)); }} />}
+      <div class="ed-row">
+        <button type="button" class="button" onClick={() => {
+          at.value = rows.length;
+          onChange(withRow(data, columns, rows, BEGINS[section] ?? ""));
+        }}>{t("entries.new")}</button>
+        {row && <button type="button" class="button" aria-label={t("stock.removeOf", { item: writtenOf(row.id) })} onClick={() => { onChange(without(rows, index)); }}>{t("remove")}</button>}
+      </div>
+    </>
+  );
+}
+
+/** A list within an entry, as the bill of a product or what a machine makes. */
+export function Rows({ columns, data, name, rows, onChange }: Listed & { columns: readonly Column[]; name: string }) {
+  return (
+    <fieldset class="ed-rows">
+      <legend>{word("field", name)}</legend>
+      {rows.map((row, index) => {
+        const called = writtenOf(row[columns[0]?.name ?? ""]);
+        return (
+          <div key={index} class="ed-stock" role="group" aria-label={called}>
+            <Columns columns={columns} data={data} row={row} onChange={(next) => { onChange(replaced(rows, index, next)); }} />
+            <button type="button" class="button small" aria-label={t("stock.removeOf", { item: called })} onClick={() => { onChange(without(rows, index)); }}>×</button>
+          </div>
+        );
+      })}
+      <button type="button" class="button" onClick={() => { onChange(withRow(data, columns, rows, "")); }}>{t("entries.add")}</button>
+    </fieldset>
+  );
+}
+
+const replaced = (rows: readonly Row[], index: number, row: Row): readonly Row[] => rows.map((each, at) => (at === index ? row : each));
+const without = (rows: readonly Row[], index: number): readonly Row[] => rows.filter((_, at) => at !== index);
+
+function Columns({ columns, data, row, onChange }: { columns: readonly Column[]; data: Data; row: Row; onChange: (row: Row) => void }) {
+  return (
+    <>
+      {columns.map((column) => {
+        const value = row[column.name];
+        const note = (said: unknown): void => { onChange(withValue(row, column, said)); };
+        if (column.kind === "rows") return <Rows key={column.name} columns={column.columns ?? []} data={data} name={column.name} rows={Array.isArray(value) ? (value as Row[]) : []} onChange={note} />;
+        if (column.kind === "choice") return <OneOf key={column.name} all={column.from?.(data) ?? []} label={word("column", column.name)} value={value} onChange={note} />;
+        return <Written key={column.name} column={column} value={value} onChange={note} />;
+      })}
+    </>
+  );
+}
+
+/** One of what the plant has; empty as long as nobody has said which, and what it has not is shown as it stands there. */
+export function OneOf({ all, label, value, onChange }: { all: readonly string[]; label: string; value: unknown; onChange: (value: string | undefined) => void }) {
+  const said = writtenOf(value);
+  return (
+    <label>{label}
+      <select value={said} onChange={(event) => { onChange(event.currentTarget.value || undefined); }}>
+        {!all.includes(said) && <option value={said}>{said}</option>}
+        {all.map((each) => <option key={each} value={each}>{each}</option>)}
+      </select>
+    </label>
+  );
+}
+
+function Written({ column, value, onChange }: { column: Column; value: unknown; onChange: (value: unknown) => void }) {
+  const said = writtenOf(value);
+  const note = (event: { currentTarget: { value: string } }): void => { onChange(valueOf(column, event.currentTarget.value)); };
+  return (
+    <label>{word("column", column.name)}
+      {column.kind === "count" || column.kind === "number"
+        ? <input type="number" min={0} step={column.kind === "count" ? 1 : "any"} value={said} onChange={note} />
+        : <input type="text" value={said} onChange={note} />}
+    </label>
+  );
+}
