@@ -49,7 +49,7 @@ class Vehicle:
     def said(self) -> PlaceWished:
         return [e.message for e in self.out if isinstance(e, Send) and isinstance(e.message, PlaceWished)][-1]
 
-    def hear(self, sender: str, message: object) -> None:
+    def on_message(self, sender: str, message: object) -> None:
         if isinstance(message, PlaceConfirmed):
             self.wishes.on_confirmed(sender, message)
             missed = self.wishes.take_missed("M1")
@@ -84,13 +84,13 @@ class Floor(Trio):
         self.carry()
         own = tuple(PlaceBooking(place=one.place, number=one.number) for one in lines)
         granted = PlaceGranted(district="M1", epoch=self.epoch, life=1, upto=1, grants=own)
-        self.vehicles[atv].hear("M1", granted)
+        self.vehicles[atv].on_message("M1", granted)
         self.tell()
 
     def tell(self) -> None:
         """Let the vehicles hear what keepers have said to them."""
         for sender, effect in self.to_vehicles:
-            self.vehicles[effect.to].hear(sender, effect.message)
+            self.vehicles[effect.to].on_message(sender, effect.message)
         self.to_vehicles.clear()
 
     @property
@@ -242,7 +242,7 @@ def test_a_vehicle_asks_the_witness_and_goes_on_without_it_when_that_one_does_no
     granted = PlaceGranted(
         district="M1", epoch=3, life=1, upto=1, grants=(PlaceBooking(place="b3", number=5),)
     )
-    vehicle.hear("M1", granted)
+    vehicle.on_message("M1", granted)
     for _ in range(WITNESS_ASKED):
         assert vehicle.wishes.take_missed("M1") is None
         vehicle.wishes.repeat("M1", (), WANTED, vehicle.state, LEAST_AGAIN_S)
@@ -257,21 +257,21 @@ def test_nor_as_long_as_the_witness_answers_that_it_has_no_such_line() -> None:
     granted = PlaceGranted(
         district="M1", epoch=3, life=1, upto=1, grants=(PlaceBooking(place="b3", number=5),)
     )
-    vehicle.hear("M1", granted)
+    vehicle.on_message("M1", granted)
     for _ in range(3 * WITNESS_ASKED):
         vehicle.wishes.repeat("M1", (), WANTED, vehicle.state, LEAST_AGAIN_S)
-        vehicle.hear("M2", PlaceConfirmed(district="M1", epoch=3, grants=()))
+        vehicle.on_message("M2", PlaceConfirmed(district="M1", epoch=3, grants=()))
     assert not vehicle.holds
 
 
 @pytest.mark.parametrize(("sender", "mark"), [("M3", b"A"), ("M1", b"A"), ("M2", b""), ("M2", b"B")])
 def test_nobody_else_confirms_and_no_line_that_any_key_gives_back(sender: str, mark: bytes) -> None:
     vehicle = Vehicle("A", 3)
-    vehicle.hear(sender, PlaceConfirmed(district="M1", epoch=3, grants=line("A", 5, mark=mark)))
+    vehicle.on_message(sender, PlaceConfirmed(district="M1", epoch=3, grants=line("A", 5, mark=mark)))
     granted = PlaceGranted(
         district="M1", epoch=3, life=1, upto=1, grants=(PlaceBooking(place="b3", number=5),)
     )
-    vehicle.hear("M1", granted)
+    vehicle.on_message("M1", granted)
     assert not vehicle.holds
 
 
