@@ -78,6 +78,7 @@ class Copies:
         leads: whether `me` writes the book under the present epoch.
         counted: the highest version that a majority has.
         lost: whether it knows nothing yet.
+        refused: books of the one that leads that were not copied, since one was.
         needs_roll_call: too few remember; `me` is to ask the vehicles.
     """
 
@@ -95,6 +96,7 @@ class Copies:
         self.leads = False
         self.counted = 0
         self.lost = kept is None
+        self.refused = 0
         self.needs_roll_call = False
         self._me = me
         self._keepers = tuple(keepers)
@@ -250,7 +252,7 @@ class Copies:
                 if self._objects(booked):
                     return follows
                 self.kept = Kept(booked.epoch, booked.epoch, booked.version, booked.bookings, booked.removed)
-                self._elsewhere, self._copied = None, True
+                self._elsewhere, self._copied, self.refused = None, True, 0
                 self._confirm_new(before)
         self._out.append(
             Send(sender, BookKept(district=self.district, epoch=self.kept.epoch, version=self.kept.version))
@@ -269,6 +271,7 @@ class Copies:
         objections = self._witness.objections(kept.bookings, kept.version, booked)
         if not objections:
             return False
+        self.refused += 1
         asked = BookAsked(district=self.district, epoch=0)
         self._out += [Send(other, asked) for other in self._others if other != self._turn_of(booked.epoch)]
         holds = HoldsAsked(district=self.district, epoch=booked.epoch)

@@ -33,6 +33,7 @@ from dray.protocol.traffic.books.floor_report import NEWS_S, FloorReport
 from dray.protocol.traffic.books.impostors import Impostors
 from dray.protocol.traffic.books.late_tellers import LateTellers
 from dray.protocol.traffic.books.reach import Reach
+from dray.protocol.traffic.books.refusals import Refusals
 from dray.protocol.traffic.books.roll_call import RollCall
 from dray.protocol.traffic.books.turns import ASK_S, Turns
 from dray.protocol.traffic.neighbours import Neighbours
@@ -95,6 +96,7 @@ class District:
         self._reach = reach
         self._report = report
         self._impostors = impostors
+        self._refusals = Refusals(out)
         self._turns = Turns(me, keepers)
         self._timers = timers
         self._out = out
@@ -171,8 +173,11 @@ class District:
                 self._on_wish(sender, message, now_s)
             case PlaceBooked():
                 silent = self._turns.is_silent(self.copies.leader, now_s)
+                refused = self.copies.refused
                 if not self.copies.on_booked(sender, message, silent=silent):
                     self._find_out(now_s)
+                if self.copies.refused > refused:
+                    self._refusals.tell(sender, self.copies.refused, now_s)
             case BookKept():
                 if self.copies.on_kept(sender, message):
                     self._answer()
