@@ -7,7 +7,7 @@ import logging
 
 import pytest
 
-from dray.supervision import MOST_S, Supervisor
+from dray.supervision import MOST_S, Failures, Supervisor
 from dray_sim.clock.loop import JUMP, run
 
 
@@ -75,3 +75,23 @@ def test_one_that_is_cancelled_ends() -> None:
         return supervisor
 
     assert run(main(), JUMP).restarts == {"stream": 0}
+
+
+def test_messages_that_fail_are_counted_by_kind_and_told_when_their_number_has_doubled(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    failures = Failures("Yard/4711")
+    with caplog.at_level(logging.ERROR, "dray.supervision"):
+        for kind, times in (("state", 9), ("connection", 1)):
+            for _ in range(times):
+                try:
+                    {}["of a word that nobody had thought of"]
+                except KeyError:
+                    failures.note(kind)
+    assert failures.counts == {"state": 9, "connection": 1}
+    assert failures.total == 10
+    told = [record.getMessage().partition(",")[2] for record in caplog.records]
+    assert [words.split()[0] for words in told] == ["1", "2", "4", "8", "1"]
+    assert {record.levelno for record in caplog.records} == {logging.ERROR}
+    assert "Yard/4711: state has failed" in caplog.text
+    assert "nobody had thought of" in caplog.text

@@ -1,13 +1,15 @@
 """A supervisor: tasks that serve others go on, whatever one message makes of them.
 
 What fails is our own bug: it is said at ERROR with where it was, counted, and the task is started again. It waits longer each time, so that
-one that fails at once does not keep the processor busy.
+one that fails at once does not keep the processor busy. A task that has one message at a time in hand need not end at all: it counts the
+failure (`Failures`) and takes the next message.
 """
 
 from __future__ import annotations
 
 import asyncio
 import logging
+import threading
 from collections import Counter
 from collections.abc import Awaitable, Callable
 
@@ -49,3 +51,37 @@ class Supervisor:
                 return
             await asyncio.sleep(wait_s)
             wait_s = min(2.0 * wait_s, MOST_S)
+
+
+class Failures:
+    """Messages that could not be dealt with, by our own fault: counted, and said at ERROR. From any thread.
+
+    The first failure of each kind is said with where it was, and then each time that their number has doubled: a peer that says the same ten times a
+    second does not fill the log.
+
+    Args:
+        whose: they are, for the log.
+
+    Attributes:
+        counts: kind of message -> how many have failed. Kinds are few and fixed.
+    """
+
+    def __init__(self, whose: str) -> None:
+        self._whose = whose
+        self._lock = threading.Lock()
+        self.counts: Counter[str] = Counter()
+
+    @property
+    def total(self) -> int:
+        """How many have failed, of all kinds."""
+        return self.counts.total()
+
+    def note(self, kind: str) -> None:
+        """Count the exception that is being handled, and say it."""
+        with self._lock:
+            self.counts[kind] += 1
+            count = self.counts[kind]
+        if count & (count - 1) == 0:
+            _log.exception(
+                "%s: %s has failed, %d times so far; the next one is served", self._whose, kind, count
+            )

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import asyncio
+
 from floor_house import House, Listener, in_a_house
 
 from dray.body import Admit, GateState, GoodsArrived
 from dray.messages.keys import GATE
+from dray_sim.clock.loop import clock
 
 
 def test_what_came_in_while_the_agent_was_away_is_sensed_by_its_next_life() -> None:
@@ -16,6 +19,10 @@ def test_what_came_in_while_the_agent_was_away_is_sensed_by_its_next_life() -> N
         await told.until(GoodsArrived)
         # It is killed, and hears of none of this.
         assert house.floor.gate.enter("G1", 2) == ""
+        # The gate reports at this instant, and so before this.
+        reported = asyncio.Event()
+        clock().call_at(clock().now_s(), reported.set)
+        await reported.wait()
         again = await house.take_over(GATE, 2)
         assert again.sense() == GateState({"G1": 2})
         told = Listener(again)

@@ -40,6 +40,23 @@ def test_what_happens_on_a_floor_that_has_ended_is_told_to_nobody() -> None:
     in_a_house(test)
 
 
+def test_a_body_that_cannot_be_told_of_by_our_own_fault_costs_no_other_one(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    async def test(house: House) -> None:
+        machine = next(iter(PLANT.machines))
+        vehicle, _ = await house.take_over(ATV, 1), await house.take_over(machine, 1)
+        monkeypatch.setattr(house.floor.workcells[machine], "sense", lambda: {}["of a bug"])
+        listener = Listener(vehicle)
+        vehicle.instruct(Drive(order=1, nodes=way_of(ATV), released=len(way_of(ATV))))
+        await listener.until(WayDone)
+        assert house.server.failures.total
+        assert not house.serving.done()
+        monkeypatch.undo()
+
+    in_a_house(test)
+
+
 def test_a_life_that_has_not_heard_too_much_has_lost_its_body(monkeypatch: pytest.MonkeyPatch) -> None:
     async def test(house: House) -> None:
         machine = next(iter(PLANT.machines))

@@ -111,6 +111,25 @@ def test_shuffled_and_doubled_events_leave_the_same_rows(seed: int, doubled: lis
     assert anyio.run(kept, [shuffled[:cut], shuffled[cut:]]) == anyio.run(kept, [a_day()])
 
 
+async def test_what_was_missed_is_kept_though_whoever_listens_beside_fails_on_it(store: Store) -> None:
+    def fail(_event: Event) -> None:
+        raise KeyError("of a bug in the projection")
+
+    told, line = a_day()[:4], Line()
+    historian = Historian(store=store, bus=line, keys=Keys("plant"), to_wall_s=same_clock, linger_s=0)
+    async with historian.running(fail):
+        by_agent = sorted(told, key=lambda event: (event.agent, event.number), reverse=True)
+        failed = 0
+        for event in by_agent:
+            try:
+                line.say([event])
+            except KeyError:
+                failed += 1
+        await historian.written()
+    assert failed
+    assert len((await rows(store))["events"]) == len(told)
+
+
 async def test_what_was_heard_is_written_before_it_ends(store: Store) -> None:
     await keep(store, order(1, 4, 2))
     async with writing(store) as (_, line):

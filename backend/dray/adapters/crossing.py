@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from dray.errors import UnavailableError
 from dray.messages import Heartbeat, Message
+from dray.supervision import Failures
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -48,7 +49,7 @@ class Crossing:
     dropped: they are few, and the other side would be wrong for good. They have room of their own beyond the
     rest; where that is full, too, whoever orders is refused, and nothing has changed.
 
-    The bounds hold to within one call for each thread that calls at the same moment.
+    The bounds hold to within one call for each thread that calls at the same moment. A call that fails is counted, and holds up no other.
 
     Args:
         loop: where the calls are made.
@@ -56,11 +57,13 @@ class Crossing:
     Attributes:
         dropped_heartbeats: heartbeats that a newer one has replaced, or that found the queue full.
         dropped_messages: other messages and offers that found it full, or their sender's part of it.
+        failures: calls that have failed, by name.
     """
 
     def __init__(self, loop: asyncio.AbstractEventLoop) -> None:
         self.dropped_heartbeats = 0
         self.dropped_messages = 0
+        self.failures = Failures("a call from another thread")
         self._loop = loop
         self._calls: deque[tuple[Callable[..., object], tuple[Any, ...]]] = deque()
         self._beats: dict[Slot, tuple[Any, ...]] = {}
@@ -155,10 +158,11 @@ class Crossing:
     def _take(self) -> None:
         # First this: whoever appends from now on wakes us again, so that no call is left behind.
         self._awake = False
-        try:
-            for _ in range(min(CALLS_PER_TURN, len(self._calls))):
-                call, args = self._calls.popleft()
+        for _ in range(min(CALLS_PER_TURN, len(self._calls))):
+            call, args = self._calls.popleft()
+            try:
                 call(*args)
-        finally:
-            if self._calls and not self._awake:
-                self._wake()
+            except Exception:  # noqa: BLE001 - whatever it is, it is about this one call
+                self.failures.note(getattr(call, "__qualname__", type(call).__name__))
+        if self._calls and not self._awake:
+            self._wake()

@@ -204,10 +204,11 @@ class Historian:
             self.lost += 1
             return
         was_missed = self._gaps.note(event.agent, event.incarnation, event.number, self._now_s())
-        if was_missed and self._recovered is not None:
-            self._recovered(event)
+        # First this: its number is noted, so that nobody asks for it again, whatever the other listener makes of it.
         self._events.append((self._now_s(), event))
         self._wake()
+        if was_missed and self._recovered is not None:
+            self._recovered(event)
 
     def _take_heartbeat(self, agent: str, heartbeat: Heartbeat) -> None:
         last_s = self._sampled_at_s.get(agent)

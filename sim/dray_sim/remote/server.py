@@ -31,6 +31,7 @@ from dray.adapters.remote_body.wire import (
 from dray.body import Report
 from dray.errors import PlantError
 from dray.ports import Body
+from dray.supervision import Failures
 from dray_sim.bodies.floor import Floor
 from dray_sim.remote.pieces import pieces_key
 
@@ -77,6 +78,9 @@ class FloorServer:
         foreign: vehicles that are not simulated: places count what these say they have picked and dropped. Their doubles here are off the
             floor, and no agent has them. Of any other vehicle only its body here is believed.
 
+    Attributes:
+        failures: bodies that could not be told of, by our own fault; others are.
+
     Raises:
         KeyError: a foreign one is no vehicle of the floor.
     """
@@ -92,6 +96,7 @@ class FloorServer:
         self._session, self._plant, self._floor = session, plant, floor
         self._refusal = refusal
         self._crossing = Crossing(asyncio.get_running_loop())
+        self.failures = Failures("the floor")
         self._moved: dict[str, tuple[tuple[int, int], bytes]] = {}
         """Of each foreign vehicle the newest transfer, by its life and number, and what was answered."""
         self._foreign = frozenset(foreign)
@@ -110,7 +115,10 @@ class FloorServer:
         while True:
             await asyncio.sleep(TELL_EVERY_S)
             for served in self._served:
-                served.tell()
+                try:
+                    served.tell()
+                except Exception:  # noqa: BLE001 - whatever it is, it is about this one body
+                    self.failures.note("telling how a body is")
 
     def end(self) -> None:
         """Let no agent have a body any more; its session may be closed then."""

@@ -14,6 +14,7 @@ from dray.adapters.vda5050.profile import Profile
 from dray.plant import Plant
 from dray.plant.model import VehicleSpec
 from dray.ports import Body, Clock
+from dray.supervision import Failures
 from dray_sim.bodies.vehicle.vehicle import SimVehicle
 from dray_sim.vda5050.misbehaviour import Misbehaviour
 from dray_sim.vda5050.own_map import OwnMap
@@ -92,6 +93,7 @@ class MemoryFleet:
         )
         world = _World(self, spec.id)
         body = self.bodies[spec.id] = VehicleBody(control, profile, address, self._clock, world)
+        body.failures = LoudFailures(spec.id)
         self._is_meeting = True
         self.vehicles[spec.id].introduce()
         self._is_meeting = False
@@ -114,6 +116,15 @@ class MemoryFleet:
     def remember(self, atv: str, memory: Memory) -> None:
         """What the next life must know."""
         self._memories[atv] = replace(memory)
+
+
+class LoudFailures(Failures):
+    """Where nothing but our own bugs is looked for, one ends what is played."""
+
+    def note(self, kind: str) -> None:
+        """Raise it again."""
+        super().note(kind)
+        raise  # noqa: PLE0704 - it is called where an exception is handled
 
 
 class _World:

@@ -7,6 +7,7 @@ error of its own end takes the place of a cancellation. Both once made a link th
 from __future__ import annotations
 
 import asyncio
+import logging
 from collections.abc import AsyncIterator, Callable
 from typing import Any, Self
 
@@ -15,6 +16,7 @@ import pytest
 
 from dray.adapters.vda5050 import link as link_module
 from dray.adapters.vda5050.link import BrokerAddress, MqttLink
+from dray.errors import ProtocolViolation, UnavailableError
 
 PATIENCE_S = 20.0
 """Far beyond what a busy computer takes."""
@@ -27,6 +29,7 @@ class Client:
         self.saying, self.said = asyncio.Event(), asyncio.Event()
         self.subscribing, self.subscribed = asyncio.Event(), asyncio.Event()
         self.gone = asyncio.Event()
+        self.brings: tuple[str, ...] = ()
         self.end: Exception | None = None
 
     async def __aenter__(self) -> Self:
@@ -46,6 +49,8 @@ class Client:
 
     @property
     async def messages(self) -> AsyncIterator[Any]:
+        for topic in self.brings:
+            yield aiomqtt.Message(f"uagv/v2/Yard/1/{topic}", b"{}", 0, False, 1, None)
         await self.gone.wait()
         raise aiomqtt.MqttError("reset by peer")
         yield
@@ -55,6 +60,9 @@ class Ear:
     def __init__(self) -> None:
         self.links = asyncio.Queue[int]()
         self.lost: list[str] = []
+        self.heard: list[str] = []
+        self.all_heard = asyncio.Event()
+        self.fails: dict[str, Exception] = {}
 
     def on_link(self) -> None:
         self.links.put_nowait(1)
@@ -63,7 +71,10 @@ class Ear:
         self.lost.append(reason)
 
     def on_message(self, topic: str, data: bytes) -> None:
-        raise AssertionError
+        self.heard.append(topic)
+        self.all_heard.set() if topic == "factsheet" else None
+        if (error := self.fails.get(topic)) is not None:
+            raise error
 
 
 class Play:
@@ -71,6 +82,7 @@ class Play:
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch, *topics: str) -> None:
         self.clients: list[Client] = []
+        self.brings: tuple[str, ...] = ()
         monkeypatch.setattr(link_module.aiomqtt, "Client", self._make)
         monkeypatch.setattr(link_module, "AGAIN_S", (0.0,))
         self.link = MqttLink(BrokerAddress("h", 1, tls=False), "uagv/v2/Yard/1", "us", topics)
@@ -79,6 +91,7 @@ class Play:
 
     def _make(self, *_what: object, **_how: object) -> Client:
         self.clients.append(Client())
+        self.clients[-1].brings = self.brings
         return self.clients[-1]
 
     async def ends(self) -> bool:
@@ -155,5 +168,50 @@ def test_a_link_ends_though_its_broker_is_lost_while_it_says_good_bye(
         assert await at.ends()
         assert len(at.clients) == 1
         assert at.ear.lost == []
+
+    played(play)
+
+
+@pytest.mark.parametrize(
+    "error",
+    [KeyError("state"), ValueError("no number"), ProtocolViolation("of ours"), RecursionError("deep")],
+)
+def test_a_message_that_its_listener_cannot_deal_with_is_counted_and_told_and_the_next_is_heard(
+    error: Exception, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    async def play() -> None:
+        at = Play(monkeypatch)
+        at.link = MqttLink(BrokerAddress("h", 1, tls=False), "uagv/v2/Yard/1", "us", ("state",))
+        at.task.cancel()
+        await asyncio.wait([at.task])
+        at.brings = ("state", "state", "odd", "factsheet")
+        at.ear.fails = {"state": error, "odd": error}
+        at.task = asyncio.create_task(at.link.run(at.ear))
+        await asyncio.sleep(0)  # The link makes its client.
+        at.clients[0].subscribed.set()
+        await at.ear.all_heard.wait()
+        assert at.ear.heard == ["state", "state", "odd", "factsheet"]
+        assert at.link.failures.counts == {"state": 2, "another topic": 1}
+        assert not at.ear.lost
+        assert not at.task.done()
+        at.task.cancel()
+        assert await at.ends()
+
+    with caplog.at_level(logging.ERROR, "dray.supervision"):
+        played(play)
+    assert "uagv/v2/Yard/1: state has failed" in caplog.text
+    assert {record.levelno for record in caplog.records} == {logging.ERROR}
+
+
+def test_a_link_ends_when_its_listener_cannot_write_down_what_it_is_bound_by(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    async def play() -> None:
+        at = Play(monkeypatch)
+        at.brings = ("state",)
+        at.ear.fails = {"state": UnavailableError("the disk", "is full", "make room")}
+        with pytest.raises(UnavailableError, match="the disk"):
+            await at.task
+        assert not at.link.failures.counts
 
     played(play)

@@ -13,6 +13,7 @@ from dray.adapters.vda5050.control.master import MasterControl
 from dray.adapters.vda5050.events import Memory
 from dray.adapters.vda5050.profile import ActionUse, MapFrame, Profile
 from dray.body import ActionFailed, Instruction, NodePassed, ProblemRaised, Report
+from dray_sim.vda5050.fleet import LoudFailures
 from dray_sim.vda5050.misbehaviour import Misbehaviour
 from dray_sim.vda5050.own_map import OwnMap
 from dray_sim.vda5050.vehicle import Vda5050Vehicle
@@ -96,6 +97,7 @@ class Rig:
             "ATV1", self.yard.plant, LIGHT, self.profile, life=self.lives, memory=self.memory
         )
         self.body = VehicleBody(control, self.profile, ADDRESS, self.clock, self)
+        self.body.failures = LoudFailures("ATV1")
         self.body.attach(self.heard.append)
         if linked:
             self.link()

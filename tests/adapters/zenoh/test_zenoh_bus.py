@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import logging
 import os
 import time
 from collections.abc import Callable, Coroutine
@@ -14,6 +15,7 @@ from forbidden import forbidden
 from prometheus_client import CollectorRegistry
 from zenoh_kit import PATIENCE_S, Row, free_address, multicast_works
 
+from dray.adapters.zenoh import bus as bus_module
 from dray.adapters.zenoh.bus import NEWER, UNREADABLE, ZenohBus
 from dray.adapters.zenoh.links import Links
 from dray.adapters.zenoh.stamp import KNOWN, Stamp, Tally, read_stamp, write_stamp
@@ -82,6 +84,39 @@ def test_what_cannot_be_read_reaches_nobody_and_is_counted(
         assert dict(there.refused) == {reason: 2}
 
     on(2, test)
+
+
+def test_one_that_we_cannot_deal_with_by_our_own_fault_is_counted_and_told_and_the_next_is_heard(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    reads = bus_module.decode_with_context
+
+    def fails(data: bytes) -> tuple[str, Message, str]:
+        sender, message, context = reads(data)
+        if message == OrderTaken(order="odd"):
+            raise RecursionError("of what nobody had thought of")
+        return sender, message, context
+
+    async def test(row: Row) -> None:
+        here, there = row.buses
+        agent, speaker = Agent(there, "A"), Agent(here, "S")
+        agent.session.subscribe("p/k")
+        registry = CollectorRegistry()
+        registry.register(BusMeter(there))
+        await row.settle()
+        monkeypatch.setattr(bus_module, "decode_with_context", fails)
+        for order in ("1", "odd", "2"):
+            speaker.session.publish("p/k", OrderTaken(order=order))
+            speaker.session.send("A", OrderTaken(order=order))
+        await row.settle()
+        assert sorted(agent.heard) == ["1", "1", "2", "2"]
+        assert there.failures.total == 2
+        lost = registry.get_sample_value("dray_bus_messages_lost_total", {"reason": bus_module.FAILED})
+        assert lost == 2
+
+    with caplog.at_level(logging.ERROR, "dray.supervision"):
+        on(2, test)
+    assert "nobody had thought of" in caplog.text
 
 
 def test_a_publication_names_no_wildcard() -> None:

@@ -12,11 +12,13 @@ from prometheus_client import CollectorRegistry
 from dray.adapters.journal.sqlite_journal import SqliteJournal
 from dray.adapters.system_clock import SystemClock
 from dray.cli.runtime.telemetry.agent_meter import AgentMeter
+from dray.cli.runtime.telemetry.body_meter import BodyMeter
 from dray.cli.runtime.telemetry.clock_meter import ClockMeter
 from dray.cli.simulation.factory_meter import FactoryMeter
 from dray.messages.keys import Keys
 from dray.plant import default_plant
 from dray.protocol.machine.machine import Machine
+from dray.supervision import Failures
 from dray.worker.worker import Worker
 from dray_sim.bodies.floor import Floor
 from dray_sim.clock.loop import clock, run
@@ -94,6 +96,21 @@ def test_an_agent_in_a_process_of_its_own_tells_what_it_has_handled_and_written(
     assert 0 < seconds / written < 60.0
     assert told("agent_events_waiting") == 0
     assert told("agent_messages_dropped_total", kind="other") == 0
+
+
+def test_what_could_not_be_dealt_with_of_what_a_body_has_said_is_told_by_kind() -> None:
+    link, body, registry = Failures("the link"), Failures("the body"), CollectorRegistry()
+    registry.register(BodyMeter((link, body)))
+    for failures, kind in ((link, "state"), (body, "state"), (body, "Woke")):
+        try:
+            {}[kind]
+        except KeyError:
+            failures.note(kind)
+    told = {
+        kind: registry.get_sample_value("dray_body_messages_failed_total", {"kind": kind})
+        for kind in ("state", "Woke")
+    }
+    assert told == {"state": 2, "Woke": 1}
 
 
 def test_a_clock_tells_how_often_it_was_set_and_what_it_has_to_make_up_for() -> None:

@@ -37,6 +37,11 @@ class LoopMonitor:
         self.longest_s[whose] = max(took_s, self.longest_s.get(whose, 0.0))
 
 
+def be(whose: str) -> None:
+    """Let the steps of this task, and of what it begins from now on, count as somebody's."""
+    _WHOSE.set(whose)
+
+
 @contextmanager
 def loop_monitor() -> Iterator[LoopMonitor]:
     """Watch the loops of this thread as long as the context lasts."""

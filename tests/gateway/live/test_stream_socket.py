@@ -5,14 +5,14 @@ from __future__ import annotations
 import asyncio
 import json
 from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
 from typing import Any
 
 import pytest
-from gateway_kit import BEARER, PRODUCT, House, draft, gateway
+from gateway_kit import PRODUCT, House, draft, gateway
 from heartbeats import atv_heartbeat, events
 from makings import ANY
 from msgspec.structs import replace
+from stream_sockets import Socket, opened
 from wall_clock import NOW_S
 
 from dray.gateway.access.gate import COOKIE
@@ -35,64 +35,6 @@ QUEUE = 4
 
 NEVER_HZ = 1e-6
 """Frames are made when the test says so."""
-
-
-class Socket:
-    """A browser's end of a websocket, spoken to the application as a server does (ASGI)."""
-
-    def __init__(self, house: House, **headers: str) -> None:
-        self.to_app: asyncio.Queue[dict[str, Any]] = asyncio.Queue()
-        self.from_app: asyncio.Queue[dict[str, Any]] = asyncio.Queue()
-        self.takes = asyncio.Event()
-        """Cleared while this browser reads nothing."""
-        self.takes.set()
-        known = {} if "cookie" in headers else BEARER
-        scope = {
-            "type": "websocket",
-            "asgi": {"version": "3.0"},
-            "http_version": "1.1",
-            "scheme": "ws",
-            "path": "/api/stream",
-            "raw_path": b"/api/stream",
-            "query_string": b"",
-            "root_path": "",
-            "headers": [
-                (name.lower().encode(), value.encode())
-                for name, value in ({"host": "dray.test"} | known | headers).items()
-            ],
-            "client": ("127.0.0.1", 1234),
-            "server": ("dray.test", 80),
-            "subprotocols": [],
-            "state": {},
-        }
-        self.to_app.put_nowait({"type": "websocket.connect"})
-        self.served = asyncio.create_task(house.app(scope, self.to_app.get, self._send))
-
-    async def _send(self, message: Any) -> None:
-        await self.takes.wait()
-        await self.from_app.put(message)
-
-    async def read(self) -> dict[str, Any]:
-        """The next frame."""
-        message = await self.from_app.get()
-        assert message["type"] == "websocket.send", message
-        frame: dict[str, Any] = json.loads(message["text"])
-        return frame
-
-    def say(self, text: str) -> None:
-        self.to_app.put_nowait({"type": "websocket.receive", "text": text})
-
-    async def close(self) -> None:
-        self.to_app.put_nowait({"type": "websocket.disconnect", "code": 1001})
-        await self.served
-
-
-@asynccontextmanager
-async def opened(house: House, **headers: str) -> AsyncIterator[Socket]:
-    socket = Socket(house, **headers)
-    assert (await socket.from_app.get())["type"] == "websocket.accept"
-    yield socket
-    await socket.close()
 
 
 @pytest.fixture

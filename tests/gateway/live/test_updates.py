@@ -9,18 +9,23 @@ from random import Random
 from typing import Any
 
 import msgspec
+import pytest
 from fake_bus import PLANT
 from heartbeats import atv_heartbeat
+from msgspec.structs import replace
 from wall_clock import NOW_S, Wall
 
 from dray.gateway.access.principal import ADMIN, SCOPES, Principal, Role
-from dray.gateway.live.frames import COLLECTIONS
+from dray.gateway.live import stream as stream_module
+from dray.gateway.live.frames import COLLECTIONS, PORTION
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.stream import CALM_S, QUIET_S, Client, Hub, Pace, scope_of
 from dray.gateway.live.timescale import TimeScale
 from dray.messages import Message
 from dray.messages.keys import Keys
 from dray.plant import Plant, default_plant
+from dray.store.orders.orders import Item, Order
+from dray.store.orders.progress import OrderStatus
 from dray_sim.clock.loop import clock, run
 from dray_sim.factory.sim_factory import SimFactory
 from dray_sim.people import demand
@@ -122,8 +127,12 @@ def test_a_panel_that_is_told_by_changes_alone_sees_at_every_moment_what_the_gat
     run(main())
 
 
-def test_panels_of_every_pace_see_what_the_gateway_knows_while_a_factory_runs() -> None:
-    """Four panels come at some time, some read late, and at the end all of them show the same as the projection."""
+@pytest.mark.parametrize("portion", [1, PORTION])
+def test_panels_of_every_pace_see_what_the_gateway_knows_while_a_factory_runs(
+    portion: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Panels come at some time, some read late, and at the end all of them show the same as the projection, however little a frame holds."""
+    monkeypatch.setattr(stream_module, "PORTION", portion)
     plant, chance, wall = default_plant(), Random(7), Wall()
     projection = Projection(plant.file, TimeScale(0.0, NOW_S))
     hub = Hub(projection, wall_s=wall, steady_s=wall, rate_hz=10.0, queue_frames=QUEUE, clients=20, each=20)
@@ -139,10 +148,11 @@ def test_panels_of_every_pace_see_what_the_gateway_knows_while_a_factory_runs() 
             for panel in panels:
                 if chance.random() < 0.3:
                     await panel.read_all()
-        wall.now_s += QUIET_S
-        hub.tick()
-        for panel in panels:
-            await panel.read_all()
+        for _ in range(1 + (len(projection.tasks.ids()) + len(projection.orders.ids())) // portion):
+            wall.now_s += QUIET_S
+            hub.tick()
+            for panel in panels:
+                await panel.read_all()
         return panels
 
     panels = run(main())
@@ -305,3 +315,41 @@ def test_what_leaves_and_comes_back_within_a_second_is_there_for_a_calm_panel() 
         assert panel.seen["atv"]["ATV1"]["speed_mps"] == 3.0
 
     run(main())
+
+
+@pytest.mark.anyio
+async def test_of_thousands_a_snapshot_and_each_frame_tell_a_portion_until_all_are_told() -> None:
+    stage, count = Stage(), 3 * PORTION + 1
+    for number in range(count):
+        stage.projection.orders.put(placed(number))
+    stage.projection.discard_changes()
+    panel = Panel(stage.hub)
+    await panel.read_all()
+    told = [len(panel.seen["order"])]
+    while told[-1] < count:
+        stage.tell()
+        (frame,) = await frames(panel.client)
+        panel._take(frame)
+        told.append(len(panel.seen["order"]))
+    assert told == [PORTION, 2 * PORTION, 3 * PORTION, count]
+    late = Panel(stage.hub)
+    await late.read_all()
+    for number in range(count):
+        stage.projection.orders.put(replace(placed(number), customer="another"))
+    for _ in range(8):
+        stage.tell()
+        before = len(panel.client._frames)
+        assert before <= 1
+        for each in (panel, late):
+            for frame in await frames(each.client):
+                assert len(frame["orders"]) <= PORTION
+                each._take(frame)
+    assert panel.seen["order"] == late.seen["order"] == everything(stage.hub, ADMIN)["order"]
+    assert {order["customer"] for order in panel.seen["order"].values()} == {"another"}
+
+
+def placed(number: int) -> Order:
+    item = Item("gear-unit-g1", 5)
+    return Order(
+        id=f"O-{number}", status=OrderStatus.STORED, customer="c", token="t", items=(item,), created_at_s=1.0
+    )

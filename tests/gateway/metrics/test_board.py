@@ -23,6 +23,7 @@ from dray.adapters.system_clock import SystemClock
 from dray.adapters.zenoh.bus import ZenohBus
 from dray.adapters.zenoh.links import Links
 from dray.cli.runtime.telemetry.agent_meter import AgentMeter
+from dray.cli.runtime.telemetry.body_meter import BodyMeter
 from dray.cli.runtime.telemetry.bus_meter import BusMeter
 from dray.cli.runtime.telemetry.clock_meter import ClockMeter
 from dray.cli.simulation.factory_meter import FactoryMeter
@@ -98,6 +99,7 @@ async def test_whatever_is_asked_for_is_told(
         closing(bus_of(tmp_path)) as bus,
     ):
         agents.register(AgentMeter(factory.workers["M1"], journal))
+        agents.register(BodyMeter(()))
         agents.register(BusMeter(bus))
         agents.register(ClockMeter(SystemClock(loop)))
         in_a_process = generate_latest(agents).decode()

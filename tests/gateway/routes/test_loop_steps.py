@@ -3,19 +3,35 @@
 from __future__ import annotations
 
 import asyncio
+import gc
 import json
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Iterator
+from contextvars import copy_context
+from pathlib import Path
 
 import pytest
 from databases import Files
 from fake_injector import FakeInjector
 from gateway_kit import BEARER, PRODUCT, House, gateway
 from largest_inputs import LARGEST, hostile, large_draft, orders_file
-from loop_monitor import Asked, ask, loop_monitor
+from loop_monitor import Asked, ask, be, loop_monitor
+from msgspec.structs import replace
+from stream_sockets import opened
+from wall_clock import NOW_S
 
+from dray.gateway.access.principal import Scope
 from dray.gateway.access.rules import RULES
 from dray.gateway.http.middleware import BODY_BYTES
+from dray.gateway.live.frames import MANY
+from dray.gateway.live.projection.auctions.bids import MAX_BIDS
+from dray.gateway.live.projection.auctions.tasks import MAX_OPEN, MAX_OPEN_EACH
+from dray.gateway.orders.drafts import MAX_ITEMS
+from dray.gateway.orders.placement import MAX_OPEN_ORDERS
+from dray.messages import Event, Role, Transport, TransportCost
+from dray.messages.fact import BidReceived, TaskOpened
 from dray.settings import Settings
+from dray.store.orders.orders import Item, Order
+from dray.store.orders.progress import OrderStatus
 
 pytestmark = pytest.mark.anyio
 
@@ -31,6 +47,8 @@ HEADERS = {**BEARER, "Content-Type": "application/json", "Accept-Encoding": "gzi
 
 AGAIN = {"Idempotency-Key": "full"}
 """Under which the orders were placed."""
+
+NEVER_HZ = 1e-6
 
 NAMES = {"atv": "ATV1", "machine": "M1", "product": PRODUCT, "person": "nobody", "area": "north"}
 """What path templates stand for; anything else is made or unknown."""
@@ -149,6 +167,86 @@ async def test_no_step_of_a_file_of_orders_that_is_sent_again_is_long(full_house
 )
 async def test_no_step_of_any_other_route_is_long(full_house: House, method: str, template: str) -> None:
     await all_steps_are_short(full_house, method, template)
+
+
+@pytest.fixture
+async def fullest(files: Files, tmp_path: Path) -> AsyncIterator[House]:
+    """A gateway with as many open orders and tasks as it keeps, each as large as one may be, whose stream makes a frame when the test says so."""
+    async with gateway(files.new(tmp_path), stream_rate_hz=NEVER_HZ) as house:
+        projection = house.projection
+        items = tuple(Item(PRODUCT, 5) for _ in range(MAX_ITEMS))
+        for number in range(MAX_OPEN_ORDERS):
+            projection.orders.put(
+                Order(
+                    id=f"O-{number:032d}",
+                    status=OrderStatus.STORED,
+                    customer="x" * 200,
+                    token="t",
+                    items=items,
+                    created_at_s=NOW_S,
+                    reference=f"{number}",
+                    due_at_s=NOW_S + 1e6,
+                )
+            )
+        for coordinator in range(MAX_OPEN // MAX_OPEN_EACH):
+            for event in facts_of_tasks(f"M{coordinator}", MAX_OPEN_EACH, MAX_BIDS):
+                projection.fold(event)
+        assert len(projection.orders.ids()) == MAX_OPEN_ORDERS
+        assert len(projection.tasks.ids()) == MAX_OPEN
+        # A full collection looks at all that the process holds, in whosever step it falls: the stream answers for what it makes itself.
+        gc.collect()
+        gc.freeze()
+        yield house
+        gc.unfreeze()
+
+
+def facts_of_tasks(coordinator: str, count: int, bids: int) -> Iterator[Event]:
+    """A coordinator opens so many tasks, and gets so many bids for each."""
+    work = Transport("shaft", 40, ("S1",), coordinator, "")
+    cost = TransportCost(1.0, 2.0, 3.0, 4.0)
+    number = 0
+    for task in (f"{coordinator}-{each}" for each in range(count)):
+        opened = TaskOpened(task, 1, Role.PRIMARY, 1, work, 10.0, 1000.0, 200.0)
+        bid = BidReceived(task, 1, Role.PRIMARY, 1, "ATV1", cost, 10.0, 100.0)
+        for fact in (opened, *(replace(bid, bidder=f"ATV{each}") for each in range(bids))):
+            number += 1
+            yield Event(agent=coordinator, incarnation=1, number=number, at_s=100.0, fact=fact)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("scopes", [(), (Scope.FACTORY_READ,)], ids=["all of it", "without orders"])
+async def test_no_step_of_the_stream_is_long_however_much_there_is_to_tell(
+    fullest: House, scopes: tuple[Scope, ...]
+) -> None:
+    """A panel comes and is told all, and then all of it changes at once."""
+    headers = (await fullest.key(*scopes))[1] if scopes else BEARER
+    projection, loop = fullest.projection, asyncio.get_running_loop()
+    expected = MAX_OPEN + (0 if scopes else MAX_OPEN_ORDERS)
+    least_ms = [float("inf")] * 2
+    be("the gateway")
+    gateways = copy_context()
+    for attempt in range(TRIES):
+        projection.discard_changes()
+        async with opened(fullest, **headers) as socket:
+            for turn in range(len(least_ms)):
+                if turn:
+                    projection.orders.cut_off([f"{attempt}"])
+                    for task in projection.tasks.ids():
+                        projection.tasks.changes.mark(task)
+                told = set[str]()
+                with loop_monitor() as monitor:
+                    be("the test")
+                    while len(told) < expected:
+                        frame = await socket.read()
+                        told |= {each["id"] for name in MANY for each in frame[name]}
+                        loop.call_soon(fullest.hub.tick, context=gateways)
+                    be("the gateway")
+                least_ms[turn] = min(
+                    least_ms[turn],
+                    1e3 * max(took_s for whose, took_s in monitor.longest_s.items() if whose != "the test"),
+                )
+    print(f"\nWS /api/stream | {least_ms}")  # noqa: T201 - for who runs pytest with -s
+    assert max(least_ms) <= STEP_MS
 
 
 async def test_the_monitor_sees_a_long_step_and_whose_it_was(full_house: House) -> None:

@@ -11,6 +11,7 @@ import msgspec
 from dray.adapters.vda5050.control.master import MasterControl
 from dray.adapters.vda5050.events import (
     Cancel,
+    Effect,
     Event,
     Heard,
     Instructed,
@@ -22,10 +23,12 @@ from dray.adapters.vda5050.events import (
     Tell,
     Unlinked,
     Woke,
+    kind_of,
 )
 from dray.adapters.vda5050.profile import Profile
 from dray.body import Instruction, Report, VehicleInstruction, VehicleState, bounded
 from dray.ports import Clock
+from dray.supervision import Failures
 
 HEARD = ("state", "visualization", "connection", "factsheet")
 """Topics of a vehicle that its master listens to."""
@@ -54,6 +57,9 @@ class World(Protocol):
 class VehicleBody:
     """Implements `dray.ports.Body`.
 
+    What its master cannot deal with by our own fault is counted, said, and the vehicle's problem; the next message is served. An
+    instruction that fails ends its agent, as any bug of an agent's does.
+
     Args:
         control: its master.
         profile: which version is spoken.
@@ -66,6 +72,7 @@ class VehicleBody:
         said: messages to the vehicle so far, by topic; the number of the next one is in its header.
         control: its master.
         address: of the vehicle.
+        failures: events that its master could not deal with: topics of messages, and names of other events.
         record: is told every event with its effects; nobody by default.
     """
 
@@ -80,6 +87,7 @@ class VehicleBody:
     ) -> None:
         self.control = control
         self._version, self.address = profile.dialect.version, address
+        self.failures = Failures(f"{address.manufacturer}/{address.serial}")
         self.record: Callable[..., None] | None = None
         self._clock, self._world, self._to_wall_s = clock, world, to_wall_s
         self.said: dict[str, int] = {"order": 0, "instantActions": 0}
@@ -131,7 +139,7 @@ class VehicleBody:
         if self._is_ended:
             return
         now_s = self._clock.now_s()
-        effects = self.control.handle(event, now_s)
+        effects = self._effects(event, now_s)
         if self.record is not None:
             self.record(now_s, event, *effects)
         for effect in effects:
@@ -147,6 +155,15 @@ class VehicleBody:
         if self._waiting:
             self._clock.call_at(self._clock.now_s(), self._flush)
         self._arm()
+
+    def _effects(self, event: Event, now_s: float) -> list[Effect]:
+        try:
+            return self.control.handle(event, now_s)
+        except Exception:
+            if isinstance(event, Instructed):
+                raise
+            self.failures.note(kind_of(event))
+            return self.control.fail(event, now_s)
 
     def _header(self, topic: str) -> dict[str, Any]:
         number = self.said[topic]

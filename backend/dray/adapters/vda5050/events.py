@@ -74,6 +74,11 @@ class Unlinked(Part, frozen=True):
 Event = Instructed | Heard | Woke | Linked | Unlinked | Cancel
 
 
+def kind_of(event: Event) -> str:
+    """The topic of a message, the name of any other event."""
+    return event.topic if isinstance(event, Heard) else type(event).__name__
+
+
 class Say(Part, frozen=True):
     """Publish this under the vehicle's topics. The shell puts the header before it."""
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import asyncio
 import ssl
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Protocol
 from urllib.parse import urlsplit
@@ -17,7 +17,8 @@ from urllib.parse import urlsplit
 import aiomqtt
 import msgspec
 
-from dray.errors import SettingsError
+from dray.errors import SettingsError, UnavailableError
+from dray.supervision import Failures
 
 PORT, TLS_PORT = 1883, 8883
 """Where brokers listen by custom, without and with TLS."""
@@ -36,6 +37,10 @@ UNSAID_MAX = 200
 
 UNHEARD_MAX = 1000
 """Messages that wait to be heard: ten states a second for more than a minute. What comes beyond that is dropped by the client."""
+
+
+OTHER_TOPIC = "another topic"
+"""A kind of message that has failed."""
 
 
 class BrokerAddress(msgspec.Struct, frozen=True):
@@ -91,7 +96,7 @@ def read_address(text: str) -> tuple[str, int, bool]:
 
 
 class Listener(Protocol):
-    """Whoever is told what comes."""
+    """Whoever is told what comes. What it raises is our own bug and ends no link, but for `UnavailableError`: a disk that is full, say."""
 
     def on_link(self) -> None:
         """The broker is there, and the topics are subscribed to."""
@@ -115,6 +120,7 @@ class MqttLink:
 
     Attributes:
         dropped: messages that were to be said while the broker was away, or too many at once.
+        failures: what the listener could not deal with, by topic.
     """
 
     def __init__(
@@ -132,6 +138,7 @@ class MqttLink:
         self._unsaid: asyncio.Queue[tuple[str, bytes, bool]] | None = None
         """None while the broker is away."""
         self.dropped = 0
+        self.failures = Failures(prefix)
 
     def publish(self, topic: str, data: bytes, *, retain: bool = False) -> None:
         """Say it on one of the vehicle's topics (the last chunk); dropped and counted while the broker is away."""
@@ -144,7 +151,10 @@ class MqttLink:
             self.dropped += 1
 
     async def run(self, listener: Listener) -> None:
-        """Be linked until cancelled.
+        """Be linked until cancelled, whatever one message makes of the listener.
+
+        Raises:
+            UnavailableError: the listener has.
 
         Between two steps it looks by itself whether it was cancelled: what it waits for (`asyncio.wait_for` in the client, and
         the client's own end, whose error takes the place of the cancellation) can swallow that.
@@ -159,13 +169,13 @@ class MqttLink:
                         )
                     _end_if_cancelled()
                     attempt, self._unsaid = 0, asyncio.Queue(UNSAID_MAX)
-                    listener.on_link()
+                    self._tell("the link", listener.on_link)
                     await self._serve(client, self._unsaid, listener)
             except (aiomqtt.MqttError, OSError, ValueError) as error:
                 # A ValueError is the client's own word for an address or a message that cannot be.
                 self._unsaid = None
                 _end_if_cancelled()
-                listener.on_link_lost(f"{self._broker}: {_words(error)}")
+                self._tell("the link", listener.on_link_lost, f"{self._broker}: {_words(error)}")
             finally:
                 self._unsaid = None
             await asyncio.sleep(AGAIN_S[min(attempt, len(AGAIN_S) - 1)])
@@ -193,7 +203,12 @@ class MqttLink:
         try:
             async for message in client.messages:
                 topic = message.topic.value.rpartition("/")[2]
-                listener.on_message(topic, bytes(message.payload))
+                self._tell(
+                    topic if topic in self._topics else OTHER_TOPIC,
+                    listener.on_message,
+                    topic,
+                    bytes(message.payload),
+                )
                 if saying.done():
                     break
         finally:
@@ -202,6 +217,15 @@ class MqttLink:
         for result in results:
             if isinstance(result, Exception):
                 raise result
+
+    def _tell(self, kind: str, listener: Callable[..., None], *args: object) -> None:
+        """Tell the listener something; what one message makes of it ends nothing."""
+        try:
+            listener(*args)
+        except UnavailableError:
+            raise
+        except Exception:  # noqa: BLE001 - whatever it is, it is about this one message
+            self.failures.note(kind)
 
     async def _say(self, client: aiomqtt.Client, unsaid: asyncio.Queue[tuple[str, bytes, bool]]) -> None:
         while True:

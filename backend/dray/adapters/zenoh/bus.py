@@ -38,6 +38,7 @@ from dray.codec import decode_with_context, encode
 from dray.errors import NewerVersion, ProtocolViolation, SealError, SettingsError, WireError
 from dray.messages.keys import Keys
 from dray.messages.speakers import kind_in, objection
+from dray.supervision import Failures
 
 if TYPE_CHECKING:
     from dray.adapters.zenoh.links import Links
@@ -57,6 +58,7 @@ ROLL_CALL_S = 2.0
 UNREADABLE = "no message of ours"
 NEWER = "a newer wire version"
 UNSEALED = "not signed by its sender"
+FAILED = "a fault of ours"
 
 
 class Heard(NamedTuple):
@@ -94,9 +96,9 @@ class ZenohSession:
         self._token = bus.tokens.of(agent, life)
         keys, inner = bus.keys, bus.inner
         own = keys.addressed(agent)
-        self._own = inner.declare_subscriber(own, _on_zenohs_thread(partial(self._on_sample, own)))
+        self._own = inner.declare_subscriber(own, bus.on_zenohs_thread(partial(self._on_sample, own)))
         self._others = inner.liveliness().declare_subscriber(
-            bus.tokens.all_of(agent), _on_zenohs_thread(self._see_other), history=True
+            bus.tokens.all_of(agent), bus.on_zenohs_thread(self._see_other), history=True
         )
         self._alive = inner.liveliness().declare_token(bus.tokens.key(self._token))
 
@@ -115,7 +117,7 @@ class ZenohSession:
         if not self._left and key not in self._patterns:
             self._patterns[key] = zenoh.KeyExpr(key)
             self._owners = {}
-            heard = _on_zenohs_thread(partial(self._on_sample_of, key))
+            heard = self._bus.on_zenohs_thread(partial(self._on_sample_of, key))
             self._subscribers[key] = self._bus.inner.declare_subscriber(key, heard)
 
     def unsubscribe(self, key: str) -> None:
@@ -232,6 +234,7 @@ class ZenohBus:
         unaddressed: letters to agents that are not there, or whose certificate is not known yet.
         missed: messages that were lost on the way, by the numbers of those that came after them.
         refused: what came in and reached nobody, by reason; reasons are few and fixed.
+        failures: what came in and could not be dealt with, by our own fault.
         shut_out: agents that nobody in this process hears any more; replaced as a whole.
     """
 
@@ -243,6 +246,7 @@ class ZenohBus:
         self.unsaid = 0
         self.unaddressed = 0
         self.refused: Counter[str] = Counter()
+        self.failures = Failures("the bus")
         self.shut_out: frozenset[str] = frozenset()
         self._sessions: dict[str, ZenohSession] = {}
         self.missed = 0
@@ -254,7 +258,7 @@ class ZenohBus:
         self._present: zenoh.Subscriber[None] | None = None
         if self.seals is not None:
             # Whom a letter can be written to: everybody's token brings a certificate.
-            meet = _on_zenohs_thread(self._meet)
+            meet = self.on_zenohs_thread(self._meet)
             self._present = self.inner.liveliness().declare_subscriber(
                 self.tokens.everybody, meet, history=True
             )
@@ -365,6 +369,20 @@ class ZenohBus:
         with self.lock:
             self.refused[reason] += 1
 
+    def on_zenohs_thread(self, on_sample: Callable[[zenoh.Sample], None]) -> Callback[zenoh.Sample]:
+        """Call it where a sample comes in: with no thread and no queue between that nobody bounds.
+
+        One that it fails on is counted and said: Zenoh would go on, and tell nobody.
+        """
+
+        def served(sample: zenoh.Sample) -> None:
+            try:
+                on_sample(sample)
+            except Exception:  # noqa: BLE001 - whatever it is, it is about this one sample
+                self.failures.note("a sample")
+
+        return Callback(served, indirect=False)
+
     def leave(self) -> None:
         """Let all agents leave; nothing is declared on the links any more."""
         for session in tuple(self._sessions.values()):
@@ -394,8 +412,3 @@ class Beside:
     def join(self, agent: str, receive: Receive, life: int = NO_LIFE) -> ZenohSession:
         """See `ZenohBus.join`; the session is used on the loop on which this was made."""
         return self._bus.join(agent, receive, life, self._arrivals)
-
-
-def _on_zenohs_thread(on_sample: Callable[[zenoh.Sample], None]) -> Callback[zenoh.Sample]:
-    """Called where a message comes in: with no thread and no queue between that nobody bounds."""
-    return Callback(on_sample, indirect=False)

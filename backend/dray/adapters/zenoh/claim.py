@@ -12,7 +12,6 @@ import time
 from collections.abc import Callable
 
 import zenoh
-from zenoh.handlers import Callback
 
 from dray.adapters.zenoh.bus import ZenohBus
 from dray.adapters.zenoh.tokens import Tokens
@@ -35,7 +34,7 @@ class Claim:
         self._claims = Tokens(f"{bus.keys.plant}/claim", bus.seals, bus.refuse)
         # Never twice the same.
         self._own = self._claims.of(name, time.time_ns() // 1000)
-        see = Callback(self._see, indirect=False)
+        see = bus.on_zenohs_thread(self._see)
         liveliness = bus.inner.liveliness()
         self._others = liveliness.declare_subscriber(self._claims.all_of(name), see, history=True)
         self._token = liveliness.declare_token(self._claims.key(self._own))

@@ -14,7 +14,6 @@ from pathlib import Path
 
 import msgspec
 import zenoh
-from zenoh.handlers import Callback
 
 from dray.adapters.zenoh.bus import ZenohBus
 from dray.messages import ShutOut
@@ -38,7 +37,7 @@ class Exclusions:
         self._lock = threading.Lock()
         self._list = self._read_list()
         bus.shut_out = frozenset(self._list.agents)
-        self._ear = bus.inner.declare_subscriber(bus.keys.shut_out, Callback(self._on_sample, indirect=False))
+        self._ear = bus.inner.declare_subscriber(bus.keys.shut_out, bus.on_zenohs_thread(self._on_sample))
 
     def end(self) -> None:
         """Hear of no more decisions; what was decided holds as long as the bus is used."""

@@ -14,6 +14,7 @@ from dray.cli.runtime.gateway.serving import asked_by_signals
 from dray.cli.runtime.readiness import say_ready
 from dray.cli.runtime.surroundings import Surroundings
 from dray.cli.runtime.telemetry.agent_meter import AgentMeter
+from dray.cli.runtime.telemetry.body_meter import BodyMeter
 from dray.cli.runtime.telemetry.bus_meter import BusMeter
 from dray.cli.runtime.telemetry.clock_meter import ClockMeter
 from dray.cli.runtime.telemetry.traces import traced, watched
@@ -67,7 +68,12 @@ async def run_agent(surroundings: Surroundings, name: str, make: MakeAgent, embo
                     else body,
                     journal=journal,
                 )
-                meters = BusMeter(bus), AgentMeter(worker, journal), ClockMeter(clock)
+                meters = (
+                    BusMeter(bus),
+                    AgentMeter(worker, journal),
+                    BodyMeter(embodied.failures),
+                    ClockMeter(clock),
+                )
                 async with surroundings.told(*meters), _in_touch(embodied, worker):
                     with asked_by_signals(worker.leave, worker.stop, settings.leave_s):
                         say_ready(name)

@@ -29,6 +29,7 @@ from dray.gate import GateState
 from dray.plant.model import VehicleType
 from dray.ports import Body
 from dray.settings import Settings
+from dray.supervision import Failures
 
 LOOK_EVERY_S = 0.2
 """How often it is looked whether the vehicle has said where it is."""
@@ -46,10 +47,12 @@ class Embodied:
     Attributes:
         body: the agent's; None for one that only talks.
         lost: returns when it is there no more; never, for one whose absence is a problem and no end.
+        failures: of those who hear what it says.
     """
 
     body: Body | None
     lost: Callable[[], Awaitable[object]]
+    failures: tuple[Failures, ...] = ()
 
 
 Embody = Callable[[ZenohBus, SqliteJournal], AbstractAsyncContextManager[Embodied]]
@@ -97,7 +100,7 @@ def reading(embody: Embody, folder: Path) -> Embody:
         with closing(FetchedDocuments(folder)) as documents:
             async with embody(bus, journal) as inner:
                 assert inner.body is not None  # noqa: S101 - a machine has one
-                yield Embodied(DocumentReader(inner.body, documents), inner.lost)
+                yield Embodied(DocumentReader(inner.body, documents), inner.lost, inner.failures)
 
     return with_documents
 
@@ -146,7 +149,7 @@ def by_controller(surroundings: Surroundings, name: str, senses: type[StorageSta
                     break
                 except TimeoutError:
                     _log.warning("%s waits for its controller at %s", name, broker)
-            yield Embodied(body, body.lost)
+            yield Embodied(body, body.lost, (link.failures,))
         finally:
             running.cancel()
             await asyncio.gather(running, return_exceptions=True)
@@ -247,7 +250,7 @@ def by_vda5050(surroundings: Surroundings, name: str, kind: VehicleType, real: R
             body.record = Recorder(folder / f"{name}-{journal.incarnation}.jsonl", head).write
         async with linked(link, body) as lost:
             await until_known(body, name)
-            yield Embodied(body, lost)
+            yield Embodied(body, lost, (link.failures, body.failures))
 
     return embody
 
@@ -281,7 +284,7 @@ def counted_on_floor(surroundings: Surroundings, name: str, embody: Embody) -> E
                     each.result()
 
             try:
-                yield Embodied(body, lost)
+                yield Embodied(body, lost, inner.failures)
             finally:
                 for each in (telling, gone):
                     each.cancel()

@@ -37,9 +37,9 @@ class Snapshot(View, kw_only=True, tag_field="type", tag="snapshot"):
     stations: tuple[StationView, ...] = ()
     """Of storages."""
     tasks: tuple[TaskView, ...]
-    """The open ones and the last 50 that closed."""
+    """The open ones and the last 50 that closed; of many the first 50, and the others in the frames that follow."""
     orders: tuple[OrderView, ...]
-    """The open ones and the last 50 that closed."""
+    """The open ones and the last 50 that ended; of many the first 50, and the others in the frames that follow."""
     news: tuple[NewsView, ...] = ()
     """The last 50, oldest first."""
     alerts: tuple[AlertView, ...] = ()
@@ -78,6 +78,14 @@ COLLECTIONS = {
     "scenario": "scenarios",
 }
 """Kind of an entity, as in `Delta.gone` -> where a frame tells of them."""
+
+
+MANY = "orders", "tasks"
+"""Collections of which there may be thousands: they are told in portions."""
+
+PORTION = 50
+"""So many of each are in one frame at most: a snapshot is followed by others with the rest. An order of 50 lines and a task of 64 bids take some
+10 kB; what makes a frame of them takes some milliseconds."""
 
 
 class Delta(View, kw_only=True, tag_field="type", tag="delta"):

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import Any, Protocol
 
 from dray.gateway.live.frames import Snapshot
 from dray.gateway.live.projection.site import Site
-from dray.gateway.live.views import TaskView
+from dray.gateway.live.views import OrderView, TaskView
 
 
 class Kind(Protocol):
@@ -30,7 +30,23 @@ class Vehicles(Kind, Protocol):
         ...
 
 
-class Transports(Kind, Protocol):
+class Many(Kind, Protocol):
+    """Entities of a kind of which there may be thousands."""
+
+    def ids(self) -> Collection[str]:
+        """Of all of them."""
+        ...
+
+
+class Ordered(Many, Protocol):
+    """The orders."""
+
+    def view(self, order: str) -> OrderView | None:
+        """One of them, if it is there."""
+        ...
+
+
+class Transports(Many, Protocol):
     """The tasks."""
 
     def view(self, task: str) -> TaskView | None:
@@ -67,6 +83,8 @@ class PlantPicture(Protocol):
     @property
     def atvs(self) -> Vehicles: ...
     @property
+    def orders(self) -> Ordered: ...
+    @property
     def tasks(self) -> Transports: ...
     @property
     def commands(self) -> Given: ...
@@ -85,6 +103,6 @@ class PlantPicture(Protocol):
     @property
     def waits(self) -> Kind: ...
 
-    def snapshot(self, number: int, wall_s: float) -> Snapshot:
-        """All of it."""
+    def snapshot(self, number: int, wall_s: float, most: int | None = None) -> Snapshot:
+        """All of it; of `MANY` the first `most` each, where that is given."""
         ...

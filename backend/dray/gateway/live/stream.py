@@ -2,7 +2,8 @@
 
 Those who see the same at the same pace share a room: the whole plant is one, the plant without its orders, and each set of
 areas. A frame is made at most `rate_hz` times a second, in a calm room once a second, and encoded once per room, however many
-clients are in it. Each client has a bounded queue. When it is full the client is too slow: its queue is emptied, it gets a fresh
+clients are in it. Of what there may be thousands of, orders and tasks, a frame holds `PORTION` at most, so that none of them holds the
+loop up; the frames after a snapshot tell what it left out. Each client has a bounded queue. When it is full the client is too slow: its queue is emptied, it gets a fresh
 snapshot when it can take one, and is in the calm room for a minute. So memory is bounded, the newest state wins, and nobody
 waits for anybody else.
 """
@@ -13,14 +14,14 @@ import asyncio
 import math
 import time
 from collections import Counter, deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from enum import Enum
 
 import msgspec
 
 from dray.gateway.access.principal import Principal, Scope
-from dray.gateway.live.frames import Delta
+from dray.gateway.live.frames import PORTION, Delta
 from dray.gateway.live.plant_picture import PlantPicture
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.stream_scopes import AreaScope, FactoryScope, StreamScope, WholeScope
@@ -145,6 +146,8 @@ class Room:
         self._number = 0
         self._told_s = -math.inf
         self._snapshot: str | None = None
+        self._owed: dict[str, deque[str]] = {}
+        """What a snapshot left out and no frame has told yet, by collection: names in the scope."""
         self.owes_figures = False
         """A snapshot held figures that no delta has told: the next ones are told whatever they are."""
 
@@ -152,11 +155,17 @@ class Room:
         """Everything, as of the newest frame: the next delta fits behind it. It is nobody's yet."""
         self._made.snapshots += 1
         if self._snapshot is None:
-            snapshot = self._scope.snapshot(self._number, self._wall_s())
+            snapshot = self._scope.snapshot(self._number, self._wall_s(), PORTION)
             self._snapshot = _encoder.encode(snapshot).decode()
             self._updates.tell_whole()
+            self._owe(self._scope.rest(PORTION))
             self.owes_figures = True
         return self._snapshot
+
+    @property
+    def has_more(self) -> bool:
+        """Whether there is something to tell that no frame had room for yet."""
+        return self._updates.waiting or any(self._owed.values())
 
     def is_quiet(self, steady_s: float) -> bool:
         """Whether it is time for a frame, whatever there is to tell."""
@@ -173,14 +182,25 @@ class Room:
             The clients that were too slow for it.
         """
         self._updates.note(self._scope.delta(told))
-        if not self.is_quiet(steady_s) and (self._pace is Pace.CALM or not self._updates.waiting):
+        if not self.is_quiet(steady_s) and (self._pace is Pace.CALM or not self.has_more):
             return []
+        for collection, names in self._owed.items():
+            these = [names.popleft() for _ in range(min(PORTION, len(names)))]
+            if these:
+                self._updates.tell(collection, self._scope.views(collection, these))
         self._number += 1
         self._made.frames += 1
         self._told_s = steady_s
         self._snapshot = None
-        frame = _encoder.encode(self._updates.frame(self._number, told.at_s)).decode()
+        frame = _encoder.encode(self._updates.frame(self._number, told.at_s, PORTION)).decode()
         return [client for client in self.clients if not client.offer(frame)]
+
+    def _owe(self, rest: Mapping[str, Iterable[str]]) -> None:
+        """Tell the rest of a snapshot in later frames; what was owed before comes first, however often somebody needs a snapshot."""
+        for collection, names in rest.items():
+            left = dict.fromkeys(names)
+            before = dict.fromkeys(name for name in self._owed.get(collection, ()) if name in left)
+            self._owed[collection] = deque(before | left)
 
 
 class Hub:
@@ -273,11 +293,11 @@ class Hub:
         if not (
             self._projection.changed
             or factory is not None
-            or any(room.is_quiet(steady_s) for room in rooms)
+            or any(room.has_more or room.is_quiet(steady_s) for room in rooms)
             or (self._record is not None and not 0 <= now_s - self._recorded_s < QUIET_S)
         ):
             return
-        told = self._projection.delta(0, now_s, factory)
+        told = self._projection.delta(0, now_s, factory, PORTION)
         if self._record is not None:
             self._recorded_s = now_s
             self._record(told)

@@ -7,7 +7,7 @@ and what has left is told as gone, once, and only when it had been shown.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, Protocol
 
 from msgspec.structs import replace
@@ -24,8 +24,22 @@ Show = Callable[[Any], Any]
 class StreamScope(Protocol):
     """What a room of clients sees."""
 
-    def snapshot(self, number: int, wall_s: float) -> Snapshot:
-        """Everything, so that the delta after `number` fits behind it."""
+    def snapshot(self, number: int, wall_s: float, most: int | None = None) -> Snapshot:
+        """Everything, so that the delta after `number` fits behind it.
+
+        Args:
+            number: of the frame.
+            wall_s: the wall clock.
+            most: so many of each of `MANY`, the first ones; None for all.
+        """
+        ...
+
+    def rest(self, most: int) -> dict[str, Sequence[str]]:
+        """What such a snapshot left out: by collection, the names to ask `views` for."""
+        ...
+
+    def views(self, collection: str, names: Iterable[str]) -> tuple[Any, ...]:
+        """How these are seen now; those that have gone are left out."""
         ...
 
     def delta(self, told: Delta) -> Delta:
@@ -43,9 +57,21 @@ class WholeScope:
     def __init__(self, projection: PlantPicture) -> None:
         self._projection = projection
 
-    def snapshot(self, number: int, wall_s: float) -> Snapshot:
+    def snapshot(self, number: int, wall_s: float, most: int | None = None) -> Snapshot:
         """See `StreamScope.snapshot`."""
-        return self._projection.snapshot(number, wall_s)
+        return self._projection.snapshot(number, wall_s, most)
+
+    def rest(self, most: int) -> dict[str, Sequence[str]]:
+        """See `StreamScope.rest`."""
+        return {
+            "orders": tuple(self._projection.orders.ids())[most:],
+            "tasks": tuple(self._projection.tasks.ids())[most:],
+        }
+
+    def views(self, collection: str, names: Iterable[str]) -> tuple[Any, ...]:
+        """See `StreamScope.views`."""
+        view = self._projection.orders.view if collection == "orders" else self._projection.tasks.view
+        return tuple(seen for name in names if (seen := view(name)) is not None)
 
     def delta(self, told: Delta) -> Delta:
         """See `StreamScope.delta`."""
@@ -67,10 +93,19 @@ class FactoryScope:
     def __init__(self, projection: PlantPicture, visibility: FactoryVisibility) -> None:
         self._projection, self._visibility = projection, visibility
 
-    def snapshot(self, number: int, wall_s: float) -> Snapshot:
+    def snapshot(self, number: int, wall_s: float, most: int | None = None) -> Snapshot:
         """See `StreamScope.snapshot`."""
-        whole = self._projection.snapshot(number, wall_s)
+        whole = self._projection.snapshot(number, wall_s, most)
         return replace(whole, orders=(), **self._of(whole))
+
+    def rest(self, most: int) -> dict[str, Sequence[str]]:
+        """See `StreamScope.rest`."""
+        return {"tasks": tuple(self._projection.tasks.ids())[most:]}
+
+    def views(self, collection: str, names: Iterable[str]) -> tuple[Any, ...]:
+        """See `StreamScope.views`."""
+        tasks = (view for name in names if (view := self._projection.tasks.view(name)) is not None)
+        return tuple(seen for view in tasks if (seen := self._visibility.task(view)) is not None)
 
     def delta(self, told: Delta) -> Delta:
         """See `StreamScope.delta`."""
@@ -125,9 +160,10 @@ class AreaScope:
         for kind, (show, views) in self._others.items():
             self._show(kind, show, views())
 
-    def snapshot(self, number: int, wall_s: float) -> Snapshot:
+    def snapshot(self, number: int, wall_s: float, most: int | None = None) -> Snapshot:
         """See `StreamScope.snapshot`: what has been told so far, so that nothing else leaves as gone later."""
         shown = {kind: tuple(views.values()) for kind, views in self._shown.items()}
+        shown["task"] = shown["task"][:most]
         news = sorted(shown["news"], key=lambda each: each.at_s)
         alerts = sorted(shown["alert"], key=lambda each: (each.level != "alarm", each.since_at_s))
         return Snapshot(
@@ -147,6 +183,15 @@ class AreaScope:
             obstacles=shown["obstacle"],
             waits=shown["wait"],
         )
+
+    def rest(self, most: int) -> dict[str, Sequence[str]]:
+        """See `StreamScope.rest`."""
+        return {"tasks": tuple(self._shown["task"])[most:]}
+
+    def views(self, collection: str, names: Iterable[str]) -> tuple[Any, ...]:
+        """See `StreamScope.views`."""
+        shown = self._shown["task"]
+        return tuple(shown[name] for name in names if name in shown)
 
     def delta(self, told: Delta) -> Delta:
         """See `StreamScope.delta`."""

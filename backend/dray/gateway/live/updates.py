@@ -6,12 +6,16 @@ heartbeat changes five. What the clients know is kept by entity, as the view tha
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from itertools import islice
 from typing import Any
 
 import msgspec
 
-from dray.gateway.live.frames import COLLECTIONS, Delta, Snapshot
+from dray.gateway.live.frames import COLLECTIONS, MANY, Delta, Snapshot
 from dray.gateway.live.views import FactoryView
+
+_encoder = msgspec.json.Encoder()
 
 
 class Updates:
@@ -19,7 +23,7 @@ class Updates:
 
     def __init__(self) -> None:
         self._told: dict[str, dict[str, Any]] = {collection: {} for collection in COLLECTIONS.values()}
-        """Per collection and id, the view as it was told last."""
+        """Per collection and id, the view as it was told last, by field."""
         self._changed: dict[str, dict[str, Any]] = {collection: {} for collection in COLLECTIONS.values()}
         """The same of what is to be told."""
         self._gone: dict[str, None] = {}
@@ -50,41 +54,67 @@ class Updates:
                 for view in views:
                     self._gone.pop(f"{kind}:{view.id}", None)
 
+    def tell(self, collection: str, views: Iterable[Any]) -> None:
+        """Tell these in the next frame, whole: somebody does not know them."""
+        self._changed[collection] |= {view.id: view for view in views}
+        self._is_whole = True
+
     def begin(self, snapshot: Snapshot) -> None:
         """All clients know this snapshot, and nothing else."""
         for collection in COLLECTIONS.values():
             views = getattr(snapshot, collection)
-            self._told[collection] = {view.id: msgspec.to_builtins(view) for view in views}
+            self._told[collection] = {view.id: _fields(view) for view in views}
 
     def tell_whole(self) -> None:
         """Somebody was given a snapshot, which may be newer than what the others know."""
         self._is_whole = True
 
-    def frame(self, number: int, at_s: float) -> dict[str, Any]:
+    def frame(self, number: int, at_s: float, most: int | None = None) -> dict[str, Any]:
         """The next frame; from here on its content is known.
 
         Args:
             number: of the frame.
             at_s: the wall clock.
+            most: so many of each of `MANY`, those that changed first; the others wait for the frame after it. None for all.
         """
         frame: dict[str, Any] = {"type": "delta", "number": number, "at_s": at_s, "factory": self._factory}
+        are_left = False
         for collection, views in self._changed.items():
             told = self._told[collection]
+            these = tuple(islice(views, most if collection in MANY else None))
             # Views go on changing in place: what was told is kept as it was.
-            now = {entity: msgspec.to_builtins(view) for entity, view in views.items()}
+            now = {entity: _fields(views.pop(entity)) for entity in these}
+            are_left |= bool(views)
             frame[collection] = [
-                view if self._is_whole or (before := told.get(entity)) is None else _difference(before, view)
+                _raw(
+                    view
+                    if self._is_whole or (before := told.get(entity)) is None
+                    else _difference(before, view)
+                )
                 for entity, view in now.items()
             ]
             told |= now
-            views.clear()
         frame["gone"] = list(self._gone)
         for name in self._gone:
             kind, _, entity = name.partition(":")
             self._told[COLLECTIONS[kind]].pop(entity, None)
         self._gone.clear()
-        self._factory, self._is_whole = None, False
+        # Whoever knows more than was told here may know more of those that are left, too.
+        self._factory, self._is_whole = None, self._is_whole and are_left
         return frame
+
+
+def _fields(view: Any) -> dict[str, Any]:
+    """A view as it is told, by field: what has parts as JSON, else what is kept of thousands of bids keeps the collector of garbage busy."""
+    fields: dict[str, Any] = msgspec.to_builtins(view)
+    for field, value in fields.items():
+        if isinstance(value, list | tuple | dict):
+            fields[field] = _encoder.encode(value)
+    return fields
+
+
+def _raw(fields: dict[str, Any]) -> dict[str, Any]:
+    return {field: msgspec.Raw(value) if type(value) is bytes else value for field, value in fields.items()}
 
 
 def _difference(before: dict[str, Any], view: dict[str, Any]) -> dict[str, Any]:

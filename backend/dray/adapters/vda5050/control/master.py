@@ -35,6 +35,7 @@ from dray.adapters.vda5050.events import (
     Tell,
     Unlinked,
     Woke,
+    kind_of,
 )
 from dray.adapters.vda5050.profile import Profile
 from dray.body import (
@@ -64,6 +65,9 @@ HINDERED_S = 60.0
 
 NOTED_S = 60.0
 """What is waited for longer than this is in the log."""
+
+FAILED_S = 60.0
+"""What we could not deal with by our own fault is a problem for so long, or until the next of its kind was dealt with."""
 
 FOREIGN_MAX = 20
 """Types of actions of somebody else that are told."""
@@ -132,6 +136,8 @@ class MasterControl:
         """Actions of somebody else that were told."""
         self._problem: ProblemRaised | None = None
         """As it was told."""
+        self._failed: tuple[str, float] | None = None
+        """Which kind of event we could not deal with, and when last; None when none of late."""
 
     @property
     def is_known(self) -> bool:
@@ -257,7 +263,19 @@ class MasterControl:
         self._work.watch_charge()
         self._remember()
         self._note_waits(now_s)
+        if self._failed is not None and self._failed[0] == kind_of(event):
+            self._failed = None
         self.wake_at_s = now_s + (LOOK_S if self._work.is_busy else REST_S)
+        return self._effects()
+
+    def fail(self, event: Event, now_s: float) -> list[Effect]:
+        """What is to be done after `handle` has raised: what it had decided by then, and to tell a problem."""
+        self._failed = kind_of(event), now_s
+        self._tell(self._failure(now_s), now_s)
+        self.wake_at_s = now_s + REST_S
+        return self._effects()
+
+    def _effects(self) -> list[Effect]:
         effects = self._out[:]
         self._out.clear()
         return effects
@@ -372,7 +390,8 @@ class MasterControl:
     def _find_problem(self, now_s: float) -> ProblemRaised | None:
         """What keeps it from going on; the first of several."""
         view, load = self.view, self._load
-        if (found := absence(view, self._profile, self._unlinked, now_s)) or view.heard_s == NEVER_S:
+        found = self._failure(now_s) or absence(view, self._profile, self._unlinked, now_s)
+        if found is not None or view.heard_s == NEVER_S:
             return found
         if found := complaint(view.state, self._profile, critical=self._criticals.is_told(now_s)):
             return found
@@ -426,10 +445,19 @@ class MasterControl:
     def _tell_problem(self, now_s: float) -> None:
         self._look_at_progress(now_s)
         self._look_at_hindrance(now_s)
-        found = self._steady.look(self._find_problem(now_s), now_s)
-        if found != self._problem:
-            self._problem = found
-            self._out.append(Tell(found or ProblemCleared()))
+        self._tell(self._find_problem(now_s), now_s)
+
+    def _tell(self, found: ProblemRaised | None, now_s: float) -> None:
+        stands = self._steady.look(found, now_s)
+        if stands != self._problem:
+            self._problem = stands
+            self._out.append(Tell(stands or ProblemCleared()))
+
+    def _failure(self, now_s: float) -> ProblemRaised | None:
+        """Our own fault; None when there was none of late."""
+        if self._failed is None or now_s - self._failed[1] >= FAILED_S:
+            return None
+        return problem(f"our own fault, see the log: {self._failed[0]} cannot be dealt with")
 
     def _remember(self) -> None:
         """Write down what the next life must know, when that has changed."""

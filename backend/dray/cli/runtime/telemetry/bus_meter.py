@@ -8,7 +8,7 @@ from prometheus_client import Metric
 from prometheus_client.registry import Collector
 
 from dray.adapters.telemetry.metric_families import counter, counters, gauge
-from dray.adapters.zenoh.bus import ZenohBus
+from dray.adapters.zenoh.bus import FAILED, ZenohBus
 
 
 class BusMeter(Collector):
@@ -32,6 +32,7 @@ class BusMeter(Collector):
             "nobody there to read it": bus.unaddressed,
             "an older heartbeat": bus.arrivals.dropped_heartbeats,
             "a full queue": bus.arrivals.dropped_messages,
+            FAILED: bus.failures.total + bus.arrivals.failures.total,
         }
         yield counters("bus_messages_lost", "Messages that reached nobody.", "reason", lost)
         if bus.seals is not None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from itertools import islice
 
 
 class Changes:
@@ -30,8 +31,17 @@ class Changes:
         self._changed.pop(entity, None)
         self._gone[entity] = None
 
-    def take_changed(self) -> Iterable[str]:
-        """Those that have changed; forgets them."""
+    def take_changed(self, most: int | None = None) -> Iterable[str]:
+        """Those that have changed; forgets them.
+
+        Args:
+            most: take so many of them, those that changed first; None for all.
+        """
+        if most is not None and len(self._changed) > most:
+            taken = tuple(islice(self._changed, most))
+            for entity in taken:
+                del self._changed[entity]
+            return taken
         changed, self._changed = self._changed, {}
         return changed
 

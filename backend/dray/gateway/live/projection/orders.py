@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator
 from heapq import heappop, heappush
+from itertools import islice
 from typing import ClassVar, get_args
 
 from dray.gateway.live.projection.changes import Changes
@@ -225,13 +226,22 @@ class Orders:
             for order in self._strange.keys() | self._waits.keys() | self._late
         )
 
-    def views(self) -> tuple[OrderView, ...]:
-        """The open ones, and the last that ended."""
-        return tuple(self._view(order) for order in self._orders.values())
+    def views(self, most: int | None = None) -> tuple[OrderView, ...]:
+        """The open ones, and the last that ended; the first `most` of them, where that is given."""
+        return tuple(self._view(order) for order in islice(self._orders.values(), most))
 
-    def take_changed(self) -> tuple[OrderView, ...]:
-        """Those that have changed since the last call."""
-        return tuple(self._view(self._orders[order]) for order in self.changes.take_changed())
+    def ids(self) -> tuple[str, ...]:
+        """Of all that are kept here, as `views` has them."""
+        return tuple(self._orders)
+
+    def view(self, order: str) -> OrderView | None:
+        """One of them, if it is kept here."""
+        kept = self._orders.get(order)
+        return None if kept is None else self._view(kept)
+
+    def take_changed(self, most: int | None = None) -> tuple[OrderView, ...]:
+        """Those that have changed since the last call; the first `most` of them, where that is given."""
+        return tuple(self._view(self._orders[order]) for order in self.changes.take_changed(most))
 
     def _wait(self, event: Event, fact: GoalWaits) -> bool:
         """Nobody can make a goal: its order waits until somebody has taken it."""

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 
 from msgspec import UNSET
 
-from dray.gateway.live.frames import COLLECTIONS, Delta, Snapshot
+from dray.gateway.live.frames import COLLECTIONS, MANY, Delta, Snapshot
 from dray.gateway.live.projection.agents.atvs import Atvs
 from dray.gateway.live.projection.agents.disputes import Disputes
 from dray.gateway.live.projection.agents.machines import BROKEN, DOWN, RESTING, Machines
@@ -329,26 +329,40 @@ class Projection:
             **spent_s,
         )
 
-    def snapshot(self, number: int, wall_s: float) -> Snapshot:
-        """Everything there is; leaves what the next delta will tell as it is."""
+    def snapshot(self, number: int, wall_s: float, most: int | None = None) -> Snapshot:
+        """Everything there is; leaves what the next delta will tell as it is.
+
+        Args:
+            number: of the frame.
+            wall_s: the wall clock.
+            most: so many of each kind of which there may be thousands (`MANY`), the first ones; None for all.
+        """
         return Snapshot(
             number=number,
             at_s=wall_s,
             plant=self.plant,
             factory=self.factory(wall_s),
             fault_injection=self.faults.possible,
-            **{collection: kind.views() for collection, kind in self._kinds.items()},
+            **{
+                collection: kind.views(most) if collection in MANY else kind.views()
+                for collection, kind in self._kinds.items()
+            },
         )
 
-    def delta(self, number: int, wall_s: float, factory: FactoryView | None) -> Delta:
-        """What has changed since the last delta."""
+    def delta(
+        self, number: int, wall_s: float, factory: FactoryView | None, most: int | None = None
+    ) -> Delta:
+        """What has changed since the last delta; of `MANY` the first `most`, where that is given, and the others next time."""
         if self.waits.is_stale:
             self.waits.look(self._is_heard(self._moment(wall_s)), self.site.plant)
         return Delta(
             number=number,
             at_s=wall_s,
             factory=factory,
-            **{collection: kind.take_changed() for collection, kind in self._kinds.items()},
+            **{
+                collection: kind.take_changed(most) if collection in MANY else kind.take_changed()
+                for collection, kind in self._kinds.items()
+            },
             gone=tuple(name for changes in self._all for name in changes.take_gone()),
         )
 

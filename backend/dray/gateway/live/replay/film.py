@@ -12,7 +12,7 @@ from typing import Any
 
 import msgspec
 
-from dray.gateway.live.frames import COLLECTIONS, Delta, Snapshot
+from dray.gateway.live.frames import COLLECTIONS, MANY, Delta, Snapshot
 from dray.gateway.live.projection.site import Site
 from dray.gateway.live.views import (
     AlertView,
@@ -117,6 +117,7 @@ class Picture:
         self._fault_injection = bool(first.get("fault_injection", False))
         self._factory: Any = first["factory"]
         self.atvs, self.tasks, self.commands = _Shelf(AtvView), _Shelf(TaskView), _Commands()
+        self.orders = _Shelf(OrderView)
         self.machines, self.stations = _Shelf(MachineView), _Shelf(StationView)
         self.news, self.alerts = _Shelf(NewsView), _Shelf(AlertView)
         self.closures, self.obstacles, self.waits = (
@@ -164,9 +165,12 @@ class Picture:
         factory = msgspec.convert(line["factory"], FactoryView) if line.get("factory") else None
         return Delta(number=0, at_s=line["at_s"], factory=factory, gone=tuple(line.get("gone", ())), **views)
 
-    def snapshot(self, number: int, wall_s: float) -> Snapshot:
+    def snapshot(self, number: int, wall_s: float, most: int | None = None) -> Snapshot:
         """See `PlantPicture.snapshot`."""
-        told: dict[str, Any] = {name: shelf.views() for name, shelf in self._shelves.items()}
+        told: dict[str, Any] = {
+            name: shelf.views()[:most] if name in MANY else shelf.views()
+            for name, shelf in self._shelves.items()
+        }
         return Snapshot(
             number=number,
             at_s=wall_s,

@@ -162,15 +162,17 @@ class Tasks:
         """Those that have not ended; their `why` may be older than they are."""
         return self._open.values()
 
-    def views(self) -> tuple[TaskView, ...]:
-        """The open ones, and the last that ended."""
-        for name in tuple(self._unexplained):
-            self.view(name)
-        return (*self._open.values(), *self._closed.values())
+    def views(self, most: int | None = None) -> tuple[TaskView, ...]:
+        """The open ones, and the last that ended; the first `most` of them, where that is given."""
+        return tuple(view for name in self.ids()[:most] if (view := self.view(name)) is not None)
 
-    def take_changed(self) -> tuple[TaskView, ...]:
-        """Those that have changed since the last call."""
-        return tuple(task for name in self.changes.take_changed() if (task := self.view(name)))
+    def ids(self) -> tuple[str, ...]:
+        """Of the open ones, and of the last that ended."""
+        return (*self._open, *self._closed)
+
+    def take_changed(self, most: int | None = None) -> tuple[TaskView, ...]:
+        """Those that have changed since the last call; the first `most` of them, where that is given."""
+        return tuple(task for name in self.changes.take_changed(most) if (task := self.view(name)))
 
     def _leave(self, task: TaskView) -> None:
         """A task is open no more."""

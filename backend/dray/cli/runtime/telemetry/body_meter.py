@@ -1,0 +1,29 @@
+"""What could not be dealt with of what a body has said."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+
+from prometheus_client import Metric
+from prometheus_client.registry import Collector
+
+from dray.adapters.telemetry.metric_families import counters
+from dray.supervision import Failures
+
+
+class BodyMeter(Collector):
+    """Our own faults with the messages of one body.
+
+    Args:
+        failures: of those who hear them.
+    """
+
+    def __init__(self, failures: Sequence[Failures]) -> None:
+        self._failures = failures
+
+    def collect(self) -> Iterator[Metric]:
+        """Everything as of now."""
+        counts = sum((each.counts for each in self._failures), Counter[str]())
+        what = "Messages of a body that could not be dealt with, by our own fault."
+        yield counters("body_messages_failed", what, "kind", counts)
