@@ -377,12 +377,12 @@ async def test_a_manager_is_told_of_each_step() -> None:
     stage.projection.scenarios.put(BEFORE)
     client = stage.join(ADMIN)
     (seen,) = (await next_of(client))["scenarios"]
-    assert seen["steps"] == [{"step": "stopped", "after_s": None, "agents": []}]
+    assert seen["steps"] == [{"step": "stopped", "after_s": None, "expected_s": None, "agents": []}]
     stage.projection.scenarios.put(AFTER)
     stage.wall.now_s += 0.2
     stage.hub.tick()
     (seen,) = (await next_of(client))["scenarios"]
-    assert seen["steps"] == [{"step": "stopped", "after_s": 61.5, "agents": ["ATV3"]}]
+    assert seen["steps"] == [{"step": "stopped", "after_s": 61.5, "expected_s": None, "agents": ["ATV3"]}]
     assert seen["state"] == "held"
 
 
