@@ -52,7 +52,6 @@ from dray.messages.floor.traffic import (
     FloorTold,
     HoldsAsked,
     PlaceBooked,
-    PlaceConfirmed,
     PlaceGranted,
     PlaceWished,
     YieldAsked,
@@ -206,7 +205,6 @@ AnyMessage = (
     | StockFreed
     | PlaceWished
     | PlaceGranted
-    | PlaceConfirmed
     | FloorTold
     | YieldAsked
     | YieldRefused
@@ -318,7 +316,6 @@ __all__ = [
     "PartDefinition",
     "Phase",
     "PlaceBooked",
-    "PlaceConfirmed",
     "PlaceGranted",
     "PlaceWished",
     "Pose",

@@ -55,7 +55,6 @@ _SENSED = frozenset(
     {
         messages.VehicleCommand,
         messages.PlaceGranted,
-        messages.PlaceConfirmed,
         messages.YieldAsked,
         messages.YieldRefused,
         messages.HoldsAsked,

@@ -66,9 +66,6 @@ IMPOSTORS_FRAC = 0.1
 USURPERS_FRAC = 0.1
 """Likewise: so many take the name of a keeper of books."""
 
-LEADERS_FRAC = 0.1
-"""Likewise: so many that of one that leads them."""
-
 LONGEST_CARRIED_S = 400.0
 """Who is carried away so long before the quiet phase is back on the floor by then, or nearly."""
 
@@ -213,9 +210,7 @@ def draw(seed: int, profile: str = "all", *, traffic: bool = False) -> Run:
         insider=_insider(ranges, Random(f"{seed} insider"), Random(f"{seed} impostor"), traffic=traffic),
         traffic=traffic,
     )
-    usurped = bool(run.insider) and (
-        BEHAVIOURS[run.insider].takes_keeper or BEHAVIOURS[run.insider].leads_falsely
-    )
+    usurped = bool(run.insider) and BEHAVIOURS[run.insider].takes_keeper
     return replace(run, schedule=_of_vehicles(run.schedule, plant)) if usurped else run
 
 
@@ -256,8 +251,6 @@ def _insider(ranges: Profile, random: Random, takes_name: Random, *, traffic: bo
         return next(name for name, behaviour in BEHAVIOURS.items() if behaviour.takes_name)
     if traffic and drawn < IMPOSTORS_FRAC + USURPERS_FRAC:
         return next(name for name, behaviour in BEHAVIOURS.items() if behaviour.takes_keeper)
-    if traffic and drawn < IMPOSTORS_FRAC + USURPERS_FRAC + LEADERS_FRAC:
-        return next(name for name, behaviour in BEHAVIOURS.items() if behaviour.leads_falsely)
     still = [name for name, it in BEHAVIOURS.items() if not it.drives and not it.is_thief]
     return random.choice(still)
 

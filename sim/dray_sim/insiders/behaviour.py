@@ -53,7 +53,6 @@ class Behaviour:
         takes_name: it has stolen the certificate of a vehicle of the plant, whose owner lives, and says in its name that it gives back all
             that it holds.
         takes_keeper: it has stolen the certificate of a keeper of books, whose owner lives, and says that those which others keep are its own now.
-        leads_falsely: it has stolen the certificate of a keeper that leads books, and grants places that those have given to others.
         names_others: it names tasks that others carry as its own.
         flood_hz: so many messages it sends a second, to all coordinators in turn.
         betrays_every: of so many tasks that it has taken it betrays one: it says that all is well, and stands.
@@ -77,7 +76,6 @@ class Behaviour:
     claims_floor: bool = False
     takes_name: bool = False
     takes_keeper: bool = False
-    leads_falsely: bool = False
     names_others: bool = False
     flood_hz: float = 0.0
     betrays_every: int = 0
@@ -90,7 +88,7 @@ class Behaviour:
     @property
     def is_thief(self) -> bool:
         """Whether it speaks in the name of an agent of the plant, for whom it must change nothing."""
-        return self.takes_name or self.takes_keeper or self.leads_falsely
+        return self.takes_name or self.takes_keeper
 
 
 _ALL = (
@@ -143,11 +141,6 @@ _ALL = (
         "usurps-books",
         "says to keepers and vehicles, with a keeper's stolen certificate, that it keeps the books of others, and grants every place",
         takes_keeper=True,
-    ),
-    Behaviour(
-        "leads-falsely",
-        "grants every place, with the stolen certificate of the keepers that lead the books, under their present epochs",
-        leads_falsely=True,
     ),
     Behaviour("names-others-tasks", "names as its own what others carry", names_others=True),
     Behaviour("floods", "sends 20 messages a second to the coordinators", price=Price.LEAST, flood_hz=20.0),

@@ -23,7 +23,6 @@ from dray.messages.fact.coordinator import (
     AwardAnswered,
     AwardGiven,
     BidReceived,
-    BookRefused,
     CarrierChanged,
     ContractorRated,
     HandoverDisputed,
@@ -87,7 +86,6 @@ AnyFact = (
     | ContractorRated
     | WordDisbelieved
     | NameMisused
-    | BookRefused
     | HandoverDisputed
     | TransportProgressed
     | NotBelieved
@@ -135,7 +133,6 @@ __all__ = [
     "BidReceived",
     "BidRefused",
     "BidSent",
-    "BookRefused",
     "CarrierChanged",
     "ClosuresKnown",
     "CommandObeyed",
