@@ -274,3 +274,21 @@ async def test_of_one_order_so_many_are_kept_with_the_first_of_all(house: House)
     assert len(rows) == ESTIMATES_MOST
     assert [row.at_s for row in rows[:2]] == [0.0, 6.0]
     assert rows[-1].at_s == ESTIMATES_MOST + 4
+
+
+async def test_while_the_clock_stands_or_is_set_back_nothing_is_kept(house: House) -> None:
+    story = await Story.begin(house)
+    story.now(100.0)
+    await story.planned(finish_s=600.0)
+    await look(house)
+    order = story.order["id"]
+    (first,) = await told(house, order)
+    for at_s in (100.0, 50.0):
+        story.now(at_s)
+        story.beat(MACHINE, at_s, MachineStatus.ERROR)
+        await look(house)
+    assert await told(house, order) == [first]
+    story.now(101.0)
+    story.beat(MACHINE, 101.0, MachineStatus.ERROR)
+    await look(house)
+    assert len(await told(house, order)) == 2

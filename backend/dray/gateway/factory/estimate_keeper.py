@@ -106,7 +106,8 @@ class EstimateKeeper:
             before = await work.estimates.newest(name)
             now, ahead = track(facts).eta, self._ahead(facts)
             seen = self._seen.setdefault(name, _Seen(order.change, ahead))
-            if not moved(before, now):
+            # The clock stands, or was set back: the next look is later than what is kept.
+            if not moved(before, now) or (before is not None and now_s <= before.at_s):
                 return
             since = await self._since(work, facts, before, now, seen)
         async with self._store.write() as work:
