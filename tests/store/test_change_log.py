@@ -16,11 +16,11 @@ from dray.store.orders.change_log import ORDER, TRANSPORT, Seen
 from dray.store.orders.order_changes import Change
 from dray.store.orders.orders import Order
 from dray.store.orders.progress import OrderStatus, Progress
-from dray.store.orders.transports import TransportRow
+from dray.store.orders.transports import TransportFilter, TransportRow
 
 pytestmark = pytest.mark.anyio
 
-ALL = Seen(orders=True, transports=True)
+ALL = Seen(orders=True, transports=TransportFilter())
 
 HUGE = 2**62
 
@@ -122,13 +122,13 @@ async def test_transports_are_told_to_whom_they_are_shown(store: Store) -> None:
     first, second = [("T-1", "waiting")], [("T-2", "waiting"), ("T-2", "on_board")]
     for seen, shown in (
         (ALL, order_rows + first + second),
-        (Seen(orders=True, transports=False), order_rows),
-        (Seen(orders=False, transports=True), first + second),
-        (Seen(orders=False, transports=True, caller="key two"), second),
-        (Seen(orders=False, transports=True, places=("S2",)), second),
-        (Seen(orders=False, transports=True, places=("M1",)), first + second),
-        (Seen(orders=False, transports=True, places=()), []),
-        (Seen(orders=False, transports=False), []),
+        (Seen(orders=True, transports=None), order_rows),
+        (Seen(orders=False, transports=TransportFilter()), first + second),
+        (Seen(orders=False, transports=TransportFilter(caller="key two")), second),
+        (Seen(orders=False, transports=TransportFilter(places=("S2",))), second),
+        (Seen(orders=False, transports=TransportFilter(places=("M1",))), first + second),
+        (Seen(orders=False, transports=TransportFilter(places=())), []),
+        (Seen(orders=False, transports=None), []),
     ):
         assert await told(store, seen=seen) == shown, seen
     async with store.read() as work:

@@ -101,7 +101,7 @@ async def test_a_wait_ends_without_a_change(house: House, monkeypatch: pytest.Mo
 async def test_one_caller_waits_in_a_share_of_all_requests(house: House) -> None:
     feed = provided(house.app, ChangeFeed)
     begin = await feed.newest()
-    nothing = Seen(orders=False, transports=False)
+    nothing = Seen(orders=False, transports=None)
     feed.waiting["key one"] = share_of(WAITING_MOST)
     with pytest.raises(Problem, match="wait for changes"):
         await feed.after(begin, nothing, 1, caller="key one", wait_s=30.0)

@@ -37,9 +37,9 @@ class Snapshot(View, kw_only=True, tag_field="type", tag="snapshot"):
     stations: tuple[StationView, ...] = ()
     """Of storages."""
     tasks: tuple[TaskView, ...]
-    """The open ones and the last 50 that closed; of many the first 50, and the others in the frames that follow."""
+    """The open ones and the last 50 that closed; of many the first 20, and the others in the frames that follow."""
     orders: tuple[OrderView, ...]
-    """The open ones and the last 50 that ended; of many the first 50, and the others in the frames that follow."""
+    """The open ones and the last 50 that ended; of many the first 20, and the others in the frames that follow."""
     news: tuple[NewsView, ...] = ()
     """The last 50, oldest first."""
     alerts: tuple[AlertView, ...] = ()
@@ -83,7 +83,7 @@ COLLECTIONS = {
 MANY = "orders", "tasks"
 """Collections of which there may be thousands: they are told in portions."""
 
-PORTION = 50
+PORTION = 20
 """So many of each are in one frame at most: a snapshot is followed by others with the rest. An order of 50 lines and a task of 64 bids take some
 10 kB; what makes a frame of them takes some milliseconds."""
 

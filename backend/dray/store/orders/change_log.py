@@ -6,13 +6,24 @@ database has one writer at a time: whoever has read up to a position has missed 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import msgspec
-from sqlalchemy import Column, ColumnElement, Double, Index, String, Table, delete, false, func, or_, select
+from sqlalchemy import (
+    Column,
+    ColumnElement,
+    Double,
+    Index,
+    String,
+    Table,
+    and_,
+    delete,
+    false,
+    func,
+    or_,
+    select,
+)
 from sqlalchemy.ext.asyncio import AsyncConnection
 
-from dray.store.orders.transports import transports
+from dray.store.orders.transports import TransportFilter, transports
 from dray.store.tables import Id, Position, metadata, orders
 
 change_log = Table(
@@ -53,24 +64,17 @@ class Seen(msgspec.Struct, frozen=True, kw_only=True):
     """Which changes somebody is shown."""
 
     orders: bool
-    transports: bool
-    places: Sequence[str] | None = None
-    """Transports from or to one of these only; None for all."""
-    caller: str = ""
-    """Transports of this caller only; empty for everybody's."""
+    """All of them, or none."""
+    transports: TransportFilter | None
+    """None for none."""
 
-    def conditions(self) -> list[ColumnElement[bool]]:
-        """As SQL; `transports` is joined."""
-        c = transports.c
-        shown: list[ColumnElement[bool]] = [change_log.c.kind == ORDER] if self.orders else []
-        if self.transports:
-            carried = change_log.c.kind == TRANSPORT
-            if self.places is not None:
-                carried &= c.source.in_(self.places) | c.destination.in_(self.places)
-            if self.caller:
-                carried &= c.caller == self.caller
-            shown.append(carried)
-        return [or_(false(), *shown)]
+    def condition(self) -> ColumnElement[bool]:
+        """As SQL; the table of transports is joined."""
+        kind = change_log.c.kind
+        shown = [kind == ORDER] if self.orders else []
+        if self.transports is not None:
+            shown.append(and_(kind == TRANSPORT, *self.transports.conditions()))
+        return or_(false(), *shown)
 
 
 class ChangeLog:
@@ -108,7 +112,7 @@ class ChangeLog:
                     transports, (c.kind == TRANSPORT) & (transports.c.id == c.subject)
                 )
             )
-            .where(c.position > after, c.position <= until, *seen.conditions())
+            .where(c.position > after, c.position <= until, seen.condition())
             .order_by(c.position)
             .limit(limit)
         )

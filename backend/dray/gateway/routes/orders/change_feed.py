@@ -16,6 +16,7 @@ from dray.gateway.http.responses import PAGE, Json, Limit, described, iso, probl
 from dray.gateway.orders.change_feed import WAIT_S, ChangeFeed
 from dray.gateway.orders.transports import PlainTransports
 from dray.store.orders.change_log import ORDER, TRANSPORT, Change, Seen
+from dray.store.orders.transports import TransportFilter
 
 router = APIRouter(tags=["orders"])
 
@@ -97,11 +98,13 @@ async def list_changes(
     if since is None:
         return Json(ChangesAnswer(items=(), since=await feed.newest(), more=False))
     own = transports.places_of(caller)
-    seen = Seen(
-        orders=kind != TRANSPORT,
-        transports=kind != ORDER and caller.may(Scope.TRANSPORTS_CALL),
+    shown = TransportFilter(
         places=None if own is None else sorted(own),
         caller="" if caller.may(Scope.FACTORY_READ) else caller.key,
+    )
+    seen = Seen(
+        orders=kind != TRANSPORT,
+        transports=shown if kind != ORDER and caller.may(Scope.TRANSPORTS_CALL) else None,
     )
     found = await feed.after(since, seen, limit, caller=caller.key, wait_s=wait)
     if found.is_forgotten:
