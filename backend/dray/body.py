@@ -225,6 +225,12 @@ class OpenDock(Part, frozen=True):
     quantity: int
 
 
+class DockReady(Part, frozen=True):
+    """Whoever opens the dock has done so for this vehicle: it may load or unload now. Said by a body that `answers`."""
+
+    vehicle: str
+
+
 class CloseDock(Part, frozen=True):
     """Shut the dock again for this vehicle; harmless when it was never open."""
 
@@ -299,7 +305,7 @@ class Repaired(Part, frozen=True):
     """The machine works again; a paused cycle goes on."""
 
 
-WorkcellReport = CycleDone | CycleFailed | StockChanged | Broken | Repaired | DocumentRead
+WorkcellReport = CycleDone | CycleFailed | StockChanged | DockReady | Broken | Repaired | DocumentRead
 
 
 class WorkcellState(Part, frozen=True):
@@ -327,6 +333,8 @@ class WorkcellState(Part, frozen=True):
     """It stands, and waits for `ResetFault` only."""
     paces: bool = False
     """Whether it can work at a part of its speed."""
+    answers: bool = False
+    """Whether its dock takes time to open: `OpenDock` is answered with `DockReady`, once for each time that it is said."""
 
 
 # --- a storage: instructions and state; it has a dock as a workcell has, and reports `StockChanged` -------

@@ -16,6 +16,7 @@
     dray key ...        keys by which other systems use the API
     dray link ...       customers' links to their orders
     dray plant ...      plant files
+    dray machine ...    real machines: commissioning
     dray vehicle ...    real vehicles: commissioning, dialogues
     dray certs ...      certificates for agents on many computers
     dray wire ...       what agents say, as schemas
@@ -36,7 +37,7 @@ from typing import Annotated
 import typer
 
 from dray import __version__
-from dray.cli.commands import agent, gateway, plant, vehicle, wire
+from dray.cli.commands import agent, gateway, machine, plant, vehicle, wire
 from dray.cli.commands.administration import carried_away, certs, db, key, link, shut_out, user
 from dray.cli.commands.compose import compose
 from dray.cli.commands.fleet import app as fleet_app
@@ -69,6 +70,7 @@ app.add_typer(key.app, name="key")
 app.add_typer(link.app, name="link")
 app.add_typer(plant.app, name="plant")
 app.add_typer(certs.app, name="certs")
+app.add_typer(machine.app, name="machine")
 app.add_typer(vehicle.app, name="vehicle")
 app.add_typer(wire.app, name="wire")
 app.add_typer(db.app, name="db")

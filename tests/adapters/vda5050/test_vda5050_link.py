@@ -15,9 +15,9 @@ from cryptography import x509
 from cryptography.hazmat.primitives import hashes, serialization
 from cryptography.hazmat.primitives.asymmetric import ec
 
-from dray.adapters.vda5050.events import Memory
+from dray.adapters.memory_file import MemoryFile
+from dray.adapters.vda5050.events import DAMAGED, Memory
 from dray.adapters.vda5050.link import BrokerAddress, MqttLink, read_address
-from dray.adapters.vda5050.memory_file import MemoryFile
 from dray.errors import SettingsError
 
 PATIENCE_S = 60.0
@@ -209,14 +209,19 @@ def test_no_addresses(text: str) -> None:
 def test_what_is_remembered_outlives_its_process_and_a_damaged_file_is_said(tmp_path: Path) -> None:
     path = tmp_path / "deep" / "ATV1.vda5050.json"
     memory = Memory(load="shaft", quantity=3)
-    assert MemoryFile(path).read() == Memory()
-    MemoryFile(path).write(memory)
-    assert MemoryFile(path).read() == memory
+
+    def file() -> MemoryFile[Memory]:
+        return MemoryFile(path, Memory, DAMAGED)
+
+    assert file().read() is None
+    file().write(memory)
+    assert file().read() == memory
     path.write_bytes(b"{")
-    file = MemoryFile(path)
-    assert "damaged" in file.read().doubt
-    assert str(path) in file.lost
-    assert MemoryFile(path).read() == Memory()
+    damaged = file()
+    assert damaged.read() == DAMAGED
+    assert "damaged" in DAMAGED.doubt
+    assert str(path) in damaged.lost
+    assert file().read() is None
 
 
 def certify(folder: Path) -> None:

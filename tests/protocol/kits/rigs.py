@@ -234,6 +234,7 @@ class MachineRig(Rig):
         self.stock = dict.fromkeys(plant.materials_of(machine), 0) | dict(stock or {})
         self.broken = ""
         self.paces = True
+        self.answers = False
         self.seq = 0
         self._cycles = 0
 
@@ -249,7 +250,12 @@ class MachineRig(Rig):
 
     def sense(self) -> WorkcellState:
         return WorkcellState(
-            stock=dict(self.stock), seq=self.seq, cycling=self.cycling, broken=self.broken, paces=self.paces
+            stock=dict(self.stock),
+            seq=self.seq,
+            cycling=self.cycling,
+            broken=self.broken,
+            paces=self.paces,
+            answers=self.answers,
         )
 
     def handle(self, event: Event) -> list[Effect]:

@@ -5,8 +5,10 @@ from __future__ import annotations
 import pytest
 from effects import facts, instructed, published, sent
 from m7 import FULL, NO_HOUSINGS, docked, handover, m7, outgoing, supplied_by
+from rigs import MachineRig
+from spoken import production
 
-from dray.body import OpenDock
+from dray.body import CloseDock, DockReady, OpenDock
 from dray.messages import (
     Docked,
     DockHeld,
@@ -15,11 +17,15 @@ from dray.messages import (
     HandoverAccepted,
     MachineHeartbeat,
     Message,
+    Reason,
+    Resigned,
+    Role,
     Superseded,
     TaskAnnounced,
     Withdrawn,
 )
 from dray.messages.fact import TaskClosed
+from dray.protocol.contract_net.dock import NOT_READY
 
 # --- the dock ---------------------------------------------------------------------------------------
 
@@ -87,6 +93,45 @@ def test_a_dock_that_is_asked_for_twice_is_opened_twice_for_the_same_load() -> N
     rig = supplied_by("ATV2")
     first, second = rig.on_message("ATV2", docked()), rig.on_message("ATV2", docked())
     assert first == second
+
+
+def with_a_dock_that_answers() -> MachineRig:
+    """M7 without housings, whose dock takes time to open; ATV2 is contracted to bring some (M7-1)."""
+    rig = MachineRig("M7", NO_HOUSINGS)
+    rig.answers = True
+    rig.start()
+    rig.take_goal("G1", production(quantity=24))
+    rig.hire("M7-1", "ATV2")
+    return rig
+
+
+def test_where_the_dock_takes_time_to_open_a_vehicle_waits_until_it_is_ready() -> None:
+    rig = with_a_dock_that_answers()
+    effects = rig.on_message("ATV2", docked())
+    assert [held.reason for held in sent(effects, DockHeld, to="ATV2")] == [NOT_READY]
+    assert instructed(effects, OpenDock)
+    assert sent(effects, DockOpened) == []
+    assert sent(rig.report(DockReady(vehicle="ATV7")), DockOpened) == []
+    assert sent(rig.report(DockReady(vehicle="ATV2")), DockOpened, to="ATV2")
+    assert sent(rig.report(DockReady(vehicle="ATV2")), DockOpened) == []
+
+
+def test_a_vehicle_is_not_sent_away_for_a_dock_that_takes_long_to_open() -> None:
+    rig = with_a_dock_that_answers()
+    for _ in range(40):
+        rig.on_message("ATV2", docked())
+        rig.now_s += 5.0
+    assert sent(rig.all, Withdrawn) == []
+    rig.report(DockReady(vehicle="ATV2"))
+    assert sent(rig.on_message("ATV2", handover()), HandoverAccepted, to="ATV2")
+
+
+def test_a_vehicle_that_is_not_wanted_any_more_is_not_let_in_by_a_dock_that_opens_late() -> None:
+    rig = with_a_dock_that_answers()
+    rig.on_message("ATV2", docked())
+    effects = rig.on_message("ATV2", Resigned(task="M7-1", epoch=1, role=Role.PRIMARY, reason=Reason.PROBLEM))
+    assert instructed(effects, CloseDock)
+    assert sent(rig.report(DockReady(vehicle="ATV2")), DockOpened) == []
 
 
 def test_a_carrier_may_put_goods_down_at_the_warehouse_without_the_machines_dock() -> None:

@@ -12,6 +12,7 @@ from math import hypot
 
 import msgspec
 
+from dray.adapters.commissioning_step import Step
 from dray.adapters.vda5050.body import VehicleBody
 from dray.adapters.vda5050.control.factsheet import differences
 from dray.adapters.vda5050.control.view import NEVER_S
@@ -45,26 +46,6 @@ DRIVE_S = 300.0
 
 ACT_S = 600.0
 STAND_S = 10.0
-
-
-@dataclass(frozen=True, slots=True)
-class Step:
-    """What came of one step.
-
-    Attributes:
-        name: what was tried.
-        passed: None when it was left out.
-        text: what was seen.
-    """
-
-    name: str
-    passed: bool | None
-    text: str
-
-    @property
-    def line(self) -> str:
-        mark = {True: "ok", False: "NO", None: "--"}[self.passed]
-        return f"{mark:4} {self.name:12} {self.text}"
 
 
 @dataclass(frozen=True, slots=True)

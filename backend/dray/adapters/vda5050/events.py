@@ -39,6 +39,12 @@ class Memory(Part, frozen=True):
     """Why it is not known what is on board; empty when it is."""
 
 
+DAMAGED = Memory(
+    doubt="what was remembered is damaged: see what is on board, and switch it to MANUAL and back"
+)
+"""What is known where a life has left something that cannot be read."""
+
+
 class Instructed(Part, frozen=True):
     """Its agent wants something done."""
 

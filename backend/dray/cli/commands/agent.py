@@ -30,6 +30,18 @@ DockBody = Annotated[
     ),
 ]
 
+MachineBody = Annotated[
+    Literal["floor", "opcua"] | None,
+    typer.Option(
+        "--body", help="floor: simulated, on `dray floor`; opcua: its controller, by OPC UA; else DRAY_BODY."
+    ),
+]
+
+Mapping = Annotated[
+    Path | None,
+    typer.Option("--mapping", help="Which nodes of its controller are which signals; else DRAY_MAPPING."),
+]
+
 Broker = Annotated[
     str | None,
     typer.Option(
@@ -62,6 +74,8 @@ def machine(
     ] = None,
     probation: Probation = 0,
     traffic: Traffic = None,
+    body: MachineBody = None,
+    mapping: Mapping = None,
     settings: SettingsFile = None,
 ) -> None:
     """Run the agent of a machine; one that joins takes part as soon as it is there. SIGTERM lets it shut down gracefully."""
@@ -69,12 +83,13 @@ def machine(
 
     from dray import __version__
     from dray.cli.runtime.agent_process import run_agent
-    from dray.cli.runtime.bodies import on_floor, reading
+    from dray.cli.runtime.bodies import by_opcua, on_floor, reading
     from dray.cli.runtime.output import one_of
     from dray.protocol.machine.machine import Machine
     from dray.protocol.runtime.running import Running
 
-    where = _with_body(_surroundings(settings, traffic=traffic), "a machine")
+    said = _surroundings(settings, traffic=traffic, body=body, mapping=mapping)
+    where = _with_body(said, "a machine", "opcua")
     plant = where.plant if joining is None else _grown(where.plant, joining, name)
     spec, places = one_of(plant.machines, name, "NAME"), where.traffic
     trusts = _trusted(where)
@@ -93,8 +108,11 @@ def machine(
         )
 
     folder = where.settings.journal_folder / "documents"
-    embody = reading(on_floor(where, name, None if joining is None else spec), folder)
-    asyncio.run(run_agent(where, name, make, embody))
+    if where.settings.body == "opcua":
+        embody = by_opcua(where, name, spec)
+    else:
+        embody = on_floor(where, name, None if joining is None else spec)
+    asyncio.run(run_agent(where, name, make, reading(embody, folder)))
 
 
 @app.command()
@@ -275,7 +293,9 @@ def strategist(
     asyncio.run(run_agent(where, name, make, bodiless))
 
 
-def _surroundings(file: Path | None, *, traffic: bool | None = None, **options: str | None) -> Surroundings:
+def _surroundings(
+    file: Path | None, *, traffic: bool | None = None, **options: str | Path | None
+) -> Surroundings:
     from dray.cli.runtime.options import load_settings
     from dray.cli.runtime.surroundings import Surroundings
 

@@ -7,26 +7,30 @@ import logging
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import AbstractAsyncContextManager, asynccontextmanager, closing
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 
 from dray.adapters.controller.body import ControllerBody
 from dray.adapters.controller.letters import TOLD, prefix
 from dray.adapters.documents import DocumentReader, FetchedDocuments
 from dray.adapters.journal.sqlite_journal import SqliteJournal
+from dray.adapters.memory_file import MemoryFile
+from dray.adapters.opcua.mapping_file import OpcUaMapping, load_mapping
 from dray.adapters.remote_body import BodySpec, CountedBody, RemoteBody, put_down, tell_moved
+from dray.adapters.signals.workcell import DAMAGED as DAMAGED_WORKCELL
+from dray.adapters.signals.workcell import Kept, SignalledWorkcell
 from dray.adapters.vda5050.body import HEARD, Address, VehicleBody
 from dray.adapters.vda5050.control.master import MasterControl
 from dray.adapters.vda5050.dialogue import Head, Recorder
-from dray.adapters.vda5050.events import Memory
+from dray.adapters.vda5050.events import DAMAGED, Memory
 from dray.adapters.vda5050.link import BrokerAddress, MqttLink, read_address
-from dray.adapters.vda5050.memory_file import MemoryFile
 from dray.adapters.vda5050.profile import Profile, load_profile
 from dray.adapters.zenoh.bus import ZenohBus
 from dray.body import Drop, Pick, StorageState
 from dray.cli.runtime.surroundings import Surroundings
 from dray.errors import SettingsError, UnavailableError
 from dray.gate import GateState
-from dray.plant.model import VehicleType
+from dray.plant.model import MachineSpec, VehicleType
 from dray.ports import Body
 from dray.settings import Settings
 from dray.supervision import Failures
@@ -157,6 +161,94 @@ def by_controller(surroundings: Surroundings, name: str, senses: type[StorageSta
     return embody
 
 
+FIRST_S = 10.0
+"""So long a machine waits for its controller before it begins without, and says so."""
+
+
+class _MachineWorld:
+    """What a machine's body needs beside a clock: a link and a disk."""
+
+    def __init__(self, write: Callable[[], None], remember: Callable[[Kept], None]) -> None:
+        self.write, self.remember = write, remember
+
+
+@dataclass(frozen=True, slots=True)
+class RealMachine:
+    """A machine behind its controller.
+
+    Attributes:
+        mapping: where that is, and its nodes.
+        folder: of the mapping file.
+        password: of its user; empty for none.
+    """
+
+    mapping: OpcUaMapping
+    folder: Path
+    password: str
+
+    @classmethod
+    def of(cls, settings: Settings) -> RealMachine:
+        """What the settings say.
+
+        Raises:
+            SettingsError: there is no mapping, or it cannot be used; or what OPC UA needs is not installed.
+        """
+        if settings.mapping is None:
+            raise SettingsError(
+                "--mapping", "a body by OPC UA needs the file that names its nodes; or DRAY_MAPPING"
+            )
+        if find_spec("asyncua") is None:
+            raise SettingsError("--body", "OPC UA needs more than is installed: pip install 'dray[opcua]'")
+        password = settings.opcua_password
+        return cls(
+            load_mapping(settings.mapping),
+            settings.mapping.parent,
+            "" if password is None else password.get_secret_value(),
+        )
+
+
+def by_opcua(surroundings: Surroundings, name: str, spec: MachineSpec) -> Embody:
+    """A machine whose controller is an OPC UA server. One that is away is the machine's problem, and no end of its agent.
+
+    Args:
+        surroundings: of the process.
+        name: the agent's id.
+        spec: the machine.
+
+    Raises:
+        SettingsError: there is no mapping, or it cannot be used.
+    """
+    settings = surroundings.settings
+    real = RealMachine.of(settings)
+
+    @asynccontextmanager
+    async def embody(_bus: ZenohBus, _journal: SqliteJournal) -> AsyncIterator[Embodied]:
+        from dray.adapters.opcua.link import OpcUaLink
+
+        file = MemoryFile(settings.journal_folder / f"{name}.workcell.json", Kept, DAMAGED_WORKCELL)
+        kept = file.read()
+        if file.lost:
+            _log.error("%s: %s", name, file.lost)
+        link = OpcUaLink(real.mapping, real.folder, real.password)
+        world = _MachineWorld(link.write, file.write)
+        body = SignalledWorkcell(spec, surroundings.plant, real.mapping, surroundings.clock(), world, kept)
+        running = asyncio.create_task(link.run(body))
+        try:
+            await asyncio.wait(
+                (running, asyncio.ensure_future(link.linked.wait())),
+                timeout=FIRST_S,
+                return_when=asyncio.FIRST_COMPLETED,
+            )
+            if broken := body.sense().broken:
+                _log.warning("%s begins all the same: %s", name, broken)
+            yield Embodied(body, lambda: asyncio.shield(running), (link.failures,))
+        finally:
+            running.cancel()
+            await asyncio.gather(running, return_exceptions=True)
+
+    return embody
+
+
 @dataclass(frozen=True, slots=True)
 class RealVehicle:
     """A vehicle behind a broker.
@@ -229,9 +321,9 @@ def by_vda5050(surroundings: Surroundings, name: str, kind: VehicleType, real: R
 
     @asynccontextmanager
     async def embody(_bus: ZenohBus, journal: SqliteJournal) -> AsyncIterator[Embodied]:
-        file = MemoryFile(surroundings.settings.journal_folder / f"{name}.vda5050.json")
+        file = MemoryFile(surroundings.settings.journal_folder / f"{name}.vda5050.json", Memory, DAMAGED)
         link = real.link(f"dray-{name}")
-        memory = file.read()
+        memory = file.read() or Memory()
         if file.lost:
             _log.error("%s: %s", name, file.lost)
         control = MasterControl(

@@ -6,6 +6,7 @@ import asyncio
 import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from dray.adapters.vda5050.body import HEARD, VehicleBody
 from dray.adapters.vda5050.commissioning import Commissioning, Wanted
@@ -13,9 +14,13 @@ from dray.adapters.vda5050.control.master import MasterControl
 from dray.adapters.vda5050.dialogue import Head, Recorder
 from dray.adapters.vda5050.events import Heard, Linked, Memory, Say, Unlinked
 from dray.adapters.vda5050.link import MqttLink
-from dray.cli.runtime.bodies import RealVehicle, linked
+from dray.cli.runtime.bodies import RealMachine, RealVehicle, linked
+from dray.cli.runtime.output import one_of
 from dray.cli.runtime.surroundings import Surroundings
 from dray.plant.model import VehicleType
+
+if TYPE_CHECKING:
+    from dray.adapters.opcua.commissioning import Commissioning as MachineCommissioning
 
 SAID = ("order", "instantActions")
 
@@ -70,6 +75,34 @@ async def commission(
             say(step.line)
     if recorder is not None:
         recorder.close()
+    return done
+
+
+async def commission_machine(
+    where: Surroundings, name: str, *, cycle: bool, dock: bool, say: Callable[[str], None]
+) -> MachineCommissioning:
+    """Walk a machine's controller through its commissioning.
+
+    Args:
+        where: the settings name the mapping.
+        name: the machine's id.
+        cycle: it may make a piece.
+        dock: it may open its dock.
+        say: tells people.
+
+    Raises:
+        SettingsError: something is missing, or cannot be used.
+    """
+    from dray.adapters.opcua.commissioning import Commissioning, Wanted
+
+    controller = RealMachine.of(where.settings)
+    spec = one_of(where.plant.machines, name, "NAME")
+    wanted, clock = Wanted(cycle, dock), where.clock()
+    done = Commissioning(
+        controller.mapping, controller.folder, controller.password, spec, where.plant, clock, wanted
+    )
+    async for step in done.run():
+        say(step.line)
     return done
 
 

@@ -11,7 +11,16 @@ goals are its own if its next life speaks within GOAL_SILENCE_S (`strategist.mac
 
 from __future__ import annotations
 
-from dray.body import BodyState, Broken, CycleDone, CycleFailed, Repaired, StockChanged, WorkcellState
+from dray.body import (
+    BodyState,
+    Broken,
+    CycleDone,
+    CycleFailed,
+    DockReady,
+    Repaired,
+    StockChanged,
+    WorkcellState,
+)
 from dray.errors import ProtocolViolation
 from dray.memory import WHOLE, MachineMemory, Memory, Note
 from dray.messages import (
@@ -169,6 +178,7 @@ class Machine(AgentBase):
             CycleDone: self._cycle_done,
             CycleFailed: self._cycle_failed,
             StockChanged: self._stock_changed,
+            DockReady: lambda report, _now_s: self._flow.on_dock_ready(report),
             Broken: self._broken,
             Repaired: self._repaired,
             **self._documents.reports,

@@ -52,13 +52,31 @@ class Dock:
         work = cast(Transport, task.work)
         here = message.station == self._place
         held = self._why_held(work) if here else ""
-        task.contract.held_s = min(task.contract.held_s, now_s) if held else NEVER_S
+        was_held_s = task.contract.held_s
+        task.contract.held_s = min(was_held_s, now_s) if held else NEVER_S
         if held:
             self._door.hold(sender, message, held)
         elif here:
             self._door.open(sender, message, work.item, work.quantity)
+            if self._door.answers:
+                task.contract.held_s = min(was_held_s, now_s)
         else:
             self._door.agree(sender, message)
+
+    def set_answers(self, *, answers: bool) -> None:
+        """Whether the body says when it has opened the dock."""
+        self._door.answers = answers
+
+    def is_opening(self, vehicle: str) -> bool:
+        """Whether a vehicle waits for the body to open the dock: that is no want of room."""
+        return self._door.is_opening(vehicle)
+
+    def on_ready(self, vehicle: str) -> None:
+        """The body has opened the dock for a vehicle."""
+        if self._door.on_ready(vehicle):
+            for task in self._tasks:
+                if task.primary == vehicle:
+                    task.contract.held_s = NEVER_S
 
     def shut(self, vehicle: str) -> None:
         """A vehicle carries for this coordinator no more: a manoeuvre that it has begun ends without effect."""

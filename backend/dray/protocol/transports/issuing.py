@@ -123,6 +123,14 @@ class Issuing:
         else:
             self._open(sender, docked, ask, now_s)
 
+    def set_answers(self, *, answers: bool) -> None:
+        """Whether the body says when it has opened the dock."""
+        self._door.answers = answers
+
+    def on_ready(self, vehicle: str) -> None:
+        """The body has opened the dock for a vehicle."""
+        self._door.on_ready(vehicle)
+
     def shut_unknown(self, opened: Iterable[str]) -> None:
         """Shut the dock for vehicles for which an earlier life has opened it, and of which nothing is known any more."""
         known = {ask.vehicle for ask in self._book if ask.opened}

@@ -297,7 +297,9 @@ class TransportFlow:
             self._on_lacking(now_s)
         self._dock.on_docked(sender, message, now_s)
         task = self.tasks.get(message.task)
-        if task is not None and now_s - task.contract.held_s > HELD_MAX_S:
+        if task is None or self._dock.is_opening(sender):
+            return
+        if now_s - task.contract.held_s > HELD_MAX_S:
             self.withdraw(task, now_s)
 
     def _on_resigned(self, sender: str, message: Resigned, now_s: float) -> None:

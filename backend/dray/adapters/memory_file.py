@@ -1,51 +1,53 @@
-"""What one life of a vehicle's master leaves to the next: a small file, replaced as a whole."""
+"""What one life of a body leaves to the next: a small file, replaced as a whole."""
 
 from __future__ import annotations
 
 import os
 from pathlib import Path
+from typing import Generic, TypeVar
 
 import msgspec
 
-from dray.adapters.vda5050.events import Memory
 from dray.errors import UnavailableError
 
+Kept = TypeVar("Kept", bound=msgspec.Struct)
 
-class MemoryFile:
-    """Keeps a `Memory`.
+
+class MemoryFile(Generic[Kept]):
+    """Keeps one value.
 
     Args:
         path: the file; its folder is made.
+        kind: of the value.
+        damaged: what is remembered where the file cannot be read.
 
     Attributes:
         lost: why nothing is remembered though there was a file; empty when that is not so.
     """
 
-    def __init__(self, path: Path) -> None:
-        self._path = path
+    def __init__(self, path: Path, kind: type[Kept], damaged: Kept) -> None:
+        self._path, self._kind, self._damaged = path, kind, damaged
         self.lost = ""
 
-    def read(self) -> Memory:
-        """What was written last; nothing known where there is nothing.
+    def read(self) -> Kept | None:
+        """What was written last; None where there is nothing.
 
         Raises:
             UnavailableError: it is there and cannot be read.
         """
         try:
-            return msgspec.json.decode(self._path.read_bytes(), type=Memory)
+            return msgspec.json.decode(self._path.read_bytes(), type=self._kind)
         except FileNotFoundError:
-            return Memory()
+            return None
         except OSError as error:
             raise self._unavailable(error) from None
         except (msgspec.DecodeError, UnicodeDecodeError) as error:
             aside = self._path.with_suffix(".damaged")
             self._path.replace(aside)
             self.lost = f"{self._path} is damaged ({error}), and was moved to {aside.name}"
-            return Memory(
-                doubt="what was remembered is damaged: see what is on board, and switch it to MANUAL and back"
-            )
+            return self._damaged
 
-    def write(self, memory: Memory) -> None:
+    def write(self, memory: Kept) -> None:
         """Keep it; it is on the disk at the return.
 
         Raises:

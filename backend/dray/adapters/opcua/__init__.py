@@ -1,0 +1,1 @@
+"""Machines whose controllers are OPC UA servers. Needs the extra `opcua`."""

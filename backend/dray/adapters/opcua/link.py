@@ -1,0 +1,365 @@
+"""The link to a controller that is an OPC UA server: it subscribes to what the controller tells, and writes what it is to be told."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import logging
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, Protocol
+
+from asyncua import ua
+from asyncua.client.client import Client
+from asyncua.common.node import Node
+from asyncua.crypto import security_policies
+from asyncua.ua.uaerrors import UaError, UaStatusCodeError
+
+from dray.adapters.opcua.mapping_file import OpcUaMapping
+from dray.adapters.signals.signal import READ, Quality, Sample, Signal, Tag, Value
+from dray.errors import SettingsError, UnavailableError
+from dray.supervision import Failures
+
+ANSWER_S = 4.0
+"""A controller that does not answer for so long is away."""
+
+LOOK_S = 1.0
+"""How often it is asked whether it lives, and told that we do (`Signal.ALIVE`)."""
+
+PERIOD_MS, SAMPLING_MS, QUEUE = 200.0, ua.Duration(50.0), 100
+"""How often the controller sends what has changed, how often it looks, and how many changes it keeps in between: each pulse is one."""
+
+AGAIN_S = (0.5, 1.0, 2.0, 4.0)
+"""Waits between attempts; the last one repeats."""
+
+REFUSED_AGAIN_S = 5.0
+"""A value that was refused is written again after this."""
+
+ALIVE_MODULUS = 30_000
+"""It fits into every type of number but a byte, where it is cut to 100."""
+
+_POLICIES: dict[str, type[Any]] = {
+    "Basic256Sha256": security_policies.SecurityPolicyBasic256Sha256,
+    "Aes128Sha256RsaOaep": security_policies.SecurityPolicyAes128Sha256RsaOaep,
+    "Aes256Sha256RsaPss": security_policies.SecurityPolicyAes256Sha256RsaPss,
+}
+
+_INTEGERS = {
+    ua.VariantType.SByte: (7, 8),
+    ua.VariantType.Byte: (8,),
+    ua.VariantType.Int16: (15, 16),
+    ua.VariantType.UInt16: (16,),
+    ua.VariantType.Int32: (31, 32),
+    ua.VariantType.UInt32: (32,),
+    ua.VariantType.Int64: (63, 64),
+    ua.VariantType.UInt64: (64,),
+}
+"""Bits of a counter of each type: one with a sign begins anew at 0, or goes on below it."""
+
+_FLOATS = frozenset({ua.VariantType.Float, ua.VariantType.Double})
+
+_log = logging.getLogger(__name__)
+
+
+class Listener(Protocol):
+    """Whoever is told what the controller says; see `dray.adapters.signals.workcell`."""
+
+    outputs: dict[Signal, Value]
+
+    def on_link(self) -> None: ...
+
+    def on_link_lost(self, reason: str) -> None: ...
+
+    def on_range(self, signal: Signal, moduli: tuple[int, ...]) -> None: ...
+
+    def on_sample(self, signal: Signal, sample: Sample) -> None: ...
+
+    def on_refused(self, signal: Signal, reason: str) -> None: ...
+
+
+class OpcUaLink:
+    """One session, begun again whenever it is lost.
+
+    Args:
+        mapping: where the controller is, and its nodes.
+        folder: of the mapping file, for its certificates.
+        password: of its user.
+
+    Attributes:
+        linked: set once the controller has told its values for the first time.
+        failures: what the listener could not deal with, by signal.
+    """
+
+    def __init__(self, mapping: OpcUaMapping, folder: Path, password: str = "") -> None:
+        self._mapping, self._folder, self._password = mapping, folder, password
+        self._changed = asyncio.Event()
+        self.linked = asyncio.Event()
+        self.failures = Failures(mapping.url)
+
+    def write(self) -> None:
+        """The listener's outputs have changed."""
+        self._changed.set()
+
+    async def run(self, listener: Listener) -> None:
+        """Be linked until cancelled, whatever one value makes of the listener.
+
+        Raises:
+            SettingsError: a certificate cannot be used.
+            UnavailableError: the listener has.
+        """
+        attempt = 0
+        while True:
+            session = _Session(self._mapping, listener, self._changed, self.linked, self._tell)
+            client = await self._client()
+            try:
+                reason = await session.serve(client)
+            except (OSError, TimeoutError, UaError) as error:
+                reason = words(error)
+            finally:
+                await _leave(client)
+            attempt = 0 if session.was_linked else attempt + 1
+            self._tell("the link", listener.on_link_lost, f"{self._mapping.url}: {reason}")
+            await asyncio.sleep(AGAIN_S[min(attempt, len(AGAIN_S) - 1)])
+
+    async def _client(self) -> Client:
+        return await connection(self._mapping, self._folder, self._password)
+
+    def _tell(self, kind: str, listener: Callable[..., None], *args: object) -> None:
+        """Tell the listener something; what one value makes of it ends nothing."""
+        try:
+            listener(*args)
+        except UnavailableError:
+            raise
+        except Exception:  # noqa: BLE001 - whatever it is, it is about this one value
+            self.failures.note(kind)
+
+
+async def connection(mapping: OpcUaMapping, folder: Path, password: str) -> Client:
+    """A client that is not connected yet.
+
+    Args:
+        mapping: where the controller is.
+        folder: of the mapping file, for its certificates.
+        password: of its user.
+
+    Raises:
+        SettingsError: a certificate cannot be used.
+    """
+    client = Client(mapping.url, timeout=ANSWER_S, watchdog_intervall=LOOK_S)
+    client.name = client.description = "Dray"
+    if mapping.user:
+        client.set_user(mapping.user)
+        client.set_password(password)
+    if mapping.security != "none":
+        files = {name: folder / getattr(mapping, name) for name in ("certificate", "key", "server")}
+        for name, file in files.items():
+            if not file.is_file():
+                raise SettingsError("--mapping", f"{name}: there is no file {file}")
+        try:
+            await client.set_security(
+                _POLICIES[mapping.security], files["certificate"], files["key"], None, str(files["server"])
+            )
+        except Exception as error:  # noqa: BLE001 - the library raises whatever its own parser does
+            raise SettingsError("--mapping", f"the certificates of {mapping.url}: {words(error)}") from None
+    return client
+
+
+async def find(client: Client, node: str) -> Node:
+    """The node of a tag.
+
+    Args:
+        client: that is connected.
+        node: a node id, also with `nsu=` for a namespace's address; or a path of browse names from Objects.
+
+    Raises:
+        UaError: there is none.
+        ValueError: it is neither.
+    """
+    if "=" not in node:
+        return await client.nodes.objects.get_child(node.split("/"))
+    if node.startswith("nsu="):
+        uri, _, rest = node.removeprefix("nsu=").partition(";")
+        node = f"ns={await client.get_namespace_index(uri)};{rest}"
+    return client.get_node(ua.NodeId.from_string(node))
+
+
+class _Session:
+    """From one connection to its loss."""
+
+    def __init__(
+        self,
+        mapping: OpcUaMapping,
+        listener: Listener,
+        changed: asyncio.Event,
+        linked: asyncio.Event,
+        tell: Callable[..., None],
+    ) -> None:
+        self._tags, self._listener, self._changed, self._tell = mapping.signals, listener, changed, tell
+        self._linked = linked
+        self._lost: asyncio.Future[str] = asyncio.get_running_loop().create_future()
+        self._signals: dict[ua.NodeId, list[Signal]] = {}
+        """Several where one node is several signals."""
+        self._outputs: dict[Signal, tuple[Node, ua.VariantType]] = {}
+        self._written: dict[Signal, Value] = {}
+        self._again_s: dict[Signal, float] = {}
+        self._beat = 0
+        self.was_linked = False
+
+    async def serve(self, client: Client) -> str:
+        """Be linked; why it is over.
+
+        Raises:
+            OSError, TimeoutError, UaError: the controller is not there, or does not have what the mapping names.
+        """
+        client.connection_lost_callback = self._on_lost
+        await client.connect()
+        told = await self._find_all(client)
+        for node in told:
+            self._take(node.nodeid, await node.read_data_value(raise_on_bad_status=False))
+        self._tell("the link", self._listener.on_link)
+        self.was_linked = True
+        self._linked.set()
+        subscription = await client.create_subscription(PERIOD_MS, self)
+        await subscription.subscribe_data_change(told, queuesize=QUEUE, sampling_interval=SAMPLING_MS)
+        writing = asyncio.ensure_future(self._write_all())
+        try:
+            await asyncio.wait((self._lost, writing), return_when=asyncio.FIRST_COMPLETED)
+        finally:
+            writing.cancel()
+            await asyncio.gather(writing, return_exceptions=True)
+        if self._lost.done():
+            return self._lost.result()
+        writing.result()
+        raise AssertionError("writing ends by an error only")
+
+    # --- what the controller tells: called by the subscription ---
+
+    def datachange_notification(self, node: Node, _value: Any, data: Any) -> None:
+        """A value has changed."""
+        self._take(node.nodeid, data.monitored_item.Value)
+
+    def status_change_notification(self, status: ua.StatusChangeNotification) -> None:
+        """The controller has ended the subscription."""
+        self._end(f"it has ended the subscription: {status.Status}")
+
+    async def _on_lost(self, error: Exception) -> None:
+        self._end(words(error))
+
+    def _end(self, reason: str) -> None:
+        if not self._lost.done():
+            self._lost.set_result(reason)
+
+    def _take(self, node: ua.NodeId, data: ua.DataValue) -> None:
+        try:
+            for signal in self._signals[node]:
+                self._tell(signal.value, self._listener.on_sample, signal, sample_of(data))
+        except UnavailableError as error:
+            if not self._lost.done():
+                self._lost.set_exception(error)
+
+    # --- what it is told ---
+
+    async def _write_all(self) -> None:
+        clock = asyncio.get_running_loop()
+        while True:
+            self._changed.clear()
+            self._beat += 1
+            for signal, (node, kind) in self._outputs.items():
+                value: Value | None = (
+                    self._beat
+                    % (100 if kind in (ua.VariantType.Byte, ua.VariantType.SByte) else ALIVE_MODULUS)
+                    if signal is Signal.ALIVE
+                    else self._listener.outputs.get(signal)
+                )
+                if (
+                    value is None
+                    or self._written.get(signal) == value
+                    or clock.time() < self._again_s.get(signal, 0.0)
+                ):
+                    continue
+                try:
+                    await node.write_value(ua.DataValue(ua.Variant(_as(value, kind), kind)))
+                except (UaStatusCodeError, ValueError, TypeError) as error:
+                    self._again_s[signal] = clock.time() + REFUSED_AGAIN_S
+                    self._tell(signal.value, self._listener.on_refused, signal, words(error))
+                    continue
+                self._written[signal] = value
+                self._again_s.pop(signal, None)
+                self._tell(signal.value, self._listener.on_refused, signal, "")
+            with contextlib.suppress(TimeoutError):
+                await asyncio.wait_for(self._changed.wait(), LOOK_S)
+
+    async def _find_all(self, client: Client) -> list[Node]:
+        """Find every node of the mapping; those that are read."""
+        told: list[Node] = []
+        for signal, tag in self._tags.items():
+            try:
+                node = await find(client, tag.node)
+                kind = await node.read_data_type_as_variant_type()
+            except (UaError, ValueError) as error:
+                raise ConnectionError(f"{signal.value}: {tag.node}: {words(error)}") from None
+            if signal in READ:
+                if node.nodeid not in self._signals:
+                    told.append(node)
+                self._signals.setdefault(node.nodeid, []).append(signal)
+                self._say_range(signal, tag, kind)
+            else:
+                self._outputs[signal] = node, kind
+        return told
+
+    def _say_range(self, signal: Signal, tag: Tag, kind: ua.VariantType) -> None:
+        if kind in _INTEGERS and signal in (Signal.PIECES, Signal.BAD):
+            moduli = tuple(int(2**bits / tag.scale) for bits in _INTEGERS[kind])
+            self._tell("the link", self._listener.on_range, signal, moduli)
+
+
+def sample_of(data: ua.DataValue) -> Sample:
+    """A value as the controller tells it."""
+    status = data.StatusCode
+    if status is not None and not status.is_good():
+        quality = Quality.UNCERTAIN if status.is_uncertain() else Quality.BAD
+        return Sample("", quality, status.name)
+    value = None if data.Value is None else data.Value.Value
+    if isinstance(value, ua.LocalizedText):
+        value = value.Text or ""
+    if isinstance(value, bool | int | float | str):
+        return Sample(value)
+    return Sample(
+        "",
+        Quality.BAD,
+        "it is empty" if value is None else f"it is no single value but a {type(value).__name__}",
+    )
+
+
+def words(error: BaseException) -> str:
+    """An error of the library for people."""
+    text = str(error).strip()
+    name = type(error).__name__
+    if isinstance(error, TimeoutError | asyncio.TimeoutError):
+        return "it does not answer"
+    return f"{name}: {text}"[:300] if text else name
+
+
+def _as(value: Value, kind: ua.VariantType) -> Value:
+    """A value in the type of its node.
+
+    Raises:
+        ValueError: it cannot be.
+    """
+    if kind is ua.VariantType.Boolean:
+        return bool(value)
+    if kind in _INTEGERS:
+        return round(float(value))
+    if kind in _FLOATS:
+        return float(value)
+    if kind is ua.VariantType.String:
+        return str(value)
+    raise ValueError(f"a node of type {kind.name} cannot be told {value!r}")
+
+
+async def _leave(client: Client) -> None:
+    """End a session, whatever is left of it."""
+    with contextlib.suppress(Exception):
+        async with asyncio.timeout(ANSWER_S):
+            await client.disconnect()
+    client.disconnect_socket()

@@ -1,0 +1,464 @@
+"""The body of a machine whose controller tells and obeys single values.
+
+Pieces are what the controller counts. What lies in the buffers is reckoned: what vehicles say that they have brought and taken, and what the bills of
+material of the pieces made have used. It is remembered before it is reported, so whoever is killed in between finds it in the stock.
+
+A machine may make one piece after the other without being asked each time: a piece that nobody has asked for counts, and uses its material, all the same.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from functools import partial
+from typing import Protocol
+
+from msgspec import Struct
+from msgspec.structs import replace
+
+from dray.adapters.signals.counting import CounterState, Reading, count, count_pulse
+from dray.adapters.signals.dock import DockHandshake, DockState
+from dray.adapters.signals.signal import Quality, Sample, Signal, SignalMapping, Tag, Value
+from dray.body import (
+    Book,
+    Broken,
+    CloseDock,
+    CycleDone,
+    CycleFailed,
+    DockReady,
+    Instruction,
+    OpenDock,
+    Repaired,
+    Report,
+    ResetFault,
+    SetPace,
+    StartCycle,
+    StockChanged,
+    WorkcellState,
+)
+from dray.messages import NOTHING_KNOWN, Problem, ProblemKind
+from dray.messages.base import COUNT_MAX
+from dray.plant import Plant
+from dray.plant.model import MachineSpec
+from dray.ports import Clock
+
+LATE_CYCLES, LATE_MIN_S = 5.0, 60.0
+"""A piece is missed after so many times what it takes, and not earlier than that."""
+
+STANDS = {
+    "notavailable": "not available",
+    "outofservice": "out of service",
+    0: "not available",
+    1: "out of service",
+}
+"""Words and numbers of a machine's state that mean that it does not work (OPC 40001-1, MachineryItemState)."""
+WORKS = frozenset({"notexecuting", "executing", 2, 3})
+"""Those that mean that it does, or could."""
+
+_NO_LINK = Problem(kind=ProblemKind.LINK, passes=True)
+_SOFTWARE = Problem(kind=ProblemKind.SOFTWARE, needs_person=True)
+
+
+class Kept(Struct, frozen=True):
+    """What one life of an agent leaves to the next of a machine's body."""
+
+    stock: dict[str, int]
+    seq: int = 0
+    pieces: CounterState | None = None
+    bad: CounterState | None = None
+    cycling: str = ""
+    last: str = ""
+    """The product that was wanted last: pieces that nobody has asked for are taken for some of it."""
+    doubt: str = ""
+    """Why counts may be wrong, until a person says that they were seen to."""
+
+
+DAMAGED = Kept({}, doubt="what was remembered of it is damaged; see what lies in its buffers")
+"""What is known where a life has left something that cannot be read."""
+
+
+class World(Protocol):
+    """What the body needs beside a clock."""
+
+    def remember(self, kept: Kept) -> None:
+        """Keep it: on the disk at the return."""
+
+    def write(self) -> None:
+        """The body's `outputs` have changed: see that the controller gets them."""
+
+
+class SignalledWorkcell:
+    """Implements `dray.ports.Body`, and the listener of a link to a controller.
+
+    Args:
+        spec: the machine.
+        plant: for bills of material.
+        mapping: which signals its controller has.
+        clock: the plant's.
+        world: the disk and the link.
+        kept: what the last life has left; None for the first one.
+
+    Attributes:
+        outputs: what the controller is to be told, by signal; a link writes what differs.
+    """
+
+    def __init__(
+        self,
+        spec: MachineSpec,
+        plant: Plant,
+        mapping: SignalMapping,
+        clock: Clock,
+        world: World,
+        kept: Kept | None = None,
+    ) -> None:
+        self._tags, self._clock, self._world = mapping.signals, clock, world
+        self._moduli: dict[Signal, tuple[int, ...]] = {
+            signal: (tag.rolls_over_at,)
+            for signal, tag in self._tags.items()
+            if tag.rolls_over_at is not None
+        }
+        self._cycle_s = {making.product: making.cycle_s for making in spec.makes}
+        self._bills = {
+            product: {line.material: line.quantity for line in plant.products[product].bill}
+            for product in self._cycle_s
+        }
+        items = (*plant.materials_of(spec.id), *self._cycle_s)
+        self._kept = kept or Kept(dict.fromkeys(items, 0) | mapping.stock, last=spec.makes[0].product)
+        if not self._kept.last:
+            self._kept = replace(self._kept, last=spec.makes[0].product)
+        self._stock = dict.fromkeys(items, 0) | self._kept.stock
+        self._report: Callable[[Report], None] = _nobody_hears
+        self._dock = DockHandshake(answers=Signal.DOCK_READY in self._tags)
+        self._told_ready = ""
+        """For whom the dock was said to be ready, so that it is said once."""
+        self._away = "nothing was heard of its controller yet"
+        """Why nothing is heard; empty while the link is there."""
+        self._gaps = {Signal.PIECES, Signal.BAD}
+        """Counts of which values may have been missed since the last one."""
+        self._silent: dict[Signal, str] = {}
+        """Signals whose values are no values, with the reason."""
+        self._refused: dict[Signal, str] = {}
+        """Those that the controller does not take."""
+        self._fault, self._fault_text, self._standing = "", "", ""
+        self._late = ""
+        self._turn = 0
+        """Grows when another piece is waited for, so that an outdated call of the clock is recognised."""
+        self._told: tuple[str, Problem, bool] = ("", NOTHING_KNOWN, False)
+        self.outputs: dict[Signal, Value] = {}
+        self._put(Signal.RUN, False)
+        self._put(Signal.DOCK_PERMIT, False)
+        self._put(Signal.DOCK_VEHICLE, "")
+        self._judge()
+        if self._kept.cycling:
+            self._expect(self._kept.cycling)
+
+    # --- Body ---
+
+    def instruct(self, instruction: Instruction) -> None:
+        """See `dray.ports.Body`. What a machine cannot do is ignored."""
+        match instruction:
+            case StartCycle():
+                self._start(instruction)
+            case OpenDock(vehicle=vehicle):
+                self._told_ready = "" if self._told_ready == vehicle else self._told_ready
+                self._dock.want(vehicle)
+            case CloseDock(vehicle=vehicle):
+                self._dock.done(vehicle)
+            case Book(vehicle=vehicle, item=item, change=change):
+                self._dock.done(vehicle)
+                self._move(item, change, vehicle)
+            case ResetFault():
+                self._reset()
+            case SetPace(speed_frac=speed_frac):
+                self._put(Signal.SPEED, speed_frac * self._scale(Signal.SPEED))
+            case _:
+                return
+        self._settle()
+
+    def sense(self) -> WorkcellState:
+        """See `dray.ports.Body`."""
+        broken, problem, resettable = self._told
+        return WorkcellState(
+            stock=dict(self._stock),
+            seq=self._kept.seq,
+            cycling=self._kept.cycling,
+            broken=broken,
+            counts=False,
+            about_problem=problem,
+            resettable=resettable,
+            paces=Signal.SPEED in self._tags,
+            answers=True,
+        )
+
+    def attach(self, report: Callable[[Report], None]) -> None:
+        """See `dray.ports.Body`."""
+        self._report = report
+
+    @property
+    def is_dock_shut(self) -> bool:
+        """Whether nobody is let in, and the controller works on."""
+        return self._dock.state is DockState.SHUT
+
+    # --- the listener of a link ---
+
+    def on_link(self) -> None:
+        """The controller is there, and its values come."""
+        self._away = ""
+        self._settle()
+
+    def on_link_lost(self, reason: str) -> None:
+        """The controller is away."""
+        self._away = reason
+        self._gaps = {Signal.PIECES, Signal.BAD}
+        self._silent.clear()
+        self._dock.ready(is_ready=False)
+        self._settle()
+
+    def on_range(self, signal: Signal, moduli: tuple[int, ...]) -> None:
+        """The controller has told where a counter may roll over; what the mapping says of it counts more."""
+        if self._tags[signal].rolls_over_at is None:
+            self._moduli[signal] = moduli
+
+    def on_sample(self, signal: Signal, sample: Sample) -> None:
+        """The controller has told a value."""
+        value = sample.value if sample.quality is Quality.GOOD else None
+        understood = None if value is None else self._take(signal, value)
+        if value is None:
+            self._silent[signal] = sample.reason or f"its controller says that it is {sample.quality.value}"
+        elif understood is not None:
+            self._silent[signal] = understood
+        else:
+            self._silent.pop(signal, None)
+        if signal is Signal.DOCK_READY and signal in self._silent:
+            self._dock.ready(is_ready=False)
+        self._settle()
+
+    def on_refused(self, signal: Signal, reason: str) -> None:
+        """The controller does not take a value; with no reason it does again."""
+        if reason:
+            self._refused[signal] = reason
+        else:
+            self._refused.pop(signal, None)
+        self._settle()
+
+    # --- values ---
+
+    def _take(self, signal: Signal, value: Value) -> str | None:
+        """Take a value in; why it cannot be, None when it was."""
+        tag = self._tags[signal]
+        match signal:
+            case Signal.PIECES | Signal.BAD:
+                return self._take_count(signal, tag, value)
+            case Signal.DOCK_READY:
+                if not isinstance(value, bool | int):
+                    return f"{value!r} is neither true nor false"
+                self._dock.ready(is_ready=bool(value) is not tag.invert)
+            case Signal.FAULT:
+                self._fault = _fault(value, inverted=tag.invert)
+                self._put(Signal.RESET, bool(self._fault) and bool(self.outputs.get(Signal.RESET)))
+            case Signal.FAULT_TEXT:
+                self._fault_text = str(value).strip()
+            case Signal.STATE:
+                word = value.replace(" ", "").lower() if isinstance(value, str) else value
+                if word not in STANDS and word not in WORKS:
+                    return f"{value!r} is no state that is known"
+                self._standing = STANDS.get(word, "")
+            case _:
+                return "the controller is told this, and does not tell it"
+        return None
+
+    def _take_count(self, signal: Signal, tag: Tag, value: Value) -> str | None:
+        """Count what a counter or a pulse shows."""
+        moduli = self._moduli.get(signal, ())
+        if tag.edge is not None:
+            if not isinstance(value, bool):
+                return f"{value!r} is no pulse"
+            number = int(value)
+        elif isinstance(value, bool | str) or not math.isfinite(value):
+            return f"{value!r} is no count"
+        else:
+            number = round(value / tag.scale)
+            if number < 0 and moduli:
+                number %= max(moduli)  # A counter with a sign goes on below 0.
+            if number < 0:
+                return f"{value!r} is no count"
+        is_bad, gap = signal is Signal.BAD, signal in self._gaps
+        self._gaps.discard(signal)
+        last = self._kept.bad if is_bad else self._kept.pieces
+        now = CounterState(number, self._clock.now_s())
+        if last is None:
+            reading = Reading()
+        elif tag.edge is not None:
+            reading = count_pulse(bool(last.value), bool(number), tag.edge, gap=gap)
+        else:
+            reading = count(last, now, min(self._cycle_s.values()), moduli, gap=gap)
+        doubt = f"{signal.value} {reading.doubt}" if reading.doubt else self._kept.doubt
+        changes = {"bad": now} if is_bad else {"pieces": now}
+        self._kept = replace(self._kept, doubt=doubt, **changes)
+        if reading.pieces or reading.doubt or last is None:
+            self._made(reading.pieces, bad=is_bad)
+        return None
+
+    def _made(self, pieces: int, *, bad: bool) -> None:
+        """So many pieces have come out."""
+        reports = []
+        for _ in range(min(pieces, COUNT_MAX)):
+            product, self._turn = self._kept.cycling or self._kept.last, self._turn + 1
+            if not self._kept.cycling:
+                self._use(product)
+            if not bad:
+                self._stock[product] = min(self._stock.get(product, 0) + 1, COUNT_MAX)
+            self._kept = replace(self._kept, cycling="", seq=self._kept.seq + 1)
+            self._late = ""
+            reports.append(CycleDone(product=product, seq=self._kept.seq, bad=bad))
+        if pieces:
+            self._put(Signal.RUN, False)
+        self._keep()
+        for report in reports:
+            self._report(report)
+
+    # --- instructions ---
+
+    def _start(self, start: StartCycle) -> None:
+        product = start.product
+        if start.cycle_s > 0.0 and start.bill:
+            self._cycle_s.setdefault(product, start.cycle_s)
+        if start.bill:
+            self._bills[product] = {line.material: line.quantity for line in start.bill}
+        if reason := self._why_not(product):
+            self._report(CycleFailed(product=product, reason=reason))
+            return
+        if not self._kept.cycling:
+            self._use(product)
+        self._kept = replace(self._kept, cycling=product, last=product)
+        self._keep()
+        self._put(Signal.PRODUCT, product)
+        self._put(Signal.RUN, True)
+        self._expect(product)
+
+    def _why_not(self, product: str) -> str:
+        """Why a piece cannot be begun; empty when it can."""
+        if product not in self._cycle_s:
+            return "not made here"
+        if self._told[0]:
+            return self._told[0]
+        if self._kept.cycling not in ("", product):
+            return f"busy with {self._kept.cycling}"
+        if self._kept.cycling:
+            return ""
+        missing = [item for item, pieces in self._bills[product].items() if self._stock.get(item, 0) < pieces]
+        return f"missing {', '.join(missing)}" if missing else ""
+
+    def _use(self, product: str) -> None:
+        """The material of one piece is used up."""
+        for item, pieces in self._bills.get(product, {}).items():
+            self._stock[item] = max(0, self._stock.get(item, 0) - pieces)
+
+    def _move(self, item: str, change: int, vehicle: str) -> None:
+        """A vehicle has brought something, or taken it."""
+        self._stock[item] = min(max(self._stock.get(item, 0) + change, 0), COUNT_MAX)
+        self._kept = replace(self._kept, seq=self._kept.seq + 1)
+        self._keep()
+        self._report(StockChanged(item=item, change=change, seq=self._kept.seq, vehicle=vehicle))
+
+    def _reset(self) -> None:
+        """A person says that what was wrong was seen to."""
+        if self._kept.doubt:
+            self._kept = replace(self._kept, doubt="")
+            self._keep()
+        if self._late:
+            self._expect(self._kept.cycling)
+        if self._fault:
+            self._put(Signal.RESET, True)
+
+    def _expect(self, product: str) -> None:
+        """A piece is waited for from now on."""
+        self._late, self._turn = "", self._turn + 1
+        patience_s = max(LATE_MIN_S, LATE_CYCLES * self._cycle_s.get(product, 0.0))
+        since_s = self._clock.now_s()
+        self._clock.call_at(since_s + patience_s, partial(self._miss, self._turn, patience_s))
+
+    def _miss(self, turn: int, patience_s: float) -> None:
+        if turn != self._turn or not self._kept.cycling:
+            return
+        if self._told[0]:
+            self._expect(self._kept.cycling)  # It cannot have come: it is waited for anew.
+            return
+        self._late = f"no piece of {self._kept.cycling} was counted for {patience_s:.0f} s"
+        self._settle()
+
+    # --- what follows ---
+
+    def _settle(self) -> None:
+        """Tell the controller and the agent what has changed."""
+        vehicle = self._dock.vehicle
+        self._put(Signal.DOCK_PERMIT, bool(vehicle))
+        self._put(Signal.DOCK_VEHICLE, vehicle)
+        if self._dock.state is not DockState.OPEN:
+            self._told_ready = ""
+        elif self._told_ready != vehicle:
+            self._told_ready = vehicle
+            self._report(DockReady(vehicle=vehicle))
+        self._judge()
+
+    def _judge(self) -> None:
+        """Say what keeps the machine from working, when that has changed; the worst of it."""
+        told = self._problem()
+        if told == self._told:
+            return
+        was, self._told = self._told[0], told
+        reason, problem, resettable = told
+        if reason:
+            self._report(Broken(reason=reason, problem=problem, resettable=resettable))
+        elif was:
+            self._report(Repaired())
+
+    def _problem(self) -> tuple[str, Problem, bool]:
+        if self._away:
+            return f"its controller is not heard: {self._away}", _NO_LINK, False
+        if self._fault or self._standing:
+            what = self._fault_text or self._fault or self._standing
+            return what, NOTHING_KNOWN, Signal.RESET in self._tags and bool(self._fault)
+        for signal in (Signal.PIECES, Signal.BAD, Signal.FAULT, Signal.STATE):
+            if signal in self._silent:
+                return (
+                    f"its controller has no value for {signal.value}: {self._silent[signal]}",
+                    _NO_LINK,
+                    False,
+                )
+        for signal, reason in self._refused.items():
+            return f"its controller does not take {signal.value}: {reason}", _SOFTWARE, False
+        if self._kept.doubt:
+            return f"its count is in doubt: {self._kept.doubt}", _SOFTWARE, True
+        return self._late, NOTHING_KNOWN, bool(self._late)
+
+    def _put(self, signal: Signal, value: Value) -> None:
+        tag = self._tags.get(signal)
+        if tag is None:
+            return
+        if tag.invert and isinstance(value, bool):
+            value = not value
+        if self.outputs.get(signal) != value:
+            self.outputs[signal] = value
+            self._world.write()
+
+    def _scale(self, signal: Signal) -> float:
+        tag = self._tags.get(signal)
+        return 1.0 if tag is None else tag.scale
+
+    def _keep(self) -> None:
+        self._kept = replace(self._kept, stock=dict(self._stock))
+        self._world.remember(self._kept)
+
+
+def _fault(value: Value, *, inverted: bool) -> str:
+    """A fault in words; empty for none."""
+    if isinstance(value, str):
+        return value.strip()
+    if bool(value) is inverted:
+        return ""
+    return "a fault" if isinstance(value, bool) or inverted else f"fault {value:g}"
+
+
+def _nobody_hears(report: Report) -> None:
+    """What a body reports before its agent listens; its state tells it all the same."""

@@ -1,0 +1,56 @@
+"""`dray machine`: machines whose controllers are real: commissioning."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from dray.cli.runtime.options import SettingsFile
+
+app = typer.Typer(no_args_is_help=True, help="Real machines.")
+
+
+@app.callback()
+def machine() -> None:
+    """Real machines."""
+
+
+@app.command()
+def check(
+    name: Annotated[str, typer.Argument(help="Its id in the plant, as M8.")],
+    mapping: Annotated[
+        Path | None,
+        typer.Option("--mapping", help="Which nodes of its controller are which signals; else DRAY_MAPPING."),
+    ] = None,
+    plant: Annotated[
+        Path | None,
+        typer.Option("--plant", help="A plant file; else DRAY_PLANT_FILE, else the default plant."),
+    ] = None,
+    cycle: Annotated[bool, typer.Option("--cycle", help="Let it WORK: it makes one piece.")] = False,
+    dock: Annotated[
+        bool, typer.Option("--dock", help="Let it open its dock, as for a vehicle; nobody may stand there.")
+    ] = False,
+    out: Annotated[Path | None, typer.Option(help="Write the report there, too (Markdown).")] = None,
+    settings: SettingsFile = None,
+) -> None:
+    """Commission a machine's controller: connection, each signal and its type; and, if you let it work, one piece and its dock.
+
+    Without --cycle and --dock it only reads. Exit code 1: a step has failed.
+    """
+    import asyncio
+
+    from dray.cli.runtime.commission import commission_machine
+    from dray.cli.runtime.options import load_settings
+    from dray.cli.runtime.surroundings import Surroundings
+
+    said = load_settings(settings_file=settings, mapping=mapping, plant_file=plant)
+    done = asyncio.run(
+        commission_machine(Surroundings.of(said), name, cycle=cycle, dock=dock, say=typer.echo)
+    )
+    typer.echo("\n" + done.report())
+    if out is not None:
+        out.write_text(done.report(), encoding="utf-8")
+    if not done.passed:
+        raise typer.Exit(1)

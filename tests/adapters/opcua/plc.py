@@ -1,0 +1,135 @@
+"""A controller of our own that is an OPC UA server, for tests: a counter, bits and words, as a machine builder would lay them out."""
+
+from __future__ import annotations
+
+import asyncio
+from pathlib import Path
+from typing import Self
+
+from asyncua import Node, Server, ua
+from asyncua.crypto.permission_rules import SimpleRoleRuleset, User, UserRole
+from asyncua.server.user_managers import UserManager
+
+from dray.adapters.signals.signal import Signal, Value
+
+NAMESPACE = "http://example.org/press"
+
+TYPES = {
+    Signal.PIECES: (0, ua.VariantType.UInt16),
+    Signal.BAD: (0, ua.VariantType.UInt16),
+    Signal.FAULT: (False, ua.VariantType.Boolean),
+    Signal.FAULT_TEXT: ("", ua.VariantType.String),
+    Signal.DOCK_READY: (False, ua.VariantType.Boolean),
+    Signal.RUN: (False, ua.VariantType.Boolean),
+    Signal.PRODUCT: ("", ua.VariantType.String),
+    Signal.SPEED: (100.0, ua.VariantType.Float),
+    Signal.DOCK_PERMIT: (False, ua.VariantType.Boolean),
+    Signal.DOCK_VEHICLE: ("", ua.VariantType.String),
+    Signal.ALIVE: (0, ua.VariantType.Int16),
+}
+
+PATIENCE_S = 60.0
+"""Far beyond what a busy computer takes."""
+
+
+class OneUser(UserManager):
+    """Knows one name and one password."""
+
+    def get_user(
+        self,
+        iserver: object,
+        username: str | None = None,
+        password: str | None = None,
+        certificate: object = None,
+    ) -> User | None:
+        return User(UserRole.User, username) if (username, password) == ("dray", "secret") else None
+
+
+class Plc:
+    """A server on this machine.
+
+    Args:
+        port: TCP port; 0 for any.
+        user: whether it wants name and password.
+        certificates: its own certificate and key, where it wants to be spoken to in secret.
+        pieces: what its counter shows at the beginning.
+    """
+
+    def __init__(
+        self,
+        port: int = 0,
+        *,
+        user: bool = False,
+        certificates: tuple[Path, Path] | None = None,
+        pieces: int = 0,
+    ) -> None:
+        self._shows: dict[Signal, Value] = {Signal.PIECES: pieces}
+        self._server = Server(user_manager=OneUser() if user else None)
+        self._port, self._certificates, self._user = port, certificates, user
+        self.nodes: dict[Signal, Node] = {}
+
+    async def __aenter__(self) -> Self:
+        server = self._server
+        await server.init()
+        server.set_endpoint(f"opc.tcp://127.0.0.1:{self._port}/plc")
+        if self._certificates is not None:
+            certificate, key = self._certificates
+            await server.load_certificate(certificate)
+            await server.load_private_key(key)
+            server.set_security_policy(
+                [ua.SecurityPolicyType.Basic256Sha256_SignAndEncrypt], permission_ruleset=SimpleRoleRuleset()
+            )
+        else:
+            server.set_security_policy([ua.SecurityPolicyType.NoSecurity])
+        space = await server.register_namespace(NAMESPACE)
+        press = await server.nodes.objects.add_object(
+            ua.NodeId("Press", space), ua.QualifiedName("Press", space)
+        )
+        for signal, (value, kind) in TYPES.items():
+            name = signal.value
+            node = await press.add_variable(
+                ua.NodeId(f"Press.{name}", space),
+                ua.QualifiedName(name, space),
+                self._shows.get(signal, value),
+                kind,
+            )
+            await node.set_writable()
+            self.nodes[signal] = node
+        await server.start()
+        if not self._port:
+            self._port = server.bserver.port
+        return self
+
+    async def __aexit__(self, *_: object) -> None:
+        await self._server.stop()
+
+    @property
+    def url(self) -> str:
+        return f"opc.tcp://127.0.0.1:{self._port}/plc"
+
+    @property
+    def port(self) -> int:
+        return self._port
+
+    async def put(self, signal: Signal, value: Value, status: int = ua.StatusCodes.Good) -> None:
+        """Show a value."""
+        variant = ua.Variant(value, TYPES[signal][1])
+        await self.nodes[signal].write_value(ua.DataValue(variant, ua.StatusCode(status)))
+
+    async def read(self, signal: Signal) -> Value:
+        """What it was told, or shows."""
+        read: Value = await self.nodes[signal].read_value()
+        return read
+
+    async def until(self, signal: Signal, value: Value) -> None:
+        """Wait until it has been told something."""
+        async with asyncio.timeout(PATIENCE_S):
+            shown = await self.read(signal)
+            while shown != value:
+                await asyncio.sleep(0.02)
+                shown = await self.read(signal)
+
+
+def mapping(signals: tuple[Signal, ...]) -> dict[str, dict[str, str]]:
+    """A mapping file's `signals`, for its nodes."""
+    return {signal.value: {"node": f"nsu={NAMESPACE};s=Press.{signal.value}"} for signal in signals}

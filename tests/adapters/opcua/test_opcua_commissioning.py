@@ -1,0 +1,102 @@
+"""`dray machine check`: against a controller that works, one that lacks something, and none."""
+
+from __future__ import annotations
+
+import asyncio
+import socket
+from pathlib import Path
+
+import pytest
+from plc import Plc, mapping
+from signals_rig import PLANT, PRODUCT, SPEC
+
+from dray.adapters.opcua.commissioning import Commissioning, Wanted
+from dray.adapters.opcua.mapping_file import parse_mapping
+from dray.adapters.signals.signal import Signal
+from dray.adapters.system_clock import SystemClock
+
+SIGNALS = tuple(
+    Signal(name) for name in ("pieces", "fault", "dock_ready", "run", "dock_permit", "dock_vehicle")
+)
+
+
+def commissioning(url: str, folder: Path, wanted: Wanted, **tags: str) -> Commissioning:
+    """Of the rig's machine; `tags` takes the place of a signal's in the mapping."""
+    said = {name: f'{{node: "{tag["node"]}"}}' for name, tag in mapping(SIGNALS).items()} | tags
+    text = f"url: {url}\nsignals:\n" + "\n".join(f"  {name}: {tag}" for name, tag in said.items())
+    clock = SystemClock(asyncio.get_running_loop())
+    return Commissioning(parse_mapping(text.encode(), "m.yaml"), folder, "", SPEC, PLANT, clock, wanted)
+
+
+async def seen(done: Commissioning) -> dict[str, tuple[bool | None, str]]:
+    return {step.name: (step.passed, step.text) async for step in done.run()}
+
+
+async def play_machine(plc: Plc) -> None:
+    """Make a piece when one is wanted, and open the dock for whoever stands there."""
+    await plc.until(Signal.RUN, True)
+    await plc.put(Signal.PIECES, 1)
+    await plc.until(Signal.DOCK_PERMIT, True)
+    await plc.put(Signal.DOCK_READY, True)
+    await plc.until(Signal.DOCK_PERMIT, False)
+    await plc.put(Signal.DOCK_READY, False)
+
+
+def test_a_machine_that_works_makes_a_piece_and_opens_its_dock(tmp_path: Path) -> None:
+    async def story() -> None:
+        async with Plc() as plc:
+            machine = asyncio.create_task(play_machine(plc))
+            done = commissioning(plc.url, tmp_path, Wanted(cycle=True, dock=True))
+            steps = await seen(done)
+            await machine
+        assert [name for name, (passed, _) in steps.items() if not passed] == []
+        assert "UInt16, shows 0" in steps["pieces"][1]
+        assert steps["cycle"][1].startswith(f"one {PRODUCT} after")
+        assert "ready after" in steps["dock"][1]
+        assert done.passed
+        # What it has, and the mapping lacks.
+        assert '  bad: {node: "ns=2;s=Press.bad"}' in done.report()
+
+    asyncio.run(story())
+
+
+def test_what_is_wrong_is_named_signal_by_signal_and_nothing_moves(tmp_path: Path) -> None:
+    async def story() -> None:
+        async with Plc() as plc:
+            await plc.nodes[Signal.RUN].set_read_only()
+            await plc.put(Signal.PIECES, 1)
+            done = commissioning(
+                plc.url,
+                tmp_path,
+                Wanted(cycle=True, dock=True),
+                fault='{node: "ns=2;s=Press.nothing"}',
+                bad='{node: "ns=2;s=Press.fault"}',
+            )
+            steps = await seen(done)
+            assert await plc.read(Signal.DOCK_PERMIT) is False
+        assert "BadNodeIdUnknown" in steps["fault"][1]
+        assert "it is a pulse: say `edge: rising` or `falling`" in steps["bad"][1]
+        assert "may not be written" in steps["run"][1]
+        assert "cycle" not in steps
+        assert not done.passed
+
+    asyncio.run(story())
+
+
+def test_a_controller_that_is_not_there_is_said(tmp_path: Path, free_port: int) -> None:
+    async def story() -> None:
+        done = commissioning(f"opc.tcp://127.0.0.1:{free_port}", tmp_path, Wanted())
+        steps = await seen(done)
+        assert list(steps) == ["connection"]
+        assert steps["connection"][0] is False
+
+    asyncio.run(story())
+
+
+@pytest.fixture
+def free_port() -> int:
+    """A port on which nobody listens."""
+    with socket.socket() as server:
+        server.bind(("127.0.0.1", 0))
+        port: int = server.getsockname()[1]
+    return port

@@ -1,0 +1,351 @@
+"""A machine's body behind single values: each odd thing that a controller does ends in the right count, or in a problem with a name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from signals_rig import BILL, CYCLE_S, ITEM, PRODUCT, PULSE, TWO_BITS, Rig
+
+from dray.adapters.signals.signal import Edge, Quality, Signal, SignalMapping, Tag
+from dray.adapters.signals.workcell import DAMAGED, LATE_MIN_S
+from dray.body import (
+    Book,
+    Broken,
+    CloseDock,
+    CycleDone,
+    CycleFailed,
+    DockReady,
+    OpenDock,
+    Repaired,
+    ResetFault,
+    SetPace,
+    StockChanged,
+)
+from dray.messages import ProblemKind
+
+PIECE_S = CYCLE_S
+
+
+def done(rig: Rig) -> int:
+    """Good pieces that were reported since this was asked last."""
+    return sum(isinstance(report, CycleDone) and not report.bad for report in rig.heard())
+
+
+# --- a machine that works ---
+
+
+def test_a_piece_uses_its_material_and_lies_in_the_goods() -> None:
+    rig = Rig(TWO_BITS)
+    rig.tell(Signal.DOCK_READY, False)
+    rig.start()
+    assert rig.state.cycling == PRODUCT
+    assert rig.body.outputs[Signal.RUN] is True
+    assert rig.state.stock[ITEM] == 100 - BILL[ITEM]
+    rig.clock.pass_s(PIECE_S)
+    rig.tell(Signal.PIECES, 1)
+    assert rig.heard() == [CycleDone(product=PRODUCT, seq=1)]
+    assert (rig.state.cycling, rig.state.stock[PRODUCT], rig.state.seq) == ("", 1, 1)
+    assert rig.body.outputs[Signal.RUN] is False
+
+
+def test_a_piece_that_nobody_has_asked_for_counts_and_uses_its_material() -> None:
+    rig = Rig()
+    rig.tell(Signal.PIECES, 2)
+    assert done(rig) == 2
+    assert rig.state.stock[PRODUCT] == 2
+    assert rig.state.stock[ITEM] == 100 - 2 * BILL[ITEM]
+
+
+def test_a_piece_that_comes_before_its_start_is_heard_makes_no_cycle_run_twice() -> None:
+    rig = Rig()
+    rig.start()
+    rig.tell(Signal.PIECES, 2)
+    rig.start()
+    rig.start()
+    rig.clock.pass_s(PIECE_S)
+    rig.tell(Signal.PIECES, 3)
+    assert done(rig) == 3
+    assert (rig.state.cycling, rig.state.stock[ITEM]) == ("", 100 - 3 * BILL[ITEM])
+
+
+def test_a_bad_piece_uses_material_and_lies_nowhere() -> None:
+    rig = Rig({Signal.PIECES: Tag("good"), Signal.BAD: Tag("bad")})
+    rig.tell(Signal.BAD, 7)
+    rig.start()
+    rig.clock.pass_s(PIECE_S)
+    rig.tell(Signal.BAD, 8)
+    assert rig.heard() == [CycleDone(product=PRODUCT, seq=1, bad=True)]
+    assert rig.state.stock[PRODUCT] == 0
+
+
+def test_what_cannot_be_made_is_said() -> None:
+    rig = Rig(stock={})
+    rig.start()
+    rig.start("nothing-of-ours")
+    assert [report.reason for report in rig.heard() if isinstance(report, CycleFailed)] == [
+        f"missing {', '.join(BILL)}",
+        "not made here",
+    ]
+
+
+def test_what_vehicles_say_is_booked() -> None:
+    rig = Rig(stock={})
+    rig.body.instruct(Book(vehicle="ATV1", item=ITEM, change=40))
+    assert rig.heard() == [StockChanged(item=ITEM, change=40, seq=1, vehicle="ATV1")]
+    assert rig.state.stock[ITEM] == 40
+
+
+def test_a_pace_is_written_in_the_controllers_unit() -> None:
+    rig = Rig({Signal.PIECES: Tag("good"), Signal.SPEED: Tag("speed", scale=100)})
+    assert rig.state.paces
+    rig.body.instruct(SetPace(speed_frac=0.5))
+    assert rig.body.outputs[Signal.SPEED] == 50
+    assert not Rig().state.paces
+
+
+# --- the dock ---
+
+
+def test_a_vehicle_is_let_in_when_the_controller_says_so_and_once_for_each_time_it_is_asked() -> None:
+    rig = Rig(TWO_BITS)
+    rig.tell(Signal.DOCK_READY, False)
+    rig.body.instruct(OpenDock(vehicle="ATV1", item=ITEM, quantity=10))
+    assert (rig.body.outputs[Signal.DOCK_PERMIT], rig.body.outputs[Signal.DOCK_VEHICLE]) == (True, "ATV1")
+    assert rig.heard() == []
+    rig.tell(Signal.DOCK_READY, True)
+    assert rig.heard() == [DockReady(vehicle="ATV1")]
+    rig.body.instruct(OpenDock(vehicle="ATV1", item=ITEM, quantity=10))
+    assert rig.heard() == [DockReady(vehicle="ATV1")]
+    rig.body.instruct(Book(vehicle="ATV1", item=ITEM, change=10))
+    assert (rig.body.outputs[Signal.DOCK_PERMIT], rig.body.outputs[Signal.DOCK_VEHICLE]) == (False, "")
+
+
+def test_a_dock_without_a_handshake_is_open_at_once() -> None:
+    rig = Rig()
+    rig.body.instruct(OpenDock(vehicle="ATV1", item=ITEM, quantity=10))
+    assert rig.heard() == [DockReady(vehicle="ATV1")]
+    rig.body.instruct(CloseDock(vehicle="ATV1"))
+    rig.body.instruct(OpenDock(vehicle="ATV2", item=ITEM, quantity=10))
+    assert rig.heard() == [DockReady(vehicle="ATV2")]
+
+
+# --- what controllers do ---
+
+
+@dataclass(frozen=True)
+class Odd:
+    """Something odd that a controller does.
+
+    Attributes:
+        name: of it.
+        do: makes it happen to a machine that has begun its first piece.
+        pieces: that must have been counted then.
+        broken: words of the problem that must be named; empty for none.
+        signals: what the controller has.
+    """
+
+    name: str
+    do: Callable[[Rig], object]
+    pieces: int
+    broken: str = ""
+    signals: dict[Signal, Tag] | None = None
+
+
+def tells(*values: tuple[Signal, object], quality: Quality = Quality.GOOD) -> Callable[[Rig], None]:
+    def do(rig: Rig) -> None:
+        for signal, value in values:
+            rig.clock.pass_s(PIECE_S)
+            rig.tell(signal, value, quality)  # type: ignore[arg-type]
+
+    return do
+
+
+def away_and_back(value: object, away_s: float) -> Callable[[Rig], None]:
+    def do(rig: Rig) -> None:
+        rig.body.on_link_lost("the cable is out")
+        rig.clock.pass_s(away_s)
+        rig.tell(Signal.PIECES, value)  # type: ignore[arg-type]
+        rig.body.on_link()
+
+    return do
+
+
+P = Signal.PIECES
+FAULTS = {
+    P: Tag("good"),
+    Signal.FAULT: Tag("fault"),
+    Signal.FAULT_TEXT: Tag("text"),
+    Signal.RESET: Tag("reset"),
+}
+STATES = {P: Tag("good"), Signal.STATE: Tag("state")}
+
+ODD = (
+    Odd("the same value twice", tells((P, 1), (P, 1)), 1),
+    Odd("two pieces at once", tells((P, 2)), 2),
+    Odd("a counter that was reset", tells((P, 3), (P, 0), (P, 1)), 4),
+    Odd("a counter that rolls over", tells((P, 3), (P, 0)), 4, "", {P: Tag("good", rolls_over_at=4)}),
+    Odd("a counter with a sign that goes below 0", tells((P, 1), (P, -65_534)), 2, "", {P: Tag("good", rolls_over_at=65_536)}),
+    Odd("a counter that jumps by 10,000", tells((P, 10_000)), 0, "pieces went from 0 to 10,000"),
+    Odd("a counter that counts backwards", tells((P, 3), (P, 6), (P, 9), (P, 8)), 9, "it counts backwards"),
+    Odd("a counter in tenths", tells((P, 10.0), (P, 20.0)), 2, "", {P: Tag("good", scale=10)}),
+    Odd("a counter that is no number", tells((P, float("nan"))), 0, "no value for pieces: nan is no count"),
+    Odd("a counter that is a text", tells((P, "1")), 0, "no value for pieces: '1' is no count"),
+    Odd("a value of bad quality", tells((P, 7), quality=Quality.BAD), 0, "no value for pieces: its controller says that it is bad"),
+    Odd("a value that is uncertain", tells((P, 7), quality=Quality.UNCERTAIN), 0, "it is uncertain"),
+    Odd("a bad value that becomes good", lambda rig: (tells((P, 0), quality=Quality.BAD)(rig), tells((P, 1))(rig)), 1),
+    Odd("away, and pieces were made meanwhile", away_and_back(5, 20 * PIECE_S), 5),
+    Odd("away, and more than can have been made", away_and_back(500, PIECE_S), 0, "pieces at most can have been made"),
+    Odd(
+        "reset while it was away",
+        lambda rig: (tells((P, 3))(rig), away_and_back(1, 20 * PIECE_S)(rig)),
+        4,
+        "pieces made before that may be missing",
+    ),
+    Odd("away, and never back", lambda rig: rig.body.on_link_lost("the cable is out"), 0, "is not heard: the cable is out"),
+    Odd("a pulse that stays", tells((P, True), (P, True), (P, False)), 1, "", PULSE),
+    Odd("pulses that nobody could hear", lambda rig: (rig.body.on_link_lost("x"), rig.tell(P, True), rig.body.on_link()), 0, "pieces may be missing", PULSE),
+    Odd("a fault with its number", tells((Signal.FAULT, 17)), 0, "fault 17", FAULTS),
+    Odd("a fault with words", tells((Signal.FAULT_TEXT, " guard open "), (Signal.FAULT, True)), 0, "guard open", FAULTS),
+    Odd("a fault that goes by itself", tells((Signal.FAULT, True), (Signal.FAULT, False)), 0, "", FAULTS),
+    Odd("out of service by OPC 40001-1", tells((Signal.STATE, "OutOfService")), 0, "out of service", STATES),
+    Odd("not available, as a number", tells((Signal.STATE, 0)), 0, "not available", STATES),
+    Odd("a state that nobody knows", tells((Signal.STATE, "Dancing")), 0, "no value for state: 'Dancing' is no state", STATES),
+    Odd("a value that is not taken", lambda rig: rig.body.on_refused(Signal.RUN, "BadNotWritable"), 0, "does not take run: BadNotWritable", TWO_BITS),
+    Odd("no piece at all", lambda rig: rig.clock.pass_s(LATE_MIN_S + 5 * PIECE_S), 0, f"no piece of {PRODUCT} was counted for"),
+    Odd("a ready that is no bit", tells((Signal.DOCK_READY, "yes")), 0, "", TWO_BITS),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("odd", ODD, ids=lambda odd: odd.name)
+def test_what_a_controller_does_ends_in_the_right_count_or_in_a_problem_with_a_name(odd: Odd) -> None:
+    rig = Rig(odd.signals)
+    if odd.signals is PULSE:
+        rig = Rig(odd.signals, linked=False)
+        rig.tell(Signal.PIECES, False)
+        rig.body.on_link()
+        rig.heard()
+    rig.start()
+    odd.do(rig)
+    assert odd.broken in rig.state.broken
+    assert bool(odd.broken) == bool(rig.state.broken), rig.state.broken
+    heard = rig.heard()
+    assert sum(isinstance(report, CycleDone) for report in heard) == odd.pieces
+    assert rig.state.stock[PRODUCT] == odd.pieces
+    last = [report for report in heard if isinstance(report, Broken | Repaired)][-1:]
+    assert [isinstance(report, Broken) for report in last] in ([], [bool(odd.broken)])
+
+
+def test_a_doubted_count_stands_over_a_restart_until_somebody_says_that_it_was_seen_to() -> None:
+    rig = Rig()
+    rig.tell(Signal.PIECES, 10_000)
+    assert rig.state.resettable
+    rig.begin()
+    rig.tell(Signal.PIECES, 10_000)
+    rig.body.on_link()
+    assert "went from 0 to 10,000" in rig.state.broken
+    rig.body.instruct(ResetFault())
+    assert rig.state.broken == ""
+    rig.clock.pass_s(PIECE_S)
+    rig.heard()
+    rig.tell(Signal.PIECES, 10_001)
+    assert done(rig) == 1
+
+
+def test_a_fault_is_acknowledged_until_it_has_gone() -> None:
+    rig = Rig(FAULTS)
+    rig.tell(Signal.FAULT, True)
+    assert rig.state.resettable
+    rig.body.instruct(ResetFault())
+    assert rig.body.outputs[Signal.RESET] is True
+    rig.tell(Signal.FAULT, False)
+    assert rig.body.outputs[Signal.RESET] is False
+    assert rig.state.broken == ""
+
+
+def test_a_connection_that_is_lost_is_a_problem_of_its_own_kind_and_lets_nobody_in() -> None:
+    rig = Rig(TWO_BITS)
+    rig.tell(Signal.DOCK_READY, False)
+    rig.body.instruct(OpenDock(vehicle="ATV1", item=ITEM, quantity=10))
+    rig.body.on_link_lost("the cable is out")
+    assert rig.state.about_problem.kind is ProblemKind.LINK
+    rig.heard()
+    rig.tell(Signal.PIECES, 0)
+    rig.tell(Signal.DOCK_READY, True)
+    rig.body.on_link()
+    assert rig.heard() == [DockReady(vehicle="ATV1"), Repaired()]
+
+
+def test_pieces_are_counted_over_a_restart_of_the_agent() -> None:
+    rig = Rig()
+    rig.start()
+    rig.clock.pass_s(PIECE_S)
+    rig.tell(Signal.PIECES, 1)
+    rig.start()
+    rig.begin()
+    assert (rig.state.cycling, rig.state.seq, rig.state.stock[PRODUCT]) == (PRODUCT, 1, 1)
+    rig.clock.pass_s(10 * PIECE_S)
+    rig.heard()
+    rig.tell(Signal.PIECES, 4)
+    rig.body.on_link()
+    assert done(rig) == 3
+    assert rig.state.stock[ITEM] == 100 - 4 * BILL[ITEM]
+
+
+def test_a_memory_that_is_damaged_is_a_problem_and_no_wrong_stock() -> None:
+    rig = Rig()
+    rig.kept = DAMAGED
+    rig.begin()
+    rig.tell(Signal.PIECES, 55)
+    rig.body.on_link()
+    assert "see what lies in its buffers" in rig.state.broken
+    assert set(rig.state.stock.values()) == {0}
+
+
+@given(st.lists(st.sampled_from(("start", "piece", "kill", "away", "book", "reset")), max_size=40))
+def test_whatever_happens_no_piece_is_counted_twice_and_none_is_forgotten(steps: list[str]) -> None:
+    rig = Rig(stock=dict.fromkeys(BILL, 10_000))
+    shown = reported = 0
+    for step in steps:
+        rig.clock.pass_s(2 * PIECE_S)
+        match step:
+            case "start":
+                rig.start()
+            case "piece":
+                shown += 1
+                rig.tell(Signal.PIECES, shown)
+            case "kill":
+                rig.begin()
+                rig.tell(Signal.PIECES, shown)
+                rig.body.on_link()
+            case "away":
+                shown += 1
+                away_and_back(shown, PIECE_S)(rig)
+            case "book":
+                rig.body.instruct(Book(vehicle="ATV1", item=PRODUCT, change=-1))
+                rig.body.instruct(Book(vehicle="ATV1", item=PRODUCT, change=1))
+            case _:
+                rig.body.instruct(ResetFault())
+        reported += done(rig)
+    assert reported == shown
+    assert rig.state.stock[PRODUCT] >= shown
+    begun = shown + bool(rig.state.cycling)
+    assert rig.state.stock[ITEM] == 10_000 - begun * BILL[ITEM]
+
+
+@pytest.mark.parametrize(
+    ("signals", "why"),
+    [
+        ({Signal.FAULT: Tag("x")}, "`pieces` is missing"),
+        ({P: Tag("x"), Signal.FAULT: Tag("y", edge=Edge.RISING)}, r"signals.fault: only `pieces` and `bad`"),
+        ({P: Tag("x", edge=Edge.RISING, rolls_over_at=10)}, "no counter that rolls over"),
+        ({P: Tag("x", invert=True)}, "say `edge: falling`"),
+        ({P: Tag("x"), Signal.DOCK_READY: Tag("y")}, "`dock_ready` needs `dock_permit`"),
+    ],
+)
+def test_a_mapping_that_makes_no_sense_is_refused(signals: dict[Signal, Tag], why: str) -> None:
+    with pytest.raises(ValueError, match=why):
+        SignalMapping(signals)
