@@ -58,7 +58,8 @@ _INTEGERS = {
 
 _FLOATS = frozenset({ua.VariantType.Float, ua.VariantType.Double})
 
-_log = logging.getLogger(__name__)
+# It tells each request at INFO, and what its caller is told anyway at WARNING.
+logging.getLogger("asyncua").setLevel(logging.ERROR)
 
 
 class Listener(Protocol):
