@@ -44,6 +44,9 @@ def strategists_of(count: int) -> tuple[str, ...]:
 GATE = "gate"
 """The id of the gate of the delivery warehouses, one agent in every plant."""
 
+HISTORIAN = "historian"
+"""The historian's name on the bus."""
+
 STRATEGISTS = frozenset(strategists_of(9))
 """Whoever is called so is a strategist: no plant may call a machine, a storage or a vehicle so."""
 

@@ -23,7 +23,7 @@ from sqlalchemy.exc import DBAPIError
 
 from dray.errors import UnavailableError
 from dray.messages import AtvHeartbeat, Event, EventsKept, Heartbeat, MachineHeartbeat, Message
-from dray.messages.keys import Keys
+from dray.messages.keys import HISTORIAN, Keys
 from dray.ports import Bus, Session
 from dray.store.history.clocks import AGENTS_KEPT, Clocks, ToWall
 from dray.store.history.gaps import Gaps
@@ -31,9 +31,6 @@ from dray.store.orders.progress import Goal, accepted_order, goal_of, life_with,
 from dray.store.retention import Retention
 from dray.store.work import Store, Work
 from dray.supervision import Supervisor
-
-AGENT = "historian"
-"""Its name on the bus."""
 
 QUEUE_EVENTS = 50_000
 """Events that wait to be written, some 25 MB: a minute of 1,000 vehicles while the disk is busy."""
@@ -153,15 +150,15 @@ class Historian:
         self._recovered = recovered
         async with self._store.read() as work:
             self._gaps = Gaps(await work.events.known(), self._now_s(), self._agents)
-        session = self._bus.join(AGENT, self.receive, self._life)
+        session = self._bus.join(HISTORIAN, self.receive, self._life)
         session.subscribe(self._keys.all_events)
         session.subscribe(self._keys.all_heartbeats)
         keep = self.supervisor.keep
-        writer = asyncio.create_task(keep("writes", self._write_on), name=AGENT)
-        beside = [asyncio.create_task(keep("asks", partial(self._ask_on, session)), name=f"{AGENT} asks")]
+        writer = asyncio.create_task(keep("writes", self._write_on), name=HISTORIAN)
+        beside = [asyncio.create_task(keep("asks", partial(self._ask_on, session)), name=f"{HISTORIAN} asks")]
         if self.retention is not None:
             forgets = keep("forgets", self.retention.run)
-            beside.append(asyncio.create_task(forgets, name=f"{AGENT} forgets"))
+            beside.append(asyncio.create_task(forgets, name=f"{HISTORIAN} forgets"))
         try:
             yield
         finally:

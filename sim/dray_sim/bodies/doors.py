@@ -53,6 +53,9 @@ class Doors:
         plant: the lanes, and which doors stand on them.
         clock: the plant's clock.
         passers: the vehicles of the floor.
+
+    Attributes:
+        leaves: what each door covers unless it is open, by lane.
     """
 
     def __init__(self, plant: Plant, clock: Clock, passers: Mapping[str, Passer]) -> None:
@@ -60,21 +63,16 @@ class Doors:
         self._clock = clock
         self._doors = {door.id: _Door(door) for door in plant.doors.values()}
         self._on: dict[Ends, _Door] = {lane: self._doors[door.id] for lane, door in plant.door_on.items()}
-        self._leaves: dict[Ends, Rectangle] = {}
+        self.leaves: dict[Ends, Rectangle] = {}
         for lane in plant.door_on:
             road = plant.roads.lane(*lane)
             if road is not None:
-                self._leaves[lane] = leaf_of(road, plant.nodes, plant.vehicle_types)
+                self.leaves[lane] = leaf_of(road, plant.nodes, plant.vehicle_types)
 
     @property
     def states(self) -> dict[str, DoorState]:
         """Of every door, by its id."""
         return {name: door.state for name, door in self._doors.items()}
-
-    @property
-    def leaves(self) -> dict[Ends, Rectangle]:
-        """What the doors that are not open cover, by lane."""
-        return {lane: leaf for lane, leaf in self._leaves.items() if self.is_shut(lane)}
 
     def is_shut(self, lane: Ends) -> bool:
         """Whether a lane cannot be entered because of its door, which may be opening."""

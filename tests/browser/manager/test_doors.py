@@ -6,11 +6,12 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from manager_kit import as_manager, map_scale, on_map
+from manager_kit import PAD_PX, as_manager
 from msgspec import UNSET
 from msgspec.structs import replace
 from open_house import OpenHouse, open_house
 from playwright.sync_api import Page, expect
+from playwright.sync_api import TimeoutError as NeverShown
 from puppets import LATER_S, Puppet
 from variants import variants
 
@@ -43,25 +44,38 @@ LOOKS = {
 }
 """The colours of a door in its middle, where an opening one has gone apart, and at its end; "" for any other, or none."""
 
-LOOK = """([x, y, half, look]) => {
+LOOK_MS = 100
+"""From look to look: sixty a second would leave a busy computer little time to draw."""
+
+LOOK = """([plant, pad, door, look]) => {
     const canvas = [...document.querySelectorAll("#plant-map canvas")].at(-1);
+    if (!canvas) return {fits: false, seen: "no map"};
+    // Measured at every look: a card that comes meanwhile, or a font, makes the map another size.
     const box = canvas.getBoundingClientRect();
-    const own = () => document.createElement("canvas").getContext("2d", {willReadFrequently: true});
-    const [told, shown] = [own(), own()];
-    [shown.canvas.width, shown.canvas.height] = [canvas.width, canvas.height];
-    shown.drawImage(canvas, 0, 0);
+    const [width, height] = [box.width - pad.left - pad.right, box.height - pad.top - pad.bottom];
+    const scale = Math.min(width / plant.width, height / plant.height);
+    const x = box.left + pad.left + (width - plant.width * scale) / 2 + door.x * scale;
+    const y = box.top + pad.top + (height + plant.height * scale) / 2 - door.y * scale;
+    const half = Math.max(door.least, door.half * scale);
+    const pixel = () => document.createElement("canvas").getContext("2d", {willReadFrequently: true});
+    const [told, shown] = [pixel(), pixel()];
+    const first = (context) => [...context.getImageData(0, 0, 1, 1).data];
     const rgb = (token) => {
         told.fillStyle = getComputedStyle(document.documentElement).getPropertyValue(`--${token}`).trim();
         told.fillRect(0, 0, 1, 1);
-        return told.getImageData(0, 0, 1, 1).data;
+        return first(told);
     };
-    return look.every((token, at) => {
-        const px = (x + half * [0, 0.45, 0.85][at] - box.left) * canvas.width / box.width;
-        const py = (y - box.top) * canvas.height / box.height;
-        const seen = shown.getImageData(px, py, 1, 1).data;
-        const is = (token) => rgb(token).every((each, channel) => Math.abs(each - seen[channel]) < 40);
-        return token === "" ? !["ink", "warn"].some(is) : is(token);
+    const ratio = canvas.width / box.width;
+    const seen = [0, 0.45, 0.85].map((part) => {
+        const [px, py] = [Math.floor((x + half * part - box.left) * ratio), Math.floor((y - box.top) * ratio)];
+        shown.clearRect(0, 0, 1, 1);
+        // One pixel: a copy of the whole map at every look takes a page's time from all that it should show.
+        shown.drawImage(canvas, px, py, 1, 1, 0, 0, 1, 1);
+        return first(shown);
     });
+    const is = (token, at) => rgb(token).every((each, channel) => Math.abs(each - seen[at][channel]) < 40);
+    const fits = look.every((token, at) => token === "" ? !is("ink", at) && !is("warn", at) : is(token, at));
+    return {fits, seen};
 }"""
 
 
@@ -104,10 +118,18 @@ def meets_the_door(house: OpenHouse, vehicle: Puppet) -> None:
 
 
 def stands(page: Page, look: str) -> None:
-    """Wait until the door is drawn so."""
-    x, y = on_map(page, PLANT, X_M, (LOW_M + HIGH_M) / 2)
-    half_px = max(LEAST_PX, HALF_M * map_scale(page, PLANT))
-    page.wait_for_function(LOOK, arg=[x, y, half_px, list(LOOKS[look])])
+    """Wait until the door is drawn so.
+
+    Raises:
+        AssertionError: it is not; with the colours that are there.
+    """
+    plant = {"width": PLANT.width_m, "height": PLANT.height_m}
+    door = {"x": X_M, "y": (LOW_M + HIGH_M) / 2, "half": HALF_M, "least": LEAST_PX}
+    arg = [plant, PAD_PX, door, list(LOOKS[look])]
+    try:
+        page.wait_for_function(f"arg => ({LOOK})(arg).fits", arg=arg, polling=LOOK_MS)
+    except NeverShown:
+        raise AssertionError(f"the door is not drawn {look}: {page.evaluate(LOOK, arg)['seen']}") from None
 
 
 @pytest.mark.parametrize("scheme", variants(["light", "dark"]))

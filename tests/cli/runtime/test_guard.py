@@ -11,7 +11,8 @@ import pytest
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from dray.cli.runtime.gateway.guard import BODY_S, HEAD_S, SPARE_FILES, STALL_S, Guard, room_for
-from dray.cli.runtime.gateway.serving import Server, listen
+from dray.cli.runtime.gateway.serving import Server
+from dray.cli.runtime.listener import listen
 from dray.settings import Settings
 
 

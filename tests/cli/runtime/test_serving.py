@@ -12,7 +12,9 @@ import pytest
 from fastapi import FastAPI
 
 from dray.cli.runtime.gateway.service import Service, greeting_of
-from dray.cli.runtime.gateway.serving import Server, asked_by_signals, listen
+from dray.cli.runtime.gateway.serving import Server
+from dray.cli.runtime.listener import listen
+from dray.cli.runtime.signals import asked_by_signals
 from dray.errors import UnavailableError
 from dray.plant import default_plant
 from dray.settings import Settings

@@ -14,8 +14,8 @@ from typing import Any
 import pytest
 
 from dray.adapters.security.signing import SigningKey
-from dray.cli.runtime.gateway.serving import listen
 from dray.cli.runtime.gateway.stop_path import StopPath, listen_for_stops
+from dray.cli.runtime.listener import listen
 from dray.gateway.app import create_app
 from dray.gateway.http.provided import provided
 from dray.gateway.live.projection import Projection

@@ -8,7 +8,7 @@ import subprocess
 import sys
 
 import pytest
-from variants import variants
+from variants import in_campaigns
 
 from dray.plant import default_plant
 from dray_sim.run.evidence import HELD
@@ -54,8 +54,8 @@ def test_most_transports_are_watched(hour: Report) -> None:
     assert hour.watches_taken > 0.8 * hour.transports
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("hash_seed", variants(["4711", "0", "1"]))
+# Here the seed of hashes is another one in every run, unless somebody has set it: so one more is enough.
+@pytest.mark.parametrize("hash_seed", in_campaigns(["4711", "0", "1"], "4711"))
 def test_the_same_seed_gives_the_same_report_in_another_process(hour: Report, hash_seed: str) -> None:
     environment = {**os.environ, "PYTHONHASHSEED": hash_seed}
     printed = subprocess.run(

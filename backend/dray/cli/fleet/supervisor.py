@@ -32,8 +32,9 @@ from dray.cli.fleet.process_specs import DISTANCES, specs_of
 from dray.cli.fleet.process_supervisor import Filling, ProcessSupervisor
 from dray.cli.fleet.software import OWN
 from dray.cli.runtime.gateway.authority import authority_of
-from dray.cli.runtime.gateway.serving import listen, stopped_by_signals
+from dray.cli.runtime.listener import listen
 from dray.cli.runtime.roster import FLOOR
+from dray.cli.runtime.signals import stopped_by_signals
 from dray.errors import UnavailableError
 from dray.gateway.access.tokens import new_token
 from dray.messages.keys import strategists_of

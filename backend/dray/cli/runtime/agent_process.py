@@ -10,8 +10,8 @@ from dray.adapters.journal.sqlite_journal import SqliteJournal
 from dray.adapters.zenoh.modem import Modem
 from dray.body import VehicleState
 from dray.cli.runtime.bodies import Embodied, Embody
-from dray.cli.runtime.gateway.serving import asked_by_signals
 from dray.cli.runtime.readiness import say_ready
+from dray.cli.runtime.signals import asked_by_signals
 from dray.cli.runtime.surroundings import Surroundings
 from dray.cli.runtime.telemetry.agent_meter import AgentMeter
 from dray.cli.runtime.telemetry.body_meter import BodyMeter

@@ -20,11 +20,10 @@ from dray.adapters.zenoh.exclusions import Exclusions
 from dray.adapters.zenoh.links import Links
 from dray.cli.runtime.telemetry.logs import prepare_logs
 from dray.gateway.live.timescale import TimeScale
-from dray.messages.keys import GATE, strategists_of
+from dray.messages.keys import GATE, HISTORIAN, strategists_of
 from dray.plant import Plant, default_plant, load_plant
 from dray.protocol.traffic.traffic_map import TrafficMap
 from dray.settings import Settings
-from dray.store.historian import AGENT as HISTORIAN
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,9 +7,9 @@ import asyncio
 from dray.adapters.system_clock import SystemClock
 from dray.adapters.telemetry.traffic_log import TrafficLog
 from dray.adapters.zenoh.claim import Claim
-from dray.cli.runtime.gateway.serving import stopped_by_signals
 from dray.cli.runtime.readiness import say_ready
 from dray.cli.runtime.roster import FLOOR
+from dray.cli.runtime.signals import stopped_by_signals
 from dray.cli.runtime.surroundings import Surroundings
 from dray.cli.runtime.telemetry.clock_meter import ClockMeter
 from dray.cli.simulation.floor_meter import FloorMeter

@@ -30,8 +30,8 @@ from dray.cli.runtime.gateway.service import (
     with_admin_token,
     with_stop_port,
 )
-from dray.cli.runtime.gateway.serving import address_of, listen
 from dray.cli.runtime.gateway.stop_path import StopPath, listen_for_stops
+from dray.cli.runtime.listener import address_of, listen
 from dray.cli.runtime.telemetry.logs import prepare_logs
 from dray.cli.runtime.telemetry.traces import traced, watched
 from dray.cli.simulation.factory_meter import FactoryMeter

@@ -1,20 +1,22 @@
 """Migrations: bringing the tables up to date, or back.
 
-The scripts lie in `migrations/` at the top of a checkout, and inside `dray.store` in a wheel.
+The scripts lie in `migrations/` at the top of a checkout, and inside `dray.store` in a wheel. Alembic is loaded when tables are brought
+up to date: many who read rows never do that, as the processes beside a gateway.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from alembic import command
-from alembic.config import Config
-from alembic.util import CommandError
 from sqlalchemy import Connection
 
 from dray.errors import UnavailableError
 from dray.store.database.database import Database
+
+if TYPE_CHECKING:
+    from alembic.config import Config
 
 CONNECTION = "connection"
 """Under this name the migrations' `env.py` finds the connection to work on."""
@@ -35,6 +37,8 @@ def migrations_folder() -> Path:
 
 def configuration() -> Config:
     """Alembic's configuration, made here so that no file of it has to be found."""
+    from alembic.config import Config  # noqa: PLC0415 (see above)
+
     config = Config()
     config.set_main_option("script_location", str(migrations_folder()).replace("%", "%%"))
     return config
@@ -46,15 +50,21 @@ async def upgrade(database: Database, revision: str = "head") -> None:
     Raises:
         UnavailableError: the database was written by a newer Dray.
     """
+    from alembic import command  # noqa: PLC0415 (see above)
+
     await _run(database, lambda config: command.upgrade(config, revision))
 
 
 async def downgrade(database: Database, revision: str) -> None:
     """Take the tables back to `revision`; ``base`` removes them all."""
+    from alembic import command  # noqa: PLC0415 (see above)
+
     await _run(database, lambda config: command.downgrade(config, revision))
 
 
 async def _run(database: Database, order: Callable[[Config], None]) -> None:
+    from alembic.util import CommandError  # noqa: PLC0415 (see above)
+
     def with_connection(connection: Connection) -> None:
         config = configuration()
         config.attributes[CONNECTION] = connection

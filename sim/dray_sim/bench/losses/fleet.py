@@ -16,7 +16,7 @@ from dray.cli.fleet import control
 from dray.cli.fleet.ending import end_fleet
 from dray.cli.fleet.folder import JOURNALS, LOGS, read_settings
 from dray.cli.fleet.process_registry import ProcessRegistry, peer_of, read_registry
-from dray.cli.runtime.gateway.serving import url_of
+from dray.cli.runtime.listener import url_of
 from dray.errors import UnavailableError
 from dray.gateway.access.tokens import new_token
 from dray.gateway.live.timescale import TimeScale

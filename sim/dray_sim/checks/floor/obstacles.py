@@ -6,8 +6,10 @@ beats: of what it has met itself it has told, as long as it has WLAN; and of not
 
 from __future__ import annotations
 
+from math import hypot
+
 from dray.messages import AtvHeartbeat, Link, Message, ObstacleSeen
-from dray.plant.floor.rectangles import gap_m
+from dray.plant.floor.rectangles import Rectangle, gap_m
 from dray.plant.restrictions import Ends
 from dray.protocol.closures.obstacles import lane_of
 from dray.protocol.vehicle.atv import Atv
@@ -38,6 +40,8 @@ class MindsObstacles:
         self._told: set[tuple[str, Ends]] = set()
         """Who has told of which lane."""
         self._courses: dict[str, Course] = {}
+        self._doors: dict[str, dict[Ends, Rectangle]] = {}
+        """Per vehicle the leaves that it may touch on its course, shut or not: looked up once, as leaves stay where they are."""
         self._watched: dict[str, None] = {}
         self._broken: InvariantBroken | None = None
         self._watch_new()
@@ -90,17 +94,27 @@ class MindsObstacles:
         if before is not None:
             self._judge(vehicle, before, course.begin_s)
         if not course.lifted:
+            leaves = self._factory.floor.doors.leaves
+            self._doors[vehicle] = {lane: leaf for lane, leaf in leaves.items() if _may_touch(course, leaf)}
             self._judge(vehicle, course, course.begin_s)
             self._courses[vehicle] = course
 
     def _judge(self, vehicle: str, course: Course, at_s: float) -> None:
-        floor = self._factory.floor
-        shapes, leaves = floor.obstacles.shapes, floor.doors.leaves
-        if not (shapes or leaves) or self._broken is not None:
+        floor, near = self._factory.floor, self._doors[vehicle]
+        shapes = floor.obstacles.shapes
+        if not (shapes or near) or self._broken is not None:
             return
+        leaves = {lane: leaf for lane, leaf in near.items() if floor.doors.is_shut(lane)}
         covers = course.covers(at_s)
         for what, there in (("what lies", shapes), ("the shut door", leaves)):
             for lane, shape in there.items():
                 if gap_m(covers, shape) < -TOUCH_M:
                     seen = f"{vehicle} drives into {what} between {lane[0]} and {lane[1]}"
                     self._broken = InvariantBroken(INSIDE, at_s, seen)
+
+
+def _may_touch(course: Course, shape: Rectangle) -> bool:
+    """Whether a body comes so near to a shape on its course that the circles around them meet."""
+    end_x_m, end_y_m = course.end
+    apart_m = hypot(shape.x_m - (course.x_m + end_x_m) / 2.0, shape.y_m - (course.y_m + end_y_m) / 2.0)
+    return apart_m <= course.reach_m / 2.0 + course.radius_m + shape.radius_m

@@ -17,7 +17,7 @@ from dray.cli.fleet.rollout.canary_verdict import CANARIES, HEARD, Canary
 from dray.cli.fleet.rollout.listener import Listener
 from dray.cli.fleet.rollout.report import Step, Verdict
 from dray.cli.fleet.software import Software
-from dray.cli.runtime.gateway.serving import url_of
+from dray.cli.runtime.listener import url_of
 from dray.gateway.live.timescale import TimeScale
 from dray.settings import Settings
 

@@ -32,8 +32,8 @@ from dray.cli.fleet.rollout.order_statistics import OrderCount, OrderStatistics
 from dray.cli.fleet.rollout.replacement import Scene, Terms
 from dray.cli.fleet.rollout.report import Cost, Flow, Report, Step, Verdict
 from dray.cli.fleet.software import Software
-from dray.cli.runtime.gateway.serving import stopped_by_signals
 from dray.cli.runtime.output import one_of
+from dray.cli.runtime.signals import stopped_by_signals
 from dray.errors import SettingsError, UnavailableError
 from dray.messages.speakers import Kind
 

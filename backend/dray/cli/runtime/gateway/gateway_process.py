@@ -19,9 +19,10 @@ from dray.cli.runtime.gateway.service import (
     with_admin_token,
     with_stop_port,
 )
-from dray.cli.runtime.gateway.serving import address_of, listen, stopped_by_signals
 from dray.cli.runtime.gateway.stop_path import StopPath, listen_for_stops
+from dray.cli.runtime.listener import address_of, listen
 from dray.cli.runtime.readiness import say_ready
+from dray.cli.runtime.signals import stopped_by_signals
 from dray.cli.runtime.surroundings import Surroundings
 from dray.cli.runtime.telemetry.bus_meter import BusMeter
 from dray.cli.runtime.telemetry.clock_meter import ClockMeter
@@ -29,9 +30,8 @@ from dray.errors import UnavailableError
 from dray.gateway.app import create_app
 from dray.gateway.metrics.history import History
 from dray.messages import OPERATOR_PREFIX
-from dray.messages.keys import Keys
+from dray.messages.keys import HISTORIAN, Keys
 from dray.store import open_store
-from dray.store.historian import AGENT as HISTORIAN
 
 
 async def run_gateway(where: Surroundings, customers: Customers | None = None) -> None:

@@ -17,8 +17,9 @@ from sqlalchemy import URL, make_url
 
 from dray import __version__
 from dray.adapters.telemetry.metrics_port import metrics_port
-from dray.cli.runtime.gateway.serving import Server, stopped_by_signals
+from dray.cli.runtime.gateway.serving import Server
 from dray.cli.runtime.readiness import tell_ready
+from dray.cli.runtime.signals import stopped_by_signals
 from dray.cli.runtime.telemetry.logs import quieten
 from dray.gateway.access.tokens import new_token
 from dray.gateway.http.provided import provided

@@ -1,11 +1,8 @@
-"""Serving from a command: a port that is ours before anything starts, and a clean stop on a signal."""
+"""The server of a command: it says when it answers, leaves signals to others, and tells why it cannot start."""
 
 from __future__ import annotations
 
-import asyncio
 import contextlib
-import errno
-import signal
 import socket
 from collections.abc import Callable, Generator
 from typing import Any
@@ -13,15 +10,11 @@ from typing import Any
 import uvicorn
 
 from dray.cli.runtime.gateway.guard import Guard, guarded, room_for
-from dray.errors import UnavailableError
+from dray.cli.runtime.listener import BACKLOG
 from dray.settings import Settings
 
-BACKLOG = 1024
-"""Connections that may wait to be accepted. Whoever finds the queue full tries again after a second, and a crowd must
-not let a Stop wait for that."""
-
 ACCEPTED_AT_ONCE = 8
-"""Of these, in one turn of the loop: few against what an address may have (`Guard`), so that nobody is sent away to
+"""Of the connections that wait (`BACKLOG`), in one turn of the loop: few against what an address may have (`Guard`), so that nobody is sent away to
 make room for those behind before anything was read of it."""
 
 INCOMING_BYTES = 4096
@@ -32,53 +25,6 @@ HEAD_BYTES = 32 * 1024
 
 GOODBYE_S = 3
 """Wall seconds that open requests get when the server ends: no answer takes longer, but a command."""
-
-ANY_ADDRESS = frozenset({"0.0.0.0", "::", ""})  # noqa: S104 (compared with, not bound to)
-
-
-def listen(host: str, port: int, option: str = "--port") -> socket.socket:
-    """Take the port, before anything else is started.
-
-    Args:
-        host: a name or address of this machine.
-        port: 0 lets the system choose one.
-        option: where it was chosen.
-
-    Raises:
-        UnavailableError: with a remedy, when it is taken or not allowed.
-    """
-    what = f"port {port} on {host}"
-    try:
-        family, kind, proto, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
-    except (OSError, UnicodeError) as error:
-        remedy = "name a host or address of this machine with --host"
-        raise UnavailableError(f"host {host}", _reason(error), remedy) from error
-    listener = socket.socket(family, kind, proto)
-    try:
-        # A port whose last connections are still fading may be taken at once; one in use may not.
-        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        listener.bind(address)
-        listener.listen(BACKLOG)
-    except OSError as error:
-        listener.close()
-        if error.errno == errno.EADDRINUSE:
-            remedy = f"end the program that uses it, or choose another one with {option} (0: any free one)"
-        else:
-            remedy = f"choose another one with --host and {option}; ports below 1024 need a privilege"
-        raise UnavailableError(what, _reason(error), remedy) from error
-    return listener
-
-
-def address_of(listener: socket.socket, host: str) -> str:
-    """What to type into a browser on this machine."""
-    return url_of(host, listener.getsockname()[1])
-
-
-def url_of(host: str, port: int) -> str:
-    """How a server that listens there is called from this machine."""
-    if host in ANY_ADDRESS:
-        host = "127.0.0.1"
-    return f"http://[{host}]:{port}" if ":" in host else f"http://{host}:{port}"
 
 
 class _Candid:
@@ -201,65 +147,3 @@ class Server(uvicorn.Server):
 def proxies(settings: Settings) -> list[str]:
     """The addresses of trusted proxies: each speaks for many."""
     return [each.strip() for each in settings.trusted_proxies.split(",") if each.strip()]
-
-
-_SIGNALS = (signal.SIGINT, signal.SIGTERM)
-
-
-@contextlib.contextmanager
-def stopped_by_signals(stop: Callable[[], None]) -> Generator[None]:
-    """Call `stop` on the running loop at Ctrl-C or SIGTERM; a second one ends the process at once."""
-    loop = asyncio.get_running_loop()
-
-    def first() -> None:
-        _leave_signals_alone(loop)
-        stop()
-
-    for each in _SIGNALS:
-        loop.add_signal_handler(each, first)
-    try:
-        yield
-    finally:
-        _leave_signals_alone(loop)
-
-
-@contextlib.contextmanager
-def asked_by_signals(leave: Callable[[], None], stop: Callable[[], None], within_s: float) -> Generator[None]:
-    """Call `leave` on the running loop at SIGTERM, and `stop` when that is not enough.
-
-    Args:
-        leave: let it end gracefully.
-        stop: let it end at once: at Ctrl-C, at a second SIGTERM, or when its time is over. The next signal
-            ends the process.
-        within_s: that time, from the first SIGTERM (real seconds).
-    """
-    loop = asyncio.get_running_loop()
-    waiting: list[asyncio.TimerHandle] = []
-
-    def ask() -> None:
-        loop.add_signal_handler(signal.SIGTERM, stop_now)
-        waiting.append(loop.call_later(within_s, stop_now))
-        leave()
-
-    def stop_now() -> None:
-        _leave_signals_alone(loop)
-        stop()
-
-    loop.add_signal_handler(signal.SIGTERM, ask)
-    loop.add_signal_handler(signal.SIGINT, stop_now)
-    try:
-        yield
-    finally:
-        _leave_signals_alone(loop)
-        for each in waiting:
-            each.cancel()
-
-
-def _leave_signals_alone(loop: asyncio.AbstractEventLoop) -> None:
-    for each in _SIGNALS:
-        loop.remove_signal_handler(each)
-
-
-def _reason(error: Exception) -> str:
-    reason = getattr(error, "strerror", None) or str(error)
-    return reason[:1].lower() + reason[1:]

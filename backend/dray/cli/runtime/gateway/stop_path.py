@@ -16,7 +16,8 @@ from dray.adapters.crossing import Crossing
 from dray.adapters.security.signing import SigningKey
 from dray.adapters.system_clock import SystemClock
 from dray.cli.runtime.gateway.guard import Guard
-from dray.cli.runtime.gateway.serving import Server, listen, proxies
+from dray.cli.runtime.gateway.serving import Server, proxies
+from dray.cli.runtime.listener import listen
 from dray.cli.runtime.telemetry.logs import quieten
 from dray.errors import UnavailableError
 from dray.gateway.access.access import Access

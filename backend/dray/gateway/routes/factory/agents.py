@@ -15,10 +15,9 @@ from dray.gateway.http.provided import Provided
 from dray.gateway.http.request_bodies import Line, json_only
 from dray.gateway.http.responses import PAGE, Cursor, Json, Limit, described, list_of, page, problems
 from dray.gateway.live.projection import Projection
-from dray.messages.keys import GATE, STRATEGISTS
+from dray.messages.keys import GATE, HISTORIAN, STRATEGISTS
 from dray.store import Store
 from dray.store.factory.exclusions import Exclusion
-from dray.store.historian import AGENT as HISTORIAN
 
 router = APIRouter(tags=["agents"])
 
