@@ -244,6 +244,7 @@ class Operator:
         """Mend a vehicle, where it is still needed; False when somebody else comes."""
         walk_s, mend_s = self._draw(self._habits.walk_s), self._draw(self._habits.mend_s)
         promises = self._random.random() < self._habits.promises_frac
+        doubled = self._heard[atv].heartbeat.problem == DOUBLED
         estimate_s = (walk_s + mend_s) * self._draw(self._habits.estimate)
         if not await self._is_taken(atv, estimate_s):
             return False
@@ -257,7 +258,7 @@ class Operator:
         elif problem:
             await asyncio.sleep(mend_s)
             self._hands.mend(atv)
-        elif self._heard[atv].heartbeat.problem == DOUBLED:
+        elif doubled:
             # It has stopped by itself, and drives when a person has seen to it.
             self._stops[atv] = self._clock.now_s()
         if self._hands.problem(atv) and (call := self.duty.shown(atv)) is not None:

@@ -1,0 +1,67 @@
+"""Tokens: whoever declares any number of its own costs others next to nothing."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Iterable
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+from issued import issued
+from zenoh_kit import Row
+
+from dray.adapters.security import seals
+from dray.adapters.security.identity import Identity
+from dray.messages.speakers import Kind
+
+KINDS = {"M1": Kind.MACHINE, "ATV1": Kind.ATV, "ATV9": Kind.ATV}
+
+MANY = 300
+"""Lives of one agent, each with a token that it has signed."""
+
+
+@pytest.fixture
+def examined(monkeypatch: pytest.MonkeyPatch) -> list[bytes]:
+    """What signatures were examined for."""
+    examine = seals._verify
+    found: list[bytes] = []
+
+    def count(certified: seals.Certified, signature: bytes, signed: bytes) -> None:
+        found.append(signed)
+        examine(certified, signature, signed)
+
+    monkeypatch.setattr(seals, "_verify", count)
+    return found
+
+
+def of(examined: Iterable[bytes], agent: str) -> int:
+    return sum(f"/alive/{agent}/".encode() in signed for signed in examined)
+
+
+def test_an_agent_with_many_tokens_has_one_of_them_examined_by_each_process(
+    tmp_path: Path, examined: list[bytes]
+) -> None:
+    async def main() -> None:
+        folder = issued(tmp_path, KINDS)
+        row = Row(3, identities=[Identity.in_folder(folder, name) for name in KINDS])
+        with closing(row):
+            machine, _, talkative = row.buses
+            machine.join("M1", lambda *_: None)
+            await row.settle()
+            liveliness = talkative.inner.liveliness()
+            held = [
+                liveliness.declare_token(talkative.tokens.key(talkative.tokens.of("ATV9", life)))
+                for life in range(1, MANY)
+            ]
+            await row.settle()
+            assert of(examined, "ATV9") <= len(KINDS)
+            # It is there all the same, and can be written to.
+            assert await machine.roll_call() == {"M1", "ATV9"}
+            assert machine.seals is not None
+            assert machine.seals.register.known("ATV9") is not None
+            assert of(examined, "ATV9") <= 2 * len(KINDS)
+            for each in held:
+                each.undeclare()
+
+    asyncio.run(main())
