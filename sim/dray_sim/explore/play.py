@@ -158,6 +158,12 @@ class _Game:
         self._restarts = 0
         self._faults: Counter[str] = Counter()
 
+    @property
+    def _doubled(self) -> str:
+        """The vehicle whose key somebody has; empty for none."""
+        insider = self._run.insider
+        return owner_in(self._run.plant) if insider and BEHAVIOURS[insider].has_key else ""
+
     async def play(self) -> None:
         """Run it to its end."""
         run, listeners = self._run, Listeners()
@@ -187,10 +193,8 @@ class _Game:
             HandedOver(attribution),
         )
         checks.add(ToldOnce(factory, liar))
-        if liar:
-            attribution.distrust(liar)
-        elif run.insider and BEHAVIOURS[run.insider].has_key:
-            attribution.distrust(owner_in(run.plant))
+        for unsound in filter(None, (liar, self._doubled)):
+            attribution.distrust(unsound)
         people: tuple[Operator, ...] = ()
         technicians: tuple[Technician, ...] = ()
         office = None

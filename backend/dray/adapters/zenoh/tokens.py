@@ -94,8 +94,9 @@ class Tokens:
         return None
 
     def brings_news(self, key: str) -> bool:
-        """Whether a key on `everybody` brings a certificate by which its agent is not known yet. An agent may declare any number of tokens: what is
-        known already costs others no signature.
+        """Whether a key on `everybody` brings a certificate by which its agent is not known yet.
+
+        An agent may declare any number of tokens: what is known already costs others no signature.
         """
         agent, _, seal = key.rsplit("/", 3)[1:]
         try:
