@@ -1,4 +1,4 @@
-"""Tokens: whoever declares any number of its own costs others next to nothing."""
+"""What an agent with a valid certificate can cost others: any number of its tokens, and what it says when it is shut out, next to nothing."""
 
 from __future__ import annotations
 
@@ -13,7 +13,9 @@ from zenoh_kit import Row
 
 from dray.adapters.security import seals
 from dray.adapters.security.identity import Identity
-from dray.messages.speakers import Kind
+from dray.messages import Event
+from dray.messages.fact import MemoryLost
+from dray.messages.speakers import SHUT_OUT, Kind
 
 KINDS = {"M1": Kind.MACHINE, "ATV1": Kind.ATV, "ATV9": Kind.ATV}
 
@@ -63,5 +65,33 @@ def test_an_agent_with_many_tokens_has_one_of_them_examined_by_each_process(
             assert of(examined, "ATV9") <= 2 * len(KINDS)
             for each in held:
                 each.undeclare()
+
+    asyncio.run(main())
+
+
+def test_what_an_agent_says_that_is_shut_out_costs_no_signature(
+    tmp_path: Path, examined: list[bytes]
+) -> None:
+    async def main() -> None:
+        folder = issued(tmp_path, KINDS)
+        row = Row(2, identities=[Identity.in_folder(folder, name) for name in ("M1", "ATV9")])
+        with closing(row):
+            machine, talkative = row.buses
+            heard: list[str] = []
+            listener = machine.join("M1", lambda sender, _message: heard.append(sender))
+            listener.subscribe(machine.keys.all_events)
+            speaker = talkative.join("ATV9", lambda *_: None)
+            word = Event(agent="ATV9", incarnation=1, number=1, at_s=1.0, fact=MemoryLost("damaged"))
+            await row.settle()
+            speaker.publish(machine.keys.events("ATV9"), word)
+            await row.settle()
+            before = len(examined)
+            machine.shut_out = frozenset({"ATV9"})
+            for _ in range(MANY):
+                speaker.publish(machine.keys.events("ATV9"), word)
+            await row.settle()
+            assert heard == ["ATV9"]
+            assert machine.refused == {SHUT_OUT: MANY}
+            assert len(examined) == before
 
     asyncio.run(main())

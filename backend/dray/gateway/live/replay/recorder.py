@@ -92,7 +92,8 @@ class Whole:
     def plain(self) -> dict[str, Any]:
         """As it is decoded from its line; in another thread than the loop's."""
         told = {name: [plain(fields) for fields in entities] for name, entities in self._known.items()}
-        return msgspec.to_builtins(self._head) | told
+        head: dict[str, Any] = msgspec.to_builtins(self._head)
+        return head | told
 
 
 class Lines:
@@ -171,9 +172,13 @@ class Recorder:
         line: dict[str, Any] = {name: part for name, part in frame.items() if part}
         self._keep(line, told.at_s)
 
-    async def unwritten(self) -> list[Piece]:
+    def lines(self) -> list[Lines]:
         """What is in memory only, oldest first, up to this moment."""
-        lines = [*self._unwritten, *self._open_piece(self._wall_s())]
+        return [*self._unwritten, *self._open_piece(self._wall_s())]
+
+    async def unwritten(self) -> list[Piece]:
+        """The same as pieces."""
+        lines = self.lines()
         return await asyncio.to_thread(lambda: [each.piece for each in lines])
 
     def now(self) -> Whole | None:
