@@ -96,7 +96,7 @@ class Attacker:
             if places != self._granted.get(message.district, frozenset()):
                 self._granted[message.district] = places
                 self._tell()
-        self.hear(sender, message)
+        self.note(sender, message)
         if isinstance(message, AtvHeartbeat) and sender != self.name:
             if message.at_s - self._spoke_s >= LEAST_S:
                 self._spoke_s = message.at_s
@@ -104,7 +104,7 @@ class Attacker:
                 self.said += 1
                 self._tell()
 
-    def hear(self, sender: str, message: Message) -> None:
+    def note(self, sender: str, message: Message) -> None:
         """Take in what was said."""
 
     def speak(self, now_s: float) -> None:
@@ -143,7 +143,7 @@ class Claims(Attacker):
         self._epochs: dict[str, int] = {}
         self._removal = self._beats = 0
 
-    def hear(self, _sender: str, message: Message) -> None:
+    def note(self, _sender: str, message: Message) -> None:
         if isinstance(message, PlaceGranted):
             self._epochs[message.district] = message.epoch
             self._removal = max(self._removal, message.removal)
@@ -200,7 +200,7 @@ class Doubles(Attacker):
         self._ways = cycle(product((0, 1), (unsigned, own)))
         self._life, self._removal, self._seen = 1, 0, 0
 
-    def hear(self, sender: str, message: Message) -> None:
+    def note(self, sender: str, message: Message) -> None:
         if isinstance(message, AtvHeartbeat) and sender == self.name:
             self._life = message.incarnation
             if message.floor is not UNSET:
