@@ -38,7 +38,7 @@ from dray_sim.factory.sim_factory import SimFactory
 from dray_sim.faults import Fault, Faults, LaneBlocked, LoadDropped, describe, kind_of
 from dray_sim.faults import play as let_happen
 from dray_sim.insiders import BEHAVIOURS
-from dray_sim.insiders.joining import INSIDER, bring_in
+from dray_sim.insiders.joining import INSIDER, bring_in, owner_in
 from dray_sim.network.listeners import Listeners
 from dray_sim.people.carriers import Carriers
 from dray_sim.people.crew import hire
@@ -158,6 +158,12 @@ class _Game:
         self._restarts = 0
         self._faults: Counter[str] = Counter()
 
+    @property
+    def _doubled(self) -> str:
+        """The vehicle whose key somebody has; empty for none."""
+        insider = self._run.insider
+        return owner_in(self._run.plant) if insider and BEHAVIOURS[insider].has_key else ""
+
     async def play(self) -> None:
         """Run it to its end."""
         run, listeners = self._run, Listeners()
@@ -187,8 +193,8 @@ class _Game:
             HandedOver(attribution),
         )
         checks.add(ToldOnce(factory, liar))
-        if liar:
-            attribution.distrust(liar)
+        for unsound in filter(None, (liar, self._doubled)):
+            attribution.distrust(unsound)
         people: tuple[Operator, ...] = ()
         technicians: tuple[Technician, ...] = ()
         office = None
@@ -300,15 +306,18 @@ class _Game:
     async def _lie(self, factory: SimFactory, office: FloorOffice | None) -> None:
         """Somebody lies to the end: in the quiet phase as well, whatever is open must end.
 
-        Who holds floor is sent away before: people have seen who holds it, and a person's word frees it.
+        Who holds floor is sent away before: people have seen who holds it, and a person's word frees it. Who has a vehicle's key, too: the
+        vehicle would stand.
         """
         behaviour = BEHAVIOURS[self._run.insider]
         lies = bring_in(factory, behaviour).run()
-        if office is None or not behaviour.claims_floor:
+        if office is None or not (behaviour.claims_floor or behaviour.has_key):
             await lies
             return
         with suppress(TimeoutError):
             await asyncio.wait_for(lies, self._run.faults_until_s - gone_s(IDLE_INTERVAL_S))
+        if behaviour.has_key:
+            return
         await asyncio.sleep(gone_s(IDLE_INTERVAL_S))
         office.carry_away(INSIDER)
 

@@ -63,6 +63,9 @@ that were on the way to have found the gate shut."""
 IMPOSTORS_FRAC = 0.1
 """Of the insiders in a plant with right of way: so many take the name of one of its vehicles."""
 
+DOUBLES_FRAC = 0.1
+"""Likewise: so many have the key of that vehicle, too."""
+
 USURPERS_FRAC = 0.1
 """Likewise: so many take the name of a keeper of books."""
 
@@ -210,8 +213,13 @@ def draw(seed: int, profile: str = "all", *, traffic: bool = False) -> Run:
         insider=_insider(ranges, Random(f"{seed} insider"), Random(f"{seed} impostor"), traffic=traffic),
         traffic=traffic,
     )
-    usurped = bool(run.insider) and BEHAVIOURS[run.insider].takes_keeper
-    return replace(run, schedule=_of_vehicles(run.schedule, plant)) if usurped else run
+    lies = BEHAVIOURS[run.insider] if run.insider else None
+    if lies is not None and lies.takes_keeper:
+        return replace(run, schedule=_of_vehicles(run.schedule, plant))
+    if lies is not None and lies.has_key and run.habits is None:
+        # A vehicle that has found its double stands until a person lets it go.
+        return replace(run, habits=_habits(Random(f"{seed} who lets it go")))
+    return run
 
 
 def _of_vehicles(schedule: tuple[Timed, ...], plant: Plant) -> tuple[Timed, ...]:
@@ -248,9 +256,11 @@ def _insider(ranges: Profile, random: Random, takes_name: Random, *, traffic: bo
         return ""
     drawn = takes_name.random()
     if traffic and drawn < IMPOSTORS_FRAC:
-        return next(name for name, behaviour in BEHAVIOURS.items() if behaviour.takes_name)
+        return next(name for name, it in BEHAVIOURS.items() if it.takes_name and not it.has_key)
     if traffic and drawn < IMPOSTORS_FRAC + USURPERS_FRAC:
         return next(name for name, behaviour in BEHAVIOURS.items() if behaviour.takes_keeper)
+    if traffic and drawn >= 1.0 - DOUBLES_FRAC:
+        return next(name for name, behaviour in BEHAVIOURS.items() if behaviour.has_key)
     still = [name for name, it in BEHAVIOURS.items() if not it.drives and not it.is_thief]
     return random.choice(still)
 

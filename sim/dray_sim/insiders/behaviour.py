@@ -52,6 +52,8 @@ class Behaviour:
         claims_floor: it says to all keepers of books that it holds every place, and wants every place.
         takes_name: it has stolen the certificate of a vehicle of the plant, whose owner lives, and says in its name that it gives back all
             that it holds.
+        has_key: it has stolen the vehicle's key with its certificate (its disk), and says again in its name what the vehicle has said, under numbers
+            of which that has not got yet.
         takes_keeper: it has stolen the certificate of a keeper of books, whose owner lives, and says that those which others keep are its own now.
         names_others: it names tasks that others carry as its own.
         flood_hz: so many messages it sends a second, to all coordinators in turn.
@@ -75,6 +77,7 @@ class Behaviour:
     claims_all: bool = False
     claims_floor: bool = False
     takes_name: bool = False
+    has_key: bool = False
     takes_keeper: bool = False
     names_others: bool = False
     flood_hz: float = 0.0
@@ -136,6 +139,12 @@ _ALL = (
         "speaks-in-anothers-name",
         "says to all keepers of books, with a stolen certificate, that a vehicle gives back all that it holds",
         takes_name=True,
+    ),
+    Behaviour(
+        "doubles-a-vehicle",
+        "says to all keepers of books, with a stolen certificate and its vehicle's key, what the vehicle says, and is ahead of it",
+        takes_name=True,
+        has_key=True,
     ),
     Behaviour(
         "usurps-books",

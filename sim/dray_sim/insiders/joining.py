@@ -15,6 +15,7 @@ from dray_sim.factory.journal import HeldJournal
 from dray_sim.factory.sim_factory import SimFactory
 from dray_sim.insiders.behaviour import Behaviour
 from dray_sim.insiders.bodiless import body_of
+from dray_sim.insiders.double import Double
 from dray_sim.insiders.impostor import Impostor, StolenPlace
 from dray_sim.insiders.liar import Liar
 from dray_sim.insiders.turncoat import Turncoat
@@ -31,6 +32,11 @@ def name_in(plant: Plant) -> str:
     return INSIDER if INSIDER not in taken else next(name for name in others if name not in taken)
 
 
+def owner_in(plant: Plant) -> str:
+    """The vehicle whose name a thief takes."""
+    return next(iter(plant.fleet))
+
+
 def bring_in(factory: SimFactory, behaviour: Behaviour, bus: Bus | None = None) -> Worker:
     """Let an insider join. A thief takes the name of the first vehicle, or of the last keeper of the first book.
 
@@ -44,9 +50,15 @@ def bring_in(factory: SimFactory, behaviour: Behaviour, bus: Bus | None = None) 
     """
     plant = factory.plant
     if behaviour.takes_name:
-        owner = next(iter(plant.fleet))
+        owner = owner_in(plant)
+        keys = factory.wish_keys
+        thief: Double | Impostor
+        if behaviour.has_key:
+            thief = Double(owner, plant, keys.of(owner))
+        else:
+            thief = Impostor(owner, plant, keys.of("an impostor", owner))
         return Worker(
-            Impostor(owner, plant, factory.wish_keys.of("an impostor", owner)),
+            thief,
             bus=bus or StolenPlace(factory.bus),
             clock=factory.clock,
             keys=factory.keys,

@@ -30,6 +30,7 @@ from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.plant.people import people_of
 from dray.ports import Bus, Clock
+from dray.protocol.vehicle.people.problem_handling import DOUBLED
 from dray_sim.bodies.vehicle.condition import LOAD_SHIFTED
 from dray_sim.people.areas import EVERYWHERE, area_at
 from dray_sim.people.duty import CALLED, OWN, Duty, PersonOnDuty
@@ -243,6 +244,7 @@ class Operator:
         """Mend a vehicle, where it is still needed; False when somebody else comes."""
         walk_s, mend_s = self._draw(self._habits.walk_s), self._draw(self._habits.mend_s)
         promises = self._random.random() < self._habits.promises_frac
+        doubled = self._heard[atv].heartbeat.problem == DOUBLED
         estimate_s = (walk_s + mend_s) * self._draw(self._habits.estimate)
         if not await self._is_taken(atv, estimate_s):
             return False
@@ -256,6 +258,9 @@ class Operator:
         elif problem:
             await asyncio.sleep(mend_s)
             self._hands.mend(atv)
+        elif doubled:
+            # It has stopped by itself, and drives when a person has seen to it.
+            self._stops[atv] = self._clock.now_s()
         if self._hands.problem(atv) and (call := self.duty.shown(atv)) is not None:
             # What may not be stopped here is for somebody who may.
             self.duty.reply(call.call.call, CallAnswer.CANNOT)

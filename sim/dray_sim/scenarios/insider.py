@@ -23,6 +23,10 @@ COST_FRAC = 0.05
 """So much of the deliveries a liar may cost, once the first quarter of an hour is over."""
 
 
+LIARS = tuple(behaviour for behaviour in BEHAVIOURS.values() if not behaviour.has_key)
+"""Who has a vehicle's disk costs that vehicle, until a person has let it go; nobody is there to do that."""
+
+
 @dataclass(frozen=True, slots=True)
 class Deliveries:
     """What has arrived after `LEARNING_S`."""
@@ -65,7 +69,7 @@ def _lost_frac(now: int, before: int) -> float:
 def insider(
     seed: int,
     shift: Shift = SHIFT,
-    behaviours: Sequence[Behaviour] = tuple(BEHAVIOURS.values()),
+    behaviours: Sequence[Behaviour] = LIARS,
     plant: Plant | None = None,
 ) -> Findings:
     """Play the same shift without an insider, and with each of them."""

@@ -20,8 +20,10 @@ import msgspec
 import pytest
 from msgspec.structs import replace
 
+from dray.adapters.security.identity import Identity
 from dray.adapters.zenoh.bus import ZenohBus
 from dray.adapters.zenoh.links import Links
+from dray.cli.fleet.folder import CERTIFICATES, OBSERVER
 from dray.cli.fleet.process_registry import ProcessRegistry, read_registry
 from dray.cli.fleet.rollout.report import Report
 from dray.messages import Event, Message
@@ -63,14 +65,15 @@ class Fleet:
     Args:
         folder: of the fleet.
         more: options beside those of all fleets here.
+        plain: links without certificates.
     """
 
-    def __init__(self, folder: Path, *more: str) -> None:
+    def __init__(self, folder: Path, *more: str, plain: bool = True) -> None:
         self.folder = folder
         plant = folder / "plant.yaml"
         plant.write_text(plant_yaml(PLANT), encoding="utf-8")
         options = (
-            "--plain",
+            *(["--plain"] if plain else []),
             "--no-demand",
             "--metrics",
             "--port",
@@ -165,14 +168,20 @@ class Fleet:
 
 
 class Witness:
-    """A peer on the fleet's bus that waits for what it wants to hear."""
+    """A peer on the fleet's bus that waits for what it wants to hear.
 
-    def __init__(self, registry: ProcessRegistry) -> None:
+    Args:
+        registry: of the fleet.
+        folder: of one that has certificates; None for a plain one.
+    """
+
+    def __init__(self, registry: ProcessRegistry, folder: Path | None = None) -> None:
         peers = tuple(member.address for member in registry.members)
-        self.bus = ZenohBus(Links(peers=peers, plain=True), registry.plant)
+        identity = None if folder is None else Identity.in_folder(folder / CERTIFICATES, OBSERVER)
+        self.bus = ZenohBus(Links(peers=peers, identity=identity, plain=folder is None), registry.plant)
         self.heard: list[Message] = []
         self._came = asyncio.Event()
-        session = self.bus.join("witness", self._on_message)
+        session = self.bus.join("witness" if folder is None else OBSERVER, self._on_message)
         for key in (Keys(registry.plant).all_events, Keys(registry.plant).all_heartbeats):
             session.subscribe(key)
 

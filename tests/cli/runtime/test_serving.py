@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import gc
 import logging
 import signal
 from collections.abc import AsyncIterator
@@ -11,7 +12,7 @@ from collections.abc import AsyncIterator
 import pytest
 from fastapi import FastAPI
 
-from dray.cli.runtime.gateway.service import Service, greeting_of
+from dray.cli.runtime.gateway.service import Service, _greet, greeting_of
 from dray.cli.runtime.gateway.serving import Server
 from dray.cli.runtime.listener import listen
 from dray.cli.runtime.signals import asked_by_signals
@@ -66,6 +67,19 @@ def test_afterwards_signals_are_what_they_were(signals: tuple[signal.Signals, ..
     before = [signal.getsignal(each) for each in (signal.SIGINT, signal.SIGTERM)]
     ends(*signals)
     assert [signal.getsignal(each) for each in (signal.SIGINT, signal.SIGTERM)] == before
+
+
+def test_once_it_is_ready_a_full_collection_looks_at_nothing_that_was_loaded_before() -> None:
+    async def main() -> None:
+        ready = asyncio.Event()
+        ready.set()
+        await _greet("", ready)
+
+    try:
+        asyncio.run(main())
+        assert gc.get_freeze_count() > 10 * len(gc.get_objects())
+    finally:
+        gc.unfreeze()
 
 
 def test_an_application_that_cannot_start_tells_why_and_no_traceback(

@@ -19,12 +19,14 @@ from msgspec.structs import replace
 from stream_sockets import opened
 from wall_clock import NOW_S
 
-from dray.gateway.access.principal import Scope
+from dray.gateway.access.principal import Principal, Scope
 from dray.gateway.access.rules import RULES
 from dray.gateway.http.middleware import BODY_BYTES
-from dray.gateway.live.frames import MANY
+from dray.gateway.live.frames import MANY, Delta
 from dray.gateway.live.projection.auctions.bids import MAX_BIDS
 from dray.gateway.live.projection.auctions.tasks import MAX_OPEN, MAX_OPEN_EACH
+from dray.gateway.live.replay.reader import ReplayReader
+from dray.gateway.live.replay.recorder import WHOLE_EVERY_S, Recorder
 from dray.gateway.orders.drafts import MAX_ITEMS
 from dray.gateway.orders.placement import MAX_OPEN_ORDERS
 from dray.messages import Event, Role, Transport, TransportCost
@@ -49,6 +51,8 @@ AGAIN = {"Idempotency-Key": "full"}
 """Under which the orders were placed."""
 
 NEVER_HZ = 1e-6
+
+MANAGER = Principal(kind="admin", id="admin", name="Manager", scopes=frozenset(Scope))
 
 NAMES = {"atv": "ATV1", "machine": "M1", "product": PRODUCT, "person": "nobody", "area": "north"}
 """What path templates stand for; anything else is made or unknown."""
@@ -246,6 +250,48 @@ async def test_no_step_of_the_stream_is_long_however_much_there_is_to_tell(
                     1e3 * max(took_s for whose, took_s in monitor.longest_s.items() if whose != "the test"),
                 )
     print(f"\nWS /api/stream | {least_ms}")  # noqa: T201 - for who runs pytest with -s
+    assert max(least_ms) <= STEP_MS
+
+
+async def recorded_ms(house: House) -> list[float]:
+    """The longest steps while all of it is taken in, while it is kept whole again and read unwritten, and while it is asked for as it is now."""
+    projection, loop = house.projection, asyncio.get_running_loop()
+    recorder = Recorder(projection, house.store, lambda: NOW_S, name="g.1", kept_s=1e6)
+    reader = ReplayReader(house.store, recorder, projection)
+    be("the gateway")
+    gateways = copy_context()
+
+    async def note(at_s: float) -> None:
+        loop.call_soon(recorder.note, Delta(number=0, at_s=at_s), context=gateways)
+        await asyncio.sleep(0)
+
+    async def learn_all() -> None:
+        be("the test")
+        while recorder.now() is None:
+            await note(NOW_S)
+
+    async def keep_again() -> None:
+        await note(NOW_S + WHOLE_EVERY_S)
+        assert [piece.is_whole for piece in await recorder.unwritten()] == [True, True]
+
+    told: list[bytes] = []
+
+    async def ask_now() -> None:
+        told.append(await reader.snapshot_now(MANAGER, NOW_S))
+
+    found = []
+    for step in (learn_all, keep_again, ask_now):
+        with loop_monitor() as monitor:
+            await asyncio.create_task(step())
+        found.append(1e3 * max(took_s for whose, took_s in monitor.longest_s.items() if whose != "the test"))
+    assert len(json.loads(told[0])["orders"]) == MAX_OPEN_ORDERS
+    return found
+
+
+@pytest.mark.slow
+async def test_no_step_of_the_recording_is_long_however_much_there_is_to_keep(fullest: House) -> None:
+    least_ms = [min(tries) for tries in zip(*[await recorded_ms(fullest) for _ in range(TRIES)], strict=True)]
+    print(f"\nthe recording | {least_ms}")  # noqa: T201 - for who runs pytest with -s
     assert max(least_ms) <= STEP_MS
 
 

@@ -313,6 +313,11 @@ def that_believes_one_keeper_alone(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(Wishes, "_is_agreed", lambda *_: True)
 
 
+def that_does_not_mind_its_double(patch: pytest.MonkeyPatch) -> None:
+    """A vehicle that is answered what it has not said goes on as before."""
+    patch.setattr(Wishes, "is_anothers", lambda *_: False)
+
+
 def that_takes_groups_in_halves(patch: pytest.MonkeyPatch) -> None:
     """A vehicle takes a mouth without its dock, and waits there."""
     patch.setattr(Places, "group_end", lambda _self, _nodes, first: first)
@@ -414,6 +419,7 @@ TRAFFIC_MUTANTS = [
     pytest.param(
         that_believes_one_keeper_alone, "liars", 10, "invariant (1|6|13|14) ", id="one-keeper-alone"
     ),
+    pytest.param(that_does_not_mind_its_double, "liars", 8, "invariant 1 ", id="no-double"),
     pytest.param(that_takes_groups_in_halves, "batteries", 4, "invariant [16]", id="half-groups"),
     pytest.param(that_keeps_inherited_ranks_for_ever, "faultless", 1, "invariant [16] ", id="no-lapse"),
 ]
@@ -429,7 +435,7 @@ def test_the_search_finds_a_mutant(
 
 @pytest.mark.parametrize(
     ("mutant", "profile", "first", "finding"),
-    searches(TRAFFIC_MUTANTS, "no-book", "no-reach", "no-key", "follows-usurpers"),
+    searches(TRAFFIC_MUTANTS, "no-book", "no-reach", "no-key", "no-double", "follows-usurpers"),
 )
 def test_the_search_finds_a_mutant_of_right_of_way(
     mutant: Mutant, profile: str, first: int, finding: str, find: Find

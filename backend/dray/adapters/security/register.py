@@ -99,6 +99,10 @@ class Register:
             del self._agents[next(iter(self._agents))]
         self._agents[agent] = (life, certificate)
 
+    def has(self, agent: str, certificate: bytes) -> bool:
+        """Whether an agent was met with this certificate last."""
+        return self._agents.get(agent, (0, b""))[1] == certificate
+
     def known(self, agent: str) -> Certified | None:
         """The certificate of an agent that was met; None when it was not, or its certificate is not good any more."""
         _, certificate = self._agents.get(agent, (0, b""))

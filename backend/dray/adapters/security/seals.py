@@ -185,14 +185,26 @@ class Seals:
         Raises:
             SealError: nobody whom we know has, or not for this.
         """
-        data = chunk.encode()
-        try:
-            read = _read_voucher(base64.b64decode(data, altchars=b"-_", validate=True))
-        except (msgspec.MsgspecError, binascii.Error, ValueError) as fault:
-            raise SealError(f"no voucher: {fault}", data) from fault
-        certified, _ = self.register.certified(read.certificate, agent, data)
+        read = _read_chunk(chunk)
+        certified, _ = self.register.certified(read.certificate, agent, chunk.encode())
         _verify(certified, read.signature, _vouched(key))
         return read.certificate
+
+    def is_met_by(self, chunk: str, agent: str) -> bool:
+        """Whether a voucher brings the certificate by which `agent` is known already, whoever has signed it: it need not be examined.
+
+        Raises:
+            SealError: it is no voucher.
+        """
+        return self.register.has(agent, _read_chunk(chunk).certificate)
+
+
+def _read_chunk(chunk: str) -> _Voucher:
+    data = chunk.encode()
+    try:
+        return _read_voucher(base64.b64decode(data, altchars=b"-_", validate=True))
+    except (msgspec.MsgspecError, binascii.Error, ValueError) as fault:
+        raise SealError(f"no voucher: {fault}", data) from fault
 
 
 def _verify(certified: Certified, signature: bytes, signed: bytes) -> None:

@@ -301,8 +301,9 @@ class ZenohBus:
         all_told = asyncio.Event()
 
         def note(reply: zenoh.Reply) -> None:
-            token = None if reply.ok is None else self.tokens.read(str(reply.ok.key_expr))
-            if token is not None:
+            key = "" if reply.ok is None else str(reply.ok.key_expr)
+            # One that is there is there, however many tokens it has declared.
+            if key and key.rsplit("/", 3)[1] not in present and (token := self.tokens.read(key)):
                 present.add(token.agent)
 
         def end() -> None:
@@ -348,6 +349,9 @@ class ZenohBus:
             return None, *decode_with_context(data)
         if not reader:
             sender, message, context = decode_with_context(data)
+            if sender in self.shut_out:
+                # Nobody hears it, whoever has said it: however much that is, it costs no signature.
+                return None, sender, message, context
             kind = self.seals.examine(stamp.seal, sender, key, stamp.life, stamp.number, data)
             return kind, sender, message, context
         writer, kind, words = self.letters.read(stamp.seal, Place(reader, stamp.life, stamp.number), data)
@@ -361,7 +365,9 @@ class ZenohBus:
         key = str(sample.key_expr)
         if self.seals is None or sample.kind != zenoh.SampleKind.PUT:
             return
-        if key.rsplit("/", 3)[1] not in self._sessions and (token := self.tokens.read(key)):
+        if key.rsplit("/", 3)[1] in self._sessions or not self.tokens.brings_news(key):
+            return
+        if token := self.tokens.read(key):
             self.seals.register.meet(token.agent, token.life, token.certificate)
 
     def refuse(self, reason: str) -> None:

@@ -93,6 +93,18 @@ class Tokens:
         self._refuse(UNSIGNED)
         return None
 
+    def brings_news(self, key: str) -> bool:
+        """Whether a key on `everybody` brings a certificate by which its agent is not known yet.
+
+        An agent may declare any number of tokens: what is known already costs others no signature.
+        """
+        agent, _, seal = key.rsplit("/", 3)[1:]
+        try:
+            return self._seals is not None and not self._seals.is_met_by(seal, agent)
+        except SealError:
+            self._refuse(UNSIGNED)
+            return False
+
     def _certificate(self, agent: str, life: int, seal: str) -> bytes:
         """The certificate of the agent, who has said that this life is there; on a plain bus everybody is believed.
 

@@ -65,6 +65,10 @@ class Updates:
             views = getattr(snapshot, collection)
             self._told[collection] = {view.id: _fields(view) for view in views}
 
+    def known(self) -> dict[str, list[dict[str, Any]]]:
+        """What the clients know, per collection: entities by field, as `whole` encodes them. They are never changed: others take their places."""
+        return {collection: list(told.values()) for collection, told in self._told.items()}
+
     def tell_whole(self) -> None:
         """Somebody was given a snapshot, which may be newer than what the others know."""
         self._is_whole = True
@@ -111,6 +115,31 @@ def _fields(view: Any) -> dict[str, Any]:
         if isinstance(value, list | tuple | dict):
             fields[field] = _encoder.encode(value)
     return fields
+
+
+def whole(head: dict[str, Any], known: dict[str, list[dict[str, Any]]]) -> bytes:
+    """A snapshot as JSON, entity by entity: made in another thread, it holds the loop's up no longer than one of them takes.
+
+    Args:
+        head: what it says beside its entities.
+        known: see `Updates.known`.
+    """
+    return _encoder.encode(
+        head | {collection: array(map(_raw, entities)) for collection, entities in known.items()}
+    )
+
+
+def array(entities: Iterable[Any]) -> msgspec.Raw:
+    """Entities as JSON, one after the other."""
+    return msgspec.Raw(b"[" + b",".join(map(_encoder.encode, entities)) + b"]")
+
+
+def plain(fields: dict[str, Any]) -> dict[str, Any]:
+    """An entity of `Updates.known` as it is decoded from a frame."""
+    return {
+        field: msgspec.json.decode(value) if type(value) is bytes else value
+        for field, value in fields.items()
+    }
 
 
 def _raw(fields: dict[str, Any]) -> dict[str, Any]:

@@ -105,7 +105,7 @@ def _recorded(length_s: float) -> tuple[list[Piece], Projection]:
                     recorder.cut()
             for task in tasks:
                 task.cancel()
-        pieces.extend(recorder.unwritten())
+        pieces.extend(lines.piece for lines in recorder.lines())
 
     run(main())
     return pieces, projection

@@ -10,14 +10,15 @@ from collections.abc import Sequence
 from typing import cast
 
 import msgspec
+from msgspec.structs import replace
 
 from dray.gateway.access.principal import Principal
-from dray.gateway.live.frames import Delta, Snapshot
+from dray.gateway.live.frames import COLLECTIONS, Delta, Snapshot
 from dray.gateway.live.plant_picture import PlantPicture
 from dray.gateway.live.replay.film import Film, Picture
 from dray.gateway.live.replay.recorder import Mark, Recorder
 from dray.gateway.live.stream import audience_of, scope_of
-from dray.gateway.live.updates import Updates
+from dray.gateway.live.updates import Updates, array
 from dray.gateway.live.views.base import View
 from dray.store import Store
 from dray.store.replay.recordings import PIECES_READ, Outline, Piece
@@ -77,14 +78,24 @@ class ReplayReader:
         self._store, self._recorder, self._live = store, recorder, live
         self._site = live.site
 
-    def picture_now(self, now_s: float) -> Picture:
+    async def picture_now(self, now_s: float) -> Picture:
         """The plant as panels show it now."""
-        return Picture(msgspec.to_builtins(self._live.snapshot(0, now_s)), self._site)
+        whole = None if self._recorder is None else self._recorder.now()
+        if whole is None:
+            return Picture(msgspec.to_builtins(self._live.snapshot(0, now_s)), self._site)
+        return await asyncio.to_thread(lambda: Picture(whole.plain(), self._site))
 
-    def snapshot_now(self, who: Principal, now_s: float) -> Snapshot:
-        """The same as somebody may see it."""
-        snapshot = scope_of(self._live, who).snapshot(0, now_s)
-        return msgspec.structs.replace(snapshot, audience=audience_of(who))
+    async def snapshot_now(self, who: Principal, now_s: float) -> bytes:
+        """The same as somebody may see it, as JSON."""
+        picture = await self.picture_now(now_s)
+
+        def encode() -> bytes:
+            snapshot = replace(scope_of(picture, who).snapshot(0, now_s), audience=audience_of(who))
+            views = {name: array(getattr(snapshot, name)) for name in COLLECTIONS.values()}
+            head = msgspec.to_builtins(replace(snapshot, **dict.fromkeys(views, ())))
+            return msgspec.json.encode(head | views)
+
+        return await asyncio.to_thread(encode)
 
     async def picture(self, at_s: float) -> Picture | None:
         """The plant as panels showed it at a moment; None where nothing is kept of it or before it."""
@@ -112,7 +123,7 @@ class ReplayReader:
             return None
         scope = scope_of(picture, who)
         snapshot = scope.snapshot(0, picture.at_s)
-        snapshot = msgspec.structs.replace(snapshot, audience=audience_of(who))
+        snapshot = replace(snapshot, audience=audience_of(who))
         updates = Updates()
         updates.begin(snapshot)
         frames: list[msgspec.Raw] = []
@@ -145,15 +156,16 @@ class ReplayReader:
         async with self._store.read() as work:
             span = await work.recordings.span()
             outlines = await work.recordings.outlines(since_s, until_s)
+        unwritten = await self._unwritten()
         outlines += [
             Outline(**{name: getattr(piece, name) for name in Outline.__struct_fields__})
-            for piece in self._unwritten()
+            for piece in unwritten
             if since_s <= piece.from_at_s <= until_s
             and not any(each.from_at_s == piece.from_at_s for each in outlines[-3:])
         ]
         kept = [
             *(span or ()),
-            *(at_s for each in self._unwritten() for at_s in (each.from_at_s, each.until_at_s)),
+            *(at_s for each in unwritten for at_s in (each.from_at_s, each.until_at_s)),
         ]
         return _overview(outlines, (since_s, until_s), steps, kept, orders=orders)
 
@@ -171,12 +183,12 @@ class ReplayReader:
             ]
         return found[:limit]
 
-    def _unwritten(self) -> list[Piece]:
-        return [] if self._recorder is None else self._recorder.unwritten()
+    async def _unwritten(self) -> list[Piece]:
+        return [] if self._recorder is None else await self._recorder.unwritten()
 
     async def _pieces(self, since_s: float, until_s: float) -> list[Piece]:
         # First what is in memory: what is written meanwhile is found twice, and not left out.
-        fresh = [piece for piece in self._unwritten() if piece.from_at_s <= until_s]
+        fresh = [piece for piece in await self._unwritten() if piece.from_at_s <= until_s]
         whole = [at for at, piece in enumerate(fresh) if piece.is_whole and piece.from_at_s <= since_s]
         if whole:
             return fresh[whole[-1] :]

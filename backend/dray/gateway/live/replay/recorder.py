@@ -4,6 +4,9 @@ It is told what all rooms of the stream are told. Every few minutes it keeps a s
 by frame: the picture of a moment is the snapshot before it with the frames up to it. Pieces of half a minute are compressed and
 written; what is not written yet is in memory, and can be read there.
 
+However much there is to show, no step of the loop makes all of it: at first thousands of orders and tasks are taken in portions, and recording
+begins when all are known; a snapshot is what is known then, and is encoded and compressed in another thread.
+
 Several gateways see the same plant. The first one writes a time, and the others leave it out.
 """
 
@@ -13,16 +16,18 @@ import asyncio
 import logging
 import zlib
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from functools import cached_property
 from typing import Any, Literal
 
 import msgspec
 
 from dray.errors import UnavailableError
-from dray.gateway.live.frames import Delta
+from dray.gateway.live.frames import PORTION, Delta
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.replay.spells import SpellKeeper
-from dray.gateway.live.updates import Updates
+from dray.gateway.live.stream_scopes import WholeScope
+from dray.gateway.live.updates import Updates, plain, whole
 from dray.gateway.live.views import AlertView, FactoryView, NewsView
 from dray.store import Store
 from dray.store.replay.recordings import Piece
@@ -68,6 +73,48 @@ class Mark(msgspec.Struct, frozen=True, kw_only=True, gc=False):
     order: str = ""
 
 
+class Whole:
+    """A snapshot that is not encoded yet.
+
+    Args:
+        head: what it says beside its entities.
+        known: see `Updates.known`.
+    """
+
+    def __init__(self, head: dict[str, Any], known: dict[str, list[dict[str, Any]]]) -> None:
+        self._head, self._known = head, known
+
+    @cached_property
+    def line(self) -> bytes:
+        """As JSON; in another thread than the loop's."""
+        return whole(self._head, self._known)
+
+    def plain(self) -> dict[str, Any]:
+        """As it is decoded from its line; in another thread than the loop's."""
+        told = {name: [plain(fields) for fields in entities] for name, entities in self._known.items()}
+        head: dict[str, Any] = msgspec.to_builtins(self._head)
+        return head | told
+
+
+class Lines:
+    """What becomes a piece.
+
+    Args:
+        piece: it, without its frames.
+        lines: its frames.
+    """
+
+    def __init__(self, piece: Piece, lines: Sequence[Whole | bytes]) -> None:
+        self.from_at_s, self.is_whole = piece.from_at_s, piece.is_whole
+        self._piece, self._lines = piece, lines
+
+    @cached_property
+    def piece(self) -> Piece:
+        """Encoded and compressed; in another thread than the loop's."""
+        lines = [each.line if isinstance(each, Whole) else each for each in self._lines]
+        return msgspec.structs.replace(self._piece, frames=zlib.compress(b"\n".join(lines), LEVEL))
+
+
 class Recorder:
     """Keeps what the stream tells.
 
@@ -84,40 +131,59 @@ class Recorder:
     ) -> None:
         self._projection, self._store, self._wall_s = projection, store, wall_s
         self._name, self._kept_s = name, kept_s
+        self._scope = WholeScope(projection)
         self._updates = Updates()
         self._factory: FactoryView | None = None
         """As it was told last."""
+        self._owed: dict[str, deque[str]] | None = None
+        """What is there and not known yet, by collection; None before anything is."""
         self._whole_at_s: float | None = None
         """When the last snapshot was kept; None where the next frame must be one."""
-        self._lines: list[bytes] = []
+        self._lines: list[Whole | bytes] = []
         self._bytes, self._changes, self._from_at_s, self._is_whole = 0, 0, 0.0, False
         self._marks: list[Mark] = []
         self._known: set[str] = set()
         """Alerts and news that have been marked, or were there before."""
-        self._unwritten: deque[Piece] = deque()
-        self._is_first = True
+        self._unwritten: deque[Lines] = deque()
         self.keeper = SpellKeeper(projection.speed)
 
     def note(self, told: Delta) -> None:
         """The stream tells this of the whole plant."""
         if told.factory is not None:
             self._factory = told.factory
-        self.keeper.follow(told)
         self._mark(told)
+        self.keeper.follow(told)
         self._changes += len(told.tasks) + len(told.news)
         if self._bytes > PIECE_BYTES:
             self._close_piece(told.at_s)
-        if self._whole_at_s is None or not 0 <= told.at_s - self._whole_at_s < WHOLE_EVERY_S:
-            self._begin(told.at_s)
-            return
-        self._updates.note(told)
+        if self._owed is None:
+            self._owed = self._begin(told.at_s)
+        else:
+            self._updates.note(told)
+        self._learn(self._owed, told.at_s)
         frame = self._updates.frame(0, told.at_s)
+        if any(self._owed.values()):
+            return
+        if self._whole_at_s is None or not 0 <= told.at_s - self._whole_at_s < WHOLE_EVERY_S:
+            self._close_piece(told.at_s)
+            self._whole_at_s, self._is_whole, self._from_at_s = told.at_s, True, told.at_s
+            self._lines.append(self._whole(told.at_s))
+            return
         line: dict[str, Any] = {name: part for name, part in frame.items() if part}
         self._keep(line, told.at_s)
 
-    def unwritten(self) -> list[Piece]:
+    def lines(self) -> list[Lines]:
         """What is in memory only, oldest first, up to this moment."""
         return [*self._unwritten, *self._open_piece(self._wall_s())]
+
+    async def unwritten(self) -> list[Piece]:
+        """The same as pieces."""
+        lines = self.lines()
+        return await asyncio.to_thread(lambda: [each.piece for each in lines])
+
+    def now(self) -> Whole | None:
+        """What is shown now; None until all of it is known."""
+        return None if self._whole_at_s is None else self._whole(self._wall_s())
 
     def spells(self) -> list[Spell]:
         """What everybody does now, and what has ended and is not written yet."""
@@ -141,9 +207,10 @@ class Recorder:
     async def write(self) -> None:
         """Write what has been told since the last time."""
         self.cut()
-        pieces, spells = list(self._unwritten), self.keeper.take_ended()
-        if not pieces:
+        lines, spells = list(self._unwritten), self.keeper.take_ended()
+        if not lines:
             return
+        pieces = await asyncio.to_thread(lambda: [each.piece for each in lines])
         try:
             async with self._store.write() as work:
                 left_out = await work.recordings.is_kept_by_another(self._name, pieces[0].from_at_s)
@@ -166,46 +233,67 @@ class Recorder:
         if left_out:
             self._whole_at_s = None  # What is written next must not build on it.
 
-    def _begin(self, at_s: float) -> None:
-        """Keep a snapshot: everything after it is what is different from it."""
-        snapshot = self._projection.snapshot(0, at_s)
-        if self._factory is not None:
-            snapshot = msgspec.structs.replace(snapshot, factory=self._factory)
-        self._close_piece(at_s)
-        self._updates = Updates()
+    def _begin(self, at_s: float) -> dict[str, deque[str]]:
+        """Take in what there is, but for the rest of what there are many of; returns that."""
+        snapshot = self._scope.snapshot(0, at_s, PORTION)
+        self._factory = self._factory or snapshot.factory
         self._updates.begin(snapshot)
-        self._whole_at_s, self._is_whole = at_s, True
-        if self._is_first:
-            self._is_first = False
-            self._known = {f"alert:{each.id}" for each in snapshot.alerts}
-            self._known |= {f"news:{each.id}" for each in snapshot.news}
-            self.keeper.follow(snapshot)
-        self._keep(msgspec.to_builtins(snapshot), at_s)
+        self._known = {f"alert:{each.id}" for each in snapshot.alerts}
+        self._known |= {f"news:{each.id}" for each in snapshot.news}
+        self.keeper.follow(snapshot)
+        return {name: deque(names) for name, names in self._scope.rest(PORTION).items()}
+
+    def _learn(self, owed: dict[str, deque[str]], at_s: float) -> None:
+        """Take in a portion of the rest."""
+        for collection, names in owed.items():
+            these = [names.popleft() for _ in range(min(PORTION, len(names)))]
+            if these:
+                views = self._scope.views(collection, these)
+                self._updates.tell(collection, views)
+                self.keeper.follow(Delta(number=0, at_s=at_s, tasks=views if collection == "tasks" else ()))
+
+    def _whole(self, at_s: float) -> Whole:
+        """Everything that is known."""
+        head = {
+            "type": "snapshot",
+            "number": 0,
+            "at_s": at_s,
+            "plant": self._projection.plant,
+            "factory": self._factory,
+            "fault_injection": self._projection.faults.possible,
+        }
+        known = self._updates.known()
+        if known["commands"]:
+            head["areas"] = self._areas_of(known["commands"])
+        return Whole(head, known)
+
+    def _areas_of(self, commands: Sequence[dict[str, Any]]) -> dict[str, list[str]]:
+        areas_of = self._projection.commands.areas_of
+        return {each["id"]: sorted(areas_of(each["id"])) for each in commands}
 
     def _keep(self, line: dict[str, Any], at_s: float) -> None:
         commands = line.get("commands", ())
         if commands:
-            areas_of = self._projection.commands.areas_of
-            line["areas"] = {each["id"]: sorted(areas_of(each["id"])) for each in commands}
+            line["areas"] = self._areas_of(commands)
         if not self._lines:
             self._from_at_s = at_s
-        self._lines.append(_encode(line))
-        self._bytes += len(self._lines[-1])
+        encoded = _encode(line)
+        self._lines.append(encoded)
+        self._bytes += len(encoded)
 
-    def _open_piece(self, until_s: float) -> list[Piece]:
+    def _open_piece(self, until_s: float) -> list[Lines]:
         if not self._lines:
             return []
-        return [
-            Piece(
-                recorder=self._name,
-                from_at_s=self._from_at_s,
-                until_at_s=max(until_s, self._from_at_s),
-                is_whole=self._is_whole,
-                changes=self._changes,
-                marks=_encode(self._marks).decode() if self._marks else "",
-                frames=zlib.compress(b"\n".join(self._lines), LEVEL),
-            )
-        ]
+        piece = Piece(
+            recorder=self._name,
+            from_at_s=self._from_at_s,
+            until_at_s=max(until_s, self._from_at_s),
+            is_whole=self._is_whole,
+            changes=self._changes,
+            marks=_encode(self._marks).decode() if self._marks else "",
+            frames=b"",
+        )
+        return [Lines(piece, tuple(self._lines))]
 
     def _close_piece(self, until_s: float) -> None:
         self._unwritten.extend(self._open_piece(until_s))
@@ -214,7 +302,7 @@ class Recorder:
         self._bytes, self._changes, self._is_whole = 0, 0, False
 
     def _mark(self, told: Delta) -> None:
-        if self._is_first:
+        if self._owed is None:
             return
         for name in told.gone:
             self._known.discard(name)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from http import HTTPStatus
 from typing import Annotated
 
+import msgspec
 from fastapi import APIRouter, Query
 
 from dray.gateway.access.caller import Caller
@@ -132,7 +133,7 @@ async def get_picture(
     `at_s` of the answer is when that was told: where it is much earlier, nothing was recorded in between.
     """
     if at is None:
-        return Json(replay.snapshot_now(caller, now_s))
+        return Json(await replay.snapshot_now(caller, now_s))
     at_s = at.timestamp()
     film = await replay.film(caller, at_s, at_s, 0.0)
     if film is None:
@@ -155,7 +156,8 @@ async def get_film(
     picture of now alone.
     """
     if since is None:
-        return Json(FilmView(snapshot=replay.snapshot_now(caller, now_s), until_at_s=now_s))
+        snapshot = msgspec.Raw(await replay.snapshot_now(caller, now_s))
+        return Json({"snapshot": snapshot, "frames": (), "until_at_s": now_s})
     since_s = since.timestamp()
     until_s = since_s if until is None else until.timestamp()
     if not since_s <= until_s <= since_s + FILM_MOST_S:
@@ -205,7 +207,7 @@ async def get_knowledge(
 ) -> Json:
     """What an agent knew at a moment of its transports, beside what had really happened by then; now without a moment."""
     at_s = now_s if at is None else at.timestamp()
-    picture = replay.picture_now(now_s) if at is None else await replay.picture(at_s)
+    picture = await replay.picture_now(now_s) if at is None else await replay.picture(at_s)
     if picture is None:
         raise _not_kept()
     if not any(agent in each for each in (picture.atvs, picture.machines, picture.stations)):

@@ -1,0 +1,69 @@
+"""A double: it has stolen a vehicle's disk, so its certificate and its key, and says in its name what the vehicle says, only sooner."""
+
+from __future__ import annotations
+
+from msgspec.structs import replace
+
+from dray.messages import Message, PlaceWished
+from dray.plant import Plant
+from dray.protocol.runtime.events import Effect, Event, Heard, Leave, Leaving, Send, Started, Woke
+from dray.protocol.traffic.driving.wishes import Sign
+from dray.protocol.traffic.places import Places
+
+LISTENS_S = 120.0
+"""At first it only listens, until its owner is at work."""
+
+SPEAKS_EVERY_S = 150.0
+"""Long enough that its owner has been helped and drives again."""
+
+AHEAD = 10**6
+"""Wishes by which it is ahead of its owner: more than that will ever say."""
+
+
+class Double:
+    """Whoever has stolen a vehicle's disk (see `dray.protocol.runtime.events.Agent`).
+
+    Now and then it says in each district what its owner has said there last, under a number that the owner has not come to. The books do not
+    change by that. But from then on they take the owner's own words for old ones.
+
+    Args:
+        atv: whose name it takes.
+        plant: what it knows of the plant.
+        sign: with the owner's key.
+        incarnation: of its own life.
+    """
+
+    def __init__(self, atv: str, plant: Plant, sign: Sign, incarnation: int = 1) -> None:
+        self.id, self.incarnation = atv, incarnation
+        self.wake_at_s = float("inf")
+        self._keepers_of = Places(plant).keepers_of
+        self._sign = sign
+        self._newest: dict[str, PlaceWished] = {}
+        """District -> what the owner has said there last."""
+
+    def handle(self, event: Event, now_s: float) -> list[Effect]:
+        """Take one step."""
+        if isinstance(event, Started):
+            self.wake_at_s = now_s + LISTENS_S
+        elif isinstance(event, Leaving):
+            return [Leave()]
+        elif isinstance(event, Heard):
+            self._overhear(event.sender, event.message)
+        elif isinstance(event, Woke):
+            self.wake_at_s = now_s + SPEAKS_EVERY_S
+            return self._speak()
+        return []
+
+    def _overhear(self, sender: str, message: Message) -> None:
+        if sender != self.id or not isinstance(message, PlaceWished):
+            return
+        known = self._newest.get(message.district)
+        if known is None or (message.life, message.seq) > (known.life, known.seq):
+            self._newest[message.district] = message
+
+    def _speak(self) -> list[Effect]:
+        said: list[Effect] = []
+        for district, wish in self._newest.items():
+            ahead = self._sign(replace(wish, seq=wish.seq + AHEAD))
+            said += [Send(keeper, ahead) for keeper in self._keepers_of[district]]
+        return said
