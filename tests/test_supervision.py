@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import logging
 
 import pytest
 
-from dray.supervision import MOST_S, Failures, Supervisor
+from dray.errors import UnavailableError
+from dray.supervision import MOST_S, Failures, Supervisor, keep_looking
 from dray_sim.clock.loop import JUMP, run
 
 
@@ -95,3 +97,34 @@ def test_messages_that_fail_are_counted_by_kind_and_told_when_their_number_has_d
     assert {record.levelno for record in caplog.records} == {logging.ERROR}
     assert "Yard/4711: state has failed" in caplog.text
     assert "nobody had thought of" in caplog.text
+
+
+@pytest.mark.parametrize(("at_once", "looked_s"), [(False, [2.0, 4.0, 6.0]), (True, [0.0, 2.0, 4.0, 6.0])])
+def test_one_that_looks_from_time_to_time_goes_on_when_the_database_is_away(
+    at_once: bool, looked_s: list[float]
+) -> None:
+    seen_s: list[float] = []
+    away: list[UnavailableError] = []
+
+    async def look() -> None:
+        seen_s.append(asyncio.get_running_loop().time())
+        if len(seen_s) == 2:
+            raise UnavailableError("database", "is locked", "end what uses it")
+
+    async def a_while() -> None:
+        begun_s = asyncio.get_running_loop().time()
+        with contextlib.suppress(TimeoutError):
+            async with asyncio.timeout(7.0):
+                await keep_looking(look, 2.0, away.append, at_once=at_once)
+        assert [at_s - begun_s for at_s in seen_s] == looked_s
+
+    run(a_while(), JUMP)
+    assert [error.reason for error in away] == ["is locked"]
+
+
+def test_our_own_fault_ends_one_that_looks_from_time_to_time() -> None:
+    async def look() -> None:
+        raise Fails("of a word that nobody had thought of")
+
+    with pytest.raises(Fails):
+        run(keep_looking(look, 2.0, lambda _: None), JUMP)

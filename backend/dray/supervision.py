@@ -2,7 +2,7 @@
 
 What fails is our own bug: it is said at ERROR with where it was, counted, and the task is started again. It waits longer each time, so that
 one that fails at once does not keep the processor busy. A task that has one message at a time in hand need not end at all: it counts the
-failure (`Failures`) and takes the next message.
+failure (`Failures`) and takes the next message. A task that looks from time to time (`keep_looking`) goes on when the database is away.
 """
 
 from __future__ import annotations
@@ -12,6 +12,8 @@ import logging
 import threading
 from collections import Counter
 from collections.abc import Awaitable, Callable
+
+from dray.errors import UnavailableError
 
 FIRST_S, MOST_S = 1.0, 60.0
 """A task that has failed is started again after this, doubled each time. One that has run for the longest is new again."""
@@ -51,6 +53,31 @@ class Supervisor:
                 return
             await asyncio.sleep(wait_s)
             wait_s = min(2.0 * wait_s, MOST_S)
+
+
+async def keep_looking(
+    look: Callable[[], Awaitable[object]],
+    every_s: float,
+    away: Callable[[UnavailableError], None],
+    *,
+    at_once: bool = False,
+) -> None:
+    """Look from time to time, until cancelled; what is away now is there at a later look.
+
+    Args:
+        look: one look.
+        every_s: wall seconds between the end of one and the next.
+        away: told why a look could not be done.
+        at_once: the first look does not wait.
+    """
+    if not at_once:
+        await asyncio.sleep(every_s)
+    while True:
+        try:
+            await look()
+        except UnavailableError as error:
+            away(error)
+        await asyncio.sleep(every_s)
 
 
 class Failures:

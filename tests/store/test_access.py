@@ -17,6 +17,7 @@ from dray.store.access.lockouts import Lockout
 from dray.store.access.login_links import LoginLink
 from dray.store.access.people import Person
 from dray.store.access.sessions import Session
+from dray.store.database.searching import Sought
 
 pytestmark = pytest.mark.anyio
 
@@ -209,6 +210,26 @@ async def test_the_audit_log_is_read_newest_first_and_by_what_is_asked(store: St
     async with store.read() as work:
         newest = (await work.audit.page(AuditFilter(), None, 1))[0]
     assert msgspec.json.encode(newest) == msgspec.json.encode(lines[3])
+
+
+async def test_a_line_of_the_audit_log_is_found_by_a_part_of_its_texts_in_any_case(store: Store) -> None:
+    async with store.write() as work:
+        await work.audit.add(line(1, who="Jörg", target="ATV1", from_ip="10.0.0.7"))
+        await work.audit.add(line(2, who="ana", target="O-2", action="order.place"))
+
+    async def positions(*texts: str, named: tuple[str, ...] = ()) -> list[int]:
+        words = tuple(Sought(text, named) for text in texts)
+        async with store.read() as work:
+            return [row.position for row in await work.audit.page(AuditFilter(words=words), None, 10)]
+
+    assert await positions("JÖRG") == [1]
+    assert await positions("PLACE") == [2]
+    assert await positions("0.7", "vehicle") == [1]
+    assert await positions("ana", "vehicle") == []
+    assert await positions("%") == []
+    # The detail of both names what they did: {"kind": "stop"}. A name has to fit as a whole.
+    assert await positions("pump", named=("stop",)) == [2, 1]
+    assert await positions("pump", named=("sto",)) == []
 
 
 async def test_the_position_of_a_line_that_was_forgotten_is_never_given_again(store: Store) -> None:

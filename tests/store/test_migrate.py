@@ -12,8 +12,10 @@ from sqlalchemy import inspect, text
 from dray.errors import UnavailableError
 from dray.store import Store, downgrade, open_store, upgrade
 from dray.store.access.api_keys import ApiKey
+from dray.store.access.audit import AuditFilter
 from dray.store.access.digest import digest
 from dray.store.database.migrate import configuration, migrations_folder
+from dray.store.database.searching import Sought
 from dray.store.history.events import EventFilter
 from dray.store.orders.tracking_links import Link
 from dray.store.tables import metadata
@@ -104,6 +106,24 @@ async def test_keys_of_an_older_dray_keep_working_and_get_bounds(store: Store) -
     await upgrade(store.database)
 
 
+async def test_lines_of_an_older_audit_log_are_found_by_words(store: Store) -> None:
+    await downgrade(store.database, "0040")
+    async with store.database.write() as connection:
+        for number, who in enumerate(("Jörg", "ANA", "boss"), 1):
+            await connection.execute(
+                text(
+                    "INSERT INTO audit (at_s, who, who_kind, from_ip, session, action, target, result, detail)"
+                    f" VALUES ({number}.0, '{who}', 'person', '127.0.0.1', '', 'order.place', 'O-{number}', 'done', :detail)"
+                ),
+                {"detail": '{"customer":"Müller"}' if number == 2 else "{}"},
+            )
+    await upgrade(store.database)
+    async with store.read() as work:
+        for word, position in (("JÖRG", 1), ("ana", 2), ("müller", 2), ("o-3", 3)):
+            [found] = await work.audit.page(AuditFilter(words=(Sought(word),)), None, 10)
+            assert found.position == position
+
+
 async def test_a_database_of_a_newer_dray_is_left_alone(store: Store, url: str) -> None:
     async with store.database.write() as connection:
         await connection.execute(text("UPDATE alembic_version SET version_num = '9999'"))
@@ -113,4 +133,4 @@ async def test_a_database_of_a_newer_dray_is_left_alone(store: Store, url: str) 
 
 def test_the_migrations_are_found_and_have_one_head() -> None:
     assert (migrations_folder() / "env.py").is_file()
-    assert ScriptDirectory.from_config(configuration()).get_current_head() == "0040"
+    assert ScriptDirectory.from_config(configuration()).get_current_head() == "0042"

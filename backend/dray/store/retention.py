@@ -12,8 +12,8 @@ from collections.abc import Awaitable, Callable
 
 import msgspec
 
-from dray.errors import UnavailableError
 from dray.store.work import Store, Work
+from dray.supervision import keep_looking
 
 DAY_S = 86_400.0
 
@@ -59,12 +59,11 @@ class Retention:
 
     async def run(self) -> None:
         """Forget until cancelled."""
-        while True:
-            await asyncio.sleep(LOOK_EVERY_S)
-            try:
-                await self.forget()
-            except UnavailableError as error:
-                _log.warning("what is too old is not forgotten yet: %s", error)
+        await keep_looking(
+            self.forget,
+            LOOK_EVERY_S,
+            lambda error: _log.warning("what is too old is not forgotten yet: %s", error),
+        )
 
     async def forget(self) -> None:
         """Forget all that is too old now.

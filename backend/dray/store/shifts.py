@@ -9,7 +9,7 @@ import msgspec
 from sqlalchemy import ColumnElement, and_, case, func, or_, select
 from sqlalchemy.ext.asyncio import AsyncConnection
 
-from dray.store.access.audit import AuditRow
+from dray.store.access.audit import LINE, AuditRow
 from dray.store.orders.progress import OPEN, OrderStatus
 from dray.store.orders.tasks import tasks
 from dray.store.replay.spells import Spell
@@ -124,7 +124,7 @@ class Shifts:
         )
         count = (await self._connection.execute(select(func.count()).where(*done))).scalar_one()
         rows = await self._connection.execute(
-            select(audit, people.c.role)
+            select(*LINE, people.c.role)
             .outerjoin(people, and_(people.c.id == c.who, c.who_kind == "person"))
             .where(*done)
             .order_by(c.position.desc())

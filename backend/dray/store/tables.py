@@ -366,6 +366,7 @@ audit = Table(
     Column("target", Id, nullable=False),
     Column("result", String(16), nullable=False),
     Column("detail", Text, nullable=False),
+    Column("search", Text, nullable=False, server_default=""),
     CheckConstraint("result IN ('done', 'refused', 'failed')", name="result"),
     Index(None, "at_s"),
     Index(None, "who", "position"),

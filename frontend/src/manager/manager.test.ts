@@ -12,7 +12,7 @@ import { problemText } from "./problem-text";
 import { checkDraft, type Draft, fieldOf, makersOf, needsOf, orderOf, unableOf } from "./cards/publish/draft";
 import { isAskable } from "./cards/publish/preview";
 import { taskName } from "./state";
-import { addressOf, namedIn, viewFrom } from "./views";
+import { addressOf, namedIn, storyOf, viewFrom } from "./views";
 
 const plant = {
   materials: [{ id: "shaft", name: "Shaft", lot: 40 }, { id: "bearing", name: "Bearing", lot: 40 }],
@@ -179,6 +179,14 @@ test("an order has an address of its own", () => {
   expect(namedIn("#tasks/O-1", "orders")).toBe("");
   expect(namedIn(addressOf("a/b c%"), "orders")).toBe("a/b c%");
   expect(namedIn("#orders/%E0%A4%A", "orders")).toBe("%E0%A4%A");
+});
+
+test("a task leads to where its story is told", () => {
+  const called = "T-1M9K3X2A4-K7QM";
+  expect(storyOf({ id: `${called}-2`, kind: "transport", order: "" })).toBe(`#transports/${called}`);
+  expect(storyOf({ id: "M4.1-3", kind: "transport", order: "O-1" })).toBe("#orders/O-1?transport=M4.1-3");
+  expect(storyOf({ id: "G-1", kind: "production", order: "O-1" })).toBe("#orders/O-1");
+  expect(storyOf({ id: "M4.1-3", kind: "transport", order: "" })).toBe("");
 });
 
 describe("an order that is taken back", () => {

@@ -81,6 +81,17 @@ export function isTransport(id: string): boolean {
   return transportOf(`${id}-1`) === id;
 }
 
+/**
+ * Where the story of a task is told: on the page of the plain transport that it is an attempt at, or on its order's page, where a transport is chosen. Empty for
+ * material that is brought to a machine: its row in the list is all that is told of it.
+ */
+export function storyOf({ id, kind, order }: { readonly id: string; readonly kind: string; readonly order: string }): string {
+  const called = transportOf(id);
+  if (called !== "") return addressOfTransport(called);
+  if (order === "") return "";
+  return addressWith(addressOf(order), { transport: kind === "transport" ? id : "" });
+}
+
 export function goToOrder(order: string): void {
   location.hash = addressOf(order);
 }

@@ -26,6 +26,7 @@ from dray.messages.floor.removal import MAX_REMOVALS
 from dray.protocol.liveness.suspicion import gone_s, interval_s
 from dray.store import Store
 from dray.store.factory.removals import RemovalRow
+from dray.supervision import keep_looking
 
 SAY_EVERY_S = 2.0
 """Wall seconds between two times that the words are said."""
@@ -109,13 +110,11 @@ class Carrying:
 
     async def run(self) -> None:
         """Look and say, until cancelled; while the database is away, what was read last."""
-        while True:
-            try:
-                await self.look()
-            except UnavailableError as error:
-                _log.info("which vehicles were carried away elsewhere is not seen this time: %s", error)
-                self._say_all()
-            await asyncio.sleep(SAY_EVERY_S)
+        await keep_looking(self.look, SAY_EVERY_S, self._on_away, at_once=True)
+
+    def _on_away(self, error: UnavailableError) -> None:
+        _log.info("which vehicles were carried away elsewhere is not seen this time: %s", error)
+        self._say_all()
 
     async def look(self) -> None:
         """Read what people have said, end what is over, and say the rest.

@@ -28,6 +28,7 @@ from dray.plant import Plant
 from dray.protocol.closures.closure_rules import cut_off, lanes_of, restrictions_of, shut_in
 from dray.store import Store
 from dray.store.factory.closures import ClosureRow
+from dray.supervision import keep_looking
 
 SAY_EVERY_S = 5.0
 """Wall seconds between two times that the list is said: so long a vehicle that comes back may not know of a new closure."""
@@ -162,13 +163,11 @@ class Closings:
 
     async def run(self) -> None:
         """Look and say, until cancelled; while the database is away, what was read last."""
-        while True:
-            try:
-                await self.look()
-            except UnavailableError as error:
-                _log.info("what was closed elsewhere is not seen this time: %s", error)
-                self.say()
-            await asyncio.sleep(SAY_EVERY_S)
+        await keep_looking(self.look, SAY_EVERY_S, self._on_away, at_once=True)
+
+    def _on_away(self, error: UnavailableError) -> None:
+        _log.info("what was closed elsewhere is not seen this time: %s", error)
+        self.say()
 
     async def _read(self) -> None:
         now_s = self._wall_s()

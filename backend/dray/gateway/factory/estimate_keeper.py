@@ -6,14 +6,12 @@ at every ten seconds, of 1,000 every eight minutes. Several gateways may look; w
 
 from __future__ import annotations
 
-import asyncio
 import logging
 from collections.abc import Callable, Iterable
 from itertools import islice
 
 import msgspec
 
-from dray.errors import UnavailableError
 from dray.gateway.factory.estimates import Since, estimate, moved
 from dray.gateway.factory.lateness import HOLDS, Hold, Span, held
 from dray.gateway.live.projection import Projection
@@ -26,6 +24,7 @@ from dray.store.history.events import EventFilter
 from dray.store.orders.estimates import Estimate
 from dray.store.orders.progress import OPEN
 from dray.store.work import Work
+from dray.supervision import keep_looking
 
 LOOK_EVERY_S = 10.0
 """Wall seconds between two looks."""
@@ -70,12 +69,11 @@ class EstimateKeeper:
 
     async def run(self) -> None:
         """Look until cancelled."""
-        while True:
-            await asyncio.sleep(LOOK_EVERY_S)
-            try:
-                await self.look()
-            except UnavailableError as error:
-                _log.warning("how estimates have moved cannot be kept this time: %s", error)
+        await keep_looking(
+            self.look,
+            LOOK_EVERY_S,
+            lambda error: _log.warning("how estimates have moved cannot be kept this time: %s", error),
+        )
 
     async def look(self) -> None:
         """Keep what has moved, of the orders whose turn it is.

@@ -20,6 +20,7 @@ from dray.messages import ShutOut
 from dray.messages.shutout import MAX_SHUT_OUT
 from dray.store import Store
 from dray.store.factory.exclusions import Exclusion
+from dray.supervision import keep_looking
 
 SAY_EVERY_S = 2.0
 """Wall seconds between two times that the list is said: so long an agent that has just joined for the first time may
@@ -136,13 +137,11 @@ class Exclusions:
 
     async def run(self) -> None:
         """Look and say, until cancelled; while the database is away, what was read last."""
-        while True:
-            try:
-                await self.look()
-            except UnavailableError as error:
-                _log.info("who was shut out elsewhere is not seen this time: %s", error)
-                self.say()
-            await asyncio.sleep(SAY_EVERY_S)
+        await keep_looking(self.look, SAY_EVERY_S, self._on_away, at_once=True)
+
+    def _on_away(self, error: UnavailableError) -> None:
+        _log.info("who was shut out elsewhere is not seen this time: %s", error)
+        self.say()
 
     async def _read(self) -> list[Exclusion]:
         async with self._store.read() as work:

@@ -7,11 +7,9 @@ an order, as soon as the order's status changes.
 
 from __future__ import annotations
 
-import asyncio
 import logging
 from collections.abc import Awaitable, Callable, Collection
 
-from dray.errors import UnavailableError
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.projection.orders import ENDED_KEPT
 from dray.store import Store
@@ -19,6 +17,7 @@ from dray.store.orders.order_filter import OrderFilter
 from dray.store.orders.orders import Mark, Order
 from dray.store.orders.progress import ENDED, UNENDED
 from dray.store.work import Work
+from dray.supervision import keep_looking
 
 LOOK_EVERY_S = 2.0
 """Wall seconds between two looks: about as long as it takes to call over to somebody at another panel. Each
@@ -105,12 +104,11 @@ class DatabaseSync:
 
     async def run(self) -> None:
         """Look from time to time, until cancelled."""
-        while True:
-            await asyncio.sleep(LOOK_EVERY_S)
-            try:
-                await self.look()
-            except UnavailableError as error:
-                _log.info("what others have decided is not seen this time: %s", error)
+        await keep_looking(
+            self.look,
+            LOOK_EVERY_S,
+            lambda error: _log.info("what others have decided is not seen this time: %s", error),
+        )
 
     async def _learn(self, changed: Collection[str]) -> None:
         shown = self._projection.orders

@@ -35,6 +35,10 @@ class AuditRow(msgspec.Struct, frozen=True, kw_only=True):
     detail: dict[str, Any] | Annotated[msgspec.Raw, msgspec.Meta(extra_json_schema={"type": "object"})] = {}
 
 
+LINE = [audit.c[name] for name in AuditRow.__struct_fields__]
+"""What a line is read from."""
+
+
 class AuditFilter(msgspec.Struct, frozen=True, kw_only=True):
     """Which lines are wanted; empty fields want all."""
 
@@ -76,7 +80,7 @@ class Audit:
         position, conditions = audit.c.position, list(_conditions(wanted))
         if after is not None:
             conditions.append(position > after if oldest_first else position < after)
-        query = select(audit).where(*conditions).limit(limit)
+        query = select(*LINE).where(*conditions).limit(limit)
         query = query.order_by(position if oldest_first else position.desc())
         rows = [dict(row._mapping) for row in await self._connection.execute(query)]  # noqa: SLF001 - SQLAlchemy's public name
         return [AuditRow(**row | {"detail": msgspec.Raw(row["detail"].encode())}) for row in rows]
@@ -95,7 +99,9 @@ def row_of_line(line: AuditRow) -> dict[str, object]:
     """A new line, as the table has it."""
     fields = msgspec.structs.asdict(line)
     del fields["position"]
-    return fields | {"detail": msgspec.json.encode(line.detail).decode()}
+    detail = msgspec.json.encode(line.detail).decode()
+    search = "\n".join((line.who, line.action, line.target, line.from_ip, detail)).casefold()
+    return fields | {"detail": detail, "search": search}
 
 
 def _conditions(wanted: AuditFilter) -> list[ColumnElement[bool]]:
@@ -113,12 +119,10 @@ def _conditions(wanted: AuditFilter) -> list[ColumnElement[bool]]:
 
 
 def _holds(word: Sought, *, by_orders: bool) -> ColumnElement[bool]:
-    c = audit.c
-    # One comparison for each line: no word has a line's end in it.
-    texts = c.who + "\n" + c.action + "\n" + c.target + "\n" + c.from_ip + "\n" + c.detail
-    found = [texts.icontains(word.text, autoescape=True)]
-    found += [c.detail.contains(f'"{item}"', autoescape=True) for item in word.named]
+    # No word has a line's end in it, so none is found across two texts.
+    texts = (word.text, *(f'"{item}"' for item in word.named))
+    found = [audit.c.search.contains(text.casefold(), autoescape=True) for text in texts]
     if by_orders:
         named = select(orders.c.id).where(orders.c.search.contains(word.text.casefold(), autoescape=True))
-        found.append(c.target.in_(named))
+        found.append(audit.c.target.in_(named))
     return or_(*found)

@@ -31,6 +31,7 @@ from sqlalchemy import (
 )
 from sqlalchemy.ext.asyncio import AsyncConnection
 
+from dray.store.database.counting import total_of
 from dray.store.database.dialect import insert_new
 from dray.store.database.searching import Sought, searched
 from dray.store.tables import Id, metadata
@@ -306,6 +307,10 @@ class AlertHistory:
             )
             for row in rows
         ]
+
+    async def total(self, wanted: AlertFilter) -> int | None:
+        """How many are wanted; None for very many."""
+        return await total_of(self._connection, select(alerts.c.number).where(*wanted.conditions()))
 
     async def prune(self, before_s: float, at_most: int) -> int:
         """Forget some that had ended before then, and what was said of them; returns how many."""

@@ -12,10 +12,6 @@ from uuid import uuid4
 
 from dray_sim.bench.orders.servers import PRODUCT, Served
 
-BODY = json.dumps(
-    {"customer": "Hall 3", "reference": "PO-17", "items": [{"product": PRODUCT, "quantity": 5}]}
-).encode()
-
 PLACED = b"HTTP/1.1 201 "
 
 
@@ -56,16 +52,24 @@ class Customers:
             self._left -= 1
             await self._order(reader, writer)
 
+    @staticmethod
+    def _body(key: str) -> bytes:
+        """An order under a number of its own: one that is probably sent twice gets a hint, which is not what is measured."""
+        items = [{"product": PRODUCT, "quantity": 5}]
+        return json.dumps({"customer": "Hall 3", "reference": f"PO-{key}", "items": items}).encode()
+
     async def _order(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        key = str(uuid4())
+        body = self._body(key)
         writer.write(
             b"POST /api/orders HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Type: application/json\r\n"
             + f"Authorization: Bearer {self._served.token}\r\n".encode()
-            + f"Idempotency-Key: {uuid4()}\r\n".encode()
-            + f"Content-Length: {len(BODY)}\r\n\r\n".encode()
-            + BODY
+            + f"Idempotency-Key: {key}\r\n".encode()
+            + f"Content-Length: {len(body)}\r\n\r\n".encode()
+            + body
         )
         head = await reader.readuntil(b"\r\n\r\n")
         [length] = [line for line in head.lower().split(b"\r\n") if line.startswith(b"content-length:")]
-        body = await reader.readexactly(int(length.partition(b":")[2]))
+        answer = await reader.readexactly(int(length.partition(b":")[2]))
         if not head.startswith(PLACED):
-            raise RuntimeError(f"an order was refused: {body.decode()}")
+            raise RuntimeError(f"an order was refused: {answer.decode()}")

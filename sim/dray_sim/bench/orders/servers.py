@@ -13,6 +13,7 @@ from collections.abc import Iterator
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from socket import create_connection
+from typing import Any
 
 from dray.cli.fleet.addresses import free_addresses
 from dray.gateway.access.principal import Scope
@@ -53,18 +54,23 @@ def serving(kind: str, url: str, token: str) -> Iterator[Served]:
     process = subprocess.Popen(command, env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)})  # noqa: S603 - our own
     served = Served(host or "127.0.0.1", int(port), token, process.pid)
     try:
-        _wait_for(served, process)
+        wait_for(served.host, served.port, process)
         yield served
     finally:
         process.terminate()
         process.wait(STARTS_S)
 
 
-def _wait_for(served: Served, process: subprocess.Popen[bytes]) -> None:
+def wait_for(host: str, port: int, process: subprocess.Popen[Any]) -> None:
+    """Return when a server answers.
+
+    Raises:
+        RuntimeError: it has ended, or takes too long.
+    """
     until_s = time.monotonic() + STARTS_S
     while True:
         try:
-            with closing(create_connection((served.host, served.port), 1.0)):
+            with closing(create_connection((host, port), 1.0)):
                 return
         except OSError:
             if process.poll() is not None or time.monotonic() > until_s:

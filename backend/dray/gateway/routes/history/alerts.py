@@ -18,16 +18,16 @@ from dray.gateway.http.responses import (
     Cursor,
     Json,
     Limit,
+    counted,
+    counted_list_of,
     iso,
-    list_of,
-    listing,
     read_cursor,
     write_cursor,
 )
 from dray.gateway.live.views import AlertKind, AlertRecord, AlertView, AlertWordView
 from dray.gateway.orders.drafts import Moment
 from dray.gateway.routes.search import Words
-from dray.store import Store
+from dray.store import Store, Work
 from dray.store.factory.alert_history import AlertFilter, AlertRow
 
 router = APIRouter(tags=["alerts"])
@@ -64,7 +64,7 @@ EXAMPLE = AlertRecord(
 
 @router.get(
     "/alerts/history",
-    responses={200: with_csv(list_of(AlertRecord, "Alerts, the last to begin first"))},
+    responses={200: with_csv(counted_list_of(AlertRecord, "Alerts, the last to begin first"))},
     response_class=Json,
 )
 async def list_alert_history(
@@ -95,18 +95,20 @@ async def list_alert_history(
     if format == "csv":
         return table("alerts", [*header_of(COLUMNS), "cause", "words"], _rows(store, wanted))
     after = read_cursor(cursor, tuple[float, Number])
-    records, last = await _page(store, wanted, after, limit)
-    return listing(records, None if last is None else write_cursor(*last))
+    async with store.read() as work:
+        records, last = await _page(work, wanted, after, limit)
+        is_all = cursor is None and last is None
+        total = len(records) if is_all else None if words else await work.alerts.total(wanted)
+    return counted(records, None if last is None else write_cursor(*last), total)
 
 
 async def _page(
-    store: Store, wanted: AlertFilter, after: tuple[float, int] | None, limit: int
+    work: Work, wanted: AlertFilter, after: tuple[float, int] | None, limit: int
 ) -> tuple[list[AlertRecord], tuple[float, int] | None]:
     """Some, and where to go on; None at the end."""
-    async with store.read() as work:
-        rows = await work.alerts.page(wanted, after, limit + 1)
-        found = [(row, msgspec.json.decode(row.told, type=AlertView)) for row in rows[:limit]]
-        references = await work.orders.references({view.order for _, view in found if view.order})
+    rows = await work.alerts.page(wanted, after, limit + 1)
+    found = [(row, msgspec.json.decode(row.told, type=AlertView)) for row in rows[:limit]]
+    references = await work.orders.references({view.order for _, view in found if view.order})
     last = (rows[limit - 1].since_at_s, rows[limit - 1].number) if len(rows) > limit else None
     return [_record(row, view, references.get(view.order)) for row, view in found], last
 
@@ -115,7 +117,8 @@ async def _rows(store: Store, wanted: AlertFilter) -> AsyncIterator[Row]:
     """All that are wanted, as cells."""
     after: tuple[float, int] | None = None
     while True:
-        records, after = await _page(store, wanted, after, ROWS_AT_ONCE)
+        async with store.read() as work:
+            records, after = await _page(work, wanted, after, ROWS_AT_ONCE)
         for record in records:
             cause = "" if record.cause is None else record.cause.text
             yield [*row_of(COLUMNS, record), cause, " | ".join(map(_in_words, record.words))]

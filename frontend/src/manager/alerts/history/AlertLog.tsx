@@ -10,7 +10,7 @@ import { CsvLink } from "../../parts/filters/CsvLink";
 import { ListKeptNote } from "../../parts/kept/KeptNote";
 import { Pages } from "../../parts/pages/Pages";
 import { PrintButton } from "../../parts/paper/PrintButton";
-import { usePaged } from "../../parts/pages/paged";
+import { countOf, usePaged } from "../../parts/pages/paged";
 import { MomentLink } from "../../replay/MomentLink";
 import { alerts } from "../../state";
 import { addressOf, asked } from "../../views";
@@ -26,11 +26,12 @@ const newest = computed(() => alerts.value.map(({ acknowledged_at_s: atS, commen
 export function AlertLog() {
   const { failed, page, printing } = usePaged(async (said, place) => await fetchAlerts({ ...queryOf(said), ...place }), newest);
   const records = page.value?.items ?? [];
+  const { count, more } = countOf(page.value);
   return (
     <section class="card" aria-label={t("alertLog.title")} aria-busy={page.value === null && failed.value === null}>
       <header class="card-head">
         <h2>{t("alertLog.title")}</h2>
-        <span class="count">{records.length}{page.value?.next_cursor != null && "+"}</span>
+        <span class="count">{format.count(count)}{more && "+"}</span>
         <div class="table-aside"><Filters /><PrintButton of={printing} /></div>
       </header>
       <ListKeptNote kind="alerts" />

@@ -4,7 +4,7 @@ import { nowS } from "../../../stream/stream";
 import { format, t } from "../../../text/views/order";
 import { names, orderName } from "../../state";
 import { addressOf } from "../../views";
-import { type Estimate, heightOf, leftOf, type Move, movesOf, stepsOf, timeOf, topOf } from "./estimates";
+import { type Estimate, heightOf, leftOf, linesOf, type Move, movesOf, stepsOf, timeOf, topOf } from "./estimates";
 
 /** The newest, before somebody asks for more. */
 const AT_FIRST = 5;
@@ -51,11 +51,13 @@ function Band({ deliveredS, dueS, estimates, first, shown, untilS }: Props & { s
   const time = timeOf(estimates, untilS);
   const height = heightOf(estimates, [dueS, deliveredS]);
   const at = (atS: number) => ({ left: `${leftOf(time, atS)}%` });
+  const lines = linesOf(shown.map(({ estimate }) => leftOf(time, estimate.at_s)));
+  const raised = Math.max(0, ...lines.map((line) => line ?? 0));
   const top = (atS: number) => ({ top: `${topOf(height, atS)}%` });
   const known = estimates.flatMap(({ from_at_s, to_at_s }) => [from_at_s, to_at_s].filter((atS) => atS !== null));
   const ends = known.length === 0 ? [] : [Math.min(...known), Math.max(...known)];
   return (
-    <div class="estimates" role="img" aria-label={bandText(estimates)}>
+    <div class="estimates" role="img" aria-label={bandText(estimates)} style={{ "--lines": raised }}>
       <span class="estimates-scale num" aria-hidden="true">
         {ends.map((atS) => (
           <i key={atS} style={top(atS)}>{format.hour(atS)}</i>
@@ -76,7 +78,7 @@ function Band({ deliveredS, dueS, estimates, first, shown, untilS }: Props & { s
         )}
         {shown.map(({ estimate }, index) => (
           <i key={estimate.at_s} class="estimates-move" style={at(estimate.at_s)}>
-            <small class="num">{first + index}</small>
+            {lines[index] != null && <small class="num" style={{ "--line": lines[index] }}>{first + index}</small>}
           </i>
         ))}
         {deliveredS !== null && <i class="estimates-end" style={{ ...at(deliveredS), ...top(deliveredS) }} />}

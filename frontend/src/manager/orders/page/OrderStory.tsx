@@ -1,5 +1,5 @@
 import { fetchOrder, fetchTimeline } from "../../../api/client";
-import type { OrderView } from "../../../api/types";
+import type { OrderAnswer, OrderView } from "../../../api/types";
 import { Card } from "../../../parts/Card";
 import "../../../parts/paper.css";
 import { choose } from "../../../selection/selection";
@@ -19,6 +19,7 @@ import { groupsOf, legendOf, spanOf, type Story, type Transport } from "./lanes"
 import { LinkCard } from "./LinkCard";
 import { Moments } from "./Moments";
 import { transportText } from "./moments";
+import { StoryFrame } from "./StoryFrame";
 
 /** A page of one order is looked at for minutes; its timeline is read from history. */
 const AGAIN_MS = 3000;
@@ -38,30 +39,23 @@ export function OrderStory() {
     return { kept, story };
   }, AGAIN_MS);
   const found = answer.value?.kept.id === id ? answer.value : null;
-  if (found === null) {
-    return (
-      <main class="table-view" id="content" tabIndex={-1} aria-busy={failed.value === null}>
-        <section class="card">
-          <header class="card-head">
-            <h1>{id}</h1>
-          </header>
-          <p class="empty" role="status">
-            {failed.value === null ? t("view.loading") : t("orderPage.failed", { reason: failed.value })}{" "}
-            <a href="#orders">{t("orderPage.all")}</a>
-          </p>
-        </section>
-      </main>
-    );
-  }
-  const order: OrderView = world.value?.orders.get(id) ?? found.kept;
-  const { story } = found;
   return (
-    <main class="order-page" id="content" tabIndex={-1}>
-      {failed.value !== null && (
-        <p class="tone-warn" role="status">
-          {t("orderPage.failed", { reason: failed.value })}
-        </p>
-      )}
+    <StoryFrame
+      id={id}
+      failed={failed.value === null ? null : t("orderPage.failed", { reason: failed.value })}
+      loading={t("view.loading")}
+      back={{ href: "#orders", text: t("orderPage.all") }}
+    >
+      {found && <Page kept={found.kept} story={found.story} again={again} />}
+    </StoryFrame>
+  );
+}
+
+function Page({ again, kept, story }: { kept: OrderAnswer; story: Story; again: () => void }) {
+  const { id } = kept;
+  const order: OrderView = world.value?.orders.get(id) ?? kept;
+  return (
+    <>
       <Head order={order} story={story} />
       <div class="order-columns">
         <div class="order-main">
@@ -81,11 +75,11 @@ export function OrderStory() {
             deliveredS={order.delivered_at_s}
             untilS={isClosed(order) ? endOf(order, story) : nowS.value}
           />
-          <ChangeCard key={`change ${id}`} kept={found.kept} onChanged={again} />
+          <ChangeCard key={`change ${id}`} kept={kept} onChanged={again} />
           <LinkCard key={id} order={id} links={story.links} onChanged={again} />
         </div>
       </div>
-    </main>
+    </>
   );
 }
 

@@ -1,5 +1,5 @@
 import { describe, expect, test } from "vitest";
-import { type Estimate, heightOf, leftOf, movesOf, stepsOf, timeOf, topOf } from "./estimates";
+import { type Estimate, heightOf, leftOf, linesOf, movesOf, stepsOf, timeOf, topOf } from "./estimates";
 import { moveText } from "./EstimatesCard";
 
 const at = (atS: number, fromS: number | null, toS: number | null, more: Partial<Estimate> = {}): Estimate => ({
@@ -45,5 +45,16 @@ describe("a move says its cause by name, and by how much", () => {
     expect(stands).toBe("M4 stands: nobody can tell when");
     expect(again).toBe("It can be told again");
     expect(moveText({ estimate: at(0, 1, 2, { cause: "sooner" }), byS: -120 })).toMatch(/sooner$/);
+  });
+});
+
+describe("the numbers of moves", () => {
+  test("stand on one line where there is room, else above one another", () => {
+    expect(linesOf([0, 20, 40])).toEqual([0, 0, 0]);
+    expect(linesOf([0, 2, 9, 11, 50])).toEqual([0, 1, 0, 1, 0]);
+  });
+
+  test("are left out where more stand in one place than there are lines", () => {
+    expect(linesOf([10, 11, 12, 13, 18])).toEqual([0, 1, 2, null, 0]);
   });
 });

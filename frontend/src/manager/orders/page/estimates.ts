@@ -66,3 +66,25 @@ export function movesOf(estimates: readonly Estimate[]): Move[] {
     return [{ estimate, byS: before === null || estimate.to_at_s === null ? null : estimate.to_at_s - before }];
   });
 }
+
+/** Of the drawing's width, what a number of two digits takes on the narrowest screen. */
+const NUMBER_PERCENT = 8;
+
+/** Lines of numbers above the drawing. A number that has no room on any of them is not drawn: the list below has it. */
+const LINES_MOST = 3;
+
+/**
+ * On which line above the drawing each number stands, 0 for the lowest, so that none covers another; null where there is no room.
+ *
+ * @param leftPercents where they stand, from left to right
+ */
+export function linesOf(leftPercents: readonly number[]): (number | null)[] {
+  const last: number[] = [];
+  return leftPercents.map((left) => {
+    const free = last.findIndex((before) => left - before >= NUMBER_PERCENT);
+    const line = free >= 0 ? free : last.length;
+    if (line >= LINES_MOST) return null;
+    last[line] = left;
+    return line;
+  });
+}

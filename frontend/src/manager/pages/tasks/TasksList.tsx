@@ -16,7 +16,7 @@ import { PrintButton } from "../../parts/paper/PrintButton";
 import { countOf, sortBy, usePaged } from "../../parts/pages/paged";
 import { ShowLink } from "../../parts/ShowLink";
 import { names, plant, taskName } from "../../state";
-import { addressOf, addressOfTransport, asked, transportOf } from "../../views";
+import { addressOf, asked, storyOf } from "../../views";
 import { heldKey, machineHeldKey } from "../../parts/rows/held";
 import { queryOf, STATES, tableOf } from "./filter";
 import { factoryTime } from "../../../text/plant-time";
@@ -102,14 +102,14 @@ function Row({ task }: { task: Shown }) {
   const source = task.source.replaceAll("/", " / ");
   const opened = live && isOpen(live);
   const name = taskName(task.id, order, task.reference ?? order);
-  const called = transportOf(task.id);
+  const story = storyOf(task);
   const what = t("auction.what", { quantity: format.count(task.quantity), item: names.value(task.item) });
   return (
     <tr>
       <th scope="row">
         {live ? <ShowLink chosen={{ kind: "task", id: task.id }} name={name} label={t("tasks.open", { id: name })} /> : name}
       </th>
-      <td>{called === "" ? what : <a class="link" href={addressOfTransport(called)}>{what}</a>}</td>
+      <td>{story === "" ? what : <a class="link" href={story}>{what}</a>}</td>
       <td>{task.destination && t("auction.way", { source, destination: task.destination })}</td>
       <td>{order && <a class="link" href={addressOf(order)}>{task.reference ?? order}</a>}</td>
       <td>

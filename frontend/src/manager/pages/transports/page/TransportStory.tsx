@@ -18,6 +18,7 @@ import { TransportLanes } from "../../../orders/page/Lanes";
 import { Moments } from "../../../orders/page/Moments";
 import { Legend, Told } from "../../../orders/page/OrderStory";
 import { loadOf, placeOf } from "../../../orders/page/moments";
+import { StoryFrame } from "../../../orders/page/StoryFrame";
 import { Sure } from "../../../parts/Sure";
 import { problemText } from "../../../problem-text";
 import { useRefreshed } from "../../../refreshed";
@@ -43,40 +44,28 @@ export function TransportStory() {
     return { transport, story };
   }, AGAIN_MS);
   const found = answer.value?.transport.id === id ? answer.value : null;
-  if (found === null) {
-    return (
-      <main class="table-view" id="content" tabIndex={-1} aria-busy={failed.value === null}>
-        <section class="card">
-          <header class="card-head">
-            <h1>{id}</h1>
-          </header>
-          <p class="empty" role="status">
-            {failed.value === null ? t("view.loading") : t("called.page.failed", { reason: failed.value })}{" "}
-            <a href="#transports">{t("called.page.all")}</a>
-          </p>
-        </section>
-      </main>
-    );
-  }
-  const { story, transport } = found;
   return (
-    <main class="order-page" id="content" tabIndex={-1}>
-      {failed.value !== null && (
-        <p class="tone-warn" role="status">
-          {t("called.page.failed", { reason: failed.value })}
-        </p>
+    <StoryFrame
+      id={id}
+      failed={failed.value === null ? null : t("called.page.failed", { reason: failed.value })}
+      loading={t("view.loading")}
+      back={{ href: "#transports", text: t("called.page.all") }}
+    >
+      {found && (
+        <>
+          <Head transport={found.transport} story={found.story} onChanged={again} />
+          <div class="order-columns">
+            <div class="order-main">
+              <LanesCard transport={found.transport} story={found.story} />
+              <Moments moments={found.story.moments} isWhole />
+            </div>
+            <div class="order-side">
+              <Waits transport={found.transport} />
+            </div>
+          </div>
+        </>
       )}
-      <Head transport={transport} story={story} onChanged={again} />
-      <div class="order-columns">
-        <div class="order-main">
-          <LanesCard transport={transport} story={story} />
-          <Moments moments={story.moments} isWhole />
-        </div>
-        <div class="order-side">
-          <Waits transport={transport} />
-        </div>
-      </div>
-    </main>
+    </StoryFrame>
   );
 }
 

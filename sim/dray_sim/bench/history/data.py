@@ -28,14 +28,15 @@ from dray.messages.fact import (
     TaskOpened,
 )
 from dray.store import Store, open_store
+from dray.store.access.digest import digest
 from dray.store.factory.kpis import KpiSample
 from dray.store.orders.orders import Item, Order, rows_of_items, rows_of_orders
 from dray.store.orders.progress import OrderStatus
 from dray.store.orders.tasks import TaskRow, row_of_task, tasks
-from dray.store.tables import events, goals, kpi_samples, order_items, orders, products
+from dray.store.tables import events, goals, kpi_samples, order_items, orders, products, tracking_links
 
-EVENTS_EACH = 100
-"""Events for each order, of which a tenth is about it: 100,000 orders have ten million, some 5 GB with their indexes."""
+EVENTS_EACH = 30
+"""Events for each order, of which a third is about it: 100,000 orders have three million, some 1.5 GB with their indexes."""
 
 NOW_S = 1_900_000_000.0
 
@@ -108,6 +109,10 @@ def _goal(number: int) -> dict[str, object]:
     }
 
 
+def _link(order: Order) -> dict[str, object]:
+    return {"token_hash": digest(order.token), "order_id": order.id, "created_at_s": order.created_at_s}
+
+
 def _happenings() -> Iterator[tuple[AnyFact, bool, bool, bool]]:
     """What happens to every order, and whether it names the task, the goal and the order."""
     work = Transport("P1", 4, ("M1",), "OUT", "tote", goal=GOAL)
@@ -138,6 +143,8 @@ WHERE taken_over IS NULL OR taken_over = CASE WHEN n % {taken} = 0 THEN 1 ELSE 0
 ORDER BY n, step
 """
 
+_DETAIL = """'{"customer":"Customer ' || (n % 211) || '","items":[{"product":"P1","quantity": 4},{"product":"P2","quantity": 2}]}'"""
+
 _OTHERS = (
     """
 INSERT INTO alerts (alert, kind, level, order_id, since_at_s, ended_at_s, told, search)
@@ -145,10 +152,13 @@ SELECT 'machine_error-' || n, 'machine_error', 'alarm', '', {now} - ({many} - n)
 FROM numbers WHERE n % 10 = 0
 """,
     """
-INSERT INTO audit (at_s, who, who_kind, from_ip, session, action, target, result, detail)
-SELECT {now} - ({many} - n) * {every}, 'P' || (n % 23), 'person', '127.0.0.1', '',
-    CASE WHEN n % 50 = 0 THEN 'vehicle.command' ELSE 'order.place' END, 'O-' || n, 'done', '{{}}'
-FROM numbers
+INSERT INTO audit (at_s, who, who_kind, from_ip, session, action, target, result, detail, search)
+SELECT {now} - ({many} - n) * {every}, 'P' || (n % 23), 'person', '127.0.0.1', '', action, 'O-' || n, 'done', {detail},
+    LOWER('P' || (n % 23) || char_10 || action || char_10 || 'O-' || n || char_10 || '127.0.0.1' || char_10 || {detail})
+FROM (
+    SELECT n, CASE WHEN n % 50 = 0 THEN 'vehicle.command' ELSE 'order.place' END AS action, '
+' AS char_10 FROM numbers
+) AS every_line
 """,
     """
 INSERT INTO spells (agent, doing, from_at_s, until_at_s, task, item, source, destination, other)
@@ -180,6 +190,7 @@ async def filled(url: str, many: int) -> AsyncIterator[Store]:
                 rows = rows_of_orders(new)
                 await connection.execute(insert(orders), rows)
                 await connection.execute(insert(order_items), rows_of_items(new))
+                await connection.execute(insert(tracking_links), list(map(_link, new)))
                 await connection.execute(insert(goals), list(map(_goal, numbers)))
                 told = [
                     row_of_task(_task(number, chance), str(row["search"]))
@@ -221,7 +232,14 @@ async def _add(connection: AsyncConnection, numbers: range, many: int) -> None:
     await connection.execute(text(_STEPS))
     of_step = "INSERT INTO steps VALUES (:step, :kind, :has_task, :has_goal, :has_order, :fact, :taken_over)"
     await connection.execute(text(of_step), list(_steps()))
-    values = {"many": many, "now": NOW_S, "every": EVERY_S, "each": EVENTS_EACH, "taken": TAKEN_OVER_EVERY}
+    values = {
+        "many": many,
+        "now": NOW_S,
+        "every": EVERY_S,
+        "each": EVENTS_EACH,
+        "taken": TAKEN_OVER_EVERY,
+        "detail": _DETAIL,
+    }
     first_and_last = _NUMBERS.format(first=numbers.start, last=numbers.stop)
     for statement in (_EVENTS, *_OTHERS):
         await connection.execute(text(first_and_last + statement.format(**values)))

@@ -1,24 +1,24 @@
 """Benchmark `history`: how long a person waits who looks for something in all there ever was.
 
-100,000 orders, as many tasks and 10,000,000 events (`quick`: a tenth of each) are written into a new database, with the alerts, the audit log, the
+100,000 orders, as many tasks and 3,000,000 events (`quick`: a tenth of each) are written into a new database, with the alerts, the audit log, the
 minutes and the spells of those ten weeks, and asked for as the panels ask: a name that one order in ten thousand has, a page deep in the list, whatever was
 late, the page of an order, also of one whose events are forgotten, a shift's report. How long it takes to build is told apart. The baseline, in the
 same run and on the same connection, is to count the rows of that table, which reads all of them once and gives nothing to a person. Both have their
 statistics (ANALYZE). Moments of what panels showed are measured by `replay`.
 
-Then the log is forgotten as the historian does it: how long a transaction of it takes, while which nobody else writes.
+Then the same is looked at over REST, orders are placed, and a tenth of the log is forgotten meanwhile (`use`). How long a transaction of that takes, while
+which nobody else writes, is told apart.
 """
 
 from __future__ import annotations
 
 import asyncio
 import time
-from collections.abc import AsyncIterator, Awaitable, Callable, Iterator, Sequence
-from contextlib import asynccontextmanager
+from collections.abc import Awaitable, Callable, Iterator, Sequence
 from statistics import median
 from typing import Any
 
-from sqlalchemy import Table, func, select
+from sqlalchemy import Table, func, select, text
 
 from dray.gateway.factory.shift_reporter import ShiftReporter
 from dray.gateway.live.projection import Projection
@@ -34,9 +34,11 @@ from dray.store.orders.order_filter import EVERY_ORDER, OrderFilter
 from dray.store.orders.order_histories import KINDS, together
 from dray.store.orders.order_sorting import Sorting
 from dray.store.orders.tasks import TaskFilter, tasks
-from dray.store.retention import AT_ONCE, DAY_S, KeptFor, Retention
+from dray.store.retention import AT_ONCE, DAY_S, Retention
 from dray.store.tables import audit, events, orders
-from dray_sim.bench.history_data import EVENTS_EACH, EVERY_S, NOW_S, filled, order_of
+from dray_sim.bench.history.data import EVENTS_EACH, EVERY_S, NOW_S, filled, order_of
+from dray_sim.bench.history.forgetting import TimedStore, kept_after
+from dray_sim.bench.history.use import BEFORE, used
 from dray_sim.bench.postgres import databases
 from dray_sim.bench.row import Row
 
@@ -78,8 +80,13 @@ def measure(quick: bool) -> list[Row]:
     return asyncio.run(measured(ORDERS // 10 if quick else ORDERS))
 
 
-async def measured(many: int) -> list[Row]:
-    """Measure both databases with so many orders."""
+async def measured(many: int, before: int = BEFORE) -> list[Row]:
+    """Measure both databases.
+
+    Args:
+        many: orders there are.
+        before: orders that are placed before anything is forgotten.
+    """
     rows: list[Row] = []
     with databases() as both:
         for name, url in both.items():
@@ -88,6 +95,8 @@ async def measured(many: int) -> list[Row]:
                 rows.append(await _built(f"history: {name}", store, time.perf_counter() - begun_s))
                 for what, table, ask in _questions(many):
                     rows.append(await _row(f"history: {name}, {what}", store, table, ask))
+                rows.append(await _size(f"history: {name}, size", store))
+                rows += await used(f"history: {name}", url, store, many, before)
                 rows.append(await _start(f"history: {name}, the historian's start", store))
                 rows.append(await _forgotten(f"history: {name}", store))
                 what = "the page of an order whose events are forgotten"
@@ -138,6 +147,12 @@ def _questions(many: int) -> Iterator[tuple[str, Table, Ask]]:
         "the audit log of one person",
         audit,
         _read(lambda work: work.audit.page(AuditFilter(who="P7", until_s=deep.created_at_s), None, PAGE)),
+    )
+    word = AuditFilter(words=(Sought("d5"),), by_orders=True)
+    yield (
+        f"D5 in {many:,} lines of the audit log",
+        audit,
+        _read(lambda work: work.audit.page(word, None, PAGE)),
     )
     yield "the report of a shift ten days ago", events, _report
 
@@ -201,6 +216,19 @@ async def _counted_ms(store: Store, table: Table) -> float:
         return 1000 * (time.perf_counter() - begun_s)
 
 
+async def _size(name: str, store: Store) -> Row:
+    """All of it, with its indexes."""
+    async with store.database.read() as connection:
+        if connection.dialect.name == "postgresql":
+            query = "SELECT pg_database_size(current_database())"
+        else:
+            query = "SELECT page_count * page_size FROM pragma_page_count(), pragma_page_size()"
+        size = (await connection.execute(text(query))).scalar_one()
+        count = (await connection.execute(select(func.count()).select_from(events))).scalar_one()
+    note = f"{size / count:,.0f} bytes for each of {count:,} events, with the orders and all else"
+    return Row(name, size / 1e9, "GB", size / 1e9, "itself", note=note)
+
+
 async def _start(name: str, store: Store) -> Row:
     counted_ms = await _counted_ms(store, events)
     async with store.read() as work:
@@ -213,14 +241,12 @@ async def _start(name: str, store: Store) -> Row:
 
 async def _forgotten(name: str, store: Store) -> Row:
     """The oldest events, as the historian forgets them."""
-    timed = _TimedStore(store)
+    timed = TimedStore(store)
     async with store.read() as work:
         (oldest,) = await work.events.page(EventFilter(), None, 1, newest_first=False)
     old = oldest.at_s + EVERY_S * FORGOTTEN * AT_ONCE / EVENTS_EACH
-    of_events: dict[str, Any] = {"events_s": NOW_S - old, "events_most": 1 << 62}
-    kept = KeptFor(**dict.fromkeys(KeptFor.__struct_fields__, NOW_S + DAY_S) | of_events)
     begun_s = time.perf_counter()
-    await Retention(timed, kept, lambda: NOW_S).forget()
+    await Retention(timed, kept_after(old), lambda: NOW_S).forget()
     a_second = FORGOTTEN * AT_ONCE / (time.perf_counter() - begun_s)
     took_ms = timed.took_ms[:FORGOTTEN]
     note = f"{AT_ONCE} events each, {a_second:,.0f} a second with pauses; slowest of {FORGOTTEN} {max(took_ms):.0f} ms"
@@ -234,23 +260,3 @@ async def _forgotten(name: str, store: Store) -> Row:
         note,
         less=True,
     )
-
-
-class _TimedStore(Store):
-    """The same database; it is noted how long each transaction kept others from writing.
-
-    Attributes:
-        took_ms: of each, to its end on the disk.
-    """
-
-    def __init__(self, store: Store) -> None:
-        super().__init__(store.database)
-        self.took_ms: list[float] = []
-
-    @asynccontextmanager
-    async def write(self) -> AsyncIterator[Work]:
-        """See `Store.write`."""
-        begun_s = time.perf_counter()
-        async with super().write() as work:
-            yield work
-        self.took_ms.append(1000 * (time.perf_counter() - begun_s))

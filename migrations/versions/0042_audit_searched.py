@@ -1,0 +1,33 @@
+"""Lines of the audit log are found by words as orders are: all of their texts stand in one column, in small letters.
+
+Revision: 0042, after 0040
+"""
+
+from __future__ import annotations
+
+import sqlalchemy as sa
+from alembic import op
+
+revision = "0042"
+down_revision = "0040"
+branch_labels = None
+depends_on = None
+
+AT_ONCE = 2_000
+"""Lines that are read and written at once: the log may be long."""
+
+LINES = "SELECT position, who, action, target, from_ip, detail FROM audit WHERE position > :last ORDER BY position LIMIT :most"
+
+
+def upgrade() -> None:
+    op.add_column("audit", sa.Column("search", sa.Text, nullable=False, server_default=""))
+    connection, last = op.get_bind(), 0
+    while rows := connection.execute(sa.text(LINES), {"last": last, "most": AT_ONCE}).all():
+        # Here and not in SQL, which knows the small letters of English only.
+        texts = [{"of": position, "text": "\n".join(line).casefold()} for position, *line in rows]
+        connection.execute(sa.text("UPDATE audit SET search = :text WHERE position = :of"), texts)
+        last = rows[-1].position
+
+
+def downgrade() -> None:
+    op.drop_column("audit", "search")

@@ -1,0 +1,267 @@
+"""How long people wait for pages over REST, and whether anybody waits because history is forgotten meanwhile.
+
+The gateway runs in a process of its own on the database that is there. First pages are asked for one after the other. Then orders are placed at the usual
+rate while somebody looks at a page each second, and after some time the gateway begins to forget: the slowest request before that is the baseline.
+A request's time runs from the moment at which it was due, so that one that waits for the one before it is not left out.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import os
+import subprocess
+import sys
+import time
+from collections.abc import AsyncIterator, Iterator, Mapping, Sequence
+from contextlib import AsyncExitStack, asynccontextmanager, contextmanager
+from random import Random
+from uuid import uuid4
+
+from sqlalchemy import func, select
+
+from dray.cli.fleet.addresses import free_addresses
+from dray.gateway.access.principal import Scope
+from dray.gateway.access.tokens import new_id, new_key
+from dray.store import Store
+from dray.store.access.api_keys import ApiKey
+from dray.store.tables import events
+from dray_sim.bench.history.data import EVERY_S, NOW_S, SEED, order_of
+from dray_sim.bench.orders.servers import PRODUCT, wait_for
+from dray_sim.bench.row import Row
+
+AIM_MS = 200.0
+"""A page that comes later than this is waited for."""
+
+MOST_MS = 300.0
+"""No request may take longer because of what is forgotten."""
+
+SEARCHES, PAGES = 20, 100
+"""Asked for, for a p95."""
+
+PLACED_EVERY_S = 0.2
+"""Between two orders: five a second are 18,000 an hour, more than 50 vehicles bring."""
+
+LOOK_EVERY = 5
+"""Orders between two looks at a page: one a second."""
+
+BEFORE = 100
+"""Orders that are placed before anything is forgotten."""
+
+FORGOTTEN_PART = 10
+"""A part of so many of the events is forgotten: of ten weeks one."""
+
+STOPS_S = 60.0
+
+
+async def used(name: str, url: str, store: Store, many: int, before: int = BEFORE) -> list[Row]:
+    """Look at pages and place orders, without and with something that is forgotten.
+
+    Args:
+        name: begins the names of the rows.
+        url: of the database.
+        store: open on it.
+        many: orders there are.
+        before: orders that are placed before anything is forgotten.
+    """
+    token = await _key(store)
+    oldest = many - many // FORGOTTEN_PART
+    before_s = NOW_S - oldest * EVERY_S
+    with _serving(url, before_s) as (process, port):
+        async with _line(port, token) as line:
+            rows = [
+                await _pages(f"{name}, {what}, over REST", line, paths)
+                for what, paths in _looks(many).items()
+            ]
+        kept = await _count(store)
+        rows += await _forgotten(name, process, port, token, many, before)
+        gone = kept - await _count(store)
+    forgot = rows[-1]
+    took_s = forgot.figure
+    note = f"{gone:,} events of {kept:,} forgotten in {took_s:,.0f} s, {gone / took_s:,.0f} a second; {forgot.note}"
+    rows[-1] = Row(f"{name}, a tenth of all events forgotten", took_s, "s", took_s, "itself", note=note)
+    return rows
+
+
+def _looks(many: int) -> dict[str, list[tuple[str, ...]]]:
+    """What people look at; each is one page, of one request or two."""
+    chance = Random(SEED)
+    some = [chance.randrange(many) for _ in range(PAGES)]
+    return {
+        f"D5 in {many:,} orders": [("/api/orders?q=D5&sort=work&limit=50",)] * SEARCHES,
+        "D5 in the audit log": [("/api/audit?q=D5&limit=50",)] * SEARCHES,
+        "an order's page": [(f"/api/orders/O-{n}", f"/api/orders/O-{n}/timeline") for n in some],
+        "a customer's page": [(f"/track/{order_of(n).token}",) for n in some],
+    }
+
+
+class _Line:
+    """A kept connection to the gateway, on which one request at a time is asked."""
+
+    def __init__(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter, token: str) -> None:
+        self._reader, self._writer, self._token = reader, writer, token
+
+    async def ask(self, path: str, body: object = None) -> bytes:
+        """Ask for a path, or post a body to it; returns what was answered.
+
+        Raises:
+            RuntimeError: something else than 200 or 201 was answered.
+        """
+        sent = b"" if body is None else json.dumps(body).encode()
+        head = [
+            f"{'GET' if body is None else 'POST'} {path} HTTP/1.1",
+            "Host: 127.0.0.1",
+            f"Authorization: Bearer {self._token}",
+            "Content-Type: application/json",
+            f"Content-Length: {len(sent)}",
+            f"Idempotency-Key: {uuid4()}",
+        ]
+        self._writer.write("\r\n".join((*head, "", "")).encode() + sent)
+        told = (await self._reader.readuntil(b"\r\n\r\n")).decode()
+        [length] = [line for line in told.lower().split("\r\n") if line.startswith("content-length:")]
+        answer = await self._reader.readexactly(int(length.partition(":")[2]))
+        if told.split(" ", 2)[1] not in ("200", "201"):
+            raise RuntimeError(f"{path}: {told.splitlines()[0]} {answer[:300]!r}")
+        return answer
+
+
+@asynccontextmanager
+async def _line(port: int, token: str) -> AsyncIterator[_Line]:
+    reader, writer = await asyncio.open_connection("127.0.0.1", port)
+    try:
+        yield _Line(reader, writer, token)
+    finally:
+        writer.close()
+
+
+async def _pages(name: str, line: _Line, pages: Sequence[tuple[str, ...]]) -> Row:
+    took_ms: list[float] = []
+    # The first one reads what a gateway reads once.
+    for place, paths in enumerate([pages[0], *pages]):
+        begun_s = time.perf_counter()
+        for path in paths:
+            await line.ask(path)
+        if place:
+            took_ms.append(1000 * (time.perf_counter() - begun_s))
+    note = f"p95 of {len(took_ms)}; median {_quantile(took_ms, 0.5):.0f} ms, slowest {max(took_ms):.0f} ms"
+    figure = _quantile(took_ms, 0.95)
+    return Row(name, figure, "ms", AIM_MS, "what is waited for", AIM_MS, note, less=True)
+
+
+async def _forgotten(
+    name: str, process: subprocess.Popen[str], port: int, token: str, many: int, first: int
+) -> list[Row]:
+    """Place orders and look at pages, the first before anything is forgotten, and then as long as it is."""
+    before: dict[str, list[float]] = {"order": [], "page": []}
+    during: dict[str, list[float]] = {"order": [], "page": []}
+    phase = before
+
+    async with AsyncExitStack() as stack:
+        placing = await stack.enter_async_context(_line(port, token))
+        looking = await stack.enter_async_context(_line(port, token))
+        pages = [page for pages in zip(*_looks(many).values(), strict=False) for page in pages]
+
+        async def place() -> None:
+            due_s = time.perf_counter()
+            while True:
+                due_s = await _until(due_s + PLACED_EVERY_S)
+                items = [{"product": PRODUCT, "quantity": 5}]
+                body = {"customer": "Hall 3", "reference": f"PO-{uuid4()}", "items": items}
+                await placing.ask("/api/orders", body)
+                phase["order"].append(1000 * (time.perf_counter() - due_s))
+
+        async def look() -> None:
+            due_s, number = time.perf_counter(), 0
+            while True:
+                due_s, number = await _until(due_s + PLACED_EVERY_S * LOOK_EVERY), number + 1
+                # Each request by itself: none may be held up.
+                for path in pages[number % len(pages)]:
+                    begun_s = time.perf_counter()
+                    await looking.ask(path)
+                    phase["page"].append(1000 * (time.perf_counter() - begun_s))
+
+        async with asyncio.TaskGroup() as tasks:
+            running = [tasks.create_task(place()), tasks.create_task(look())]
+            await _until_told(before, first)
+            phase = during
+            assert process.stdin is not None and process.stdout is not None  # noqa: S101, PT018 - pipes of ours
+            print("forget", file=process.stdin, flush=True)
+            told = json.loads(await asyncio.to_thread(process.stdout.readline))
+            await _until_told(during, 1)
+            for task in running:
+                task.cancel()
+    rows = []
+    for what, said in (("order", "an order is placed"), ("page", "a page is asked for")):
+        slowest, usual = max(during[what]), max(before[what])
+        # What is as slow without it is not slow because of it.
+        note = (
+            f"slowest of {len(during[what])}, p95 {_quantile(during[what], 0.95):.0f} ms; "
+            f"before it slowest of {len(before[what])}, p95 {_quantile(before[what], 0.95):.0f} ms"
+        )
+        most_ms = max(MOST_MS, usual)
+        rows.append(
+            Row(
+                f"{name}, {said} while it forgets",
+                slowest,
+                "ms",
+                usual,
+                "before it",
+                most_ms,
+                note,
+                less=True,
+            )
+        )
+    each_ms = told["transactions_ms"]
+    note = (
+        f"{len(each_ms):,} transactions, p95 {_quantile(each_ms, 0.95):.0f} ms, slowest {max(each_ms):.0f} ms"
+    )
+    return [*rows, Row(name, told["took_s"], "s", told["took_s"], "itself", note=note)]
+
+
+async def _until_told(phase: Mapping[str, Sequence[float]], orders: int) -> None:
+    """Return when so many orders were placed in a phase, and a page was looked at."""
+    while len(phase["order"]) < orders or not phase["page"]:  # noqa: ASYNC110 - both are lists that others fill
+        await asyncio.sleep(PLACED_EVERY_S)
+
+
+async def _until(due_s: float) -> float:
+    await asyncio.sleep(max(0.0, due_s - time.perf_counter()))
+    return due_s
+
+
+def _quantile(values: Sequence[float], part: float) -> float:
+    return sorted(values)[min(len(values) - 1, int(part * len(values)))]
+
+
+async def _count(store: Store) -> int:
+    async with store.database.read() as connection:
+        count: int = (await connection.execute(select(func.count()).select_from(events))).scalar_one()
+    return count
+
+
+async def _key(store: Store) -> str:
+    token = new_key()
+    scopes = " ".join((Scope.ORDERS_READ, Scope.ORDERS_WRITE, Scope.FACTORY_READ, Scope.AUDIT_READ))
+    async with store.write() as work:
+        await work.api_keys.add(token, ApiKey(id=new_id(), name="ERP", scopes=scopes, created_at_s=NOW_S))
+    return token
+
+
+@contextmanager
+def _serving(url: str, before_s: float) -> Iterator[tuple[subprocess.Popen[str], int]]:
+    """A gateway that forgets what is from before a moment when it is told to."""
+    port = int(free_addresses(1)[0].rpartition(":")[2])
+    command = [sys.executable, "-m", __package__, url, str(port), str(before_s)]
+    process = subprocess.Popen(  # noqa: S603 - our own
+        command,
+        env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)},
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    try:
+        wait_for("127.0.0.1", port, process)
+        yield process, port
+    finally:
+        process.terminate()
+        process.communicate(timeout=STOPS_S)
