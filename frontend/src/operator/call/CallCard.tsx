@@ -116,7 +116,7 @@ function Job({ call, place }: { call: TransportAnswer; place: string }) {
             ))}
           </ol>
         )}
-        {why(call) !== "" && <small class={call.wait === null || call.wait === "undecided" ? "muted" : "tone-warn"}>{why(call)}</small>}
+        {why(call) !== "" && <small class={call.wait === null || call.wait === "undecided" || call.wait === "not_before" ? "muted" : "tone-warn"}>{why(call)}</small>}
       </div>
       {canCallOff(call) && (
         <button type="button" class="button act call-off" disabled={busy.value} onClick={() => void withdraw(call.id)}>
@@ -133,7 +133,8 @@ function why(call: TransportAnswer): string {
   if (call.cancel_at !== null && call.ended_at === null) return t("calling.beingOff");
   if (call.ended_at !== null) return "";
   if (call.status === "waiting") {
-    const { vehicle, vehicle_waits: waits } = call;
+    const { not_before: begin, vehicle, vehicle_waits: waits } = call;
+    if (call.wait === "not_before" && begin !== null) return t("calling.begins", { at: format.due(Date.parse(begin) / 1000, moment.value.nowS) });
     if (vehicle !== null && waits !== null && call.wait !== "no_room" && call.wait !== "short")
       return t("calling.wait.vehicle", { vehicle, why: word("unwilling", waits) });
     return call.wait === "no_room" || call.wait === "short" || call.wait === "no_bid" ? t(`calling.wait.${call.wait}`) : t("calling.wait.undecided");

@@ -69,6 +69,8 @@ class TransportAnswer(msgspec.Struct, frozen=True, kw_only=True, rename={"source
     called_by: str
     created_at: str
     due_at: str
+    not_before: str | None = None
+    """Nobody is asked to carry it before then."""
     cancel_at: str | None = None
     """When somebody has called it off: it is cancelled when the factory has confirmed."""
     ended_at: str | None = None
@@ -79,7 +81,7 @@ class TransportAnswer(msgspec.Struct, frozen=True, kw_only=True, rename={"source
     task: str | None = None
     """Under which name it is given out: GET /api/tasks tells who has bid, and why others have not."""
     wait: str | None = None
-    """Why nobody carries it: no_room where it goes, short where it is fetched, no_bid, or undecided yet."""
+    """Why nobody carries it: not_before while its time has not come, no_room where it goes, short where it is fetched, no_bid, or undecided yet."""
     refused: str | None = None
     """Why it cannot be done, where that has ended it."""
 
@@ -339,6 +341,7 @@ def transport_answer(row: TransportRow, vehicle_waits: str | None = None) -> Tra
         called_by=row.called_by,
         created_at=iso(row.created_at_s),
         due_at=iso(row.due_at_s),
+        not_before=None if row.not_before_s is None else iso(row.not_before_s),
         cancel_at=None if row.cancel_at_s is None else iso(row.cancel_at_s),
         ended_at=None if row.ended_at_s is None else iso(row.ended_at_s),
         updated_at=iso(row.updated_at_s),

@@ -29,7 +29,7 @@ type TextPart = { [K in keyof Written]: Written[K] extends string ? K : never }[
 
 /** Calls for one load: refusals stand at their fields. */
 export function CallForm({ onCalled }: { onCalled: () => void }) {
-  const { due, only, priority, quantity, vehicle } = written.value;
+  const { begin, due, only, priority, quantity, vehicle } = written.value;
   const file = plant.value;
   const { answer: priorities } = useRefreshed(fetchPriorities, PRIORITIES_EVERY_MS);
   const places = [...(file?.storages ?? []), ...(file?.machines ?? [])];
@@ -58,6 +58,9 @@ export function CallForm({ onCalled }: { onCalled: () => void }) {
           </Field>
           <Field part="due" label={t("called.dueAt")}>
             {(attributes) => <input {...attributes} type="datetime-local" value={due} onChange={(event) => { edit({ due: event.currentTarget.value }); }} />}
+          </Field>
+          <Field part="begin" label={t("called.notBefore")}>
+            {(attributes) => <input {...attributes} type="datetime-local" value={begin} onChange={(event) => { edit({ begin: event.currentTarget.value }); }} />}
           </Field>
           <Choice part="vehicle" label={t("called.vehicle")} none={t("called.anyVehicle")} options={file?.fleet ?? []} />
           <Choice part="ability" label={t("called.ability")} none={t("called.noAbility")} options={abilities.map((id) => ({ id }))} />

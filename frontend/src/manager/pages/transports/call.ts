@@ -15,12 +15,14 @@ export interface Written {
   readonly priority: Priority;
   /** In the reader's zone, as the browser writes it; empty for none. */
   readonly due: string;
+  /** Likewise. */
+  readonly begin: string;
   readonly vehicle: string;
   readonly only: boolean;
   readonly ability: string;
 }
 
-export const EMPTY: Written = { item: "", quantity: "", from: "", to: "", priority: "normal", due: "", vehicle: "", only: true, ability: "" };
+export const EMPTY: Written = { item: "", quantity: "", from: "", to: "", priority: "normal", due: "", begin: "", vehicle: "", only: true, ability: "" };
 
 export const written = signal<Written>(EMPTY);
 export const complaints = signal<Readonly<Record<string, string>>>({});
@@ -39,17 +41,18 @@ export function edit(change: Partial<Written>): void {
 }
 
 /** What is sent. What is no number goes as it was written, for the gateway says best what is wrong with it. */
-export function draftOf({ ability, due, from, item, only, priority, quantity, to, vehicle }: Written): TransportDraft {
+export function draftOf({ ability, begin, due, from, item, only, priority, quantity, to, vehicle }: Written): TransportDraft {
   const pieces = quantity.trim();
+  const moment = (written: string): string | null => (written === "" ? null : new Date(written).toISOString());
   const or = (text: string): string | null => (text === "" ? null : text);
   return {
     from: or(from), to: or(to), item, priority, vehicle: or(vehicle), vehicle_only: only, ability: or(ability),
     quantity: /^\d+$/.test(pieces) ? Number(pieces) : (pieces as unknown as number),
-    due_at: due === "" ? null : new Date(due).toISOString(),
+    due_at: moment(due), not_before: moment(begin),
   };
 }
 
-const PARTS: Readonly<Record<string, string>> = { due_at: "due", from: "from", to: "to", item: "item", quantity: "quantity", vehicle: "vehicle", ability: "ability" };
+const PARTS: Readonly<Record<string, string>> = { due_at: "due", not_before: "begin", from: "from", to: "to", item: "item", quantity: "quantity", vehicle: "vehicle", ability: "ability" };
 
 /** Each complaint at its field, and those together that have none. */
 export function complaintsOf(errors: readonly { field: string; reason: string }[]): { at: Record<string, string>; elsewhere: string } {

@@ -30,6 +30,8 @@ export const transports: Catalogue<typeof en> = {
   "called.only": "kein anderes, wie lange es auch dauert",
   "called.ability": "Fahrzeug, das trägt",
   "called.noAbility": "wie es das Material verlangt",
+  "called.notBefore": "Nicht vor (freigestellt)",
+  "called.begins": "beginnt {at}",
   "called.dueAt": "Fällig (optional)",
   "called.within": "{priority} {minutes} min",
   "called.ageing": "Gewünscht binnen (Uhr der Fabrik): {within}. Was auf ein Fahrzeug wartet, lässt höchstens {most} min lang anderes vor: Was danach gerufen wird, kommt dahinter.",

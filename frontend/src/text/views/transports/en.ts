@@ -28,6 +28,8 @@ export const transports = {
   "called.only": "no other, however long it takes",
   "called.ability": "Vehicle that carries",
   "called.noAbility": "as the material asks",
+  "called.notBefore": "Not before (optional)",
+  "called.begins": "begins {at}",
   "called.dueAt": "Due (optional)",
   "called.within": "{priority} {minutes} min",
   "called.ageing": "Wanted within (of the factory's clock): {within}. What waits for a vehicle lets others pass for {most} min at most: what is called for after that goes behind it.",

@@ -30,6 +30,8 @@ export const transports: Catalogue<typeof en> = {
   "called.only": "ningún otro, tarde lo que tarde",
   "called.ability": "Vehículo que lleva",
   "called.noAbility": "lo que pide el material",
+  "called.notBefore": "No antes de (opcional)",
+  "called.begins": "empieza {at}",
   "called.dueAt": "Plazo (opcional)",
   "called.within": "{priority} {minutes} min",
   "called.ageing": "Se quiere en (reloj de la fábrica): {within}. Lo que espera un vehículo deja pasar a otros {most} min como máximo: lo que se pide después va detrás.",
