@@ -15,6 +15,7 @@ from sqlalchemy import (
     Column,
     ColumnElement,
     Double,
+    ForeignKey,
     Index,
     Integer,
     String,
@@ -80,6 +81,18 @@ transports = Table(
     comment="Plain transports. incarnation, number: the newest event of its destination that was told about it.",
 )
 
+
+transport_links = Table(
+    "transport_links",
+    metadata,
+    Column("token_hash", String(64), primary_key=True),
+    Column("transport_id", Id, ForeignKey("transports.id", ondelete="CASCADE"), nullable=False),
+    Column("created_at_s", Double, nullable=False),
+    Column("expires_at_s", Double),
+    Column("revoked_at_s", Double),
+    Index(None, "transport_id"),
+    comment="Who has the token may see the transport's page; token_hash is its SHA-256.",
+)
 
 HELD = "not_before"
 """The wait of a transport whose time has not come: no place has been asked for it, by no gateway."""

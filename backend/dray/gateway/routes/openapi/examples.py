@@ -48,7 +48,7 @@ from dray.gateway.routes.orders.imports import ImportAnswer, ImportedOrder
 from dray.gateway.routes.orders.orders import EXAMPLE as ORDER
 from dray.gateway.routes.orders.schedules import EXAMPLES as SCHEDULES
 from dray.gateway.routes.orders.timeline import EXAMPLE as STORY
-from dray.gateway.routes.orders.timeline import LinksRevoked, NewLink
+from dray.gateway.routes.orders.links import LinksRevoked, NewLink
 from dray.gateway.routes.orders.transports import EXAMPLE as TRANSPORT
 from dray.gateway.routes.people import EXAMPLE as PERSON
 from dray.gateway.routes.people import LINK_EXAMPLE as LOGIN_LINK

@@ -1,4 +1,4 @@
-import { fetchOrder, fetchTimeline } from "../../../api/client";
+import { fetchOrder, fetchTimeline, makeLink, revokeLinks } from "../../../api/client";
 import type { OrderView } from "../../../api/types";
 import { Card } from "../../../parts/Card";
 import "../../../parts/paper.css";
@@ -82,7 +82,15 @@ export function OrderStory() {
             untilS={isClosed(order) ? endOf(order, story) : nowS.value}
           />
           <ChangeCard key={`change ${id}`} kept={found.kept} onChanged={again} />
-          <LinkCard key={id} order={id} links={story.links} onChanged={again} />
+          <LinkCard
+            key={id}
+            links={story.links}
+            hint={t("links.hint")}
+            sure={t("links.revokeSure")}
+            make={() => makeLink(id)}
+            revoke={() => revokeLinks(id)}
+            onChanged={again}
+          />
         </div>
       </div>
     </main>

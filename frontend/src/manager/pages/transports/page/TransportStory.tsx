@@ -1,5 +1,5 @@
 import { useSignal } from "@preact/signals";
-import { callOff, fetchTransport, fetchTransportStory, type TransportAnswer, type TransportStory as Story } from "../../../../api/transports";
+import { callOff, fetchTransport, fetchTransportStory, makeTransportLink, revokeTransportLinks, type TransportAnswer, type TransportStory as Story } from "../../../../api/transports";
 import { Card } from "../../../../parts/Card";
 import "../../../../parts/paper.css";
 import { Tag } from "../../../../parts/Tag";
@@ -15,6 +15,7 @@ import { WaitNote } from "../../../cards/atv/WaitNote";
 import { chosenTransport } from "../../../orders/page/address";
 import { Figure } from "../../../orders/page/Head";
 import { TransportLanes } from "../../../orders/page/Lanes";
+import { LinkCard } from "../../../orders/page/LinkCard";
 import { Moments } from "../../../orders/page/Moments";
 import { Legend, Told } from "../../../orders/page/OrderStory";
 import { loadOf, placeOf } from "../../../orders/page/moments";
@@ -74,6 +75,15 @@ export function TransportStory() {
         </div>
         <div class="order-side">
           <Waits transport={transport} />
+          <LinkCard
+            key={id}
+            links={story.links}
+            hint={t("called.links.hint")}
+            sure={t("called.links.sure")}
+            make={() => makeTransportLink(id)}
+            revoke={() => revokeTransportLinks(id)}
+            onChanged={again}
+          />
         </div>
       </div>
     </main>
