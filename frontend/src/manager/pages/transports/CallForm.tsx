@@ -8,7 +8,7 @@ import { Sheet } from "../../parts/Sheet";
 import { useRefreshed } from "../../refreshed";
 import { plant } from "../../state";
 import { addressOfTransport } from "../../views";
-import { busy, complaints, edit, outcome, send, type Written, written } from "./call";
+import { busy, complaints, edit, loadsOf, outcome, send, splitBy, type Written, written } from "./call";
 
 /** What the button opens. */
 export const FORM = "call-form";
@@ -74,6 +74,22 @@ export function CallForm({ onCalled }: { onCalled: () => void }) {
         <p id={AGEING} class="muted">
           {priorities.value && ageingText(priorities.value)}
         </p>
+        {splitBy.value > 0 && (
+          <p>
+            <button
+              type="button"
+              class="button"
+              disabled={busy.value}
+              onClick={() => {
+                void send(splitBy.value).then((called) => {
+                  if (called) onCalled();
+                });
+              }}
+            >
+              {t("called.split", { loads: format.list(loadsOf(Number(quantity), splitBy.value).map((each) => format.count(each))) })}
+            </button>
+          </p>
+        )}
         <p class="form-actions">
           <span role="status" class={`outcome outcome-${outcome.value?.good ? "good" : "bad"}`}>
             {outcome.value?.text}

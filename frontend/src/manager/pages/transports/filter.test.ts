@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { complaintsOf, draftOf, EMPTY } from "./call";
+import { complaintsOf, draftOf, EMPTY, loadsOf, mostOf } from "./call";
 import { queryOf, tableOf } from "./filter";
 
 test.each([
@@ -26,4 +26,12 @@ test("what is left empty is left to the gateway, and what is no number it refuse
 
 test("a complaint stands at its field", () => {
   expect(complaintsOf([{ field: "due_at", reason: "past" }, { field: "not_before", reason: "late" }, { field: "colour", reason: "none" }])).toEqual({ at: { due: "past", begin: "late" }, elsewhere: "colour: none" });
+});
+
+test("what is more than one load comes in several, with what is left in the last", () => {
+  expect(loadsOf(100, 40)).toEqual([40, 40, 20]);
+  expect(loadsOf(80, 40)).toEqual([40, 40]);
+  const tooLarge = { field: "quantity", reason: "more", code: "load_too_large", values: { most: "40" } };
+  expect(mostOf([tooLarge])).toBe(40);
+  expect(mostOf([tooLarge, { field: "to", reason: "unknown", code: "place_not_keeping", values: {} }])).toBe(0);
 });

@@ -36,6 +36,7 @@ export const transports: Catalogue<typeof en> = {
   "called.within": "{priority} {minutes} min",
   "called.ageing": "Gewünscht binnen (Uhr der Fabrik): {within}. Was auf ein Fahrzeug wartet, lässt höchstens {most} min lang anderes vor: Was danach gerufen wird, kommt dahinter.",
   "called.send": "Rufen",
+  "called.split": "Mehrere Ladungen rufen: {loads}",
   "called.sent": "Gerufen: {id}",
   "called.failed": "Nicht getan: {reason}",
   "called.off": "Abbrechen",

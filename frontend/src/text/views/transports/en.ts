@@ -34,6 +34,7 @@ export const transports = {
   "called.within": "{priority} {minutes} min",
   "called.ageing": "Wanted within (of the factory's clock): {within}. What waits for a vehicle lets others pass for {most} min at most: what is called for after that goes behind it.",
   "called.send": "Call for it",
+  "called.split": "Call for several loads: {loads}",
   "called.sent": "Called: {id}",
   "called.failed": "Not done: {reason}",
   "called.off": "Call off",
