@@ -44,6 +44,9 @@ export function edit(change: Partial<Written>): void {
   key = "";
 }
 
+/** Loads that are offered for one call: more are a slip of the keyboard. */
+const LOADS_MOST = 10;
+
 /** In which loads so many pieces come, where one has so many at most: the last has what is left. */
 export function loadsOf(pieces: number, most: number): number[] {
   return Array.from({ length: Math.ceil(pieces / most) }, (_, load) => Math.min(most, pieces - load * most));
@@ -97,7 +100,8 @@ export async function send(most = 0): Promise<boolean> {
   } catch (error) {
     const errors = error instanceof Problem ? error.errors : [];
     const { at, elsewhere } = complaintsOf(errors);
-    splitBy.value = mostOf(errors);
+    const most = mostOf(errors);
+    splitBy.value = most > 0 && draft.quantity <= most * LOADS_MOST ? most : 0;
     complaints.value = at;
     const reason = elsewhere === "" && Object.keys(at).length === 0 ? problemText(error) : elsewhere;
     outcome.value = reason === "" ? null : { good: false, text: t("called.failed", { reason }) };
