@@ -7,7 +7,7 @@ import { format, t, word } from "../../text/operator";
 import { moment, names, plant, station } from "../state";
 import { busy, calls, choice, choose, failed, followCalls, send, withdraw } from "./call";
 import "./call.css";
-import { canCallOff, LOADS, shownCalls, stepOf, STEPS } from "./steps";
+import { canCallOff, LOADS, shownCalls, stepOf, STEPS, unwillingOf } from "./steps";
 
 /** Bring and take away for the own station: first touch what, second touch, in another place, how much; that sends. */
 export function CallCard() {
@@ -117,6 +117,7 @@ function Job({ call, place }: { call: TransportAnswer; place: string }) {
           </ol>
         )}
         {why(call) !== "" && <small class={call.wait === null || call.wait === "undecided" || call.wait === "not_before" ? "muted" : "tone-warn"}>{why(call)}</small>}
+        {call.wait === "no_bid" && <Unwilling task={call.task} />}
       </div>
       {canCallOff(call) && (
         <button type="button" class="button act call-off" disabled={busy.value} onClick={() => void withdraw(call.id)}>
@@ -124,6 +125,19 @@ function Job({ call, place }: { call: TransportAnswer; place: string }) {
         </button>
       )}
     </li>
+  );
+}
+
+/** Which vehicles have not bid for it, and why. */
+function Unwilling({ task }: { task: string | null }) {
+  return (
+    <>
+      {unwillingOf(world.value?.tasks.get(task ?? "")).map(({ reason, vehicles }) => (
+        <small key={reason} class="call-unwilling muted">
+          {t("calling.unwilling", { vehicles: format.list(vehicles), why: word("unwilling", reason) })}
+        </small>
+      ))}
+    </>
   );
 }
 

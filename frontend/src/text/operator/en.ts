@@ -330,6 +330,7 @@ export const en = {
   "calling.off": "called off",
   "calling.beingOff": "being called off",
   "calling.callOff": "Call off",
+  "calling.unwilling": "{vehicles}: {why}",
   "calling.begins": "begins {at}",
   "calling.tooLate": "cannot be called off any more",
   "calling.refused": "it cannot be done",

@@ -20,7 +20,7 @@ export function CallHere({ place }: { place: string }) {
     opened.value = { place, end, number: (opened.value?.number ?? 0) + 1 };
   };
   return (
-    <div class="call-here">
+    <div class="card-foot">
       <button type="button" class="button small" onClick={() => { open("to"); }}>
         {t("place.bring")}
       </button>
