@@ -3,6 +3,7 @@ import type { BufferView, MachineSpec } from "../../api/types";
 import type { TransportAnswer } from "../../api/transports";
 import { isLow } from "../../plant/stock";
 import { nowS, world } from "../../stream/stream";
+import { vehicleName } from "../../text/elsewhere";
 import { format, t, word } from "../../text/operator";
 import { moment, names, plant, station } from "../state";
 import { busy, calls, choice, choose, failed, followCalls, send, withdraw } from "./call";
@@ -134,7 +135,7 @@ function Unwilling({ task }: { task: string | null }) {
     <>
       {unwillingOf(world.value?.tasks.get(task ?? "")).map(({ reason, vehicles }) => (
         <small key={reason} class="call-unwilling muted">
-          {t("calling.unwilling", { vehicles: format.list(vehicles), why: word("unwilling", reason) })}
+          {t("calling.unwilling", { vehicles: format.list(vehicles.map(vehicleName)), why: word("unwilling", reason) })}
         </small>
       ))}
     </>

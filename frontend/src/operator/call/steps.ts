@@ -11,7 +11,7 @@ export function stepOf(call: TransportAnswer): number | null {
   return AT[call.status] ?? null;
 }
 
-/** Who has not bid for a transport, by reason: of each vehicle its newest answer, what holds for most of them first. */
+/** Who has not bid for a transport, by reason: of each vehicle its newest answer, what holds for most of them first. Those elsewhere have no name, so only the newest of them is told. */
 export function unwillingOf(task: Pick<TaskView, "refusals"> | undefined): { reason: string; vehicles: string[] }[] {
   const newest = new Map((task?.refusals ?? []).filter(({ role }) => role === "primary").map(({ agent, reason }) => [agent, reason]));
   const reasons = new Map<string, string[]>();
