@@ -44,10 +44,11 @@ from dray.store.orders.products import Products
 from dray.store.orders.schedules import Schedules
 from dray.store.orders.tasks import Tasks
 from dray.store.orders.tracking_links import Links
-from dray.store.orders.transports import Transports
+from dray.store.orders.transports import Transports, transport_links
 from dray.store.replay.recordings import Recordings
 from dray.store.replay.spells import Spells
 from dray.store.shifts import Shifts
+from dray.store.tables import tracking_links
 
 
 class Work:
@@ -57,7 +58,8 @@ class Work:
         self._connection = connection
         self.products = Products(connection)
         self.orders = Orders(connection)
-        self.links = Links(connection)
+        self.links = Links(connection, tracking_links, "order_id")
+        self.transport_links = Links(connection, transport_links, "transport_id")
         self.order_changes = OrderChanges(connection)
         self.change_log = ChangeLog(connection)
         self.order_histories = OrderHistories(connection)

@@ -37,6 +37,16 @@ export async function callOff(transport: string): Promise<TransportAnswer> {
   return await bodyOf(gateway.POST("/api/transports/{transport}/cancel", { params: { path: { transport } } }));
 }
 
+/** Makes a link to its page for others; the address is told this once. */
+export async function makeTransportLink(transport: string): Promise<components["schemas"]["NewLink"]> {
+  return await bodyOf(gateway.POST("/api/transports/{transport}/links", { params: { path: { transport } }, body: {} }));
+}
+
+/** Takes all links of a transport back. */
+export async function revokeTransportLinks(transport: string): Promise<void> {
+  await bodyOf(gateway.DELETE("/api/transports/{transport}/links", { params: { path: { transport } } }));
+}
+
 /** How soon each priority is wanted, and for how long what waits is passed at the most. */
 export async function fetchPriorities(): Promise<Priorities> {
   return await bodyOf(gateway.GET("/api/priorities"));

@@ -15,13 +15,16 @@ from tablet_kit import LOOKS, STATION, TOUCH_PX, Enter
 from variants import variants
 
 from dray.messages import (
+    Refusal,
+    Role,
+    Transport,
     TransportAnswered,
     TransportCancelled,
     TransportOrdered,
     TransportState,
     TransportWait,
 )
-from dray.messages.fact import TransportProgressed
+from dray.messages.fact import BidRefused, TaskOpened, TransportProgressed
 from dray.plant import load_plant
 
 from heartbeats import events  # isort: skip - their folder is on the path since `puppets` is
@@ -77,6 +80,30 @@ def tell(house: OpenHouse, call: TransportOrdered, number: int, state: Transport
     house.do(say)
 
 
+def offered_in_vain(house: OpenHouse, call: TransportOrdered) -> None:
+    """The station gives it out, and a vehicle says why it does not bid."""
+    task = f"{call.transport}-1"
+    work = Transport(call.item, call.quantity, (call.source,), STATION, "tote")
+    opened = TaskOpened(task, 1, Role.PRIMARY, 1, work, 20.0, 900.0, 105.0)
+    waiting = TransportProgressed(
+        call.transport,
+        TransportState.WAITING,
+        call.item,
+        call.quantity,
+        call.source,
+        STATION,
+        task=task,
+        wait=TransportWait.NO_BID,
+    )
+    refused = BidRefused(task=task, epoch=1, role=Role.PRIMARY, reason=Refusal.NO_WAY)
+
+    async def say(inside: House) -> None:
+        await inside.say(events(STATION, opened, waiting))
+        await inside.say(events("ATV2", refused, first=900))
+
+    house.do(say)
+
+
 @pytest.mark.parametrize("look", variants(VIEWS, "lying-light-en", "upright-dark-de", "phone-light-es"))
 def test_two_touches_bring_it_and_each_step_is_told(
     house: OpenHouse, vehicles: dict[str, Puppet], enter: Enter, screenshot: Screenshot, look: str
@@ -100,18 +127,21 @@ def test_two_touches_bring_it_and_each_step_is_told(
     expect(job).to_be_visible()
     [call] = ordered(house)
     assert (call.item, call.quantity) == ("shaft", 40)
-    tell(house, call, 1, TransportState.WAITING, wait=TransportWait.NO_BID)
+    offered_in_vain(house, call)
     expect(job.locator(".tone-warn")).to_be_visible()
-    tell(house, call, 2, TransportState.ASSIGNED, carrier="ATV2", expected_s=600.0)
+    expect(job.locator(".call-unwilling")).to_contain_text("ATV2")
+    job.scroll_into_view_if_needed()
+    screenshot(page, f"calling-unwilling-{look}")
+    tell(house, call, 3, TransportState.ASSIGNED, carrier="ATV2", expected_s=600.0)
     expect(job.locator("[aria-current=step]")).to_have_text(steps[0])
     expect(job).to_contain_text("ATV2")
     expect(job.get_by_role("button", name=off)).to_be_visible()
-    tell(house, call, 3, TransportState.ON_BOARD, carrier="ATV2", expected_s=600.0)
+    tell(house, call, 4, TransportState.ON_BOARD, carrier="ATV2", expected_s=600.0)
     expect(job.locator("[aria-current=step]")).to_have_text(steps[1])
     expect(job.get_by_role("button", name=off)).to_have_count(0)
     card.scroll_into_view_if_needed()
     screenshot(page, f"called-{look}")
-    tell(house, call, 4, TransportState.DELIVERED)
+    tell(house, call, 5, TransportState.DELIVERED)
     expect(job.locator("[aria-current=step]")).to_have_text(steps[2])
     assert ordered(house) == [call]
 

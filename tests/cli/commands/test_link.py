@@ -67,7 +67,7 @@ def test_a_link_that_is_made_leads_to_its_order(dray, database) -> None:
     assert out.startswith("https://dray.test/track/")
     link = found(database, out.strip().rpartition("/")[2])
     assert link is not None
-    assert (link.order_id, link.expires_at_s, link.revoked_at_s) == ("O-1", None, None)
+    assert (link.subject, link.expires_at_s, link.revoked_at_s) == ("O-1", None, None)
 
 
 def test_a_link_for_some_days_ends_after_them(dray, database) -> None:

@@ -167,6 +167,7 @@ LARGEST: dict[tuple[str, str], tuple[Callable[[int], Json], ...]] = {
     ("POST", "/api/orders/preview"): (work,),
     ("PATCH", "/api/orders/{order}"): (work,),
     ("POST", "/api/transports"): (),
+    ("POST", "/api/transports/{transport}/links"): (),
     ("POST", "/api/schedules"): (),
     ("POST", "/api/schedules/preview"): (),
     ("PATCH", "/api/schedules/{schedule}"): (),

@@ -27,7 +27,7 @@ from areas_kit import (
     words,
 )
 from fake_bus import PLANT
-from heartbeats import station_heartbeat
+from heartbeats import events, station_heartbeat
 from wall_clock import NOW_S, Wall
 
 from dray.gateway.access.principal import ADMIN, SCOPES, Principal, Role
@@ -36,7 +36,9 @@ from dray.gateway.live.stream import Client, Hub
 from dray.gateway.live.timescale import TimeScale
 from dray.gateway.live.views import CommandView, ScenarioView, StepView
 from dray.gateway.live.visibility import ELSEWHERE, AreaVisibility
-from dray.messages import Message
+from dray.messages import Message, Refusal
+from dray.messages import Role as Part
+from dray.messages.fact import BidRefused
 from dray.scenario_steps import ScenarioStep
 
 pytestmark = pytest.mark.anyio
@@ -152,12 +154,23 @@ async def test_the_whole_plant_is_shown_as_before() -> None:
         assert words(text) >= {ATV[area], MACHINE[area], TASK[area], GOAL, ORDER}
 
 
-async def test_of_a_task_its_way_is_seen_and_nothing_of_its_auction() -> None:
+async def test_who_has_not_bid_for_a_task_is_told_by_name_only_of_the_area() -> None:
+    area, other = AREAS[:2]
+    refused = BidRefused(task=TASK[area], epoch=2, role=Part.PRIMARY, reason=Refusal.NO_WAY, detail=ORDER)
+    stage = Stage(
+        *everything(), *(each for atv in (ATV[area], ATV[other]) for each in events(atv, refused, first=900))
+    )
+    (task,) = (await next_of(stage.join(operator(area))))["tasks"]
+    told = [(each["agent"], each["reason"], each["detail"]) for each in task["refusals"]]
+    assert sorted(told) == [(ELSEWHERE, "no_way", ""), (ATV[area], "no_way", "")]
+
+
+async def test_of_a_task_its_way_is_seen_and_nothing_of_its_bids() -> None:
     area = AREAS[0]
     frame = await next_of(Stage(*everything()).join(operator(area)))
     (task,) = frame["tasks"]
     assert (task["primary"], task["destination"], task["item"]) == (ATV[area], MACHINE[area], "shaft")
-    assert task["bids"] == task["refusals"] == task["carriers"] == []
+    assert task["bids"] == task["carriers"] == []
     assert (task["order"], task["goal"], task["why"]["text"]) == ("", "", "")
     (machine,) = frame["machines"]
     (brief,) = machine["tasks"]

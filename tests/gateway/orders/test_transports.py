@@ -165,6 +165,8 @@ async def test_a_gateway_that_starts_again_asks_for_what_is_open(url: str) -> No
         ({"vehicle": "ATV99"}, "vehicle"),
         ({"ability": "crane"}, "ability"),
         ({"due_at": "2001-01-01T00:00:00Z"}, "due_at"),
+        ({"due_at": "2030-03-18T00:00:00Z", "not_before": "2030-03-18T00:00:00Z"}, "not_before"),
+        ({"not_before": "2030-03-18T00:00:00"}, "not_before"),
         ({"colour": "red"}, "colour"),
     ],
 )

@@ -228,7 +228,7 @@ async def test_an_order_has_only_so_many_links_and_those_that_ended_do_not_pile_
     newest = await house.client.post(path, json={})
     assert newest.status_code == 201, "what has run out counts no more"
     async with house.store.read() as work:
-        links = await work.links.of_order(order)
+        links = await work.links.to(order)
     assert len(links) == 5
     page = newest.json()["tracking_url"].rpartition("/")[2]
     assert (await house.visitor().get(f"/api/track/{page}")).status_code == 200

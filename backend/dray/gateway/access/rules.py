@@ -46,6 +46,7 @@ RULES: Mapping[tuple[str, str], Rule] = {
     ("GET", "/readyz"): PUBLIC,
     ("GET", "/metrics"): Rule(Scope.FACTORY_READ),
     ("GET", "/api/track/{token}"): PUBLIC,
+    ("GET", "/api/track/transports/{token}"): PUBLIC,
     ("GET", "/track/{token}"): PUBLIC,
     ("GET", "/call/{token}"): PUBLIC,
     ("GET", "/call/{token}/code.svg"): PUBLIC,
@@ -169,6 +170,12 @@ RULES: Mapping[tuple[str, str], Rule] = {
     ("GET", "/api/transports/{transport}/timeline"): Rule(Scope.TRANSPORTS_CALL, by_area=True),
     ("POST", "/api/transports/{transport}/cancel"): Rule(
         Scope.TRANSPORTS_CALL, by_area=True, action="transport.cancel"
+    ),
+    ("POST", "/api/transports/{transport}/links"): Rule(
+        Scope.ORDERS_WRITE, by_area=True, action="link.create"
+    ),
+    ("DELETE", "/api/transports/{transport}/links"): Rule(
+        Scope.ORDERS_WRITE, by_area=True, action="link.revoke"
     ),
     ("GET", "/api/schedules"): Rule(Scope.FACTORY_READ),
     ("POST", "/api/schedules"): Rule(Scope.FLOOR_WRITE, action="schedule.add"),

@@ -35,7 +35,7 @@ _KEYS = (
 )
 
 _STATES = ("waiting", "assigned", "on_board", "delivered", "cancelled", "being_cancelled")
-_WAITS = ("no_room", "short", "no_bid", "undecided")
+_WAITS = ("no_room", "short", "no_bid", "undecided", "not_before")
 
 
 def _catalogue(texts: str, states: str, waits: str) -> Mapping[str, str]:
@@ -83,7 +83,8 @@ TEXTS: Mapping[str, Mapping[str, str]] = {
         """there is no room for it yet
         there is not enough of it yet
         no vehicle can take it yet
-        it is being offered""",
+        it is being offered
+        it is not to begin yet""",
     ),
     "de": _catalogue(
         """Sprache
@@ -122,7 +123,8 @@ TEXTS: Mapping[str, Mapping[str, str]] = {
         """dort ist noch kein Platz dafür
         es ist noch nicht genug davon da
         noch kann kein Fahrzeug
-        es wird angeboten""",
+        es wird angeboten
+        es soll noch nicht beginnen""",
     ),
     "es": _catalogue(
         """Idioma
@@ -161,6 +163,7 @@ TEXTS: Mapping[str, Mapping[str, str]] = {
         """todavía no hay sitio
         todavía no hay bastante
         todavía no puede ningún vehículo
-        se está ofreciendo""",
+        se está ofreciendo
+        aún no debe empezar""",
     ),
 }

@@ -37,6 +37,7 @@ TEXTS: Mapping[str, str] = {
     "too_many_items": "an order has {most} items at most",
     "not_made": "this plant does not make '{product}'; it makes {products}",
     "past": "it is past: here it is {now}; give a later time",
+    "not_after_due": "it is to be there by {due}: name a time before that",
     "differs_in_product": "it is of the same product as row {row}; write the same",
     "bad_id": "letters, digits, _ . -, a letter first, at most 32",
     "begins_already": "{product} begins in row {row} already; write its rows one after another",

@@ -2,7 +2,7 @@
 
 Seen are the vehicles that stand in the areas at this moment, the machines whose docks lie there, the
 transports that concern these, and what is wrong with them. Of a transport its way through the plant is
-seen and nothing of its auction: no bids, no prices, no orders. A vehicle that stands elsewhere is never
+seen, and of its auction only who has not bid and why: no bids, no prices, no orders. A vehicle that stands elsewhere is never
 named: where there is one it says `ELSEWHERE`. Only commands that were given to it in the areas stay seen.
 """
 
@@ -280,7 +280,8 @@ class AreaVisibility:
             stranded=view.stranded and replace(view.stranded, atv=self._who(view.stranded.atv), order=""),
             carriers=(),
             bids=(),
-            refusals=(),
+            # Who waits for it is told why nobody comes, by name only of whom the areas see.
+            refusals=tuple(replace(each, agent=self._who(each.agent), detail="") for each in view.refusals),
             why=WhyView(kind="unknown"),
         )
 

@@ -25,7 +25,7 @@ LATE_S = 30.0
 
 
 def refuse_beyond(
-    limits: CallLimits, draft: TransportDraft, source: str, destination: str, now_s: float, speed: float
+    limits: CallLimits, draft: TransportDraft, source: str, destination: str, begin_s: float, speed: float
 ) -> None:
     """Refuse what a key may not call for.
 
@@ -34,7 +34,7 @@ def refuse_beyond(
         draft: what it calls for.
         source: from where, also where the draft leaves that open.
         destination: to where, likewise.
-        now_s: wall clock.
+        begin_s: when it begins; wall clock.
         speed: plant seconds in a wall second.
 
     Raises:
@@ -49,7 +49,7 @@ def refuse_beyond(
     within_s = TRANSPORT_WITHIN_S[limits.priority]
     if TRANSPORT_WITHIN_S[draft.priority] < within_s:
         errors.append(FieldError.of("priority", "only_priority", most=limits.priority.value))
-    soonest_s = -math.inf if limits.priority is Priority.URGENT else now_s + within_s / speed
+    soonest_s = -math.inf if limits.priority is Priority.URGENT else begin_s + within_s / speed
     if draft.due_at is not None and draft.due_at.timestamp() < soonest_s - LATE_S:
         soonest = datetime.fromtimestamp(soonest_s, UTC).isoformat(timespec="seconds")
         errors.append(FieldError.of("due_at", "only_later", most=limits.priority.value, soonest=soonest))

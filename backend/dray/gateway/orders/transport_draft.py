@@ -31,6 +31,8 @@ class TransportDraft(BaseModel):
     """Pieces: one load, so at most the lot of the material."""
     due_at: DueMoment | None = None
     """When it should be there, with a time zone; not in the past."""
+    not_before: DueMoment | None = None
+    """When it may be given out at the soonest; before `due_at`. One that is past means at once."""
     priority: Priority = Priority.NORMAL
     vehicle: _PlantId | None = None
     """The only vehicle that may carry it."""
@@ -41,5 +43,5 @@ class TransportDraft(BaseModel):
 
     def text(self) -> str:
         """What was asked, in JSON: the same for the same, also of an earlier version."""
-        left_out = {"vehicle_only"} if self.vehicle_only else set()
-        return self.model_dump_json(exclude=left_out | ({"ability"} if self.ability is None else set()))
+        left_out = {name for name in ("ability", "not_before") if getattr(self, name) is None}
+        return self.model_dump_json(exclude=left_out | ({"vehicle_only"} if self.vehicle_only else set()))

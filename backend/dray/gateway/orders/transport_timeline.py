@@ -22,7 +22,7 @@ TOLD_BY = (TaskOpened, AwardAnswered, PhaseEntered, CarrierChanged, TaskClosed)
 KINDS = tuple(kind.__name__ for kind in TOLD_BY)
 
 
-class TransportStory(View, kw_only=True):
+class TransportTimeline(View, kw_only=True):
     """All of a plain transport, oldest first. Times are wall clock seconds."""
 
     attempts: tuple[WayOutView, ...] = ()
@@ -34,7 +34,7 @@ class TransportStory(View, kw_only=True):
 
 def transport_timeline(
     row: TransportRow, tasks: Sequence[TaskRow], rows: Iterable[EventRow], *, is_whole: bool = True
-) -> TransportStory:
+) -> TransportTimeline:
     """What is known of a transport.
 
     Args:
@@ -48,7 +48,7 @@ def transport_timeline(
     forgotten = [task for task in tasks if task.id not in ways]
     attempts = [*ways.values(), *(_known(task) for task in forgotten)]
     moments = [*_begun(row), *told.moments, *(each for task in forgotten for each in _kept(task)), *_end(row)]
-    return TransportStory(
+    return TransportTimeline(
         attempts=tuple(sorted(attempts, key=lambda way: way.opened_at_s)),
         moments=tuple(sorted(moments, key=lambda moment: moment.at_s)),
         is_whole=is_whole and not forgotten,

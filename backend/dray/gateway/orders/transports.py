@@ -2,6 +2,9 @@
 
 A transport and its Idempotency-Key are one row; the answer follows its commit. What is repeated to a place is not
 remembered: at the start and from time to time every transport that SQL believes open is asked for again, as orders are.
+
+One that is not to begin yet is held: its row says so (`HELD`), and no place knows of it. When its time has come the row is changed first,
+and its place is asked after that; so a row that is held was never asked for, by no gateway and in no life, and ends here when it is called off.
 """
 
 from __future__ import annotations
@@ -9,6 +12,7 @@ from __future__ import annotations
 import asyncio
 import hashlib
 import logging
+import math
 from collections.abc import Callable
 from contextlib import nullcontext, suppress
 from datetime import UTC, datetime
@@ -40,7 +44,7 @@ from dray.plant import Plant
 from dray.priorities import TRANSPORT_WITHIN_S, Priority
 from dray.store import Store
 from dray.store.orders.idempotency_keys import KeptAnswer
-from dray.store.orders.transports import TransportRow
+from dray.store.orders.transports import HELD, TransportRow
 from dray.store.work import Work
 
 OPEN_MAX = 5_000
@@ -48,6 +52,9 @@ OPEN_MAX = 5_000
 
 RECONCILE_EVERY_S = 60.0
 """Wall seconds between two times that all open ones are asked for: people wait for them, and there are few."""
+
+LOOK_AGAIN_S = 1.0
+"""Wall seconds between two looks at what is held and due: the database may be away."""
 
 _log = logging.getLogger(__name__)
 
@@ -78,6 +85,8 @@ class PlainTransports:
         """Who is asked about a transport, while that is repeated."""
         self._heard: dict[str, TransportAnswered] = {}
         """Ends that are to be written."""
+        self._held: dict[str, float] = {}
+        """Transports that are not to begin before then, in wall clock seconds."""
         self._news = asyncio.Event()
         self._keys_at_work: set[str] = set()
 
@@ -141,7 +150,7 @@ class PlainTransports:
         """Call a transport off; one that is called off already stays so.
 
         Returns:
-            It as it is now, cancelled only when the factory has confirmed; None when there is none that the caller may see.
+            It as it is now, cancelled only when the factory has confirmed, or does not know of it yet; None when there is none that the caller may see.
 
         Raises:
             Problem: 409, it is on board or delivered.
@@ -152,8 +161,12 @@ class PlainTransports:
                 return None
             if row.status in (TransportState.ON_BOARD, TransportState.DELIVERED):
                 raise _too_late(row)
-            if row.status is not TransportState.CANCELLED and row.cancel_at_s is None:
-                now_s = self._wall_s()
+            now_s = self._wall_s()
+            if row.is_held:
+                self._held.pop(row.id, None)
+                row = _ended_here(row, now_s)
+                await work.transports.put(row)
+            elif row.status is not TransportState.CANCELLED and row.cancel_at_s is None:
                 row = msgspec.structs.replace(row, cancel_at_s=now_s, updated_at_s=now_s)
                 await work.transports.put(row)
         if not row.has_ended:
@@ -210,11 +223,14 @@ class PlainTransports:
         while True:
             self._news.clear()
             next_s = self._reminders.next_s()
-            wakes_s = reconcile_s if next_s is None else min(next_s, reconcile_s)
+            wakes_s = min(reconcile_s, clock.time() + self._held_for_s())
+            if next_s is not None:
+                wakes_s = min(next_s, wakes_s)
             with suppress(TimeoutError):
                 async with asyncio.timeout_at(wakes_s):
                     await self._news.wait()
             await self._write_ends()
+            await self.begin_due()
             self._say_due(clock.time())
             if clock.time() >= reconcile_s:
                 reconcile_s = clock.time() + RECONCILE_EVERY_S
@@ -222,6 +238,23 @@ class PlainTransports:
                     await self.start()
                 except UnavailableError as error:
                     _log.info("open transports are not reconciled this time: %s", error)
+
+    async def begin_due(self) -> None:
+        """Ask for what was held until now."""
+        now_s = self._wall_s()
+        for name in [name for name, begin_s in self._held.items() if begin_s <= now_s]:
+            try:
+                async with self._store.write() as work:
+                    row = await work.transports.get(name)
+                    if row is not None and row.is_held:
+                        row = msgspec.structs.replace(row, wait="", updated_at_s=now_s)
+                        await work.transports.put(row)
+            except UnavailableError as error:
+                _log.warning("transport %s, whose time has come, cannot be begun yet: %s", name, error)
+                return
+            self._held.pop(name, None)
+            if row is not None and not row.has_ended and name not in self._reminders:
+                self.ask(row)
 
     # --- how it is done ---
 
@@ -254,7 +287,11 @@ class PlainTransports:
                 return
 
     def ask(self, row: TransportRow) -> None:
-        """Ask a place for a transport that is on disk, or call it off there, until it answers."""
+        """Ask a place for a transport that is on disk, or call it off there, until it answers; what is held waits for its time."""
+        if row.is_held:
+            self._held[row.id] = row.created_at_s if row.not_before_s is None else row.not_before_s
+            self._news.set()
+            return
         message: Message = TransportCancelled(row.id)
         if row.cancel_at_s is None:
             due_s = self._time.to_plant_s(row.due_at_s)
@@ -273,6 +310,10 @@ class PlainTransports:
         self._reminders.add(row.id, message, now_s)
         self._say_due(now_s)
         self._news.set()
+
+    def _held_for_s(self) -> float:
+        """Wall seconds until something that is held begins."""
+        return max(LOOK_AGAIN_S, min(self._held.values(), default=math.inf) - self._wall_s())
 
     def _until_s(self, row: TransportRow) -> float | None:
         return None if row.vehicle_until_s is None else self._time.to_plant_s(row.vehicle_until_s)
@@ -304,9 +345,10 @@ class PlainTransports:
         if errors := self._nonsense(draft, source, destination, caller, now_s):
             raise unusable(*errors)
         speed = self._projection.speed
+        begin_s = now_s if draft.not_before is None else max(now_s, draft.not_before.timestamp())
         if caller.calls is not None:
-            refuse_beyond(caller.calls, draft, source, destination, now_s, speed)
-        within_s = now_s + TRANSPORT_WITHIN_S[draft.priority] / speed
+            refuse_beyond(caller.calls, draft, source, destination, begin_s, speed)
+        within_s = begin_s + TRANSPORT_WITHIN_S[draft.priority] / speed
         due_s = within_s if draft.due_at is None else draft.due_at.timestamp()
         if draft.priority in (Priority.HIGH, Priority.URGENT):
             due_s = min(due_s, within_s)
@@ -318,12 +360,14 @@ class PlainTransports:
             quantity=draft.quantity,
             priority=draft.priority.value,
             vehicle=draft.vehicle or "",
-            vehicle_until_s=now_s + WISH_S / speed if draft.vehicle and not draft.vehicle_only else None,
+            vehicle_until_s=begin_s + WISH_S / speed if draft.vehicle and not draft.vehicle_only else None,
             ability=draft.ability or "",
             called_by=caller.name,
             caller=caller.key,
             created_at_s=now_s,
             due_at_s=due_s,
+            not_before_s=None if draft.not_before is None else draft.not_before.timestamp(),
+            wait=HELD if begin_s > now_s else "",
             updated_at_s=now_s,
         )
 
@@ -350,6 +394,9 @@ class PlainTransports:
         if draft.due_at is not None and draft.due_at.timestamp() <= now_s:
             now = datetime.fromtimestamp(now_s, UTC).isoformat(timespec="seconds")
             errors.append(FieldError.of("due_at", "past", now=now))
+        elif draft.due_at is not None and draft.not_before is not None and draft.due_at <= draft.not_before:
+            due = draft.due_at.isoformat(timespec="seconds")
+            errors.append(FieldError.of("not_before", "not_after_due", due=due))
         return errors
 
     def _unknown_ability(self, wanted: str, carried: str) -> list[FieldError]:
@@ -382,6 +429,18 @@ class PlainTransports:
 
 def _kept(row: TransportRow) -> KeptAnswer:
     return KeptAnswer(row.key or "", row.fingerprint, row.id, row.answer, row.created_at_s)
+
+
+def _ended_here(row: TransportRow, now_s: float) -> TransportRow:
+    """A transport that was called off before any place was asked for it."""
+    return msgspec.structs.replace(
+        row,
+        status=TransportState.CANCELLED,
+        wait="",
+        cancel_at_s=now_s,
+        ended_at_s=now_s,
+        updated_at_s=now_s,
+    )
 
 
 def _too_many() -> Problem:

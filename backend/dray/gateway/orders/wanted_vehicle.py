@@ -32,9 +32,9 @@ def why_not(row: TransportRow, projection: Projection, now_s: float) -> str | No
         now_s: wall clock.
 
     Returns:
-        What it is (`Unwilling`), or the reason for which it has not bid (`Refusal`). None where no vehicle is wanted any more, somebody carries it, or nothing keeps it that is known.
+        What it is (`Unwilling`), or the reason for which it has not bid (`Refusal`). None where no vehicle is wanted any more, it is not to begin yet, somebody carries it, or nothing keeps it that is known.
     """
-    if not row.vehicle or row.carrier or row.has_ended:
+    if not row.vehicle or row.carrier or row.has_ended or row.is_held:
         return None
     if row.vehicle_until_s is not None and row.vehicle_until_s <= now_s:
         return None

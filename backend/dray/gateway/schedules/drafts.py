@@ -42,11 +42,13 @@ Day = Annotated[date, BeforeValidator(_written_day), WithJsonSchema({"type": "st
 def _without_time(draft: TransportDraft) -> TransportDraft:
     if draft.due_at is not None:
         raise ValueError("leave due_at out: each run is due by its priority, from its own moment on")
+    if draft.not_before is not None:
+        raise ValueError("leave not_before out: each run begins at its own moment")
     return draft
 
 
 Recurring = Annotated[TransportDraft, AfterValidator(_without_time)]
-"""What is brought each time: without `due_at`."""
+"""What is brought each time: without `due_at` and `not_before`."""
 
 DUE_AFTER_S = (600.0, 366 * 86_400.0)
 """Wall seconds after which a recurring order may be due: no moment is used so late (`PUNCTUAL_S`) that its order is due already; a year."""

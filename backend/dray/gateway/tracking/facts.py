@@ -19,7 +19,7 @@ from dray.store.orders.tracking_links import Link
 from dray.store.work import Work
 
 KEPT_S = 90 * 86_400.0
-"""How long the link that came with an order leads to its page after the order has ended: a quarter, in which
+"""How long a link without an end of its own leads to its page after the order or transport has ended: a quarter, in which
 complaints and bills are settled."""
 
 SILENCE_S = (10.0, 12 * IDLE_INTERVAL_S)
@@ -54,22 +54,28 @@ async def facts_of(store: Store, projection: Projection, token: str, now_s: floa
     """
     async with store.read() as work:
         link = await work.links.find(token)
-        order = None if link is None else await work.orders.get(link.order_id)
+        order = None if link is None else await work.orders.get(link.subject)
         if link is None or order is None:
             return Found(None, NoPage.UNKNOWN)
-        why = _ended(link, order, now_s)
+        ended_at_s = order.delivered_at_s or order.cancelled_at_s
+        why = ended(link, ended_at_s if order.status in ENDED else None, now_s)
         if why is not None:
             return Found(None, why)
         return Found(await facts_of_order(projection, work, order, now_s))
 
 
-def _ended(link: Link, order: Order, now_s: float) -> NoPage | None:
-    """Why a link leads nowhere any more."""
+def ended(link: Link, ended_at_s: float | None, now_s: float) -> NoPage | None:
+    """Why a link leads nowhere any more.
+
+    Args:
+        link: the link.
+        ended_at_s: when its order or transport has ended; None while it goes on.
+        now_s: wall clock.
+    """
     if link.revoked_at_s is not None:
         return NoPage.REVOKED
-    ended_at_s = order.delivered_at_s or order.cancelled_at_s
     ends_s = link.expires_at_s
-    if ends_s is None and order.status in ENDED and ended_at_s is not None:
+    if ends_s is None and ended_at_s is not None:
         ends_s = ended_at_s + KEPT_S
     return NoPage.EXPIRED if ends_s is not None and ends_s <= now_s else None
 

@@ -21,7 +21,6 @@ from dray.store.database.insertion import Insertion, Rows
 from dray.store.database.together import Together
 from dray.store.orders.idempotency_keys import KeptAnswer, known_answers
 from dray.store.orders.orders import Order, rows_of_items, rows_of_orders
-from dray.store.orders.tracking_links import Link
 from dray.store.tables import audit, idempotency_keys, order_items, orders, tracking_links
 
 FORGOTTEN_EVERY_S = 600.0
@@ -151,7 +150,13 @@ def _rows(wishes: Sequence[Wish], done: Sequence[Placed]) -> _Rows:
         orders=rows_of_orders(new),
         items=rows_of_items(new),
         links=[
-            {"token_hash": digest(order.token), **msgspec.structs.asdict(Link(order.id, order.created_at_s))}
+            {
+                "token_hash": digest(order.token),
+                "order_id": order.id,
+                "created_at_s": order.created_at_s,
+                "expires_at_s": None,
+                "revoked_at_s": None,
+            }
             for order in new
         ],
         keys=[msgspec.structs.asdict(answer) for answer in answers],

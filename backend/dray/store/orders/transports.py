@@ -15,6 +15,7 @@ from sqlalchemy import (
     Column,
     ColumnElement,
     Double,
+    ForeignKey,
     Index,
     Integer,
     String,
@@ -56,6 +57,7 @@ transports = Table(
     Column("caller", String(200), nullable=False),
     Column("created_at_s", Double, nullable=False),
     Column("due_at_s", Double, nullable=False),
+    Column("not_before_s", Double),
     Column("cancel_at_s", Double),
     Column("ended_at_s", Double),
     Column("updated_at_s", Double, nullable=False),
@@ -80,6 +82,22 @@ transports = Table(
 )
 
 
+transport_links = Table(
+    "transport_links",
+    metadata,
+    Column("token_hash", String(64), primary_key=True),
+    Column("transport_id", Id, ForeignKey("transports.id", ondelete="CASCADE"), nullable=False),
+    Column("created_at_s", Double, nullable=False),
+    Column("expires_at_s", Double),
+    Column("revoked_at_s", Double),
+    Index(None, "transport_id"),
+    comment="Who has the token may see the transport's page; token_hash is its SHA-256.",
+)
+
+HELD = "not_before"
+"""The wait of a transport whose time has not come: no place has been asked for it, by no gateway."""
+
+
 class TransportRow(msgspec.Struct, frozen=True, kw_only=True, gc=False):
     """A plain transport. Times are wall clock seconds."""
 
@@ -101,6 +119,8 @@ class TransportRow(msgspec.Struct, frozen=True, kw_only=True, gc=False):
     """Kind and id of the same."""
     created_at_s: float
     due_at_s: float
+    not_before_s: float | None = None
+    """Nothing is asked of the factory before then; None for at once."""
     cancel_at_s: float | None = None
     """When somebody has called it off; it ends when the factory has confirmed."""
     ended_at_s: float | None = None
@@ -111,7 +131,7 @@ class TransportRow(msgspec.Struct, frozen=True, kw_only=True, gc=False):
     expected_at_s: float | None = None
     """When its carrier has promised to be there."""
     wait: str = ""
-    """Why nobody carries it (`TransportWait`); empty while somebody does."""
+    """Why nobody carries it: `HELD`, or what its place says (`TransportWait`); empty while somebody does."""
     refused: str = ""
     """Why it cannot be done (`TransportRefusal`), where that has ended it."""
     incarnation: int = 0
@@ -127,6 +147,11 @@ class TransportRow(msgspec.Struct, frozen=True, kw_only=True, gc=False):
     def has_ended(self) -> bool:
         """Whether nothing changes any more."""
         return self.status in TRANSPORT_ENDED
+
+    @property
+    def is_held(self) -> bool:
+        """Whether its time has not come, so that no place knows of it."""
+        return self.wait == HELD and not self.has_ended
 
 
 class TransportFilter(msgspec.Struct, frozen=True, kw_only=True, gc=False):

@@ -3,11 +3,12 @@ import type { BufferView, MachineSpec } from "../../api/types";
 import type { TransportAnswer } from "../../api/transports";
 import { isLow } from "../../plant/stock";
 import { nowS, world } from "../../stream/stream";
+import { vehicleName } from "../../text/elsewhere";
 import { format, t, word } from "../../text/operator";
 import { moment, names, plant, station } from "../state";
 import { busy, calls, choice, choose, failed, followCalls, send, withdraw } from "./call";
 import "./call.css";
-import { canCallOff, LOADS, shownCalls, stepOf, STEPS } from "./steps";
+import { canCallOff, LOADS, shownCalls, stepOf, STEPS, unwillingOf } from "./steps";
 
 /** Bring and take away for the own station: first touch what, second touch, in another place, how much; that sends. */
 export function CallCard() {
@@ -116,7 +117,8 @@ function Job({ call, place }: { call: TransportAnswer; place: string }) {
             ))}
           </ol>
         )}
-        {why(call) !== "" && <small class={call.wait === null || call.wait === "undecided" ? "muted" : "tone-warn"}>{why(call)}</small>}
+        {why(call) !== "" && <small class={call.wait === null || call.wait === "undecided" || call.wait === "not_before" ? "muted" : "tone-warn"}>{why(call)}</small>}
+        {call.wait === "no_bid" && <Unwilling task={call.task} />}
       </div>
       {canCallOff(call) && (
         <button type="button" class="button act call-off" disabled={busy.value} onClick={() => void withdraw(call.id)}>
@@ -127,13 +129,27 @@ function Job({ call, place }: { call: TransportAnswer; place: string }) {
   );
 }
 
+/** Which vehicles have not bid for it, and why. */
+function Unwilling({ task }: { task: string | null }) {
+  return (
+    <>
+      {unwillingOf(world.value?.tasks.get(task ?? "")).map(({ reason, vehicles }) => (
+        <small key={reason} class="call-unwilling muted">
+          {t("calling.unwilling", { vehicles: format.list(vehicles.map(vehicleName)), why: word("unwilling", reason) })}
+        </small>
+      ))}
+    </>
+  );
+}
+
 /** Why it stays where it is, or when it is expected. */
 function why(call: TransportAnswer): string {
   if (call.refused !== null) return t("calling.refused");
   if (call.cancel_at !== null && call.ended_at === null) return t("calling.beingOff");
   if (call.ended_at !== null) return "";
   if (call.status === "waiting") {
-    const { vehicle, vehicle_waits: waits } = call;
+    const { not_before: begin, vehicle, vehicle_waits: waits } = call;
+    if (call.wait === "not_before" && begin !== null) return t("calling.begins", { at: format.due(Date.parse(begin) / 1000, moment.value.nowS) });
     if (vehicle !== null && waits !== null && call.wait !== "no_room" && call.wait !== "short")
       return t("calling.wait.vehicle", { vehicle, why: word("unwilling", waits) });
     return call.wait === "no_room" || call.wait === "short" || call.wait === "no_bid" ? t(`calling.wait.${call.wait}`) : t("calling.wait.undecided");

@@ -1,10 +1,10 @@
 import { expect, test } from "vitest";
 import type { TransportAnswer } from "../../api/transports";
-import { canCallOff, loadOf, shownCalls, stepOf } from "./steps";
+import { canCallOff, loadOf, shownCalls, stepOf, unwillingOf } from "./steps";
 
 const call = (more: Partial<TransportAnswer> = {}): TransportAnswer => ({
   id: "T1", status: "waiting", from: "S3", to: "M8", item: "shaft", quantity: 40, priority: "normal", vehicle: null, vehicle_until: null, vehicle_waits: null, ability: null, called_by: "anna",
-  created_at: "2030-01-01T10:00:00Z", due_at: "2030-01-01T10:15:00Z", cancel_at: null, ended_at: null, updated_at: "2030-01-01T10:00:00Z",
+  created_at: "2030-01-01T10:00:00Z", due_at: "2030-01-01T10:15:00Z", not_before: null, cancel_at: null, ended_at: null, updated_at: "2030-01-01T10:00:00Z",
   carrier: null, expected_at: null, task: null, wait: null, refused: null, ...more,
 });
 
@@ -29,4 +29,11 @@ test("each load of a choice is sent under a key of its own, and again under the 
   expect(loadOf(choice, "M8", 40, false, 1).draft).toEqual({ from: "M8", item: "shaft", quantity: 40, priority: "normal" });
   expect(loadOf(choice, "M8", 40, false, 1).key).toBe(loadOf(choice, "M8", 40, false, 1).key);
   expect(loadOf(choice, "M8", 40, false, 2).key).not.toBe(loadOf(choice, "M8", 40, false, 1).key);
+});
+
+test("of each vehicle its newest reason is told, and what holds for most first", () => {
+  const said = (agent: string, reason: string, role: "primary" | "secondary" = "primary") => ({ agent, reason, role, epoch: 1, round: 1, detail: "" });
+  const refusals = [said("ATV1", "busy"), said("ATV3", "charging"), said("ATV2", "battery"), said("ATV1", "battery"), said("ATV9", "busy", "secondary")];
+  expect(unwillingOf({ refusals })).toEqual([{ reason: "battery", vehicles: ["ATV1", "ATV2"] }, { reason: "charging", vehicles: ["ATV3"] }]);
+  expect(unwillingOf(undefined)).toEqual([]);
 });

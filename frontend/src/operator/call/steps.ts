@@ -1,5 +1,6 @@
 /** How far a call is: four steps, and the reason where it stays at one. */
 import type { TransportAnswer } from "../../api/transports";
+import type { TaskView } from "../../api/types";
 
 export const STEPS = ["called", "taken", "aboard", "here"] as const;
 
@@ -8,6 +9,14 @@ const AT: Readonly<Record<string, number>> = { waiting: 0, assigned: 1, on_board
 /** At which step it is; null for one that was called off. */
 export function stepOf(call: TransportAnswer): number | null {
   return AT[call.status] ?? null;
+}
+
+/** Who has not bid for a transport, by reason: of each vehicle its newest answer, what holds for most of them first. Those elsewhere have no name, so only the newest of them is told. */
+export function unwillingOf(task: Pick<TaskView, "refusals"> | undefined): { reason: string; vehicles: string[] }[] {
+  const newest = new Map((task?.refusals ?? []).filter(({ role }) => role === "primary").map(({ agent, reason }) => [agent, reason]));
+  const reasons = new Map<string, string[]>();
+  for (const [vehicle, reason] of newest) reasons.set(reason, [...(reasons.get(reason) ?? []), vehicle].sort());
+  return [...reasons].map(([reason, vehicles]) => ({ reason, vehicles })).sort((a, b) => b.vehicles.length - a.vehicles.length || a.reason.localeCompare(b.reason));
 }
 
 /** Whether it can be called off: not once it is on board, and not twice. */

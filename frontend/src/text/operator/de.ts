@@ -332,6 +332,8 @@ export const de: Catalogue<typeof en> = {
   "calling.off": "abbestellt",
   "calling.beingOff": "wird abbestellt",
   "calling.callOff": "Abbestellen",
+  "calling.unwilling": "{vehicles}: {why}",
+  "calling.begins": "beginnt {at}",
   "calling.tooLate": "nicht mehr abzubestellen",
   "calling.refused": "es geht nicht",
   "calling.wait.vehicle": "nur {vehicle} darf es bringen: {why}",

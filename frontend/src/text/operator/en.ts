@@ -330,6 +330,8 @@ export const en = {
   "calling.off": "called off",
   "calling.beingOff": "being called off",
   "calling.callOff": "Call off",
+  "calling.unwilling": "{vehicles}: {why}",
+  "calling.begins": "begins {at}",
   "calling.tooLate": "cannot be called off any more",
   "calling.refused": "it cannot be done",
   "calling.wait.vehicle": "only {vehicle} may carry it: {why}",

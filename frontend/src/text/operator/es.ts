@@ -332,6 +332,8 @@ export const es: Catalogue<typeof en> = {
   "calling.off": "anulado",
   "calling.beingOff": "anulándose",
   "calling.callOff": "Anular",
+  "calling.unwilling": "{vehicles}: {why}",
+  "calling.begins": "empieza {at}",
   "calling.tooLate": "ya no se puede anular",
   "calling.refused": "no se puede hacer",
   "calling.wait.vehicle": "solo {vehicle} puede llevarlo: {why}",

@@ -68,6 +68,8 @@ export const de: Catalogue<typeof en> = {
   "place.source": "Wareneingang",
   "place.delivery": "Warenausgang",
   "place.charger": "Ladestation",
+  "place.bring": "Hierher bringen…",
+  "place.take": "Von hier abholen…",
   "place.keeps": "Enthält",
   "place.upTo": "bis zu {quantity}",
   "place.fetching": "Transporte von hier",

@@ -65,6 +65,8 @@ export const en = {
   "place.source": "Source warehouse",
   "place.delivery": "Delivery warehouse",
   "place.charger": "Charger",
+  "place.bring": "Bring here…",
+  "place.take": "Take away from here…",
   "place.keeps": "Keeps",
   "place.upTo": "up to {quantity}",
   "place.fetching": "Transports from here",

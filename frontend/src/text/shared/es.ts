@@ -68,6 +68,8 @@ export const es: Catalogue<typeof en> = {
   "place.source": "Almacén de entrada",
   "place.delivery": "Almacén de salida",
   "place.charger": "Cargador",
+  "place.bring": "Traer aquí…",
+  "place.take": "Llevarse de aquí…",
   "place.keeps": "Guarda",
   "place.upTo": "hasta {quantity}",
   "place.fetching": "Transportes desde aquí",

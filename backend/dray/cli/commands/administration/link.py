@@ -88,7 +88,7 @@ def revoke(
         if await work.orders.get(what) is not None:
             order, count = what, await work.links.revoke_all(what, now_s)
         elif (link := await work.links.find(token)) is not None:
-            order, count = link.order_id, await work.links.revoke(token, now_s)
+            order, count = link.subject, await work.links.revoke(token, now_s)
         else:
             raise SettingsError("WHAT", "it is neither an order's id nor a link to one")
         if count:

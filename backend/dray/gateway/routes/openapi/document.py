@@ -38,7 +38,6 @@ from dray.gateway.live.views import (
 )
 from dray.gateway.live.views.duty import DutyView
 from dray.gateway.orders.feasibility import OrderPreview
-from dray.gateway.orders.transport_timeline import TransportStory
 from dray.gateway.routes.factory.command_answers import CommandAnswer
 from dray.gateway.routes.factory.duty import CallAnswered
 from dray.gateway.routes.factory.faults import FaultsAnswer
@@ -57,15 +56,17 @@ from dray.gateway.routes.me import MeAnswer
 from dray.gateway.routes.openapi.examples import examples
 from dray.gateway.routes.orders.change_feed import ChangesAnswer
 from dray.gateway.routes.orders.imports import ImportAnswer
+from dray.gateway.routes.orders.links import LinksRevoked, NewLink
 from dray.gateway.routes.orders.orders import OrderAnswer, PlacedOrder
 from dray.gateway.routes.orders.schedules import RunsPreview, ScheduleAnswer
-from dray.gateway.routes.orders.timeline import LinksRevoked, NewLink, OrderStory
-from dray.gateway.routes.orders.transports import TransportAnswer
+from dray.gateway.routes.orders.timeline import OrderStory
+from dray.gateway.routes.orders.transports import TransportAnswer, TransportStory
 from dray.gateway.routes.people import LoginLinkAnswer, PersonAnswer
 from dray.gateway.routes.priorities import PrioritiesAnswer
 from dray.gateway.routes.products.imports import ProductsAnswer
 from dray.gateway.routes.products.products import ProductAnswer
 from dray.gateway.tracking.answer import TrackAnswer
+from dray.gateway.tracking.transport import TransportTrackAnswer
 from dray.plant.model import PlantFile
 from dray.store.factory.exclusions import Exclusion
 from dray.store.factory.plant_drafts import DraftLine
@@ -136,6 +137,7 @@ SHAPES = (
     ChangesAnswer,
     TransportAnswer,
     TransportStory,
+    TransportTrackAnswer,
     WaitView,
 )
 """Structs that routers answer with, and the frames of the stream."""

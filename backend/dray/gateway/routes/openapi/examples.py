@@ -45,10 +45,10 @@ from dray.gateway.routes.history.tasks import EXAMPLE as TASK_RECORD
 from dray.gateway.routes.keys import EXAMPLE as KEY
 from dray.gateway.routes.keys import NEW_EXAMPLE as NEW_KEY
 from dray.gateway.routes.orders.imports import ImportAnswer, ImportedOrder
+from dray.gateway.routes.orders.links import LinksRevoked, NewLink
 from dray.gateway.routes.orders.orders import EXAMPLE as ORDER
 from dray.gateway.routes.orders.schedules import EXAMPLES as SCHEDULES
 from dray.gateway.routes.orders.timeline import EXAMPLE as STORY
-from dray.gateway.routes.orders.timeline import LinksRevoked, NewLink
 from dray.gateway.routes.orders.transports import EXAMPLE as TRANSPORT
 from dray.gateway.routes.people import EXAMPLE as PERSON
 from dray.gateway.routes.people import LINK_EXAMPLE as LOGIN_LINK

@@ -6,10 +6,9 @@ from http import HTTPStatus
 
 import msgspec
 from fastapi import APIRouter, Depends
-from pydantic import BaseModel, ConfigDict, Field
 
 from dray.gateway.access.audit_log import Noted
-from dray.gateway.http.problems import Problem, not_found
+from dray.gateway.http.problems import not_found
 from dray.gateway.http.provided import Now, Provided
 from dray.gateway.http.public_urls import BaseUrl
 from dray.gateway.http.request_bodies import json_only
@@ -24,20 +23,26 @@ from dray.gateway.orders.timeline import (
     WayOutView,
     timeline,
 )
+from dray.gateway.routes.orders.links import (
+    LinkDraft,
+    LinksRevoked,
+    LinkView,
+    NewLink,
+    link_view,
+    too_many_links,
+)
 from dray.gateway.tracking.facts import facts_of_order
 from dray.gateway.tracking.track import track
 from dray.store import Store
 from dray.store.history.events import EventFilter
 from dray.store.orders.estimates import EstimateCause
 from dray.store.orders.order_histories import KINDS, together
-from dray.store.orders.tracking_links import WORKING_MAX, Link
+from dray.store.orders.tracking_links import Link
 
 router = APIRouter(tags=["orders"])
 
 EVENTS_MOST = 5_000
 """Events that are read for one order: 1,000 pieces with their transports, of which one may take some takeovers."""
-
-DAY_S = 86_400.0
 
 
 class ExpectedView(msgspec.Struct, frozen=True):
@@ -45,15 +50,6 @@ class ExpectedView(msgspec.Struct, frozen=True):
 
     from_at_s: float
     to_at_s: float
-
-
-class LinkView(msgspec.Struct, frozen=True):
-    """A link to the customer's page; its address is told once, when it is made. Times are wall clock seconds."""
-
-    created_at_s: float
-    expires_at_s: float | None
-    """None: a quarter after the order has ended."""
-    revoked_at_s: float | None
 
 
 class EstimateView(msgspec.Struct, frozen=True):
@@ -130,33 +126,6 @@ EXAMPLE = OrderStory(
 )
 
 
-class LinkDraft(BaseModel):
-    """A link to make."""
-
-    model_config = ConfigDict(extra="forbid", json_schema_extra={"examples": [{"days": 30}, {}]})
-
-    days: int | None = Field(
-        None,
-        ge=1,
-        le=3650,
-        description="How long it leads to the page; else until a quarter after the order's end",
-    )
-
-
-class NewLink(msgspec.Struct, frozen=True):
-    """A link that was made."""
-
-    tracking_url: str
-    """Told this once, and kept nowhere."""
-    expires_at_s: float | None
-
-
-class LinksRevoked(msgspec.Struct, frozen=True):
-    """Links that were taken back."""
-
-    count: int
-
-
 @router.get(
     "/orders/{order}/timeline",
     responses={
@@ -181,7 +150,7 @@ async def order_timeline(
             EventFilter(kinds=KINDS, order=order), None, EVENTS_MOST + 1, newest_first=False
         )
         kept = await work.order_histories.of_order(order)
-        links = await work.links.of_order(order)
+        links = await work.links.to(order)
         estimates = await work.estimates.of_order(order)
     told = timeline(together(kept, rows[:EVENTS_MOST]), facts.goals, is_whole=len(rows) <= EVENTS_MOST)
     tracked = track(facts)
@@ -195,7 +164,7 @@ async def order_timeline(
             expected=expected,
             estimates=tuple(EstimateView(**msgspec.structs.asdict(each)) for each in estimates),
             late=tracked.late.value,
-            links=tuple(LinkView(each.created_at_s, each.expires_at_s, each.revoked_at_s) for each in links),
+            links=tuple(map(link_view, links)),
         )
     )
 
@@ -219,19 +188,12 @@ async def make_link(
     draft: LinkDraft,
 ) -> Json:
     """Make another link to the customer's page of an order."""
-    token = new_token()
-    ends_s = None if draft.days is None else now_s + draft.days * DAY_S
+    token, ends_s = new_token(), draft.ends_s(now_s)
     async with store.write() as work:
         if await work.orders.get(order) is None:
             raise not_found("order", order, "GET /api/orders")
         if not await work.links.add_another(token, Link(order, now_s, expires_at_s=ends_s)):
-            raise Problem(
-                HTTPStatus.CONFLICT,
-                "too-many-links",
-                "The order has too many links",
-                f"{WORKING_MAX} links lead to the page of order {order}: use one of them, or take all back "
-                f"(DELETE /api/orders/{order}/links)",
-            )
+            raise too_many_links("order", order)
     note.detail["days"] = draft.days
     return Json(NewLink(f"{base}/track/{token}", ends_s), HTTPStatus.CREATED)
 

@@ -1,4 +1,4 @@
-"""The customer's view of an order for programs: no login, no names, no vehicles."""
+"""The customer's view of an order or a plain transport for programs: no login, no names, no vehicles."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from dray.gateway.live.projection import Projection
 from dray.gateway.tracking.answer import TrackAnswer, answer
 from dray.gateway.tracking.facts import NoPage, facts_of
 from dray.gateway.tracking.track import track
+from dray.gateway.tracking.transport import TransportTrackAnswer, transport_of, transport_track
 from dray.store import Store
 
 router = APIRouter(tags=["orders"])
@@ -26,6 +27,22 @@ PRIVATE = {
     "Referrer-Policy": "no-referrer",
 }
 """Headers of everything that a link leads to."""
+
+TRANSPORT = TransportTrackAnswer(
+    status="assigned",
+    item="bearing",
+    name="Bearing",
+    quantity=40,
+    source="S5",
+    to="M8",
+    wait=None,
+    expected_at="2030-01-01T10:44:00Z",
+    late=False,
+    created_at="2030-01-01T10:37:00Z",
+    not_before=None,
+    due_at="2030-01-01T10:52:00Z",
+    ended_at=None,
+)
 
 
 @router.get(
@@ -47,6 +64,34 @@ async def track_order(
     if found.facts is None:
         raise _no_page(found.why or NoPage.UNKNOWN, token)
     return Json(answer(track(found.facts)), headers=PRIVATE)
+
+
+@router.get(
+    "/track/transports/{token}",
+    responses={
+        200: described(TransportTrackAnswer, "What whoever has the link is told", TRANSPORT),
+        **problems(p404="There is no such page", p410="The link was taken back, or has expired"),
+    },
+    response_class=Json,
+)
+async def track_transport(
+    store: Provided[Store],
+    projection: Provided[Projection],
+    now_s: Now,
+    token: Annotated[str, Path(max_length=64)],
+) -> Json:
+    """A plain transport, for whoever knows its token."""
+    found = await transport_of(store, token, now_s)
+    if found.row is None:
+        raise _no_page(found.why or NoPage.UNKNOWN, token)
+    name = material_name(projection, found.row.item)
+    return Json(transport_track(found.row, name, now_s), headers=PRIVATE)
+
+
+def material_name(projection: Projection, item: str) -> str:
+    """What people call a material."""
+    spec = projection.site.plant.materials.get(item)
+    return item if spec is None else spec.name
 
 
 def _no_page(why: NoPage, token: str) -> Problem:

@@ -17,6 +17,7 @@ from dray.gateway.access.principal import Principal, Scope
 from dray.gateway.http.csv_tables import Format, Row, row_of, table, with_csv
 from dray.gateway.http.problems import not_found
 from dray.gateway.http.provided import Now, Provided
+from dray.gateway.http.public_urls import BaseUrl
 from dray.gateway.http.request_bodies import json_only
 from dray.gateway.http.responses import (
     PAGE,
@@ -33,14 +34,24 @@ from dray.gateway.http.responses import (
 )
 from dray.gateway.live.projection import Projection
 from dray.gateway.orders.idempotency import Key, own_key
+from dray.gateway.orders.order_ids import new_token
 from dray.gateway.orders.timeline import LegView, MomentView, WayOutView
 from dray.gateway.orders.transport_draft import TransportDraft
-from dray.gateway.orders.transport_timeline import KINDS, TransportStory, transport_timeline
+from dray.gateway.orders.transport_timeline import KINDS, TransportTimeline, transport_timeline
 from dray.gateway.orders.transports import PlainTransports
 from dray.gateway.orders.wanted_vehicle import why_not
+from dray.gateway.routes.orders.links import (
+    LinkDraft,
+    LinksRevoked,
+    LinkView,
+    NewLink,
+    link_view,
+    too_many_links,
+)
 from dray.gateway.routes.search import Words
 from dray.messages import TransportState
 from dray.store import Store
+from dray.store.orders.tracking_links import Link
 from dray.store.orders.transports import SortedBy, TransportFilter, TransportRow, place_of
 
 router = APIRouter(tags=["transports"])
@@ -69,6 +80,8 @@ class TransportAnswer(msgspec.Struct, frozen=True, kw_only=True, rename={"source
     called_by: str
     created_at: str
     due_at: str
+    not_before: str | None = None
+    """Nobody is asked to carry it before then."""
     cancel_at: str | None = None
     """When somebody has called it off: it is cancelled when the factory has confirmed."""
     ended_at: str | None = None
@@ -79,7 +92,7 @@ class TransportAnswer(msgspec.Struct, frozen=True, kw_only=True, rename={"source
     task: str | None = None
     """Under which name it is given out: GET /api/tasks tells who has bid, and why others have not."""
     wait: str | None = None
-    """Why nobody carries it: no_room where it goes, short where it is fetched, no_bid, or undecided yet."""
+    """Why nobody carries it: not_before while its time has not come, no_room where it goes, short where it is fetched, no_bid, or undecided yet."""
     refused: str | None = None
     """Why it cannot be done, where that has ended it."""
 
@@ -114,6 +127,14 @@ ATTEMPTS_MOST = 100
 
 EVENTS_MOST = 2_000
 """Events that are read for one transport: ten takeovers of each attempt have fewer."""
+
+
+class TransportStory(TransportTimeline, kw_only=True):
+    """All of a plain transport, and the links to its page for others."""
+
+    links: tuple[LinkView, ...] = ()
+    """Newest first."""
+
 
 STORY = TransportStory(
     attempts=(
@@ -299,8 +320,74 @@ async def transport_timeline_of(
             raise not_found("transport", transport, "GET /api/transports")
         tasks = await work.tasks.of_transport(transport, ATTEMPTS_MOST)
         rows = await work.events.of_tasks([task.id for task in tasks], KINDS, EVENTS_MOST + 1)
-    is_whole = len(rows) <= EVENTS_MOST
-    return Json(transport_timeline(row, tasks, rows[:EVENTS_MOST], is_whole=is_whole))
+        links = await work.transport_links.to(transport)
+    told = transport_timeline(row, tasks, rows[:EVENTS_MOST], is_whole=len(rows) <= EVENTS_MOST)
+    return Json(
+        TransportStory(
+            attempts=told.attempts,
+            moments=told.moments,
+            is_whole=told.is_whole,
+            links=tuple(map(link_view, links)),
+        )
+    )
+
+
+@router.post(
+    "/transports/{transport}/links",
+    status_code=HTTPStatus.CREATED,
+    dependencies=[Depends(json_only)],
+    responses={
+        201: described(NewLink, "The link"),
+        **problems(p404="There is no such transport", p409="As many links lead to its page as may be"),
+    },
+    response_class=Json,
+)
+async def make_transport_link(
+    store: Provided[Store],
+    transports: Provided[PlainTransports],
+    caller: Caller,
+    base: BaseUrl,
+    now_s: Now,
+    note: Noted,
+    transport: str,
+    draft: LinkDraft,
+) -> Json:
+    """Make a link to a page of a transport for others: what, from where to where, how far it is, and when it is expected."""
+    token, ends_s = new_token(), draft.ends_s(now_s)
+    async with store.write() as work:
+        row = await work.transports.get(transport)
+        if row is None or not transports.may_see(row, caller):
+            raise not_found("transport", transport, "GET /api/transports")
+        if not await work.transport_links.add_another(token, Link(transport, now_s, expires_at_s=ends_s)):
+            raise too_many_links("transport", transport)
+    note.detail["days"] = draft.days
+    return Json(NewLink(f"{base}/track/{token}", ends_s), HTTPStatus.CREATED)
+
+
+@router.delete(
+    "/transports/{transport}/links",
+    responses={
+        200: described(LinksRevoked, "How many were taken back by this"),
+        **problems(p404="There is no such transport"),
+    },
+    response_class=Json,
+)
+async def revoke_transport_links(
+    store: Provided[Store],
+    transports: Provided[PlainTransports],
+    caller: Caller,
+    now_s: Now,
+    note: Noted,
+    transport: str,
+) -> Json:
+    """Take all links of a transport back; their pages say so from now on."""
+    async with store.write() as work:
+        row = await work.transports.get(transport)
+        if row is None or not transports.may_see(row, caller):
+            raise not_found("transport", transport, "GET /api/transports")
+        count = await work.transport_links.revoke_all(transport, now_s)
+    note.detail["links"] = count
+    return Json(LinksRevoked(count))
 
 
 @router.post(
@@ -339,6 +426,7 @@ def transport_answer(row: TransportRow, vehicle_waits: str | None = None) -> Tra
         called_by=row.called_by,
         created_at=iso(row.created_at_s),
         due_at=iso(row.due_at_s),
+        not_before=None if row.not_before_s is None else iso(row.not_before_s),
         cancel_at=None if row.cancel_at_s is None else iso(row.cancel_at_s),
         ended_at=None if row.ended_at_s is None else iso(row.ended_at_s),
         updated_at=iso(row.updated_at_s),

@@ -1,4 +1,4 @@
-"""The customer's page: an order, for whoever has its link.
+"""The customer's page: an order or a plain transport, for whoever has its link.
 
 Made whole on the server, so it needs no script; its script asks for the same page again and shows what has
 changed. The time zone is the one that the script has noted, else this computer's.
@@ -16,12 +16,13 @@ from dray.gateway.http.assets import NotBuilt, Panels
 from dray.gateway.http.language import language_of, remember_language, switches
 from dray.gateway.http.provided import Now, Provided
 from dray.gateway.live.projection import Projection
-from dray.gateway.routes.orders.track import PRIVATE
+from dray.gateway.routes.orders.track import PRIVATE, material_name
 from dray.gateway.tracking.facts import NoPage, facts_of
 from dray.gateway.tracking.page import entity_tag, gone, page
 from dray.gateway.tracking.texts import TEXTS
 from dray.gateway.tracking.texts.clock import Clock, zone_named
 from dray.gateway.tracking.track import track
+from dray.gateway.tracking.transport import FoundTransport, transport_of, transport_page
 from dray.store import Store
 
 router = APIRouter(include_in_schema=False)
@@ -42,16 +43,20 @@ async def customer(
     request: Request,
     token: str,
 ) -> Response:
-    """The page of an order, or of a link that leads to none."""
+    """The page of an order or a transport, or of a link that leads to none."""
     found = await facts_of(store, projection, token, now_s)
     language = language_of(request)
     texts = TEXTS[language]
     clock = Clock(texts, zone_named(request.cookies.get(ZONE_COOKIE, "")), now_s)
-    if found.facts is None:
-        why = found.why or NoPage.UNKNOWN
+    sent = await transport_of(store, token, now_s) if found.why is NoPage.UNKNOWN else FoundTransport(None)
+    if found.facts is not None:
+        told = page(track(found.facts), texts, clock, now_s)
+    elif sent.row is not None:
+        told = transport_page(sent.row, material_name(projection, sent.row.item), texts, clock, now_s)
+    else:
+        why = sent.why or found.why or NoPage.UNKNOWN
         status = HTTPStatus.NOT_FOUND if why is NoPage.UNKNOWN else HTTPStatus.GONE
         return _answer(panels, request, status, "customer-gone.html", language, gone=gone(why, texts))
-    told = page(track(found.facts), texts, clock, now_s)
     context: dict[str, Any] = {
         "page": told,
         "zone": clock.zone,

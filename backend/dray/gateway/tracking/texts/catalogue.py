@@ -75,6 +75,14 @@ class Catalogue(msgspec.Struct, frozen=True, kw_only=True):
     reached: str
     not_reached: str
 
+    transport: str
+    """Of a plain transport, with {source} and {to}."""
+    transport_stages: dict[str, str]
+    """Per `TransportState`, without cancelled."""
+    transport_why: dict[str, str]
+    """Why it waits, per `TransportWait`."""
+    begins: str
+
     as_of: str
     zone: str
     refresh: str

@@ -17,6 +17,7 @@ import { UpdateFact } from "../agents/UpdateFact";
 import { Later } from "../../../parts/Later";
 import { names } from "../../state";
 import { FaultFacts, FaultMenu } from "../faults/FaultParts";
+import { CallHere } from "./CallHere";
 import { Stock } from "./Stock";
 
 const loadPieces = async () => (await import("../../../parts/pieces/Pieces")).load();
@@ -66,6 +67,7 @@ export function MachineCard({ spec, machine }: { spec: MachineSpec; machine: Mac
       <Stock title={t("machine.goods")} buffers={machine?.goods ?? []} />
       <Later load={loadPieces} of={{ machine: spec.id, name: nameOf }} />
       <Transports tasks={byDeadline(machine).slice(1)} />
+      <CallHere key={spec.id} place={spec.id} />
       {machine && !machine.shut_out && (
         <div class="card-foot">
           <ShutOutMenu key={spec.id} agent={spec.id} kind="machine" />

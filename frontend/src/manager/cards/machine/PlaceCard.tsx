@@ -11,6 +11,7 @@ import { ClockMark } from "../agents/ClockMark";
 import { ShutOutNote } from "../agents/ShutOutNote";
 import { isOpen } from "../auction/auction";
 import { names } from "../../state";
+import { CallHere } from "./CallHere";
 import { GATE, type PlaceInfo } from "./place";
 
 /** A storage, warehouse or charger: what it keeps, and who comes. */
@@ -62,6 +63,7 @@ export function PlaceCard({ place }: { place: PlaceInfo }) {
           </Facts>
         </div>
       )}
+      {place.kind === "storage" && <CallHere key={place.id} place={place.id} />}
     </Card>
   );
 }

@@ -1,5 +1,4 @@
 import { useSignal } from "@preact/signals";
-import { makeLink, revokeLinks } from "../../../api/client";
 import { Card } from "../../../parts/Card";
 import { nowS } from "../../../stream/stream";
 import { format, n, t } from "../../../text/views/order";
@@ -8,8 +7,19 @@ import { Sure } from "../../parts/Sure";
 import { problemText } from "../../problem-text";
 import type { Story } from "./lanes";
 
-/** The customer's page of an order: its links are made, copied and taken back here. */
-export function LinkCard({ links, onChanged, order }: { order: string; links: Story["links"]; onChanged: () => void }) {
+interface Props {
+  links: Story["links"];
+  /** What whoever has a link sees. */
+  hint: string;
+  /** Whether all are to be taken back. */
+  sure: string;
+  make: () => Promise<{ tracking_url: string }>;
+  revoke: () => Promise<void>;
+  onChanged: () => void;
+}
+
+/** The page of an order or a transport for others: its links are made, copied and taken back here. */
+export function LinkCard({ hint, links, make: makeLink, onChanged, revoke: revokeLinks, sure }: Props) {
   const made = useSignal("");
   const asking = useSignal(false);
   const busy = useSignal(false);
@@ -30,16 +40,16 @@ export function LinkCard({ links, onChanged, order }: { order: string; links: St
   };
   const make = () =>
     doing(async () => {
-      made.value = (await makeLink(order)).tracking_url;
+      made.value = (await makeLink()).tracking_url;
     });
   const revoke = () =>
     doing(async () => {
-      await revokeLinks(order);
+      await revokeLinks();
       made.value = "";
     });
   return (
     <Card title={t("links.title")} aside={<span class="muted">{n("links.valid", valid.length, format.count(valid.length))}</span>} class="order-links">
-      <p class="muted">{t("links.hint")}</p>
+      <p class="muted">{hint}</p>
       {made.value !== "" && (
         <Once value={made.value} label={t("links.address")} copy={t("links.copy")} copied={t("links.copied")} notCopied={t("links.notCopied")} hint={t("links.once")}>
           <a class="button small" href={made.value} target="_blank" rel="noreferrer">
@@ -49,7 +59,7 @@ export function LinkCard({ links, onChanged, order }: { order: string; links: St
       )}
       {asking.value ? (
         <Sure
-          asked={t("links.revokeSure")}
+          asked={sure}
           no={t("links.revokeNot")}
           yes={t("links.revokeDo")}
           busy={busy.value}

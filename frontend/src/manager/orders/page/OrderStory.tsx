@@ -1,4 +1,4 @@
-import { fetchOrder, fetchTimeline } from "../../../api/client";
+import { fetchOrder, fetchTimeline, makeLink, revokeLinks } from "../../../api/client";
 import type { OrderAnswer, OrderView } from "../../../api/types";
 import { Card } from "../../../parts/Card";
 import "../../../parts/paper.css";
@@ -76,7 +76,15 @@ function Page({ again, kept, story }: { kept: OrderAnswer; story: Story; again: 
             untilS={isClosed(order) ? endOf(order, story) : nowS.value}
           />
           <ChangeCard key={`change ${id}`} kept={kept} onChanged={again} />
-          <LinkCard key={id} order={id} links={story.links} onChanged={again} />
+          <LinkCard
+            key={id}
+            links={story.links}
+            hint={t("links.hint")}
+            sure={t("links.revokeSure")}
+            make={() => makeLink(id)}
+            revoke={() => revokeLinks(id)}
+            onChanged={again}
+          />
         </div>
       </div>
     </>

@@ -8,7 +8,7 @@ import { Sheet } from "../../parts/Sheet";
 import { useRefreshed } from "../../refreshed";
 import { plant } from "../../state";
 import { addressOfTransport } from "../../views";
-import { busy, complaints, edit, outcome, send, type Written, written } from "./call";
+import { busy, complaints, edit, loadsOf, outcome, send, splitBy, type Written, written } from "./call";
 
 /** What the button opens. */
 export const FORM = "call-form";
@@ -29,7 +29,7 @@ type TextPart = { [K in keyof Written]: Written[K] extends string ? K : never }[
 
 /** Calls for one load: refusals stand at their fields. */
 export function CallForm({ onCalled }: { onCalled: () => void }) {
-  const { due, only, priority, quantity, vehicle } = written.value;
+  const { begin, due, only, priority, quantity, vehicle } = written.value;
   const file = plant.value;
   const { answer: priorities } = useRefreshed(fetchPriorities, PRIORITIES_EVERY_MS);
   const places = [...(file?.storages ?? []), ...(file?.machines ?? [])];
@@ -59,6 +59,9 @@ export function CallForm({ onCalled }: { onCalled: () => void }) {
           <Field part="due" label={t("called.dueAt")}>
             {(attributes) => <input {...attributes} type="datetime-local" value={due} onChange={(event) => { edit({ due: event.currentTarget.value }); }} />}
           </Field>
+          <Field part="begin" label={t("called.notBefore")}>
+            {(attributes) => <input {...attributes} type="datetime-local" value={begin} onChange={(event) => { edit({ begin: event.currentTarget.value }); }} />}
+          </Field>
           <Choice part="vehicle" label={t("called.vehicle")} none={t("called.anyVehicle")} options={file?.fleet ?? []} />
           <Choice part="ability" label={t("called.ability")} none={t("called.noAbility")} options={abilities.map((id) => ({ id }))} />
           {vehicle !== "" && (
@@ -71,6 +74,22 @@ export function CallForm({ onCalled }: { onCalled: () => void }) {
         <p id={AGEING} class="muted">
           {priorities.value && ageingText(priorities.value)}
         </p>
+        {splitBy.value > 0 && (
+          <p>
+            <button
+              type="button"
+              class="button"
+              disabled={busy.value}
+              onClick={() => {
+                void send(splitBy.value).then((called) => {
+                  if (called) onCalled();
+                });
+              }}
+            >
+              {t("called.split", { loads: format.list(loadsOf(Number(quantity), splitBy.value).map((each) => format.count(each))) })}
+            </button>
+          </p>
+        )}
         <p class="form-actions">
           <span role="status" class={`outcome outcome-${outcome.value?.good ? "good" : "bad"}`}>
             {outcome.value?.text}

@@ -102,6 +102,11 @@ function Filters() {
   );
 }
 
+/** Why it waits; of one that is not to begin yet, when it does. */
+export function waitText(wait: string, notBefore: string | null): string {
+  return wait === "not_before" && notBefore !== null ? t("called.begins", { at: when(notBefore) }) : word("calling.wait", wait);
+}
+
 function when(moment: string): string {
   return format.when(Date.parse(moment) / 1000, nowS.value);
 }
@@ -151,11 +156,11 @@ function Row({ end, transport }: { transport: TransportAnswer; end: (id: string)
 }
 
 /** How far it is, and why it waits. */
-function State({ transport: { cancel_at, ended_at, expected_at, refused, status, wait } }: { transport: TransportAnswer }) {
+function State({ transport: { cancel_at, ended_at, expected_at, not_before, refused, status, wait } }: { transport: TransportAnswer }) {
   return (
     <>
       {cancel_at !== null && ended_at === null ? t("called.beingOff") : word("called.is", status)}
-      {wait !== null && <small class="line tone-warn">{word("calling.wait", wait)}</small>}
+      {wait !== null && <small class={`line ${wait === "not_before" ? "muted" : "tone-warn"}`}>{waitText(wait, not_before)}</small>}
       {refused !== null && <small class="line tone-warn">{word("called.refused", refused)}</small>}
       {expected_at !== null && ended_at === null && <small class="line muted">{t("called.expected", { at: when(expected_at) })}</small>}
     </>

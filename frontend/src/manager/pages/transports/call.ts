@@ -3,6 +3,7 @@ import { signal } from "@preact/signals";
 import { newKey } from "../../../api/client";
 import { Problem } from "../../../api/problem";
 import { callTransport, type TransportDraft } from "../../../api/transports";
+import type { FieldError } from "../../../api/types";
 import { t } from "../../../text/views/transports";
 import type { Priority } from "../../orders/priority";
 import { problemText } from "../../problem-text";
@@ -15,15 +16,19 @@ export interface Written {
   readonly priority: Priority;
   /** In the reader's zone, as the browser writes it; empty for none. */
   readonly due: string;
+  /** Likewise. */
+  readonly begin: string;
   readonly vehicle: string;
   readonly only: boolean;
   readonly ability: string;
 }
 
-export const EMPTY: Written = { item: "", quantity: "", from: "", to: "", priority: "normal", due: "", vehicle: "", only: true, ability: "" };
+export const EMPTY: Written = { item: "", quantity: "", from: "", to: "", priority: "normal", due: "", begin: "", vehicle: "", only: true, ability: "" };
 
 export const written = signal<Written>(EMPTY);
 export const complaints = signal<Readonly<Record<string, string>>>({});
+/** What one vehicle carries at most, where more was asked for: it can be asked for in as many loads; 0 for nothing to split. */
+export const splitBy = signal(0);
 export const busy = signal(false);
 /** `called`: which one it has become. */
 export const outcome = signal<{ good: boolean; text: string; called?: string } | null>(null);
@@ -34,22 +39,32 @@ let key = "";
 export function edit(change: Partial<Written>): void {
   written.value = { ...written.value, ...change };
   complaints.value = {};
+  splitBy.value = 0;
   outcome.value = null;
   key = "";
 }
 
+/** Loads that are offered for one call: more are a slip of the keyboard. */
+const LOADS_MOST = 10;
+
+/** In which loads so many pieces come, where one has so many at most: the last has what is left. */
+export function loadsOf(pieces: number, most: number): number[] {
+  return Array.from({ length: Math.ceil(pieces / most) }, (_, load) => Math.min(most, pieces - load * most));
+}
+
 /** What is sent. What is no number goes as it was written, for the gateway says best what is wrong with it. */
-export function draftOf({ ability, due, from, item, only, priority, quantity, to, vehicle }: Written): TransportDraft {
+export function draftOf({ ability, begin, due, from, item, only, priority, quantity, to, vehicle }: Written): TransportDraft {
   const pieces = quantity.trim();
+  const moment = (written: string): string | null => (written === "" ? null : new Date(written).toISOString());
   const or = (text: string): string | null => (text === "" ? null : text);
   return {
     from: or(from), to: or(to), item, priority, vehicle: or(vehicle), vehicle_only: only, ability: or(ability),
     quantity: /^\d+$/.test(pieces) ? Number(pieces) : (pieces as unknown as number),
-    due_at: due === "" ? null : new Date(due).toISOString(),
+    due_at: moment(due), not_before: moment(begin),
   };
 }
 
-const PARTS: Readonly<Record<string, string>> = { due_at: "due", from: "from", to: "to", item: "item", quantity: "quantity", vehicle: "vehicle", ability: "ability" };
+const PARTS: Readonly<Record<string, string>> = { due_at: "due", not_before: "begin", from: "from", to: "to", item: "item", quantity: "quantity", vehicle: "vehicle", ability: "ability" };
 
 /** Each complaint at its field, and those together that have none. */
 export function complaintsOf(errors: readonly { field: string; reason: string }[]): { at: Record<string, string>; elsewhere: string } {
@@ -63,17 +78,30 @@ export function complaintsOf(errors: readonly { field: string; reason: string }[
   return { at, elsewhere: elsewhere.join("; ") };
 }
 
-export async function send(): Promise<boolean> {
+/** The most pieces of one load, where that is what is wrong; 0 else. */
+export function mostOf(errors: readonly FieldError[]): number {
+  const most = errors.length === 1 && errors[0]?.code === "load_too_large" ? Number(errors[0].values?.most) : 0;
+  return Number.isFinite(most) ? most : 0;
+}
+
+/** @param most of one load: what is more is called for in several, each once, however often this is tried */
+export async function send(most = 0): Promise<boolean> {
   if (busy.value) return false;
   busy.value = true;
   if (key === "") key = newKey();
+  const draft = draftOf(written.value);
   try {
-    const { id } = await callTransport(draftOf(written.value), key);
+    let id = "";
+    if (most === 0) ({ id } = await callTransport(draft, key));
+    else for (const [load, quantity] of loadsOf(draft.quantity, most).entries()) ({ id } = await callTransport({ ...draft, quantity }, `${key}-${load}`));
     edit(EMPTY);
     outcome.value = { good: true, text: t("called.sent", { id: "" }), called: id };
     return true;
   } catch (error) {
-    const { at, elsewhere } = complaintsOf(error instanceof Problem ? error.errors : []);
+    const errors = error instanceof Problem ? error.errors : [];
+    const { at, elsewhere } = complaintsOf(errors);
+    const most = mostOf(errors);
+    splitBy.value = most > 0 && draft.quantity <= most * LOADS_MOST ? most : 0;
     complaints.value = at;
     const reason = elsewhere === "" && Object.keys(at).length === 0 ? problemText(error) : elsewhere;
     outcome.value = reason === "" ? null : { good: false, text: t("called.failed", { reason }) };

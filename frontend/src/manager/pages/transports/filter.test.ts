@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { complaintsOf, draftOf, EMPTY } from "./call";
+import { complaintsOf, draftOf, EMPTY, loadsOf, mostOf } from "./call";
 import { queryOf, tableOf } from "./filter";
 
 test.each([
@@ -18,11 +18,20 @@ test("the address says in which order they come, in the list and in the table", 
 
 test("what is left empty is left to the gateway, and what is no number it refuses", () => {
   expect(draftOf({ ...EMPTY, item: "shaft", quantity: " 40 ", to: "M8" })).toEqual({
-    from: null, to: "M8", item: "shaft", quantity: 40, priority: "normal", vehicle: null, vehicle_only: true, ability: null, due_at: null,
+    from: null, to: "M8", item: "shaft", quantity: 40, priority: "normal", vehicle: null, vehicle_only: true, ability: null, due_at: null, not_before: null,
   });
+  expect(draftOf({ ...EMPTY, begin: "2030-01-01T10:00" }).not_before).toBe(new Date("2030-01-01T10:00").toISOString());
   expect(draftOf({ ...EMPTY, quantity: "many" }).quantity).toBe("many");
 });
 
 test("a complaint stands at its field", () => {
-  expect(complaintsOf([{ field: "due_at", reason: "past" }, { field: "colour", reason: "none" }])).toEqual({ at: { due: "past" }, elsewhere: "colour: none" });
+  expect(complaintsOf([{ field: "due_at", reason: "past" }, { field: "not_before", reason: "late" }, { field: "colour", reason: "none" }])).toEqual({ at: { due: "past", begin: "late" }, elsewhere: "colour: none" });
+});
+
+test("what is more than one load comes in several, with what is left in the last", () => {
+  expect(loadsOf(100, 40)).toEqual([40, 40, 20]);
+  expect(loadsOf(80, 40)).toEqual([40, 40]);
+  const tooLarge = { field: "quantity", reason: "more", code: "load_too_large", values: { most: "40" } };
+  expect(mostOf([tooLarge])).toBe(40);
+  expect(mostOf([tooLarge, { field: "to", reason: "unknown", code: "place_not_keeping", values: {} }])).toBe(0);
 });

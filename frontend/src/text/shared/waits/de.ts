@@ -6,6 +6,7 @@ export const waits: Catalogue<typeof en> = {
   "calling.wait.no_room": "dort ist noch kein Platz dafür",
   "calling.wait.short": "es ist noch nicht genug davon da",
   "calling.wait.no_bid": "noch kann kein Fahrzeug",
+  "calling.wait.not_before": "es soll noch nicht beginnen",
   "calling.wait.undecided": "es wird angeboten",
   "unwilling.gone": "es ist nicht mehr da",
   "unwilling.silent": "nichts ist von ihm zu hören",

@@ -3,6 +3,7 @@ export const waits = {
   "calling.wait.no_room": "there is no room for it yet",
   "calling.wait.short": "there is not enough of it yet",
   "calling.wait.no_bid": "no vehicle can take it yet",
+  "calling.wait.not_before": "it is not to begin yet",
   "calling.wait.undecided": "it is being offered",
   "unwilling.gone": "it is not there any more",
   "unwilling.silent": "nothing is heard of it",

@@ -6,6 +6,7 @@ export const waits: Catalogue<typeof en> = {
   "calling.wait.no_room": "todavía no hay sitio",
   "calling.wait.short": "todavía no hay bastante",
   "calling.wait.no_bid": "todavía no puede ningún vehículo",
+  "calling.wait.not_before": "aún no debe empezar",
   "calling.wait.undecided": "se está ofreciendo",
   "unwilling.gone": "ya no está",
   "unwilling.silent": "no se oye nada de él",

@@ -26,6 +26,7 @@ export const rows: Catalogue<typeof en> = {
   "rowFault.differs_in_order": "Diese Zeile gehört zum selben Auftrag wie Zeile {row}. Dasselbe schreiben wie dort.",
   "rowFault.too_many_items": "Ein Auftrag hat höchstens {most} Positionen. Einen weiteren Auftrag beginnen.",
   "rowFault.not_made": "Dieses Werk fertigt „{product}“ nicht. Es fertigt: {products}.",
+  "rowFault.not_after_due": "Es soll bis {due} da sein. Einen Zeitpunkt davor angeben.",
   "rowFault.past": "Dieser Zeitpunkt ist vorbei. Hier ist es {now}. Einen späteren angeben.",
   "rowFault.differs_in_product": "Diese Zeile gehört zum selben Produkt wie Zeile {row}. Dasselbe schreiben wie dort oder leer lassen.",
   "rowFault.bad_id": "Nur Buchstaben, Ziffern, _ . und -, zuerst ein Buchstabe, höchstens 32.",

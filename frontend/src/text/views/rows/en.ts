@@ -23,6 +23,7 @@ export const rows = {
   "rowFault.differs_in_order": "This row is of the same order as row {row}. Write the same as there.",
   "rowFault.too_many_items": "An order has {most} items at most. Begin another order.",
   "rowFault.not_made": "This plant does not make “{product}”. It makes: {products}.",
+  "rowFault.not_after_due": "It is to be there by {due}. Name a time before that.",
   "rowFault.past": "This time is past. Here it is {now}. Give a later one.",
   "rowFault.differs_in_product": "This row is of the same product as row {row}. Write the same as there, or leave it empty.",
   "rowFault.bad_id": "Letters, digits, _ . and - only, a letter first, 32 at most.",

@@ -26,6 +26,7 @@ export const rows: Catalogue<typeof en> = {
   "rowFault.differs_in_order": "Esta fila es del mismo pedido que la fila {row}. Escriba lo mismo que allí.",
   "rowFault.too_many_items": "Un pedido tiene {most} líneas como máximo. Empiece otro pedido.",
   "rowFault.not_made": "Esta planta no fabrica «{product}». Fabrica: {products}.",
+  "rowFault.not_after_due": "Debe estar allí a las {due}. Indique un momento anterior.",
   "rowFault.past": "Este momento ya pasó. Aquí son las {now}. Indique uno posterior.",
   "rowFault.differs_in_product": "Esta fila es del mismo producto que la fila {row}. Escriba lo mismo que allí o déjelo vacío.",
   "rowFault.bad_id": "Solo letras, cifras, _ . y -, primero una letra, 32 como máximo.",

@@ -1,5 +1,5 @@
 import { useSignal } from "@preact/signals";
-import { callOff, fetchTransport, fetchTransportStory, type TransportAnswer, type TransportStory as Story } from "../../../../api/transports";
+import { callOff, fetchTransport, fetchTransportStory, makeTransportLink, revokeTransportLinks, type TransportAnswer, type TransportStory as Story } from "../../../../api/transports";
 import { Card } from "../../../../parts/Card";
 import "../../../../parts/paper.css";
 import { Tag } from "../../../../parts/Tag";
@@ -15,6 +15,7 @@ import { WaitNote } from "../../../cards/atv/WaitNote";
 import { chosenTransport } from "../../../orders/page/address";
 import { Figure } from "../../../orders/page/Head";
 import { TransportLanes } from "../../../orders/page/Lanes";
+import { LinkCard } from "../../../orders/page/LinkCard";
 import { Moments } from "../../../orders/page/Moments";
 import { Legend, Told } from "../../../orders/page/OrderStory";
 import { loadOf, placeOf } from "../../../orders/page/moments";
@@ -61,6 +62,15 @@ export function TransportStory() {
             </div>
             <div class="order-side">
               <Waits transport={found.transport} />
+              <LinkCard
+                key={id}
+                links={found.story.links}
+                hint={t("called.links.hint")}
+                sure={t("called.links.sure")}
+                make={() => makeTransportLink(id)}
+                revoke={() => revokeTransportLinks(id)}
+                onChanged={again}
+              />
             </div>
           </div>
         </>
@@ -218,16 +228,17 @@ function LanesCard({ story, transport }: Props) {
 
 /** Why it is not there yet, by name: what it lacks, why a wished vehicle does not come, and for whom its carrier stands. */
 function Waits({ transport }: { transport: TransportAnswer }) {
-  const { ability, carrier, ended_at, refused, task: name, vehicle, vehicle_until, vehicle_waits, wait } = transport;
+  const { ability, carrier, ended_at, not_before, refused, task: name, vehicle, vehicle_until, vehicle_waits, wait } = transport;
   const task = name === null ? undefined : world.value?.tasks.get(name);
   const stands = carrier === null ? undefined : world.value?.waits.get(carrier);
   const lines = [
-    wait === null ? "" : word("calling.wait", wait),
+    wait === null || wait === "not_before" ? "" : word("calling.wait", wait),
     refused === null ? "" : word("called.refused", refused),
     vehicle === null || vehicle_waits === null ? "" : t("called.wantedIs", { vehicle, why: word("unwilling", vehicle_waits) }),
     task?.trouble == null ? "" : causeText(task.trouble),
   ].filter((line) => line !== "");
   const more = [
+    wait === "not_before" ? t("called.begins", { at: when(secondsOf(not_before)) }) : "",
     vehicle_until === null || ended_at !== null ? "" : t("called.until", { at: when(secondsOf(vehicle_until)) }),
     ability === null ? "" : t("called.asks", { ability }),
     task && isOpen(task) ? whyText(task) : "",

@@ -7,7 +7,7 @@ const at = (atS: number): string => new Date(atS * 1000).toISOString();
 
 const transport = (more: Partial<TransportAnswer>): TransportAnswer => ({
   id: "T-1M9K3X2A4-K7QM", status: "assigned", from: "S5", to: "M8", item: "bearing", quantity: 40, priority: "normal", vehicle: null, vehicle_until: null,
-  vehicle_waits: null, ability: null, called_by: "Button", created_at: at(1000), due_at: at(1900), cancel_at: null, ended_at: null, updated_at: at(1000),
+  vehicle_waits: null, ability: null, called_by: "Button", created_at: at(1000), due_at: at(1900), not_before: null, cancel_at: null, ended_at: null, updated_at: at(1000),
   carrier: null, expected_at: null, task: null, wait: null, refused: null, ...more,
 });
 
@@ -15,7 +15,7 @@ const leg = { carrier: "ATV1", since_at_s: 1010, aboard_at_s: null, until_at_s: 
 
 const story = (...legs: (typeof leg | (Omit<typeof leg, "aboard_at_s"> & { aboard_at_s: number | null; until_at_s: number | null }))[]): TransportStory => ({
   attempts: [{ task: "T-1M9K3X2A4-K7QM-1", goal: "", item: "bearing", quantity: 40, source: "S5", destination: "M8", opened_at_s: 1001, closed_at_s: null, outcome: "", legs }],
-  moments: [], is_whole: true,
+  moments: [], is_whole: true, links: [],
 });
 
 describe("a plain transport's page", () => {

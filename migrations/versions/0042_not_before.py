@@ -1,0 +1,22 @@
+"""A plain transport may have a time before which it is not given out.
+
+Revision: 0044, after 0040
+"""
+
+from __future__ import annotations
+
+import sqlalchemy as sa
+from alembic import op
+
+revision = "0042"
+down_revision = "0041"
+branch_labels = None
+depends_on = None
+
+
+def upgrade() -> None:
+    op.add_column("transports", sa.Column("not_before_s", sa.Double()))
+
+
+def downgrade() -> None:
+    op.drop_column("transports", "not_before_s")
