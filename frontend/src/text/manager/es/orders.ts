@@ -105,7 +105,7 @@ export const orders: Catalogue<typeof english> = {
   "needs.storages": "En almacenes llenos",
   "needs.storage": "{storage} {capacity}",
   "needs.refills": "más de lo que cabe en todos: la fuente debe enviar más",
-  "needs.hint": "Lo que caben los almacenes llenos. Cuánto tienen ahora está en sus tarjetas; la fuente los repone.",
+  "needs.hint": "Lo que cabe en los almacenes llenos. Cuánto tienen ahora está en sus tarjetas; la fuente los repone.",
 
   "import.choose": "Elegir un archivo",
   "import.faults.one": "{n} error. Corrija el archivo y elíjalo de nuevo; no se ha creado nada.",
