@@ -29,7 +29,8 @@ def names(text: str) -> set[str]:
 def test_every_code_has_words_that_fill_in_what_it_tells(language: str) -> None:
     said = words(language)
     assert said.keys() == TEXTS.keys()
-    assert {code for code, text in said.items() if names(text) != names(TEXTS[code])} == set()
+    # A language may leave out what is English in itself; it fills in nothing else.
+    assert {code for code, text in said.items() if not names(text) <= names(TEXTS[code])} == set()
 
 
 def test_the_panels_english_is_the_gateways() -> None:

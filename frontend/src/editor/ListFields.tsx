@@ -129,7 +129,7 @@ function Written({ column, value, onChange }: { column: Column; value: unknown; 
   const said = writtenOf(value);
   const note = (event: { currentTarget: { value: string } }): void => { onChange(valueOf(column, event.currentTarget.value)); };
   return (
-    <label>{word("column", column.name)}
+    <label>{word("column", column.label ?? column.name)}
       {column.kind === "count" || column.kind === "number"
         ? <input type="number" min={0} step={column.kind === "count" ? 1 : "any"} value={said} onChange={note} />
         : column.kind === "time" ? <input type="time" value={said} onChange={note} /> : <input type="text" value={said} onChange={note} />}

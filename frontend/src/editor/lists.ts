@@ -8,6 +8,8 @@ export interface Column {
   readonly kind: "text" | "count" | "number" | "words" | "lines" | "time" | "days" | "choice" | "rows";
   /** What an entry does without: left empty it is not in the file. */
   readonly optional?: true;
+  /** Under which it is called, where that is not its name. */
+  readonly label?: string;
   /** Of a choice: what can be chosen. */
   readonly from?: (data: Data) => readonly string[];
   /** Of a new row: what stands there. */
@@ -55,7 +57,7 @@ export const COLUMNS: Readonly<Record<string, readonly Column[]>> = {
   fleet: [text("id"), choice("type", (data) => ids(data, "vehicle_types")), node("node"), optional(number("battery_frac"))],
   types: [choice("type", (data) => ids(data, "vehicle_types")), optional(number("speed_limit_mps"))],
   lanes: [node("start"), node("end")],
-  polygon: [number("x_m"), number("y_m")],
+  polygon: [{ ...number("x_m"), label: "corner_x_m" }, { ...number("y_m"), label: "corner_y_m" }],
   working_time: [
     { name: "shifts", kind: "rows", columns: span("06:00", "14:00") },
     { name: "breaks", kind: "rows", columns: span("09:00", "09:15"), optional: true },

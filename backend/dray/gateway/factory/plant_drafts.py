@@ -64,6 +64,21 @@ class FindingView(msgspec.Struct, frozen=True, kw_only=True):
     """A change that solves it, tried before it is offered; null where none is known."""
 
 
+class NoteView(msgspec.Struct, frozen=True, kw_only=True):
+    """Something that was odd in the file of which a draft was made."""
+
+    text: str
+    """What, where and how often, in one line."""
+    place: str = ""
+    """The first place: a JSON pointer, or the line and element of an XML file."""
+    count: int = 1
+    """How often the same was found."""
+    code: str = ""
+    """Of what was found, so that panels tell it in the reader's language."""
+    values: dict[str, Any] = {}
+    """What is filled into it, as in a finding."""
+
+
 def findings(data: Data) -> list[FindingView]:
     """The faults of a draft; of one without faults what will starve in it. The rules are those of `dray plant check`."""
     found = []
@@ -163,7 +178,9 @@ def as_yaml(data: str) -> str:
     return write_document(as_file(msgspec.json.decode(data))[0])
 
 
-def read_file(content: str | bytes, name: str, onto: Plant | None, unit: str = "") -> tuple[Data, list[str]]:
+def read_file(
+    content: str | bytes, name: str, onto: Plant | None, unit: str = ""
+) -> tuple[Data, list[NoteView]]:
     """A plant file, a LIF file or a model of openTCS as the content of a draft; and what was odd in it.
 
     Args:
@@ -180,14 +197,23 @@ def read_file(content: str | bytes, name: str, onto: Plant | None, unit: str = "
     if begins in ("<", "{"):
         imported = read_layout(content, name, unit=unit)
         data = imported.data if onto is None else put_onto(imported.data, onto)
-        return data, [note.line() for note in imported.notes]
+        return data, [
+            NoteView(
+                text=note.line(),
+                place=note.place,
+                count=note.count,
+                code=note.text.code,
+                values=told(note.text, str),
+            )
+            for note in imported.notes
+        ]
     try:
         return msgspec.to_builtins(parse_plant(text, name).file), []
     except PlantError as error:
         unfinished = _unfinished(text, name)
         if unfinished is None:
             raise
-        return unfinished, [] if error.field else [str(error)]
+        return unfinished, [] if error.field else [NoteView(text=str(error))]
 
 
 def deeper_than(value: object, depth: int) -> bool:
