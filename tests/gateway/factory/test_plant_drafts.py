@@ -293,13 +293,13 @@ def test_a_finding_has_a_code_and_what_is_filled_in_named_as_in_the_draft() -> N
     closed = {"start": "nowhere", "end": first["start"], "speed_limit_mps": 1.0}
     data["lanes"].insert(0, closed)
     data["closed"] = [{"start": "nowhere", "end": first["start"]}]
-    (told,) = findings(data)
+    told = findings(data)[0]
     assert (told.code, told.level) == ("lane_twice", "error")
     assert told.values == {"first": "lanes[1]", "start": first["start"], "end": first["end"]}
     assert told.text.startswith("lanes[1] leads from ")
     near = copy.deepcopy(_builtins(load_plant("workshop").file))
     near["machines"][0]["node"] = "nowhere"
-    (unknown,) = findings(near)
+    unknown = findings(near)[0]
     assert unknown.code == "plant_unknown"
     assert unknown.values["advice"]["code"] in ("did_you_mean", "add_or_other")
     assert unknown.values["advice"]["text"] in unknown.text
