@@ -139,10 +139,12 @@ export function together(columns: readonly Column[], row: Row): Row | undefined 
 
 /** What a row of a list is called: by all that tells it from others. */
 export function calledOf(columns: readonly Column[], row: Row): string {
-  const [first, second] = columns;
-  const pair = second && first && ["time", "number"].includes(first.kind) || (first?.name === "start");
-  return [first, ...(pair ? [second] : [])].map((column) => writtenOf(row[column?.name ?? ""])).join(" – ");
+  const isPair = columns[0] !== undefined && (PAIRED.has(columns[0].kind) || columns[0].name === "start");
+  return columns.slice(0, isPair ? 2 : 1).map(({ name }) => writtenOf(row[name])).join(" – ");
 }
+
+/** Of which two tell a row from others. */
+const PAIRED: ReadonlySet<Column["kind"]> = new Set(["time", "number"]);
 
 function firstFree(all: readonly string[], rows: readonly Row[], name: string): string | null {
   const taken = new Set(rows.map((row) => row[name]));

@@ -227,7 +227,7 @@ export const de: Catalogue<typeof en> = {
   "column.corner_y_m": "y, m",
   "column.start": "Von",
   "column.end": "Bis",
-  "column.speed_limit_mps": "Höchstgeschwindigkeit, m/s",
+  "column.speed_limit_mps": "Tempo, m/s",
   "column.days": "Beginnt am",
   "column.holidays": "Freie Tage, wie 2026-12-25",
   "day.mon": "Mo",
