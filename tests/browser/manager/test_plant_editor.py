@@ -178,7 +178,7 @@ def test_what_a_layout_leaves_open_is_shown_empty_and_filled_in_by_choice(
     side.get_by_label("Cycle, s").fill("45")
     side.get_by_label("Cycle, s").press("Tab")
     expect(kept).to_contain_text("kept as version")
-    side.get_by_role("group", name="Shifts").get_by_role("button", name="One more").click()
+    side.get_by_role("group", name="Shifts", exact=True).get_by_role("button", name="One more").click()
     side.get_by_label("To", exact=True).fill("15:30")
     side.get_by_role("checkbox", name="Fri").uncheck()
     expect(kept).to_contain_text("kept as version")
