@@ -1,6 +1,6 @@
 """Lines of the audit log are found by words as orders are: all of their texts stand in one column, in small letters.
 
-Revision: 0042, after 0040
+Revision: 0041, after 0040
 """
 
 from __future__ import annotations

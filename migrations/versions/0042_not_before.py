@@ -1,6 +1,6 @@
 """A plain transport may have a time before which it is not given out.
 
-Revision: 0044, after 0040
+Revision: 0042, after 0041
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Links lead to the pages of plain transports, too.
 
-Revision: 0045, after 0044
+Revision: 0043, after 0042
 """
 
 from __future__ import annotations

@@ -2,6 +2,7 @@ import { useEffect } from "preact/hooks";
 import { LanguageSwitch } from "../parts/LanguageSwitch";
 import { ThemeSwitch } from "../parts/ThemeSwitch";
 import { format, n, t } from "../text/editor";
+import { noteText } from "../text/views/findings/note-text";
 import { followKeys, toolName } from "./acts";
 import { Canvas } from "./Canvas";
 import { differences } from "./model";
@@ -75,7 +76,7 @@ function Drawing() {
       <Properties />
       {draft.notes.length > 0 && (
         <details class="card ed-notes"><summary>{n("notes", draft.notes.length)}</summary>
-          <ul>{draft.notes.map((note) => <li key={note}>{note}</li>)}</ul>
+          <ul>{draft.notes.map((note) => <li key={note.text}>{noteText(note)}</li>)}</ul>
         </details>
       )}
       <Checks />

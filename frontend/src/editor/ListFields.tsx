@@ -1,7 +1,7 @@
 /** Lists of the plant file as forms: an entry is chosen and filled in; short lists within one stand under one another. */
 import { useSignal } from "@preact/signals";
 import { t, word } from "../text/editor";
-import { BEGINS, COLUMNS, type Column, type Row, valueOf, withRow, withValue, writtenOf } from "./lists";
+import { BEGINS, calledOf, COLUMNS, type Column, DAYS, type Row, together, valueOf, withRow, withValue, writtenOf } from "./lists";
 import type { Data } from "./model";
 
 interface Listed {
@@ -41,7 +41,7 @@ export function Rows({ columns, data, name, rows, onChange }: Listed & { columns
     <fieldset class="ed-rows">
       <legend>{word("field", name)}</legend>
       {rows.map((row, index) => {
-        const called = writtenOf(row[columns[0]?.name ?? ""]);
+        const called = calledOf(columns, row);
         return (
           <div key={index} class="ed-stock" role="group" aria-label={called}>
             <Columns columns={columns} data={data} row={row} onChange={(next) => { onChange(replaced(rows, index, next)); }} />
@@ -51,6 +51,46 @@ export function Rows({ columns, data, name, rows, onChange }: Listed & { columns
       })}
       <button type="button" class="button" onClick={() => { onChange(withRow(data, columns, rows, "")); }}>{t("entries.add")}</button>
     </fieldset>
+  );
+}
+
+/** What stands together in a field of an entry, as its working time; not in the file where all of it is left empty. */
+export function Together({ data, name, value, onChange }: { data: Data; name: string; value: Row; onChange: (value: unknown) => void }) {
+  const columns = COLUMNS[name] ?? [];
+  return (
+    <fieldset class="ed-rows">
+      <legend>{word("field", name)}</legend>
+      <div class={name === "max_vehicle" ? "ed-box" : "ed-rows"}>
+        <Columns columns={columns} data={data} row={value} onChange={(row) => { onChange(together(columns, row)); }} />
+      </div>
+    </fieldset>
+  );
+}
+
+/** Lines of text, one for each. */
+export function Lines({ name, value, onChange }: { name: string; value: readonly string[]; onChange: (value: unknown) => void }) {
+  const column = COLUMNS[name]?.[0];
+  return (
+    <label>{word("field", name)}
+      <textarea rows={Math.max(2, value.length)} value={value.join("\n")} onChange={(event) => { if (column) onChange(valueOf(column, event.currentTarget.value)); }} />
+    </label>
+  );
+}
+
+/** Days of the week; none said is all of them. */
+function Days({ value, onChange }: { value: unknown; onChange: (value: unknown) => void }) {
+  const on: readonly unknown[] = Array.isArray(value) ? value : DAYS;
+  return (
+    <div class="ed-days" role="group" aria-label={word("column", "days")}>
+      {DAYS.map((day) => (
+        <label key={day} class="ed-check">
+          <input type="checkbox" checked={on.includes(day)} onChange={(event) => {
+            const checked = event.currentTarget.checked;
+            onChange(DAYS.filter((each) => (each === day ? checked : on.includes(each))));
+          }} /> {word("day", day)}
+        </label>
+      ))}
+    </div>
   );
 }
 
@@ -64,6 +104,7 @@ function Columns({ columns, data, row, onChange }: { columns: readonly Column[];
         const value = row[column.name];
         const note = (said: unknown): void => { onChange(withValue(row, column, said)); };
         if (column.kind === "rows") return <Rows key={column.name} columns={column.columns ?? []} data={data} name={column.name} rows={Array.isArray(value) ? (value as Row[]) : []} onChange={note} />;
+        if (column.kind === "days") return <Days key={column.name} value={value} onChange={note} />;
         if (column.kind === "choice") return <OneOf key={column.name} all={column.from?.(data) ?? []} label={word("column", column.name)} value={value} onChange={note} />;
         return <Written key={column.name} column={column} value={value} onChange={note} />;
       })}
@@ -88,10 +129,10 @@ function Written({ column, value, onChange }: { column: Column; value: unknown; 
   const said = writtenOf(value);
   const note = (event: { currentTarget: { value: string } }): void => { onChange(valueOf(column, event.currentTarget.value)); };
   return (
-    <label>{word("column", column.name)}
+    <label>{word("column", column.label ?? column.name)}
       {column.kind === "count" || column.kind === "number"
         ? <input type="number" min={0} step={column.kind === "count" ? 1 : "any"} value={said} onChange={note} />
-        : <input type="text" value={said} onChange={note} />}
+        : column.kind === "time" ? <input type="time" value={said} onChange={note} /> : <input type="text" value={said} onChange={note} />}
     </label>
   );
 }

@@ -1,13 +1,14 @@
 /** Beside the floor: tools, what is chosen, the checks, and the shift that was played. */
 import { useSignal } from "@preact/signals";
 import { format, t, word } from "../text/editor";
+import { findingText } from "../text/views/findings/finding-text";
 import { act, choose, toolName } from "./acts";
 import * as model from "./model";
 import { Repair } from "./Repair";
 import * as state from "./state";
 import { stocksOf } from "./stocks";
-import { COLUMNS, REFERS, rowsOf } from "./lists";
-import { Entries, OneOf, Rows } from "./ListFields";
+import { COLUMNS, linesOf, REFERS, rowOf, rowsOf } from "./lists";
+import { Entries, Lines, OneOf, Rows, Together } from "./ListFields";
 import { Choice, Stocks } from "./StockFields";
 
 export function Tools() {
@@ -43,6 +44,10 @@ const LISTS = new Set(["makes", "stocks", "types", "working_time", "originals", 
 
 /** Fields that a plant does without: left empty they are not there, and so not open. */
 const OPTIONAL = new Set(["max_vehicle", "originals", "map", "original", "original_back", "working_time", "speed_limit_mps", "closes_after_s", "types"]);
+
+/** Fields that hold a list of entries, and fields in which several values stand together. */
+const ROWS = new Set(["makes", "types", "lanes", "polygon"]);
+const TOGETHER = new Set(["working_time", "max_vehicle"]);
 
 /** Words of the plant file of which one is chosen. */
 const CHOICES: Record<string, readonly string[]> = { refill: ["itself", "vehicles", "none"], kind: ["source", "delivery"] };
@@ -90,7 +95,7 @@ export function Properties() {
     <section class="card ed-side" aria-labelledby="ed-chosen">
       <h2 id="ed-chosen">{word("section", chosen.section)} {nameOf(entry)}</h2>
       {own.map(({ finding, number }) => (
-        <div key={number} class={`ed-said ed-${finding.level}`}><b>{number}</b> {finding.text} <Repair of={finding.repair} /></div>
+        <div key={number} class={`ed-said ed-${finding.level}`}><b>{number}</b> {findingText(finding)} <Repair of={finding.repair} /></div>
       ))}
       {fieldsOf(chosen.section, entry).map((name) => {
         const key = `${chosen.section}${chosen.index}${name}`;
@@ -100,8 +105,12 @@ export function Properties() {
         if (values) return <Choice key={key} name={name} values={values} value={entry[name]} left={name === "refill" ? "itself" : ""} onChange={note} />;
         const refers = REFERS[name];
         if (refers) return <OneOf key={key} all={refers(data)} label={word("field", name)} value={entry[name]} onChange={(value) => { note(value ?? null); }} />;
-        const makes = name === "makes" ? rowsOf(entry.makes) : null;
-        if (makes) return <Rows key={key} columns={COLUMNS.makes ?? []} data={data} name={name} rows={makes} onChange={note} />;
+        const rows = ROWS.has(name) ? rowsOf(entry[name]) : null;
+        if (rows) return <Rows key={key} columns={COLUMNS[name] ?? []} data={data} name={name} rows={rows} onChange={(next) => { note(next.length === 0 && OPTIONAL.has(name) ? undefined : next); }} />;
+        const parts = TOGETHER.has(name) ? rowOf(entry[name]) : null;
+        if (parts) return <Together key={key} data={data} name={name} value={parts} onChange={note} />;
+        const lines = name === "originals" ? linesOf(entry.originals) : null;
+        if (lines) return <Lines key={key} name={name} value={lines} onChange={note} />;
         if (name === "box" && isBox(entry.box)) return <BoxFields key={key} box={entry.box} onChange={note} />;
         if (stocks) return <Stocks key={key} data={data} stocks={stocks} refilled={entry.refill === "vehicles"} onChange={note} />;
         return <Field key={key} name={name} value={entry[name]} onChange={note} />;
@@ -295,7 +304,7 @@ export function Checks() {
             <li key={index}>
               <span class={`tag ed-${finding.level}`}>{t(`level.${finding.level as "error"}`)}</span>
               <b>{index + 1}</b>
-              <span><code>{finding.field}</code> {finding.text} <Repair of={finding.repair} /></span>
+              <span><code>{finding.field}</code> {findingText(finding)} <Repair of={finding.repair} /></span>
               {model.chosenOf(finding.field) && <button type="button" class="button small" aria-label={t("checks.showOf", { number: String(index + 1) })} onClick={() => { show(finding); }}>{t("checks.show")}</button>}
             </li>
           ))}

@@ -1,5 +1,5 @@
 import { describe, expect, test } from "vitest";
-import { COLUMNS, REFERS, rowsOf, valueOf, withRow, withValue, writtenOf, type Column } from "./lists";
+import { calledOf, COLUMNS, linesOf, REFERS, rowOf, rowsOf, together, valueOf, withRow, withValue, writtenOf, type Column } from "./lists";
 
 const DATA = {
   nodes: [{ id: "n1", x_m: 0, y_m: 0 }, { id: "n2", x_m: 1, y_m: 0 }],
@@ -53,6 +53,36 @@ describe("lists of the plant file as forms", () => {
     expect(REFERS.node?.(DATA)).toEqual(["n1", "n2"]);
     expect(REFERS.station?.({ stations: [{ id: "turning" }, null, { id: 3 }] })).toEqual(["turning"]);
     expect(REFERS.station?.({ stations: null })).toEqual([]);
+  });
+
+  test("a new shift is of the days of the week from six to two; a time that is taken away is open", () => {
+    const shifts = column("working_time", "shifts").columns ?? [];
+    const end = shifts.find(({ name }) => name === "end");
+    if (!end) throw new Error("end");
+    const rows = withRow(DATA, shifts, [], "");
+    expect(rows).toEqual([{ start: "06:00", end: "14:00", days: ["mon", "tue", "wed", "thu", "fri"] }]);
+    expect(withValue(rows[0] ?? {}, end, undefined)).toEqual({ ...rows[0], end: null });
+  });
+
+  test("what stands together is not in the file once all of it is empty", () => {
+    const size = COLUMNS.max_vehicle ?? [];
+    expect(together(size, { length_m: 1.2, width_m: null })).toEqual({ length_m: 1.2, width_m: null });
+    expect(together(size, { length_m: null, width_m: null })).toBeUndefined();
+    expect(together(COLUMNS.working_time ?? [], { shifts: [] })).toBeUndefined();
+    expect(rowOf(undefined)).toEqual({});
+    expect(rowOf("always")).toBeNull();
+  });
+
+  test("names of vehicles stand one a line, with their spaces", () => {
+    expect(valueOf(column("originals", "originals"), "Dock 4\n\n  N-17 ")).toEqual(["Dock 4", "N-17"]);
+    expect(linesOf(["Dock 4"])).toEqual(["Dock 4"]);
+    expect(linesOf([4])).toBeNull();
+  });
+
+  test("a row is called by what tells it from others", () => {
+    expect(calledOf(COLUMNS.lanes ?? [], { start: "n1", end: "n2" })).toBe("n1 – n2");
+    expect(calledOf(COLUMNS.polygon ?? [], { x_m: 0, y_m: 4 })).toBe("0 – 4");
+    expect(calledOf(COLUMNS.makes ?? [], { product: "gear", cycle_s: 4 })).toBe("gear");
   });
 
   test("nothing is shown for what is open", () => {

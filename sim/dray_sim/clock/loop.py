@@ -55,6 +55,9 @@ what a person notices, long beside the 3 us that looking costs."""
 TICK_S = 1e-9
 """Below this a real time is as good as reached: rounding in the mapping must not cost a sleep of nothing."""
 
+STANDS_FROM_S = 1.0
+"""Real seconds that a paced loop catches up with; one that is further behind may stand instead (`VirtualLoop.stood`)."""
+
 MIN_CANCELLED = 100
 """Cancelled asyncio timers that are not worth a clean-up of the heap (as in asyncio)."""
 
@@ -187,6 +190,9 @@ class VirtualLoop(asyncio.SelectorEventLoop):
         clock: hand it to everybody who needs a `dray.ports.Clock`.
         lag_s: how far a paced loop is behind real time, in real seconds; 0 when it keeps up.
         steps: callbacks and task steps so far.
+        stood: None, and a paced loop catches up with real time however far it is behind. Else its clock stands instead where that is
+            more than `STANDS_FROM_S`, and whenever something comes from outside, so that nothing happens before its cause by the
+            clock on the wall; it calls this with the real seconds for which it has stood.
     """
 
     _ready: deque[asyncio.Handle]
@@ -206,6 +212,7 @@ class VirtualLoop(asyncio.SelectorEventLoop):
         self.pace = pace
         self.lag_s = 0.0
         self.steps = 0
+        self.stood: Callable[[float], None] | None = None
         self._cancelled_timers = 0
         self._wall_s = wall_s
         self._start_s = start_s
@@ -311,6 +318,8 @@ class VirtualLoop(asyncio.SelectorEventLoop):
         if was_idle:
             # Whatever has come from outside has come now. Tasks of an instant still see that instant.
             self._move_on()
+        if come:
+            self._stand()
         self._process_events(come)
         burst_ends_s = self._wall_s() + BURST_S
         while self._step_paced() and not self._stopping and self._wall_s() < burst_ends_s:
@@ -336,6 +345,15 @@ class VirtualLoop(asyncio.SelectorEventLoop):
         next_s = self.clock.heap[0][0] if self.clock.heap else math.inf
         self.clock.time_s = max(self.clock.time_s, min(self.due_s(), next_s))
 
+    def _stand(self) -> None:
+        """Take this moment for the one that real time has come to, where that is ahead."""
+        behind_s = (self.due_s() - self.clock.time_s) / self.pace.speed
+        if self.stood is None or self._start_wall_s is None or behind_s <= 0.0:
+            return
+        self._start_wall_s += behind_s
+        self.lag_s = 0.0
+        self.stood(behind_s)
+
     def _step_paced(self) -> bool:
         """Run what is ready, else one due instant; False when there was neither."""
         clock, heap, ready = self.clock, self.clock.heap, self._ready
@@ -352,6 +370,8 @@ class VirtualLoop(asyncio.SelectorEventLoop):
         if next_s > due_s + TICK_S:
             return False
         clock.time_s = next_s
+        if self.lag_s > STANDS_FROM_S:
+            self._stand()
         while heap and heap[0][0] == next_s:
             _, _, callback, args = heapq.heappop(heap)
             callback(*args)

@@ -44,12 +44,14 @@ class Wall:
         selector: what the factory's loop waits with; None for the system's best one.
         met: told on the gateway's loop, once that and the factory know one another.
         hurry: whether time in which the factory has nothing to do is passed over; called on the factory's thread.
+        stands: whether the factory's clock stands where its computer is too slow for it; else it catches up (`VirtualLoop.stood`).
     """
 
     now_s: Callable[[], float]
     selector: BaseSelector | None = None
     met: Met = _nothing_more
     hurry: Callable[[bool], None] = _as_ever
+    stands: bool = False
 
 
 def steady_wall() -> Wall:
@@ -71,7 +73,7 @@ class HurryingClock:
         self._ahead_s = time.time() - time.monotonic()
         self._hurries = False
         self._outbound: Crossing | None = None
-        self.wall = Wall(self._now_s, _Sleeper(self.pass_over), self._meet, self._hurry)
+        self.wall = Wall(self._now_s, _Sleeper(self.pass_over), self._meet, self._hurry, stands=True)
 
     def pass_over(self, sleep_s: float | None) -> float | None:
         """How long the factory really sleeps that would sleep so long (real seconds; None for until something comes)."""

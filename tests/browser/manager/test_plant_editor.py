@@ -22,6 +22,15 @@ PLAYED_MS = 240_000
 """Two shifts of a quarter of an hour in the simulator, on a computer that is busy."""
 
 
+OUTSIDE = """() => [...document.querySelectorAll(".ed-main .card")].flatMap((card) => {
+    const edge = card.getBoundingClientRect().right;
+    return [...card.querySelectorAll("button, input, select, textarea, p, kbd")]
+        .filter((each) => each.checkVisibility() && each.getBoundingClientRect().right > edge + 1)
+        .map((each) => each.outerHTML.slice(0, 60));
+})"""
+"""What reaches out of its card."""
+
+
 @pytest.fixture(scope="module")
 def workshop(start_dray) -> Iterator[str]:
     """A small factory in which nobody orders."""
@@ -164,18 +173,35 @@ def test_what_a_layout_leaves_open_is_shown_empty_and_filled_in_by_choice(
     side.get_by_label("Which").select_option(index=1)
     side.get_by_role("button", name="Machine").click()
     expect(side.get_by_label("Working station")).to_have_value("")
-    side.get_by_role("button", name="One more").click()
+    side.get_by_role("group", name="Makes").get_by_role("button", name="One more").click()
     expect(side.get_by_role("combobox", name="Product", exact=True)).to_have_value("product1")
     side.get_by_label("Cycle, s").fill("45")
     side.get_by_label("Cycle, s").press("Tab")
     expect(kept).to_contain_text("kept as version")
+    side.get_by_role("group", name="Shifts", exact=True).get_by_role("button", name="One more").click()
+    side.get_by_label("To", exact=True).fill("15:30")
+    side.get_by_role("checkbox", name="Fri").uncheck()
+    expect(kept).to_contain_text("kept as version")
     screenshot(page, "editor-machine")
+    # Findings are told in the reader's language, and all of it fits on every screen.
+    checks = page.locator(".ed-checks li")
+    expect(checks.filter(has_text="is open").first).to_be_visible()
+    page.locator(".top select").select_option("es")
+    expect(checks.filter(has_text="está abierto").first).to_be_visible()
+    expect(checks.filter(has_text="is open")).to_have_count(0)
+    for width in (390, 800, 1024):
+        page.set_viewport_size({"width": width, "height": 900})
+        assert page.evaluate("document.documentElement.scrollWidth <= innerWidth"), width
+        assert page.evaluate(OUTSIDE) == [], width
+    screenshot(page, "editor-machine-phone-es")
     draft = page.request.get(f"{workshop}/api/plant-drafts/{page.evaluate('location.hash.slice(1)')}").json()[
         "data"
     ]
     assert draft["materials"] == [{"id": "material1", "name": "Shaft", "lot": 20, "buffer": 60}]
     assert draft["products"][0]["bill"] == [{"material": "material1", "quantity": 3}]
     assert draft["machines"][0]["makes"] == [{"product": "product1", "cycle_s": 45}]
+    shift = {"start": "06:00", "end": "15:30", "days": ["mon", "tue", "wed", "thu"]}
+    assert draft["machines"][0]["working_time"] == {"shifts": [shift]}
 
 
 @pytest.mark.slow

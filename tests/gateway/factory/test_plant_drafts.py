@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import base64
+import copy
 import gzip
 import io
 import json
@@ -22,9 +23,11 @@ from dray.gateway.factory.dxf_plans import DxfPlans, NoPlan
 from dray.gateway.factory.plant_drafts import as_file, findings
 from dray.gateway.factory.shift_player import PlayView, ShiftPlayer
 from dray.gateway.http.problems import Problem
+from dray.gateway.routes.factory.plant_draft_work import draft_view
 from dray.plant import default_plant, load_plant, plant_yaml
 from dray.plant.exchange.dxf import MAX_BYTES
 from dray.plant.exchange.lif_export import export_lif
+from dray.store.factory.plant_drafts import DraftRow
 
 pytestmark = pytest.mark.anyio
 
@@ -79,7 +82,7 @@ async def test_a_layout_is_read_and_what_it_lacks_is_open_or_taken_from_the_runn
     alone = await begin(house, file=lif, file_name="hall.json")
     assert {"machines", "fleet", "unassigned[0]"} <= {each["field"] for each in alone["findings"]}
     assert {each["level"] for each in alone["findings"]} == {"open"}
-    assert any("actions" in note for note in alone["notes"])
+    assert any("actions" in note["text"] and note["code"] for note in alone["notes"])
     onto = await begin(house, file=lif, file_name="hall.json", onto_running=True)
     assert onto["data"]["machines"] == (await begin(house))["data"]["machines"]
     bad = await house.client.post("/api/plant-drafts", json={"name": "x", "file": "{}"})
@@ -282,6 +285,32 @@ def test_a_door_stands_on_the_lanes_that_are_driven_in_the_draft() -> None:
     assert not [each for each in findings({**data, "closed": []}) if each.level == "error"]
 
 
+def test_a_finding_has_a_code_and_what_is_filled_in_named_as_in_the_draft() -> None:
+    data = _builtins(load_plant("workshop").file)
+    first = data["lanes"][0]
+    data["lanes"] = [*data["lanes"], first]
+    # With a closed lane before them the lanes of the plant file have other numbers than those of the draft.
+    closed = {"start": "nowhere", "end": first["start"], "speed_limit_mps": 1.0}
+    data["lanes"].insert(0, closed)
+    data["closed"] = [{"start": "nowhere", "end": first["start"]}]
+    told = findings(data)[0]
+    assert (told.code, told.level) == ("lane_twice", "error")
+    assert told.values == {"first": "lanes[1]", "start": first["start"], "end": first["end"]}
+    assert told.text.startswith("lanes[1] leads from ")
+    near = copy.deepcopy(_builtins(load_plant("workshop").file))
+    near["machines"][0]["node"] = "nowhere"
+    unknown = findings(near)[0]
+    assert unknown.code == "plant_unknown"
+    assert unknown.values["advice"]["code"] in ("did_you_mean", "add_or_other")
+    assert unknown.values["advice"]["text"] in unknown.text
+
+
+def test_a_draft_from_before_findings_had_codes_keeps_its_notes() -> None:
+    row = DraftRow("d", "Old", 1, "Maria", 0.0, "{}", '["/nodes/0: odd"]', owner="key-1")
+    told = msgspec.json.decode(draft_view(row))["notes"]
+    assert [(note["text"], note["code"]) for note in told] == [("/nodes/0: odd", "")]
+
+
 def test_findings_of_doors_are_those_of_the_draft_whatever_is_closed_before_them() -> None:
     data: dict[str, Any] = msgspec.json.decode(msgspec.json.encode(default_plant().file))
     away = {"start": "c2", "end": "c3"}
@@ -323,4 +352,4 @@ async def test_a_layout_in_another_unit_and_encoding_is_asked_about_and_read(hou
     read = (await house.client.post("/api/plant-drafts", json={**file, "unit": "mm"})).json()
     assert [node["x_m"] for node in read["data"]["nodes"]] == [0.0, 0.4]
     assert read["data"]["lanes"][0]["speed_limit_mps"] == 0.8
-    assert any("read as windows-1252" in note for note in read["notes"])
+    assert any("read as windows-1252" in note["text"] for note in read["notes"])

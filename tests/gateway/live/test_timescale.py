@@ -31,6 +31,14 @@ def test_what_was_before_the_epoch_has_its_time_too() -> None:
     assert time.to_plant_s(995.0) == 0.0
 
 
+def test_where_the_plants_clock_has_stood_what_it_shows_is_later_on_the_wall() -> None:
+    time = TimeScale(plant_epoch_s=0.0, wall_epoch_s=1000.0, speed=10.0)
+    called_at_s = 1060.0  # The plant was at 500 s then, though 600 s were due.
+    time.stood(10.0)
+    assert time.to_plant_s(called_at_s) == 500.0
+    assert time.to_wall_s(501.0) > called_at_s, "what follows a call is not told before it"
+
+
 @given(
     plant_s=st.floats(-1e6, 1e6),
     epoch_s=st.floats(0.0, 1e6),

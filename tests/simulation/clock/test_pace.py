@@ -84,6 +84,57 @@ def test_a_paced_loop_that_is_behind_skips_nothing_and_says_so() -> None:
     assert lags_s == pytest.approx([0, 0, 0, 3, 2, 1, 0, 0, 0, 0], abs=1e-6)
 
 
+def test_a_paced_loop_that_may_stand_does_not_catch_up_and_says_for_how_long() -> None:
+    wall = Wall()
+    stood_s: list[float] = []
+
+    async def main(loop: VirtualLoop) -> list[tuple[float, float]]:
+        loop.stood = stood_s.append
+        seen: list[tuple[float, float]] = []
+
+        def tick(number: int) -> None:
+            if number == 3:
+                wall.now_s += 4.0  # as long as four ticks take
+            if number == 7:
+                wall.now_s += 1.5  # half a second is caught up
+            seen.append((loop.time(), wall.now_s))
+
+        for number in range(1, 11):
+            loop.clock.call_at(float(number), tick, number)
+        await asyncio.sleep(10.5)
+        return seen
+
+    seen = run_on(wall, 1.0, main)
+    assert [virtual_s for virtual_s, _ in seen] == [float(number) for number in range(1, 11)]
+    assert sum(stood_s) == pytest.approx(3.0)
+    # The fourth tick comes at once, the fifth a second after it, as ever.
+    assert [wall_s - 1000.0 for _, wall_s in seen] == pytest.approx([1, 2, 7, 7, 8, 9, 11.5, 11.5, 12, 13])
+
+
+def test_what_comes_from_outside_to_a_loop_that_is_behind_comes_after_all_that_it_has_done() -> None:
+    wall = Wall()
+    stood_s: list[float] = []
+
+    async def main(loop: VirtualLoop) -> tuple[float, float]:
+        loop.stood = stood_s.append
+        came: list[float] = []
+
+        def late() -> None:
+            wall.now_s += 0.4  # less than what a loop stands for
+            loop.call_soon_threadsafe(lambda: came.append(loop.clock.now_s()))
+
+        loop.clock.call_at(2.0, late)
+        for number in range(3, 30):
+            loop.clock.call_at(2.0 + number / 100.0, print)
+        await asyncio.sleep(3.0)
+        # By the clock on the wall it came 2.4 s after the beginning: what is done for it is not told from before.
+        return came[0], came[0] + sum(stood_s)
+
+    at_s, told_s = run_on(wall, 1.0, main)
+    assert at_s == pytest.approx(2.0)
+    assert told_s == pytest.approx(2.4)
+
+
 def test_building_takes_no_virtual_time() -> None:
     wall = Wall()
 

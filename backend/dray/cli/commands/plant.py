@@ -52,6 +52,8 @@ def check(
     A file without faults is looked through for where two vehicles have no room, which is an error, too, and for what will starve:
     each warning has a figure and says what to do.
     """
+    import msgspec
+
     from dray.cli.runtime.output import write_json
     from dray.plant import load_plant, sum_up
     from dray.plant.planning.advice import advice
@@ -62,7 +64,7 @@ def check(
     for warning in warnings:
         typer.echo(f"{file}: {warning.field}: {warning.level}: {warning.kind}: {warning.text}")
     if json is not None:
-        write_json(json, warnings)
+        write_json(json, [msgspec.structs.replace(each, text=str(each.text)) for each in warnings])
     if any(strict or warning.level == "error" for warning in warnings):
         raise typer.Exit(2)
 

@@ -118,6 +118,8 @@ async def run_service(
             factory = SimThread(life, paced(service.speed), wall=wall)
             try:
                 inside = await asyncio.to_thread(factory.start, BUILDING_S)
+                if wall.stands:
+                    factory.loop.stood = inside.time.stood
                 player = _player(factory, inside, live, wall)
                 app = _app(
                     service, store, authority, factory, inside, incarnation, (stops, port), player, wall

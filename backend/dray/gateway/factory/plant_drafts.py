@@ -20,6 +20,7 @@ from dray.plant.exchange.onto import put_onto
 from dray.plant.exchange.read import read_layout
 from dray.plant.file.document import read_document, write_document
 from dray.plant.file.file import document_faults
+from dray.plant.file.reasons import Reason, told
 from dray.plant.file.text_encoding import UnknownEncodingError, decode_text
 from dray.plant.planning.advice import advice
 
@@ -55,8 +56,27 @@ class FindingView(msgspec.Struct, frozen=True, kw_only=True):
     """Where in the draft, as `machines[3].node`; of a warning, and of vehicles without room, the section."""
     text: str
     """What is wrong, with figures, and what to do."""
+    code: str = ""
+    """Of the text, so that panels tell it in the reader's language."""
+    values: dict[str, Any] = {}
+    """What is filled into it: texts, numbers, other reasons (`code`, `values`, `text`), and lists of these."""
     repair: RepairView | None = None
     """A change that solves it, tried before it is offered; null where none is known."""
+
+
+class NoteView(msgspec.Struct, frozen=True, kw_only=True):
+    """Something that was odd in the file of which a draft was made."""
+
+    text: str
+    """What, where and how often, in one line."""
+    place: str = ""
+    """The first place: a JSON pointer, or the line and element of an XML file."""
+    count: int = 1
+    """How often the same was found."""
+    code: str = ""
+    """Of what was found, so that panels tell it in the reader's language."""
+    values: dict[str, Any] = {}
+    """What is filled into it, as in a finding."""
 
 
 def findings(data: Data) -> list[FindingView]:
@@ -65,20 +85,40 @@ def findings(data: Data) -> list[FindingView]:
     file, kept = as_file(data)
     repairs: Repairs | None = None
     for field, reason in document_faults(file):
-        level = "open" if field.startswith("unassigned[") or reason.startswith("is open: ") else "error"
+        code = reason.code if isinstance(reason, Reason) else ""
+        level = "open" if code in ("unassigned", "open") else "error"
         repair = None
         if level == "error":
             repairs = repairs or Repairs(file)
             repair = _repair_in_draft(repairs.of(field, reason), kept)
-        text = PATH.sub(lambda found: _in_draft(found[0], kept), reason)
-        found.append(FindingView(level=level, field=_in_draft(field, kept), text=text, repair=repair))
+
+        def named(text: str) -> str:
+            return PATH.sub(lambda found: _in_draft(found[0], kept), text)
+
+        found.append(
+            FindingView(
+                level=level,
+                field=_in_draft(field, kept),
+                text=named(str(reason)),
+                code=code,
+                values=told(reason, named),
+                repair=repair,
+            )
+        )
         if len(found) == MAX_FINDINGS:
             return found
     if not found:
         plant = Plant(msgspec.convert(file, PlantFile))
         floor = FloorRepairs(plant)
         found = [
-            FindingView(level=each.level, field=each.field, text=each.text, repair=floor.of(each))
+            FindingView(
+                level=each.level,
+                field=each.field,
+                text=str(each.text),
+                code=each.text.code,
+                values=told(each.text, str),
+                repair=floor.of(each),
+            )
             for each in advice(plant)[:MAX_FINDINGS]
         ]
     return found
@@ -138,7 +178,9 @@ def as_yaml(data: str) -> str:
     return write_document(as_file(msgspec.json.decode(data))[0])
 
 
-def read_file(content: str | bytes, name: str, onto: Plant | None, unit: str = "") -> tuple[Data, list[str]]:
+def read_file(
+    content: str | bytes, name: str, onto: Plant | None, unit: str = ""
+) -> tuple[Data, list[NoteView]]:
     """A plant file, a LIF file or a model of openTCS as the content of a draft; and what was odd in it.
 
     Args:
@@ -155,14 +197,23 @@ def read_file(content: str | bytes, name: str, onto: Plant | None, unit: str = "
     if begins in ("<", "{"):
         imported = read_layout(content, name, unit=unit)
         data = imported.data if onto is None else put_onto(imported.data, onto)
-        return data, [note.line() for note in imported.notes]
+        return data, [
+            NoteView(
+                text=note.line(),
+                place=note.place,
+                count=note.count,
+                code=note.text.code,
+                values=told(note.text, str),
+            )
+            for note in imported.notes
+        ]
     try:
         return msgspec.to_builtins(parse_plant(text, name).file), []
     except PlantError as error:
         unfinished = _unfinished(text, name)
         if unfinished is None:
             raise
-        return unfinished, [] if error.field else [str(error)]
+        return unfinished, [] if error.field else [NoteView(text=str(error))]
 
 
 def deeper_than(value: object, depth: int) -> bool:

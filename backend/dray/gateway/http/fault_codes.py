@@ -9,8 +9,7 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
-from dray.plant.file.reasons import TEXTS as PLANT_TEXTS
-from dray.plant.file.reasons import Reason
+from dray.plant.file.reasons import ITEM_TEXTS, Reason
 
 TEXTS: Mapping[str, str] = {
     "file_needed": "give the file: its text in csv, or the file itself in base64; one of the two",
@@ -153,7 +152,7 @@ OURS = frozenset(
 )
 """That our validators raise."""
 
-CODES = frozenset(TEXTS) | frozenset(PLANT_TEXTS) | frozenset(OF_PYDANTIC.values()) | OURS
+CODES = frozenset(TEXTS) | frozenset(ITEM_TEXTS) | frozenset(OF_PYDANTIC.values()) | OURS
 
 
 def text_of(code: str, values: Mapping[str, str]) -> str:
@@ -162,8 +161,10 @@ def text_of(code: str, values: Mapping[str, str]) -> str:
 
 
 def coded(reason: str) -> tuple[str, str, dict[str, str]]:
-    """A reason, its code, and what is filled in; of one that has no code both are empty."""
-    return (str(reason), reason.code, reason.values) if isinstance(reason, Reason) else (reason, "", {})
+    """A reason, its code, and what is filled in; of one that no product can have both are empty."""
+    if not isinstance(reason, Reason) or reason.code not in ITEM_TEXTS:
+        return str(reason), "", {}
+    return str(reason), reason.code, {name: str(value) for name, value in reason.values.items()}
 
 
 def words_of(fault: Mapping[str, Any]) -> str | None:

@@ -17,9 +17,9 @@ LOOK_S = 0.25
 """The wall clock may be set, and need not run as the loop's does: whoever waits for a moment of it looks so often."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class TimeScale:
-    """A straight line from the plant's clock to the wall clock.
+    """A straight line from the plant's clock to the wall clock. It moves where a simulated plant's clock stands (`stood`).
 
     Attributes:
         plant_epoch_s: a moment on the plant's clock...
@@ -34,6 +34,10 @@ class TimeScale:
     def __post_init__(self) -> None:
         if not self.speed > 0:
             raise ValueError(f"a speed is above 0: {self.speed}")
+
+    def stood(self, stood_s: float) -> None:
+        """The plant's clock has stood for so long (wall seconds), since its computer could not keep up: what it shows is later on the wall."""
+        self.wall_epoch_s += stood_s
 
     def to_wall_s(self, plant_s: float) -> float:
         """Plant clock to wall clock."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dray.plant.exchange.notes import Notes
 from dray.plant.exchange.track_layout import TrackEdge, TrackLayout
+from dray.plant.file.reasons import Reason
 
 
 class Admission:
@@ -35,11 +36,11 @@ class Admission:
         ]
         if not at_ends:
             named = ", ".join(found)
-            text = f"edge {edge.original}: none of its types ({named}) may be at both of its nodes: taken for these types all the same"
+            text = Reason("note_edge_none_its_types_may", edge=edge.original, named=named)
             self._notes.add(edge.place, text)
         elif len(at_ends) < len(found):
             gone = ", ".join(kind for kind in found if kind not in at_ends)
-            text = f"edge {edge.original}: {gone} may not be at one of its nodes, and so does not drive there"
+            text = Reason("note_edge_may_not_its_nodes", edge=edge.original, gone=gone)
             self._notes.add(edge.place, text)
             return {kind: found[kind] for kind in at_ends}
         return found

@@ -15,6 +15,7 @@ from dray.plant.exchange.one_spot import merge_spots
 from dray.plant.exchange.original_names import OriginalNames
 from dray.plant.exchange.track_layout import TrackEdge, TrackLayout, TrackNode, TrackStation
 from dray.plant.file.check import RESERVED
+from dray.plant.file.reasons import Reason
 
 EDGE_M = 2.0
 """Of free floor around the outermost nodes."""
@@ -138,12 +139,12 @@ class _Assembly:
             shifts[level] = round(x_m, 6), round(y_m, 6)
             right_m = max(xs_m) + x_m + GAP_M
             if not alone:
-                text = (
-                    f"level {level or '(none)'} is laid beside the others: moved by {x_m:.2f} m, {y_m:.2f} m"
+                text = Reason(
+                    "note_level_laid_beside_others_moved", level=level or "(none)", x_m=x_m, y_m=y_m
                 )
                 self._notes.add("", text)
             elif x_m or y_m:
-                self._notes.add("", f"moved by {x_m:.2f} m, {y_m:.2f} m, so that the floor begins at 0, 0")
+                self._notes.add("", Reason("note_moved_by_so_floor_begins", x_m=x_m, y_m=y_m))
         return shifts
 
     def _spot(self, node: str, x_m: float, y_m: float) -> Data:
@@ -173,7 +174,7 @@ class _Assembly:
             if levels[edge.start] != levels[edge.end]:
                 self._notes.add(
                     edge.place,
-                    f"edge {edge.original} leads to another level: its length here is not its true one",
+                    Reason("note_edge_leads_another_level_its", edge=edge.original),
                 )
                 edge.corners = []
             limits = self._admission.limits(edge, others)
@@ -194,15 +195,18 @@ class _Assembly:
         found: dict[tuple[str, str], tuple[TrackEdge, list[TrackEdge]]] = {}
         for edge in self._layout.edges:
             if edge.start == edge.end:
-                self._notes.add(
-                    edge.place, f"edge {edge.original} leads back to its own node: it is left out"
-                )
+                self._notes.add(edge.place, Reason("note_edge_leads_back_its_own", edge=edge.original))
                 entry = {"original": edge.original, "limits_mps": edge.limits_mps, "kept": edge.kept}
                 told[edge.original, ""] = {"original": [entry]}
             elif (first := found.get((edge.start, edge.end))) is not None:
-                text = f"edge {edge.original} is a second one from {edge.start} to {edge.end}: the first one is taken"
-                if more := self._admission.beside(first[0], edge):
-                    text += f", also for {', '.join(more)}"
+                more = self._admission.beside(first[0], edge)
+                text = Reason(
+                    "note_edge_second_from_first_taken",
+                    edge=edge.original,
+                    start=edge.start,
+                    end=edge.end,
+                    also=Reason("also_for", types=tuple(more)) if more else "",
+                )
                 self._notes.add(edge.place, text)
                 first[1].append(edge)
             else:
@@ -213,7 +217,7 @@ class _Assembly:
         lane: Data = {"start": self._node[edge.start], "end": self._node[edge.end]}
         speeds = [limit for limit in limits.values() if limit is not None]
         if not speeds:
-            self._notes.add(edge.place, f"no speed is told: {USUAL_MPS:g} m/s is taken")
+            self._notes.add(edge.place, Reason("note_no_speed_told_taken", speed_mps=USUAL_MPS))
         lane["speed_limit_mps"] = top_mps = max(speeds, default=USUAL_MPS)
         if edge.corners:
             lane["shape"] = [self._spot(edge.start, *corner) for corner in edge.corners]
@@ -271,9 +275,13 @@ class _Assembly:
             mapping.append(entry if number > 1 else {**entry, "kept": station.kept})
         if count > 1:
             named = ", ".join(station.nodes)
-            text = f"station {station.original} is served from {count} nodes ({named}): a place at each"
-            if kind == "unassigned":
-                text += ", of which you remove what is one with another"
+            text = Reason(
+                "note_station_served_from_nodes_place",
+                station=station.original,
+                count=count,
+                named=named,
+                also=Reason("remove_some") if kind == "unassigned" else "",
+            )
             self._notes.add(station.place, text)
 
     def _vehicle_types(self) -> tuple[list[Data], list[Data]]:

@@ -37,6 +37,7 @@ from dray.plant.exchange.track_layout import (
     TrackStation,
     TrackVehicleType,
 )
+from dray.plant.file.reasons import Reason
 
 CREATOR = "Dray"
 """What `lif_export` writes as the creator."""
@@ -77,10 +78,10 @@ class _Reader(LifValues):
         self._strange(meta, "metaInformation", "/metaInformation")
         version = str(meta.get("lifVersion") or "")
         if not version:
-            self._notes.add("/metaInformation", "it does not say its lifVersion")
+            self._notes.add("/metaInformation", Reason("note_does_not_say_its_lifversion"))
         name = str(meta.get("projectIdentification") or meta.get("lifId") or "Imported layout")
         for key in self._data.keys() - {"metaInformation", "layouts", "origins"}:
-            self._notes.add(f"/{key}", f"`{key}` is not understood: it is kept in the mapping")
+            self._notes.add(f"/{key}", Reason("note_not_understood_kept_mapping", key=key))
         found = TrackLayout(
             f"LIF {version}".strip(),
             name,
@@ -121,7 +122,7 @@ class _Reader(LifValues):
                 name = str(layout.get("layoutId") or "")
                 seen.add(name)
                 if self._wanted and name not in self._wanted:
-                    self._notes.add(at, f"layout {name} is left out, as asked for")
+                    self._notes.add(at, Reason("note_layout_left_out_as_asked", name=name))
                     continue
                 self._strange(layout, "layout", at)
                 found.kept.setdefault("layouts", []).append(
@@ -132,7 +133,7 @@ class _Reader(LifValues):
                 yield f"{origin_id}{level}", at, layout
         for name in self._wanted:
             if name not in seen:
-                self._notes.add("/layouts", f"there is no layout {name}")
+                self._notes.add("/layouts", Reason("note_there_no_layout", name=name))
 
     def _measures(self, layouts: list[tuple[str, str, Json]]) -> tuple[list[float], list[float]]:
         """The lengths of edges and the speeds on them, as the file has them."""
@@ -164,18 +165,16 @@ class _Reader(LifValues):
             if not name or spot is None:
                 continue
             if name in own:
-                self._notes.add(at, f"node {name} is there already: this one is left out")
+                self._notes.add(at, Reason("note_node_there_already_left_out", name=name))
                 continue
             other = known.get(name)
             if other is not None and other.level == level and _near(other, spot):
-                self._notes.add(at, f"node {name} stands in two layouts at one spot: it is one node")
+                self._notes.add(at, Reason("note_node_stands_two_layouts_spot", name=name))
                 own[name] = name
                 continue
             key = name if other is None else self._another(name, layout, known)
             if other is not None:
-                self._notes.add(
-                    at, f"node {name} stands in another layout, too, elsewhere: these are two nodes"
-                )
+                self._notes.add(at, Reason("note_node_stands_another_layout_too", name=name))
             own[name] = key
             self._strange(node, "node", at)
             actions, types = [], Admitted()
@@ -185,9 +184,7 @@ class _Reader(LifValues):
                 actions += self._actions(each, where)
                 theta = self._number(each, "theta", where)
                 if theta is not None and abs(theta) > 6.3:
-                    self._notes.add(
-                        f"{where}/theta", "theta is more than a turn in radians: degrees, it seems"
-                    )
+                    self._notes.add(f"{where}/theta", Reason("note_theta_more_than_turn_radians"))
             known[key] = TrackNode(
                 key,
                 at,
@@ -216,7 +213,7 @@ class _Reader(LifValues):
             return own[name]
         others = list(dict.fromkeys(names[name] for names in self._own.values() if name in names))
         if len(others) > 1:
-            self._notes.add(at, f"node {name} stands in several other layouts: the first one is taken")
+            self._notes.add(at, Reason("note_node_stands_several_other_layouts", name=name))
         return others[0] if others else ""
 
     def _edges(self, layout: Json, pointer: str, found: TrackLayout) -> None:
@@ -227,7 +224,7 @@ class _Reader(LifValues):
             self._strange(edge, "edge", at)
             meant = [(named, self._node_of(named, pointer, at)) for named in (start, end)]
             if missing := [named for named, key in meant if not key]:
-                self._notes.add(at, f"edge {name} is left out: there is no node {missing[0]}")
+                self._notes.add(at, Reason("note_edge_left_out_there_no", name=name, node=missing[0]))
                 continue
             (_, start), (_, end) = meant
             limits: dict[str, float] = {}
@@ -240,11 +237,11 @@ class _Reader(LifValues):
                 key = "maxSpeed" if "maxSpeed" in each else "maximumSpeed"
                 limit = self._number(each, key, where)
                 if limit is not None and limit <= 0.0:
-                    self._notes.add(f"{where}/{key}", f"a speed of {limit:g} is none: no limit is taken")
+                    self._notes.add(f"{where}/{key}", Reason("note_speed_none_no_limit_taken", limit=limit))
                 elif limit is not None and limit * self._speed_scale > self._fastest_mps:
                     self._notes.add(
                         f"{where}/{key}",
-                        f"a speed of {limit * self._speed_scale:g} m/s cannot be: no limit is taken",
+                        Reason("note_speed_cannot_no_limit_taken", limit_mps=limit * self._speed_scale),
                     )
                 elif limit is not None:
                     limit = limit if self._speed_scale == 1.0 else round(limit * self._speed_scale, 6)
@@ -253,15 +250,11 @@ class _Reader(LifValues):
                         if kind and (self._types[kind].max_speed_mps or 0.0) < limit:
                             self._types[kind].max_speed_mps = limit
                 if each.get("trajectory") is not None and each.get("physicalLineGuidedProperty") is not None:
-                    self._notes.add(
-                        where, "a lane has a trajectory or a guide line, not both: the trajectory is taken"
-                    )
+                    self._notes.add(where, Reason("note_lane_trajectory_or_guide_line"))
                 if each.get("trajectory") is not None:
                     own = self._curve(each["trajectory"], f"{where}/trajectory", spots[start], spots[end])
                     if corners is not None and own is not None and own != corners:
-                        self._notes.add(
-                            where, "types of vehicles have trajectories of their own: the first one is taken"
-                        )
+                        self._notes.add(where, Reason("note_types_vehicles_have_trajectories_their"))
                     corners = own if corners is None else corners
             kept = self._rest(edge, EDGE_USED)
             found.edges.append(
@@ -271,14 +264,14 @@ class _Reader(LifValues):
     def _curve(self, curve: object, at: str, start: Spot, end: Spot) -> list[Spot] | None:
         """The corners of a trajectory between its ends; None for one that cannot be used."""
         if not isinstance(curve, dict):
-            self._notes.add(at, "the trajectory is no object: the lane is taken as straight")
+            self._notes.add(at, Reason("note_trajectory_no_object_lane_taken"))
             return None
         points = []
         for where, point in self._objects(curve, "controlPoints", at):
             x, y = self._number(point, "x", where), self._number(point, "y", where)
             weight = self._number(point, "weight", where)
             if x is None or y is None:
-                self._notes.add(where, "a control point has no place: the lane is taken as straight")
+                self._notes.add(where, Reason("note_control_point_no_place_lane"))
                 return None
             points.append((x * self._scale, y * self._scale, 1.0 if weight is None else weight))
         degree = self._number(curve, "degree", at)
@@ -289,23 +282,21 @@ class _Reader(LifValues):
                 1 if degree is None else int(degree), [knot for knot in knots if knot is not None], points
             )
         except CurveError as error:
-            self._notes.add(at, f"the trajectory is no curve ({error}): the lane is taken as straight")
+            self._notes.add(at, Reason("note_trajectory_no_curve_lane_taken", error=error))
             return None
         gaps_m = [hypot(a[0] - b[0], a[1] - b[1]) for a, b in ((corners[0], start), (corners[-1], end))]
         if max(gaps_m) > SNAP_M:
-            self._notes.add(
-                at, f"the trajectory is {max(gaps_m):.1f} m off its node: the lane is taken as straight"
-            )
+            self._notes.add(at, Reason("note_trajectory_off_its_node_lane", gap_m=max(gaps_m)))
             return None
         if max(gaps_m) > 0.01:
-            self._notes.add(at, "the trajectory is a little off its nodes: its ends are moved there")
+            self._notes.add(at, Reason("note_trajectory_little_off_its_nodes"))
         if degree not in (None, 1.0) and curves.is_straight([start, *corners[1:-1], end]):
             return []
         return corners[1:-1]
 
     def _stations(self, layout: Json, pointer: str, found: TrackLayout) -> None:
         if "stations" not in layout:
-            self._notes.add(pointer, "the layout has no `stations`")
+            self._notes.add(pointer, Reason("note_layout_no_stations"))
             return
         nodes = {node.original: node for node in found.nodes}
         for at, station in self._objects(layout, "stations", pointer):
@@ -321,9 +312,11 @@ class _Reader(LifValues):
                 if key := self._node_of(one, pointer, at):
                     served.append(key)
                 else:
-                    self._notes.add(f"{at}/interactionNodeIds", f"station {name}: there is no node {one}")
+                    self._notes.add(
+                        f"{at}/interactionNodeIds", Reason("note_station_there_no_node", name=name, one=one)
+                    )
             if not served:
-                self._notes.add(at, f"station {name} is left out: it has no node")
+                self._notes.add(at, Reason("note_station_left_out_no_node", name=name))
                 continue
             found.stations.append(
                 TrackStation(
@@ -348,7 +341,7 @@ class _Reader(LifValues):
             if name := ".".join(filter(None, map(key_of, parts))):
                 types.append(name)
         if not types:
-            self._notes.add(at, "it is not said for which type of vehicle this is: taken for all")
+            self._notes.add(at, Reason("note_not_said_type_vehicle_taken"))
         for kind in types:
             self._types.setdefault(kind, TrackVehicleType(kind))
         return types
@@ -356,14 +349,16 @@ class _Reader(LifValues):
     def _spot(self, of: Json, key: str, at: str) -> Spot | None:
         position = of.get(key)
         if not isinstance(position, dict):
-            self._notes.add(f"{at}/{key}", f"a node without `{key}` is left out")
+            self._notes.add(f"{at}/{key}", Reason("note_node_without_left_out", key=key))
             return None
         x, y = (self._number(position, axis, f"{at}/{key}") for axis in ("x", "y"))
         if x is None or y is None:
-            self._notes.add(f"{at}/{key}", f"a node whose `{key}` has no x and y is left out")
+            self._notes.add(f"{at}/{key}", Reason("note_node_whose_no_x_y", key=key))
             return None
         if max(abs(x), abs(y)) * self._scale > curves.FAR_M:
-            self._notes.add(f"{at}/{key}", f"a node further than {curves.FAR_M / 1000:g} km away is left out")
+            self._notes.add(
+                f"{at}/{key}", Reason("note_node_further_than_km_away", far_km=curves.FAR_M / 1000)
+            )
             return None
         return x * self._scale, y * self._scale
 

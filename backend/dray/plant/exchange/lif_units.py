@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from statistics import median
 
 from dray.plant.exchange.notes import Notes
+from dray.plant.file.reasons import Reason
 
 UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001}
 """In metres."""
@@ -43,9 +44,7 @@ def scales(lengths: Sequence[float], speeds: Sequence[float], unit: str, notes: 
     if not unit and not too_fast:
         if length < LONGEST:
             if length >= DOUBTED_M:
-                text = (
-                    f"an edge is {length:g} m long at the median: say --unit cm or mm if these are no metres"
-                )
+                text = Reason("note_edge_long_median_say_unit", length=length)
                 notes.add("", text)
             return 1.0, 1.0
         unit = "mm"
@@ -56,11 +55,11 @@ def scales(lengths: Sequence[float], speeds: Sequence[float], unit: str, notes: 
         unit = fitting[0]
     else:
         if too_fast and unit != "m":
-            notes.add("", f"speeds of {speed:g} cannot be m/s: they are read as {unit}/s")
+            notes.add("", Reason("note_speeds_cannot_they_read_as", speed=speed, unit=unit))
         return UNITS[unit], UNITS[unit] if too_fast else 1.0
-    notes.add("", f"an edge is {length:g} long: read as {WORDS[unit]}, although LIF has metres")
+    notes.add("", Reason("note_edge_long_read_as_although", length=length, unit_name=WORDS[unit]))
     if too_fast:
-        notes.add("", f"speeds of {speed:g} cannot be m/s: they are read as {unit}/s")
+        notes.add("", Reason("note_speeds_cannot_they_read_as", speed=speed, unit=unit))
     return UNITS[unit], UNITS[unit] if too_fast else 1.0
 
 

@@ -7,6 +7,7 @@ from typing import Any
 
 from dray.plant.exchange.notes import Notes
 from dray.plant.exchange.track_layout import Spot
+from dray.plant.file.reasons import Reason
 
 Json = dict[str, Any]
 
@@ -128,27 +129,27 @@ class LifValues:
     def _properties(self, of: Json, old: str, new: str, at: str) -> list[tuple[str, Json]]:
         key = new if new in of else old
         if key not in of:
-            self._notes.add(
-                at, f"`{old}` is missing: which types of vehicles may use it is not said; taken for all"
-            )
+            self._notes.add(at, Reason("note_missing_types_vehicles_may_use", old=old))
             return []
         if of[key] == []:
             self._notes.add(
                 f"{at}/{key}",
-                f"`{key}` is empty: which types of vehicles may use it is not said; taken for all",
+                Reason("note_empty_types_vehicles_may_use", key=key),
             )
         return self._objects(of, key, at)
 
     def _strange(self, of: Json, kind: str, at: str) -> None:
         for key in of:
             if key not in NAMED[kind] and key.strip() in NAMED[kind]:
-                self._notes.add(at, f"`{key}` of {_a(kind)} has a blank in its name: it is not read")
+                self._notes.add(at, Reason("note_blank_its_name_not_read", key=key, of=_a(kind)))
             elif key not in NAMED[kind]:
                 self._notes.add(
-                    f"{at}/{key}", f"`{key}` of {_a(kind)} is not understood: it is kept in the mapping"
+                    f"{at}/{key}", Reason("note_not_understood_kept_mapping_2", key=key, of=_a(kind))
                 )
             elif key in NOT_IN_A_PLANT and of[key] not in (None, []):
-                text = f"`{key}` of {_a(kind)} ({NOT_IN_A_PLANT[key]}) has no field in a plant: it is kept in the mapping"
+                text = Reason(
+                    "note_no_field_plant_kept_mapping", key=key, of=_a(kind), about=NOT_IN_A_PLANT[key]
+                )
                 self._notes.add(f"{at}/{key}", text)
 
     def _rest(self, of: Json, used: frozenset[str] | set[str]) -> Json:
@@ -158,7 +159,7 @@ class LifValues:
         value = of.get(key)
         if isinstance(value, dict):
             return value
-        self._notes.add(f"{at}/{key}", f"`{key}` is missing or is no object")
+        self._notes.add(f"{at}/{key}", Reason("note_missing_or_no_object", key=key))
         return {}
 
     def _objects(self, of: Json, key: str, at: str, *, quiet: bool = False) -> list[tuple[str, Json]]:
@@ -168,22 +169,22 @@ class LifValues:
             return []
         if not isinstance(value, list):
             if not quiet:
-                self._notes.add(f"{at}/{key}", f"`{key}` is missing or is no list")
+                self._notes.add(f"{at}/{key}", Reason("note_missing_or_no_list", key=key))
             return []
         found = []
         for index, each in enumerate(value):
             if isinstance(each, dict):
                 found.append((f"{at}/{key}/{index}", each))
             elif not quiet:
-                self._notes.add(f"{at}/{key}/{index}", f"an entry of `{key}` is no object: it is left out")
+                self._notes.add(f"{at}/{key}/{index}", Reason("note_entry_no_object_left_out", key=key))
         return found
 
     def _id(self, of: Json, key: str, at: str) -> str:
         name = key_of(of.get(key))
         if not name:
-            self._notes.add(f"{at}/{key}", f"`{key}` is missing")
+            self._notes.add(f"{at}/{key}", Reason("note_missing", key=key))
         elif not isinstance(of[key], str):
-            self._notes.add(f"{at}/{key}", f"`{key}` is a number where a text belongs")
+            self._notes.add(f"{at}/{key}", Reason("note_number_where_text_belongs", key=key))
         return name
 
     def _number(self, of: Json, key: str, at: str) -> float | None:
@@ -192,9 +193,9 @@ class LifValues:
             return None
         number = number_of(value)
         if number is None:
-            self._notes.add(f"{at}/{key}", f"`{key}` is no number: {str(value)[:40]}")
+            self._notes.add(f"{at}/{key}", Reason("note_no_number", key=key, value=str(value)[:40]))
         elif isinstance(value, str):
-            self._notes.add(f"{at}/{key}", f"`{key}` is a number written as text")
+            self._notes.add(f"{at}/{key}", Reason("note_number_written_as_text", key=key))
         return number
 
     def _raw_spot(self, position: object) -> Spot | None:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import msgspec
 
+from dray.plant.file.reasons import Reason
+
 MAX_NOTES = 500
 """Different ones that are spelt out; a file with more is not what it says to be."""
 
@@ -13,7 +15,7 @@ class Note(msgspec.Struct):
 
     place: str
     """The first place: a JSON pointer, or the line and element of an XML file."""
-    text: str
+    text: Reason
     count: int = 1
     """How often the same was found."""
 
@@ -30,7 +32,7 @@ class Notes:
         self._notes: dict[str, Note] = {}
         self._more = 0
 
-    def add(self, place: str, text: str) -> None:
+    def add(self, place: str, text: Reason) -> None:
         """Say something of a place; the same text of another place is counted only."""
         known = self._notes.get(text)
         if known is not None:
@@ -43,4 +45,4 @@ class Notes:
     def all(self) -> tuple[Note, ...]:
         """Everything that was said."""
         found = tuple(self._notes.values())
-        return (*found, Note("", f"and {self._more} more")) if self._more else found
+        return (*found, Note("", Reason("note_more", count=self._more))) if self._more else found

@@ -6,6 +6,7 @@ from math import hypot
 
 from dray.plant.exchange.notes import Notes
 from dray.plant.exchange.track_layout import TrackEdge, TrackLayout, TrackNode
+from dray.plant.file.reasons import Reason
 
 SPOT_M = 0.05
 """Nodes nearer to each other are one place; a shorter lane is a fault of a plant."""
@@ -41,7 +42,7 @@ def merge_spots(layout: TrackLayout, notes: Notes) -> None:
             kept_nodes.append(node)
         else:
             _take_in(into, node)
-            text = f"nodes {into.name} and {node.name} lie on one spot: they are one, at which vehicles turn"
+            text = Reason("note_nodes_lie_on_spot_they", one=into.name, other=node.name)
             notes.add(node.place, text)
     edges = []
     for edge in layout.edges:

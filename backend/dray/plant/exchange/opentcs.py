@@ -25,6 +25,7 @@ from dray.plant.exchange.track_layout import (
     TrackVehicleType,
 )
 from dray.plant.exchange.xml_tree import Element
+from dray.plant.file.reasons import Reason
 
 MODELS = ("0.0.4", "0.0.5", "6.0.0", "7.0.0")
 """Versions of which a file of openTCS was read."""
@@ -104,7 +105,7 @@ class _Reader:
             known = ", ".join(MODELS)
             self._notes.add(
                 _at(model),
-                f"model version {version or '(none)'} is none of {known}: read as far as it is alike",
+                Reason("note_model_version_none_read_as", version=version or "(none)", known=known),
             )
         found = TrackLayout(f"openTCS {version}".strip(), model.attributes.get("name") or "Imported layout")
         self._strange(model)
@@ -118,9 +119,7 @@ class _Reader:
         self._locations(found)
         self._vehicles(found)
         for block in model.all("block"):
-            self._notes.add(
-                _at(block), "a block has no place in a plant: vehicles keep right of way by nodes and lanes"
-            )
+            self._notes.add(_at(block), Reason("note_block_no_place_plant_vehicles"))
             kept = found.kept.setdefault("blocks", [])
             members = [member.attributes.get("name") for member in block.all("member")]
             kept.append({**block.attributes, "members": members})
@@ -136,9 +135,8 @@ class _Reader:
         names = [point.attributes.get("name", "") for point in points]
         shown = {name: spot for name, spot in zip(names, drawn, strict=True) if spot is not None}
         self._stretch = scale_by_lengths(self._model, shown)
-        text = "no point has coordinates of its own: where they are drawn is taken"
-        if self._stretch != 1.0:
-            text += f", times {self._stretch:.4g}, so that paths are as long as their `length`"
+        times = Reason("stretched", times=self._stretch) if self._stretch != 1.0 else ""
+        text = Reason("note_no_point_coordinates_its_own", times=times)
         self._notes.add(_at(points[0]), text)
         far_m = curves.FAR_M / self._stretch
         return [
@@ -158,24 +156,22 @@ class _Reader:
         self._strange(point)
         name = point.attributes.get("name", "")
         if not name or spot is None:
-            self._notes.add(_at(point), "a point without a name or a position within 1,000 km is left out")
+            self._notes.add(_at(point), Reason("note_point_without_name_or_position"))
             return
         if name in self._points:
-            self._notes.add(_at(point), f"point {name} is there already: this one is left out")
+            self._notes.add(_at(point), Reason("note_point_there_already_left_out", name=name))
             return
         kind = point.attributes.get("type", "HALT_POSITION")
         if kind == "REPORT_POSITION":
-            self._notes.add(
-                _at(point), "vehicles only pass a REPORT_POSITION; in a plant they may stop there"
-            )
+            self._notes.add(_at(point), Reason("note_vehicles_only_pass_report_position"))
         elif kind not in ("HALT_POSITION", "PARK_POSITION"):
-            self._notes.add(_at(point), f"type {kind} is not understood: taken as a node")
+            self._notes.add(_at(point), Reason("note_type_not_understood_taken_as", kind=kind))
         if self._number(point, "positionZ", "zPosition"):
-            self._notes.add(_at(point), "heights have no field in a plant: positionZ is kept in the mapping")
+            self._notes.add(_at(point), Reason("note_heights_have_no_field_plant"))
         if (self._number(point, "vehicleOrientationAngle") or 0.0) != 0.0:
             self._notes.add(
                 _at(point),
-                "how a vehicle stands at a point has no field in a plant: it is kept in the mapping",
+                Reason("note_how_vehicle_stands_point_no"),
             )
         self._points[name] = spot
         kept: dict[str, Any] = {key: value for key, value in point.attributes.items() if key != "name"}
@@ -197,14 +193,12 @@ class _Reader:
             return None
         length, width = self._number(box, "length"), self._number(box, "width")
         if length is None or width is None or min(length, width) <= 0.0:
-            self._notes.add(
-                _at(point), "<maxVehicleBoundingBox> without a length and a width is for all vehicles"
-            )
+            self._notes.add(_at(point), Reason("note_maxvehicleboundingbox_without_length_width_all"))
             return None
         if any(self._number(box, key) for key in ("referenceOffsetX", "referenceOffsetY")):
             self._notes.add(
                 _at(point),
-                "<maxVehicleBoundingBox> is taken about the middle of vehicles: its offset is kept in the mapping",
+                Reason("note_maxvehicleboundingbox_taken_about_middle_vehicles"),
             )
         return round(length * M, 6), round(width * M, 6)
 
@@ -214,11 +208,11 @@ class _Reader:
         start, end = of.get("sourcePoint", ""), of.get("destinationPoint", "")
         name = of.get("name") or f"{start} --- {end}"
         if missing := [point for point in (start, end) if point not in self._points]:
-            self._notes.add(_at(path), f"path {name} is left out: there is no point {missing[0]}")
+            self._notes.add(_at(path), Reason("note_path_left_out_there_no", name=name, node=missing[0]))
             return
         kept = {**of, **_kept(path, self._notes)}
         if of.get("locked") == "true":
-            self._notes.add(_at(path), "a locked path is left out of the lanes: it is kept in the mapping")
+            self._notes.add(_at(path), Reason("note_locked_path_left_out_lanes"))
             found.kept.setdefault("locked", []).append(kept)
             return
         corners = self._corners(path, scales, self._points[start], self._points[end])
@@ -229,19 +223,18 @@ class _Reader:
         if told_m is not None and drawn_m > 0.0 and abs(told_m * M / drawn_m - 1.0) > LENGTH_OFF_FRAC:
             self._notes.add(
                 _at(path),
-                f"path {name} is {told_m * M:.2f} m long by its length and {drawn_m:.2f} m as it is drawn: "
-                "as drawn is taken",
+                Reason("note_path_long_by_its_length", name=name, told_m=told_m * M, drawn_m=drawn_m),
             )
         speeds = [(self._number(path, key) or 0.0) * M for key in ("maxVelocity", "maxReverseVelocity")]
         if not any(speeds):
-            self._notes.add(_at(path), f"path {name} is left out: nobody may drive on it, both speeds are 0")
+            self._notes.add(_at(path), Reason("note_path_left_out_nobody_may", name=name))
             found.kept.setdefault("locked", []).append(kept)
         if speeds[0] > 0.0:
             found.edges.append(
                 TrackEdge(name, _at(path), start, end, corners, {"": round(speeds[0], 6)}, kept=kept)
             )
         if speeds[1] > 0.0:
-            self._notes.add(_at(path), "a path that is driven backwards is a lane the other way")
+            self._notes.add(_at(path), Reason("note_path_driven_backwards_lane_other"))
             found.edges.append(
                 TrackEdge(name, _at(path), end, start, corners[::-1], {"": round(speeds[1], 6)}, kept=kept)
             )
@@ -254,7 +247,7 @@ class _Reader:
         for pair in drawn:
             x, y = map(number_of, pair)
             if x is None or y is None:
-                self._notes.add(_at(path), "a control point without a place: the path is taken as straight")
+                self._notes.add(_at(path), Reason("note_control_point_without_place_path"))
                 return []
             points.append((x * scales[0] * M * self._stretch, -y * scales[1] * M * self._stretch))
         chain = [start, *points, end]
@@ -267,10 +260,10 @@ class _Reader:
                 corners = [*curves.bezier(chain[:4]), *curves.bezier(chain[3:])[1:]]
             else:
                 about = f" with {len(points)} control points" if points else ""
-                self._notes.add(_at(path), f"a path drawn as {kind}{about} is taken as straight")
+                self._notes.add(_at(path), Reason("note_path_drawn_as_taken_as", kind=kind, about=about))
                 return []
         except CurveError as error:
-            self._notes.add(_at(path), f"the path is no curve ({error}): it is taken as straight")
+            self._notes.add(_at(path), Reason("note_path_no_curve_taken_as", error=error))
             return []
         return [] if curves.is_straight(corners) else [(round(x, 6), round(y, 6)) for x, y in corners[1:-1]]
 
@@ -295,12 +288,14 @@ class _Reader:
             at_points = [point for point in links if point in self._points]
             for point in links:
                 if point not in self._points:
-                    self._notes.add(_at(location), f"location {name}: there is no point {point}")
+                    self._notes.add(
+                        _at(location), Reason("note_location_there_no_point", name=name, point=point)
+                    )
             kept = {**location.attributes, "links": links, **_kept(location, self._notes)}
             if location.attributes.get("locked") == "true":
-                self._notes.add(_at(location), f"location {name} is locked: it is taken all the same")
+                self._notes.add(_at(location), Reason("note_location_locked_taken_all_same", name=name))
             if not name or not at_points:
-                self._notes.add(_at(location), f"location {name} is left out: no link leads to it")
+                self._notes.add(_at(location), Reason("note_location_left_out_no_link", name=name))
                 found.kept.setdefault("locations", []).append(kept)
                 continue
             found.stations.append(
@@ -320,7 +315,7 @@ class _Reader:
             self._strange(vehicle)
             name = vehicle.attributes.get("name", "")
             if not name:
-                self._notes.add(_at(vehicle), "a vehicle without a name is left out")
+                self._notes.add(_at(vehicle), Reason("note_vehicle_without_name_left_out"))
                 continue
             box = vehicle.first("boundingBox") or vehicle
             length, width = self._number(box, "length"), self._number(box, "width")
@@ -338,7 +333,9 @@ class _Reader:
             properties = properties_of(vehicle)
             node = next((properties[key] for key in INITIAL if key in properties), None)
             if node is not None and node not in self._points:
-                self._notes.add(_at(vehicle), f"vehicle {name} begins at {node}, and there is no such point")
+                self._notes.add(
+                    _at(vehicle), Reason("note_vehicle_begins_there_no_such", name=name, node=node)
+                )
                 node = None
             kept = {**vehicle.attributes, "properties": properties}
             found.vehicles.append(TrackVehicle(name, kinds[key].original, node, kept))
@@ -360,7 +357,7 @@ class _Reader:
         if not 0.0 <= values[0] <= values[1] - 0.05 <= values[2] - 0.1 <= 0.9:
             self._notes.add(
                 _at(vehicle),
-                "the energy levels are too near to one another for a plant: the usual ones are taken",
+                Reason("note_energy_levels_too_near_another"),
             )
             return {}
         return levels
@@ -381,17 +378,17 @@ class _Reader:
         try:
             number = float(of.attributes[key])
         except ValueError:
-            self._notes.add(_at(of), f"`{key}` is no number: {of.attributes[key][:40]}")
+            self._notes.add(_at(of), Reason("note_no_number", key=key, value=of.attributes[key][:40]))
             return None
         return number if isfinite(number) else None
 
     def _strange(self, of: Element) -> None:
         for key in of.attributes.keys() - READ[of.name]:
-            self._notes.add(_at(of), f"`{key}` of a {of.name} is not understood: it is kept in the mapping")
+            self._notes.add(_at(of), Reason("note_not_understood_kept_mapping_3", key=key, of=of.name))
         for child in of.children:
             if child.name not in CHILDREN[of.name]:
                 self._notes.add(
-                    _at(child), f"<{child.name}> in a {of.name} is not understood: it is left out"
+                    _at(child), Reason("note_not_understood_left_out", child=child.name, of=of.name)
                 )
 
 
@@ -420,5 +417,5 @@ def _kept(of: Element, notes: Notes) -> dict[str, Any]:
                 for each in those
             ]
             if name != "maxVehicleBoundingBox":
-                notes.add(_at(of), f"<{name}> has no place in a plant: it is kept in the mapping")
+                notes.add(_at(of), Reason("note_no_place_plant_kept_mapping", name=name))
     return kept

@@ -10,6 +10,7 @@ from typing import Any
 
 from dray.plant.exchange.notes import Notes
 from dray.plant.exchange.track_layout import TrackLayout, TrackNode
+from dray.plant.file.reasons import Reason
 
 LONGEST = 200
 """Characters of a name in a plant file."""
@@ -41,7 +42,9 @@ class OriginalNames:
             x_m, y_m = moved_m[node.level]
             self._frames.setdefault(node.map, {"id": node.map, "x_m": x_m, "y_m": y_m})
             if levels.setdefault(node.map, node.level) != node.level:
-                text = f"map {node.map or '(none)'} is one of several levels: poses on it are taken for level {levels[node.map]}"
+                text = Reason(
+                    "note_map_several_levels_poses_on", map=node.map or "(none)", level=levels[node.map]
+                )
                 notes.add(node.place, text)
         self._has_several = len(self._frames) > 1
 

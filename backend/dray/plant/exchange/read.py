@@ -12,6 +12,7 @@ from dray.plant.exchange.notes import Notes
 from dray.plant.exchange.opentcs import read_opentcs
 from dray.plant.exchange.xml_encoding import xml_text
 from dray.plant.exchange.xml_tree import read_xml
+from dray.plant.file.reasons import Reason
 from dray.plant.file.text_encoding import LOST, UnknownEncodingError, decode_text
 
 MAX_BYTES = 64 * 1024 * 1024
@@ -47,9 +48,7 @@ def read_layout(
         text = content if isinstance(content, str) else _text(content, notes)
         text = text.lstrip("\ufeff \t\r\n")
         if LOST in text:
-            notes.add(
-                "", f"letters were lost before it came here ({LOST}): read the file from where it was made"
-            )
+            notes.add("", Reason("note_letters_were_lost_before_came", lost=LOST))
         if text.startswith("<"):
             layout = read_opentcs(read_xml(text), notes)
         else:
@@ -76,7 +75,5 @@ def _text(content: bytes, notes: Notes) -> str:
     except UnknownEncodingError:
         raise ValueError("is not UTF-8: save it as UTF-8") from None
     if decoded.assumed:
-        notes.add(
-            "", f"it is not UTF-8: read as {decoded.encoding}; look at its letters, or save it as UTF-8"
-        )
+        notes.add("", Reason("note_not_utf_read_as_look", encoding=decoded.encoding))
     return decoded.text

@@ -9,6 +9,7 @@ import codecs
 import re
 
 from dray.plant.exchange.notes import Notes
+from dray.plant.file.reasons import Reason
 from dray.plant.file.text_encoding import UnknownEncodingError, decode_text
 
 DECLARED = re.compile(rb"""^\s*<\?xml[^>]{0,200}?\bencoding\s*=\s*["']([A-Za-z0-9._ -]{1,40})["']""")
@@ -47,10 +48,10 @@ def xml_text(content: bytes, notes: Notes) -> str:
     if declared and not _same(codec, decoded.encoding):
         notes.add(
             "line 1",
-            f"encoding {declared} is not what it is in: read as {decoded.encoding}; look at its letters",
+            Reason("note_encoding_not_what_read_as", declared=declared, encoding=decoded.encoding),
         )
     elif decoded.assumed:
-        notes.add("line 1", f"it does not say its encoding: read as {decoded.encoding}; look at its letters")
+        notes.add("line 1", Reason("note_does_not_say_its_encoding", encoding=decoded.encoding))
     return decoded.text
 
 

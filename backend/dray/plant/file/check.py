@@ -36,11 +36,9 @@ SPACES = (
 """Sections that share one space of ids: items are asked for by id alone, and so are places and agents."""
 
 RESERVED = {
-    **dict.fromkeys(("strategist", "gate", "historian", "gateway"), "an agent of every plant"),
-    **dict.fromkeys(
-        (f"strategist{number}" for number in range(2, 10)), "an agent of a plant with several strategists"
-    ),
-    **dict.fromkeys(("floor", "observer", "authority"), "the name of a certificate of every plant"),
+    **dict.fromkeys(("strategist", "gate", "historian", "gateway"), Reason("reserved_agent")),
+    **dict.fromkeys((f"strategist{number}" for number in range(2, 10)), Reason("reserved_strategist")),
+    **dict.fromkeys(("floor", "observer", "authority"), Reason("reserved_certificate")),
 }
 """Names that are taken, in small letters: a machine or vehicle of such a name would get the messages of another,
 or its certificate and its log would replace those of another."""
@@ -69,11 +67,7 @@ LEAST_CHARGE_FRAC = 0.05
 
 
 def faults(file: PlantFile) -> Iterator[Fault]:
-    """Everything in a plant file that does not fit together; nothing for a good one. Reasons are plain texts."""
-    return ((field, str(reason)) for field, reason in _faults(file))
-
-
-def _faults(file: PlantFile) -> Iterator[Fault]:
+    """Everything in a plant file that does not fit together; nothing for a good one. Reasons have codes (`dray.plant.file.reasons`)."""
     yield from _ids(file)
     yield from _references(file)
     yield from _values(file)
@@ -114,7 +108,7 @@ def _ids(file: PlantFile) -> Iterator[Fault]:
                     yield f"{field}.id", Reason("plant_id_taken", name=spec.id, owner=owners[spec.id])
                 owners.setdefault(spec.id, field)
                 if "fleet" in sections and (taken := RESERVED.get(spec.id.lower())):
-                    yield f"{field}.id", f"{spec.id} is {taken}: choose another"
+                    yield f"{field}.id", Reason("id_reserved", name=spec.id, taken=taken)
 
 
 def _references(file: PlantFile) -> Iterator[Fault]:
@@ -153,7 +147,7 @@ def _lane_types(lane: Lane, where: str, known: Mapping[str, Collection[str]]) ->
         field = f"{where}[{at}].type"
         yield from _known(each.type, field, known, "vehicle_types")
         if each.type in [other.type for other in lane.types[:at]]:
-            yield field, f"{each.type} is named twice: keep one of the two"
+            yield field, Reason("type_twice", type=each.type)
 
 
 def _known(name: str, field: str, known: Mapping[str, Collection[str]], section: str) -> Iterator[Fault]:
@@ -161,7 +155,7 @@ def _known(name: str, field: str, known: Mapping[str, Collection[str]], section:
         # Sorted, so that the same file gives the same advice in every process.
         names = sorted(known[section]) if len(known[section]) <= MAX_COMPARED else []
         alike = get_close_matches(name, names, n=1)
-        advice = f"did you mean {alike[0]}?" if alike else "add it there or name another"
+        advice = Reason("did_you_mean", name=alike[0]) if alike else Reason("add_or_other")
         yield field, Reason("plant_unknown", name=name, section=section, advice=advice)
 
 
@@ -202,11 +196,11 @@ def _charging(file: PlantFile) -> Iterator[Fault]:
         for low, high in (("must_below_frac", "below_frac"), ("below_frac", "up_to_frac")):
             low_frac, high_frac = getattr(rules, low), getattr(rules, high)
             if high_frac - low_frac < LEAST_CHARGE_FRAC - 1e-9:
-                reason = f"{high_frac:g} is not {LEAST_CHARGE_FRAC:g} above `{low}`, which is {low_frac:g}"
-                yield f"{where}.{high}", f"{reason}: raise this one or lower that one"
+                reason = Reason("threshold", high=high_frac, least=LEAST_CHARGE_FRAC, field=low, low=low_frac)
+                yield f"{where}.{high}", reason
         for at, hours in enumerate(rules.quiet_hours):
             if hours.start_h == hours.end_h:
-                reason = f"begin and end at {hours.start_h:g}: write 0 and 24 for the whole day"
+                reason = Reason("quiet_hours", hour=hours.start_h)
                 yield f"{where}.quiet_hours[{at}].end_h", reason
 
 
@@ -229,17 +223,20 @@ def _items(file: PlantFile) -> Iterator[Fault]:
     for where, item in items:
         if all_types and item.ability not in abilities:
             needed = made_into(file, item.id)
-            yield f"{where}.ability", Reason("plant_ability", needed, ability=item.ability, item=item.id)
+            yield (
+                f"{where}.ability",
+                Reason("plant_ability", ability=item.ability, item=item.id, needed=needed),
+            )
     used = [(where, materials[item.id]) for where, item in items if item.id in materials]
     for where, material in used:
         if material.lot > material.buffer:
             yield f"{where}.lot", Reason("plant_lot", lot=material.lot, buffer=material.buffer)
         if all_stored and material.id not in stored:
-            yield where, Reason("plant_not_stored", made_into(file, material.id), item=material.id)
+            yield where, Reason("plant_not_stored", item=material.id, needed=made_into(file, material.id))
     for index, product in enumerate(file.products):
         where = f"products[{index}]"
         if all_made and product.id not in made:
-            yield where, Reason("plant_not_made", made_into(file, product.id), item=product.id)
+            yield where, Reason("plant_not_made", item=product.id, needed=made_into(file, product.id))
         yield from _bill(product, where, materials)
 
 
@@ -284,6 +281,6 @@ def _goods(machine: MachineSpec, where: str, lots: Mapping[str, int]) -> Iterato
 
 def _kinds_of_warehouse(file: PlantFile) -> Iterator[Fault]:
     kinds = {warehouse.kind for warehouse in file.warehouses}
-    for kind, purpose in (("source", "material comes from nowhere"), ("delivery", "products go nowhere")):
+    for kind in ("source", "delivery"):
         if kind not in kinds:
-            yield "warehouses", f"there is none of kind {kind}: {purpose}"
+            yield "warehouses", Reason(f"no_{kind}")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from dray.plant.file.reasons import Reason
 from dray.plant.floor.doors import LEAF_M, Ends, driven_through, lanes_between, leaf_of
 from dray.plant.floor.rectangles import driven, gap_m
 from dray.plant.floor.shapes import floor_of
@@ -32,7 +33,7 @@ def door_faults(file: PlantFile) -> Iterator[Fault]:
             lane = lanes.get((named.start, named.end))
             if lane is None:
                 faulty = True
-                yield where, f"no lane joins {named.start} and {named.end}: draw it, or name another"
+                yield where, Reason("door_no_lane", start=named.start, end=named.end)
             elif lane in owners:
                 faulty = True
                 yield where, _twice(lane, owners[lane], door)
@@ -56,11 +57,9 @@ def _is_joined(file: PlantFile) -> bool:
 
 
 def _twice(lane: Lane, owner: str, door: Door) -> str:
-    way = f"the lane from {lane.start} to {lane.end}"
-    if owner == door.id:
-        both = " both directions are shut together:" if lane.both_ways else ""
-        return f"{way} is named already:{both} keep one of the two"
-    return f"{owner} stands on {way} already: keep one of the two"
+    if owner != door.id:
+        return Reason("door_owned", owner=owner, start=lane.start, end=lane.end)
+    return Reason("door_named_both" if lane.both_ways else "door_named", start=lane.start, end=lane.end)
 
 
 def _driven(lane: Lane, layout: Layout, roads: Roads) -> Iterator[DirectedLane]:
@@ -74,19 +73,18 @@ def _driven(lane: Lane, layout: Layout, roads: Roads) -> Iterator[DirectedLane]:
 def _cannot_stand(lane: Lane, through: list[DirectedLane], layout: Layout, file: PlantFile) -> str:
     """Why a door cannot stand on a lane; empty where it can."""
     if lane.shape:
-        return "a door stands on a straight lane: divide this one at a node"
+        return Reason("door_bent")
     if not through:
-        return (
-            f"the road from {lane.start} to {lane.end} is too short for a vehicle to stop before and after a door: "
-            f"make it longer, or say `two_lanes: false` of it"
-        )
+        return Reason("door_short_road", start=lane.start, end=lane.end)
     size = Size.of(file.vehicle_types)
     need_m = 2.0 * (size.turning_radius_m + MARGIN_M) + LEAF_M
     for road in through:
         if road.start in layout.inner:
-            return f"nobody can wait at {road.start}, which is a crossing: put a node between it and the door"
+            return Reason("door_at_crossing", node=road.start)
         if road.length_m < need_m:
-            return f"{road.start} and {road.end} are {road.length_m:.2f} m apart: whoever turns there needs {need_m:.2f} m, with the door between them"
+            return Reason(
+                "door_no_room", start=road.start, end=road.end, away_m=road.length_m, needed_m=need_m
+            )
     return ""
 
 
@@ -104,6 +102,6 @@ def _in_others_way(
             continue
         covers = driven(nodes[lane.start], nodes[lane.end], size.length_m, size.width_m)
         if any(gap_m(covers, leaf) < 0.0 for leaf in leaves):
-            reason = f"{door.id} is in the way from {lane.start} to {lane.end}, too: name that lane here, or move it away"
+            reason = Reason("door_in_way", door=door.id, start=lane.start, end=lane.end)
             yield f"doors[{index}].lanes", reason
             return

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from itertools import pairwise
 from math import ceil, hypot
 
+from dray.plant.file.reasons import Reason, listed
 from dray.plant.floor.geometry import area_m2, crossed_edges
 from dray.plant.floor.shapes import corner_names, corners_of, floor_of
 from dray.plant.floor.sizes import too_large_for
@@ -49,28 +50,31 @@ def floor_faults(file: PlantFile) -> Iterator[tuple[str, str]]:
 def _size(file: PlantFile) -> Iterator[tuple[str, str]]:
     for field, side_m in (("width_m", file.width_m), ("height_m", file.height_m)):
         if side_m > MAX_SIDE_M:
-            yield field, f"{side_m:g} m are more than {MAX_SIDE_M:g} m: write metres"
+            yield field, Reason("floor_side", side_m=side_m, most_m=MAX_SIDE_M)
             return
     cells = ceil(file.width_m / file.cell_m) * ceil(file.height_m / file.cell_m)
     if cells > MAX_CELLS:
-        yield "cell_m", f"makes {cells} grid cells, more than {MAX_CELLS}: take larger ones"
+        yield "cell_m", Reason("floor_cells", count=cells, most=MAX_CELLS)
 
 
 def _outside(file: PlantFile) -> Iterator[tuple[str, str]]:
     """Nodes, boxes and corners that are not on the floor."""
-    floor = f"the floor of {file.width_m:g} m x {file.height_m:g} m"
     for index, node in enumerate(file.nodes):
         if not _on_floor(file, node.x_m, node.y_m):
-            yield f"nodes[{index}]", f"({node.x_m:g}, {node.y_m:g}) is outside of {floor}"
+            yield f"nodes[{index}]", _outside_of(file, node.x_m, node.y_m)
     for section in ("warehouses", "storages", "chargers", "machines"):
         for index, spec in enumerate(getattr(file, section)):
             if not all(_on_floor(file, x_m, y_m) for x_m, y_m in _corners(spec.box)):
-                yield f"{section}[{index}].box", f"reaches beyond {floor}: x_m and y_m are its middle"
+                reason = Reason("box_outside", width_m=file.width_m, height_m=file.height_m)
+                yield f"{section}[{index}].box", reason
     for index, area in enumerate(file.areas):
         for at, point in enumerate(area.polygon):
             if not _on_floor(file, point.x_m, point.y_m):
-                where = f"areas[{index}].polygon[{at}]"
-                yield where, f"({point.x_m:g}, {point.y_m:g}) is outside of {floor}"
+                yield f"areas[{index}].polygon[{at}]", _outside_of(file, point.x_m, point.y_m)
+
+
+def _outside_of(file: PlantFile, x_m: float, y_m: float) -> Reason:
+    return Reason("outside", x_m=x_m, y_m=y_m, width_m=file.width_m, height_m=file.height_m)
 
 
 def _on_floor(file: PlantFile, x_m: float, y_m: float) -> bool:
@@ -89,16 +93,16 @@ def _lanes(file: PlantFile) -> Iterator[tuple[str, str]]:
     for index, lane in enumerate(file.lanes):
         where = f"lanes[{index}]"
         if lane.start == lane.end:
-            yield f"{where}.end", f"the lane joins {lane.start} with itself: name another node"
+            yield f"{where}.end", Reason("lane_to_itself", node=lane.start)
             continue
         if lane.start in nodes and lane.end in nodes:
             length_m = _length_m(nodes[lane.start], nodes[lane.end])
             if length_m < MIN_LANE_M:
-                yield where, f"{lane.start} and {lane.end} are {length_m:g} m apart: make them one node"
+                yield where, Reason("nodes_on_one_spot", start=lane.start, end=lane.end, away_m=length_m)
         for ends in _directions(lane):
             if ends in owners:
                 first = f"lanes[{owners[ends]}]"
-                yield where, f"{first} leads from {ends[0]} to {ends[1]} already: remove one of them"
+                yield where, Reason("lane_twice", first=first, start=ends[0], end=ends[1])
             owners.setdefault(ends, index)
 
 
@@ -118,16 +122,16 @@ def _two_lanes(file: PlantFile) -> Iterator[tuple[str, str]]:
         if lane.two_lanes:
             where = f"lanes[{index}].two_lanes"
             if lane.shape:
-                yield where, "a lane with a shape is single track: leave this out, or draw two one-way lanes"
+                yield where, Reason("two_lanes_shape")
             elif not lane.both_ways:
-                yield where, "the lane runs one way: add `both_ways: true`, or leave this out"
+                yield where, Reason("two_lanes_one_way")
             elif dock := next((end for end in (lane.start, lane.end) if end in docks), None):
-                yield where, f"vehicles dock at {dock}: give the dock a spur off this road, or leave this out"
+                yield where, Reason("two_lanes_dock", node=dock)
     if file.two_lanes or any(lane.two_lanes for lane in file.lanes):
         taken = stop_names(file)
         for index, node in enumerate(file.nodes):
             if node.id in taken:
-                yield f"nodes[{index}].id", f"{node.id} is the name of a stop point: choose another"
+                yield f"nodes[{index}].id", Reason("name_of_stop", node=node.id)
 
 
 def _shapes(file: PlantFile) -> Iterator[tuple[str, str]]:
@@ -136,19 +140,18 @@ def _shapes(file: PlantFile) -> Iterator[tuple[str, str]]:
     for index, lane in enumerate(file.lanes):
         for at, corner in enumerate(lane.shape):
             if not _on_floor(file, corner.x_m, corner.y_m):
-                reason = f"({corner.x_m:g}, {corner.y_m:g}) is outside of the floor of {file.width_m:g} m x {file.height_m:g} m"
-                yield f"lanes[{index}].shape[{at}]", reason
+                yield f"lanes[{index}].shape[{at}]", _outside_of(file, corner.x_m, corner.y_m)
         if lane.shape and lane.start in nodes and lane.end in nodes:
             points = corners_of(lane, nodes[lane.start], nodes[lane.end])
             for at, (before, after) in enumerate(pairwise(points)):
                 if hypot(after.x_m - before.x_m, after.y_m - before.y_m) < MIN_PIECE_M:
                     where = f"lanes[{index}].shape[{min(at, len(lane.shape) - 1)}]"
-                    yield where, f"two corners are less than {MIN_PIECE_M:g} m apart: leave one out"
+                    yield where, Reason("corners_near", least_m=MIN_PIECE_M)
                     break
     if taken := corner_names(file):
         for index, node in enumerate(file.nodes):
             if node.id in taken:
-                yield f"nodes[{index}].id", f"{node.id} is the name of a corner of a lane: choose another"
+                yield f"nodes[{index}].id", Reason("name_of_corner", node=node.id)
 
 
 def _starts(file: PlantFile) -> Iterator[tuple[str, str]]:
@@ -159,12 +162,15 @@ def _starts(file: PlantFile) -> Iterator[tuple[str, str]]:
         for index, vehicle in enumerate(file.fleet):
             if crossing := crossing_of.get(vehicle.node):
                 where = next(iter(crossing.entries), "")
-                reason = f"{vehicle.node} is a crossing, where nobody stands: name a parking place or a stop point, as {where}"
+                reason = Reason("starts_in_crossing", node=vehicle.node, example=where)
                 yield f"fleet[{index}].node", reason
     owners: dict[str, str] = {}
     for index, vehicle in enumerate(file.fleet):
         if vehicle.node in owners:
-            yield f"fleet[{index}].node", f"{owners[vehicle.node]} stands at {vehicle.node} already"
+            yield (
+                f"fleet[{index}].node",
+                Reason("stands_there", vehicle=owners[vehicle.node], node=vehicle.node),
+            )
         owners.setdefault(vehicle.node, vehicle.id)
 
 
@@ -196,9 +202,9 @@ def _unreachable(file: PlantFile) -> Iterator[tuple[str, str]]:
     reached, reaching = roads.reached_from(example), roads.reaching(example)
     for field, name, node in docks:
         if node not in reached:
-            yield field, f"{name} cannot be reached: no lanes lead from {example} to {node}"
+            yield field, Reason("not_reached", name=name, start=example, end=node)
         elif node not in reaching:
-            yield field, f"{name} cannot be left: no lanes lead from {node} to {example}"
+            yield field, Reason("not_left", name=name, start=node, end=example)
     everywhere = [dock for dock in docks if dock[2] in reached and dock[2] in reaching]
     yield from _unreachable_by_type(file, roads, everywhere)
 
@@ -215,32 +221,23 @@ def _unreachable_by_type(
         main = max(own.parts(), key=lambda part: sum(node in part for _, _, node in docks))
         cut_off = [name for _, name, node in docks if node not in main]
         if cut_off:
-            more = f" and {len(cut_off) - 3} more" if len(cut_off) > 3 else ""
-            reason = (
-                f"{kind.id} cannot get to {', '.join(cut_off[:3])}{more} and back on lanes that are for it: "
-                f"name it in the `types` of lanes that lead there"
-            )
-            if narrow := too_large_for(file, kind):
-                reason += (
-                    f"; with {kind.length_m:g} m x {kind.width_m:g} m it is larger than `max_vehicle` of "
-                    f"{', '.join(narrow[:3])}{f' and {len(narrow) - 3} more' if len(narrow) > 3 else ''} allows"
-                )
+            narrow = too_large_for(file, kind)
+            size = {"length_m": kind.length_m, "width_m": kind.width_m}
+            large = Reason("too_large", **size, nodes=listed(narrow)) if narrow else ""
+            reason = Reason("type_cut_off", type=kind.id, names=listed(cut_off), large=large)
             yield f"vehicle_types[{index}]", reason
 
 
 def _area(area: Area, where: str) -> Iterator[tuple[str, str]]:
     if len(area.polygon) > MAX_CORNERS:
-        yield where, f"{len(area.polygon)} corners are more than {MAX_CORNERS}: draw it more simply"
+        yield where, Reason("too_many_corners", count=len(area.polygon), most=MAX_CORNERS)
         return
     for at, point in enumerate(area.polygon):
         if point == area.polygon[at - 1]:
-            yield f"{where}[{at}]", "the corner before it is the same: remove one, the polygon closes itself"
+            yield f"{where}[{at}]", Reason("corner_twice")
             return
     crossed = crossed_edges(area.polygon)
     if crossed is not None:
-        yield (
-            where,
-            f"the edges from corner {crossed[0]} and from corner {crossed[1]} cross: order the corners",
-        )
+        yield where, Reason("edges_cross", one=crossed[0], other=crossed[1])
     elif area_m2(area.polygon) < MIN_AREA_M2:
-        yield where, "it encloses nothing: give at least three corners that are not in one line"
+        yield where, Reason("encloses_nothing")

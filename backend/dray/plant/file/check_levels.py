@@ -54,7 +54,7 @@ def made_into(file: PlantFile, item: str) -> str:
     way = [item]
     while (user := _user(file, way)) is not None:
         way.append(user)
-    return f" (needed for {chain_told(way[::-1])})" if len(way) > 1 else ""
+    return Reason("needed_for", chain=chain_told(way[::-1])) if len(way) > 1 else ""
 
 
 def chain_told(way: Sequence[str]) -> str:

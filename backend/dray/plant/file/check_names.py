@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from dray.plant.file.reasons import Reason
 from dray.plant.model import PlantFile
 
 Fault = tuple[str, str]
@@ -18,25 +19,24 @@ def name_faults(file: PlantFile) -> Iterator[Fault]:
         for at, name in enumerate(node.originals or (node.id,)):
             owner = owners.setdefault((node.map, name), node.id)
             if owner != node.id:
-                where = f" on map {node.map}" if node.map else ""
+                where = Reason("on_map", map=node.map) if node.map else ""
                 field = f"nodes[{index}].originals[{at}]" if node.originals else f"nodes[{index}].id"
-                yield field, f"vehicles call {owner} {name}, too{where}: write what they call this one"
+                yield field, Reason("original_twice", node=owner, name=name, map=where)
     for index, lane in enumerate(file.lanes):
         if lane.original_back and not lane.both_ways:
-            yield (
-                f"lanes[{index}].original_back",
-                "nobody drives back on a lane without `both_ways`: leave it out, or add that",
-            )
+            yield f"lanes[{index}].original_back", Reason("original_back")
 
 
 def _map_faults(file: PlantFile) -> Iterator[Fault]:
     maps = [frame.id for frame in file.maps]
     for index, name in enumerate(maps):
         if not name and len(maps) > 1:
-            yield f"maps[{index}].id", "is empty, and there are several maps: write the vehicles' `mapId`"
+            yield f"maps[{index}].id", Reason("map_empty")
         elif name in maps[:index]:
-            yield f"maps[{index}].id", f"{name} is there twice: a map has one place in the plant"
+            yield f"maps[{index}].id", Reason("map_twice", map=name)
     for index, node in enumerate(file.nodes):
         if node.map and node.map not in maps:
-            known = ", ".join(maps[:5]) or "none"
-            yield f"nodes[{index}].map", f"there is no map {node.map} in `maps` ({known}): add it there"
+            yield (
+                f"nodes[{index}].map",
+                Reason("no_map", map=node.map, known=tuple(maps[:5]) or Reason("none")),
+            )

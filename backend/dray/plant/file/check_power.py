@@ -11,6 +11,7 @@ from math import ceil
 
 from dray.errors import NoWay
 from dray.plant.charger_queue import WORTH_FRAC, ChargerQueue
+from dray.plant.file.reasons import Reason, counted
 from dray.plant.plant import Plant
 from dray.plant.restrictions import OPEN
 
@@ -33,23 +34,22 @@ def power_faults(plant: Plant) -> Iterator[tuple[str, str]]:
         plant: without other faults.
     """
     count, vehicles = len(plant.chargers), len(plant.fleet)
-    chargers = f"{count} charger{'s' * (count > 1)} for {vehicles} vehicle{'s' * (vehicles > 1)}"
+    chargers = Reason(
+        "chargers_for",
+        chargers=counted("chargers_one", "chargers_many", count),
+        vehicles=counted("vehicles_one", "vehicles_many", vehicles),
+    )
     needed = chargers_for_idle(plant)
     if needed > count:
-        reason = (
-            f"{chargers}: without any work they use {needed / count:.1f} times what can be charged, and run flat: "
-            f"write {ceil(needed)} chargers at least, a lower `idle_w`, or fewer vehicles"
-        )
-        yield FIELD, reason
+        yield FIELD, Reason("idle_energy", chargers=chargers, times=needed / count, count=ceil(needed))
         return
     queue = plant.charger_queue
     short = _short(plant, queue)
     if short:
-        reason = (
-            f"{chargers}: {short} may wait {queue.wait_s:.0f} s while others charge, and its battery does not last for that, "
-            f"the way and some work: {_remedy(plant)}"
+        yield (
+            FIELD,
+            Reason("charger_wait", chargers=chargers, type=short, wait_s=queue.wait_s, remedy=_remedy(plant)),
         )
-        yield FIELD, reason
 
 
 def chargers_for_idle(plant: Plant) -> float:
@@ -86,17 +86,17 @@ def _short(plant: Plant, queue: ChargerQueue) -> str:
     return ""
 
 
-def _remedy(plant: Plant) -> str:
+def _remedy(plant: Plant) -> tuple[Reason, ...]:
     """What would be enough."""
-    found = []
+    found: list[Reason] = []
     for chargers in range(len(plant.chargers) + 1, len(plant.fleet) + 1):
         if not _short(plant, ChargerQueue(plant, chargers=chargers)):
-            found.append(f"write {chargers} chargers at least")
+            found.append(Reason("remedy_chargers", count=chargers))
             break
     times = LARGER
     while times <= MOST_TIMES:
         if not _short(plant, ChargerQueue(plant, battery=times)):
-            found.append(f"batteries {times:.1f} times as large")
+            found.append(Reason("remedy_batteries", times=times))
             break
         times *= LARGER
-    return ", ".join([*found, "a higher `charge_w`, or fewer vehicles"])
+    return (*found, Reason("remedy_charge"))

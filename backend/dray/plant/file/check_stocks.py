@@ -22,7 +22,7 @@ def stock_faults(file: PlantFile, materials: Sequence[Material]) -> Iterator[Fau
     for where, stock in stocks_of(file):
         lot = lots.get(stock.material, 0)
         if stock.capacity < lot:
-            yield f"{where}.capacity", f"{stock.capacity} pieces are less than a lot of {lot}"
+            yield f"{where}.capacity", Reason("stock_small", count=stock.capacity, lot=lot)
     for index, storage in enumerate(file.storages):
         yield from once((stock.material for stock in storage.stocks), f"storages[{index}].stocks", "material")
     for index, warehouse in enumerate(file.warehouses):
@@ -63,14 +63,12 @@ def once(names: Iterable[str], where: str, key: str) -> Iterator[Fault]:
 
 def _warehouse(warehouse: Warehouse, where: str, parts: Collection[str]) -> Iterator[Fault]:
     if warehouse.stocks and warehouse.kind != "source":
-        reason = "nothing is fetched from a warehouse that products go to: leave it out"
-        yield f"{where}.stocks", reason
+        yield f"{where}.stocks", Reason("delivery_stocks")
     if warehouse.direct and not warehouse.stocks:
-        yield f"{where}.direct", f"{warehouse.id} has no `stocks`: say what machines fetch there"
+        yield f"{where}.direct", Reason("direct_nothing", warehouse=warehouse.id)
     for at, stock in enumerate(warehouse.stocks):
         if stock.material in parts:
-            reason = f"{stock.material} is made here and comes from nowhere else: keep it in a storage"
-            yield f"{where}.stocks[{at}].material", reason
+            yield f"{where}.stocks[{at}].material", Reason("part_in_warehouse", item=stock.material)
         yield from _unused(stock, f"{where}.stocks[{at}]")
 
 
@@ -85,21 +83,18 @@ def _refill(
         whole = lots[item]
         lot = whole if stock.lot is None else stock.lot
         if item not in supplied:
-            reason = (
-                f"no source warehouse has {item}: add it to the `stocks` of one, for vehicles to fetch it"
-            )
-            yield f"{field}.material", reason
+            yield f"{field}.material", Reason("no_source_of", item=item)
         if lot > whole:
-            reason = f"{lot} pieces are more than a vehicle brings at once: a container holds {whole}"
-            yield f"{field}.lot", reason
+            yield f"{field}.lot", Reason("lot_large", lot=lot, most=whole)
         elif stock.reorder_point is not None and stock.reorder_point + lot > stock.capacity:
-            room = f"above {stock.reorder_point} there is no room for {lot} more, of {stock.capacity}"
-            reason = f"{room}: lower it to {max(0, stock.capacity - lot)} at most"
+            most = max(0, stock.capacity - lot)
+            reason = Reason(
+                "reorder_high", point=stock.reorder_point, lot=lot, capacity=stock.capacity, most=most
+            )
             yield f"{field}.reorder_point", reason
 
 
 def _unused(stock: Stock, where: str) -> Iterator[Fault]:
     for name in ("reorder_point", "lot"):
         if getattr(stock, name) is not None:
-            reason = "it means something for materials of a storage with `refill: vehicles` only"
-            yield f"{where}.{name}", reason
+            yield f"{where}.{name}", Reason("stock_unused")

@@ -8,6 +8,7 @@ from zoneinfo import ZoneInfo
 
 from msgspec.structs import replace
 
+from dray.plant.file.reasons import Reason
 from dray.plant.model import PlantFile
 from dray.plant.working_time import WEEK_S, WorkingHours, WorkingTime
 
@@ -17,10 +18,7 @@ def working_time_faults(file: PlantFile) -> Iterator[tuple[str, str]]:
     try:
         ZoneInfo(file.time_zone)
     except (OSError, ValueError, KeyError):
-        yield (
-            "time_zone",
-            f"{file.time_zone} is no time zone that is known: write its IANA name, as Europe/Berlin",
-        )
+        yield "time_zone", Reason("time_zone", zone=file.time_zone)
     told = [(f"machines[{at}].working_time", each.working_time) for at, each in enumerate(file.machines)]
     there = [(f"areas[{at}].working_time", each.working_time) for at, each in enumerate(file.areas)]
     for field, hours in (("working_time", file.working_time), *told, *there):
@@ -33,6 +31,6 @@ def _hours_faults(field: str, hours: WorkingHours) -> Iterator[tuple[str, str]]:
         try:
             date.fromisoformat(holiday)
         except ValueError:
-            yield f"{field}.holidays[{at}]", f"{holiday} is no day of any year: write one as 2026-12-25"
+            yield f"{field}.holidays[{at}]", Reason("no_day", day=holiday)
     if not WorkingTime(replace(hours, holidays=())).between_s(WEEK_S, 2 * WEEK_S):
-        yield f"{field}.breaks", "they leave nothing of its shifts: make them shorter"
+        yield f"{field}.breaks", Reason("breaks")

@@ -24,6 +24,7 @@ from dray.plant.file.check_floor import floor_faults
 from dray.plant.file.check_levels import levels_of
 from dray.plant.file.check_power import power_faults
 from dray.plant.file.document import Document, read_document, write_document
+from dray.plant.file.reasons import Reason
 from dray.plant.file.unfinished import drawable, entry_type, has_null, open_points
 from dray.plant.model import MachineSpec, Making, PlantFile, Product
 from dray.plant.plant import Plant
@@ -34,16 +35,17 @@ MAX_BYTES = 8 * 1024 * 1024
 MAX_FAULTS = 100
 """Faults that are spelt out; whoever has more corrects these first."""
 
-OUR_WORDS = (
-    (re.compile("^Object missing required field (`.*`)$"), r"\1 is missing: add it"),
-    (re.compile("^Object contains unknown field (`.*`)$"), r"\1 is no field of this: check its spelling"),
-    (re.compile("^Expected `array` of length >= 1$"), "is empty: write at least one entry"),
-    (
-        re.compile(r"^Expected `str` matching regex .*202e.*$"),
-        "holds a character that cannot be seen or turns text round, as U+202E does: write it anew",
-    ),
+MISFITS = (
+    (re.compile("^Object missing required field `(?P<name>.*)`$"), "missing"),
+    (re.compile("^Object contains unknown field `(?P<name>.*)`$"), "unknown_field"),
+    (re.compile("^Expected `array` of length >= 1$"), "is_empty"),
+    (re.compile("^Expected `str` matching regex .*202e.*$"), "unseen"),
+    (re.compile("^Expected `str` matching regex (?P<regex>.*)$"), "pattern"),
+    (re.compile("^Expected `(?P<wanted>.*)`, got `(?P<got>.*)`$"), "other_kind"),
+    (re.compile("^Expected `(?P<wanted>.*)` (?P<bound>.*)$"), "bounds"),
+    (re.compile("^Invalid enum value (?P<value>.*)$"), "none_of_these"),
 )
-"""Where msgspec does not say what to do."""
+"""What msgspec says of a value that is not of its kind, and our code of it."""
 
 DEFAULT_PLANT = "default.yaml"
 """The factory of the paper's Figure 1, part of the package."""
@@ -290,10 +292,10 @@ def _shape_faults(data: dict[str, object]) -> Iterator[tuple[str, str]]:
                 continue
             yield from _section_faults(name, data[name], section.type)
         elif section.required:
-            yield "", f"`{name}` is missing: add it"
+            yield "", Reason("missing", name=name)
     for name in data:
         if name not in sections:
-            yield name, "there is no such section: check its spelling"
+            yield name, Reason("no_such_section")
 
 
 def _section_faults(name: str, value: object, kind: object) -> Iterator[tuple[str, str]]:
@@ -321,14 +323,14 @@ def _rest_faults(
     types = {field.name: field.type for field in msgspec.structs.fields(kind)}
     for name, value in entry.items():
         if name not in types:
-            yield f"{where}.{name}", "there is no such field here: check its spelling"
+            yield f"{where}.{name}", Reason("no_such_field")
         elif not has_null(value):
             fault = _misfit(f"{where}.{name}", value, types[name])
             if fault is not None:
                 yield fault
     for field in msgspec.structs.fields(kind):
         if field.required and field.name not in entry:
-            yield where, f"`{field.name}` is missing: add it"
+            yield where, Reason("missing", name=field.name)
 
 
 def _misfit(field: str, value: object, kind: object) -> tuple[str, str] | None:
@@ -336,8 +338,14 @@ def _misfit(field: str, value: object, kind: object) -> tuple[str, str] | None:
     try:
         msgspec.convert(value, kind)
     except msgspec.ValidationError as error:
-        reason, _, path = str(error).partition(" - at `$")
-        for form, ours in OUR_WORDS:
-            reason = form.sub(ours, reason)
-        return field + path.rstrip("`"), reason[:1].lower() + reason[1:]
+        words, _, path = str(error).partition(" - at `$")
+        return field + path.rstrip("`"), _reason(words)
     return None
+
+
+def _reason(words: str) -> Reason:
+    """What msgspec says, with our code."""
+    for form, code in MISFITS:
+        if found := form.match(words):
+            return Reason(code, **found.groupdict())
+    return Reason("misfit", words=words[:1].lower() + words[1:])

@@ -12,6 +12,7 @@ from typing import Annotated, Any, Union, get_args, get_origin
 
 import msgspec
 
+from dray.plant.file.reasons import PART_TEXTS, Reason
 from dray.plant.model import Box, Node, PlantFile
 from dray.plant.plant import Plant
 
@@ -21,33 +22,8 @@ Fault = tuple[str, str]
 AT_LEAST_M = 1.0
 """Of a floor that nobody has measured, beyond its last node; and the sides of a box that nobody has measured."""
 
-HINTS = {
-    "areas": "the parts of the floor that operators are responsible for, or [] for none",
-    "battery_wh": "watt-hours of a full battery, from the data sheet",
-    "box": "where it stands on the floor: x_m and y_m of its middle, width_m, depth_m",
-    "chargers": "where vehicles charge: id, node and box of each",
-    "charge_w": "watts while it charges, from the data sheet",
-    "doors": "the doors that open by themselves, or [] for none",
-    "fleet": "the vehicles: id, type and the node where each stands at the beginning",
-    "kind": "source or delivery",
-    "length_m": "of the vehicle with its load",
-    "load_s": "seconds that loading takes",
-    "machines": "what makes products: id, name, station, node, box and makes of each",
-    "makes": "the products that it makes, and cycle_s of each",
-    "materials": "what machines consume: id, name, lot and buffer of each",
-    "max_speed_mps": "metres in a second, from the data sheet",
-    "node": "where vehicles stand: a node of this file",
-    "opening_s": "seconds from shut to open",
-    "products": "what machines make: id, name, lot and bill of each",
-    "stations": "groups of machines: id and name of each",
-    "stocks": "the materials that it keeps, and the capacity of each",
-    "storages": "where material waits near the machines: id, name, node, box and stocks of each",
-    "unload_s": "seconds that unloading takes",
-    "vehicle_types": "the makes of vehicles: id and name of each, and what differs from the defaults",
-    "warehouses": "where material comes from and goods go to: id, name, kind, node and box of each",
-    "width_m": "of the vehicle with its load",
-}
-"""By the name of the field: what to write."""
+HINTED = frozenset(code.removeprefix("hint_") for code in PART_TEXTS if code.startswith("hint_"))
+"""Names of fields of which a hint says what to write."""
 
 BOXED = ("warehouses", "storages", "chargers", "machines")
 """Sections whose entries stand somewhere on the floor."""
@@ -68,11 +44,7 @@ def open_points(data: Mapping[str, object]) -> Iterator[Fault]:
 
 def unassigned_fault(index: int, name: str, node: str) -> Fault:
     """That nobody has said what a station is."""
-    where = "machines, storages, warehouses, chargers or parkings"
-    return (
-        f"unassigned[{index}]",
-        f"nobody has said what {name} at {node} is: move it to {where}, or remove it",
-    )
+    return f"unassigned[{index}]", Reason("unassigned", name=name, node=node)
 
 
 def has_null(value: object) -> bool:
@@ -145,7 +117,7 @@ def _nulls(where: str, value: object, kind: object) -> Iterator[Fault]:
         kind = next(one for one in get_args(kind) if one is not NoneType)
     if value is None:
         name = where.rpartition(".")[2]
-        yield where, f"is open: {HINTS.get(name, 'write a value')}"
+        yield where, Reason("open", hint=Reason(f"hint_{name}" if name in HINTED else "hint"))
     elif isinstance(value, dict) and _is_struct(kind):
         types = {field.name: field.type for field in msgspec.structs.fields(kind)}  # type: ignore[arg-type]
         for name, inner in value.items():

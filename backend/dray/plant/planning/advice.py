@@ -12,6 +12,7 @@ from typing import Literal
 
 import msgspec
 
+from dray.plant.file.reasons import Reason, counted, joined, listed
 from dray.plant.floor.sizes import too_large_for
 from dray.plant.model import Material, Product
 from dray.plant.planning.advice_floor import floor_advice
@@ -52,7 +53,7 @@ class Advice(msgspec.Struct, frozen=True):
     crossing, way or door."""
     field: str
     """The section of the plant file."""
-    text: str
+    text: Reason
     """What is short, a figure, and what to do."""
     load_frac: float = 1.0
     """The load (part of the machines' time) at which it is full; 1 where it is none of that."""
@@ -88,7 +89,7 @@ def advice(plant: Plant, load_frac: float | None = None) -> list[Advice]:
 
 def _asked(warning: Advice, load_frac: float) -> Advice:
     """What is full below the load that orders will take."""
-    text = f"{warning.text}; orders of {load_frac:.1%} cannot be served"
+    text = Reason("asked_load", text=warning.text, load_pct=100.0 * load_frac)
     return msgspec.structs.replace(warning, level="error", text=text)
 
 
@@ -102,24 +103,24 @@ def _dwell_points(plant: Plant) -> Iterator[Advice]:
     missing = fleet - dwell_points
     if missing <= 0:
         return
-    wait = [f"{missing} without work wait on the roads"]
+    wait = [Reason("waits_on_roads", count=missing)]
     if spare.reserve:
-        wait.append(
-            f"{len(spare.reserve) + len(spare.shut)} are a reserve, which takes no work that others can do"
-        )
+        wait.append(Reason("waits_reserve", count=len(spare.reserve) + len(spare.shut)))
     if spare.others:
-        wait.append(f"{len(spare.others)} wait in somebody's way")
+        wait.append(Reason("waits_in_way", count=len(spare.others)))
     homeless = missing - len(spare.all)
     if homeless:
-        wait.append(
-            f"{homeless} find no place that is not before a dock: the floor bears {fleet - homeless} vehicles at most"
-        )
-    text = (
-        f"{dwell_points} dwell points ({len(plant.chargers)} chargers, {len(plant.parkings)} parking places) for {fleet} "
-        f"vehicles: {', '.join(wait)}; add {missing} parking place{'s' * (missing > 1)}"
+        wait.append(Reason("waits_nowhere", count=homeless, most=fleet - homeless))
+    text = Reason(
+        "dwell_points",
+        places=dwell_points,
+        chargers=len(plant.chargers),
+        parkings=len(plant.parkings),
+        vehicles=fleet,
+        waits=tuple(wait),
+        add=counted("add_parking", "add_parkings", missing),
+        away=counted("or_away", "or_away_many", homeless) if homeless else "",
     )
-    if homeless:
-        text += f", or take {homeless} vehicle{'s' * (homeless > 1)} away"
     yield Advice("dwell_points", "parkings", text, level="error" if homeless else "warning")
 
 
@@ -127,9 +128,11 @@ def _uncounted(plant: Plant) -> Iterator[Advice]:
     """Docks that do not count: what vehicles say to have brought or taken there is believed."""
     blind = [spec.id for spec in plant.machines.values() if not spec.counts]
     if blind:
-        text = (
-            f"{len(blind)} of {len(plant.machines)} machines do not count what vehicles bring and take "
-            f"({', '.join(blind[:MOST_OF_A_KIND])}): their word is believed there; give the docks a counter"
+        text = Reason(
+            "uncounted",
+            count=len(blind),
+            machines=len(plant.machines),
+            names=tuple(blind[:MOST_OF_A_KIND]),
         )
         yield Advice("uncounted", "machines", text)
 
@@ -140,10 +143,12 @@ def _large(plant: Plant) -> Iterator[Advice]:
     for kind in plant.vehicle_types.values():
         nodes = too_large_for(plant.file, kind)
         if nodes and kind.id in driving:
-            more = f" and {len(nodes) - MOST_OF_A_KIND} more" if len(nodes) > MOST_OF_A_KIND else ""
-            text = (
-                f"{kind.id} is {kind.length_m:g} m x {kind.width_m:g} m with its load, and does not come to "
-                f"{', '.join(nodes[:MOST_OF_A_KIND])}{more}, where `max_vehicle` is smaller: its ways lead round them"
+            text = Reason(
+                "large",
+                type=kind.id,
+                length_m=kind.length_m,
+                width_m=kind.width_m,
+                nodes=listed(nodes, MOST_OF_A_KIND),
             )
             yield Advice("large", "nodes", text, about=tuple((node,) for node in nodes))
 
@@ -152,10 +157,13 @@ def _ranges(flow: Flow) -> Iterator[Advice]:
     """A transport that takes more than a battery holds is refused for ever."""
     for stream in flow.streams:
         if stream.dearest_frac > stream.usable_frac:
-            text = (
-                f"one transport of {stream.item} from {stream.source} to {stream.destination} takes "
-                f"{stream.dearest_frac:.0%} of a battery of which {stream.usable_frac:.0%} can be used: "
-                "a larger battery, or shorter ways"
+            text = Reason(
+                "range",
+                item=stream.item,
+                source=stream.source,
+                destination=stream.destination,
+                takes_pct=100.0 * stream.dearest_frac,
+                usable_pct=100.0 * stream.usable_frac,
             )
             yield Advice("range", "vehicle_types", text, 0.0)
             return
@@ -166,10 +174,14 @@ def _queue(plant: Plant) -> Iterator[Advice]:
     queue = plant.charger_queue
     kind = max(sorted({spec.type for spec in plant.fleet.values()}), key=queue.base_frac)
     if queue.base_frac(kind) > KEPT_FRAC:
-        text = (
-            f"{len(plant.chargers)} for {len(plant.fleet)} vehicles: {kind} stops working with {queue.base_frac(kind):.0%} "
-            f"left, for it may wait {queue.wait_s:.0f} s while {queue.ahead} other{'s' * (queue.ahead > 1)} charge; "
-            "more chargers, or a larger battery"
+        text = Reason(
+            "charger_queue",
+            chargers=len(plant.chargers),
+            vehicles=len(plant.fleet),
+            type=kind,
+            left_pct=100.0 * queue.base_frac(kind),
+            wait_s=queue.wait_s,
+            ahead=counted("others_one", "others_many", queue.ahead),
         )
         yield Advice("queue", "chargers", text)
 
@@ -192,26 +204,17 @@ def _limits(plant: Plant, flow: Flow, load_frac: float | None) -> Iterator[Advic
         yield Advice(limit.kind, field, _text(limit), limit.load_frac)
 
 
-def _text(limit: Limit) -> str:
+def _text(limit: Limit) -> Reason:
     """The limit in words."""
     if limit.load_frac < NO_LOAD_FRAC and limit.kind == "charger":
-        return f"{limit.name}: they use more than can be charged, without any work; {limit.remedy}"
-    full = f"full at {limit.load_frac:.1%} of the machines' time"
-    match limit.kind:
-        case "machine":
-            return f"{limit.name} is {full} if all products are ordered equally often: {limit.remedy}"
-        case "buffer":
-            return f"{limit.name} lasts less than a transport takes, {full}: {limit.remedy}"
-        case "dock":
-            return f"vehicles at {limit.name} need {limit.asks:.1f} times the time that there is, {full}: {limit.remedy}"
-        case "material":
-            return f"{limit.name} is used {limit.asks:.1f} times as fast as storages are refilled, {full}: {limit.remedy}"
-        case "vehicles":
-            return (
-                f"{limit.name}: {limit.asks:.1f} times as much to carry as they can, {full}; {limit.remedy}"
-            )
-        case _:
-            return f"{limit.name}: {limit.asks:.1f} times as much energy is used as they give, {full}; {limit.remedy}"
+        return Reason("limit_no_energy", name=limit.name, remedy=limit.remedy)
+    return Reason(
+        f"limit_{limit.kind}",
+        name=limit.name,
+        asks=limit.asks,
+        load_pct=100.0 * limit.load_frac,
+        remedy=limit.remedy,
+    )
 
 
 def _alone(plant: Plant) -> Iterator[Advice]:
@@ -221,10 +224,13 @@ def _alone(plant: Plant) -> Iterator[Advice]:
         able = plant.able(ability)
         if len(able) == 1:
             carried = [item.id for item in items.values() if item.ability == ability]
-            more = f" and {len(carried) - 3} more" if len(carried) > 3 else ""
-            text = (
-                f"{able[0]} alone of {len(plant.fleet)} carries {ability} ({', '.join(carried[:3])}{more}): nobody "
-                f"watches it or takes over when it fails; add another {plant.fleet[able[0]].type}"
+            text = Reason(
+                "alone",
+                vehicle=able[0],
+                vehicles=len(plant.fleet),
+                ability=ability,
+                items=listed(carried),
+                type=plant.fleet[able[0]].type,
             )
             yield Advice("alone", "fleet", text)
 
@@ -235,17 +241,12 @@ def _traps(plant: Plant) -> Iterator[Advice]:
     reached, reaching = plant.roads.reached_from(home), plant.roads.reaching(home)
     trapped = [node for node in plant.nodes if node in reached and node not in reaching]
     lost = [node for node in plant.nodes if node not in reached]
-    for nodes, what, remedy in (
-        (trapped, "can be entered and not left", "add a lane that leads back"),
-        (lost, "cannot be reached", "add a lane that leads there, or remove it"),
-    ):
+    for nodes, code in ((trapped, "trapped"), (lost, "lost")):
         if nodes:
-            more = f" and {len(nodes) - 3} more" if len(nodes) > 3 else ""
-            yield Advice("trap", "nodes", f"{', '.join(nodes[:3])}{more} {what}: {remedy}")
+            yield Advice("trap", "nodes", Reason(code, nodes=listed(nodes)))
     docks: dict[str, list[str]] = {}
     for place in (*plant.machines, *plant.storages, *plant.warehouses, *plant.dwell_points):
         docks.setdefault(plant.node_of(place), []).append(place)
     for node, places in docks.items():
         if len(places) > 1:
-            text = f"{' and '.join(places)} have one dock, {node}: whoever stands at one keeps others from the rest; give each its own"
-            yield Advice("trap", "nodes", text)
+            yield Advice("trap", "nodes", Reason("one_dock", places=joined("and", places), node=node))

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from dray.plant.planning.room import Finding, listed, room_faults
+from dray.plant.file.reasons import Reason, joined, listed
+from dray.plant.planning.room import Finding, room_faults
 from dray.plant.plant import Plant
 
 
@@ -20,11 +21,8 @@ def _merged(plant: Plant) -> Iterator[Finding]:
     """Two-lane roads without a stop point between two crossings: they are crossed, and waited for, as one."""
     found = [crossing for crossing in plant.crossings.values() if len(crossing.nodes) > 1]
     if found:
-        told = listed([" and ".join(crossing.nodes) for crossing in found])
-        text = (
-            f"there is no room for a stop point between {told}: each is one crossing for one vehicle at a time; "
-            "move them apart, or make them one node"
-        )
+        told = listed([joined("and", crossing.nodes) for crossing in found])
+        text = Reason("merged", places=told)
         yield "crossing", "lanes", text, tuple(crossing.nodes for crossing in found)
 
 
@@ -39,7 +37,7 @@ def _docks_in_the_way(plant: Plant) -> Iterator[Finding]:
         if len(beside) > 1 and not _is_open(plant, dock, docks):
             found.append(dock)
     if found:
-        text = f"vehicles dock at {listed(found)} in the only way to others, who wait for them: give each dock a spur"
+        text = Reason("dock_in_way", nodes=listed(found))
         yield "way", "nodes", text, tuple((dock,) for dock in found)
 
 
@@ -47,15 +45,12 @@ def _no_turning(plant: Plant) -> Iterator[Finding]:
     """Doors before which no lane leads back: whoever stands there when one fails has to wait for people."""
     roads = plant.roads
     found = {
-        (start, end): f"{door.name} at {start}"
+        (start, end): Reason("at", name=door.name, place=start)
         for (start, end), door in plant.door_on.items()
         if all(lane.end == end for lane in roads.leaving[start])
     }
     if found:
-        text = (
-            f"no lane leads back from before {listed(list(found.values()))}: who stands there when the door does not open waits for "
-            "people; on a single track with another lane at its node it turns by itself"
-        )
+        text = Reason("no_turning", doors=listed(list(found.values())))
         yield "door", "doors", text, tuple(found)
 
 

@@ -18,6 +18,7 @@ from dataclasses import dataclass
 from itertools import combinations
 
 from dray.plant.charger_queue import CHANGEOVER_S
+from dray.plant.file.reasons import Reason, joined
 from dray.plant.model import VehicleType
 from dray.plant.plant import Plant
 
@@ -92,7 +93,7 @@ class Limit:
     kind: str
     name: str
     load_frac: float
-    remedy: str
+    remedy: Reason
 
     @property
     def asks(self) -> float:
@@ -143,7 +144,7 @@ class Flow:
             busy = sum(shares.values())
             if busy > 0.0:
                 most = max(shares, key=lambda product: shares[product])
-                remedy = f"let another machine make {most} too"
+                remedy = Reason("remedy_make", product=most)
                 yield Limit("machine", machine, 1.0 / busy, remedy)
 
     def _buffer_limits(self) -> Iterator[Limit]:
@@ -161,16 +162,14 @@ class Flow:
                 )
                 limit = max(material.buffer - used, 1) / (stream.lead_s * per_s[machine, stream.item])
                 # Short of material a machine waits; it need not be without it for longer than a load leaves it idle.
-                remedy = (
-                    f"a larger buffer for {stream.item} than {material.buffer} pieces, or a storage nearer by"
-                )
-                yield Limit("buffer", f"{stream.item} at {machine}", limit, remedy)
+                remedy = Reason("remedy_buffer", item=stream.item, buffer=material.buffer)
+                yield Limit("buffer", Reason("at", name=stream.item, place=machine), limit, remedy)
             elif stream.source in plant.machines:
                 machine = stream.source
                 room = plant.machines[machine].goods_capacity
                 limit = room / (stream.lead_s * per_s[machine, stream.item])
-                remedy = f"a larger goods_capacity than {room} pieces, or a delivery nearer by"
-                yield Limit("buffer", f"{stream.item} from {machine}", limit, remedy)
+                remedy = Reason("remedy_goods", room=room)
+                yield Limit("buffer", Reason("from", name=stream.item, place=machine), limit, remedy)
 
     def _dock_limits(self) -> Iterator[Limit]:
         """One vehicle at a time stands at a dock, as long as it loads or unloads."""
@@ -180,8 +179,7 @@ class Flow:
             for place, takes_s in ((stream.source, load_s), (stream.destination, unload_s)):
                 used[place] = used.get(place, 0.0) + stream.per_s * (takes_s + CHANGEOVER_S)
         for place, part in used.items():
-            remedy = "larger lots, quicker handling, or another place that shares the work"
-            yield Limit("dock", place, 1.0 / part, remedy)
+            yield Limit("dock", place, 1.0 / part, Reason("remedy_dock"))
 
     def _material_limits(self) -> Iterator[Limit]:
         """A storage that fills itself gives what it holds, once in the time of a refill; what vehicles bring takes these."""
@@ -199,7 +197,7 @@ class Flow:
                 for stock in plant.stores[place].stocks
                 if stock.material == item
             ]
-            remedy = f"more than {sum(kept)} pieces of it in storages, or another storage that keeps it"
+            remedy = Reason("remedy_material", kept=sum(kept))
             yield Limit("material", item, sum(kept) / REFILL_S / per_s, remedy)
 
     def _vehicle_limits(self) -> Iterator[Limit]:
@@ -214,9 +212,9 @@ class Flow:
             busy = sum(needed_s[ability] for ability in chosen)
             given = sum(self._count[name] * self._working_frac(self._kinds[name]) for name in able)
             count = sum(self._count[name] for name in able)
-            name = f"{count} that carry {' or '.join(chosen)}"
+            name = Reason("that_carry", count=count, abilities=joined("or", chosen))
             more = max(1, round(busy / max(given, 1e-9) * count + 0.5) - count) if given > 0.0 else count
-            yield Limit("vehicles", name, given / busy, f"{more} more, or larger lots")
+            yield Limit("vehicles", name, given / busy, Reason("remedy_vehicles", count=more))
 
     def _charger_limits(self) -> Iterator[Limit]:
         """All that the fleet uses comes through the chargers."""
@@ -227,9 +225,10 @@ class Flow:
         )
         idle_w = sum(count * kind.idle_w for count, kind in fleet)
         work_w = sum(stream.per_s * stream.energy_wh * 3600.0 for stream in self.streams)
-        name = f"{len(plant.chargers)} for {len(plant.fleet)} vehicles"
+        vehicles = Reason("vehicles_many", count=len(plant.fleet))
+        name = Reason("chargers_for", chargers=len(plant.chargers), vehicles=vehicles)
         needed = (idle_w + work_w) / max(given_w / len(plant.chargers), 1e-9)
-        remedy = f"{max(1, round(needed + 0.5) - len(plant.chargers))} more"
+        remedy = Reason("remedy_more", count=max(1, round(needed + 0.5) - len(plant.chargers)))
         yield Limit("charger", name, max(0.0, given_w - idle_w) / max(work_w, 1e-9), remedy)
 
     # --- how it is done ---

@@ -18,6 +18,7 @@ from itertools import product
 from math import ceil, floor, hypot, pi
 from typing import NamedTuple, TypeVar
 
+from dray.plant.file.reasons import Reason, listed
 from dray.plant.floor.clearance import (
     CLEARANCE_M,
     SAME_RAD,
@@ -36,11 +37,8 @@ T = TypeVar("T")
 Subject = tuple[str, ...]
 """What a finding is about: nodes, by their ids."""
 
-Finding = tuple[str, str, str, tuple[Subject, ...]]
+Finding = tuple[str, str, Reason, tuple[Subject, ...]]
 """Kind, section of the file, text, and all that it is about, in the order of the text."""
-
-SHOWN = 3
-"""Examples in one text."""
 
 ERRORS = frozenset({"near", "narrow", "touch"})
 """The kinds that are errors."""
@@ -66,12 +64,6 @@ def room_faults(plant: Plant) -> Iterator[Finding]:
     yield from room.places()
     yield from room.beside_lanes()
     yield from room.meeting_lanes()
-
-
-def listed(found: list[str]) -> str:
-    """The first few of some examples, and how many more there are."""
-    more = f" and {len(found) - SHOWN} more" if len(found) > SHOWN else ""
-    return f"{', '.join(found[:SHOWN])}{more}"
 
 
 class Room:
@@ -115,7 +107,7 @@ class Room:
 
     def places(self) -> Iterator[Finding]:
         """Pairs of places where vehicles touch one another that stand or turn there."""
-        found: dict[Subject, str] = {}
+        found: dict[Subject, Reason] = {}
         cells: dict[tuple[int, int], list[str]] = {}
         for node in self._stops:
             here = self._plant.nodes[node]
@@ -125,13 +117,14 @@ class Room:
                 if short_m > 0.0:
                     away_m = hypot(here.x_m - there.x_m, here.y_m - there.y_m)
                     needed_m = ceil((away_m + short_m) * 100.0 - 1e-6) / 100.0
-                    found[other, node] = f"{other} and {node} ({away_m:.2f} m, {needed_m:.2f} m needed)"
+                    found[other, node] = Reason(
+                        "pair_room", one=other, other=node, away_m=away_m, needed_m=needed_m
+                    )
             cells.setdefault(self._cell(here.x_m, here.y_m), []).append(node)
         if found:
             size = self._largest(node for pair in found for node in pair)
-            text = (
-                f"{listed(list(found.values()))} are nearer to one another than vehicles of {size.length_m:g} m x "
-                f"{size.width_m:g} m can stand and turn on the spot: move them apart, or make them one node"
+            text = Reason(
+                "near", pairs=listed(list(found.values())), length_m=size.length_m, width_m=size.width_m
             )
             yield "near", "nodes", text, tuple(found)
 
@@ -151,13 +144,16 @@ class Room:
                     found[node] = (lane, short_m)
         if found:
             told = [
-                f"{node} (from {lane.start} to {lane.end}, {ceil(short_m * 100.0 - 1e-6) / 100.0:.2f} m short)"
+                Reason(
+                    "beside_lane",
+                    node=node,
+                    start=lane.start,
+                    end=lane.end,
+                    short_m=ceil(short_m * 100.0 - 1e-6) / 100.0,
+                )
                 for node, (lane, short_m) in found.items()
             ]
-            text = (
-                f"who stands at {listed(told)} is in the way of whoever drives past: move the place or the lane away, "
-                "so far that a vehicle passes and the other one can turn on the spot"
-            )
+            text = Reason("narrow", places=listed(told))
             subjects = tuple((node, lane.start, lane.end) for node, (lane, _) in found.items())
             yield "narrow", "nodes", text, subjects
 
@@ -167,7 +163,7 @@ class Room:
         chain_of = {corner: ends for ends, chain in plant.corners.items() for corner in chain}
         cells: dict[tuple[int, int], list[int]] = {}
         pieces: list[tuple[DirectedLane, frozenset[str], frozenset[str]]] = []
-        found: dict[frozenset[frozenset[str]], str] = {}
+        found: dict[frozenset[frozenset[str]], Reason] = {}
         driven_over: set[frozenset[str]] = set()
         for lane in plant.lanes:
             both = frozenset((lane.start, lane.end))
@@ -189,15 +185,12 @@ class Room:
                 if len(pair) < 2 or pair in found or crossed & taken:
                     continue
                 if self._meet(lane, whole, against, other):
-                    found[pair] = f"{' to '.join(sorted(other))} and {' to '.join(sorted(whole))}"
+                    found[pair] = Reason("and", one=_road(other), other=_road(whole))
             pieces.append((lane, whole, crossed))
             for cell in self._cells_of(lane):
                 cells.setdefault(cell, []).append(len(pieces) - 1)
         if found:
-            text = (
-                f"lanes cross or touch without a common node: {listed(list(found.values()))}; vehicles on them are not kept apart: "
-                "give them a node where they meet, or move them apart"
-            )
+            text = Reason("touch", pairs=listed(list(found.values())))
             subjects = tuple(tuple(sorted(map("--".join, map(sorted, pair)))) for pair in found)
             yield "touch", "lanes", text, subjects
 
@@ -364,6 +357,11 @@ class Room:
         for step in range(steps + 1):
             part = step / steps
             yield start.x_m + part * (end.x_m - start.x_m), start.y_m + part * (end.y_m - start.y_m)
+
+
+def _road(ends: frozenset[str]) -> Reason:
+    start, end = sorted(ends)
+    return Reason("from_to", start=start, end=end)
 
 
 def _past(start: Node, end: Node, length_m: float, size: Size) -> Rectangle | None:

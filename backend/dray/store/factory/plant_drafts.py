@@ -57,7 +57,7 @@ class DraftRow(DraftLine, frozen=True, gc=False):
     data: str
     """The content as JSON."""
     notes: str
-    """What was said when its file was read, as a JSON list of lines."""
+    """What was said when its file was read, as a JSON list: of objects, or of lines in one from before these."""
     plan_type: str = ""
     """The media type of its floor plan; empty if it has none."""
     owner: str = ""

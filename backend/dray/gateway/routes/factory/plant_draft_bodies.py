@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 import msgspec
 from pydantic import BaseModel, ConfigDict, Field
 
-from dray.gateway.factory.plant_drafts import FindingView
+from dray.gateway.factory.plant_drafts import FindingView, NoteView
 from dray.gateway.factory.shift_player import PlayView, ShiftFigures
 from dray.gateway.http.request_bodies import NOTE, Line
 from dray.store.factory.plant_drafts import DraftLine
@@ -42,7 +42,7 @@ class DraftView(msgspec.Struct, frozen=True, kw_only=True):
     """A plant file of any shape; what is null in it is open. `closed` lists lanes that are not driven in the draft, `plan` says where its floor
     plan lies."""
     findings: tuple[FindingView, ...]
-    notes: tuple[str, ...]
+    notes: tuple[NoteView, ...]
     """What was odd in the file that it was made of."""
     plan_type: str
     """The media type of its floor plan; empty if it has none."""

@@ -10,7 +10,7 @@ import base64
 import msgspec
 
 from dray.errors import PlantError
-from dray.gateway.factory.plant_drafts import MAX_DEPTH, as_yaml, deeper_than, findings, read_file
+from dray.gateway.factory.plant_drafts import MAX_DEPTH, NoteView, as_yaml, deeper_than, findings, read_file
 from dray.gateway.http.problems import FieldError, unusable
 from dray.gateway.http.unread import read
 from dray.gateway.routes.factory.plant_draft_bodies import ChangedDraft, DraftView, FloorPlan, NewDraft
@@ -41,7 +41,7 @@ def new_draft(body: bytes, running: bytes) -> ReadDraft:
         running: the running plant's file.
     """
     request = read(NewDraft, body)
-    name, file_name, notes = request.name, request.file_name, list[str]()
+    name, file_name, notes = request.name, request.file_name, list[NoteView]()
     data = running.decode()
     file = _file(request)
     if isinstance(file, FieldError):
@@ -51,7 +51,7 @@ def new_draft(body: bytes, running: bytes) -> ReadDraft:
         try:
             content, notes = read_file(file, file_name, onto, request.unit)
         except PlantError as error:
-            return ReadDraft(name=name, file_name=file_name, fault=FieldError("file", error.reason))
+            return ReadDraft(name=name, file_name=file_name, fault=FieldError("file", str(error.reason)))
         data = _encoded(content)
     return ReadDraft(name=name, file_name=file_name, data=data, notes=_encoded(notes))
 
@@ -86,7 +86,11 @@ def draft_view(row: DraftRow) -> bytes:
         at_s=row.at_s,
         data=data,
         findings=tuple(findings(data)),
-        notes=tuple(msgspec.json.decode(row.notes)),
+        notes=tuple(
+            NoteView(text=each) if isinstance(each, str) else msgspec.convert(each, NoteView)
+            # One that was made before has lines of text.
+            for each in msgspec.json.decode(row.notes)
+        ),
         plan_type=row.plan_type,
     )
     return msgspec.json.encode(view)

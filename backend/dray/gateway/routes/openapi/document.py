@@ -14,7 +14,7 @@ from dray.gateway.access.rules import RULES, Rule
 from dray.gateway.factory.area_pause import PauseAnswer
 from dray.gateway.factory.closings import Outlook
 from dray.gateway.factory.figures import KpiHistory
-from dray.gateway.factory.plant_drafts import FindingView
+from dray.gateway.factory.plant_drafts import FindingView, NoteView
 from dray.gateway.factory.promises import PromiseLedger
 from dray.gateway.factory.shift_player import PlayView
 from dray.gateway.factory.shift_report import ShiftReport
@@ -96,6 +96,7 @@ SHAPES = (
     TargetsView,
     FaultView,
     FindingView,
+    NoteView,
     ImportAnswer,
     KeyAnswer,
     KpiHistory,

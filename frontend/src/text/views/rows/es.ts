@@ -154,7 +154,7 @@ export const rows: Catalogue<typeof en> = {
   "problem.not-on-duty": "Empiece primero el servicio.",
   "problem.not-recorded": "Quizá se hizo, pero no se pudo anotar. Compruébelo e inténtelo de nuevo.",
   "problem.not-simulated": "Los fallos solo se pueden provocar a mano en una fábrica simulada.",
-  "problem.no-scenario": "Aquí no se juega ningún escenario.",
+  "problem.no-scenario": "Aquí no se reproduce ningún escenario.",
   "problem.scenario-over": "El escenario ha terminado: no hay paso siguiente.",
   "problem.order-ended": "Este pedido ha terminado. Haga otro.",
   "problem.other-origin": "Abra el panel con la dirección con la que se pregunta al gateway.",

@@ -28,7 +28,7 @@ export const transports: Catalogue<typeof en> = {
   "called.nearest": "almacén más cercano",
   "called.anyVehicle": "cualquiera",
   "called.only": "ningún otro, tarde lo que tarde",
-  "called.ability": "Vehículo que lleva",
+  "called.ability": "Vehículo capaz de llevar",
   "called.noAbility": "lo que pide el material",
   "called.notBefore": "No antes de (opcional)",
   "called.begins": "empieza {at}",
