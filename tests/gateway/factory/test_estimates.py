@@ -10,6 +10,7 @@ from heartbeats import machine_heartbeat
 from tracking_kit import GOAL, MACHINE, OTHER_MACHINE, VEHICLE, WAY_OUT, Story
 from wall_clock import NOW_S
 
+from dray.gateway.factory import estimate_keeper
 from dray.gateway.factory.estimate_keeper import ORDERS_AT_ONCE, EstimateKeeper
 from dray.gateway.factory.estimates import Since, estimate, moved
 from dray.gateway.factory.lateness import Hold
@@ -120,6 +121,12 @@ def test_what_can_be_told_again_is_so_or_goes_on_elsewhere() -> None:
 
 
 # --- with a gateway and a database --------------------------------------------------------------------
+
+
+@pytest.fixture(autouse=True)
+def looks_by_hand(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Only the test looks, however long it takes."""
+    monkeypatch.setattr(estimate_keeper, "LOOK_EVERY_S", 3_600.0)
 
 
 async def look(house: House) -> None:
