@@ -70,8 +70,8 @@ async def test_it_begins_by_itself(house: House) -> None:
     house.wall.now_s = BEGIN_S
     again = await house.client.post(PATH, json={**DRAFT, "not_before": None})
     assert again.status_code == 201  # It wakes who looks.
-    while name not in asked(house):
-        await house.bus.next_to("M8", TransportOrdered)
+    await house.bus.next_to("M8", TransportOrdered, after=1)
+    assert set(asked(house)) == {name, again.json()["id"]}
 
 
 async def test_priority_and_wish_count_from_then(url: str) -> None:
