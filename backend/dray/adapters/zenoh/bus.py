@@ -321,10 +321,11 @@ class ZenohBus:
 
     def read(self, key: str, sample: zenoh.Sample) -> Heard | None:
         """What has come in on `key`; None, and refused, when nobody may hear it. On any thread."""
+        shut_out = self.shut_out  # The same for all of it: whoever is called back meanwhile must have signed it.
         try:
             attachment = sample.attachment
             stamp = read_stamp(b"" if attachment is None else attachment.to_bytes())
-            kind, sender, message, context = self._open(key, stamp, sample.payload.to_bytes())
+            kind, sender, message, context = self._open(key, stamp, sample.payload.to_bytes(), shut_out)
         except NewerVersion:
             reason = NEWER
         except SealError:
@@ -332,14 +333,16 @@ class ZenohBus:
         except WireError:
             reason = UNREADABLE
         else:
-            reason = objection(sender, kind, key, message, self.shut_out)
+            reason = objection(sender, kind, key, message, shut_out)
             if not reason:
                 return Heard(sender, message, context, stamp)
         self.refuse(reason)
         return None
 
-    def _open(self, key: str, stamp: Stamp, data: bytes) -> tuple[Kind | None, str, Message, str]:
-        """What its sender is, who has really said it, the message, and its context.
+    def _open(
+        self, key: str, stamp: Stamp, data: bytes, shut_out: frozenset[str]
+    ) -> tuple[Kind | None, str, Message, str]:
+        """What its sender is, who has really said it, the message, and its context; of whoever is shut out without a look at who it was.
 
         Raises:
             WireError: it cannot be read, or somebody else has said it, or nobody.
@@ -349,7 +352,7 @@ class ZenohBus:
             return None, *decode_with_context(data)
         if not reader:
             sender, message, context = decode_with_context(data)
-            if sender in self.shut_out:
+            if sender in shut_out:
                 # Nobody hears it, whoever has said it: however much that is, it costs no signature.
                 return None, sender, message, context
             kind = self.seals.examine(stamp.seal, sender, key, stamp.life, stamp.number, data)
