@@ -1,7 +1,7 @@
 import { useEffect } from "preact/hooks";
 import type { BufferView, MachineSpec } from "../../api/types";
 import type { TransportAnswer } from "../../api/transports";
-import { isLow } from "../../plant/stock";
+import { isLow, lastsS } from "../../plant/stock";
 import { nowS, world } from "../../stream/stream";
 import { vehicleName } from "../../text/elsewhere";
 import { format, t, word } from "../../text/operator";
@@ -15,7 +15,8 @@ export function CallCard() {
   useEffect(followCalls, []);
   const spec = station.value;
   if (!spec) return null;
-  const buffers = world.value?.machines.get(spec.id)?.buffers ?? [];
+  const machine = world.value?.machines.get(spec.id);
+  const buffers = machine?.buffers ?? [];
   const shown = shownCalls(calls.value, nowS.value * 1000);
   return (
     <section class="transport-call card" aria-label={t("calling.title", { place: spec.id })}>
@@ -23,8 +24,8 @@ export function CallCard() {
         <h2>{t("calling.title", { place: spec.id })}</h2>
       </header>
       <div class="call-what">
-        <Tiles buffers={buffers} way="bring" />
-        <Tiles buffers={buffers.filter(({ level }) => level > 0)} way="take" />
+        <Tiles buffers={buffers} way="bring" lasts={(item) => (machine ? lastsS(machine, spec, plant.value?.products ?? [], item) : null)} />
+        <Tiles buffers={buffers.filter(({ level }) => level > 0)} way="take" lasts={() => null} />
       </div>
       <Second spec={spec} />
       {shown.length > 0 && (
@@ -38,8 +39,20 @@ export function CallCard() {
   );
 }
 
-function Tiles({ buffers, way }: { buffers: readonly BufferView[]; way: "bring" | "take" }) {
+interface TilesProps {
+  buffers: readonly BufferView[];
+  way: "bring" | "take";
+  /** How long what is here lasts, in plant seconds; null where nobody need know. */
+  lasts: (item: string) => number | null;
+}
+
+function Tiles({ buffers, way, lasts }: TilesProps) {
   if (buffers.length === 0) return null;
+  const { nowS: atS, speed } = moment.value;
+  const until = (item: string): string => {
+    const spanS = lasts(item);
+    return spanS === null ? "" : ` · ${t("calling.lasts", { time: format.hour(atS + spanS / speed) })}`;
+  };
   return (
     <div role="group" aria-label={t(`calling.${way}`)}>
       <h3>{t(`calling.${way}`)}</h3>
@@ -56,6 +69,7 @@ function Tiles({ buffers, way }: { buffers: readonly BufferView[]; way: "bring" 
             <small class={way === "bring" && isLow(buffer) ? "tone-warn" : ""}>
               {t("calling.level", { level: format.count(buffer.level) })}
               {way === "bring" && buffer.on_order > 0 && ` · ${t("calling.coming", { quantity: format.count(buffer.on_order) })}`}
+              {until(buffer.item)}
             </small>
           </button>
         ))}

@@ -314,6 +314,7 @@ export const de: Catalogue<typeof en> = {
   "calling.bring": "Bringen",
   "calling.take": "Abholen",
   "calling.level": "{level} hier",
+  "calling.lasts": "reicht bis {time}",
   "calling.coming": "{quantity} kommen",
   "calling.first": "Antippen, was. Damit ist noch nichts gesendet.",
   "calling.notSent": "Noch ist nichts gesendet.",

@@ -312,6 +312,7 @@ export const en = {
   "calling.bring": "Bring",
   "calling.take": "Take away",
   "calling.level": "{level} here",
+  "calling.lasts": "lasts until {time}",
   "calling.coming": "{quantity} coming",
   "calling.first": "Touch what. Nothing is sent by that.",
   "calling.notSent": "Nothing is sent yet.",

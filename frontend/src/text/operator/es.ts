@@ -314,6 +314,7 @@ export const es: Catalogue<typeof en> = {
   "calling.bring": "Traer",
   "calling.take": "Llevarse",
   "calling.level": "{level} aquí",
+  "calling.lasts": "alcanza hasta las {time}",
   "calling.coming": "{quantity} en camino",
   "calling.first": "Toque qué. Con eso no se envía nada.",
   "calling.notSent": "Aún no se ha enviado nada.",
