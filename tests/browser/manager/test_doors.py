@@ -212,7 +212,7 @@ def test_a_door_is_put_on_a_lane_of_a_draft_changed_kept_and_taken_away(
     page.locator(".ed-side").get_by_label("Which").select_option(label="GATE")
     expect(sheet.get_by_label("Opens in, s")).to_have_value("12")
     screenshot(page, "editor-door-kept")
-    sheet.get_by_role("button", name="Remove").click()
+    sheet.get_by_role("button", name="Remove", exact=True).click()
     expect(doors).to_have_count(1)
     page.get_by_role("button", name="Undo").click()
     expect(doors).to_have_count(2)
