@@ -321,7 +321,9 @@ class ZenohBus:
 
     def read(self, key: str, sample: zenoh.Sample) -> Heard | None:
         """What has come in on `key`; None, and refused, when nobody may hear it. On any thread."""
-        shut_out = self.shut_out  # The same for all of it: whoever is called back meanwhile must have signed it.
+        shut_out = (
+            self.shut_out
+        )  # The same for all of it: whoever is called back meanwhile must have signed it.
         try:
             attachment = sample.attachment
             stamp = read_stamp(b"" if attachment is None else attachment.to_bytes())
