@@ -9,6 +9,7 @@ from dray.plant.model import VehicleSpec
 from dray.ports import Body
 from dray.protocol.runtime.events import Agent
 from dray_sim.bodies.vehicle.vehicle import SimVehicle
+from dray_sim.bodies.workcell import SimWorkcell
 from dray_sim.clock.computer import ComputerClock
 from dray_sim.factory.journal import HeldJournal
 
@@ -49,6 +50,15 @@ class Installation:
 def directly(_spec: VehicleSpec, vehicle: SimVehicle, _life: int) -> Body:
     """An `Embody` that puts nothing between a vehicle and its agent."""
     return vehicle
+
+
+EmbodyMachine = Callable[[SimWorkcell, int], Body]
+"""Makes the body of one life of a machine's agent, from the workcell and the number of that life."""
+
+
+def itself(workcell: SimWorkcell, _life: int) -> Body:
+    """An `EmbodyMachine` that puts nothing between a workcell and its agent."""
+    return workcell
 
 
 def always(body: Body | None) -> MakeBody:

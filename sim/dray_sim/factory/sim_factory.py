@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable, Mapping
+from functools import partial
 from hashlib import sha256
 from math import hypot
 from random import Random
@@ -35,7 +36,16 @@ from dray_sim.bodies.vehicle.vehicle import SimVehicle
 from dray_sim.bodies.workcell import SimWorkcell
 from dray_sim.clock.computer import ComputerClock
 from dray_sim.clock.loop import VirtualClock
-from dray_sim.factory.installation import Embody, Installation, MakeAgent, MakeBody, always, directly
+from dray_sim.factory.installation import (
+    Embody,
+    EmbodyMachine,
+    Installation,
+    MakeAgent,
+    MakeBody,
+    always,
+    directly,
+    itself,
+)
 from dray_sim.factory.journal import HeldJournal
 from dray_sim.factory.strategists import with_gate
 from dray_sim.factory.wish_keys import WishKeys
@@ -61,6 +71,7 @@ class SimFactory:
         authority: grants the commands of simulated people, and is the one that vehicles believe; follows from the seed by default.
         traffic: whether vehicles drive with right of way; else as if each were alone.
         embody: what stands between a vehicle and each life of its agent; nothing by default.
+        embody_machine: what stands between a workcell and each life of its agent; nothing by default.
         strategists: how many there are.
 
     Attributes:
@@ -91,6 +102,7 @@ class SimFactory:
         authority: SigningKey | None = None,
         traffic: bool = False,
         embody: Embody = directly,
+        embody_machine: EmbodyMachine = itself,
         strategists: int = 1,
     ) -> None:
         self._embody = embody
@@ -123,7 +135,9 @@ class SimFactory:
         self._incarnation = incarnation
         self._group: asyncio.TaskGroup | None = None
         for machine, workcell in self.workcells.items():
-            self._employ(machine, Kind.MACHINE, self._machine(machine, plant), always(workcell))
+            self._employ(
+                machine, Kind.MACHINE, self._machine(machine, plant), partial(embody_machine, workcell)
+            )
         for storage, place in self.storages.items():
             self._employ(storage, Kind.STATION, self._station(storage), always(place))
         for spec in plant.fleet.values():

@@ -295,6 +295,13 @@ def test_pieces_are_counted_over_a_restart_of_the_agent() -> None:
     assert rig.state.stock[ITEM] == 100 - 4 * BILL[ITEM]
 
 
+def test_a_piece_that_an_earlier_life_has_begun_is_wanted_in_the_next() -> None:
+    rig = Rig({**TWO_BITS, Signal.PRODUCT: Tag("product")})
+    rig.start()
+    rig.begin()
+    assert (rig.body.outputs[Signal.RUN], rig.body.outputs[Signal.PRODUCT]) == (True, PRODUCT)
+
+
 def test_a_memory_that_is_damaged_is_a_problem_and_no_wrong_stock() -> None:
     rig = Rig()
     rig.kept = DAMAGED

@@ -238,6 +238,40 @@ def test_where_the_body_does_not_count_the_carriers_word_is_booked() -> None:
     assert instructed(says(rig, pieces), Book) == []
 
 
+def blind_with_goods() -> tuple[BlindRig, str]:
+    """M7, which does not count, with a lot of goods that ATV2 is to fetch; and the task."""
+    rig = BlindRig("M7", FULL)
+    rig.start()
+    rig.take_goal("G1", production(quantity=LOT))
+    doubting(rig).cycles(LOT)
+    [task] = [each.id for each in rig.agent._flow.tasks if each.work.goal == "G1"]
+    rig.hire(task, "ATV2")
+    return rig, task
+
+
+def test_where_the_body_does_not_count_goods_are_booked_out_once_their_carrier_has_them() -> None:
+    rig, task = blind_with_goods()
+    beats(rig, rig.now_s + 3.0, task=task, phase=Phase.LOADING)
+    assert instructed(rig.all, Book) == []
+    beats(rig, rig.now_s + 3.0, task=task, phase=Phase.CARRYING)
+    says(rig, LOT, task)
+    assert instructed(rig.all, Book) == [Book(vehicle="ATV2", item="pump-p3", change=-LOT)]
+
+
+def test_goods_whose_carrier_was_not_heard_on_its_way_are_booked_out_by_its_handover() -> None:
+    rig, task = blind_with_goods()
+    assert instructed(says(rig, LOT, task), Book) == [Book(vehicle="ATV2", item="pump-p3", change=-LOT)]
+
+
+def test_material_is_booked_in_by_its_handover_and_not_by_a_carrier_that_is_on_its_way() -> None:
+    rig = BlindRig("M7", NO_HOUSINGS)
+    rig.start()
+    rig.take_goal("G1", production(quantity=LOT))
+    doubting(rig).hire("M7-1", "ATV2")
+    beats(rig, rig.now_s + 3.0, phase=Phase.CARRYING)
+    assert instructed(rig.all, Book) == []
+
+
 # --- the strategist tells whose goods have come in -------------------------------------------------
 
 

@@ -145,7 +145,9 @@ class SignalledWorkcell:
         """Grows when another piece is waited for, so that an outdated call of the clock is recognised."""
         self._told: tuple[str, Problem, bool] = ("", NOTHING_KNOWN, False)
         self.outputs: dict[Signal, Value] = {}
-        self._put(Signal.RUN, False)
+        # A piece that an earlier life has begun is wanted all the same.
+        self._put(Signal.PRODUCT, self._kept.cycling)
+        self._put(Signal.RUN, bool(self._kept.cycling))
         self._put(Signal.DOCK_PERMIT, False)
         self._put(Signal.DOCK_VEHICLE, "")
         self._judge()

@@ -6,8 +6,9 @@ from collections.abc import Callable
 from typing import cast
 
 from dray.body import Book, StockChanged
-from dray.messages import Handover, Reason, Transport
+from dray.messages import AtvHeartbeat, Handover, Reason, Transport
 from dray.messages.fact import HandoverDisputed
+from dray.messages.heartbeat import GOODS_ABOARD
 from dray.protocol.contract_net.task import OpenTask
 from dray.protocol.contract_net.task_state import TaskState
 from dray.protocol.runtime.events import NEVER_S, Effect, Ignore, Instruct, Record
@@ -76,12 +77,13 @@ class Handovers:
                     task.states.enter(TaskState.COUNTED)
                 self._judge(task, now_s)
 
-    def on_carrier_heard(self, atv: str) -> None:
+    def on_carrier_heard(self, heartbeat: AtvHeartbeat) -> None:
         """A vehicle may have left with goods: a body that does not count is told."""
-        if self.counts:
+        carries = heartbeat.task
+        if self.counts or carries is None or carries.phase not in GOODS_ABOARD:
             return
         for task in self._tasks:
-            if task.is_loaded and task.primary == atv:
+            if (task.id, task.primary) == (carries.task, heartbeat.atv) and not self._comes(task):
                 self._book(task)
 
     def on_goal_counted(self, goal: str, now_s: float) -> None:
@@ -145,11 +147,14 @@ class Handovers:
         )
         self._out.append(Record(disputed))
 
+    def _comes(self, task: OpenTask) -> bool:
+        return cast(Transport, task.work).destination == self._place
+
     def _book(self, task: OpenTask) -> None:
-        """The body does not count: it is told what the carrier says."""
-        work = cast(Transport, task.work)
-        comes = work.destination == self._place
-        if not task.contract.receipt.booked and (comes or (task.is_loaded and not work.handed_at)):
+        """The body does not count: it is told what the carrier says, once."""
+        work, comes = cast(Transport, task.work), self._comes(task)
+        # Goods that a person has handed over have left before, with whoever had them first.
+        if not task.contract.receipt.booked and (comes or not work.handed_at):
             task.contract.receipt.booked = True
             change = task.contract.receipt.said if comes else -work.quantity
             self._out.append(Instruct(Book(vehicle=task.primary, item=work.item, change=change)))

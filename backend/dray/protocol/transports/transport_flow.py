@@ -277,7 +277,7 @@ class TransportFlow:
 
     def _on_vehicle(self, _sender: str, heartbeat: AtvHeartbeat, now_s: float) -> None:
         self.tasks.on_heartbeat(heartbeat, now_s)
-        self._handovers.on_carrier_heard(heartbeat.atv)
+        self._handovers.on_carrier_heard(heartbeat)
         self._recovery.on_heartbeat(heartbeat, now_s)
         self.called.review(now_s)
 

@@ -13,7 +13,7 @@ import msgspec
 from msgspec.structs import replace
 
 from dray.gateway.access.principal import Principal
-from dray.gateway.live.frames import COLLECTIONS, Delta, Snapshot
+from dray.gateway.live.frames import COLLECTIONS, MANY, Delta, Snapshot
 from dray.gateway.live.plant_picture import PlantPicture
 from dray.gateway.live.replay.film import Film, Picture
 from dray.gateway.live.replay.recorder import Mark, Recorder
@@ -79,11 +79,17 @@ class ReplayReader:
         self._site = live.site
 
     async def picture_now(self, now_s: float) -> Picture:
-        """The plant as panels show it now."""
-        whole = None if self._recorder is None else self._recorder.now()
-        if whole is None:
+        """The plant as it is now; of `MANY`, which would make a long step, as panels were told last."""
+        told = None if self._recorder is None else self._recorder.now()
+        if told is None:
             return Picture(msgspec.to_builtins(self._live.snapshot(0, now_s)), self._site)
-        return await asyncio.to_thread(lambda: Picture(whole.plain(), self._site))
+        fresh = msgspec.to_builtins(self._live.snapshot(0, now_s, 0))
+
+        def picture() -> Picture:
+            known = told.plain()
+            return Picture(fresh | {name: known[name] for name in MANY}, self._site)
+
+        return await asyncio.to_thread(picture)
 
     async def snapshot_now(self, who: Principal, now_s: float) -> bytes:
         """The same as somebody may see it, as JSON."""
