@@ -13,7 +13,7 @@ import msgspec
 from msgspec.structs import replace
 
 from dray.gateway.access.principal import Principal
-from dray.gateway.live.frames import COLLECTIONS, MANY, Delta, Snapshot
+from dray.gateway.live.frames import COLLECTIONS, Delta, Snapshot
 from dray.gateway.live.plant_picture import PlantPicture
 from dray.gateway.live.replay.film import Film, Picture
 from dray.gateway.live.replay.recorder import Mark, Recorder
@@ -65,6 +65,10 @@ class OverviewView(View, kw_only=True):
     marks_left_out: int = 0
 
 
+NOW = "atvs", "machines", "stations"
+"""Collections of which a picture of now has what was heard last."""
+
+
 class ReplayReader:
     """Reads recordings.
 
@@ -79,15 +83,14 @@ class ReplayReader:
         self._site = live.site
 
     async def picture_now(self, now_s: float) -> Picture:
-        """The plant as it is now; of `MANY`, which would make a long step, as panels were told last."""
+        """The plant as it is now; but for those in `NOW`, of which there are few, as panels were told last, since all at once is a long step."""
         told = None if self._recorder is None else self._recorder.now()
         if told is None:
             return Picture(msgspec.to_builtins(self._live.snapshot(0, now_s)), self._site)
-        fresh = msgspec.to_builtins(self._live.snapshot(0, now_s, 0))
+        fresh = {name: msgspec.to_builtins(getattr(self._live, name).views()) for name in NOW}
 
         def picture() -> Picture:
-            known = told.plain()
-            return Picture(fresh | {name: known[name] for name in MANY}, self._site)
+            return Picture(told.plain() | fresh, self._site)
 
         return await asyncio.to_thread(picture)
 
