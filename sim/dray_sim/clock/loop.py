@@ -180,7 +180,7 @@ class VirtualLoop(asyncio.SelectorEventLoop):
     Callbacks of asyncio itself keep asyncio's custom, the loop's exception handler.
 
     Args:
-        pace: `JUMP` or `paced(speed)`; real time counts from the first moment in which the loop has
+        pace: `JUMP` or `paced(speed)`; real time counts from `begin`, or from the first moment in which the loop has
             nothing to do, so that building a factory takes no virtual time.
         start_s: the clock's first reading.
         selector: for tests; the system's best one by default.
@@ -334,6 +334,10 @@ class VirtualLoop(asyncio.SelectorEventLoop):
         virtual_s = self.clock.heap[0][0] - self.due_s()
         return min(max(0.0, virtual_s / self.pace.speed), MAX_SELECT_S)
 
+    def begin(self) -> None:
+        """Count real time from now: what is read now of both clocks belongs together."""
+        self._start_wall_s = self._wall_s() - (self.clock.time_s - self._start_s) / self.pace.speed
+
     def due_s(self) -> float:
         """The virtual time that belongs to this real moment (paced loops); callable from any thread."""
         if self._start_wall_s is None:
@@ -399,7 +403,16 @@ def clock() -> VirtualClock:
     Raises:
         RuntimeError: no virtual loop is running in this thread.
     """
+    return virtual_loop().clock
+
+
+def virtual_loop() -> VirtualLoop:
+    """The running virtual loop.
+
+    Raises:
+        RuntimeError: no virtual loop is running in this thread.
+    """
     loop = asyncio.get_running_loop()
     if not isinstance(loop, VirtualLoop):
         raise RuntimeError("no virtual loop runs here; start one with dray_sim.clock.loop.run")  # noqa: TRY004
-    return loop.clock
+    return loop

@@ -148,6 +148,21 @@ def test_building_takes_no_virtual_time() -> None:
     assert wall.now_s == pytest.approx(1030.5)
 
 
+def test_real_time_counts_from_when_somebody_has_read_both_clocks() -> None:
+    wall = Wall()
+
+    async def main(loop: VirtualLoop) -> tuple[float, float]:
+        wall.now_s += 30.0  # built
+        loop.begin()
+        read_s = loop.time(), wall.now_s
+        wall.now_s += 0.5  # told to others, before the loop sleeps first
+        await asyncio.sleep(2.0)
+        return loop.time() - read_s[0], wall.now_s - read_s[1]
+
+    virtual_s, wall_s = run_on(wall, 2.0, main, start_s=5.0)
+    assert (virtual_s, wall_s) == pytest.approx((2.0, 1.0))
+
+
 def test_what_comes_from_outside_sees_the_time_that_real_time_stands_for() -> None:
     wall = Wall()
 

@@ -44,7 +44,7 @@ from dray.messages.keys import Keys
 from dray.ports import Bus
 from dray.store import Store, open_store
 from dray_sim.bodies.floor import NEARLY_EMPTY_FRAC
-from dray_sim.clock.loop import clock, paced
+from dray_sim.clock.loop import paced, virtual_loop
 from dray_sim.clock.wall import HurryingClock, Wall
 from dray_sim.factory.installation import directly
 from dray_sim.factory.sim_factory import SimFactory
@@ -118,8 +118,6 @@ async def run_service(
             factory = SimThread(life, paced(service.speed), wall=wall)
             try:
                 inside = await asyncio.to_thread(factory.start, BUILDING_S)
-                if wall.stands:
-                    factory.loop.stood = inside.time.stood
                 player = _player(factory, inside, live, wall)
                 app = _app(
                     service, store, authority, factory, inside, incarnation, (stops, port), player, wall
@@ -152,7 +150,8 @@ def _life(
     """What the factory's thread runs."""
 
     async def live(ready: Callable[[Inside], None]) -> None:
-        now = clock()
+        loop = virtual_loop()
+        now = loop.clock
 
         def to_wall_s(plant_s: float) -> float:
             """The clocks are compared when the factory has been built; nobody speaks before."""
@@ -184,7 +183,10 @@ def _life(
         if factory.traffic is not None:
             # Else nobody holds places that somebody would have to free.
             Porters(factory, faults)
+        loop.begin()
         scale = TimeScale(now.now_s(), wall.now_s(), service.speed)
+        if wall.stands:
+            loop.stood = scale.stood
         documents = FetchedDocuments()
         for workcell in factory.workcells.values():
             workcell.documents = documents
