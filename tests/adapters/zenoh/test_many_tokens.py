@@ -1,10 +1,12 @@
-"""What an agent with a valid certificate can cost others: any number of its tokens, and what it says when it is shut out, next to nothing."""
+"""What an agent with a valid certificate can cost others: any number of its tokens, what it says when it is shut out, and what it says too often,
+next to nothing."""
 
 from __future__ import annotations
 
 import asyncio
 from collections.abc import Iterable
-from contextlib import closing
+from contextlib import closing, suppress
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -13,6 +15,11 @@ from zenoh_kit import Row
 
 from dray.adapters.security import seals
 from dray.adapters.security.identity import Identity
+from dray.adapters.zenoh import bus as bus_module
+from dray.adapters.zenoh.bus import UNSEALED, ZenohBus
+from dray.adapters.zenoh.shares import AT_ONCE_S, SAID_PER_S, TALKATIVE, Shares, ShareSpentError
+from dray.adapters.zenoh.stamp import Stamp, write_stamp
+from dray.codec import encode
 from dray.messages import Event
 from dray.messages.fact import MemoryLost
 from dray.messages.speakers import SHUT_OUT, Kind
@@ -39,6 +46,10 @@ def examined(monkeypatch: pytest.MonkeyPatch) -> list[bytes]:
 
 def of(examined: Iterable[bytes], agent: str) -> int:
     return sum(f"/alive/{agent}/".encode() in signed for signed in examined)
+
+
+def word_of(agent: str) -> Event:
+    return Event(agent=agent, incarnation=1, number=1, at_s=1.0, fact=MemoryLost("damaged"))
 
 
 def test_an_agent_with_many_tokens_has_one_of_them_examined_by_each_process(
@@ -81,7 +92,7 @@ def test_what_an_agent_says_that_is_shut_out_costs_no_signature(
             listener = machine.join("M1", lambda sender, _message: heard.append(sender))
             listener.subscribe(machine.keys.all_events)
             speaker = talkative.join("ATV9", lambda *_: None)
-            word = Event(agent="ATV9", incarnation=1, number=1, at_s=1.0, fact=MemoryLost("damaged"))
+            word = word_of("ATV9")
             await row.settle()
             speaker.publish(machine.keys.events("ATV9"), word)
             await row.settle()
@@ -95,3 +106,71 @@ def test_what_an_agent_says_that_is_shut_out_costs_no_signature(
             assert len(examined) == before
 
     asyncio.run(main())
+
+
+def test_what_an_agent_says_too_often_is_not_heard_and_costs_no_signature_and_others_are_heard(
+    tmp_path: Path, examined: list[bytes], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    now_s = [0.0]
+    monkeypatch.setattr(bus_module, "Shares", partial(Shares, now_s=lambda: now_s[0]))
+    share = round(SAID_PER_S * AT_ONCE_S) + 1
+
+    async def main() -> None:
+        folder = issued(tmp_path, KINDS)
+        row = Row(3, identities=[Identity.in_folder(folder, name) for name in KINDS])
+        with closing(row):
+            machine, honest, talkative = row.buses
+            heard: list[str] = []
+            listener = machine.join("M1", lambda sender, _message: heard.append(sender))
+            listener.subscribe(machine.keys.all_events)
+            sessions = {
+                bus: bus.join(name, lambda *_: None) for bus, name in ((honest, "ATV1"), (talkative, "ATV9"))
+            }
+
+            async def say(bus: ZenohBus, agent: str, times: int) -> None:
+                for number in range(1, times + 1):
+                    sessions[bus].publish(bus.keys.events(agent), word_of(agent))
+                    if number % 100 == 0:
+                        await row.settle()
+                await row.settle()
+
+            await row.settle()
+            # In another one's name: what that one has not signed is none of its share.
+            key, data = talkative.keys.events("ATV1"), encode("ATV1", word_of("ATV1"))
+            assert talkative.seals is not None
+            for number in range(1, MANY + 1):
+                seal = talkative.seals.seal(key, 0, number, data)
+                talkative.inner.put(key, data, attachment=write_stamp(Stamp(0, number, seal)))
+            await row.settle()
+            assert machine.refused[UNSEALED] == MANY
+            assert not heard
+            await say(talkative, "ATV9", share)
+            assert heard == ["ATV9"] * share
+            before = len(examined)
+            await say(talkative, "ATV9", MANY)
+            assert heard == ["ATV9"] * share
+            assert machine.refused[TALKATIVE] == MANY
+            assert len(examined) == before
+            await say(honest, "ATV1", 1)
+            assert heard[share:] == ["ATV1"]
+            # It has been silent for a second.
+            now_s[0] = 1.0
+            await say(talkative, "ATV9", MANY)
+            assert heard[share + 1 :] == ["ATV9"] * round(SAID_PER_S)
+
+    asyncio.run(main())
+
+
+def test_those_that_speak_for_thousands_of_orders_may_say_any_number_and_a_fast_clock_counts() -> None:
+    def said_by(kind: Kind | None, speed: float = 1.0) -> int:
+        shares, said = Shares(speed, lambda: 0.0), 0
+        with suppress(ShareSpentError):
+            while said < MANY * 100:
+                shares.check("X")
+                shares.note("X", kind)
+                said += 1
+        return said
+
+    assert said_by(Kind.STRATEGIST) == said_by(Kind.GATEWAY) == said_by(None) == MANY * 100
+    once = said_by(Kind.MACHINE)
+    assert said_by(Kind.ATV, speed=10.0) == pytest.approx(10 * once, abs=10)

@@ -32,6 +32,7 @@ from zenoh.handlers import Callback
 from dray.adapters.crossing import Crossing
 from dray.adapters.security.letters import Letters, Place
 from dray.adapters.security.seals import Seals
+from dray.adapters.zenoh.shares import TALKATIVE, Shares, ShareSpentError
 from dray.adapters.zenoh.stamp import Stamp, Tally, read_stamp, write_stamp
 from dray.adapters.zenoh.tokens import NO_LIFE, Tokens
 from dray.codec import decode_with_context, encode
@@ -88,6 +89,7 @@ class ZenohSession:
         self._said: Counter[str] = Counter()
         """How many messages on each key; keys are few: agents, cells, products, dwell points."""
         self._heard = Tally()
+        self._shares = Shares(bus.speed)
         self._patterns: dict[str, zenoh.KeyExpr] = {}
         self._subscribers: dict[str, zenoh.Subscriber[None]] = {}
         self._owners: dict[str, str] = {}
@@ -194,7 +196,7 @@ class ZenohSession:
 
     def _on_sample(self, key: str, sample: zenoh.Sample) -> None:
         bus = self._bus
-        heard = bus.read(key, sample)
+        heard = bus.read(key, sample, self._shares)
         if heard is not None:
             sender, message, context, stamp = heard
             with bus.lock:
@@ -220,6 +222,7 @@ class ZenohBus:
         links: opened by this call, which takes some 10 ms; closed by `close`.
         plant: the plant's id.
         replaced: told when an agent of this process has joined elsewhere since, and has left here.
+        speed: seconds of the plant's clock per second.
 
     Attributes:
         keys: the plant's.
@@ -238,8 +241,15 @@ class ZenohBus:
         shut_out: agents that nobody in this process hears any more; replaced as a whole.
     """
 
-    def __init__(self, links: Links, plant: str, replaced: Callable[[str], None] = lambda _: None) -> None:
+    def __init__(
+        self,
+        links: Links,
+        plant: str,
+        replaced: Callable[[str], None] = lambda _: None,
+        speed: float = 1.0,
+    ) -> None:
         self.keys = Keys(plant)
+        self.speed = speed
         self.arrivals = Crossing(asyncio.get_running_loop())
         self.replaced = replaced
         self.delivered = 0
@@ -319,15 +329,19 @@ class ZenohBus:
         if self._sessions.get(session.agent) is session:
             del self._sessions[session.agent]
 
-    def read(self, key: str, sample: zenoh.Sample) -> Heard | None:
-        """What has come in on `key`; None, and refused, when nobody may hear it. On any thread."""
+    def read(self, key: str, sample: zenoh.Sample, shares: Shares) -> Heard | None:
+        """What has come in on `key` for one agent; None, and refused, when it may not hear it. On any thread."""
         shut_out = (
             self.shut_out
         )  # The same for all of it: whoever is called back meanwhile must have signed it.
         try:
             attachment = sample.attachment
             stamp = read_stamp(b"" if attachment is None else attachment.to_bytes())
-            kind, sender, message, context = self._open(key, stamp, sample.payload.to_bytes(), shut_out)
+            kind, sender, message, context = self._open(
+                key, stamp, sample.payload.to_bytes(), shut_out, shares
+            )
+        except ShareSpentError:
+            reason = TALKATIVE
         except NewerVersion:
             reason = NEWER
         except SealError:
@@ -335,6 +349,7 @@ class ZenohBus:
         except WireError:
             reason = UNREADABLE
         else:
+            shares.note(sender, kind)
             reason = objection(sender, kind, key, message, shut_out)
             if not reason:
                 return Heard(sender, message, context, stamp)
@@ -342,11 +357,12 @@ class ZenohBus:
         return None
 
     def _open(
-        self, key: str, stamp: Stamp, data: bytes, shut_out: frozenset[str]
+        self, key: str, stamp: Stamp, data: bytes, shut_out: frozenset[str], shares: Shares
     ) -> tuple[Kind | None, str, Message, str]:
-        """What its sender is, who has really said it, the message, and its context; of whoever is shut out without a look at who it was.
+        """What its sender is, who has really said it, the message, and its context; of whoever is not heard without a look at who it was.
 
         Raises:
+            ShareSpentError: its sender has said all that it may.
             WireError: it cannot be read, or somebody else has said it, or nobody.
         """
         reader = self.keys.addressee(key)
@@ -354,6 +370,7 @@ class ZenohBus:
             return None, *decode_with_context(data)
         if not reader:
             sender, message, context = decode_with_context(data)
+            shares.check(sender)
             if sender in shut_out:
                 # Nobody hears it, whoever has said it: however much that is, it costs no signature.
                 return None, sender, message, context
@@ -363,6 +380,7 @@ class ZenohBus:
         sender, message, context = decode_with_context(words)
         if sender != writer:
             raise SealError(f"{writer} has written it", data)
+        shares.check(sender)
         return kind, sender, message, context
 
     def _meet(self, sample: zenoh.Sample) -> None:

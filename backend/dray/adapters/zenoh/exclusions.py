@@ -16,6 +16,7 @@ import msgspec
 import zenoh
 
 from dray.adapters.zenoh.bus import ZenohBus
+from dray.adapters.zenoh.shares import Shares
 from dray.messages import ShutOut
 
 log = logging.getLogger(__name__)
@@ -36,6 +37,7 @@ class Exclusions:
         self._bus, self._file = bus, file
         self._lock = threading.Lock()
         self._list = self._read_list()
+        self._shares = Shares(bus.speed)
         bus.shut_out = frozenset(self._list.agents)
         self._ear = bus.inner.declare_subscriber(bus.keys.shut_out, bus.on_zenohs_thread(self._on_sample))
 
@@ -45,7 +47,7 @@ class Exclusions:
 
     def _on_sample(self, sample: zenoh.Sample) -> None:
         """On Zenoh's threads."""
-        heard = self._bus.read(self._bus.keys.shut_out, sample)
+        heard = self._bus.read(self._bus.keys.shut_out, sample, self._shares)
         if heard is not None and isinstance(heard.message, ShutOut):
             self._take(heard.sender, heard.message)
 

@@ -87,7 +87,8 @@ class Surroundings:
             SettingsError: no certificates, and plain links were not asked for.
             UnavailableError: an address cannot be listened on.
         """
-        bus = ZenohBus(links_of(self.settings, self.plant, name), self.plant.id, replaced)
+        links = links_of(self.settings, self.plant, name)
+        bus = ZenohBus(links, self.plant.id, replaced, self.settings.plant_speed)
         exclusions = Exclusions(bus, self.settings.journal_folder / f"{name}.shut-out")
         try:
             yield bus
