@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from dray.protocol.contract_net.auction_rules import AuctionRules
-from dray.protocol.liveness.suspicion import JITTER_S
+from dray.protocol.liveness.suspicion import DEVIATIONS
 
 RULES = AuctionRules()
 
@@ -27,13 +27,16 @@ def test_windows_rests_and_waits_grow_to_their_limits_and_the_radius_without_one
 
 
 def test_on_good_links_the_rules_stay_as_they_are() -> None:
-    assert RULES.on_links(0.0) == RULES
+    assert RULES.on_links(0.0, 0.0) == RULES.on_links(0.02, 0.02) == RULES
 
 
-@pytest.mark.parametrize(("delay_s", "waits_s"), [(1.0, 2.0 + JITTER_S), (60.0, RULES.window_max_s)])
+@pytest.mark.parametrize(
+    ("delay_s", "deviation_s", "waits_s"),
+    [(1.0, 0.0, 2.2), (1.0, 0.1, 2.0 * (1.0 + DEVIATIONS * 0.1)), (60.0, 0.0, RULES.window_max_s)],
+)
 def test_on_slow_links_there_is_time_for_the_way_there_and_back_but_no_more_than_the_limit(
-    delay_s: float, waits_s: float
+    delay_s: float, deviation_s: float, waits_s: float
 ) -> None:
-    rules = RULES.on_links(delay_s)
-    assert (rules.window_s, rules.answer_s) == (waits_s, waits_s)
-    assert rules.window_in_s(100) == RULES.window_max_s
+    rules = RULES.on_links(delay_s, deviation_s)
+    assert (rules.window_s, rules.answer_s) == pytest.approx((waits_s, waits_s))
+    assert rules.window_in_s(100) == pytest.approx(RULES.window_max_s)

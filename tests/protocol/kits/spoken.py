@@ -118,8 +118,8 @@ def rhb(atv: str, seq: int, at_s: float, *, task: str = "", coordinator: str = "
     )
 
 
-def mhb(machine: str, *goals: GoalBrief, seq: int = 1) -> MachineHeartbeat:
+def mhb(machine: str, *goals: GoalBrief, seq: int = 1, at_s: float = 0.0) -> MachineHeartbeat:
     """A machine's heartbeat that tells of its goals."""
     return MachineHeartbeat(
-        machine=machine, incarnation=1, seq=seq, at_s=0.0, status=MachineStatus.PRODUCING, goals=goals
+        machine=machine, incarnation=1, seq=seq, at_s=at_s, status=MachineStatus.PRODUCING, goals=goals
     )

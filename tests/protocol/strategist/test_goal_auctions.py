@@ -6,7 +6,7 @@ from bureau import announced, beats, contract, order, released
 from defaults import KEYS
 from effects import facts, published, sent
 from rigs import MachineRig, StrategistRig
-from spoken import accepted, declined, goal_bid
+from spoken import accepted, declined, goal_bid, mhb
 
 from dray.messages import (
     Accepted,
@@ -88,6 +88,24 @@ def test_of_several_machines_the_cheapest_takes_the_goal() -> None:
     assert sent(effects, Confirmed, to="M9") == [Confirmed(task=goal, epoch=1)]
     [contracted] = facts(rig.all, GoalContracted)
     assert (contracted.goal, contracted.machine, contracted.quantity) == (goal, "M9", 24)
+
+
+def test_on_slow_links_the_cheapest_machine_is_waited_for_and_not_the_first_word() -> None:
+    """Each message is under way for 0.6 s: no bid comes within the window of good links."""
+    rig = StrategistRig()
+    rig.start()
+    for number in range(1, 30):
+        for machine in ("M7", "M8", "M9"):
+            rig.on_message(machine, mhb(machine, seq=number, at_s=rig.now_s - 0.6))
+        rig.run(rig.now_s + 1.0)
+    rig.on_message("gateway", order(pump=24))
+    [(goal, _, _)] = announced(rig.all)
+    asked_s = rig.now_s
+    for after_s, machine, cost_s in ((1.20, "M7", 6000.0), (1.21, "M8", 1200.0), (1.25, "M9", 1300.0)):
+        rig.run(asked_s + after_s)
+        rig.on_message(machine, goal_bid(goal, cost_s))
+    rig.run(asked_s + 1.5)
+    assert [fact.bidder for fact in facts(rig.all, AwardGiven)] == ["M8"]
 
 
 def test_every_acceptance_of_the_bound_machine_is_confirmed_and_no_other() -> None:

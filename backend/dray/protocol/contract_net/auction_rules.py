@@ -12,10 +12,14 @@ from __future__ import annotations
 
 import msgspec
 
-from dray.protocol.liveness.suspicion import JITTER_S
+from dray.protocol.liveness.suspicion import DEVIATIONS
 
 PATIENCE_S = 300.0
 """What has waited so long is as urgent as what was needed by now."""
+
+
+SLACK_FRAC = 0.1
+"""Of the mean delay: a link that never varies is waited for so much longer, for the bidder thinks, too."""
 
 
 class AuctionRules(msgspec.Struct, frozen=True):
@@ -62,9 +66,14 @@ class AuctionRules(msgspec.Struct, frozen=True):
         grown_s = min(self.rest_s * _growth(self.rest_growth, round_number), self.rest_max_s)
         return max(grown_s, min(self.rest_aged_frac * lasts_s, self.rest_aged_max_s))
 
-    def on_links(self, delay_s: float) -> AuctionRules:
-        """The rules for links with this delay each way: on slow ones patient from the beginning."""
-        there_and_back_s = 2.0 * delay_s + JITTER_S
+    def on_links(self, delay_s: float, deviation_s: float) -> AuctionRules:
+        """The rules for links with this delay each way: on slow ones patient from the beginning.
+
+        Args:
+            delay_s: the mean of it.
+            deviation_s: the mean deviation from it.
+        """
+        there_and_back_s = 2.0 * (delay_s + max(DEVIATIONS * deviation_s, SLACK_FRAC * delay_s))
         return msgspec.structs.replace(
             self,
             window_s=min(max(self.window_s, there_and_back_s), self.window_max_s),

@@ -62,7 +62,7 @@ class Auctions:
         On links that are known to be slow it is patient from the beginning.
         """
         if self._arrivals is not None:
-            rules = rules.on_links(self._arrivals.delay_s)
+            rules = rules.on_links(self._arrivals.delay_s, self._arrivals.deviation_s)
 
         def audience(radius_m: float) -> tuple[str, ...]:
             return self._audience(terms.work, radius_m)

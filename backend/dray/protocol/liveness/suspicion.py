@@ -46,6 +46,7 @@ GAIN = 1.0 / 32.0
 """Weight of the newest heartbeat: half a minute of work is remembered, and one loss changes little."""
 
 DEVIATIONS = 4.0
+"""Mean deviations by which a message may be later than on average (RFC 6298)."""
 
 BREAKDOWN_S = 600.0
 """How long a machine may be broken and keep its goals. A technician mends most breakdowns in less, and

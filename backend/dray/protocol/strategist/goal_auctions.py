@@ -36,7 +36,7 @@ from dray.protocol.strategist.machine_monitor import MachineMonitor
 from dray.protocol.strategist.order_book import OpenGoal, OrderBook
 
 GOAL_RULES = AuctionRules(window_s=0.5, rest_s=5.0, rest_growth=1.5, rest_aged_frac=0.0, moves_deadline=False)
-"""Machines are wired and few: the window may be shorter than for vehicles."""
+"""Machines are wired and few: the window may be shorter than for vehicles, where their heartbeats come that fast."""
 
 NOWHERE = Place(x_m=0.0, y_m=0.0, reach_m=0.0)
 """A goal's audience has no place: whoever can make the product is asked."""
@@ -88,6 +88,7 @@ class GoalAuctions(Coordinator):
             out,
             self._on_contracted,
             assessor,
+            watch.arrivals,
             incarnation=incarnation,
         )
         self._strategist = strategist

@@ -14,7 +14,7 @@ from dray.messages.fact import MachineFailure
 from dray.messages.heartbeat import JOINING_MACHINES_MAX
 from dray.messages.people.command import PROMISE_MAX_S
 from dray.plant import Plant
-from dray.protocol.liveness.suspicion import BREAKDOWN_S, GOAL_SILENCE_S
+from dray.protocol.liveness.suspicion import BREAKDOWN_S, GOAL_SILENCE_S, ArrivalStatistics
 from dray.protocol.runtime.events import NEVER_S
 
 
@@ -49,9 +49,13 @@ class MachineMonitor:
 
     Args:
         plant: who can make what, by its file.
+
+    Attributes:
+        arrivals: how machines' heartbeats arrive.
     """
 
     def __init__(self, plant: Plant) -> None:
+        self.arrivals = ArrivalStatistics()
         self._plant = plant
         self._heard: dict[str, _LastHeard] = {}
         self._joining: dict[str, JoiningMachine] = {}
@@ -66,6 +70,9 @@ class MachineMonitor:
         order = (heartbeat.incarnation, heartbeat.seq)
         if heard is None or order <= heard.newest:
             return False
+        is_same_life = heartbeat.incarnation == heard.newest[0]
+        missed = heartbeat.seq - heard.newest[1] - 1 if is_same_life else 0
+        self.arrivals.note(missed, now_s - heartbeat.at_s)
         heard.newest, heard.heard_s = order, now_s
         heard.is_out = heartbeat.out_of_service is not UNSET
         if heartbeat.help is not UNSET and heartbeat.help.promised_by:
