@@ -240,13 +240,17 @@ class CloseDock(Part, frozen=True):
 class Book(Part, frozen=True):
     """A vehicle says that it has put pieces down or taken them: the only word there is for a body that does not count.
 
-    Answered with `StockChanged`, as if it had been seen.
+    Answered with `StockChanged`, as if it had been seen. Said again, by this life of its agent or the next, it is answered as before, and books nothing.
     """
 
     vehicle: str
     item: str
     change: int
     """Pieces; negative when something was taken."""
+    task: str
+    """The transport by which."""
+    epoch: int
+    """Of the transport."""
 
 
 class ResetFault(Part, frozen=True):

@@ -96,7 +96,7 @@ def test_a_piece_and_a_dock_from_end_to_end(tmp_path: Path) -> None:
         async with Plc() as plc, linked(text_of(plc.url), tmp_path) as rig:
             await rig.until(lambda: rig.state.broken == "")
             rig.reports.clear()
-            rig.body.instruct(Book(vehicle="ATV1", item=ITEM, change=0))
+            rig.body.instruct(Book("ATV1", ITEM, 0, task="M1-1", epoch=1))
             rig.start()
             await plc.until(Signal.RUN, True)
             await plc.until(Signal.PRODUCT, PRODUCT)
@@ -109,7 +109,7 @@ def test_a_piece_and_a_dock_from_end_to_end(tmp_path: Path) -> None:
             assert await plc.read(Signal.DOCK_PERMIT) is True
             await plc.put(Signal.DOCK_READY, True)
             await rig.until(lambda: DockReady(vehicle="ATV7") in rig.reports)
-            rig.body.instruct(Book(vehicle="ATV7", item=ITEM, change=5))
+            rig.body.instruct(Book("ATV7", ITEM, 5, task="M1-2", epoch=1))
             await plc.until(Signal.DOCK_PERMIT, False)
             alive = await plc.read(Signal.ALIVE)
             async with asyncio.timeout(PATIENCE_S):
@@ -177,7 +177,7 @@ def test_bad_quality_is_no_value_and_a_value_that_cannot_be_written_is_a_problem
             await plc.put(Signal.PIECES, 0)
             await rig.until(lambda: rig.state.broken == "")
             await plc.nodes[Signal.RUN].set_read_only()
-            rig.body.instruct(Book(vehicle="ATV1", item=ITEM, change=0))
+            rig.body.instruct(Book("ATV1", ITEM, 0, task="M1-1", epoch=1))
             rig.start()
             await rig.until(
                 lambda: (

@@ -241,6 +241,7 @@ class Machine(AgentBase):
             products=self._goals.products.memories(self._supply.level),
             put_away=self._flow.put_away.memories(),
             put_away_count=self._flow.put_away.count,
+            let_in=self._flow.booking_out.memories(),
         )
 
     def _sense(self, body: BodyState | None, now_s: float) -> None:

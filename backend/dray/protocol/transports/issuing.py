@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
+from dray.memory import ReservationMemory
 from dray.messages import Docked, Message, StockAsked, StockFreed, StockReserved, StockShort
 from dray.protocol.contract_net.dock import Door
 from dray.protocol.runtime.events import Effect, Ignore, Send
@@ -122,6 +123,11 @@ class Issuing:
             self._door.hold(sender, docked, "another vehicle fetches it")
         else:
             self._open(sender, docked, ask, now_s)
+
+    def opened_for(self, task: str) -> ReservationMemory | None:
+        """What a vehicle may load now, or once the body is ready; None where the dock is shut for this task."""
+        ask = self._book.get(task)
+        return ask.memory() if ask is not None and ask.opened else None
 
     def set_answers(self, *, answers: bool) -> None:
         """Whether the body says when it has opened the dock."""
