@@ -110,7 +110,7 @@ class OpcUaLink:
         """
         attempt = 0
         while True:
-            session = _Session(self._mapping, listener, self._changed, self.linked, self._tell)
+            session = _Session(self._mapping, listener, self._changed, self.linked, self.failures.tell)
             client = await self._client()
             try:
                 reason = await session.serve(client)
@@ -119,20 +119,11 @@ class OpcUaLink:
             finally:
                 await _leave(client)
             attempt = 0 if session.was_linked else attempt + 1
-            self._tell("the link", listener.on_link_lost, f"{self._mapping.url}: {reason}")
+            self.failures.tell("the link", listener.on_link_lost, f"{self._mapping.url}: {reason}")
             await asyncio.sleep(AGAIN_S[min(attempt, len(AGAIN_S) - 1)])
 
     async def _client(self) -> Client:
         return await connection(self._mapping, self._folder, self._password)
-
-    def _tell(self, kind: str, listener: Callable[..., None], *args: object) -> None:
-        """Tell the listener something; what one value makes of it ends nothing."""
-        try:
-            listener(*args)
-        except UnavailableError:
-            raise
-        except Exception:  # noqa: BLE001 - whatever it is, it is about this one value
-            self.failures.note(kind)
 
 
 async def connection(mapping: OpcUaMapping, folder: Path, password: str) -> Client:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import asyncio
 import ssl
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Protocol
 from urllib.parse import urlsplit
@@ -17,7 +17,7 @@ from urllib.parse import urlsplit
 import aiomqtt
 import msgspec
 
-from dray.errors import SettingsError, UnavailableError
+from dray.errors import SettingsError
 from dray.supervision import Failures
 
 PORT, TLS_PORT = 1883, 8883
@@ -169,13 +169,13 @@ class MqttLink:
                         )
                     _end_if_cancelled()
                     attempt, self._unsaid = 0, asyncio.Queue(UNSAID_MAX)
-                    self._tell("the link", listener.on_link)
+                    self.failures.tell("the link", listener.on_link)
                     await self._serve(client, self._unsaid, listener)
             except (aiomqtt.MqttError, OSError, ValueError) as error:
                 # A ValueError is the client's own word for an address or a message that cannot be.
                 self._unsaid = None
                 _end_if_cancelled()
-                self._tell("the link", listener.on_link_lost, f"{self._broker}: {_words(error)}")
+                self.failures.tell("the link", listener.on_link_lost, f"{self._broker}: {_words(error)}")
             finally:
                 self._unsaid = None
             await asyncio.sleep(AGAIN_S[min(attempt, len(AGAIN_S) - 1)])
@@ -203,7 +203,7 @@ class MqttLink:
         try:
             async for message in client.messages:
                 topic = message.topic.value.rpartition("/")[2]
-                self._tell(
+                self.failures.tell(
                     topic if topic in self._topics else OTHER_TOPIC,
                     listener.on_message,
                     topic,
@@ -217,15 +217,6 @@ class MqttLink:
         for result in results:
             if isinstance(result, Exception):
                 raise result
-
-    def _tell(self, kind: str, listener: Callable[..., None], *args: object) -> None:
-        """Tell the listener something; what one message makes of it ends nothing."""
-        try:
-            listener(*args)
-        except UnavailableError:
-            raise
-        except Exception:  # noqa: BLE001 - whatever it is, it is about this one message
-            self.failures.note(kind)
 
     async def _say(self, client: aiomqtt.Client, unsaid: asyncio.Queue[tuple[str, bytes, bool]]) -> None:
         while True:
