@@ -341,7 +341,7 @@ class WorkcellState(Part, frozen=True):
     """Whether its dock takes time to open: `OpenDock` is answered with `DockReady`, once for each time that it is said."""
 
 
-# --- a storage: instructions and state; it has a dock as a workcell has, and reports `StockChanged` -------
+# --- a storage: instructions and state; it has a dock as a workcell has -------
 
 
 class Refill(Part, frozen=True):
@@ -358,7 +358,9 @@ class StorageState(Part, frozen=True):
     seq: int
     """How many changes of the stock it has reported since it was built; see `WorkcellState`."""
     opened: tuple[str, ...]
-    """Vehicles for which the dock is open: they have not taken yet what they may take."""
+    """Vehicles for which the dock is open, or is being opened: they have not taken yet what they may take."""
+    answers: bool = False
+    """Whether its dock takes time to open; see `WorkcellState`."""
 
 
 StorageInstruction = OpenDock | CloseDock | Refill

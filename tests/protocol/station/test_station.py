@@ -6,9 +6,10 @@ import msgspec
 import pytest
 from defaults import KEYS, PLANT
 from effects import committed, instructed, listening, sent
+from msgspec import UNSET
 from rigs import Rig
 
-from dray.body import CloseDock, OpenDock, Refill, StockChanged, StorageState
+from dray.body import CloseDock, DockReady, OpenDock, Refill, StockChanged, StorageState
 from dray.memory import StationMemory
 from dray.messages import (
     Docked,
@@ -21,6 +22,8 @@ from dray.messages import (
     StockReserved,
     StockShort,
 )
+from dray.messages.heartbeat import DockWait
+from dray.protocol.contract_net.dock import NOT_READY, SAFE_WITHIN_S
 from dray.protocol.runtime.events import Effect, Ignore
 from dray.protocol.station.station import Station
 from dray.protocol.transports.reservations import LEASE_S, MAX_ASKED, QUEUED_S
@@ -37,9 +40,12 @@ class StationRig(Rig):
         self.stock = {kept.material: 0 for kept in SPEC.stocks} | {ITEM: stock}
         self.seq = 0
         self.opened: dict[str, None] = {}
+        self.answers = False
 
     def sense(self) -> StorageState:
-        return StorageState(stock=dict(self.stock), seq=self.seq, opened=tuple(self.opened))
+        return StorageState(
+            stock=dict(self.stock), seq=self.seq, opened=tuple(self.opened), answers=self.answers
+        )
 
     def asks(self, task: str, quantity: int = 40, *, machine: str = "M8", epoch: int = 1) -> list[Effect]:
         return self.on_message(machine, StockAsked(task=task, epoch=epoch, item=ITEM, quantity=quantity))
@@ -132,6 +138,48 @@ def test_a_place_in_the_queue_lapses_when_nobody_asks_again() -> None:
     rig.asks("M8-1")
     rig.run(QUEUED_S + 1.0)
     assert sent(rig.changes(100), StockReserved) == []
+
+
+def where_the_dock_takes_time() -> StationRig:
+    rig = StationRig()
+    rig.answers = True
+    rig.start()
+    rig.asks("M8-1")
+    return rig
+
+
+def test_where_the_dock_takes_time_to_open_a_vehicle_loads_when_it_is_ready() -> None:
+    rig = where_the_dock_takes_time()
+    effects = rig.docks("ATV2", "M8-1")
+    assert instructed(effects, OpenDock)
+    assert [held.reason for held in sent(effects, DockHeld, to="ATV2")] == [NOT_READY]
+    assert sent(rig.report(DockReady(vehicle="ATV7")), DockOpened) == []
+    assert sent(rig.report(DockReady(vehicle="ATV2")), DockOpened, to="ATV2")
+
+
+def test_a_dock_that_does_not_get_ready_is_told_by_the_station() -> None:
+    rig = where_the_dock_takes_time()
+    rig.docks("ATV2", "M8-1")
+    since_s = rig.now_s
+    rig.run(since_s + SAFE_WITHIN_S)
+    assert {beat.dock_wait for beat in rig.heartbeats(StationHeartbeat)} == {UNSET}
+    rig.docks("ATV2", "M8-1")
+    rig.run(rig.now_s + 6.0)
+    assert rig.heartbeats(StationHeartbeat)[-1].dock_wait == DockWait(vehicle="ATV2", since_s=since_s)
+    rig.report(DockReady(vehicle="ATV2"))
+    rig.run(rig.now_s)
+    assert rig.heartbeats(StationHeartbeat)[-1].dock_wait is UNSET
+
+
+def test_a_station_that_begins_anew_while_its_dock_opens_keeps_what_is_promised() -> None:
+    first = where_the_dock_takes_time()
+    first.docks("ATV2", "M8-1")
+    rig = StationRig(incarnation=2)
+    rig.answers, rig.opened, rig.memory = True, {"ATV2": None}, committed(first.all)
+    rig.start()
+    assert rig.level.promised == 40
+    rig.docks("ATV2", "M8-1")
+    assert sent(rig.report(DockReady(vehicle="ATV2")), DockOpened, to="ATV2")
 
 
 def test_what_is_given_back_goes_to_the_next() -> None:

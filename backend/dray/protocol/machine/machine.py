@@ -178,7 +178,7 @@ class Machine(AgentBase):
             CycleDone: self._cycle_done,
             CycleFailed: self._cycle_failed,
             StockChanged: self._stock_changed,
-            DockReady: lambda report, _now_s: self._flow.on_dock_ready(report),
+            DockReady: self._flow.on_dock_ready,
             Broken: self._broken,
             Repaired: self._repaired,
             **self._documents.reports,

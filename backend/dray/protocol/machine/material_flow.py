@@ -12,7 +12,7 @@ from typing import Protocol, cast
 
 from msgspec.structs import replace
 
-from dray.body import DockReady, StockChanged, WorkcellState
+from dray.body import StockChanged, WorkcellState
 from dray.memory import MachineMemory, Memory
 from dray.messages import AtvHeartbeat, Docked, Phase, Transport, TransportAnswered
 from dray.messages.keys import Keys
@@ -124,6 +124,7 @@ class MaterialFlow(TransportFlow):
             self._book,
             timers,
             out,
+            self.door,
             drains=lambda: owner.is_draining,
             changed=self.note_stock,
         )
@@ -138,8 +139,7 @@ class MaterialFlow(TransportFlow):
         """Take over what the body has counted."""
         self._supply.take_count(body.stock, body.seq)
         self._handovers.counts = body.counts
-        self._dock.set_answers(answers=body.answers)
-        self._issuing.set_answers(answers=body.answers)
+        self.door.answers = body.answers
 
     def restore(self, memory: MachineMemory, notes: Memory, now_s: float) -> None:
         """Go on with the transports of an earlier life."""
@@ -210,11 +210,6 @@ class MaterialFlow(TransportFlow):
         if report.vehicle and report.change < 0:
             self._issuing.on_taken(report.vehicle, report.item)
         self.note_stock(now_s)
-
-    def on_dock_ready(self, report: DockReady) -> None:
-        """The body has opened the dock for a vehicle."""
-        self._dock.on_ready(report.vehicle)
-        self._issuing.on_ready(report.vehicle)
 
     def on_goods(self, report: StockChanged, is_news: bool, now_s: float) -> None:
         """Goods were made, or have left."""

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from msgspec.structs import replace
 
-from dray.body import BodyState, Refill, StockChanged, StorageState
+from dray.body import BodyState, DockReady, Refill, StockChanged, StorageState
 from dray.errors import ProtocolViolation
 from dray.memory import WHOLE, Memory, Note, ReservationMemory, StationMemory
 from dray.messages import Docked, MachineCommand, StationHeartbeat, StockLevel, WorkSought
@@ -75,14 +75,6 @@ class Station(AgentBase):
         self._book = Reservations({kept.material: kept.capacity for kept in spec.stocks})
         self._told: tuple[StockLevel, ...] = ()
         self._written: tuple[ReservationMemory, ...] = ()
-        self._issuing = Issuing(
-            storage,
-            self._book,
-            self._timers,
-            self._out,
-            drains=lambda: self._shutdown.begun,
-            changed=self._go_on,
-        )
         self._flow = TransportFlow(
             storage,
             plant,
@@ -94,6 +86,15 @@ class Station(AgentBase):
             self._out,
             self,
             incarnation=incarnation,
+        )
+        self._issuing = Issuing(
+            storage,
+            self._book,
+            self._timers,
+            self._out,
+            self._flow.door,
+            drains=lambda: self._shutdown.begun,
+            changed=self._go_on,
         )
         authority = CommandAuthorisation(storage, plant, trusts)
         self._held_loads = HeldLoads(
@@ -110,7 +111,7 @@ class Station(AgentBase):
             Docked: self._on_docked,
             WorkSought: self._on_sought,
         }
-        self._report_handlers = {StockChanged: self._stock_changed}
+        self._report_handlers = {StockChanged: self._stock_changed, DockReady: self._flow.on_dock_ready}
         self._docks = () if traffic is None else docks_heard(storage, items, plant, self._keys)
         heard = self._flow.subscriptions
         self._bookkeeping = Bookkeeping(storage, plant, traffic, trusts, heard, self._timers, self._out)
@@ -130,6 +131,7 @@ class Station(AgentBase):
     def _start(self, body: BodyState | None, memory: Memory, now_s: float) -> None:
         state = self._storage(body)
         self._book.take_count(state.stock, state.seq)
+        self._flow.door.answers = state.answers
         note = memory.get(WHOLE)
         if isinstance(note, StationMemory):
             self._written = note.reserved
@@ -188,6 +190,7 @@ class Station(AgentBase):
             software=self._software,
             draining=self._shutdown.begun,
             awaits=self._bookkeeping.awaited(now_s),
+            dock_wait=self._flow.door.wait(now_s),
         )
         self._out.append(Publish(self._beat_key, heartbeat))
         return heartbeat

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterable, Mapping
 from typing import Any, Protocol, cast
 
-from dray.body import StockChanged
+from dray.body import DockReady, StockChanged
 from dray.memory import Memory, TaskMemory
 from dray.messages import (
     Accepted,
@@ -35,6 +35,7 @@ from dray.messages.fact import Outcome
 from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.protocol.contract_net.auction_rules import AuctionRules
+from dray.protocol.contract_net.dock import Door, ready_within_s
 from dray.protocol.contract_net.task import OpenTask
 from dray.protocol.contract_net.terms import Place
 from dray.protocol.contract_net.trust.assessment import Assessor
@@ -90,6 +91,7 @@ class TransportFlow:
         sourcing: what is waited for before anybody is hired.
         held: those for whose loads a person has to look.
         called: what people and programs have asked for.
+        door: of its dock, for whoever loads or unloads.
         message_handlers: by the type of a message, what to call with (sender, message, now_s).
         alarms: what to call when an alarm of these names has come.
         subscriptions: which heartbeats it hears.
@@ -144,7 +146,8 @@ class TransportFlow:
             resized=self._resize,
         )
         self.held = HeldTransports(plant, self.tasks)
-        self._dock = Dock(place, self.tasks, stock, out)
+        self.door = Door(out, ready_within_s(plant, place))
+        self._dock = Dock(place, self.tasks, stock, self.door, out)
         self._handovers = Handovers(
             place,
             self.tasks,
@@ -241,6 +244,11 @@ class TransportFlow:
         """Offer what waits to a vehicle that asks for work."""
         if not self.tasks.offer(sender, message.abilities, now_s):
             self._out.append(Ignore("asked for work, and none waits"))
+
+    def on_dock_ready(self, report: DockReady, now_s: float) -> None:
+        """The body has opened the dock for a vehicle."""
+        self._dock.on_ready(report.vehicle, now_s)
+        self._owner.beat_soon(now_s)
 
     def on_material(self, report: StockChanged, now_s: float) -> None:
         """Material has come, or was taken."""
