@@ -361,9 +361,11 @@ class StorageState(Part, frozen=True):
     """Vehicles for which the dock is open, or is being opened: they have not taken yet what they may take."""
     answers: bool = False
     """Whether its dock takes time to open; see `WorkcellState`."""
+    counts: bool = True
+    """Whether it counts what vehicles bring and take; see `WorkcellState`."""
 
 
-StorageInstruction = OpenDock | CloseDock | Refill
+StorageInstruction = OpenDock | CloseDock | Book | Refill
 
 # --- a person with a tablet: the operator's body ---------------------------------------------------
 

@@ -191,6 +191,8 @@ class StationMemory(Part, tag_field="kind", tag="station", frozen=True):
     tasks: tuple[TaskMemory, ...] = ()
     answered: tuple[CommandMemory, ...] = ()
     """People's words that it would obey if they came again."""
+    let_in: tuple[ReservationMemory, ...] = ()
+    """As a machine's."""
 
 
 class ReservationMemory(Part, frozen=True):

@@ -368,4 +368,9 @@ def test_whatever_happens_no_piece_is_counted_twice_and_none_is_forgotten(steps:
 )
 def test_a_mapping_that_makes_no_sense_is_refused(signals: dict[Signal, Tag], why: str) -> None:
     with pytest.raises(ValueError, match=why):
-        SignalMapping(signals)
+        SignalMapping(signals).check_machine()
+
+
+def test_a_machine_has_no_levels() -> None:
+    with pytest.raises(ValueError, match="a machine's stock is reckoned"):
+        SignalMapping({P: Tag("x")}, levels={ITEM: Tag("x")}).check_machine()

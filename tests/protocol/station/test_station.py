@@ -7,14 +7,17 @@ import pytest
 from defaults import KEYS, PLANT
 from effects import committed, instructed, listening, sent
 from msgspec import UNSET
+from msgspec.structs import replace
 from rigs import Rig
+from spoken import rhb
 
-from dray.body import CloseDock, DockReady, OpenDock, Refill, StockChanged, StorageState
+from dray.body import Book, CloseDock, DockReady, OpenDock, Refill, StockChanged, StorageState
 from dray.memory import StationMemory
 from dray.messages import (
     Docked,
     DockHeld,
     DockOpened,
+    Phase,
     StationHeartbeat,
     StockAsked,
     StockFreed,
@@ -40,11 +43,15 @@ class StationRig(Rig):
         self.stock = {kept.material: 0 for kept in SPEC.stocks} | {ITEM: stock}
         self.seq = 0
         self.opened: dict[str, None] = {}
-        self.answers = False
+        self.answers, self.counts = False, True
 
     def sense(self) -> StorageState:
         return StorageState(
-            stock=dict(self.stock), seq=self.seq, opened=tuple(self.opened), answers=self.answers
+            stock=dict(self.stock),
+            seq=self.seq,
+            opened=tuple(self.opened),
+            answers=self.answers,
+            counts=self.counts,
         )
 
     def asks(self, task: str, quantity: int = 40, *, machine: str = "M8", epoch: int = 1) -> list[Effect]:
@@ -180,6 +187,38 @@ def test_a_station_that_begins_anew_while_its_dock_opens_keeps_what_is_promised(
     assert rig.level.promised == 40
     rig.docks("ATV2", "M8-1")
     assert sent(rig.report(DockReady(vehicle="ATV2")), DockOpened, to="ATV2")
+
+
+def blind() -> StationRig:
+    """A station whose body does not count; a vehicle stands there to fetch 40."""
+    rig = StationRig()
+    rig.counts = False
+    rig.start()
+    rig.asks("M8-1")
+    rig.docks("ATV2", "M8-1")
+    return rig
+
+
+def carries(rig: StationRig) -> list[Effect]:
+    rig.run(rig.now_s + 1.0)
+    beat = rhb("ATV2", 100, rig.now_s, task="M8-1")
+    assert beat.task is not None
+    return rig.on_message("ATV2", replace(beat, task=replace(beat.task, phase=Phase.CARRYING)))
+
+
+def test_where_the_body_does_not_count_a_load_is_booked_out_when_its_vehicle_has_it() -> None:
+    rig = blind()
+    assert instructed(carries(rig), Book) == [Book("ATV2", ITEM, -40, task="M8-1", epoch=1)]
+    rig.changes(-40, "ATV2")
+    assert (rig.level.level, rig.level.promised) == (60, 0)
+
+
+def test_where_the_body_does_not_count_the_next_life_books_what_was_being_fetched() -> None:
+    first = blind()
+    rig = StationRig(incarnation=2)
+    rig.counts, rig.opened, rig.memory = False, {"ATV2": None}, committed(first.all)
+    rig.start()
+    assert instructed(carries(rig), Book) == [Book("ATV2", ITEM, -40, task="M8-1", epoch=1)]
 
 
 def test_what_is_given_back_goes_to_the_next() -> None:

@@ -149,7 +149,7 @@ class SignalledWorkcell:
         self._turn = 0
         """Grows when another piece is waited for, so that an outdated call of the clock is recognised."""
         self._told: tuple[str, Problem, bool] = ("", NOTHING_KNOWN, False)
-        self.outputs: dict[Signal, Value] = {}
+        self.outputs: dict[str, Value] = {}
         # A piece that an earlier life has begun is wanted all the same.
         self._put(Signal.PRODUCT, self._kept.cycling)
         self._put(Signal.RUN, bool(self._kept.cycling))
@@ -221,13 +221,14 @@ class SignalledWorkcell:
         self._dock.ready(is_ready=False)
         self._settle()
 
-    def on_range(self, signal: Signal, moduli: tuple[int, ...]) -> None:
+    def on_range(self, signal: str, moduli: tuple[int, ...]) -> None:
         """The controller has told where a counter may roll over; what the mapping says of it counts more."""
-        if self._tags[signal].rolls_over_at is None:
-            self._moduli[signal] = moduli
+        if self._tags[Signal(signal)].rolls_over_at is None:
+            self._moduli[Signal(signal)] = moduli
 
-    def on_sample(self, signal: Signal, sample: Sample) -> None:
+    def on_sample(self, name: str, sample: Sample) -> None:
         """The controller has told a value."""
+        signal = Signal(name)
         value = sample.value if sample.quality is Quality.GOOD else None
         understood = None if value is None else self._take(signal, value)
         if value is None:
@@ -240,8 +241,9 @@ class SignalledWorkcell:
             self._dock.ready(is_ready=False)
         self._settle()
 
-    def on_refused(self, signal: Signal, reason: str) -> None:
+    def on_refused(self, name: str, reason: str) -> None:
         """The controller does not take a value; with no reason it does again."""
+        signal = Signal(name)
         if reason:
             self._refused[signal] = reason
         else:

@@ -30,6 +30,14 @@ DockBody = Annotated[
     ),
 ]
 
+StationBody = Annotated[
+    Literal["floor", "controller", "opcua"] | None,
+    typer.Option(
+        "--body",
+        help="floor: simulated, on `dray floor`; controller: that of its dock, behind a broker; opcua: likewise, by OPC UA; else DRAY_BODY.",
+    ),
+]
+
 MachineBody = Annotated[
     Literal["floor", "opcua"] | None,
     typer.Option(
@@ -200,8 +208,9 @@ def station(
         str, typer.Argument(help="The id of its storage or source warehouse in the plant, as S3.")
     ],
     traffic: Traffic = None,
-    body: DockBody = None,
+    body: StationBody = None,
     broker: Broker = None,
+    mapping: Mapping = None,
     settings: SettingsFile = None,
 ) -> None:
     """Run the station of a storage, without which nobody fetches anything there. SIGTERM lets it shut down gracefully."""
@@ -210,14 +219,13 @@ def station(
     from dray import __version__
     from dray.body import StorageState
     from dray.cli.runtime.agent_process import run_agent
-    from dray.cli.runtime.bodies import by_controller, on_floor
+    from dray.cli.runtime.bodies import by_controller, on_floor, store_by_opcua
     from dray.cli.runtime.output import one_of
     from dray.protocol.station.station import Station
 
-    where = _with_body(
-        _surroundings(settings, traffic=traffic, body=body, broker=broker), "a station", "controller"
-    )
-    one_of(where.plant.stores, name, "NAME")
+    said = _surroundings(settings, traffic=traffic, body=body, broker=broker, mapping=mapping)
+    where = _with_body(said, "a station", "controller", "opcua")
+    spec = one_of(where.plant.stores, name, "NAME")
     trusts, places = _trusted(where), where.traffic
 
     def make(life: int) -> Station:
@@ -225,8 +233,13 @@ def station(
             name, where.plant, incarnation=life, software=__version__, traffic=places, trusts=trusts
         )
 
-    real = where.settings.body == "controller"
-    embody = by_controller(where, name, StorageState) if real else on_floor(where, name)
+    match where.settings.body:
+        case "controller":
+            embody = by_controller(where, name, StorageState)
+        case "opcua":
+            embody = store_by_opcua(where, name, spec)
+        case _:
+            embody = on_floor(where, name)
     asyncio.run(run_agent(where, name, make, embody))
 
 

@@ -9,6 +9,7 @@ from contextlib import AbstractAsyncContextManager, asynccontextmanager, closing
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Generic, TypeVar
 
 from dray.adapters.controller.body import ControllerBody
 from dray.adapters.controller.letters import TOLD, prefix
@@ -17,6 +18,8 @@ from dray.adapters.journal.sqlite_journal import SqliteJournal
 from dray.adapters.memory_file import MemoryFile
 from dray.adapters.opcua.mapping_file import OpcUaMapping, load_mapping
 from dray.adapters.remote_body import BodySpec, CountedBody, RemoteBody, put_down, tell_moved
+from dray.adapters.signals.signal import SignalMapping
+from dray.adapters.signals.store import DAMAGED_STORE, KeptStore, SignalledStore
 from dray.adapters.signals.workcell import DAMAGED as DAMAGED_WORKCELL
 from dray.adapters.signals.workcell import Kept, SignalledWorkcell
 from dray.adapters.vda5050.body import HEARD, Address, VehicleBody
@@ -31,6 +34,7 @@ from dray.cli.runtime.surroundings import Surroundings
 from dray.errors import SettingsError, UnavailableError
 from dray.gate import GateState
 from dray.plant.model import MachineSpec, VehicleType
+from dray.plant.model import Storage as StorageSpec
 from dray.ports import Body
 from dray.settings import Settings
 from dray.supervision import Failures
@@ -165,16 +169,19 @@ FIRST_S = 10.0
 """So long a machine waits for its controller before it begins without, and says so."""
 
 
-class _MachineWorld:
-    """What a machine's body needs beside a clock: a link and a disk."""
+_Kept = TypeVar("_Kept")
 
-    def __init__(self, write: Callable[[], None], remember: Callable[[Kept], None]) -> None:
+
+class _World(Generic[_Kept]):
+    """What such a body needs beside a clock: a link and a disk."""
+
+    def __init__(self, write: Callable[[], None], remember: Callable[[_Kept], None]) -> None:
         self.write, self.remember = write, remember
 
 
 @dataclass(frozen=True, slots=True)
-class RealMachine:
-    """A machine behind its controller.
+class RealController:
+    """The controller of a machine, or of a storage's dock.
 
     Attributes:
         mapping: where that is, and its nodes.
@@ -187,8 +194,12 @@ class RealMachine:
     password: str
 
     @classmethod
-    def of(cls, settings: Settings) -> RealMachine:
+    def of(cls, settings: Settings, check: Callable[[SignalMapping], None]) -> RealController:
         """What the settings say.
+
+        Args:
+            settings: of the process.
+            check: raises ValueError where the mapping is not that of such a body.
 
         Raises:
             SettingsError: there is no mapping, or it cannot be used; or what OPC UA needs is not installed.
@@ -200,8 +211,13 @@ class RealMachine:
         if find_spec("asyncua") is None:
             raise SettingsError("--body", "OPC UA needs more than is installed: pip install 'dray[opcua]'")
         password = settings.opcua_password
+        mapping = load_mapping(settings.mapping)
+        try:
+            check(mapping)
+        except ValueError as error:
+            raise SettingsError("--mapping", f"{settings.mapping}: {error}") from None
         return cls(
-            load_mapping(settings.mapping),
+            mapping,
             settings.mapping.parent,
             "" if password is None else password.get_secret_value(),
         )
@@ -219,7 +235,7 @@ def by_opcua(surroundings: Surroundings, name: str, spec: MachineSpec) -> Embody
         SettingsError: there is no mapping, or it cannot be used.
     """
     settings = surroundings.settings
-    real = RealMachine.of(settings)
+    real = RealController.of(settings, SignalMapping.check_machine)
 
     @asynccontextmanager
     async def embody(_bus: ZenohBus, _journal: SqliteJournal) -> AsyncIterator[Embodied]:
@@ -230,7 +246,7 @@ def by_opcua(surroundings: Surroundings, name: str, spec: MachineSpec) -> Embody
         if file.lost:
             _log.error("%s: %s", name, file.lost)
         link = OpcUaLink(real.mapping, real.folder, real.password)
-        world = _MachineWorld(link.write, file.write)
+        world = _World(link.write, file.write)
         body = SignalledWorkcell(spec, surroundings.plant, real.mapping, surroundings.clock(), world, kept)
         running = asyncio.create_task(link.run(body))
         try:
@@ -343,6 +359,65 @@ def by_vda5050(surroundings: Surroundings, name: str, kind: VehicleType, real: R
         async with linked(link, body) as lost:
             await until_known(body, name)
             yield Embodied(body, lost, (link.failures, body.failures))
+
+    return embody
+
+
+SILENT_S = 10.0
+"""A storage's controller that is away for longer is gone: its agent ends, so that nobody counts on it, and begins anew."""
+
+
+def store_by_opcua(surroundings: Surroundings, name: str, spec: StorageSpec) -> Embody:
+    """A storage or a warehouse whose dock's controller is an OPC UA server.
+
+    Its agent waits until the controller is there, and ends when it has been away for `SILENT_S`.
+
+    Args:
+        surroundings: of the process.
+        name: the agent's id.
+        spec: what is kept there.
+
+    Raises:
+        SettingsError: there is no mapping, or it cannot be used.
+    """
+    settings, clock = surroundings.settings, surroundings.clock
+    items = {line.material for line in spec.stocks}
+    real = RealController.of(settings, lambda mapping: mapping.check_store(items))
+
+    @asynccontextmanager
+    async def embody(_bus: ZenohBus, _journal: SqliteJournal) -> AsyncIterator[Embodied]:
+        from dray.adapters.opcua.link import OpcUaLink
+
+        file = MemoryFile(settings.journal_folder / f"{name}.store.json", KeptStore, DAMAGED_STORE)
+        kept = file.read()
+        if file.lost:
+            _log.error("%s: %s", name, file.lost)
+        now = clock()
+        link = OpcUaLink(real.mapping, real.folder, real.password)
+        body = SignalledStore(spec, real.mapping, now, _World(link.write, file.write), kept)
+        running = asyncio.create_task(link.run(body))
+
+        async def lost() -> None:
+            while body.away_since_s is None or now.now_s() - body.away_since_s < SILENT_S:
+                await asyncio.wait((running,), timeout=1.0)
+                if running.done():
+                    running.result()
+
+        try:
+            while body.away_since_s is not None:
+                there = asyncio.ensure_future(link.linked.wait())
+                await asyncio.wait(
+                    (running, there), timeout=REMIND_EVERY_S, return_when=asyncio.FIRST_COMPLETED
+                )
+                there.cancel()
+                if running.done():
+                    running.result()
+                if body.away:
+                    _log.warning("%s waits for its controller: %s", name, body.away)
+            yield Embodied(body, lost, (link.failures,))
+        finally:
+            running.cancel()
+            await asyncio.gather(running, return_exceptions=True)
 
     return embody
 

@@ -8,13 +8,14 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from dray.adapters.signals.signal import SignalMapping
 from dray.adapters.vda5050.body import HEARD, VehicleBody
 from dray.adapters.vda5050.commissioning import Commissioning, Wanted
 from dray.adapters.vda5050.control.master import MasterControl
 from dray.adapters.vda5050.dialogue import Head, Recorder
 from dray.adapters.vda5050.events import Heard, Linked, Memory, Say, Unlinked
 from dray.adapters.vda5050.link import MqttLink
-from dray.cli.runtime.bodies import RealMachine, RealVehicle, linked
+from dray.cli.runtime.bodies import RealController, RealVehicle, linked
 from dray.cli.runtime.output import one_of
 from dray.cli.runtime.surroundings import Surroundings
 from dray.plant.model import VehicleType
@@ -95,7 +96,7 @@ async def commission_machine(
     """
     from dray.adapters.opcua.commissioning import Commissioning, Wanted
 
-    controller = RealMachine.of(where.settings)
+    controller = RealController.of(where.settings, SignalMapping.check_machine)
     spec = one_of(where.plant.machines, name, "NAME")
     wanted, clock = Wanted(cycle, dock), where.clock()
     done = Commissioning(

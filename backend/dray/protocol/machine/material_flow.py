@@ -14,7 +14,7 @@ from msgspec.structs import replace
 
 from dray.body import StockChanged, WorkcellState
 from dray.memory import MachineMemory, Memory
-from dray.messages import AtvHeartbeat, Docked, Phase, Transport, TransportAnswered
+from dray.messages import Docked, Phase, Transport, TransportAnswered
 from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.protocol.contract_net.auction_rules import AuctionRules
@@ -27,7 +27,6 @@ from dray.protocol.machine.supply import Supply
 from dray.protocol.runtime.events import Effect
 from dray.protocol.runtime.running import life_mark
 from dray.protocol.runtime.timers import Timers
-from dray.protocol.transports.booking_out import BookingOut
 from dray.protocol.transports.issuing import Issuing
 from dray.protocol.transports.receiving import GateCount
 from dray.protocol.transports.reservations import Reservations
@@ -73,7 +72,6 @@ class MaterialFlow(TransportFlow):
         goods: those that wait to be fetched.
         stranded: those that failed vehicles have on board.
         put_away: parts that nobody here needs.
-        booking_out: what others have fetched, where the body does not count.
         cycling: the product of the running cycle; empty for none.
     """
 
@@ -128,7 +126,6 @@ class MaterialFlow(TransportFlow):
             drains=lambda: owner.is_draining,
             changed=self.note_stock,
         )
-        self.booking_out = BookingOut(self.subscriptions, out)
         self.message_handlers |= self._issuing.message_handlers
         self.message_handlers[TransportAnswered] = self.put_away.on_answered
         self.alarms = {**self.alarms, **self._issuing.alarms, **self.put_away.alarms}
@@ -138,8 +135,7 @@ class MaterialFlow(TransportFlow):
     def take_count(self, body: WorkcellState) -> None:
         """Take over what the body has counted."""
         self._supply.take_count(body.stock, body.seq)
-        self._handovers.counts = body.counts
-        self.door.answers = body.answers
+        self.take_abilities(body)
 
     def restore(self, memory: MachineMemory, notes: Memory, now_s: float) -> None:
         """Go on with the transports of an earlier life."""
@@ -239,16 +235,9 @@ class MaterialFlow(TransportFlow):
             # Another place's transport: what it fetches here is taken away.
             self._book.assume(self._to_give)
             self._issuing.on_docked(sender, message, now_s)
-            load = self._issuing.opened_for(message.task)
-            if load is not None and not self._handovers.counts:
-                self.booking_out.let_in(load)
-                self._owner.commit()
+            self.note_let_in(self._issuing.opened_for(message.task))
         else:
             super()._on_docked(sender, message, now_s)
-
-    def _on_vehicle(self, sender: str, heartbeat: AtvHeartbeat, now_s: float) -> None:
-        super()._on_vehicle(sender, heartbeat, now_s)
-        self.booking_out.on_carrier_heard(heartbeat)
 
     def _latest_s(self, need: Need, now_s: float) -> float:
         return self._supply.latest_s(need.work, need.deadline_s, now_s)

@@ -131,13 +131,14 @@ class Station(AgentBase):
     def _start(self, body: BodyState | None, memory: Memory, now_s: float) -> None:
         state = self._storage(body)
         self._book.take_count(state.stock, state.seq)
-        self._flow.door.answers = state.answers
+        self._flow.take_abilities(state)
         note = memory.get(WHOLE)
         if isinstance(note, StationMemory):
             self._written = note.reserved
             for reserved in note.reserved:
                 self._book.restore(reserved, state.opened, now_s)
             self._flow.restore_tasks(note.tasks, memory, now_s)
+            self._flow.booking_out.restore(note.let_in)
             self._held_loads.restore(note.answered)
             # Tasks without a carrier have a higher epoch now: no life may use one that an earlier one has used.
             self._commit()
@@ -167,6 +168,7 @@ class Station(AgentBase):
             reserved=self._written,
             tasks=tuple(task.memory() for task in self._flow.tasks),
             answered=self._held_loads.answered,
+            let_in=self._flow.booking_out.memories(),
         )
 
     def _was_deaf(self, span_s: float) -> None:
@@ -225,6 +227,7 @@ class Station(AgentBase):
             self._out.append(Ignore("asked for the dock of another storage"))
         elif docked.item and docked.station == self.id and not self._flow.knows(docked.task):
             self._issuing.on_docked(sender, docked, now_s)
+            self._flow.note_let_in(self._issuing.opened_for(docked.task))
         else:
             self._flow.message_handlers[Docked](sender, docked, now_s)
 
