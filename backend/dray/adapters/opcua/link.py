@@ -7,7 +7,7 @@ import contextlib
 import logging
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 from asyncua import ua
 from asyncua.client.client import Client
@@ -16,7 +16,7 @@ from asyncua.crypto import security_policies
 from asyncua.ua.uaerrors import UaError, UaStatusCodeError
 
 from dray.adapters.opcua.mapping_file import OpcUaMapping
-from dray.adapters.signals.signal import Quality, Sample, Signal, Tag, Value, is_told
+from dray.adapters.signals.signal import LinkListener, Quality, Sample, Signal, Tag, Value, is_told
 from dray.errors import SettingsError, UnavailableError
 from dray.supervision import Failures
 
@@ -62,22 +62,6 @@ _FLOATS = frozenset({ua.VariantType.Float, ua.VariantType.Double})
 logging.getLogger("asyncua").setLevel(logging.ERROR)
 
 
-class Listener(Protocol):
-    """Whoever is told what the controller says; see `dray.adapters.signals.workcell`."""
-
-    outputs: dict[str, Value]
-
-    def on_link(self) -> None: ...
-
-    def on_link_lost(self, reason: str) -> None: ...
-
-    def on_range(self, signal: str, moduli: tuple[int, ...]) -> None: ...
-
-    def on_sample(self, name: str, sample: Sample) -> None: ...
-
-    def on_refused(self, name: str, reason: str) -> None: ...
-
-
 class OpcUaLink:
     """One session, begun again whenever it is lost.
 
@@ -101,7 +85,7 @@ class OpcUaLink:
         """The listener's outputs have changed."""
         self._changed.set()
 
-    async def run(self, listener: Listener) -> None:
+    async def run(self, listener: LinkListener) -> None:
         """Be linked until cancelled, whatever one value makes of the listener.
 
         Raises:
@@ -181,7 +165,7 @@ class _Session:
     def __init__(
         self,
         mapping: OpcUaMapping,
-        listener: Listener,
+        listener: LinkListener,
         changed: asyncio.Event,
         linked: asyncio.Event,
         tell: Callable[..., None],

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Container
 from enum import StrEnum
-from typing import Annotated
+from typing import Annotated, Protocol
 
 from msgspec import Meta, Struct, field
 
@@ -69,9 +69,13 @@ class Edge(StrEnum):
 class Tag(Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True):
     """Where a controller has one signal, and how it writes it."""
 
-    node: str
+    node: str = ""
     """Its address there: of OPC UA a node id, as `ns=2;s=Press.Good` or `nsu=http://maker/press;i=17`, or a path of browse
     names from Objects, as `2:Press/2:Good`."""
+    topic: str = ""
+    """Its address there, by MQTT."""
+    path: str = ""
+    """By MQTT: to the value in a message, as `count.good` or `channels.0.value`; empty where the whole message is the value."""
     scale: Annotated[float, Meta(gt=0)] = 1.0
     """What is read is divided by it, what is written is multiplied: 100 where a controller has percent."""
     invert: bool = False
@@ -80,6 +84,22 @@ class Tag(Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True):
     """For a pulse: which change counts. None for a counter."""
     rolls_over_at: Annotated[int, Meta(ge=2, le=2**62)] | None = None
     """The first number that a counter does not reach; None where its type says it."""
+
+
+class LinkListener(Protocol):
+    """Whoever is told what a controller says (`workcell`, `store`)."""
+
+    outputs: dict[str, Value]
+
+    def on_link(self) -> None: ...
+
+    def on_link_lost(self, reason: str) -> None: ...
+
+    def on_range(self, signal: str, moduli: tuple[int, ...]) -> None: ...
+
+    def on_sample(self, name: str, sample: Sample) -> None: ...
+
+    def on_refused(self, name: str, reason: str) -> None: ...
 
 
 class Quality(StrEnum):
