@@ -128,3 +128,20 @@ def test_our_own_fault_ends_one_that_looks_from_time_to_time() -> None:
 
     with pytest.raises(Fails):
         run(keep_looking(look, 2.0, lambda _: None), JUMP)
+
+
+def test_a_listener_that_fails_is_counted_and_one_without_its_disk_ends_whoever_tells_it() -> None:
+    failures, heard = Failures("Yard/4711"), list[int]()
+
+    def listener(value: int) -> None:
+        if value == 0:
+            raise ZeroDivisionError
+        if value < 0:
+            raise UnavailableError("the journal", "is full", "make room")
+        heard.append(value)
+
+    for value in (1, 0, 2):
+        failures.tell("state", listener, value)
+    assert (heard, failures.counts) == ([1, 2], {"state": 1})
+    with pytest.raises(UnavailableError):
+        failures.tell("state", listener, -1)

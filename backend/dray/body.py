@@ -240,13 +240,17 @@ class CloseDock(Part, frozen=True):
 class Book(Part, frozen=True):
     """A vehicle says that it has put pieces down or taken them: the only word there is for a body that does not count.
 
-    Answered with `StockChanged`, as if it had been seen.
+    Answered with `StockChanged`, as if it had been seen. Said again, by this life of its agent or the next, it is answered as before, and books nothing.
     """
 
     vehicle: str
     item: str
     change: int
     """Pieces; negative when something was taken."""
+    task: str
+    """The transport by which."""
+    epoch: int
+    """Of the transport."""
 
 
 class ResetFault(Part, frozen=True):
@@ -337,7 +341,7 @@ class WorkcellState(Part, frozen=True):
     """Whether its dock takes time to open: `OpenDock` is answered with `DockReady`, once for each time that it is said."""
 
 
-# --- a storage: instructions and state; it has a dock as a workcell has, and reports `StockChanged` -------
+# --- a storage: instructions and state; it has a dock as a workcell has -------
 
 
 class Refill(Part, frozen=True):
@@ -354,10 +358,14 @@ class StorageState(Part, frozen=True):
     seq: int
     """How many changes of the stock it has reported since it was built; see `WorkcellState`."""
     opened: tuple[str, ...]
-    """Vehicles for which the dock is open: they have not taken yet what they may take."""
+    """Vehicles for which the dock is open, or is being opened: they have not taken yet what they may take."""
+    answers: bool = False
+    """Whether its dock takes time to open; see `WorkcellState`."""
+    counts: bool = True
+    """Whether it counts what vehicles bring and take; see `WorkcellState`."""
 
 
-StorageInstruction = OpenDock | CloseDock | Refill
+StorageInstruction = OpenDock | CloseDock | Book | Refill
 
 # --- a person with a tablet: the operator's body ---------------------------------------------------
 

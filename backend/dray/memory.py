@@ -111,6 +111,8 @@ class MachineMemory(Part, tag_field="kind", tag="machine", frozen=True):
     """Parts that it has asked storages to fetch."""
     put_away_count: int = 0
     """Names of those go on from here."""
+    let_in: tuple[ReservationMemory, ...] = ()
+    """Loads that others' vehicles may have taken, where the body does not count."""
 
 
 class ProductMemory(Part, frozen=True):
@@ -189,6 +191,8 @@ class StationMemory(Part, tag_field="kind", tag="station", frozen=True):
     tasks: tuple[TaskMemory, ...] = ()
     answered: tuple[CommandMemory, ...] = ()
     """People's words that it would obey if they came again."""
+    let_in: tuple[ReservationMemory, ...] = ()
+    """As a machine's."""
 
 
 class ReservationMemory(Part, frozen=True):

@@ -103,6 +103,19 @@ class Failures:
         """How many have failed, of all kinds."""
         return self.counts.total()
 
+    def tell(self, kind: str, listener: Callable[..., None], *args: object) -> None:
+        """Tell a listener something; what one message makes of it ends nothing.
+
+        Raises:
+            UnavailableError: the listener has: without its disk, say, it could promise nothing.
+        """
+        try:
+            listener(*args)
+        except UnavailableError:
+            raise
+        except Exception:  # noqa: BLE001 - whatever it is, it is about this one message
+            self.note(kind)
+
     def note(self, kind: str) -> None:
         """Count the exception that is being handled, and say it."""
         with self._lock:

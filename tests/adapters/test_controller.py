@@ -20,7 +20,17 @@ from dray.adapters.controller.body import ControllerBody
 from dray.adapters.controller.letters import TOLD, prefix
 from dray.adapters.remote_body import exchanged
 from dray.adapters.vda5050.link import MqttLink
-from dray.body import Admit, CloseDock, GoodsArrived, OpenDock, Report, StockChanged, StorageState
+from dray.body import (
+    Admit,
+    CloseDock,
+    DockReady,
+    GoodsArrived,
+    Instruction,
+    OpenDock,
+    Report,
+    StockChanged,
+    StorageState,
+)
 from dray.gate import GateState
 from dray.plant import default_plant, load_plant
 from dray.ports import Body
@@ -107,6 +117,44 @@ def test_what_is_instructed_is_done_and_what_is_counted_is_heard_once_and_in_ord
         taken = [each for each in dock.heard if isinstance(each, StockChanged) and each.vehicle]
         assert [(each.vehicle, each.change) for each in taken] == [(f"ATV{n}", -40) for n in range(5)]
         assert body.sense() == dock.storage.sense()
+
+    played(test)
+
+
+class SlowDock:
+    """A storage whose dock takes three seconds to be safe, and says so."""
+
+    def __init__(self, storage: Storage) -> None:
+        self._storage, self._report = storage, list[Callable[[Report], None]]()
+
+    def attach(self, report: Callable[[Report], None]) -> None:
+        self._report = [report]
+        self._storage.attach(report)
+
+    def sense(self) -> StorageState:
+        return msgspec.structs.replace(self._storage.sense(), answers=True)
+
+    def instruct(self, instruction: Instruction) -> None:
+        self._storage.instruct(instruction)
+        if isinstance(instruction, OpenDock):
+            ready = DockReady(instruction.vehicle)
+            asyncio.get_running_loop().call_later(3.0, lambda: [tell(ready) for tell in self._report])
+
+
+@pytest.mark.parametrize("loss_frac", [0.0, 0.5])
+def test_a_dock_that_takes_time_to_open_says_once_that_it_is_ready(loss_frac: float) -> None:
+    async def test() -> None:
+        dock = Dock(loss_frac)
+        dock.controller = dock.wire.controller = Controller(SlowDock(dock.storage), dock.wire.to_agent)
+        body = await dock.live()
+        state = body.sense()
+        assert isinstance(state, StorageState)
+        assert state.answers
+        body.instruct(OpenDock("ATV1", "shaft", 40))
+        await dock.pass_s(2.0)
+        assert dock.heard == []
+        await dock.pass_s(60.0)
+        assert dock.heard == [DockReady("ATV1")]
 
     played(test)
 

@@ -114,6 +114,14 @@ AWAITED_MAX = 8
 Awaited = Annotated[tuple[Id, ...], Meta(max_length=AWAITED_MAX)]
 
 
+class DockWait(Part, frozen=True, omit_defaults=True):
+    """A vehicle stands at a dock that has not got ready for it in time."""
+
+    vehicle: Id
+    since_s: Seconds
+    """Since when it is the next one (plant clock)."""
+
+
 class OutOfService(Part, frozen=True, omit_defaults=True):
     """A person has taken an agent out of service: it takes no work."""
 
@@ -365,6 +373,8 @@ class StationHeartbeat(Message, frozen=True, omit_defaults=True):
     draining: bool = False
     awaits: Awaited | UnsetType = UNSET
     """Vehicles without whose word it grants no place of a book that was lost; of more than `AWAITED_MAX` the first."""
+    dock_wait: DockWait | UnsetType = UNSET
+    """Left out while its dock gets ready for everybody in time."""
 
 
 class MachineHeartbeat(Message, frozen=True, omit_defaults=True):
@@ -411,3 +421,5 @@ class MachineHeartbeat(Message, frozen=True, omit_defaults=True):
     """Set when it has come to a plant whose file did not know it."""
     awaits: Awaited | UnsetType = UNSET
     """Vehicles without whose word it grants no place of a book that was lost; of more than `AWAITED_MAX` the first."""
+    dock_wait: DockWait | UnsetType = UNSET
+    """Left out while its dock gets ready for everybody in time."""

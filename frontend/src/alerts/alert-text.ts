@@ -40,6 +40,8 @@ function kindText(alert: AlertView, nowS: number, speed: number): string {
       return t("alerts.what.station_lost", { age: format.age(nowS - (seen_at_s ?? nowS)) });
     case "gate_lost":
       return t("alerts.what.gate_lost", { age: format.age(nowS - (seen_at_s ?? nowS)) });
+    case "dock_not_ready":
+      return t("alerts.what.dock_not_ready", { age: format.age(nowS - (seen_at_s ?? nowS)), agents: format.list(alert.agents.map(vehicleName)) });
     case "strategist_lost":
       return t("alerts.what.strategist_lost", { agents: format.list(alert.agents.map(vehicleName)) });
     case "atv_help":

@@ -106,6 +106,8 @@ describe("an alert says", () => {
     const station = alert({ kind: "station_lost", agent: "S1", response: "look_at_station", seen_at_s: 70 });
     expect(whatText(station, 100, 1).replaceAll("\u202f", " ")).toBe("No heartbeat of its station for 30 s: nobody is promised material from here");
     expect(asksText(station)).toContain("power and network");
+    const dock = alert({ kind: "dock_not_ready", agent: "M8", agents: ["ATV2"], response: "see_to_dock", seen_at_s: 30 });
+    expect(whatText(dock, 100, 1).replaceAll("\u202f", " ")).toBe("Its dock has not got ready for ATV2 for 70 s");
   });
 
   test("how long help is waited for, in factory time", () => {

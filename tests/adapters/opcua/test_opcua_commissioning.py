@@ -10,8 +10,10 @@ import pytest
 from plc import Plc, mapping
 from signals_rig import PLANT, PRODUCT, SPEC
 
-from dray.adapters.opcua.commissioning import Commissioning, Wanted
-from dray.adapters.opcua.mapping_file import parse_mapping
+from dray.adapters.machine_acts import Wanted
+from dray.adapters.mapping_file import parse_mapping
+from dray.adapters.opcua.commissioning import Commissioning
+from dray.adapters.opcua.mapping_file import OpcUaMapping
 from dray.adapters.signals.signal import Signal
 from dray.adapters.system_clock import SystemClock
 
@@ -25,7 +27,9 @@ def commissioning(url: str, folder: Path, wanted: Wanted, **tags: str) -> Commis
     said = {name: f'{{node: "{tag["node"]}"}}' for name, tag in mapping(SIGNALS).items()} | tags
     text = f"url: {url}\nsignals:\n" + "\n".join(f"  {name}: {tag}" for name, tag in said.items())
     clock = SystemClock(asyncio.get_running_loop())
-    return Commissioning(parse_mapping(text.encode(), "m.yaml"), folder, "", SPEC, PLANT, clock, wanted)
+    return Commissioning(
+        parse_mapping(text.encode(), "m.yaml", OpcUaMapping), folder, "", SPEC, PLANT, clock, wanted
+    )
 
 
 async def seen(done: Commissioning) -> dict[str, tuple[bool | None, str]]:

@@ -94,9 +94,22 @@ def test_what_cannot_be_made_is_said() -> None:
 
 def test_what_vehicles_say_is_booked() -> None:
     rig = Rig(stock={})
-    rig.body.instruct(Book(vehicle="ATV1", item=ITEM, change=40))
+    rig.body.instruct(Book("ATV1", ITEM, 40, task="M1-1", epoch=1))
     assert rig.heard() == [StockChanged(item=ITEM, change=40, seq=1, vehicle="ATV1")]
     assert rig.state.stock[ITEM] == 40
+
+
+def test_what_is_said_again_by_another_life_is_answered_again_and_booked_once() -> None:
+    rig = Rig(stock={})
+    book = Book("ATV1", ITEM, 40, task="M1-1", epoch=1)
+    rig.body.instruct(book)
+    rig.begin()
+    for _ in range(2):
+        rig.heard()
+        rig.body.instruct(book)
+        assert rig.heard() == [StockChanged(item=ITEM, change=40, seq=1, vehicle="ATV1")]
+    rig.body.instruct(Book("ATV1", ITEM, 40, task="M1-1", epoch=2))
+    assert (rig.state.stock[ITEM], rig.state.seq) == (80, 2)
 
 
 def test_a_pace_is_written_in_the_controllers_unit() -> None:
@@ -120,7 +133,7 @@ def test_a_vehicle_is_let_in_when_the_controller_says_so_and_once_for_each_time_
     assert rig.heard() == [DockReady(vehicle="ATV1")]
     rig.body.instruct(OpenDock(vehicle="ATV1", item=ITEM, quantity=10))
     assert rig.heard() == [DockReady(vehicle="ATV1")]
-    rig.body.instruct(Book(vehicle="ATV1", item=ITEM, change=10))
+    rig.body.instruct(Book("ATV1", ITEM, 10, task="M1-1", epoch=1))
     assert (rig.body.outputs[Signal.DOCK_PERMIT], rig.body.outputs[Signal.DOCK_VEHICLE]) == (False, "")
 
 
@@ -332,8 +345,8 @@ def test_whatever_happens_no_piece_is_counted_twice_and_none_is_forgotten(steps:
                 shown += 1
                 away_and_back(shown, PIECE_S)(rig)
             case "book":
-                rig.body.instruct(Book(vehicle="ATV1", item=PRODUCT, change=-1))
-                rig.body.instruct(Book(vehicle="ATV1", item=PRODUCT, change=1))
+                rig.body.instruct(Book("ATV1", PRODUCT, -1, task=f"M1-{reported}", epoch=1))
+                rig.body.instruct(Book("ATV1", PRODUCT, 1, task=f"M1-{reported}", epoch=1))
             case _:
                 rig.body.instruct(ResetFault())
         reported += done(rig)
@@ -355,4 +368,9 @@ def test_whatever_happens_no_piece_is_counted_twice_and_none_is_forgotten(steps:
 )
 def test_a_mapping_that_makes_no_sense_is_refused(signals: dict[Signal, Tag], why: str) -> None:
     with pytest.raises(ValueError, match=why):
-        SignalMapping(signals)
+        SignalMapping(signals).check_machine()
+
+
+def test_a_machine_has_no_levels() -> None:
+    with pytest.raises(ValueError, match="a machine's stock is reckoned"):
+        SignalMapping({P: Tag("x")}, levels={ITEM: Tag("x")}).check_machine()

@@ -33,6 +33,7 @@ from dray.messages import (
     Transport,
 )
 from dray.messages.fact import GoalWaits, MachineFailure, PhaseEntered, TaskOpened
+from dray.messages.heartbeat import DockWait
 from dray.store.factory.alert_history import Acknowledgement
 from dray.store.factory.exclusions import Exclusion
 from dray.store.orders.orders import Item, Order
@@ -64,6 +65,26 @@ def test_a_machine_with_a_fault_is_told_in_its_own_words(projection: Projection)
         "M8",
         "spindle",
     )
+
+
+def test_a_dock_that_does_not_get_ready_is_an_alarm_until_it_does(projection: Projection) -> None:
+    waits = DockWait(vehicle="ATV2", since_s=-80.0)
+    projection.fold(machine_heartbeat("M8", status=MachineStatus.STARVED, dock_wait=waits))
+    alert = the_alert(projection)
+    assert (alert.kind, alert.level, alert.agent, alert.agents) == (
+        "dock_not_ready",
+        "alarm",
+        "M8",
+        ("ATV2",),
+    )
+    projection.fold(machine_heartbeat("M8", 2, status=MachineStatus.STARVED))
+    assert alerts(projection) == []
+
+
+def test_a_station_tells_of_its_dock_likewise(projection: Projection) -> None:
+    waits = DockWait(vehicle="ATV2", since_s=-80.0)
+    projection.fold(station_heartbeat(dock_wait=waits))
+    assert (the_alert(projection).kind, the_alert(projection).agent) == ("dock_not_ready", "S1")
 
 
 @pytest.mark.parametrize(

@@ -238,6 +238,9 @@ class MachineRig(Rig):
         self.seq = 0
         self._cycles = 0
 
+    counts = True
+    """Whether its body counts what vehicles bring and take."""
+
     def stock_told(self) -> tuple[tuple[BufferLevel, ...], tuple[BufferLevel, ...]]:
         """Materials and finished products, as its heartbeats have told them so far."""
         told: MachineHeartbeat | None = None
@@ -256,6 +259,7 @@ class MachineRig(Rig):
             broken=self.broken,
             paces=self.paces,
             answers=self.answers,
+            counts=self.counts,
         )
 
     def handle(self, event: Event) -> list[Effect]:
@@ -315,6 +319,12 @@ class MachineRig(Rig):
         while not sent(effects, Award, to=atv):
             effects += self.run(self.agent.wake_at_s)
         return effects + self.on_message(atv, accepted(task, number=award_number(effects, atv, task)))
+
+
+class BlindRig(MachineRig):
+    """A machine whose body does not count what vehicles bring and take."""
+
+    counts = False
 
 
 class StrategistRig(Rig):

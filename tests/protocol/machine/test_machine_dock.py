@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import pytest
+from defaults import PLANT
 from effects import facts, instructed, published, sent
 from m7 import FULL, NO_HOUSINGS, docked, handover, m7, outgoing, supplied_by
+from msgspec import UNSET
 from rigs import MachineRig
-from spoken import production
+from spoken import production, rhb
 
 from dray.body import CloseDock, DockReady, OpenDock
 from dray.messages import (
@@ -25,7 +27,8 @@ from dray.messages import (
     Withdrawn,
 )
 from dray.messages.fact import TaskClosed
-from dray.protocol.contract_net.dock import NOT_READY
+from dray.messages.heartbeat import DockWait
+from dray.protocol.contract_net.dock import NOT_READY, SAFE_WITHIN_S, Door
 
 # --- the dock ---------------------------------------------------------------------------------------
 
@@ -124,6 +127,53 @@ def test_a_vehicle_is_not_sent_away_for_a_dock_that_takes_long_to_open() -> None
     assert sent(rig.all, Withdrawn) == []
     rig.report(DockReady(vehicle="ATV2"))
     assert sent(rig.on_message("ATV2", handover()), HandoverAccepted, to="ATV2")
+
+
+def waits(rig: MachineRig) -> list[DockWait]:
+    """What its heartbeats have told of a dock that does not get ready, one after the other."""
+    told = [beat.dock_wait for beat in rig.heartbeats(MachineHeartbeat)]
+    return [each for each, before in zip(told, [UNSET, *told], strict=False) if each and each != before]
+
+
+def keeps_asking(rig: MachineRig, span_s: float) -> None:
+    """ATV2 lives, and asks every five seconds."""
+    for second in range(int(span_s)):
+        rig.run(rig.now_s + 1.0)
+        rig.on_message("ATV2", rhb("ATV2", 100 + int(rig.now_s), rig.now_s, task="M7-1", coordinator="M7"))
+        if second % 5 == 4:
+            rig.on_message("ATV2", docked())
+
+
+def test_a_dock_that_does_not_get_ready_in_time_is_told_until_it_is() -> None:
+    rig = with_a_dock_that_answers()
+    rig.on_message("ATV2", docked())
+    since_s = rig.now_s
+    patience_s = SAFE_WITHIN_S + max(making.cycle_s for making in PLANT.machines["M7"].makes)
+    keeps_asking(rig, patience_s - 5.0)
+    assert waits(rig) == []
+    keeps_asking(rig, 15.0)
+    assert waits(rig) == [DockWait(vehicle="ATV2", since_s=since_s)]
+    rig.report(DockReady(vehicle="ATV2"))
+    rig.run(rig.now_s + 6.0)
+    assert rig.heartbeats(MachineHeartbeat)[-1].dock_wait is UNSET
+
+
+def test_a_vehicle_that_goes_away_waits_for_no_dock() -> None:
+    rig = with_a_dock_that_answers()
+    rig.on_message("ATV2", docked())
+    rig.on_message("ATV2", Resigned(task="M7-1", epoch=1, role=Role.PRIMARY, reason=Reason.PROBLEM))
+    rig.run(rig.now_s + 300.0)
+    assert waits(rig) == []
+
+
+def test_whoever_stands_behind_another_one_waits_from_its_turn_on() -> None:
+    door = Door([], 60.0)
+    door.answers = True
+    for vehicle in ("ATV1", "ATV2"):
+        door.open(vehicle, docked(), "housing", 24, 0.0)
+    door.on_ready("ATV1", 50.0)
+    assert door.wait(110.0) is UNSET
+    assert door.wait(111.0) == DockWait(vehicle="ATV2", since_s=50.0)
 
 
 def test_a_vehicle_that_is_not_wanted_any_more_is_not_let_in_by_a_dock_that_opens_late() -> None:

@@ -6,14 +6,18 @@ import msgspec
 import pytest
 from defaults import KEYS, PLANT
 from effects import committed, instructed, listening, sent
+from msgspec import UNSET
+from msgspec.structs import replace
 from rigs import Rig
+from spoken import rhb
 
-from dray.body import CloseDock, OpenDock, Refill, StockChanged, StorageState
+from dray.body import Book, CloseDock, DockReady, OpenDock, Refill, StockChanged, StorageState
 from dray.memory import StationMemory
 from dray.messages import (
     Docked,
     DockHeld,
     DockOpened,
+    Phase,
     StationHeartbeat,
     StockAsked,
     StockFreed,
@@ -21,6 +25,8 @@ from dray.messages import (
     StockReserved,
     StockShort,
 )
+from dray.messages.heartbeat import DockWait
+from dray.protocol.contract_net.dock import NOT_READY, SAFE_WITHIN_S
 from dray.protocol.runtime.events import Effect, Ignore
 from dray.protocol.station.station import Station
 from dray.protocol.transports.reservations import LEASE_S, MAX_ASKED, QUEUED_S
@@ -37,9 +43,16 @@ class StationRig(Rig):
         self.stock = {kept.material: 0 for kept in SPEC.stocks} | {ITEM: stock}
         self.seq = 0
         self.opened: dict[str, None] = {}
+        self.answers, self.counts = False, True
 
     def sense(self) -> StorageState:
-        return StorageState(stock=dict(self.stock), seq=self.seq, opened=tuple(self.opened))
+        return StorageState(
+            stock=dict(self.stock),
+            seq=self.seq,
+            opened=tuple(self.opened),
+            answers=self.answers,
+            counts=self.counts,
+        )
 
     def asks(self, task: str, quantity: int = 40, *, machine: str = "M8", epoch: int = 1) -> list[Effect]:
         return self.on_message(machine, StockAsked(task=task, epoch=epoch, item=ITEM, quantity=quantity))
@@ -132,6 +145,80 @@ def test_a_place_in_the_queue_lapses_when_nobody_asks_again() -> None:
     rig.asks("M8-1")
     rig.run(QUEUED_S + 1.0)
     assert sent(rig.changes(100), StockReserved) == []
+
+
+def where_the_dock_takes_time() -> StationRig:
+    rig = StationRig()
+    rig.answers = True
+    rig.start()
+    rig.asks("M8-1")
+    return rig
+
+
+def test_where_the_dock_takes_time_to_open_a_vehicle_loads_when_it_is_ready() -> None:
+    rig = where_the_dock_takes_time()
+    effects = rig.docks("ATV2", "M8-1")
+    assert instructed(effects, OpenDock)
+    assert [held.reason for held in sent(effects, DockHeld, to="ATV2")] == [NOT_READY]
+    assert sent(rig.report(DockReady(vehicle="ATV7")), DockOpened) == []
+    assert sent(rig.report(DockReady(vehicle="ATV2")), DockOpened, to="ATV2")
+
+
+def test_a_dock_that_does_not_get_ready_is_told_by_the_station() -> None:
+    rig = where_the_dock_takes_time()
+    rig.docks("ATV2", "M8-1")
+    since_s = rig.now_s
+    rig.run(since_s + SAFE_WITHIN_S)
+    assert {beat.dock_wait for beat in rig.heartbeats(StationHeartbeat)} == {UNSET}
+    rig.docks("ATV2", "M8-1")
+    rig.run(rig.now_s + 6.0)
+    assert rig.heartbeats(StationHeartbeat)[-1].dock_wait == DockWait(vehicle="ATV2", since_s=since_s)
+    rig.report(DockReady(vehicle="ATV2"))
+    rig.run(rig.now_s)
+    assert rig.heartbeats(StationHeartbeat)[-1].dock_wait is UNSET
+
+
+def test_a_station_that_begins_anew_while_its_dock_opens_keeps_what_is_promised() -> None:
+    first = where_the_dock_takes_time()
+    first.docks("ATV2", "M8-1")
+    rig = StationRig(incarnation=2)
+    rig.answers, rig.opened, rig.memory = True, {"ATV2": None}, committed(first.all)
+    rig.start()
+    assert rig.level.promised == 40
+    rig.docks("ATV2", "M8-1")
+    assert sent(rig.report(DockReady(vehicle="ATV2")), DockOpened, to="ATV2")
+
+
+def blind() -> StationRig:
+    """A station whose body does not count; a vehicle stands there to fetch 40."""
+    rig = StationRig()
+    rig.counts = False
+    rig.start()
+    rig.asks("M8-1")
+    rig.docks("ATV2", "M8-1")
+    return rig
+
+
+def carries(rig: StationRig) -> list[Effect]:
+    rig.run(rig.now_s + 1.0)
+    beat = rhb("ATV2", 100, rig.now_s, task="M8-1")
+    assert beat.task is not None
+    return rig.on_message("ATV2", replace(beat, task=replace(beat.task, phase=Phase.CARRYING)))
+
+
+def test_where_the_body_does_not_count_a_load_is_booked_out_when_its_vehicle_has_it() -> None:
+    rig = blind()
+    assert instructed(carries(rig), Book) == [Book("ATV2", ITEM, -40, task="M8-1", epoch=1)]
+    rig.changes(-40, "ATV2")
+    assert (rig.level.level, rig.level.promised) == (60, 0)
+
+
+def test_where_the_body_does_not_count_the_next_life_books_what_was_being_fetched() -> None:
+    first = blind()
+    rig = StationRig(incarnation=2)
+    rig.counts, rig.opened, rig.memory = False, {"ATV2": None}, committed(first.all)
+    rig.start()
+    assert instructed(carries(rig), Book) == [Book("ATV2", ITEM, -40, task="M8-1", epoch=1)]
 
 
 def test_what_is_given_back_goes_to_the_next() -> None:

@@ -329,14 +329,14 @@ def test_a_dock_that_does_not_count_tells_what_it_is_told(yard: Yard) -> None:
     assert yard.do(workcell) == []
     assert not workcell.sense().counts
     assert workcell.sense().stock["shaft"] == 0
-    said = yard.do(workcell, Book(vehicle="ATV1", item="shaft", change=20))
+    said = yard.do(workcell, Book("ATV1", "shaft", 20, task="M1-1", epoch=1))
     assert said == [StockChanged(item="shaft", change=20, seq=1, vehicle="ATV1")]
     assert workcell.sense().stock["shaft"] == 20
 
 
 def test_whoever_reaches_for_a_piece_that_was_only_booked_sees_that_it_is_not_there(yard: Yard) -> None:
     workcell = blind(yard, seal=40)
-    yard.do(workcell, Book(vehicle="ATV1", item="shaft", change=20))
+    yard.do(workcell, Book("ATV1", "shaft", 20, task="M1-1", epoch=1))
     assert workcell.sense().stock["shaft"] == 20
     assert [type(each) for each in yard.do(workcell, GEAR)] == [CycleFailed]
     assert workcell.sense().stock["shaft"] == 0

@@ -22,6 +22,7 @@ from dray.body import (
 )
 from dray.messages import OrderItem
 from dray.plant import Plant, default_plant
+from dray.plant.file.file import shipped_plant
 from dray.ports import Body, Clock
 from dray_sim.bodies.workcell import SimWorkcell
 from dray_sim.checks.invariants import Invariants
@@ -32,12 +33,16 @@ from dray_sim.people.demand import Order
 from dray_sim.people.order_client import OrderClient
 
 PLANT = default_plant()
+LEVELS = shipped_plant("levels")
+"""Machines that make parts for others."""
 PIECES = 12
 
 SIGNALS = (
-    *(Signal.PIECES, Signal.FAULT, Signal.DOCK_READY),
+    *(Signal.PIECES, Signal.BAD, Signal.FAULT, Signal.DOCK_READY),
     *(Signal.RUN, Signal.PRODUCT, Signal.DOCK_PERMIT, Signal.DOCK_VEHICLE),
 )
+
+COUNTERS = Signal.PIECES, Signal.BAD
 
 MODULUS = 16
 """At which its counter rolls over: within one shift, several times."""
@@ -61,9 +66,10 @@ class Controller:
     def __init__(self, workcell: SimWorkcell, plant: Plant, now: Clock) -> None:
         self._workcell, self._plant, self._now = workcell, plant, now
         tags = {signal: Tag(signal.value) for signal in SIGNALS}
-        tags[Signal.PIECES] = Tag("pieces", rolls_over_at=MODULUS)
+        for signal in COUNTERS:
+            tags[signal] = Tag(signal.value, rolls_over_at=MODULUS)
         self._mapping = SignalMapping(tags, workcell.sense().stock)
-        self.made = 0
+        self.made = dict.fromkeys(COUNTERS, 0)
         self.body: SignalledWorkcell | None = None
         self.kept: Kept | None = None
         self.linked = True
@@ -102,7 +108,8 @@ class Controller:
         """It is heard again."""
         self.linked = True
         if self.body is not None:
-            self._tell(Signal.PIECES, self.made % MODULUS)
+            for signal in COUNTERS:
+                self._tell(signal, self.made[signal] % MODULUS)
             self._tell(Signal.FAULT, self._fault)
             self._tell(Signal.DOCK_READY, bool(self._open_for))
             self.body.on_link()
@@ -113,9 +120,10 @@ class Controller:
 
     def _heard(self, report: Report) -> None:
         match report:
-            case CycleDone():
-                self.made += 1
-                self._tell(Signal.PIECES, self.made % MODULUS)
+            case CycleDone(bad=bad):
+                signal = Signal.BAD if bad else Signal.PIECES
+                self.made[signal] += 1
+                self._tell(signal, self.made[signal] % MODULUS)
             case Broken() | Repaired():
                 self._fault = isinstance(report, Broken)
                 self._tell(Signal.FAULT, self._fault)
@@ -163,18 +171,20 @@ class _Watched:
         return self._body.sense()
 
 
-async def shift(seed: int, span_s: float) -> tuple[SimFactory, dict[str, Controller], Invariants]:
+async def shift(
+    plant: Plant, seed: int, span_s: float
+) -> tuple[SimFactory, dict[str, Controller], Invariants]:
     """An order of each product, while links are cut and agents are killed, and then a while in peace."""
     now, listeners, chance = clock(), Listeners(), Random(seed)
     controllers: dict[str, Controller] = {}
 
     def embody(workcell: SimWorkcell, _life: int) -> Body:
         if workcell.id not in controllers:
-            controllers[workcell.id] = Controller(workcell, PLANT, now)
+            controllers[workcell.id] = Controller(workcell, plant, now)
         return controllers[workcell.id].live()
 
     factory = SimFactory(
-        PLANT,
+        plant,
         now,
         seed=seed,
         stock_frac=(0.02, 0.15),
@@ -184,7 +194,11 @@ async def shift(seed: int, span_s: float) -> tuple[SimFactory, dict[str, Control
     )
     invariants = Invariants(factory)
     listeners.add(invariants)
-    orders = [Order(f"o-{item}", 0.0, 7200.0, (OrderItem(item, PIECES),)) for item in PLANT.products]
+    orders = [
+        Order(f"o-{item}", 0.0, 7200.0, (OrderItem(item, PIECES),))
+        for item in plant.products
+        if item not in plant.parts
+    ]
     running = [asyncio.create_task(factory.run())]
     running.append(asyncio.create_task(OrderClient(factory.bus, now).place(orders)))
     while now.now_s() < span_s / 2:
@@ -205,12 +219,16 @@ async def shift(seed: int, span_s: float) -> tuple[SimFactory, dict[str, Control
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [1, 2])
-def test_every_piece_is_counted_once_and_every_order_is_delivered(seed: int) -> None:
-    factory, controllers, invariants = run(shift(seed, 7200.0), JUMP)
+@pytest.mark.parametrize(
+    ("plant", "seed"),
+    [(PLANT, 1), (PLANT, 2), (LEVELS, 1)],
+    ids=["default 1", "default 2", "parts from machine to machine 1"],
+)
+def test_every_piece_is_counted_once_and_every_order_is_delivered(plant: Plant, seed: int) -> None:
+    factory, controllers, invariants = run(shift(plant, seed, 7200.0), JUMP)
     assert invariants.broken is None
     arrived = sum(sum(warehouse.arrived.values()) for warehouse in factory.delivery.values())
-    assert arrived == PIECES * len(PLANT.products)
+    assert arrived == PIECES * sum(item not in plant.parts for item in plant.products)
     for machine, controller in controllers.items():
         assert controller.kept is None or controller.kept.doubt == "", machine
         body = controller.body

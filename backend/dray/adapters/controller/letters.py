@@ -17,6 +17,7 @@ from dray.adapters.remote_body.exchange import Letter, Part
 from dray.body import (
     Admit,
     CloseDock,
+    DockReady,
     GateState,
     GoodsArrived,
     HoldOrder,
@@ -33,7 +34,7 @@ DO, TOLD = "do", "told"
 _KINDS: dict[str, Any] = {
     kind.__name__: kind
     for kind in (
-        *(OpenDock, CloseDock, Refill, StockChanged, StorageState),
+        *(OpenDock, CloseDock, DockReady, Refill, StockChanged, StorageState),
         *(Admit, HoldOrder, GoodsArrived, OrderHeld, GateState),
     )
 }

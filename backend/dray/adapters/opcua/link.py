@@ -7,7 +7,7 @@ import contextlib
 import logging
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 from asyncua import ua
 from asyncua.client.client import Client
@@ -16,7 +16,7 @@ from asyncua.crypto import security_policies
 from asyncua.ua.uaerrors import UaError, UaStatusCodeError
 
 from dray.adapters.opcua.mapping_file import OpcUaMapping
-from dray.adapters.signals.signal import READ, Quality, Sample, Signal, Tag, Value
+from dray.adapters.signals.signal import LinkListener, Quality, Sample, Signal, Tag, Value, is_told
 from dray.errors import SettingsError, UnavailableError
 from dray.supervision import Failures
 
@@ -62,22 +62,6 @@ _FLOATS = frozenset({ua.VariantType.Float, ua.VariantType.Double})
 logging.getLogger("asyncua").setLevel(logging.ERROR)
 
 
-class Listener(Protocol):
-    """Whoever is told what the controller says; see `dray.adapters.signals.workcell`."""
-
-    outputs: dict[Signal, Value]
-
-    def on_link(self) -> None: ...
-
-    def on_link_lost(self, reason: str) -> None: ...
-
-    def on_range(self, signal: Signal, moduli: tuple[int, ...]) -> None: ...
-
-    def on_sample(self, signal: Signal, sample: Sample) -> None: ...
-
-    def on_refused(self, signal: Signal, reason: str) -> None: ...
-
-
 class OpcUaLink:
     """One session, begun again whenever it is lost.
 
@@ -101,7 +85,7 @@ class OpcUaLink:
         """The listener's outputs have changed."""
         self._changed.set()
 
-    async def run(self, listener: Listener) -> None:
+    async def run(self, listener: LinkListener) -> None:
         """Be linked until cancelled, whatever one value makes of the listener.
 
         Raises:
@@ -110,7 +94,7 @@ class OpcUaLink:
         """
         attempt = 0
         while True:
-            session = _Session(self._mapping, listener, self._changed, self.linked, self._tell)
+            session = _Session(self._mapping, listener, self._changed, self.linked, self.failures.tell)
             client = await self._client()
             try:
                 reason = await session.serve(client)
@@ -119,20 +103,11 @@ class OpcUaLink:
             finally:
                 await _leave(client)
             attempt = 0 if session.was_linked else attempt + 1
-            self._tell("the link", listener.on_link_lost, f"{self._mapping.url}: {reason}")
+            self.failures.tell("the link", listener.on_link_lost, f"{self._mapping.url}: {reason}")
             await asyncio.sleep(AGAIN_S[min(attempt, len(AGAIN_S) - 1)])
 
     async def _client(self) -> Client:
         return await connection(self._mapping, self._folder, self._password)
-
-    def _tell(self, kind: str, listener: Callable[..., None], *args: object) -> None:
-        """Tell the listener something; what one value makes of it ends nothing."""
-        try:
-            listener(*args)
-        except UnavailableError:
-            raise
-        except Exception:  # noqa: BLE001 - whatever it is, it is about this one value
-            self.failures.note(kind)
 
 
 async def connection(mapping: OpcUaMapping, folder: Path, password: str) -> Client:
@@ -190,19 +165,19 @@ class _Session:
     def __init__(
         self,
         mapping: OpcUaMapping,
-        listener: Listener,
+        listener: LinkListener,
         changed: asyncio.Event,
         linked: asyncio.Event,
         tell: Callable[..., None],
     ) -> None:
-        self._tags, self._listener, self._changed, self._tell = mapping.signals, listener, changed, tell
+        self._tags, self._listener, self._changed, self._tell = mapping.tags, listener, changed, tell
         self._linked = linked
         self._lost: asyncio.Future[str] = asyncio.get_running_loop().create_future()
-        self._signals: dict[ua.NodeId, list[Signal]] = {}
+        self._signals: dict[ua.NodeId, list[str]] = {}
         """Several where one node is several signals."""
-        self._outputs: dict[Signal, tuple[Node, ua.VariantType]] = {}
-        self._written: dict[Signal, Value] = {}
-        self._again_s: dict[Signal, float] = {}
+        self._outputs: dict[str, tuple[Node, ua.VariantType]] = {}
+        self._written: dict[str, Value] = {}
+        self._again_s: dict[str, float] = {}
         self._beat = 0
         self.was_linked = False
 
@@ -253,7 +228,7 @@ class _Session:
     def _take(self, node: ua.NodeId, data: ua.DataValue) -> None:
         try:
             for signal in self._signals[node]:
-                self._tell(signal.value, self._listener.on_sample, signal, sample_of(data))
+                self._tell(signal, self._listener.on_sample, signal, sample_of(data))
         except UnavailableError as error:
             if not self._lost.done():
                 self._lost.set_exception(error)
@@ -269,7 +244,7 @@ class _Session:
                 value: Value | None = (
                     self._beat
                     % (100 if kind in (ua.VariantType.Byte, ua.VariantType.SByte) else ALIVE_MODULUS)
-                    if signal is Signal.ALIVE
+                    if signal == Signal.ALIVE
                     else self._listener.outputs.get(signal)
                 )
                 if (
@@ -282,11 +257,11 @@ class _Session:
                     await node.write_value(ua.DataValue(ua.Variant(_as(value, kind), kind)))
                 except (UaStatusCodeError, ValueError, TypeError) as error:
                     self._again_s[signal] = clock.time() + REFUSED_AGAIN_S
-                    self._tell(signal.value, self._listener.on_refused, signal, words(error))
+                    self._tell(signal, self._listener.on_refused, signal, words(error))
                     continue
                 self._written[signal] = value
                 self._again_s.pop(signal, None)
-                self._tell(signal.value, self._listener.on_refused, signal, "")
+                self._tell(signal, self._listener.on_refused, signal, "")
             with contextlib.suppress(TimeoutError):
                 await asyncio.wait_for(self._changed.wait(), LOOK_S)
 
@@ -298,8 +273,8 @@ class _Session:
                 node = await find(client, tag.node)
                 kind = await node.read_data_type_as_variant_type()
             except (UaError, ValueError) as error:
-                raise ConnectionError(f"{signal.value}: {tag.node}: {words(error)}") from None
-            if signal in READ:
+                raise ConnectionError(f"{signal}: {tag.node}: {words(error)}") from None
+            if is_told(signal):
                 if node.nodeid not in self._signals:
                     told.append(node)
                 self._signals.setdefault(node.nodeid, []).append(signal)
@@ -308,7 +283,7 @@ class _Session:
                 self._outputs[signal] = node, kind
         return told
 
-    def _say_range(self, signal: Signal, tag: Tag, kind: ua.VariantType) -> None:
+    def _say_range(self, signal: str, tag: Tag, kind: ua.VariantType) -> None:
         if kind in _INTEGERS and signal in (Signal.PIECES, Signal.BAD):
             moduli = tuple(int(2**bits / tag.scale) for bits in _INTEGERS[kind])
             self._tell("the link", self._listener.on_range, signal, moduli)

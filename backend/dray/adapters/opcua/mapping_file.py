@@ -2,19 +2,11 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated, Literal
 
-import msgspec
 from msgspec import Meta
 
 from dray.adapters.signals.signal import SignalMapping
-from dray.errors import SettingsError
-
-LARGEST_BYTES = 100_000
-"""Above it, it is another file."""
-
-OPTION = "--mapping"
 
 
 class OpcUaMapping(SignalMapping, frozen=True, forbid_unknown_fields=True, omit_defaults=True, kw_only=True):
@@ -38,6 +30,9 @@ class OpcUaMapping(SignalMapping, frozen=True, forbid_unknown_fields=True, omit_
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        for name, tag in self.tags.items():
+            if tag.topic or tag.path or not tag.node:
+                raise ValueError(f"{name}: by OPC UA it needs a `node`, and has no `topic` and no `path`")
         if self.security != "none":
             for name in ("certificate", "key", "server"):
                 if not getattr(self, name):
@@ -46,30 +41,3 @@ class OpcUaMapping(SignalMapping, frozen=True, forbid_unknown_fields=True, omit_
             raise ValueError(
                 "user: without security its password would be read by anybody; choose a security"
             )
-
-
-def load_mapping(path: Path) -> OpcUaMapping:
-    """Read a mapping file.
-
-    Raises:
-        SettingsError: there is none, or it cannot be used; it says where.
-    """
-    try:
-        data = path.read_bytes()
-    except OSError as error:
-        raise SettingsError(OPTION, f"{path} cannot be read: {error.strerror}") from None
-    if len(data) > LARGEST_BYTES:
-        raise SettingsError(OPTION, f"{path} has more than {LARGEST_BYTES} bytes: that is another file")
-    return parse_mapping(data, str(path))
-
-
-def parse_mapping(data: bytes, name: str) -> OpcUaMapping:
-    """A mapping from YAML; see `load_mapping`.
-
-    Raises:
-        SettingsError: it cannot be used.
-    """
-    try:
-        return msgspec.convert(msgspec.yaml.decode(data) or {}, OpcUaMapping)
-    except (msgspec.DecodeError, msgspec.ValidationError, UnicodeDecodeError) as error:
-        raise SettingsError(OPTION, f"{name}: {error}") from None

@@ -92,6 +92,11 @@ class DockHandshake:
         """For whom the controller is asked; empty for nobody."""
         return self._waiting[0] if self.state in (DockState.ASKED, DockState.OPEN) else ""
 
+    @property
+    def waiting(self) -> tuple[str, ...]:
+        """Who is there, or waits to be, in this order."""
+        return tuple(self._waiting)
+
     def want(self, vehicle: str) -> None:
         """A vehicle is to be let in. Harmless when it waits already."""
         if vehicle not in self._waiting:

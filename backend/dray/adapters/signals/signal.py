@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Container
 from enum import StrEnum
-from typing import Annotated
+from typing import Annotated, Protocol
 
 from msgspec import Meta, Struct, field
 
@@ -54,6 +55,9 @@ READ = (
 )
 """Those that the controller tells."""
 
+AT_A_DOCK = (Signal.DOCK_READY, Signal.DOCK_PERMIT, Signal.DOCK_VEHICLE, Signal.ALIVE)
+"""Those of a dock alone."""
+
 
 class Edge(StrEnum):
     """Which change of a pulse counts a piece."""
@@ -65,9 +69,13 @@ class Edge(StrEnum):
 class Tag(Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True):
     """Where a controller has one signal, and how it writes it."""
 
-    node: str
+    node: str = ""
     """Its address there: of OPC UA a node id, as `ns=2;s=Press.Good` or `nsu=http://maker/press;i=17`, or a path of browse
     names from Objects, as `2:Press/2:Good`."""
+    topic: str = ""
+    """Its address there, by MQTT."""
+    path: str = ""
+    """By MQTT: to the value in a message, as `count.good` or `channels.0.value`; empty where the whole message is the value."""
     scale: Annotated[float, Meta(gt=0)] = 1.0
     """What is read is divided by it, what is written is multiplied: 100 where a controller has percent."""
     invert: bool = False
@@ -76,6 +84,22 @@ class Tag(Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True):
     """For a pulse: which change counts. None for a counter."""
     rolls_over_at: Annotated[int, Meta(ge=2, le=2**62)] | None = None
     """The first number that a counter does not reach; None where its type says it."""
+
+
+class LinkListener(Protocol):
+    """Whoever is told what a controller says (`workcell`, `store`)."""
+
+    outputs: dict[str, Value]
+
+    def on_link(self) -> None: ...
+
+    def on_link_lost(self, reason: str) -> None: ...
+
+    def on_range(self, signal: str, moduli: tuple[int, ...]) -> None: ...
+
+    def on_sample(self, name: str, sample: Sample) -> None: ...
+
+    def on_refused(self, name: str, reason: str) -> None: ...
 
 
 class Quality(StrEnum):
@@ -98,20 +122,24 @@ class Sample(Struct, frozen=True):
 Count = Annotated[int, Meta(ge=0, le=COUNT_MAX)]
 
 
+LEVEL = "level of "
+"""Before a material: the name of what a storage's controller tells of it."""
+
+
 class SignalMapping(Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True):
-    """Which signals a machine has, and how it began.
+    """Which signals a machine, or the dock of a storage, has, and how it began.
 
     Raises:
-        ValueError: `pieces` is missing, or something is said of a signal that makes no sense there.
+        ValueError: something is said of a signal that makes no sense there.
     """
 
     signals: dict[Signal, Tag]
     stock: dict[str, Count] = field(default_factory=dict)
-    """Pieces that lie at the machine when its agent is started for the first time. Later ones remember."""
+    """Pieces that lie there when its agent is started for the first time. Later ones remember."""
+    levels: dict[str, Tag] = field(default_factory=dict)
+    """Of a storage: where its controller tells how many pieces of a material lie there."""
 
     def __post_init__(self) -> None:
-        if Signal.PIECES not in self.signals:
-            raise ValueError("signals: `pieces` is missing: without it nobody knows that a piece was made")
         for signal, tag in self.signals.items():
             counts = signal in (Signal.PIECES, Signal.BAD)
             if not counts and (tag.edge or tag.rolls_over_at):
@@ -126,3 +154,46 @@ class SignalMapping(Struct, frozen=True, forbid_unknown_fields=True, omit_defaul
             raise ValueError(
                 "signals: `dock_ready` needs `dock_permit`: the controller must hear that somebody waits"
             )
+        for item, tag in self.levels.items():
+            if tag.edge or tag.rolls_over_at or tag.invert:
+                raise ValueError(
+                    f"levels.{item}: a level has no edge, does not roll over, and is not inverted"
+                )
+
+    @property
+    def tags(self) -> dict[str, Tag]:
+        """Everything that is told or written, by its name."""
+        levels = {LEVEL + item: tag for item, tag in self.levels.items()}
+        return dict[str, Tag](self.signals.items()) | levels
+
+    def check_machine(self) -> None:
+        """See that it is a machine's.
+
+        Raises:
+            ValueError: it is not.
+        """
+        if Signal.PIECES not in self.signals:
+            raise ValueError("signals: `pieces` is missing: without it nobody knows that a piece was made")
+        if self.levels:
+            raise ValueError(
+                "levels: a machine's stock is reckoned; only a storage's controller tells levels"
+            )
+
+    def check_store(self, items: Container[str]) -> None:
+        """See that it is a storage's that keeps these materials.
+
+        Raises:
+            ValueError: it is not.
+        """
+        for signal in self.signals:
+            if signal not in AT_A_DOCK:
+                raise ValueError(f"signals.{signal}: a storage has {', '.join(AT_A_DOCK)} only")
+        for where in ("stock", "levels"):
+            for item in getattr(self, where):
+                if item not in items:
+                    raise ValueError(f"{where}.{item}: this is not kept there")
+
+
+def is_told(name: str) -> bool:
+    """Whether a value of this name is the controller's word; else it is written by the agent."""
+    return name in READ or name.startswith(LEVEL)

@@ -45,6 +45,9 @@ from dray.ports import Clock
 LATE_CYCLES, LATE_MIN_S = 5.0, 60.0
 """A piece is missed after so many times what it takes, and not earlier than that."""
 
+BOOKED_KEPT = 256
+"""Words of vehicles that are remembered: many times the transports that one machine has open."""
+
 STANDS = {
     "notavailable": "not available",
     "outofservice": "out of service",
@@ -71,6 +74,8 @@ class Kept(Struct, frozen=True):
     """The product that was wanted last: pieces that nobody has asked for are taken for some of it."""
     doubt: str = ""
     """Why counts may be wrong, until a person says that they were seen to."""
+    booked: dict[str, int] = {}
+    """The latest words of vehicles (`dray.body.Book`), each with the number of its change of the stock: an agent that was killed says them again."""
 
 
 DAMAGED = Kept({}, doubt="what was remembered of it is damaged; see what lies in its buffers")
@@ -144,7 +149,7 @@ class SignalledWorkcell:
         self._turn = 0
         """Grows when another piece is waited for, so that an outdated call of the clock is recognised."""
         self._told: tuple[str, Problem, bool] = ("", NOTHING_KNOWN, False)
-        self.outputs: dict[Signal, Value] = {}
+        self.outputs: dict[str, Value] = {}
         # A piece that an earlier life has begun is wanted all the same.
         self._put(Signal.PRODUCT, self._kept.cycling)
         self._put(Signal.RUN, bool(self._kept.cycling))
@@ -166,9 +171,9 @@ class SignalledWorkcell:
                 self._dock.want(vehicle)
             case CloseDock(vehicle=vehicle):
                 self._dock.done(vehicle)
-            case Book(vehicle=vehicle, item=item, change=change):
-                self._dock.done(vehicle)
-                self._move(item, change, vehicle)
+            case Book():
+                self._dock.done(instruction.vehicle)
+                self._move(instruction)
             case ResetFault():
                 self._reset()
             case SetPace(speed_frac=speed_frac):
@@ -216,13 +221,14 @@ class SignalledWorkcell:
         self._dock.ready(is_ready=False)
         self._settle()
 
-    def on_range(self, signal: Signal, moduli: tuple[int, ...]) -> None:
+    def on_range(self, signal: str, moduli: tuple[int, ...]) -> None:
         """The controller has told where a counter may roll over; what the mapping says of it counts more."""
-        if self._tags[signal].rolls_over_at is None:
-            self._moduli[signal] = moduli
+        if self._tags[Signal(signal)].rolls_over_at is None:
+            self._moduli[Signal(signal)] = moduli
 
-    def on_sample(self, signal: Signal, sample: Sample) -> None:
+    def on_sample(self, name: str, sample: Sample) -> None:
         """The controller has told a value."""
+        signal = Signal(name)
         value = sample.value if sample.quality is Quality.GOOD else None
         understood = None if value is None else self._take(signal, value)
         if value is None:
@@ -235,8 +241,9 @@ class SignalledWorkcell:
             self._dock.ready(is_ready=False)
         self._settle()
 
-    def on_refused(self, signal: Signal, reason: str) -> None:
+    def on_refused(self, name: str, reason: str) -> None:
         """The controller does not take a value; with no reason it does again."""
+        signal = Signal(name)
         if reason:
             self._refused[signal] = reason
         else:
@@ -356,12 +363,18 @@ class SignalledWorkcell:
         for item, pieces in self._bills.get(product, {}).items():
             self._stock[item] = max(0, self._stock.get(item, 0) - pieces)
 
-    def _move(self, item: str, change: int, vehicle: str) -> None:
-        """A vehicle has brought something, or taken it."""
-        self._stock[item] = min(max(self._stock.get(item, 0) + change, 0), COUNT_MAX)
-        self._kept = replace(self._kept, seq=self._kept.seq + 1)
-        self._keep()
-        self._report(StockChanged(item=item, change=change, seq=self._kept.seq, vehicle=vehicle))
+    def _move(self, book: Book) -> None:
+        """A vehicle has brought something, or taken it; said again, it is in the stock already."""
+        item, change = book.item, book.change
+        about = f"{book.task} {book.epoch} {'in' if change > 0 else 'out'} {item}"
+        booked = dict(self._kept.booked)
+        if about not in booked:
+            self._stock[item] = min(max(self._stock.get(item, 0) + change, 0), COUNT_MAX)
+            booked[about] = self._kept.seq + 1
+            latest = dict(list(booked.items())[-BOOKED_KEPT:])
+            self._kept = replace(self._kept, seq=self._kept.seq + 1, booked=latest)
+            self._keep()
+        self._report(StockChanged(item=item, change=change, seq=booked[about], vehicle=book.vehicle))
 
     def _reset(self) -> None:
         """A person says that what was wrong was seen to."""

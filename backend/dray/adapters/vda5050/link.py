@@ -17,7 +17,7 @@ from urllib.parse import urlsplit
 import aiomqtt
 import msgspec
 
-from dray.errors import SettingsError, UnavailableError
+from dray.errors import SettingsError
 from dray.supervision import Failures
 
 PORT, TLS_PORT = 1883, 8883
@@ -113,9 +113,10 @@ class MqttLink:
 
     Args:
         broker: where it is.
-        prefix: of the vehicle's topics, MANUFACTURER/SERIAL included.
+        prefix: of the vehicle's topics, MANUFACTURER/SERIAL included; empty where the topics are whole.
         client: its name at the broker; a second one of this name ends the first.
         topics: what is listened to, the last chunks.
+        retained: told in place of the listener what the broker has kept; None where the listener is.
         will: what the broker is to say on `connection` when the link is cut; of a vehicle. None for none.
 
     Attributes:
@@ -130,7 +131,9 @@ class MqttLink:
         client: str,
         topics: Iterable[str],
         will: bytes | None = None,
+        retained: Callable[[str, bytes], None] | None = None,
     ) -> None:
+        self._retained = retained
         self._broker, self._prefix, self._client = broker, prefix, client
         self._topics = tuple(topics)
         self._will = None if will is None else aiomqtt.Will(f"{prefix}/connection", will, qos=1, retain=True)
@@ -164,18 +167,16 @@ class MqttLink:
             try:
                 async with self._connect() as client:
                     for topic in self._topics:
-                        await client.subscribe(
-                            f"{self._prefix}/{topic}", qos=1 if topic == "connection" else 0
-                        )
+                        await client.subscribe(self._whole(topic), qos=1 if topic == "connection" else 0)
                     _end_if_cancelled()
                     attempt, self._unsaid = 0, asyncio.Queue(UNSAID_MAX)
-                    self._tell("the link", listener.on_link)
+                    self.failures.tell("the link", listener.on_link)
                     await self._serve(client, self._unsaid, listener)
             except (aiomqtt.MqttError, OSError, ValueError) as error:
                 # A ValueError is the client's own word for an address or a message that cannot be.
                 self._unsaid = None
                 _end_if_cancelled()
-                self._tell("the link", listener.on_link_lost, f"{self._broker}: {_words(error)}")
+                self.failures.tell("the link", listener.on_link_lost, f"{self._broker}: {_words(error)}")
             finally:
                 self._unsaid = None
             await asyncio.sleep(AGAIN_S[min(attempt, len(AGAIN_S) - 1)])
@@ -202,10 +203,11 @@ class MqttLink:
         saying = asyncio.create_task(self._say(client, unsaid))
         try:
             async for message in client.messages:
-                topic = message.topic.value.rpartition("/")[2]
-                self._tell(
+                whole = message.topic.value
+                topic = whole.rpartition("/")[2] if self._prefix else whole
+                self.failures.tell(
                     topic if topic in self._topics else OTHER_TOPIC,
-                    listener.on_message,
+                    self._retained if message.retain and self._retained else listener.on_message,
                     topic,
                     bytes(message.payload),
                 )
@@ -218,20 +220,14 @@ class MqttLink:
             if isinstance(result, Exception):
                 raise result
 
-    def _tell(self, kind: str, listener: Callable[..., None], *args: object) -> None:
-        """Tell the listener something; what one message makes of it ends nothing."""
-        try:
-            listener(*args)
-        except UnavailableError:
-            raise
-        except Exception:  # noqa: BLE001 - whatever it is, it is about this one message
-            self.failures.note(kind)
+    def _whole(self, topic: str) -> str:
+        return f"{self._prefix}/{topic}" if self._prefix else topic
 
     async def _say(self, client: aiomqtt.Client, unsaid: asyncio.Queue[tuple[str, bytes, bool]]) -> None:
         while True:
             topic, data, retain = await unsaid.get()
             await client.publish(
-                f"{self._prefix}/{topic}", data, qos=1 if topic == "connection" else 0, retain=retain
+                self._whole(topic), data, qos=1 if topic == "connection" else 0, retain=retain
             )
             _end_if_cancelled()
 

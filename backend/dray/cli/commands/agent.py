@@ -30,16 +30,27 @@ DockBody = Annotated[
     ),
 ]
 
-MachineBody = Annotated[
-    Literal["floor", "opcua"] | None,
+StationBody = Annotated[
+    Literal["floor", "controller", "opcua", "mqtt"] | None,
     typer.Option(
-        "--body", help="floor: simulated, on `dray floor`; opcua: its controller, by OPC UA; else DRAY_BODY."
+        "--body",
+        help="floor: simulated, on `dray floor`; controller: that of its dock, behind a broker; opcua, mqtt: likewise, by OPC UA or on topics; else DRAY_BODY.",
+    ),
+]
+
+MachineBody = Annotated[
+    Literal["floor", "opcua", "mqtt"] | None,
+    typer.Option(
+        "--body",
+        help="floor: simulated, on `dray floor`; opcua: its controller, by OPC UA; mqtt: its sensors, on topics of a broker; else DRAY_BODY.",
     ),
 ]
 
 Mapping = Annotated[
     Path | None,
-    typer.Option("--mapping", help="Which nodes of its controller are which signals; else DRAY_MAPPING."),
+    typer.Option(
+        "--mapping", help="Which nodes or topics of its controller are which signals; else DRAY_MAPPING."
+    ),
 ]
 
 Broker = Annotated[
@@ -75,6 +86,7 @@ def machine(
     probation: Probation = 0,
     traffic: Traffic = None,
     body: MachineBody = None,
+    broker: Broker = None,
     mapping: Mapping = None,
     settings: SettingsFile = None,
 ) -> None:
@@ -83,13 +95,13 @@ def machine(
 
     from dray import __version__
     from dray.cli.runtime.agent_process import run_agent
-    from dray.cli.runtime.bodies import by_opcua, on_floor, reading
+    from dray.cli.runtime.bodies import by_signals, on_floor, reading
     from dray.cli.runtime.output import one_of
     from dray.protocol.machine.machine import Machine
     from dray.protocol.runtime.running import Running
 
-    said = _surroundings(settings, traffic=traffic, body=body, mapping=mapping)
-    where = _with_body(said, "a machine", "opcua")
+    said = _surroundings(settings, traffic=traffic, body=body, broker=broker, mapping=mapping)
+    where = _with_body(said, "a machine", "opcua", "mqtt")
     plant = where.plant if joining is None else _grown(where.plant, joining, name)
     spec, places = one_of(plant.machines, name, "NAME"), where.traffic
     trusts = _trusted(where)
@@ -108,8 +120,8 @@ def machine(
         )
 
     folder = where.settings.journal_folder / "documents"
-    if where.settings.body == "opcua":
-        embody = by_opcua(where, name, spec)
+    if where.settings.body in ("opcua", "mqtt"):
+        embody = by_signals(where, name, spec)
     else:
         embody = on_floor(where, name, None if joining is None else spec)
     asyncio.run(run_agent(where, name, make, reading(embody, folder)))
@@ -200,8 +212,9 @@ def station(
         str, typer.Argument(help="The id of its storage or source warehouse in the plant, as S3.")
     ],
     traffic: Traffic = None,
-    body: DockBody = None,
+    body: StationBody = None,
     broker: Broker = None,
+    mapping: Mapping = None,
     settings: SettingsFile = None,
 ) -> None:
     """Run the station of a storage, without which nobody fetches anything there. SIGTERM lets it shut down gracefully."""
@@ -210,14 +223,13 @@ def station(
     from dray import __version__
     from dray.body import StorageState
     from dray.cli.runtime.agent_process import run_agent
-    from dray.cli.runtime.bodies import by_controller, on_floor
+    from dray.cli.runtime.bodies import by_controller, on_floor, store_by_signals
     from dray.cli.runtime.output import one_of
     from dray.protocol.station.station import Station
 
-    where = _with_body(
-        _surroundings(settings, traffic=traffic, body=body, broker=broker), "a station", "controller"
-    )
-    one_of(where.plant.stores, name, "NAME")
+    said = _surroundings(settings, traffic=traffic, body=body, broker=broker, mapping=mapping)
+    where = _with_body(said, "a station", "controller", "opcua", "mqtt")
+    spec = one_of(where.plant.stores, name, "NAME")
     trusts, places = _trusted(where), where.traffic
 
     def make(life: int) -> Station:
@@ -225,8 +237,13 @@ def station(
             name, where.plant, incarnation=life, software=__version__, traffic=places, trusts=trusts
         )
 
-    real = where.settings.body == "controller"
-    embody = by_controller(where, name, StorageState) if real else on_floor(where, name)
+    match where.settings.body:
+        case "controller":
+            embody = by_controller(where, name, StorageState)
+        case "opcua" | "mqtt":
+            embody = store_by_signals(where, name, spec)
+        case _:
+            embody = on_floor(where, name)
     asyncio.run(run_agent(where, name, make, embody))
 
 

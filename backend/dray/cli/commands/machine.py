@@ -22,7 +22,13 @@ def check(
     name: Annotated[str, typer.Argument(help="Its id in the plant, as M8.")],
     mapping: Annotated[
         Path | None,
-        typer.Option("--mapping", help="Which nodes of its controller are which signals; else DRAY_MAPPING."),
+        typer.Option(
+            "--mapping", help="Which nodes or topics of its controller are which signals; else DRAY_MAPPING."
+        ),
+    ] = None,
+    broker: Annotated[
+        str | None,
+        typer.Option(help="Where its topics are: mqtt://HOST:1883, or mqtts:// for TLS; else DRAY_BROKER."),
     ] = None,
     plant: Annotated[
         Path | None,
@@ -45,7 +51,7 @@ def check(
     from dray.cli.runtime.options import load_settings
     from dray.cli.runtime.surroundings import Surroundings
 
-    said = load_settings(settings_file=settings, mapping=mapping, plant_file=plant)
+    said = load_settings(settings_file=settings, mapping=mapping, broker=broker, plant_file=plant)
     done = asyncio.run(
         commission_machine(Surroundings.of(said), name, cycle=cycle, dock=dock, say=typer.echo)
     )

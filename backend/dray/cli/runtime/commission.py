@@ -8,13 +8,17 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from dray.adapters.machine_acts import Wanted as Acting
+from dray.adapters.mqtt.commissioning import MqttCommissioning
+from dray.adapters.mqtt.mapping_file import MqttMapping
+from dray.adapters.signals.signal import SignalMapping
 from dray.adapters.vda5050.body import HEARD, VehicleBody
 from dray.adapters.vda5050.commissioning import Commissioning, Wanted
 from dray.adapters.vda5050.control.master import MasterControl
 from dray.adapters.vda5050.dialogue import Head, Recorder
 from dray.adapters.vda5050.events import Heard, Linked, Memory, Say, Unlinked
 from dray.adapters.vda5050.link import MqttLink
-from dray.cli.runtime.bodies import RealMachine, RealVehicle, linked
+from dray.cli.runtime.bodies import RealController, RealVehicle, broker_of, linked
 from dray.cli.runtime.output import one_of
 from dray.cli.runtime.surroundings import Surroundings
 from dray.plant.model import VehicleType
@@ -80,7 +84,7 @@ async def commission(
 
 async def commission_machine(
     where: Surroundings, name: str, *, cycle: bool, dock: bool, say: Callable[[str], None]
-) -> MachineCommissioning:
+) -> MachineCommissioning | MqttCommissioning:
     """Walk a machine's controller through its commissioning.
 
     Args:
@@ -93,14 +97,18 @@ async def commission_machine(
     Raises:
         SettingsError: something is missing, or cannot be used.
     """
-    from dray.adapters.opcua.commissioning import Commissioning, Wanted
-
-    controller = RealMachine.of(where.settings)
+    controller = RealController.of(where.settings, SignalMapping.check_machine)
     spec = one_of(where.plant.machines, name, "NAME")
-    wanted, clock = Wanted(cycle, dock), where.clock()
-    done = Commissioning(
-        controller.mapping, controller.folder, controller.password, spec, where.plant, clock, wanted
-    )
+    wanted, clock, mapping = Acting(cycle, dock), where.clock(), controller.mapping
+    done: MachineCommissioning | MqttCommissioning
+    if isinstance(mapping, MqttMapping):
+        done = MqttCommissioning(mapping, broker_of(where.settings), spec, where.plant, clock, wanted)
+    else:
+        from dray.adapters.opcua.commissioning import Commissioning
+
+        done = Commissioning(
+            mapping, controller.folder, controller.password, spec, where.plant, clock, wanted
+        )
     async for step in done.run():
         say(step.line)
     return done

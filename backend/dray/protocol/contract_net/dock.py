@@ -6,8 +6,11 @@ Who may load or unload is for the dock's owner to know: whoever receives a load 
 
 from __future__ import annotations
 
+from msgspec import UNSET, UnsetType
+
 from dray.body import CloseDock, OpenDock
 from dray.messages import Docked, DockHeld, DockOpened, Transport
+from dray.messages.heartbeat import DockWait
 from dray.plant import Plant
 from dray.protocol.runtime.events import Effect, Instruct, Send
 
@@ -28,6 +31,23 @@ def dock_of(plant: Plant, work: Transport, place: str) -> str:
     return place if place == work.handed_at else work.node
 
 
+SAFE_WITHIN_S = 60.0
+"""A dock at which nothing moves any more is made safe within this: a door shuts, a conveyor runs empty."""
+
+
+def ready_within_s(plant: Plant, place: str) -> float:
+    """How long a dock may take to get ready before somebody should look: what is being made there may be ended first.
+
+    Args:
+        plant: as the plant file has it.
+        place: whose dock.
+    """
+    spec = plant.machines.get(place)
+    return (
+        SAFE_WITHIN_S + max((making.cycle_s for making in spec.makes), default=0.0) if spec else SAFE_WITHIN_S
+    )
+
+
 NOT_READY = "the dock is not ready yet"
 """To a vehicle, while whoever makes the dock safe has not said that it is."""
 
@@ -37,22 +57,26 @@ class Door:
 
     Args:
         out: where effects go.
+        patience_s: so long the body may take to open it.
 
     Attributes:
         answers: whether the body says when it has opened (`dray.body.WorkcellState`); else it is open as soon as it is told to.
     """
 
-    def __init__(self, out: list[Effect]) -> None:
-        self._out = out
+    def __init__(self, out: list[Effect], patience_s: float) -> None:
+        self._out, self._patience_s = out, patience_s
         self._asked: dict[str, Docked] = {}
         """By vehicle, what it has asked for and waits to be opened."""
+        self._since_s: dict[str, float] = {}
+        """Since when each of them is the next one."""
         self.answers = False
 
-    def open(self, vehicle: str, asked: Docked, item: str, quantity: int) -> None:
+    def open(self, vehicle: str, asked: Docked, item: str, quantity: int, now_s: float) -> None:
         """Let a vehicle that stands here load or unload, once; it waits where the body has to make the dock ready for it."""
         self._out.append(Instruct(OpenDock(vehicle=vehicle, item=item, quantity=quantity)))
         if self.answers:
             self._asked[vehicle] = asked
+            self._since_s.setdefault(vehicle, now_s)
             self.hold(vehicle, asked, NOT_READY)
         else:
             self.agree(vehicle, asked)
@@ -61,12 +85,22 @@ class Door:
         """Whether a vehicle waits for the body to open."""
         return vehicle in self._asked
 
-    def on_ready(self, vehicle: str) -> bool:
+    def wait(self, now_s: float) -> DockWait | UnsetType:
+        """Who has waited for too long for the body to open, the longest of them."""
+        vehicle = min(self._since_s, key=self._since_s.__getitem__, default="")
+        if not vehicle or now_s - self._since_s[vehicle] <= self._patience_s:
+            return UNSET
+        return DockWait(vehicle=vehicle, since_s=self._since_s[vehicle])
+
+    def on_ready(self, vehicle: str, now_s: float) -> bool:
         """The body has opened the dock for a vehicle; whether that has waited for it here."""
-        asked = self._asked.pop(vehicle, None)
-        if asked is not None:
-            self.agree(vehicle, asked)
-        return asked is not None
+        asked = self._forget(vehicle)
+        if asked is None:
+            return False
+        self.agree(vehicle, asked)
+        # It gets ready: whoever waits behind this one has waited for that one's turn.
+        self._since_s = dict.fromkeys(self._since_s, now_s)
+        return True
 
     def agree(self, vehicle: str, asked: Docked) -> None:
         """Tell a vehicle that it may load or unload, without opening a dock: it is not this agent's."""
@@ -79,6 +113,10 @@ class Door:
 
     def shut(self, vehicle: str) -> None:
         """End a transfer that this vehicle has begun, without effect."""
-        self._asked.pop(vehicle, None)
+        self._forget(vehicle)
         # Also when this life has not opened it: an earlier one may have.
         self._out.append(Instruct(CloseDock(vehicle=vehicle)))
+
+    def _forget(self, vehicle: str) -> Docked | None:
+        self._since_s.pop(vehicle, None)
+        return self._asked.pop(vehicle, None)

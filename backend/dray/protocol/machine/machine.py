@@ -178,7 +178,7 @@ class Machine(AgentBase):
             CycleDone: self._cycle_done,
             CycleFailed: self._cycle_failed,
             StockChanged: self._stock_changed,
-            DockReady: lambda report, _now_s: self._flow.on_dock_ready(report),
+            DockReady: self._flow.on_dock_ready,
             Broken: self._broken,
             Repaired: self._repaired,
             **self._documents.reports,
@@ -241,6 +241,7 @@ class Machine(AgentBase):
             products=self._goals.products.memories(self._supply.level),
             put_away=self._flow.put_away.memories(),
             put_away_count=self._flow.put_away.count,
+            let_in=self._flow.booking_out.memories(),
         )
 
     def _sense(self, body: BodyState | None, now_s: float) -> None:

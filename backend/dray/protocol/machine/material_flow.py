@@ -12,7 +12,7 @@ from typing import Protocol, cast
 
 from msgspec.structs import replace
 
-from dray.body import DockReady, StockChanged, WorkcellState
+from dray.body import StockChanged, WorkcellState
 from dray.memory import MachineMemory, Memory
 from dray.messages import Docked, Phase, Transport, TransportAnswered
 from dray.messages.keys import Keys
@@ -122,6 +122,7 @@ class MaterialFlow(TransportFlow):
             self._book,
             timers,
             out,
+            self.door,
             drains=lambda: owner.is_draining,
             changed=self.note_stock,
         )
@@ -134,15 +135,16 @@ class MaterialFlow(TransportFlow):
     def take_count(self, body: WorkcellState) -> None:
         """Take over what the body has counted."""
         self._supply.take_count(body.stock, body.seq)
-        self._handovers.counts = body.counts
-        self._dock.set_answers(answers=body.answers)
-        self._issuing.set_answers(answers=body.answers)
+        self.take_abilities(body)
 
     def restore(self, memory: MachineMemory, notes: Memory, now_s: float) -> None:
         """Go on with the transports of an earlier life."""
         self.task_count = memory.task_count
         self.put_away.restore(memory.put_away, memory.put_away_count, now_s)
         self.restore_tasks(memory.tasks, notes, now_s)
+        self.booking_out.restore(memory.let_in)
+        for load in memory.let_in:
+            self._book.restore(load, (load.vehicle,), now_s)
 
     # --- what the machine asks and tells ---
 
@@ -205,11 +207,6 @@ class MaterialFlow(TransportFlow):
             self._issuing.on_taken(report.vehicle, report.item)
         self.note_stock(now_s)
 
-    def on_dock_ready(self, report: DockReady) -> None:
-        """The body has opened the dock for a vehicle."""
-        self._dock.on_ready(report.vehicle)
-        self._issuing.on_ready(report.vehicle)
-
     def on_goods(self, report: StockChanged, is_news: bool, now_s: float) -> None:
         """Goods were made, or have left."""
         if report.vehicle and report.change < 0 and self._book.take(report.vehicle, report.item):
@@ -238,6 +235,7 @@ class MaterialFlow(TransportFlow):
             # Another place's transport: what it fetches here is taken away.
             self._book.assume(self._to_give)
             self._issuing.on_docked(sender, message, now_s)
+            self.note_let_in(self._issuing.opened_for(message.task))
         else:
             super()._on_docked(sender, message, now_s)
 

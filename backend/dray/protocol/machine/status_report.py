@@ -133,6 +133,7 @@ class StatusReport:
             probation=self._probation.brief(),
             joining=self._joining,
             awaits=self._bookkeeping.awaited(now_s),
+            dock_wait=self._flow.door.wait(now_s),
         )
         self._out.append(Publish(self._key, heartbeat))
         return heartbeat

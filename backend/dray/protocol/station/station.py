@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from msgspec.structs import replace
 
-from dray.body import BodyState, Refill, StockChanged, StorageState
+from dray.body import BodyState, DockReady, Refill, StockChanged, StorageState
 from dray.errors import ProtocolViolation
 from dray.memory import WHOLE, Memory, Note, ReservationMemory, StationMemory
 from dray.messages import Docked, MachineCommand, StationHeartbeat, StockLevel, WorkSought
@@ -75,14 +75,6 @@ class Station(AgentBase):
         self._book = Reservations({kept.material: kept.capacity for kept in spec.stocks})
         self._told: tuple[StockLevel, ...] = ()
         self._written: tuple[ReservationMemory, ...] = ()
-        self._issuing = Issuing(
-            storage,
-            self._book,
-            self._timers,
-            self._out,
-            drains=lambda: self._shutdown.begun,
-            changed=self._go_on,
-        )
         self._flow = TransportFlow(
             storage,
             plant,
@@ -94,6 +86,15 @@ class Station(AgentBase):
             self._out,
             self,
             incarnation=incarnation,
+        )
+        self._issuing = Issuing(
+            storage,
+            self._book,
+            self._timers,
+            self._out,
+            self._flow.door,
+            drains=lambda: self._shutdown.begun,
+            changed=self._go_on,
         )
         authority = CommandAuthorisation(storage, plant, trusts)
         self._held_loads = HeldLoads(
@@ -110,7 +111,7 @@ class Station(AgentBase):
             Docked: self._on_docked,
             WorkSought: self._on_sought,
         }
-        self._report_handlers = {StockChanged: self._stock_changed}
+        self._report_handlers = {StockChanged: self._stock_changed, DockReady: self._flow.on_dock_ready}
         self._docks = () if traffic is None else docks_heard(storage, items, plant, self._keys)
         heard = self._flow.subscriptions
         self._bookkeeping = Bookkeeping(storage, plant, traffic, trusts, heard, self._timers, self._out)
@@ -130,12 +131,14 @@ class Station(AgentBase):
     def _start(self, body: BodyState | None, memory: Memory, now_s: float) -> None:
         state = self._storage(body)
         self._book.take_count(state.stock, state.seq)
+        self._flow.take_abilities(state)
         note = memory.get(WHOLE)
         if isinstance(note, StationMemory):
             self._written = note.reserved
             for reserved in note.reserved:
                 self._book.restore(reserved, state.opened, now_s)
             self._flow.restore_tasks(note.tasks, memory, now_s)
+            self._flow.booking_out.restore(note.let_in)
             self._held_loads.restore(note.answered)
             # Tasks without a carrier have a higher epoch now: no life may use one that an earlier one has used.
             self._commit()
@@ -165,6 +168,7 @@ class Station(AgentBase):
             reserved=self._written,
             tasks=tuple(task.memory() for task in self._flow.tasks),
             answered=self._held_loads.answered,
+            let_in=self._flow.booking_out.memories(),
         )
 
     def _was_deaf(self, span_s: float) -> None:
@@ -188,6 +192,7 @@ class Station(AgentBase):
             software=self._software,
             draining=self._shutdown.begun,
             awaits=self._bookkeeping.awaited(now_s),
+            dock_wait=self._flow.door.wait(now_s),
         )
         self._out.append(Publish(self._beat_key, heartbeat))
         return heartbeat
@@ -222,6 +227,7 @@ class Station(AgentBase):
             self._out.append(Ignore("asked for the dock of another storage"))
         elif docked.item and docked.station == self.id and not self._flow.knows(docked.task):
             self._issuing.on_docked(sender, docked, now_s)
+            self._flow.note_let_in(self._issuing.opened_for(docked.task))
         else:
             self._flow.message_handlers[Docked](sender, docked, now_s)
 

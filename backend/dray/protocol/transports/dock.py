@@ -33,15 +33,16 @@ class Dock:
         place: whose dock.
         tasks: its open transports.
         stock: what lies there.
+        door: its door.
         out: where effects go.
     """
 
-    def __init__(self, place: str, tasks: Transports, stock: Stock, out: list[Effect]) -> None:
+    def __init__(self, place: str, tasks: Transports, stock: Stock, door: Door, out: list[Effect]) -> None:
         self._place = place
         self._tasks = tasks
         self._stock = stock
         self._out = out
-        self._door = Door(out)
+        self._door = door
 
     def on_docked(self, sender: str, message: Docked, now_s: float) -> None:
         """A vehicle asks to load or to unload."""
@@ -57,23 +58,19 @@ class Dock:
         if held:
             self._door.hold(sender, message, held)
         elif here:
-            self._door.open(sender, message, work.item, work.quantity)
+            self._door.open(sender, message, work.item, work.quantity, now_s)
             if self._door.answers:
                 task.contract.held_s = min(was_held_s, now_s)
         else:
             self._door.agree(sender, message)
 
-    def set_answers(self, *, answers: bool) -> None:
-        """Whether the body says when it has opened the dock."""
-        self._door.answers = answers
-
     def is_opening(self, vehicle: str) -> bool:
         """Whether a vehicle waits for the body to open the dock: that is no want of room."""
         return self._door.is_opening(vehicle)
 
-    def on_ready(self, vehicle: str) -> None:
+    def on_ready(self, vehicle: str, now_s: float) -> None:
         """The body has opened the dock for a vehicle."""
-        if self._door.on_ready(vehicle):
+        if self._door.on_ready(vehicle, now_s):
             for task in self._tasks:
                 if task.primary == vehicle:
                     task.contract.held_s = NEVER_S

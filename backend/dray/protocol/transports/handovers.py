@@ -157,4 +157,4 @@ class Handovers:
         if not task.contract.receipt.booked and (comes or not work.handed_at):
             task.contract.receipt.booked = True
             change = task.contract.receipt.said if comes else -work.quantity
-            self._out.append(Instruct(Book(vehicle=task.primary, item=work.item, change=change)))
+            self._out.append(Instruct(Book(task.primary, work.item, change, task=task.id, epoch=task.epoch)))

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
+from dray.memory import ReservationMemory
 from dray.messages import Docked, Message, StockAsked, StockFreed, StockReserved, StockShort
 from dray.protocol.contract_net.dock import Door
 from dray.protocol.runtime.events import Effect, Ignore, Send
@@ -32,6 +33,7 @@ class Issuing:
         book: what lies there, and what of it is promised.
         timers: the alarms of its agent; this class uses `LAPSE`.
         out: where effects go.
+        door: of its dock.
         drains: whether its agent was asked to leave.
         changed: called with now_s after every change, to see to what follows (`settle`).
 
@@ -45,6 +47,7 @@ class Issuing:
         book: Reservations,
         timers: Timers,
         out: list[Effect],
+        door: Door,
         *,
         drains: Callable[[], bool],
         changed: Callable[[float], None],
@@ -55,7 +58,7 @@ class Issuing:
         self._out = out
         self._drains = drains
         self._changed = changed
-        self._door = Door(out)
+        self._door = door
         self.message_handlers: Mapping[type[Message], Callable[..., None]] = {
             StockAsked: self._on_asked,
             StockFreed: self._on_freed,
@@ -123,13 +126,10 @@ class Issuing:
         else:
             self._open(sender, docked, ask, now_s)
 
-    def set_answers(self, *, answers: bool) -> None:
-        """Whether the body says when it has opened the dock."""
-        self._door.answers = answers
-
-    def on_ready(self, vehicle: str) -> None:
-        """The body has opened the dock for a vehicle."""
-        self._door.on_ready(vehicle)
+    def opened_for(self, task: str) -> ReservationMemory | None:
+        """What a vehicle may load now, or once the body is ready; None where the dock is shut for this task."""
+        ask = self._book.get(task)
+        return ask.memory() if ask is not None and ask.opened else None
 
     def shut_unknown(self, opened: Iterable[str]) -> None:
         """Shut the dock for vehicles for which an earlier life has opened it, and of which nothing is known any more."""
@@ -156,7 +156,7 @@ class Issuing:
             self._door.shut(ask.vehicle)
         ask.vehicle, ask.opened, ask.epoch = vehicle, docked.epoch, max(ask.epoch, docked.epoch)
         self._book.renew(ask, now_s)
-        self._door.open(vehicle, docked, ask.item, ask.quantity)
+        self._door.open(vehicle, docked, ask.item, ask.quantity, now_s)
         self._changed(now_s)
 
     # --- what follows ---

@@ -10,8 +10,8 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterable, Mapping
 from typing import Any, Protocol, cast
 
-from dray.body import StockChanged
-from dray.memory import Memory, TaskMemory
+from dray.body import DockReady, StockChanged, StorageState, WorkcellState
+from dray.memory import Memory, ReservationMemory, TaskMemory
 from dray.messages import (
     Accepted,
     AtvHeartbeat,
@@ -35,12 +35,14 @@ from dray.messages.fact import Outcome
 from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.protocol.contract_net.auction_rules import AuctionRules
+from dray.protocol.contract_net.dock import Door, ready_within_s
 from dray.protocol.contract_net.task import OpenTask
 from dray.protocol.contract_net.terms import Place
 from dray.protocol.contract_net.trust.assessment import Assessor
 from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
 from dray.protocol.runtime.events import Effect, Ignore
 from dray.protocol.runtime.timers import Timers
+from dray.protocol.transports.booking_out import BookingOut
 from dray.protocol.transports.called import CalledTransports
 from dray.protocol.transports.dock import Dock, Stock
 from dray.protocol.transports.handovers import Handovers
@@ -90,6 +92,8 @@ class TransportFlow:
         sourcing: what is waited for before anybody is hired.
         held: those for whose loads a person has to look.
         called: what people and programs have asked for.
+        door: of its dock, for whoever loads or unloads.
+        booking_out: what others have fetched, where the body does not count.
         message_handlers: by the type of a message, what to call with (sender, message, now_s).
         alarms: what to call when an alarm of these names has come.
         subscriptions: which heartbeats it hears.
@@ -144,7 +148,9 @@ class TransportFlow:
             resized=self._resize,
         )
         self.held = HeldTransports(plant, self.tasks)
-        self._dock = Dock(place, self.tasks, stock, out)
+        self.booking_out = BookingOut(self.subscriptions, out)
+        self.door = Door(out, ready_within_s(plant, place))
+        self._dock = Dock(place, self.tasks, stock, self.door, out)
         self._handovers = Handovers(
             place,
             self.tasks,
@@ -179,6 +185,16 @@ class TransportFlow:
             **self.sourcing.alarms,
             **self.called.alarms,
         }
+
+    def take_abilities(self, body: WorkcellState | StorageState) -> None:
+        """What the body counts and says by itself."""
+        self._handovers.counts, self.door.answers = body.counts, body.answers
+
+    def note_let_in(self, load: ReservationMemory | None) -> None:
+        """Somebody else's vehicle may load now; None for nobody."""
+        if load is not None and not self._handovers.counts:
+            self.booking_out.let_in(load)
+            self._owner.commit()
 
     def restore_tasks(self, memories: Iterable[TaskMemory], memory: Memory, now_s: float) -> None:
         """Go on with the transports of an earlier life, and with those that people have asked for."""
@@ -242,6 +258,11 @@ class TransportFlow:
         if not self.tasks.offer(sender, message.abilities, now_s):
             self._out.append(Ignore("asked for work, and none waits"))
 
+    def on_dock_ready(self, report: DockReady, now_s: float) -> None:
+        """The body has opened the dock for a vehicle."""
+        self._dock.on_ready(report.vehicle, now_s)
+        self._owner.beat_soon(now_s)
+
     def on_material(self, report: StockChanged, now_s: float) -> None:
         """Material has come, or was taken."""
         self._handovers.on_stock_changed(report, now_s)
@@ -278,6 +299,7 @@ class TransportFlow:
     def _on_vehicle(self, _sender: str, heartbeat: AtvHeartbeat, now_s: float) -> None:
         self.tasks.on_heartbeat(heartbeat, now_s)
         self._handovers.on_carrier_heard(heartbeat)
+        self.booking_out.on_carrier_heard(heartbeat)
         self._recovery.on_heartbeat(heartbeat, now_s)
         self.called.review(now_s)
 

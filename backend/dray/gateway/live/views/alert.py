@@ -35,6 +35,7 @@ AlertKind = Literal[
     "machine_document",
     "machine_starved",
     "machine_blocked",
+    "dock_not_ready",
     "handover_disputed",
     "clock_wrong",
     "word_disbelieved",
@@ -68,6 +69,7 @@ AlertResponse = Literal[
     "see_to_supply",
     "put_document_right",
     "see_to_removal",
+    "see_to_dock",
     "find_vehicle",
     "switch_on",
     "shut_out_and_clear",
@@ -122,7 +124,7 @@ class Condition(View, kw_only=True):
     """Of a jam before a dock: whose dock that is."""
     agents: tuple[str, ...] = ()
     """Of a jam: all that wait in it, who has waited longest first. Of a vehicle without WLAN: those over which it is heard, in order.
-    Of an access point and of a part of the network: all that have lost it, by name. Of strategists: those that are silent."""
+    Of an access point and of a part of the network: all that have lost it, by name. Of strategists: those that are silent. Of a dock that does not get ready: who waits for it."""
     call: CallKind | None = None
     """Of who has called for help in vain: why nobody comes."""
     keepers: tuple[str, ...] = ()
@@ -134,7 +136,8 @@ class Condition(View, kw_only=True):
     by: str = ""
     """Who is on the way to help, or has shut the agent out. Of goods: the operator who comes, by name or code."""
     seen_at_s: float | None = None
-    """Of who is lost: when it was last heard, of many the first of them. Of a call for help, or without WLAN: since when."""
+    """Of who is lost: when it was last heard, of many the first of them. Of a call for help, without WLAN, or of
+    a dock that does not get ready: since when."""
     access_point: str = ""
     """Over which vehicles without WLAN were on it last; empty where that is not known."""
     until_at_s: float | None = None

@@ -72,6 +72,7 @@ export const alerts: Catalogue<typeof en> = {
   "alertLog.is.machine_document": "Documento inutilizable",
   "alertLog.is.machine_starved": "Máquina sin material",
   "alertLog.is.machine_blocked": "Mercancía por recoger",
+  "alertLog.is.dock_not_ready": "Muelle no listo",
   "alertLog.is.handover_disputed": "Entrega discutida",
   "alertLog.is.clock_wrong": "Reloj erróneo",
   "alertLog.is.word_disbelieved": "No creído",

@@ -29,6 +29,7 @@ from dray.messages import (
     StationHeartbeat,
     StrategistHeartbeat,
 )
+from dray.messages.heartbeat import DockWait
 from dray.messages.keys import GATE
 from dray.overload import Overload
 from dray.plant.charger_queue import RESERVE_FRAC
@@ -145,6 +146,8 @@ def of_machines(
             yield Condition(kind="machine_lost", agent=agent, seen_at_s=now.to_wall_s(heard.at_s))
         elif heard.status is MachineStatus.ERROR:
             yield Condition(kind="machine_error", agent=agent, cause=detail_of(heard.problem))
+        elif heard.dock_wait is not UNSET:
+            yield _dock_not_ready(agent, heard.dock_wait, now)
         elif wrong := _unusable(heard):
             yield Condition(kind="machine_document", agent=agent, cause=detail_of(wrong))
         elif heard.status is MachineStatus.STARVED and not patient:
@@ -152,6 +155,15 @@ def of_machines(
             yield Condition(kind="machine_starved", agent=agent, cause=lacking)
         elif heard.status is MachineStatus.BLOCKED and not patient:
             yield Condition(kind="machine_blocked", agent=agent, cause=detail_of(heard.problem))
+
+
+def _dock_not_ready(place: str, waits: DockWait, now: Moment) -> Condition:
+    return Condition(
+        kind="dock_not_ready",
+        agent=place,
+        agents=(waits.vehicle,),
+        seen_at_s=now.to_wall_s(waits.since_s),
+    )
 
 
 def _unusable(heard: MachineHeartbeat) -> str:
@@ -168,6 +180,8 @@ def of_stations(heartbeats: Iterable[StationHeartbeat], now: Moment) -> Iterator
         if now.is_lost(heard.station, heard):
             kind: AlertKind = "gate_lost" if heard.station == GATE else "station_lost"
             yield Condition(kind=kind, agent=heard.station, seen_at_s=now.to_wall_s(heard.at_s))
+        elif heard.dock_wait is not UNSET:
+            yield _dock_not_ready(heard.station, heard.dock_wait, now)
 
 
 def of_strategists(heartbeats: Iterable[StrategistHeartbeat], now: Moment) -> Iterator[Condition]:

@@ -1,0 +1,171 @@
+"""Commissioning of a machine: the steps in which it works, whatever its controller is."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator, Callable
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import msgspec
+
+from dray.adapters.commissioning_step import Step
+from dray.adapters.signals.signal import LinkListener, Signal, SignalMapping
+from dray.adapters.signals.workcell import Kept, SignalledWorkcell
+from dray.body import CloseDock, CycleDone, CycleFailed, DockReady, OpenDock, Report, StartCycle
+from dray.plant import Plant
+from dray.plant.model import MachineSpec
+from dray.ports import Clock
+
+LOOK_S = 0.1
+
+LINK_S = 15.0
+"""Longest wait for the controller."""
+
+DOCK_S = 120.0
+"""Longest wait for its dock."""
+
+CYCLES = 5.0
+"""Longest wait for a piece, in what one takes by the plant file."""
+
+VEHICLE = "check"
+"""The vehicle for which the dock is opened."""
+
+
+@dataclass(frozen=True, slots=True)
+class Wanted:
+    """How far commissioning goes.
+
+    Attributes:
+        cycle: the machine may work: one piece is made.
+        dock: its dock is opened once, as for a vehicle; nobody may stand there.
+    """
+
+    cycle: bool = False
+    dock: bool = False
+
+
+class Link(Protocol):
+    """To its controller."""
+
+    def write(self) -> None:
+        """What the controller is to be told has changed."""
+
+    async def run(self, listener: LinkListener) -> None:
+        """Be linked until cancelled."""
+
+
+@dataclass
+class Acts:
+    """Of one machine.
+
+    Args:
+        spec: the machine.
+        plant: where it is.
+        mapping: its signals.
+        clock: the plant's.
+        wanted: how far to go.
+        link: to its controller.
+    """
+
+    spec: MachineSpec
+    plant: Plant
+    mapping: SignalMapping
+    clock: Clock
+    wanted: Wanted
+    link: Link
+    _heard: list[Report] = field(default_factory=list)
+
+    async def run(self) -> AsyncIterator[Step]:
+        """Walk through all steps; a machine that is not ready to work ends it."""
+        bills = (line for making in self.spec.makes for line in self.plant.products[making.product].bill)
+        plenty = {line.material: 10 * line.quantity for line in bills}
+        mapping = msgspec.structs.replace(self.mapping, stock=plenty)
+        body = SignalledWorkcell(self.spec, self.plant, mapping, self.clock, _World(self.link))
+        body.attach(self._heard.append)
+        running = asyncio.create_task(self.link.run(body))
+        try:
+            ready = await self._until(lambda: not body.sense().broken, LINK_S)
+            yield Step("machine", ready, "nothing keeps it from working" if ready else body.sense().broken)
+            if not ready:
+                return
+            yield (
+                await self._cycle(body)
+                if self.wanted.cycle
+                else Step("cycle", None, "left out: give --cycle, and it makes a piece")
+            )
+            yield (
+                await self._dock(body)
+                if self.wanted.dock
+                else Step("dock", None, "left out: give --dock, and it opens its dock")
+            )
+        finally:
+            running.cancel()
+            await asyncio.gather(running, return_exceptions=True)
+
+    async def _cycle(self, body: SignalledWorkcell) -> Step:
+        making, begun_s = self.spec.makes[0], self.clock.now_s()
+        body.instruct(StartCycle(product=making.product))
+        longest_s = max(60.0, CYCLES * making.cycle_s)
+        await self._until(
+            lambda: any(isinstance(report, CycleDone | CycleFailed) for report in self._heard), longest_s
+        )
+        took_s = self.clock.now_s() - begun_s
+        for report in self._heard:
+            if isinstance(report, CycleFailed):
+                return Step("cycle", False, f"no {making.product} was begun: {report.reason}")
+            if isinstance(report, CycleDone):
+                what = "bad " if report.bad else ""
+                return Step(
+                    "cycle",
+                    True,
+                    f"one {what}{report.product} after {took_s:.0f} s; the plant file says {making.cycle_s:g} s",
+                )
+        return Step(
+            "cycle",
+            False,
+            f"no piece was counted in {longest_s:.0f} s: {body.sense().broken or 'it does not begin'}",
+        )
+
+    async def _dock(self, body: SignalledWorkcell) -> Step:
+        if Signal.DOCK_READY not in self.mapping.signals:
+            return Step(
+                "dock", None, "it has no `dock_ready`: vehicles are let in as soon as they stand there"
+            )
+        begun_s = self.clock.now_s()
+        body.instruct(OpenDock(vehicle=VEHICLE, item=self.spec.makes[0].product, quantity=1))
+        opened = await self._until(lambda: DockReady(vehicle=VEHICLE) in self._heard, DOCK_S)
+        took_s = self.clock.now_s() - begun_s
+        body.instruct(CloseDock(vehicle=VEHICLE))
+        if not opened:
+            return Step(
+                "dock", False, f"`dock_ready` did not come on within {DOCK_S:.0f} s after `dock_permit`"
+            )
+        begun_s = self.clock.now_s()
+        if not await self._until(lambda: body.is_dock_shut, DOCK_S):
+            return Step(
+                "dock", False, f"`dock_ready` stayed on for {DOCK_S:.0f} s after `dock_permit` was taken back"
+            )
+        return Step(
+            "dock",
+            True,
+            f"ready after {took_s:.1f} s, and shut {self.clock.now_s() - begun_s:.1f} s after the permit went",
+        )
+
+    async def _until(self, seen: Callable[[], bool], longest_s: float) -> bool:
+        until_s = self.clock.now_s() + longest_s
+        while not seen():
+            if self.clock.now_s() >= until_s:
+                return False
+            await asyncio.sleep(LOOK_S)
+        return True
+
+
+class _World:
+    """A link, and nothing that is remembered: the one who commissions lives once."""
+
+    def __init__(self, link: Link) -> None:
+        self.write = link.write
+
+    def remember(self, kept: Kept) -> None:
+        """Nobody comes after it."""

@@ -1,0 +1,150 @@
+"""Commissioning of a machine whose sensors are topics of a broker: each is waited for, and shown with what it says."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator
+from dataclasses import dataclass, field
+
+from dray.adapters.commissioning_step import Step
+from dray.adapters.machine_acts import LINK_S, Acts, Wanted
+from dray.adapters.mqtt.link import SignalsOverMqtt
+from dray.adapters.mqtt.mapping_file import MqttMapping
+from dray.adapters.mqtt.values import sample_of
+from dray.adapters.signals.signal import Quality, Signal, Tag, is_told
+from dray.adapters.vda5050.link import BrokerAddress, MqttLink
+from dray.plant import Plant
+from dray.plant.model import MachineSpec
+from dray.ports import Clock
+
+HEAR_S = 60.0
+"""Longest wait for a word on each topic: let the machine work, or press its sensors, meanwhile."""
+
+CLIENT = "dray-check"
+
+
+@dataclass
+class MqttCommissioning:
+    """Of one machine.
+
+    Args:
+        mapping: its topics.
+        broker: where they are.
+        spec: the machine.
+        plant: where it is.
+        clock: the plant's.
+        wanted: how far to go.
+        hear_s: longest wait for a word on each topic.
+
+    Attributes:
+        steps: what came of them so far.
+    """
+
+    mapping: MqttMapping
+    broker: BrokerAddress
+    spec: MachineSpec
+    plant: Plant
+    clock: Clock
+    wanted: Wanted
+    hear_s: float = HEAR_S
+    steps: list[Step] = field(default_factory=list)
+
+    async def run(self) -> AsyncIterator[Step]:
+        """Walk through all steps; a step on which others stand ends it when it fails."""
+        ear = _Ear()
+        told = {name: tag for name, tag in self.mapping.tags.items() if is_told(name)}
+        topics = tuple(dict.fromkeys(tag.topic for tag in told.values()))
+        link = MqttLink(self.broker, "", CLIENT, topics, retained=ear.on_retained)
+        running = asyncio.create_task(link.run(ear))
+        try:
+            begun_s = self.clock.now_s()
+            if not await _within(ear.linked, LINK_S):
+                yield self._note(Step("connection", False, ear.lost or f"{self.broker} does not answer"))
+                return
+            safe = "" if self.broker.tls else "; nothing is encrypted"
+            took_s = self.clock.now_s() - begun_s
+            yield self._note(Step("connection", True, f"{self.broker} answers after {took_s:.1f} s{safe}"))
+            until_s = self.clock.now_s() + self.hear_s
+            for name, tag in told.items():
+                await _within(ear.event(tag.topic), until_s - self.clock.now_s())
+                yield self._note(_heard(name, tag, ear, self.hear_s))
+        finally:
+            running.cancel()
+            await asyncio.gather(running, return_exceptions=True)
+        for name, tag in self.mapping.tags.items():
+            if not is_told(name):
+                yield self._note(Step(name, None, f"is written to {tag.topic}: see there that it comes"))
+        if not self.passed:
+            return
+        acts = Acts(
+            self.spec,
+            self.plant,
+            self.mapping,
+            self.clock,
+            self.wanted,
+            SignalsOverMqtt(self.mapping, self.broker, CLIENT),
+        )
+        async for step in acts.run():
+            yield self._note(step)
+
+    @property
+    def passed(self) -> bool:
+        """Nothing that was tried has failed."""
+        return bool(self.steps) and all(step.passed is not False for step in self.steps)
+
+    def report(self) -> str:
+        """All of it, to be kept: Markdown."""
+        lines = (f"    {step.line}" for step in self.steps)
+        return "\n".join([f"# {self.spec.id}, {self.broker}", "", *lines, ""])
+
+    def _note(self, step: Step) -> Step:
+        self.steps.append(step)
+        return step
+
+
+class _Ear:
+    """Hears all topics."""
+
+    def __init__(self) -> None:
+        self.linked = asyncio.Event()
+        self.lost = ""
+        self.said: dict[str, bytes] = {}
+        self.kept: set[str] = set()
+        self._events: dict[str, asyncio.Event] = {}
+
+    def event(self, topic: str) -> asyncio.Event:
+        return self._events.setdefault(topic, asyncio.Event())
+
+    def on_link(self) -> None:
+        self.linked.set()
+
+    def on_link_lost(self, reason: str) -> None:
+        self.lost = reason
+
+    def on_message(self, topic: str, data: bytes) -> None:
+        self.said[topic] = data
+        self.event(topic).set()
+
+    def on_retained(self, topic: str, _data: bytes) -> None:
+        self.kept.add(topic)
+
+
+def _heard(name: str, tag: Tag, ear: _Ear, hear_s: float) -> Step:
+    where = f"{tag.topic} {tag.path}".strip()
+    if tag.topic not in ear.said:
+        kept = ", only what the broker has kept" if tag.topic in ear.kept else ""
+        # Who only says what changes may have had nothing to say, but a count has to be seen once.
+        passed = False if name in (Signal.PIECES, Signal.BAD) else None
+        return Step(name, passed, f"{where}: nothing was said within {hear_s:g} s{kept}")
+    sample = sample_of(ear.said[tag.topic], tag.path)
+    if sample.quality is not Quality.GOOD:
+        return Step(name, False, f"{where}: {sample.reason}")
+    return Step(name, True, f"{where}, shows {sample.value!r}")
+
+
+async def _within(event: asyncio.Event, span_s: float) -> bool:
+    try:
+        await asyncio.wait_for(event.wait(), max(0.0, span_s))
+    except TimeoutError:
+        return event.is_set()
+    return True

@@ -1,0 +1,135 @@
+"""The link to sensors and controllers behind a broker: it hears their topics, and says what they are to be told, once a second anew.
+
+What a broker has kept (a retained message) is of an unknown time. Faults and states are taken from it, for they can only make careful; counts,
+levels and `dock_ready` are not: an old count would be counted twice, and an old `dock_ready` would let somebody in.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Iterator
+from contextlib import suppress
+
+from dray.adapters.mqtt.mapping_file import MqttMapping
+from dray.adapters.mqtt.values import message_of, sample_of
+from dray.adapters.signals.signal import LinkListener, Signal, Tag, Value, is_told
+from dray.adapters.vda5050.link import BrokerAddress, MqttLink
+from dray.supervision import Failures
+
+LOOK_S = 1.0
+"""How often it is said again what is to be told, and looked whether something was heard."""
+
+ALIVE_MODULUS = 30_000
+
+CAREFUL = (Signal.FAULT, Signal.FAULT_TEXT, Signal.STATE)
+"""Those that are believed though they are of an unknown time."""
+
+
+class SignalsOverMqtt:
+    """Signals on topics.
+
+    Args:
+        mapping: which they are.
+        broker: where they are said.
+        client: our name at the broker.
+
+    Attributes:
+        linked: set once they could be heard for the first time.
+        failures: what the listener could not deal with, by topic.
+    """
+
+    def __init__(self, mapping: MqttMapping, broker: BrokerAddress, client: str) -> None:
+        self._mapping, self._broker = mapping, str(broker)
+        self._told: dict[str, list[tuple[str, Tag]]] = {}
+        self._written: dict[str, list[tuple[str, Tag]]] = {}
+        for name, tag in mapping.tags.items():
+            topics = self._told if is_told(name) else self._written
+            topics.setdefault(tag.topic, []).append((name, tag))
+        self._mqtt = MqttLink(broker, "", client, tuple(self._told), retained=self._on_retained)
+        self._changed = asyncio.Event()
+        self._listener: LinkListener
+        self._there, self._heard_s, self._beat = False, 0.0, 0
+        """Whether the listener was told that the link is there; when something was heard last; seconds of our life."""
+        self.linked = asyncio.Event()
+        self.failures = Failures(str(broker))
+        self._mqtt.failures = self.failures
+
+    def write(self) -> None:
+        """The listener's outputs have changed."""
+        self._changed.set()
+
+    async def run(self, listener: LinkListener) -> None:
+        """Be linked until cancelled, whatever one message makes of the listener.
+
+        Raises:
+            UnavailableError: the listener has.
+        """
+        self._listener = listener
+        saying = asyncio.create_task(self._say_all())
+        linked = asyncio.create_task(self._mqtt.run(self))
+        try:
+            await asyncio.wait((saying, linked), return_when=asyncio.FIRST_COMPLETED)
+            for task in (saying, linked):
+                if task.done():
+                    task.result()
+        finally:
+            for task in (saying, linked):
+                task.cancel()
+            await asyncio.gather(saying, linked, return_exceptions=True)
+
+    # --- what the link to the broker tells ---
+
+    def on_link(self) -> None:
+        """The broker is there. Who says something at times has to say something first."""
+        if self._mapping.silent_after_s is None:
+            self._begin()
+        self._changed.set()
+
+    def on_link_lost(self, reason: str) -> None:
+        """The broker is away."""
+        self._there = False
+        self._listener.on_link_lost(reason)
+
+    def on_message(self, topic: str, data: bytes) -> None:
+        """Something is said now."""
+        self._heard_s = asyncio.get_running_loop().time()
+        if not self._there:
+            self._begin()
+        for name, tag in self._told.get(topic, ()):
+            self._listener.on_sample(name, sample_of(data, tag.path))
+
+    def _on_retained(self, topic: str, data: bytes) -> None:
+        """Something was said at some time."""
+        for name, tag in self._told.get(topic, ()):
+            if name in CAREFUL:
+                self._listener.on_sample(name, sample_of(data, tag.path))
+
+    def _begin(self) -> None:
+        self._there = True
+        self._listener.on_link()
+        self.linked.set()
+
+    # --- what they are told ---
+
+    async def _say_all(self) -> None:
+        clock = asyncio.get_running_loop()
+        while True:
+            self._changed.clear()
+            self._beat += 1
+            for topic, tags in self._written.items():
+                if values := list(self._values(tags)):
+                    self._mqtt.publish(topic, message_of(values))
+            with suppress(TimeoutError):
+                await asyncio.wait_for(self._changed.wait(), LOOK_S)
+            bound_s = self._mapping.silent_after_s
+            if self._there and bound_s is not None and clock.time() - self._heard_s > bound_s:
+                self._there = False
+                silent = f"{self._broker}: nothing was said for {bound_s:g} s"
+                self.failures.tell("the link", self._listener.on_link_lost, silent)
+
+    def _values(self, tags: list[tuple[str, Tag]]) -> Iterator[tuple[str, Value]]:
+        for name, tag in tags:
+            alive = name == Signal.ALIVE
+            value = self._beat % ALIVE_MODULUS if alive else self._listener.outputs.get(name)
+            if value is not None:
+                yield tag.path, value

@@ -1,0 +1,234 @@
+"""The body of a storage's or a warehouse's station whose dock has a controller that tells and obeys single values.
+
+What lies there is reckoned by what vehicles say that they have brought and taken. Where the controller tells a material's level, that is right in the
+end: what it differs by, when nobody stands at the dock and nothing has moved for a while, somebody else has brought or taken.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from functools import partial
+from typing import Protocol
+
+from msgspec import Struct
+from msgspec.structs import replace
+
+from dray.adapters.signals.dock import DockHandshake, DockState
+from dray.adapters.signals.signal import LEVEL, Quality, Sample, Signal, SignalMapping, Value
+from dray.body import Book, CloseDock, DockReady, Instruction, OpenDock, Report, StockChanged, StorageState
+from dray.messages.base import COUNT_MAX
+from dray.plant.model import Storage as StorageSpec
+from dray.ports import Clock
+
+SETTLES_S = 10.0
+"""A level counts when it has stood for so long: a sensor is slower than a vehicle's word, and people fill piece by piece."""
+
+BOOKED_KEPT = 256
+"""Words of vehicles that are remembered: many times the transports that are under way there."""
+
+
+class KeptStore(Struct, frozen=True):
+    """What one life of an agent leaves to the next of a storage's body."""
+
+    stock: dict[str, int]
+    seq: int = 0
+    opened: tuple[str, ...] = ()
+    booked: dict[str, int] = {}
+    """The latest words of vehicles, each with the number of its change of the stock."""
+
+
+DAMAGED_STORE = KeptStore({})
+"""What is known where a life has left something that cannot be read."""
+
+
+class World(Protocol):
+    """What the body needs beside a clock."""
+
+    def remember(self, kept: KeptStore) -> None:
+        """Keep it: on the disk at the return."""
+
+    def write(self) -> None:
+        """The body's `outputs` have changed: see that the controller gets them."""
+
+
+class SignalledStore:
+    """Implements `dray.ports.Body` and the listener of a link.
+
+    Args:
+        spec: what is kept there.
+        mapping: which signals its controller has.
+        clock: the plant's.
+        world: the disk and the link.
+        kept: what the last life has left; None for the first one.
+
+    Attributes:
+        outputs: what the controller is to be told, by signal; a link writes what differs.
+        away_since_s: since when nothing is heard of the controller; None while it is.
+        away: why; empty while it is heard.
+    """
+
+    def __init__(
+        self,
+        spec: StorageSpec,
+        mapping: SignalMapping,
+        clock: Clock,
+        world: World,
+        kept: KeptStore | None = None,
+    ) -> None:
+        self._tags, self._levels, self._clock, self._world = mapping.signals, mapping.levels, clock, world
+        self._kept = kept or KeptStore(mapping.stock)
+        self._stock = {line.material: 0 for line in spec.stocks} | self._kept.stock
+        self._told: dict[str, int] = {}
+        """By material, the level that its controller has told last; none of those of which it tells nothing good."""
+        self._turn = 0
+        """Grows when something moves, so that an outdated call of the clock is recognised."""
+        self._dock = DockHandshake(answers=Signal.DOCK_READY in self._tags)
+        self._told_ready = ""
+        self._report: Callable[[Report], None] = _nobody_hears
+        self.outputs: dict[str, Value] = {}
+        self.away_since_s: float | None = clock.now_s()
+        self.away = "nothing was heard of its controller yet"
+        for vehicle in self._kept.opened:
+            self._dock.want(vehicle)
+        self._settle()
+
+    # --- Body ---
+
+    def instruct(self, instruction: Instruction) -> None:
+        """See `dray.ports.Body`. What nobody here can do is ignored: a refill is people's, or ordered by the agent."""
+        match instruction:
+            case OpenDock(vehicle=vehicle):
+                self._told_ready = "" if self._told_ready == vehicle else self._told_ready
+                self._dock.want(vehicle)
+            case CloseDock(vehicle=vehicle):
+                self._dock.done(vehicle)
+            case Book():
+                self._dock.done(instruction.vehicle)
+                self._book(instruction)
+            case _:
+                return
+        if self._dock.waiting != self._kept.opened:
+            self._keep()
+        self._settle()
+
+    def sense(self) -> StorageState:
+        """See `dray.ports.Body`."""
+        return StorageState(
+            stock=dict(self._stock),
+            seq=self._kept.seq,
+            opened=self._dock.waiting,
+            answers=True,
+            counts=False,
+        )
+
+    def attach(self, report: Callable[[Report], None]) -> None:
+        """See `dray.ports.Body`."""
+        self._report = report
+
+    # --- the listener of a link ---
+
+    def on_link(self) -> None:
+        """The controller is there, and its values come."""
+        self.away_since_s, self.away = None, ""
+        self._settle()
+
+    def on_link_lost(self, reason: str) -> None:
+        """The controller is away: it may make nothing safe, and its levels are of before."""
+        if self.away_since_s is None:
+            self.away_since_s = self._clock.now_s()
+        self.away = reason
+        self._told.clear()
+        self._dock.ready(is_ready=False)
+        self._settle()
+
+    def on_range(self, signal: str, moduli: tuple[int, ...]) -> None:
+        """A level does not roll over."""
+
+    def on_refused(self, name: str, reason: str) -> None:
+        """A dock whose permit is not taken does not get ready, and its station says so."""
+
+    def on_sample(self, name: str, sample: Sample) -> None:
+        """The controller has told a value."""
+        is_good = sample.quality is Quality.GOOD
+        if name == Signal.DOCK_READY:
+            is_ready = is_good and bool(sample.value) is not self._tags[Signal.DOCK_READY].invert
+            self._dock.ready(is_ready=is_ready)
+        elif name.startswith(LEVEL):
+            item = name.removeprefix(LEVEL)
+            level = _level(sample.value, self._levels[item].scale) if is_good else None
+            if level is None:
+                self._told.pop(item, None)
+            else:
+                self._told[item] = level
+            self._wait()
+        self._settle()
+
+    # --- what lies there ---
+
+    def _book(self, book: Book) -> None:
+        """A vehicle has brought something, or taken it; said again, it is in the stock already."""
+        about = f"{book.task} {book.epoch} {'in' if book.change > 0 else 'out'} {book.item}"
+        if about not in self._kept.booked:
+            self._move(book.item, book.change)
+            booked = {**self._kept.booked, about: self._kept.seq}
+            self._kept = replace(self._kept, booked=dict(list(booked.items())[-BOOKED_KEPT:]))
+            self._keep()
+        seq = self._kept.booked[about]
+        self._report(StockChanged(item=book.item, change=book.change, seq=seq, vehicle=book.vehicle))
+        self._wait()
+
+    def _move(self, item: str, change: int) -> None:
+        self._stock[item] = min(max(self._stock.get(item, 0) + change, 0), COUNT_MAX)
+        self._kept = replace(self._kept, seq=self._kept.seq + 1)
+
+    def _wait(self) -> None:
+        """Something has moved: look at the levels when it has rested."""
+        if self._levels:
+            self._turn += 1
+            self._clock.call_at(self._clock.now_s() + SETTLES_S, partial(self._compare, self._turn))
+
+    def _compare(self, turn: int) -> None:
+        if turn != self._turn:
+            return
+        if self._dock.state is not DockState.SHUT:
+            self._wait()  # Whoever stands there says itself what it brings or takes.
+            return
+        for item, level in self._told.items():
+            if change := level - self._stock.get(item, 0):
+                self._move(item, change)
+                self._keep()
+                self._report(StockChanged(item=item, change=change, seq=self._kept.seq))
+
+    # --- what follows ---
+
+    def _settle(self) -> None:
+        """Tell the controller and the agent what has changed."""
+        vehicle = self._dock.vehicle
+        permit: Value = bool(vehicle)
+        if Signal.DOCK_PERMIT in self._tags and self._tags[Signal.DOCK_PERMIT].invert:
+            permit = not permit
+        for signal, value in ((Signal.DOCK_PERMIT, permit), (Signal.DOCK_VEHICLE, vehicle)):
+            if signal in self._tags and self.outputs.get(signal) != value:
+                self.outputs[signal] = value
+                self._world.write()
+        if self._dock.state is not DockState.OPEN:
+            self._told_ready = ""
+        elif self._told_ready != vehicle:
+            self._told_ready = vehicle
+            self._report(DockReady(vehicle=vehicle))
+
+    def _keep(self) -> None:
+        self._kept = replace(self._kept, stock=dict(self._stock), opened=self._dock.waiting)
+        self._world.remember(self._kept)
+
+
+def _level(value: Value, scale: float) -> int | None:
+    """Pieces; None for what is no level."""
+    if isinstance(value, bool | str) or not math.isfinite(value) or value < 0:
+        return None
+    return min(round(value / scale), COUNT_MAX)
+
+
+def _nobody_hears(report: Report) -> None:
+    """What a body reports before its agent listens; its state tells it all the same."""
