@@ -31,9 +31,11 @@ DockBody = Annotated[
 ]
 
 MachineBody = Annotated[
-    Literal["floor", "opcua"] | None,
+    Literal["floor", "opcua", "people"] | None,
     typer.Option(
-        "--body", help="floor: simulated, on `dray floor`; opcua: its controller, by OPC UA; else DRAY_BODY."
+        "--body",
+        help="floor: simulated, on `dray floor`; opcua: its controller, by OPC UA; "
+        "people: who work there say at the tablet what has happened; else DRAY_BODY.",
     ),
 ]
 
@@ -83,13 +85,13 @@ def machine(
 
     from dray import __version__
     from dray.cli.runtime.agent_process import run_agent
-    from dray.cli.runtime.bodies import by_opcua, on_floor, reading
+    from dray.cli.runtime.bodies import by_opcua, by_people, on_floor, reading
     from dray.cli.runtime.output import one_of
     from dray.protocol.machine.machine import Machine
     from dray.protocol.runtime.running import Running
 
     said = _surroundings(settings, traffic=traffic, body=body, mapping=mapping)
-    where = _with_body(said, "a machine", "opcua")
+    where = _with_body(said, "a machine", "opcua", "people")
     plant = where.plant if joining is None else _grown(where.plant, joining, name)
     spec, places = one_of(plant.machines, name, "NAME"), where.traffic
     trusts = _trusted(where)
@@ -110,6 +112,8 @@ def machine(
     folder = where.settings.journal_folder / "documents"
     if where.settings.body == "opcua":
         embody = by_opcua(where, name, spec)
+    elif where.settings.body == "people":
+        embody = by_people(where, name, spec)
     else:
         embody = on_floor(where, name, None if joining is None else spec)
     asyncio.run(run_agent(where, name, make, reading(embody, folder)))
