@@ -34,11 +34,13 @@ from dray.messages.base import (
 from dray.messages.floor.obstacle import WayBlocked as WayBlocked  # noqa: PLC0414
 from dray.messages.floor.obstacle import WayFree as WayFree  # noqa: PLC0414
 from dray.messages.gate import OrderHeld
-from dray.messages.heartbeat import BodyWait, Pose
+from dray.messages.heartbeat import BodyWait, Pose, UnconfirmedLoad
 from dray.messages.link import Link
 from dray.messages.people.call import CallAnswer, HelpCall
+from dray.messages.people.command import MachineCommandKind
 from dray.messages.problem import NOTHING_KNOWN, Problem, ProblemKind
 from dray.messages.product import BillLine
+from dray.messages.reason import CommandRefusal
 
 # --- a vehicle: instructions ---------------------------------------------------------------------
 
@@ -264,7 +266,22 @@ class SetPace(Part, frozen=True):
     """Above 0, and at most 1."""
 
 
-WorkcellInstruction = StartCycle | OpenDock | CloseDock | Book | ResetFault | SetPace | ReadDocument
+class Word(Part, frozen=True):
+    """What a person says has happened; only for a body that is people. It is answered with `WordTaken`, each time that it is said."""
+
+    key: str
+    """Names the word for ever: one that is said again under its key is not counted again."""
+    kind: MachineCommandKind
+    """One of `WORDS`."""
+    item: str
+    """Empty for the product that is being made."""
+    quantity: int
+    vehicle: str = ""
+    sure: bool = False
+    """The number is right, however far it is from the expected one."""
+
+
+WorkcellInstruction = StartCycle | OpenDock | CloseDock | Book | ResetFault | SetPace | ReadDocument | Word
 
 
 class CycleDone(Part, frozen=True):
@@ -293,6 +310,8 @@ class StockChanged(Part, frozen=True):
     seq: int
     """Of this change of the stock; see `WorkcellState.seq`."""
     vehicle: str = ""
+    counted: bool = False
+    """A person has counted what lies there: nothing came or went."""
 
 
 class Broken(Part, frozen=True):
@@ -309,7 +328,20 @@ class Repaired(Part, frozen=True):
     """The machine works again; a paused cycle goes on."""
 
 
-WorkcellReport = CycleDone | CycleFailed | StockChanged | DockReady | Broken | Repaired | DocumentRead
+class WordTaken(Part, frozen=True):
+    """What became of a `Word`. One that was not refused is on the disk."""
+
+    key: str
+    refused: CommandRefusal | None = None
+    detail: str = ""
+    """The number that was expected, where that is why."""
+    again: bool = False
+    """It was said before."""
+
+
+WorkcellReport = (
+    CycleDone | CycleFailed | StockChanged | DockReady | Broken | Repaired | DocumentRead | WordTaken
+)
 
 
 class WorkcellState(Part, frozen=True):
@@ -339,6 +371,10 @@ class WorkcellState(Part, frozen=True):
     """Whether it can work at a part of its speed."""
     answers: bool = False
     """Whether its dock takes time to open: `OpenDock` is answered with `DockReady`, once for each time that it is said."""
+    people: bool = False
+    """Whether it is people, whose words (`Word`) it takes."""
+    loads: tuple[UnconfirmedLoad, ...] = ()
+    """Of people: what vehicles have brought and taken by their own word, and nobody has confirmed yet; the oldest first."""
 
 
 # --- a storage: instructions and state; it has a dock as a workcell has -------

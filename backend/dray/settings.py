@@ -281,9 +281,9 @@ class Settings(Keeping):
     traffic_log: Path | None = None
     """A folder where each agent writes down what it says and hears of right of way, to be judged afterwards."""
 
-    body: Literal["floor", "vda5050", "controller", "opcua", "mqtt"] = "floor"
+    body: Literal["floor", "vda5050", "controller", "opcua", "mqtt", "people"] = "floor"
     """Simulated, on a floor; a real vehicle by VDA 5050 (docs/vehicles.md); a station's or the gate's controller (docs/stations.md);
-    a machine's or a storage's controller by OPC UA, or by single values on topics (docs/machines.md)."""
+    a machine's or a storage's controller by OPC UA, by single values on topics, or people with a tablet (docs/machines.md)."""
 
     mapping: Path | None = None
     """Of a machine's or a storage's controller: the file that says which of its nodes or topics are which signals."""

@@ -79,6 +79,7 @@ from dray.messages.heartbeat import (
     MachineStatus,
     MaterialWait,
     OutOfService,
+    PeopleAsBody,
     Phase,
     Pose,
     ProbationBrief,
@@ -86,6 +87,7 @@ from dray.messages.heartbeat import (
     StationHeartbeat,
     StockLevel,
     TaskBrief,
+    UnconfirmedLoad,
 )
 from dray.messages.history import Event, EventsAsked, EventsKept
 from dray.messages.link import Link, LostWlan
@@ -314,6 +316,7 @@ __all__ = [
     "OutOfService",
     "Part",
     "PartDefinition",
+    "PeopleAsBody",
     "Phase",
     "PlaceBooked",
     "PlaceGranted",
@@ -355,6 +358,7 @@ __all__ = [
     "TransportRefusal",
     "TransportState",
     "TransportWait",
+    "UnconfirmedLoad",
     "VehicleCommand",
     "Wait",
     "Withdrawn",

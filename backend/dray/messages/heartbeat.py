@@ -377,6 +377,27 @@ class StationHeartbeat(Message, frozen=True, omit_defaults=True):
     """Left out while its dock gets ready for everybody in time."""
 
 
+class UnconfirmedLoad(Part, frozen=True, omit_defaults=True):
+    """A load that a vehicle says it has brought or taken, and that people have not confirmed yet."""
+
+    vehicle: Id
+    item: Id
+    quantity: Count
+    goes: bool = False
+    """It was taken away; else it was brought."""
+
+
+LOADS_TOLD = 8
+"""Unconfirmed loads in a heartbeat: more than people confirm at one look."""
+
+
+class PeopleAsBody(Part, frozen=True, omit_defaults=True):
+    """A machine's body is people: what they say is counted."""
+
+    loads: Annotated[tuple[UnconfirmedLoad, ...], Meta(max_length=LOADS_TOLD)] = ()
+    """Unconfirmed ones, the oldest first."""
+
+
 class MachineHeartbeat(Message, frozen=True, omit_defaults=True):
     """MHB: what a machine tells everybody (paper, 3.2).
 
@@ -419,6 +440,8 @@ class MachineHeartbeat(Message, frozen=True, omit_defaults=True):
     """Set while it is on probation: it takes short goals only."""
     joining: JoiningMachine | None = None
     """Set when it has come to a plant whose file did not know it."""
+    people: PeopleAsBody | UnsetType = UNSET
+    """Left out where its body is not people."""
     awaits: Awaited | UnsetType = UNSET
     """Vehicles without whose word it grants no place of a book that was lost; of more than `AWAITED_MAX` the first."""
     dock_wait: DockWait | UnsetType = UNSET

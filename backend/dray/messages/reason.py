@@ -139,6 +139,16 @@ class CommandRefusal(StrEnum):
     """No vehicle can be sent there."""
     SPEED_OUT_OF_RANGE = "speed_out_of_range"
     """A speed is above 0 and at most 1 of the vehicle's own; 0 is a stop."""
+    QUANTITY_OUT_OF_RANGE = "quantity_out_of_range"
+    """So many pieces cannot be said at once."""
+    UNLIKELY = "unlikely"
+    """The number is far from the expected one, which stands beside it. It is taken when it is said to be sure."""
+    NOT_HANDLED = "not_handled"
+    """The item is neither made nor used there."""
+    NO_LOAD = "no_load"
+    """No load of that vehicle waits for a word."""
+    DOCK_OPEN = "dock_open"
+    """A vehicle is loading or unloading that item: count it when the vehicle has gone."""
 
 
 class Implausible(StrEnum):

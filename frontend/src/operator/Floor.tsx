@@ -21,6 +21,7 @@ import { needsSomebody } from "./machines/need";
 import { moment, placeName, plant, plantFailed } from "./state";
 import { StationCard } from "./station/StationCard";
 import { StopBar } from "./stop/StopBar";
+import { WordsCard } from "./words/WordsCard";
 import { Unconfirmed } from "./stop/Unconfirmed";
 
 /** Who needs somebody, then the place, then who is well: one page that scrolls. Every Stop is below it, always. */
@@ -86,6 +87,7 @@ export function Floor() {
         <GoodsCards />
         <HeldCards />
         <MachineCards />
+        <WordsCard />
         <Place />
         <Cards class="well" ids={well} all={all.value} tooSoon={tooSoon.value} label={t("cards.well", { name })} />
         {needing.length + well.length === 0 && <p class="empty">{t(world.value ? "cards.none" : "loading")}</p>}

@@ -19,8 +19,10 @@ from dray.messages import (
     MachineStatus,
     Message,
     OutOfService,
+    PeopleAsBody,
     Problem,
     ProblemKind,
+    UnconfirmedLoad,
     signed_words,
 )
 
@@ -46,6 +48,9 @@ def obedient(
     return heard
 
 
+WORD_FIELDS = ("item", "quantity", "vehicle", "sure")
+
+
 async def ask(house: House, body: Any, machine: str = "M1") -> httpx.Response:
     return await house.client.post(f"/api/machines/{machine}/commands", json=body)
 
@@ -65,6 +70,11 @@ async def ask(house: House, body: Any, machine: str = "M1") -> httpx.Response:
         {"kind": "write_off", "task": "M1-1"},
         {"kind": "load_there", "task": "M1-1"},
         {"kind": "load_missing", "task": "M1-1"},
+        {"kind": "arrived", "item": "shaft", "quantity": 12, "vehicle": "ATV3"},
+        {"kind": "taken", "item": "shaft", "quantity": 1, "sure": True},
+        {"kind": "made", "quantity": 2},
+        {"kind": "scrapped", "quantity": 1, "item": "pump"},
+        {"kind": "stock_is", "item": "shaft", "quantity": 0},
     ],
     ids=lambda body: body["kind"],
 )
@@ -79,6 +89,10 @@ async def test_a_command_is_granted_and_answered_with_the_machines_word(
     assert (command.speed_frac, command.wait_s) == (body.get("speed_frac"), body.get("wait_s"))
     assert (command.task, command.node) == (body.get("task", ""), body.get("node", ""))
     assert (command.reason, command.after_work) == (body.get("reason", ""), body.get("after_work", False))
+    said = (command.item, command.quantity, command.vehicle, command.sure)
+    assert said == tuple(
+        body.get(field, none) for field, none in zip(WORD_FIELDS, ("", 0, "", False), strict=True)
+    )
     grant = command.grant
     assert grant is not None
     assert TrustedKeys(AUTHORITY.public)(signed_words("M1", command, grant), grant.signature)
@@ -106,6 +120,17 @@ async def test_a_refusal_is_told_with_its_reason(house: House) -> None:
         {"kind": "load_missing"},
         {"kind": "write_off", "task": "M1-1", "node": "c2"},
         {"kind": "put_in", "task": "M1-1"},
+        {"kind": "made"},
+        {"kind": "made", "quantity": -1},
+        {"kind": "made", "quantity": 1.5},
+        {"kind": "made", "quantity": 10**7},
+        {"kind": "made", "quantity": 1, "vehicle": "ATV3"},
+        {"kind": "arrived", "quantity": 12},
+        {"kind": "arrived", "quantity": 12, "item": "a/b"},
+        {"kind": "stock_is", "quantity": 12, "item": "shaft", "vehicle": "ATV3"},
+        {"kind": "put_in", "quantity": 1},
+        {"kind": "put_in", "item": "shaft"},
+        {"kind": "put_in", "sure": True},
     ],
 )
 async def test_what_no_machine_can_do_is_not_sent(house: House, body: dict[str, Any]) -> None:
@@ -136,3 +161,39 @@ async def test_its_page_tells_what_it_asks_for_and_what_it_was_told(house: House
     assert (seen["resettable"], seen["speed_frac"]) == (True, 0.5)
     assert seen["help"]["promised_by"] == "Maria"
     assert seen["out_of_service"]["reason"] == "bearings"
+
+
+async def test_a_word_that_was_not_answered_is_passed_on_again_under_its_name_and_another_command_is_not(
+    house: House,
+) -> None:
+    heard: list[MachineCommand] = []
+
+    def receive(_sender: str, message: Message) -> None:
+        if isinstance(message, MachineCommand):
+            heard.append(message)
+
+    house.bus.join("M1", receive)
+    house.projection.fold(machine_heartbeat("M1"))
+    for body in (
+        {"kind": "made", "quantity": 1, "command": "w1"},
+        {"kind": "restart", "command": "c1"},
+    ):
+        for _ in range(2):
+            assert (await ask(house, body)).status_code == 504
+    assert [each.command for each in heard] == ["w1", "w1", "c1"]
+    grant = heard[1].grant
+    assert grant is not None
+    assert TrustedKeys(AUTHORITY.public)(signed_words("M1", heard[1], grant), grant.signature)
+    other = {"kind": "made", "quantity": 2, "command": "w1"}
+    assert (await ask(house, other)).json()["type"].endswith("command-name-used")
+
+
+async def test_loads_that_wait_for_peoples_words_are_told_of_a_machine_whose_body_they_are(
+    house: House,
+) -> None:
+    house.projection.fold(machine_heartbeat("M1"))
+    assert (await house.client.get("/api/machines/M1")).json()["unconfirmed"] is None
+    load = UnconfirmedLoad(vehicle="ATV3", item="shaft", quantity=12)
+    house.projection.fold(machine_heartbeat("M1", 2, people=PeopleAsBody(loads=(load,))))
+    told = (await house.client.get("/api/machines/M1")).json()["unconfirmed"]
+    assert told == [{"vehicle": "ATV3", "item": "shaft", "quantity": 12, "goes": False}]

@@ -48,6 +48,7 @@ from dray.messages import (
     Pose,
     Production,
     Role,
+    UnconfirmedLoad,
 )
 from dray.messages.told_stock import with_stock
 from dray.plant import Plant
@@ -235,6 +236,8 @@ class MachineRig(Rig):
         self.broken = ""
         self.paces = True
         self.answers = False
+        self.people = False
+        self.loads: tuple[UnconfirmedLoad, ...] = ()
         self.seq = 0
         self._cycles = 0
 
@@ -260,6 +263,8 @@ class MachineRig(Rig):
             paces=self.paces,
             answers=self.answers,
             counts=self.counts,
+            people=self.people,
+            loads=self.loads,
         )
 
     def handle(self, event: Event) -> list[Effect]:

@@ -39,10 +39,11 @@ StationBody = Annotated[
 ]
 
 MachineBody = Annotated[
-    Literal["floor", "opcua", "mqtt"] | None,
+    Literal["floor", "opcua", "mqtt", "people"] | None,
     typer.Option(
         "--body",
-        help="floor: simulated, on `dray floor`; opcua: its controller, by OPC UA; mqtt: its sensors, on topics of a broker; else DRAY_BODY.",
+        help="floor: simulated, on `dray floor`; opcua: its controller, by OPC UA; mqtt: its sensors, on topics of a broker; "
+        "people: who work there say at the tablet what has happened; else DRAY_BODY.",
     ),
 ]
 
@@ -95,13 +96,13 @@ def machine(
 
     from dray import __version__
     from dray.cli.runtime.agent_process import run_agent
-    from dray.cli.runtime.bodies import by_signals, on_floor, reading
+    from dray.cli.runtime.bodies import by_people, by_signals, on_floor, reading
     from dray.cli.runtime.output import one_of
     from dray.protocol.machine.machine import Machine
     from dray.protocol.runtime.running import Running
 
     said = _surroundings(settings, traffic=traffic, body=body, broker=broker, mapping=mapping)
-    where = _with_body(said, "a machine", "opcua", "mqtt")
+    where = _with_body(said, "a machine", "opcua", "mqtt", "people")
     plant = where.plant if joining is None else _grown(where.plant, joining, name)
     spec, places = one_of(plant.machines, name, "NAME"), where.traffic
     trusts = _trusted(where)
@@ -122,6 +123,8 @@ def machine(
     folder = where.settings.journal_folder / "documents"
     if where.settings.body in ("opcua", "mqtt"):
         embody = by_signals(where, name, spec)
+    elif where.settings.body == "people":
+        embody = by_people(where, name, spec)
     else:
         embody = on_floor(where, name, None if joining is None else spec)
     asyncio.run(run_agent(where, name, make, reading(embody, folder)))

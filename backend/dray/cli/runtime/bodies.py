@@ -20,6 +20,9 @@ from dray.adapters.memory_file import MemoryFile
 from dray.adapters.mqtt.link import SignalsOverMqtt
 from dray.adapters.mqtt.mapping_file import MqttMapping
 from dray.adapters.opcua.mapping_file import OpcUaMapping
+from dray.adapters.people.workcell import DAMAGED as DAMAGED_PEOPLE
+from dray.adapters.people.workcell import Kept as PeopleKept
+from dray.adapters.people.workcell import PeopleWorkcell
 from dray.adapters.remote_body import BodySpec, CountedBody, RemoteBody, put_down, tell_moved
 from dray.adapters.signals.signal import LinkListener, SignalMapping
 from dray.adapters.signals.store import DAMAGED_STORE, KeptStore, SignalledStore
@@ -297,6 +300,36 @@ def by_signals(surroundings: Surroundings, name: str, spec: MachineSpec) -> Embo
         finally:
             running.cancel()
             await asyncio.gather(running, return_exceptions=True)
+
+    return embody
+
+
+class _PeopleWorld:
+    """What the body of people needs beside a clock: a disk."""
+
+    def __init__(self, remember: Callable[[PeopleKept], None]) -> None:
+        self.remember = remember
+
+
+def by_people(surroundings: Surroundings, name: str, spec: MachineSpec) -> Embody:
+    """A machine without a controller, whose people say what has happened.
+
+    Args:
+        surroundings: of the process.
+        name: the agent's id.
+        spec: the machine.
+    """
+
+    @asynccontextmanager
+    async def embody(_bus: ZenohBus, _journal: SqliteJournal) -> AsyncIterator[Embodied]:
+        path = surroundings.settings.journal_folder / f"{name}.people.json"
+        file = MemoryFile(path, PeopleKept, DAMAGED_PEOPLE)
+        kept = file.read()
+        if file.lost:
+            _log.error("%s: %s", name, file.lost)
+        world = _PeopleWorld(file.write)
+        body = PeopleWorkcell(spec, surroundings.plant, surroundings.clock(), world, kept)
+        yield Embodied(body, asyncio.Event().wait)
 
     return embody
 

@@ -156,6 +156,9 @@ class Commands:
             sent = self._say(agent, said, person, by)
         elif (sent.agent, sent.person, sent.said) != (agent, person, said):
             raise name_used(name)
+        elif isinstance(said, MachineCommand) and said.kind.is_word and not sent.answer.done():
+            # It counts once, however often it is heard: whoever said it waits for an answer, and may have to ask again.
+            self._send(agent, self._granted(sent, by))
         return await self._wait(name, sent)
 
     def sent_beside(self, atv: str, said: VehicleCommand, by: Principal) -> bool:

@@ -80,6 +80,11 @@ REFUSALS: Mapping[CommandRefusal, str] = {
     CommandRefusal.LOAD_ABOARD: "it has goods on board, and nobody else can carry them: take them off first",
     CommandRefusal.WAIT_OUT_OF_RANGE: f"say when you are there: above 0 and at most {PROMISE_MAX_S:.0f} s from now",
     CommandRefusal.SPEED_OUT_OF_RANGE: "a speed is above 0 and at most 1 of its own; a vehicle is stopped with stop",
+    CommandRefusal.QUANTITY_OUT_OF_RANGE: "so many pieces cannot be said at once",
+    CommandRefusal.UNLIKELY: "far from the number that was expected; say that you are sure",
+    CommandRefusal.NOT_HANDLED: "that item is neither made nor used there",
+    CommandRefusal.NO_LOAD: "no load of that vehicle waits for a word",
+    CommandRefusal.DOCK_OPEN: "a vehicle is loading or unloading it; count when it has gone",
 }
 
 IMPLAUSIBLE: Mapping[Implausible, str] = {

@@ -14,7 +14,7 @@ from typing import Annotated
 import msgspec
 from msgspec import Meta
 
-from dray.messages.base import Fraction, Id, IdOrNone, Message, Part, Seconds, Text
+from dray.messages.base import Count, Fraction, Id, IdOrNone, Message, Part, Seconds, Text
 from dray.messages.reason import CommandRefusal
 
 MAX_AREAS = 64
@@ -125,6 +125,16 @@ class MachineCommandKind(StrEnum):
     """Somebody has looked: the load of a transport that is held is where it was to go."""
     LOAD_MISSING = "load_missing"
     """It is not: have it fetched or made again."""
+    ARRIVED = "arrived"
+    """Pieces have come, with a vehicle or by hand. This and the four below are *words*: they tell a machine whose body is people what has happened."""
+    TAKEN = "taken"
+    """Pieces have gone."""
+    MADE = "made"
+    """Good pieces are finished."""
+    SCRAPPED = "scrapped"
+    """Pieces came out bad: they lie nowhere."""
+    STOCK_IS = "stock_is"
+    """Somebody has counted what lies there of one item."""
 
     @property
     def is_about_goods(self) -> bool:
@@ -140,6 +150,22 @@ class MachineCommandKind(StrEnum):
     def names_task(self) -> bool:
         """Whether it is about one transport."""
         return self.is_about_goods or self.is_about_held
+
+    @property
+    def is_word(self) -> bool:
+        """Whether it tells a machine what has happened. A word may be sent again under its name: it counts once."""
+        return self in WORDS
+
+
+WORDS = frozenset(
+    {
+        MachineCommandKind.ARRIVED,
+        MachineCommandKind.TAKEN,
+        MachineCommandKind.MADE,
+        MachineCommandKind.SCRAPPED,
+        MachineCommandKind.STOCK_IS,
+    }
+)
 
 
 class MachineCommand(Message, frozen=True):
@@ -161,6 +187,14 @@ class MachineCommand(Message, frozen=True):
     """For FETCH_GOODS, WRITE_OFF, LOAD_THERE and LOAD_MISSING: the transport whose load is meant."""
     node: IdOrNone = ""
     """For FETCH_GOODS: where they are handed over; empty for the nearest node beside the vehicle."""
+    item: IdOrNone = ""
+    """For words: the material or product; empty for the product that is being made."""
+    quantity: Count = 0
+    """For words: pieces."""
+    vehicle: IdOrNone = ""
+    """For ARRIVED and TAKEN: who has brought or fetched them; empty for by hand."""
+    sure: bool = False
+    """For words: the number is right, however far it is from the expected one."""
     issued_by: Text = ""
     """Whom the machine names when it tells of the command; what counts is the grant."""
     grant: Grant | None = None
@@ -205,6 +239,8 @@ def signed_words(agent: str, command: VehicleCommand | MachineCommand, grant: Gr
         words += (command.reason, command.after_work)
     if isinstance(command, MachineCommand) and command.kind.names_task:
         words += (command.task, command.node)
+    if isinstance(command, MachineCommand) and command.kind.is_word:
+        words += (command.item, command.quantity, command.vehicle, command.sure)
     return _encoder.encode(words)
 
 

@@ -90,6 +90,14 @@ class Cycle:
         """A piece has come out; it is spare when its goal has ended meanwhile, or if it is for whoever fetches it."""
         if not self._supply.change(product, 0 if bad else 1, seq):
             return  # It lay there at the start, when all that did was counted.
+        if self.product and product != self.product:
+            # People have made something else meanwhile: what is being made goes on.
+            if bad:
+                self._out.append(Record(PieceScrapped(product)))
+            else:
+                self._goals.add_spare(product, 1)
+                self._out.append(Record(SparePieceMade(product)))
+            return
         goal, self.goal, self.product = self.goal, None, ""
         lives = goal is not None and self._goals.get(goal.id) is goal
         if bad:

@@ -210,7 +210,7 @@ class FinishedGoods:
 
     def _left(self, report: StockChanged, now_s: float) -> None:
         for task in self._tasks:
-            if task.primary == report.vehicle and task.work_item == report.item:
+            if report.vehicle and task.primary == report.vehicle and task.work_item == report.item:
                 self._tasks.failover.note_loaded(task)
                 return
         self.recount(now_s)

@@ -19,6 +19,7 @@ from dray.body import (
     DockReady,
     Repaired,
     StockChanged,
+    WordTaken,
     WorkcellState,
 )
 from dray.errors import ProtocolViolation
@@ -181,6 +182,7 @@ class Machine(AgentBase):
             DockReady: self._flow.on_dock_ready,
             Broken: self._broken,
             Repaired: self._repaired,
+            WordTaken: lambda report, _now_s: self._commands.on_word_taken(report),
             **self._documents.reports,
         }
         self._alarm_handlers = {
@@ -205,6 +207,7 @@ class Machine(AgentBase):
         self._flow.take_count(body)
         self._cycle.product = body.cycling
         self._commands.paces = body.paces
+        self._commands.sense(body)
         if isinstance(note, MachineMemory):
             self._restore(note, memory, now_s)
         self._breakdown.start(body, note.help if isinstance(note, MachineMemory) else None, now_s)
@@ -245,6 +248,8 @@ class Machine(AgentBase):
         )
 
     def _sense(self, body: BodyState | None, now_s: float) -> None:
+        if isinstance(body, WorkcellState) and self._commands.sense(body):
+            self._heartbeat_timer.at_once(now_s)
         if not isinstance(body, WorkcellState) or self._cycle.product not in ("", body.cycling):
             return  # A body elsewhere may not have heard of the cycle yet, whose material is used up here.
         if self._supply.sense(body.stock, body.seq):

@@ -209,7 +209,9 @@ class MaterialFlow(TransportFlow):
 
     def on_goods(self, report: StockChanged, is_news: bool, now_s: float) -> None:
         """Goods were made, or have left."""
-        if report.vehicle and report.change < 0 and self._book.take(report.vehicle, report.item):
+        if report.counted:
+            self.goods.recount(now_s)
+        elif report.vehicle and report.change < 0 and self._book.take(report.vehicle, report.item):
             self._goals.take_spare(report.item, -report.change)
         else:
             self.goods.moved(report, now_s)

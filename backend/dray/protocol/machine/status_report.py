@@ -132,6 +132,7 @@ class StatusReport:
             draining=self._owner.is_draining,
             probation=self._probation.brief(),
             joining=self._joining,
+            people=self._commands.people or UNSET,
             awaits=self._bookkeeping.awaited(now_s),
             dock_wait=self._flow.door.wait(now_s),
         )

@@ -62,12 +62,8 @@ class GrantedCommands(Generic[C]):
         Returns:
             Whether it was carried out now.
         """
-        grant = command.grant
+        grant = self._grant_of(sender, command)
         if grant is None:
-            self._refuse(sender, command, CommandRefusal.NOT_GRANTED)
-            return False
-        if not self._authority.knows(command, grant):
-            self._refuse(sender, command, CommandRefusal.NOT_TRUSTED)
             return False
         before = self._answered.get((grant.person, command.command))
         if before is not None:
@@ -85,6 +81,39 @@ class GrantedCommands(Generic[C]):
             self._refuse(sender, command, refused)
         self._note(CommandMemory(command.command, grant.person, grant.valid_until_s, refused, detail), now_s)
         return refused is None
+
+    def permits(self, sender: str, command: C, place_m: tuple[float, float], now_s: float) -> Grant | None:
+        """The grant of a command that is carried out and answered elsewhere (`tell`); None when it has none that holds, and was refused."""
+        grant = self._grant_of(sender, command)
+        if grant is None:
+            return None
+        if now_s > grant.valid_until_s:
+            self._refuse(sender, command, CommandRefusal.EXPIRED)
+            return None
+        if not self._authority.covers(command, grant, *place_m):
+            self._refuse(sender, command, CommandRefusal.NOT_HERE)
+            return None
+        return grant
+
+    def tell(
+        self, sender: str, command: C, refused: CommandRefusal | None, detail: str, *, again: bool
+    ) -> None:
+        """Say what became of a command that `permits` has let through; one that comes again is only answered."""
+        if again:
+            self._out.append(Send(sender, _answer(command, refused, detail)))
+        else:
+            self._tell(sender, command, refused, detail)
+
+    def _grant_of(self, sender: str, command: C) -> Grant | None:
+        """The grant of a command; None when there is none that is trusted, and it was refused."""
+        grant = command.grant
+        if grant is None:
+            self._refuse(sender, command, CommandRefusal.NOT_GRANTED)
+            return None
+        if not self._authority.knows(command, grant):
+            self._refuse(sender, command, CommandRefusal.NOT_TRUSTED)
+            return None
+        return grant
 
     @property
     def answered(self) -> tuple[CommandMemory, ...]:

@@ -73,7 +73,10 @@ export interface Command {
   readonly atS: number;
 }
 
-export type Kind = VehicleKind | "clear_fault" | "restart" | "update" | "fetch_goods" | "write_off" | "load_there" | "load_missing";
+export type Kind = VehicleKind | "clear_fault" | "restart" | "update" | "fetch_goods" | "write_off" | "load_there" | "load_missing" | WordKind;
+
+/** What people say has happened at a machine whose body they are. */
+export type WordKind = "arrived" | "taken" | "made" | "scrapped" | "stock_is";
 
 /** The command after a word about it; the same one where the word is no news. */
 /** What somebody has said of why not. */

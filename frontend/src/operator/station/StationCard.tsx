@@ -17,7 +17,7 @@ const loadPieces = async () => (await import("../../parts/pieces/Pieces")).load(
 const nameOf = (product: string): string => names.value(product);
 
 /** The machine that was touched on the map, else the one at which this person works. */
-const shown = computed(() => {
+export const shown = computed(() => {
   const touched = selection.value.place;
   return plant.value?.machines.find(({ id }) => id === touched?.id) ?? station.value;
 });

@@ -36,7 +36,14 @@ from dray.gateway.live.views.factory import (
 from dray.gateway.live.views.floor.closure import ClosureView, CornerView, LaneView
 from dray.gateway.live.views.floor.obstacle import ObstacleView
 from dray.gateway.live.views.floor.wait import WaitCauseView, WaitKind, WaitView
-from dray.gateway.live.views.machine import BufferView, DocumentView, GoalView, MachineView, OpenTaskView
+from dray.gateway.live.views.machine import (
+    BufferView,
+    DocumentView,
+    GoalView,
+    LoadView,
+    MachineView,
+    OpenTaskView,
+)
 from dray.gateway.live.views.news import NewsView
 from dray.gateway.live.views.order import OrderItemView, OrderView
 from dray.gateway.live.views.station import StationView, StockView
@@ -71,6 +78,7 @@ __all__ = [
     "HelpView",
     "LackView",
     "LaneView",
+    "LoadView",
     "MachineView",
     "NewsView",
     "ObstacleView",

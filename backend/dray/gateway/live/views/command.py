@@ -33,6 +33,11 @@ class CommandView(View, kw_only=True):
         "write_off",
         "load_there",
         "load_missing",
+        "arrived",
+        "taken",
+        "made",
+        "scrapped",
+        "stock_is",
     ]
     speed_frac: float | None = None
     by: str

@@ -71,6 +71,16 @@ class DocumentView(View, kw_only=True):
     """What was found, of one that cannot be used."""
 
 
+class LoadView(View, kw_only=True):
+    """A load that a vehicle has brought or taken by its own word, and that nobody has confirmed yet."""
+
+    vehicle: str
+    item: str
+    quantity: int
+    goes: bool = False
+    """It was taken away; else it was brought."""
+
+
 class MachineView(View, kw_only=True):
     """A machine, as its last heartbeat told."""
 
@@ -104,6 +114,8 @@ class MachineView(View, kw_only=True):
     """It was asked to leave, takes nothing new, and goes when nothing holds it any more."""
     probation: ProbationView | None = None
     """While it is on probation and takes short goals only."""
+    unconfirmed: tuple[LoadView, ...] | None = None
+    """Loads that wait for a word of people, the oldest first; None where a machine's body is not people."""
     shut_out: ShutOutView | None = None
     """Nobody hears it any more: all else here is what it said before."""
     clock: ClockView | None = None

@@ -24,6 +24,11 @@ from dray.messages.people.command import OUT_MAX_S, PROMISE_MAX_S
 
 router = APIRouter(tags=["factory"])
 
+NAME = r"^[A-Za-z0-9._-]{0,64}$"
+
+QUANTITY_MAX = 1_000_000
+"""Pieces in one word: more than a place holds."""
+
 
 class MachineCommandRequest(BaseModel):
     """A command to one machine."""
@@ -42,6 +47,9 @@ class MachineCommandRequest(BaseModel):
                 {"kind": "fetch_goods", "task": "M3-12", "node": "c2"},
                 {"kind": "write_off", "task": "M3-12"},
                 {"kind": "load_missing", "task": "M3-13"},
+                {"kind": "arrived", "item": "shaft", "quantity": 12, "vehicle": "ATV3"},
+                {"kind": "made", "quantity": 1},
+                {"kind": "stock_is", "item": "shaft", "quantity": 40, "sure": True},
             ]
         },
     )
@@ -61,9 +69,18 @@ class MachineCommandRequest(BaseModel):
     that is held until somebody has looked for its load (`POST /api/tasks/{task}/load` finds the machine by itself)."""
     node: Annotated[str, Field(max_length=64)] = ""
     """For `fetch_goods` only: where a person hands them over; left out for the nearest node beside the vehicle."""
+    item: Annotated[str, Field(pattern=NAME)] = ""
+    """For words (`arrived`, `taken`, `made`, `scrapped` and `stock_is`, to a machine whose body is people): the material or product. It may be
+    left out with `made` and `scrapped`, for the product that is being made."""
+    quantity: Annotated[int | None, Field(strict=True, ge=0, le=QUANTITY_MAX)] = None
+    """For words: pieces."""
+    vehicle: Annotated[str, Field(pattern=NAME)] = ""
+    """For `arrived` and `taken`: who has brought or fetched them; left out for by hand."""
+    sure: bool = False
+    """For words: the number is right, however far it is from the expected one."""
     command: CommandName = None
     """A name for this command, by which the caller finds it in the stream. A command that is sent again under
-    its name is not given again."""
+    its name is not given again. A word is passed on again until the machine has answered, and counts once."""
 
     @model_validator(mode="after")
     def _numbers_belong_to_their_kinds(self) -> Self:
@@ -81,7 +98,20 @@ class MachineCommandRequest(BaseModel):
             raise ValueError(f"task is given with kind {kinds}, and with no other")
         if self.node and self.kind is not MachineCommandKind.FETCH_GOODS:
             raise ValueError("node may be given with kind fetch_goods, and with no other")
+        self._words_are_whole()
         return self
+
+    def _words_are_whole(self) -> None:
+        kind, is_word = self.kind, self.kind.is_word
+        if (self.quantity is not None) != is_word:
+            raise ValueError("quantity is given with words (arrived, taken, made, scrapped, stock_is) only")
+        if not is_word and (self.item or self.sure):
+            raise ValueError("item and sure are given with words, and with no other")
+        makes = kind in (MachineCommandKind.MADE, MachineCommandKind.SCRAPPED)
+        if is_word and not makes and not self.item:
+            raise ValueError(f"item is given with kind {kind.value}")
+        if self.vehicle and kind not in (MachineCommandKind.ARRIVED, MachineCommandKind.TAKEN):
+            raise ValueError("vehicle may be given with kind arrived and taken, and with no other")
 
 
 @router.post(
@@ -108,7 +138,7 @@ async def command_machine(
     machine: str,
     command: MachineCommandRequest,
 ) -> Json:
-    """Promise help, clear a fault, hand goals over, slow down, restart, take out of service, fetch goods or write them off; waits for its word."""
+    """Promise help, clear a fault, hand goals over, slow down, restart, take out of service, fetch goods, write them off, or say what has happened; waits for its word."""
     note.detail |= command.model_dump(mode="json", exclude_none=True)
     note.waits = True
     goods_m = _goods_m(projection, machine, command)
@@ -126,6 +156,10 @@ async def command_machine(
         after_work=command.after_work,
         task=command.task,
         node=command.node,
+        item=command.item,
+        quantity=command.quantity or 0,
+        vehicle=command.vehicle,
+        sure=command.sure,
         issued_by=caller.name,
     )
     answer = await commands.give(machine, said, by=caller)

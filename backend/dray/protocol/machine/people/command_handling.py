@@ -1,7 +1,7 @@
 """People's commands to a machine (paper, case 1), and to the goods that a failed vehicle has on board.
 
 Promise help, clear a fault, hand over, work slowly, restart, update, out of service; fetch goods, write them off; a load that was
-disputed is there, or missing.
+disputed is there, or missing. Where the body is people, what they say has happened.
 
 Nothing is obeyed without a grant for the area where the machine stands, or for that where those goods are or that load was to go (invariant 9). What its body, or whoever runs its agent, cannot
 do is refused with that as the reason.
@@ -11,20 +11,26 @@ from __future__ import annotations
 
 from typing import Protocol
 
-from dray.body import ResetFault, SetPace
+from dray.body import ResetFault, SetPace, Word, WordTaken, WorkcellState
 from dray.memory import CommandMemory, MachineMemory
-from dray.messages import CommandRefusal, Grant, MachineCommand, MachineCommandKind
+from dray.messages import CommandRefusal, Grant, MachineCommand, MachineCommandKind, PeopleAsBody
+from dray.messages.heartbeat import LOADS_TOLD
 from dray.protocol.machine.people.breakdown import Breakdown
 from dray.protocol.people.command_authorisation import CommandAuthorisation
 from dray.protocol.people.granted_commands import GrantedCommands
 from dray.protocol.people.out_of_service import ServiceState
+from dray.protocol.runtime.bounded_map import BoundedMap
 from dray.protocol.runtime.events import Effect, Instruct
 from dray.protocol.runtime.running import Running
 
 NOTHING_RESTARTS = "nobody starts its agent again here"
 NO_UPDATES = "its software is not replaced from here: use dray fleet update, or what starts it"
 ONE_SPEED = "its body has one speed only"
+NO_PEOPLE = "its controller counts, and nobody else"
 """What stands beside a refusal, for people."""
+
+WORDS_ASKED = 100
+"""Words whose answers its body owes at once: it answers each in the same moment."""
 
 
 class Owner(Protocol):
@@ -75,6 +81,7 @@ class MachineCommandHandling:
     Attributes:
         service: whether it is out of service.
         paces: its body can work at a part of its speed.
+        people: what waits for people's words, where they are its body; else None.
     """
 
     def __init__(
@@ -95,6 +102,15 @@ class MachineCommandHandling:
         self._granted = GrantedCommands[MachineCommand](authority, self._try, self._detail, out)
         self.service = ServiceState()
         self.paces = False
+        self.people: PeopleAsBody | None = None
+        self._asked: BoundedMap[str, tuple[str, MachineCommand]] = BoundedMap(WORDS_ASKED)
+        """Words that the body was told, by their keys, with who has said them."""
+
+    def sense(self, body: WorkcellState) -> bool:
+        """Take note of what waits for people's words; whether that is news."""
+        people = PeopleAsBody(loads=body.loads[:LOADS_TOLD]) if body.people else None
+        is_news, self.people = people != self.people, people
+        return is_news
 
     def on_command(
         self, sender: str, command: MachineCommand, place_m: tuple[float, float], now_s: float
@@ -104,7 +120,35 @@ class MachineCommandHandling:
             place_m = self._held.place_m(command.task) or place_m
         if command.kind.is_about_goods:
             place_m = self._goods.place_m(command.task) or place_m
-        self._granted.on_command(sender, command, place_m, now_s)
+        if command.kind.is_word and self.people is not None:
+            self._pass_on(sender, command, place_m, now_s)
+        else:
+            self._granted.on_command(sender, command, place_m, now_s)
+
+    def on_word_taken(self, report: WordTaken) -> None:
+        """The body has taken a word, or says why not."""
+        asked = self._asked.pop(report.key, None)
+        if asked is not None:
+            self._granted.tell(*asked, report.refused, report.detail, again=report.again)
+
+    def _pass_on(
+        self, sender: str, command: MachineCommand, place_m: tuple[float, float], now_s: float
+    ) -> None:
+        """Tell the body what a person says. It remembers words, and answers."""
+        grant = self._granted.permits(sender, command, place_m, now_s)
+        if grant is None:
+            return
+        key = f"{grant.person}/{command.command}"
+        self._asked[key] = sender, command
+        word = Word(
+            key=key,
+            kind=command.kind,
+            item=command.item,
+            quantity=command.quantity,
+            vehicle=command.vehicle,
+            sure=command.sure,
+        )
+        self._out.append(Instruct(word))
 
     def restore(self, memory: MachineMemory) -> None:
         """Go on with what an earlier life was told."""
@@ -135,6 +179,8 @@ class MachineCommandHandling:
             return self._goods.write_off(command.task, now_s)
         if kind.is_about_held:
             return self._held.obey(command, now_s)
+        if kind.is_word:
+            return CommandRefusal.NOT_SUPPORTED
         if kind is MachineCommandKind.TAKE_OUT:
             return self.service.take_out(command, by, now_s)
         if kind is MachineCommandKind.PUT_IN:
@@ -172,4 +218,6 @@ class MachineCommandHandling:
             return ""
         if command.kind is MachineCommandKind.SET_SPEED:
             return ONE_SPEED
+        if command.kind.is_word:
+            return NO_PEOPLE
         return NO_UPDATES if self._running.starts_again else NOTHING_RESTARTS

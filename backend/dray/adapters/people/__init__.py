@@ -1,0 +1,1 @@
+"""A machine without a controller: people work it, and say what has happened."""

@@ -1,0 +1,173 @@
+import { signal } from "@preact/signals";
+import { useEffect } from "preact/hooks";
+import type { MachineView } from "../../api/types";
+import { world } from "../../stream/stream";
+import { vehicleName } from "../../text/elsewhere";
+import { format, t } from "../../text/operator";
+import { names } from "../state";
+import { shown } from "../station/StationCard";
+import { type Choice, isWhole, itemsFor, KINDS, ofKind, ofLoad, scanned, withItem, withQuantity } from "./choice";
+import { NOTHING, pressed } from "./scan";
+import { answer, doubted, goOn, last, say, waiting } from "./words";
+import "./words.css";
+
+/** Chosen at which machine, and what. */
+const chosen = signal<{ readonly machine: string; readonly choice: Choice } | null>(null);
+const unknown = signal("");
+
+/** What has happened at a machine that people work: a first touch or code chooses, a second one says it. */
+export function WordsCard() {
+  const machine = world.value?.machines.get(shown.value?.id ?? "");
+  return machine?.unconfirmed ? <Words machine={machine} /> : null;
+}
+
+function choose(machine: string, choice: Choice): void {
+  chosen.value = { machine, choice };
+  unknown.value = "";
+}
+
+function sayIt(machine: string, choice: Choice): void {
+  chosen.value = null;
+  say(machine, choice);
+}
+
+function Words({ machine }: { machine: MachineView }) {
+  const { id } = machine;
+  useEffect(goOn);
+  useEffect(() => listen(id), [id]);
+  const choice = chosen.value?.machine === id ? chosen.value.choice : null;
+  return (
+    <section class="words card" aria-label={t("words.title", { id })}>
+      <h2>{t("words.title", { id })}</h2>
+      <div class="words-what">
+        {KINDS.map((kind) => (
+          <button
+            key={kind}
+            type="button"
+            class="words-kind"
+            aria-pressed={choice?.kind === kind && choice.vehicle === ""}
+            onClick={() => { choose(id, ofKind(kind, machine)); }}
+          >
+            {t(`command.${kind}`)}
+          </button>
+        ))}
+      </div>
+      <Second machine={machine} choice={choice} />
+      {/* Below all else: one that comes moves nothing under a finger. */}
+      <div class="words-what">
+        {(machine.unconfirmed ?? []).map((load, i) => {
+          const mine = ofLoad(load);
+          const what = { vehicle: vehicleName(load.vehicle), quantity: format.count(load.quantity), item: names.value(load.item) };
+          return (
+            <button
+              key={`${load.vehicle}-${load.item}-${i}`}
+              type="button"
+              class="words-load"
+              aria-pressed={choice?.vehicle === load.vehicle && choice.item === load.item && choice.kind === mine.kind}
+              onClick={() => { choose(id, mine); }}
+            >
+              {t(load.goes ? "words.took" : "words.brought", what)} <b>{t("words.right")}</b>
+            </button>
+          );
+        })}
+      </div>
+      {waiting.value.length > 0 && <p class="tone-warn">{t("words.waiting", { count: format.count(waiting.value.length) })}</p>}
+    </section>
+  );
+}
+
+/** The place of the second touch is always there, so that nothing moves under a finger. */
+function Second({ choice, machine }: { machine: MachineView; choice: Choice | null }) {
+  const { id } = machine;
+  const asked = doubted.value;
+  if (choice === null && asked !== null) {
+    const quantity = format.count(asked.word.quantity);
+    return (
+      <div class="words-second" role="alert">
+        <p><b>{whatText(asked.word)}</b> {t("words.unlikely", { expected: asked.expected, quantity })}</p>
+        <div class="words-say">
+          <button type="button" class="button primary words-yes" onClick={() => { answer(true); }}>{t("words.sure", { quantity })}</button>
+          <button type="button" class="button" onClick={() => { answer(false); }}>{t("words.no")}</button>
+        </div>
+      </div>
+    );
+  }
+  if (choice === null) {
+    return <div class="words-second" role="status"><p class="muted">{becameText()}</p></div>;
+  }
+  const item = choice.item;
+  const more = (by: number): void => { choose(id, withQuantity(choice, choice.quantity + by)); };
+  return (
+    <div class="words-second" role="status">
+      {choice.vehicle === "" && (
+        <div class="words-items" role="group" aria-label={t("words.item")}>
+          {itemsFor(choice.kind, machine).map((each) => (
+            <button key={each} type="button" class="button" aria-pressed={each === item} onClick={() => { choose(id, withItem(choice, each, machine)); }}>
+              {names.value(each)}
+            </button>
+          ))}
+        </div>
+      )}
+      {item !== "" && (
+        <div class="words-say">
+          <button type="button" class="button" aria-label={t("words.less")} onClick={() => { more(-1); }}>−</button>
+          <input
+            type="number"
+            inputMode="numeric"
+            min={0}
+            aria-label={t("words.number")}
+            value={choice.quantity}
+            onInput={({ currentTarget: { valueAsNumber } }) => { choose(id, withQuantity(choice, valueAsNumber)); }}
+          />
+          <button type="button" class="button" aria-label={t("words.more")} onClick={() => { more(1); }}>+</button>
+          <button type="button" class="button primary words-yes" disabled={!isWhole(choice)} onClick={() => { sayIt(id, choice); }}>
+            {whatText(choice)}
+          </button>
+        </div>
+      )}
+    </div>
+  );
+}
+
+function whatText({ item, kind, quantity, vehicle }: Choice): string {
+  const what = { item: names.value(item), quantity: format.count(quantity) };
+  if (vehicle === "" || (kind !== "arrived" && kind !== "taken")) return t(`words.say.${kind}`, what);
+  return t(`words.say.${kind}With`, { ...what, vehicle: vehicleName(vehicle) });
+}
+
+function becameText(): string {
+  if (unknown.value !== "") return t("words.unknown", { code: unknown.value });
+  if (last.value === null) return t("words.first");
+  return t(`words.${last.value.became}`, { what: whatText(last.value.word), reason: last.value.reason });
+}
+
+/** Hears a scanner that types like a keyboard, wherever the focus is but in a field. */
+function listen(id: string): () => void {
+  let scan = NOTHING;
+  const onKey = (event: KeyboardEvent): void => {
+    if (event.ctrlKey || event.altKey || event.metaKey || event.isComposing || isField(event.target)) return;
+    const [after, code] = pressed(scan, event.key, event.timeStamp);
+    scan = after;
+    if (code === null) return;
+    // Else a button that has the focus would be pressed by it.
+    event.preventDefault();
+    event.stopPropagation();
+    take(id, code);
+  };
+  document.addEventListener("keydown", onKey, true);
+  return () => { document.removeEventListener("keydown", onKey, true); };
+}
+
+function isField(target: EventTarget | null): boolean {
+  return target instanceof HTMLInputElement || target instanceof HTMLTextAreaElement || target instanceof HTMLSelectElement;
+}
+
+function take(id: string, code: string): void {
+  const machine = world.value?.machines.get(id);
+  if (!machine) return;
+  const before = chosen.value?.machine === id ? chosen.value.choice : null;
+  const step = scanned(code, before, machine);
+  if (step.does === "unknown") unknown.value = code;
+  else if (step.does === "choose") choose(id, step.choice);
+  else sayIt(id, step.choice);
+}

@@ -1,0 +1,75 @@
+import { describe, expect, test } from "vitest";
+import { type Choice, isWhole, ofKind, ofLoad, type Place, scanned, withItem, withQuantity } from "./choice";
+
+const level = (item: string, pieces: number) => ({ item, level: pieces, capacity: 99, reorder_point: 0, on_order: 0, spare: 0 });
+const place: Place = {
+  buffers: [level("housing", 11), level("shaft", 38)],
+  goods: [level("pump-p3", 2), level("gear-unit-g2", 0)],
+  product: "pump-p3",
+  unconfirmed: [{ vehicle: "ATV3", item: "shaft", quantity: 12, goes: false }],
+};
+const load: Choice = { kind: "arrived", item: "shaft", vehicle: "ATV3", quantity: 12 };
+
+describe("what is chosen", () => {
+  test("a finished piece is one of what is being made", () => {
+    expect(ofKind("made", place)).toEqual({ kind: "made", item: "pump-p3", vehicle: "", quantity: 1 });
+    expect(ofKind("made", { ...place, product: "" }).item).toBe("");
+  });
+
+  test("a count begins with what is believed", () => {
+    expect(withItem(ofKind("stock_is", place), "shaft", place)).toEqual({ kind: "stock_is", item: "shaft", vehicle: "", quantity: 38 });
+  });
+
+  test("a load that was taken is taken", () => {
+    expect(ofLoad({ vehicle: "ATV3", item: "pump-p3", quantity: 4, goes: true }).kind).toBe("taken");
+  });
+
+  test.each([[-1, 0], [1e9, 100], [2.7, 2], [Number.NaN, 1]])("a number of finished pieces %d is %d", (said, quantity) => {
+    expect(withQuantity(ofKind("made", place), said).quantity).toBe(quantity);
+  });
+
+  test("no pieces can be said of a load and of a count only", () => {
+    const none = (choice: Choice) => isWhole(withQuantity(choice, 0));
+    expect(none(load)).toBe(true);
+    expect(none(withItem(ofKind("stock_is", place), "shaft", place))).toBe(true);
+    expect(none(ofKind("made", place))).toBe(false);
+    expect(none({ ...load, vehicle: "" })).toBe(false);
+    expect(isWhole(ofKind("arrived", place))).toBe(false);
+  });
+});
+
+describe("a code", () => {
+  test("of an item chooses its load that waits, and the same code once more says it", () => {
+    const first = scanned("SHAFT", null, place);
+    expect(first).toEqual({ does: "choose", choice: load });
+    expect(scanned("shaft", load, place)).toEqual({ does: "say", choice: load });
+  });
+
+  test("with a number corrects it, and says it when it comes again", () => {
+    const ten = { ...load, quantity: 10 };
+    expect(scanned("shaft*10", load, place)).toEqual({ does: "choose", choice: ten });
+    expect(scanned("shaft*10", ten, place)).toEqual({ does: "say", choice: ten });
+  });
+
+  test("of a product is a finished piece, of another material an arrival by hand", () => {
+    expect(scanned("gear-unit-g2*3", null, place)).toMatchObject({ choice: { kind: "made", item: "gear-unit-g2", quantity: 3 } });
+    expect(scanned("housing", null, place)).toMatchObject({ choice: { kind: "arrived", item: "housing", vehicle: "" } });
+  });
+
+  test("of what has happened waits for an item, which the next code tells", () => {
+    const step = scanned("stock_is", null, place);
+    expect(step).toMatchObject({ does: "choose", choice: { kind: "stock_is", item: "" } });
+    const before = { kind: "stock_is", item: "", vehicle: "", quantity: 1 } as const;
+    expect(scanned("housing*9", before, place)).toMatchObject({ choice: { kind: "stock_is", item: "housing", quantity: 9 } });
+  });
+
+  test("ok says what is chosen, and nothing else", () => {
+    expect(scanned("ok", load, place)).toEqual({ does: "say", choice: load });
+    expect(scanned("ok", null, place)).toEqual({ does: "unknown" });
+    expect(scanned("ok", ofKind("arrived", place), place)).toEqual({ does: "unknown" });
+  });
+
+  test("that nobody knows changes nothing", () => {
+    expect(scanned("4006381333931", load, place)).toEqual({ does: "unknown" });
+  });
+});

@@ -1,0 +1,87 @@
+/**
+ * What somebody is about to say: chosen by a first touch, or a first code, and said by a second one. Pure.
+ *
+ *     code            chooses
+ *     ITEM            the load of this item that waits for a word; else a finished piece of a product; else one that has arrived
+ *     ITEM*12         the same, 12 of it
+ *     made, arrived…  what has happened
+ *     ok              says it; so does the same code once more
+ */
+import type { LoadView, MachineView } from "../../api/types";
+import type { WordKind } from "../commands/life";
+
+export const KINDS: readonly WordKind[] = ["made", "scrapped", "arrived", "taken", "stock_is"];
+
+export interface Choice {
+  readonly kind: WordKind;
+  /** Empty while it is not chosen. */
+  readonly item: string;
+  readonly vehicle: string;
+  readonly quantity: number;
+}
+
+export type Place = Pick<MachineView, "buffers" | "goods" | "product" | "unconfirmed">;
+
+export type Step =
+  | { readonly does: "choose"; readonly choice: Choice }
+  | { readonly does: "say"; readonly choice: Choice }
+  | { readonly does: "unknown" };
+
+/** The most that can be said at once. */
+const MOST: Readonly<Record<WordKind, number>> = { made: 100, scrapped: 100, arrived: 1e6, taken: 1e6, stock_is: 1e6 };
+
+export function itemsFor(kind: WordKind, { buffers, goods }: Place): readonly string[] {
+  const products = goods.map(({ item }) => item);
+  return kind === "made" || kind === "scrapped" ? products : [...buffers.map(({ item }) => item), ...products];
+}
+
+export function ofKind(kind: WordKind, place: Place): Choice {
+  const items = itemsFor(kind, place);
+  const made = kind === "made" || kind === "scrapped";
+  const item = made && items.includes(place.product) ? place.product : items.length === 1 ? (items[0] ?? "") : "";
+  return withItem({ kind, item: "", vehicle: "", quantity: 1 }, item, place);
+}
+
+/** The same of an item: what lies there is what somebody expects to count. */
+export function withItem(choice: Choice, item: string, { buffers, goods }: Place): Choice {
+  const level = [...buffers, ...goods].find((each) => each.item === item)?.level ?? 0;
+  return { ...choice, item, quantity: choice.kind === "stock_is" ? level : choice.quantity };
+}
+
+export function ofLoad({ goes, item, quantity, vehicle }: LoadView): Choice {
+  return { kind: goes ? "taken" : "arrived", item, vehicle, quantity };
+}
+
+/** Another number; whatever is none leaves the one that was. */
+export function withQuantity(choice: Choice, quantity: number): Choice {
+  if (!Number.isFinite(quantity)) return choice;
+  return { ...choice, quantity: Math.min(Math.max(Math.trunc(quantity), 0), MOST[choice.kind]) };
+}
+
+/** Whether it can be said: nobody finishes no piece, and nothing arrives by hand. */
+export function isWhole({ item, kind, quantity, vehicle }: Choice): boolean {
+  return item !== "" && (quantity > 0 || kind === "stock_is" || vehicle !== "");
+}
+
+/** What a code means after what was chosen before. */
+export function scanned(code: string, before: Choice | null, place: Place): Step {
+  const word = code.trim().toLowerCase();
+  if (word === "ok") return before && isWhole(before) ? { does: "say", choice: before } : { does: "unknown" };
+  const kind = KINDS.find((each) => each === word);
+  if (kind !== undefined) return { does: "choose", choice: ofKind(kind, place) };
+  const [, name = word, many] = /^(.+)\*(\d{1,7})$/.exec(word) ?? [];
+  const item = itemsFor("stock_is", place).find((each) => each.toLowerCase() === name);
+  if (item === undefined) return { does: "unknown" };
+  const counted = (choice: Choice): Choice => (many === undefined ? choice : withQuantity(choice, Number(many)));
+  if (before?.item === item) {
+    const again = counted(before);
+    return again.quantity === before.quantity && isWhole(before) ? { does: "say", choice: before } : { does: "choose", choice: again };
+  }
+  if (before?.item === "" && itemsFor(before.kind, place).includes(item)) {
+    return { does: "choose", choice: counted(withItem(before, item, place)) };
+  }
+  const load = place.unconfirmed?.find((each) => each.item === item);
+  if (load) return { does: "choose", choice: counted(ofLoad(load)) };
+  const isMade = itemsFor("made", place).includes(item);
+  return { does: "choose", choice: counted({ kind: isMade ? "made" : "arrived", item, vehicle: "", quantity: 1 }) };
+}

@@ -1,0 +1,133 @@
+/**
+ * What people say has happened at a machine, until the machine has answered. It is kept in the browser and said again under its
+ * name, so that it counts once however often the tablet, the gateway or the machine is away.
+ */
+import { signal } from "@preact/signals";
+import { commandMachine, newKey } from "../../api/client";
+import { Problem } from "../../api/problem";
+import { recall, remember } from "../../memory";
+import { problemText, refusalText } from "../problem-text";
+import { me } from "../session/session";
+import type { Choice } from "./choice";
+
+const AGAIN_MS = 5_000;
+
+/** A count that comes later than this tells of another moment: it is not said again. */
+const COUNT_LASTS_MS = 30_000;
+
+const KEPT = "operator.words.";
+
+export interface Word extends Choice {
+  readonly key: string;
+  readonly machine: string;
+  /** The number is right, however far it is from the expected one. */
+  readonly sure: boolean;
+  readonly saidMs: number;
+}
+
+export interface Said {
+  readonly word: Word;
+  readonly became: "counted" | "refused" | "lost";
+  readonly reason: string;
+}
+
+/** Not answered yet, the oldest first. */
+export const waiting = signal<readonly Word[]>([]);
+
+/** What became of the last one. */
+export const last = signal<Said | null>(null);
+
+/** One that is far from what was expected: somebody is asked. */
+export const doubted = signal<{ readonly word: Word; readonly expected: string } | null>(null);
+
+let person = "";
+let underway = false;
+let timer: ReturnType<typeof setTimeout> | undefined;
+
+/** Goes on with what this person has said here before. */
+export function goOn(): void {
+  const id = me.value?.id ?? "";
+  if (id === "" || id === person) return;
+  person = id;
+  waiting.value = read();
+  void pass();
+}
+
+export function say(machine: string, choice: Choice, sure = false): void {
+  const word = { ...choice, key: newKey(), machine, sure, saidMs: Date.now() };
+  last.value = doubted.value = null;
+  keep([...read(), word]);
+  void pass();
+}
+
+/** Answers the question about a number that is far from the expected one. */
+export function answer(isRight: boolean): void {
+  const asked = doubted.value;
+  doubted.value = null;
+  if (asked && isRight) say(asked.word.machine, asked.word, true);
+}
+
+async function pass(): Promise<void> {
+  if (underway) return;
+  underway = true;
+  clearTimeout(timer);
+  const tried = new Set<string>();
+  for (let word = next(tried); word !== undefined; word = next(tried)) {
+    tried.add(word.key);
+    await tell(word);
+  }
+  underway = false;
+  if (waiting.value.length > 0) timer = setTimeout(() => void pass(), AGAIN_MS);
+}
+
+function next(tried: ReadonlySet<string>): Word | undefined {
+  return waiting.value.find(({ key }) => !tried.has(key));
+}
+
+async function tell(word: Word): Promise<void> {
+  const { item, key, kind, machine, quantity, saidMs, sure, vehicle } = word;
+  if (kind === "stock_is" && Date.now() - saidMs > COUNT_LASTS_MS) {
+    end(word, "lost", "");
+    return;
+  }
+  try {
+    const { detail, done, reason } = await commandMachine(machine, { kind, item, quantity, vehicle, sure, command: key });
+    if (!done && reason === "unlikely") {
+      forget(word);
+      doubted.value = { word, expected: detail };
+    } else end(word, done ? "counted" : "refused", refusalText({ reason: reason ?? "", detail }));
+  } catch (error) {
+    if (!mayComeThrough(error)) end(word, "refused", problemText(error));
+  }
+}
+
+/** Whether it may be heard when it is said again: nobody has said no. */
+function mayComeThrough(error: unknown): boolean {
+  return !(error instanceof Problem) || error.status < 400 || error.status >= 500 || error.status === 401 || error.status === 429;
+}
+
+function end(word: Word, became: Said["became"], reason: string): void {
+  forget(word);
+  last.value = { word, became, reason };
+}
+
+function forget({ key }: Word): void {
+  keep(read().filter((each) => each.key !== key));
+}
+
+function keep(words: readonly Word[]): void {
+  waiting.value = words;
+  remember(KEPT + person, JSON.stringify(words));
+}
+
+/** Also what another tab of the same person has said; where a browser keeps nothing, what this page knows. */
+function read(): readonly Word[] {
+  const kept = recall(KEPT + person);
+  if (kept === null) return waiting.value;
+  try {
+    const words: unknown = JSON.parse(kept);
+    return Array.isArray(words) ? (words as Word[]) : waiting.value;
+  } catch {
+    return waiting.value;
+  }
+}
