@@ -179,7 +179,7 @@ export const en = {
   "reason.why.before_now": "a bid that would be done in the past",
   "reason.why.too_late": "a bid that would be done much later than its price tells",
   "reason.why.anothers_key": "wishes for places that are not signed with this vehicle's key",
-  "failure.carry": "cannot carry {ability}",
+  "failure.carry": "a load of kind {ability}",
   "failure.left": "{left} % would be left, {needed} % are needed",
   "failure.late": "{time} s too late",
   "failure.tasks": "watches {count} tasks",
