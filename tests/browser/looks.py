@@ -12,8 +12,8 @@ LOCALES = {"en": "en-GB", "de": "de-DE", "es": "es-ES"}
 
 THEMES: tuple[Literal["light", "dark"], ...] = ("light", "dark")
 
-WIDTHS_PX = (390, 1024, 1440, 2560)
-"""A telephone, a tablet, a laptop, and a wall."""
+WIDTHS_PX = (390, 800, 1024, 1440, 2560)
+"""A telephone, a tablet upright and lying, a laptop, and a wall."""
 
 
 EACH_ONCE = (("en", "light"), ("de", "dark"), ("es", "light"))

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from accessibility import violations
 from looks import LOCALES, THEMES, WIDTHS_PX, in_every_look
 from playwright.sync_api import Page, expect
 from variants import variants
@@ -36,6 +37,8 @@ PAGES = {
     "operator": Shown("/operator", "operator", "canvas"),
     "login": Shown("/login", None, "h1"),
     "login-operator": Shown("/login?as=operator", None, "h1"),
+    "station": Shown("/login/station", "operator", "h1"),
+    "editor": Shown("/editor", "manager", "h1"),
 }
 """The customer's page has tests of its own."""
 
@@ -65,8 +68,23 @@ def test_every_page_is_itself_in_every_language_and_theme(
         screenshot(page, f"{name}-{language}-{theme}")
 
 
-AUDITED_PX = (390, 1440)
-"""Each view is audited as a telephone shows it and as a laptop does."""
+DOCS = Shown("/api/docs", "manager", "h1")
+"""The documentation of the API is in English only."""
+
+
+@pytest.mark.parametrize("name", [*PAGES, "docs"])
+def test_every_page_fits_and_is_fit_for_all_at_every_width(
+    factory: Any, open_page: OpenPage, name: str
+) -> None:
+    page = opened(factory, open_page, PAGES.get(name, DOCS), locale="es-ES")
+    for width in WIDTHS_PX:
+        page.set_viewport_size({"width": width, "height": 900})
+        assert page.evaluate("document.documentElement.scrollWidth <= innerWidth"), width
+        assert violations(page) == [], width
+
+
+AUDITED_PX = (390, 800, 1440)
+"""Each view is audited as a telephone shows it, as a tablet upright does, and as a laptop."""
 
 LED_TO = ("alerts", "transports", "recurring", "shift", "people")
 """Views that are not in the menu; the past has tests of its own, once something of it is kept."""
@@ -118,6 +136,16 @@ def test_on_a_telephone_every_cell_of_a_list_stands_in_the_window_and_says_its_c
         names = page.locator(".stacked thead th").all_text_contents()
         head = said.evaluate("each => getComputedStyle(each, '::before').content")
         assert head.strip('"') in names, address
+
+
+def test_on_a_telephone_no_long_name_makes_the_page_wider(factory: Any, open_page: OpenPage) -> None:
+    page = opened(factory, open_page, PAGES["management"], viewport={"width": 390, "height": 844})
+    name = page.locator(".orders .order .clip").first
+    name.evaluate("each => { each.textContent = 'Hinterhuber GmbH & Co. KG '.repeat(6); }")
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    widths = page.locator(".giving > .card").evaluate_all("all => all.map((each) => each.offsetWidth)")
+    assert len(widths) >= 2
+    assert len(set(widths)) == 1
 
 
 def test_what_is_only_for_screen_readers_makes_no_page_longer(factory: Any, open_page: OpenPage) -> None:

@@ -70,7 +70,7 @@ function Drawing() {
         </div>
         <Canvas />
         <p class="ed-foot" id="ed-how">
-          <b>{toolName(state.tool.value)}:</b> {t(`how.${state.tool.value}`)} <span class="num">x {format.number(x_m, 1)}, y {format.number(y_m, 1)} m</span>
+          <b>{toolName(state.tool.value)}:</b> {t(`how.${state.tool.value}`)} · <span class="num">x {format.number(x_m, 1)}, y {format.number(y_m, 1)} m</span>
         </p>
       </section>
       <Properties />

@@ -2,6 +2,7 @@
 import { useSignal } from "@preact/signals";
 import { format, t, word } from "../text/editor";
 import { findingText } from "../text/views/findings/finding-text";
+import { noteText } from "../text/views/findings/note-text";
 import { act, choose, toolName } from "./acts";
 import * as model from "./model";
 import { Repair } from "./Repair";
@@ -253,7 +254,7 @@ function Plan() {
       {reading.value && <small role="status">{t("plan.reading")}</small>}
       {failed.value && <small role="alert" class="complaint">{failed.value}</small>}
       {laid.value?.width_m != null && <small role="status">{t("plan.size", { width: format.number(laid.value.width_m, 1), height: format.number(laid.value.height_m ?? 0, 1) })}</small>}
-      {(laid.value?.notes.length ?? 0) > 0 && <ul class="muted">{laid.value?.notes.map((note) => <li key={note}>{note}</li>)}</ul>}
+      {(laid.value?.notes.length ?? 0) > 0 && <ul class="muted">{laid.value?.notes.map((note) => <li key={note.text}>{noteText(note)}</li>)}</ul>}
       {plan && (["x_m", "y_m", "width_m"] as const).map((name) => <Field key={name} name={name} value={plan[name]} onChange={(value) => { change({ [name]: Number(value) || 0 }); }} />)}
       {plan && <label>{t("plan.opacity")}<input type="range" min={0} max={1} step={0.05} value={plan.opacity} onChange={(event) => { change({ opacity: Number(event.currentTarget.value) }); }} /></label>}
     </fieldset>
@@ -338,7 +339,7 @@ export function PlayPanel() {
       {failed.value && <p role="alert" class="complaint">{failed.value}</p>}
       <div role="status">
         {played?.state === "playing" && <p>{t("play.playing")} <progress aria-label={t("play.playing")} /></p>}
-        {played?.state === "failed" && <p class="complaint">{t("play.failed", { reason: played.reason })}</p>}
+        {played?.state === "failed" && <p class="complaint">{t("play.failed", { reason: findingText({ text: played.reason, code: played.reason_code, values: played.reason_values }) })}</p>}
         {played?.state === "done" && played.draft && played.running && <Result draft={played.draft} running={played.running} hours={played.hours} />}
       </div>
     </section>
@@ -366,7 +367,7 @@ function Result({ draft, running, hours }: { draft: Figures; running: Figures; h
           </div>
         ))}
       </dl>
-      <p><b>{t("play.bottleneck")}</b> {draft.bottleneck}</p>
+      <p><b>{t("play.bottleneck")}</b> {findingText({ text: draft.bottleneck, code: draft.bottleneck_code, values: draft.bottleneck_values })}</p>
       <p class="ed-next"><b>{t("play.next")}</b> {t("play.nextHow")}</p>
     </>
   );

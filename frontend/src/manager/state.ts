@@ -20,3 +20,8 @@ export const orderName = (order: string): string => world.value?.orders.get(orde
 export function taskName(id: string, order: string, called = orderName(order)): string {
   return order !== "" && id.startsWith(order) ? called + id.slice(order.length) : id;
 }
+
+/** What people call a place: warehouses and storages have names, machines their ids. */
+export function placeOf(id: string): string {
+  return plant.value?.warehouses.find((each) => each.id === id)?.name ?? id;
+}

@@ -7,7 +7,8 @@ const products = [
   { id: "pump", bill: [{ material: "housing", quantity: 2 }] },
   { id: "gear", bill: [{ material: "shaft", quantity: 1 }] },
 ];
-const goal = (product: string, quantity: number, made = 0): GoalView => ({ goal: `${product}-1`, product, quantity, made, delivered: 0 }) as GoalView;
+const goal = (product: string, quantity: number, made = 0, toBegin = quantity - made): GoalView =>
+  ({ goal: `${product}-1`, product, quantity, made, to_begin: toBegin, delivered: 0, offered: false }) as GoalView;
 const machine = (level: number, goals: GoalView[], more: Partial<MachineView> = {}) => ({
   goals, speed_frac: 1, status: "producing" as const, buffers: [{ item: "housing", level, capacity: 100, reorder_point: 0, on_order: 0, spare: 0 }], ...more,
 });
@@ -18,6 +19,9 @@ describe("a material lasts", () => {
     ["no time when there is none", machine(0, [goal("pump", 10)]), 0],
     ["through goals that take none of it", machine(5, [goal("gear", 6), goal("pump", 10)]), 160],
     ["as what is made already is left out", machine(5, [goal("pump", 10, 8)]), null],
+    ["for the last piece, which is in the making", machine(0, [goal("pump", 10, 9, 0)]), null],
+    ["as long as the pieces after the one in the making", machine(5, [goal("pump", 10, 0, 9)]), 100],
+    ["without the goals that others may take", machine(5, [{ ...goal("pump", 10), offered: true }]), null],
     ["longer at a part of the speed", machine(5, [goal("pump", 10)], { speed_frac: 0.5 }), 200],
     ["through all goals where there is enough", machine(40, [goal("pump", 10), goal("pump", 10)]), null],
     ["until the goal for which it is not enough", machine(25, [goal("pump", 10), goal("pump", 10)]), 600],

@@ -16,7 +16,8 @@ export function filledFrac(buffer: Pick<BufferView, "level" | "capacity">): numb
 }
 
 /**
- * How long a material lasts, in plant seconds, if the machine works without a pause: through its goals in their order, until one piece lacks some.
+ * How long a material lasts at least, in plant seconds, if the machine works without a pause: through its goals in their order, until one piece lacks some.
+ * The piece in the making has its material already; what is left of its cycle, which nobody tells, comes on top. Goals that are offered to others do not count.
  * Null where it lasts for all of them, and where the machine does not work.
  */
 export function lastsS(
@@ -28,11 +29,11 @@ export function lastsS(
   if (machine.status === "error") return null;
   let level = machine.buffers.find((buffer) => buffer.item === item)?.level ?? 0;
   let spanS = 0;
-  for (const { product, quantity, made } of machine.goals) {
+  for (const { offered, product, to_begin: left } of machine.goals) {
+    if (offered) continue;
     const cycleS = spec.makes.find((making) => making.product === product)?.cycle_s;
     if (cycleS === undefined) return null; // A product that the plant file does not know.
     const each = products.find(({ id }) => id === product)?.bill.find(({ material }) => material === item)?.quantity ?? 0;
-    const left = Math.max(0, quantity - made);
     const possible = each === 0 ? left : Math.floor(level / each);
     if (possible < left) return spanS + (possible * cycleS) / machine.speed_frac;
     spanS += (left * cycleS) / machine.speed_frac;

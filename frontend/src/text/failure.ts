@@ -5,8 +5,20 @@ import { format, t, word } from "./index";
 import { factoryTime } from "./plant-time";
 import { waitText } from "./wait";
 
+/** Words of vehicles in which something is filled in. */
+const FILLED = [
+  { says: /^cannot carry an? (?<ability>.+)$/, key: "failure.carry" },
+  { says: /^(?<left>-?\d+)% would be left, (?<needed>\d+)% are needed$/, key: "failure.left" },
+  { says: /^(?<time>\d+) s too late$/, key: "failure.late" },
+  { says: /^(?<count>\d+) tasks$/, key: "failure.tasks" },
+] as const;
+
 /** What somebody reports in words of their own; some of them are known here. */
 export function failureText(said: string): string {
+  for (const { says, key } of FILLED) {
+    const found = says.exec(said);
+    if (found) return t(key, found.groups as never);
+  }
   return withNames(word("failure", said));
 }
 

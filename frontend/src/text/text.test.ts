@@ -113,6 +113,9 @@ describe("texts", () => {
   test("know what agents say of what is wrong, one or several of them", () => {
     speak("de", managerDe, "de-DE");
     expect(failureText("the load has shifted")).toBe("die Ladung ist verrutscht");
+    expect(failureText("cannot carry a pallet")).toBe("Ladung der Art pallet");
+    expect(failureText("12% would be left, 20% are needed")).toBe("12\u00a0% blieben übrig, 20\u00a0% sind nötig");
+    expect(failureText("31 s too late")).toBe("31\u00a0s zu spät");
     const machines = [{ agent: "M1", reason: "silent" }, { agent: "M2", reason: "broken" }];
     expect(causeText(cause({ machines }))).toBe("M1 ist stumm, M2 ist ausgefallen");
     expect(causeText(cause({ not_made: ["P8", "P9"] }))).toBe("dieses Werk fertigt P8, P9 nicht");

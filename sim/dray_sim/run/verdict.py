@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import msgspec
 
 from dray.messages import MachineStatus
 from dray.overload import WAITED_S
 from dray.plant import Plant
+from dray.plant.file.reasons import Reason, told
 from dray_sim.run.shortfall import Cause, Shortfall
 
 SERVED_FRAC = 0.95
@@ -57,6 +60,10 @@ class Verdict(msgspec.Struct, frozen=True):
     """Which; empty for nothing."""
     text: str
     """In words: what is too few, how it shows, and what to do; and for how long the plant was overloaded."""
+    code: str
+    """Of the text, by `dray.plant.file.reasons`, so that panels tell it in the reader's language."""
+    values: dict[str, Any]
+    """What is filled into it."""
     overloaded_frac: float
     """Of the time; by the rule of the alert `overloaded`."""
     overloaded_waiting: int
@@ -95,8 +102,10 @@ def judge(
     )
     kept: list[Resource] = []
     for each in found:
-        told = each.busy_frac >= SHOWN_FRAC or each.waiting_frac >= SHOWN_FRAC or each.lost_frac >= SHOWN_FRAC
-        if told and sum(other.kind == each.kind for other in kept) < TOLD:
+        shown = (
+            each.busy_frac >= SHOWN_FRAC or each.waiting_frac >= SHOWN_FRAC or each.lost_frac >= SHOWN_FRAC
+        )
+        if shown and sum(other.kind == each.kind for other in kept) < TOLD:
             kept.append(each)
     left_frac = max(seen.left_s.values(), default=0.0) / max(seen.looked_s, 1.0)
     on_time = not due or on_time_frac >= SERVED_FRAC
@@ -108,10 +117,13 @@ def judge(
         else _too_few(plant, seen, short)
     )
     overloaded_frac = seen.overloaded_s / max(seen.looked_s, 1.0)
+    text = _overloaded(text, overloaded_frac, seen.overloaded_waiting)
     return Verdict(
         bottleneck=kind,
         name=name,
-        text=text + _overloaded(overloaded_frac, seen.overloaded_waiting),
+        text=str(text),
+        code=text.code,
+        values=told(text, str),
         overloaded_frac=overloaded_frac,
         overloaded_waiting=seen.overloaded_waiting,
         resources=tuple(kept),
@@ -188,70 +200,83 @@ def _busy(each: Resource) -> str:
     )
 
 
-def _nothing(found: list[Resource], placed: int, delivered: int, due: int, on_time_frac: float) -> str:
+def _nothing(found: list[Resource], placed: int, delivered: int, due: int, on_time_frac: float) -> Reason:
     if due and on_time_frac < SERVED_FRAC:
-        return (
-            f"{on_time_frac:.0%} of {due} orders on time, and no one resource is short: the orders come "
-            "together or are due too early for the ways and cycles"
-        )
+        return Reason("played_late", on_time=_percent(on_time_frac), due=due)
     busiest = max(
         (each for each in found if each.kind in ("machine", "vehicles", "charger")),
         key=lambda each: each.busy_frac,
     )
-    where = "all chargers" if busiest.kind == "charger" else f"{busiest.kind} {busiest.name}"
-    return f"nothing is short: {delivered} of {placed} orders delivered; the busiest is {where}, {busiest.busy_frac:.0%}"
-
-
-def _overloaded(overloaded_frac: float, waiting: int) -> str:
-    if not overloaded_frac:
-        return ""
-    return (
-        f"; overloaded {overloaded_frac:.1%} of the time: up to {waiting} transports had waited for a vehicle for more than "
-        f"{WAITED_S / 60.0:.0f} min"
+    where = (
+        Reason("played_all_chargers")
+        if busiest.kind == "charger"
+        else Reason(f"played_{busiest.kind}", name=busiest.name)
+    )
+    return Reason(
+        "played_nothing_short",
+        delivered=delivered,
+        placed=placed,
+        where=where,
+        busy=_percent(busiest.busy_frac),
     )
 
 
-def _too_few(plant: Plant, seen: Shortfall, short: Resource) -> str:
-    waited = f"transports waited {short.waiting_frac:.0%} of their time for it"
-    lost = f"machines lost {short.lost_frac:.0%} of theirs"
+def _overloaded(verdict: Reason, overloaded_frac: float, waiting: int) -> Reason:
+    """The same, and for how long the plant was overloaded."""
+    if not overloaded_frac:
+        return verdict
+    return Reason(
+        "played_overloaded",
+        verdict=verdict,
+        time=100.0 * overloaded_frac,
+        waiting=waiting,
+        limit_min=WAITED_S / 60.0,
+    )
+
+
+def _too_few(plant: Plant, seen: Shortfall, short: Resource) -> Reason:
+    busy, lost = _percent(short.busy_frac), _percent(short.lost_frac)
+    cost = Reason("played_cost", waited=_percent(short.waiting_frac), lost=lost)
+    looked_s = max(seen.looked_s, 1.0)
     match short.kind:
         case "vehicles":
-            able = plant.able(short.name)
-            queue = seen.wait_s.get(("vehicles", short.name), 0.0) / max(seen.looked_s, 1.0)
-            return (
-                f"too few vehicles that carry {short.name}: {len(able)} worked {short.busy_frac:.0%} of the time, and "
-                f"{queue:.1f} transports waited for one at any time; {waited}, {lost}"
+            queue = seen.wait_s.get(("vehicles", short.name), 0.0) / looked_s
+            count = len(plant.able(short.name))
+            return Reason(
+                "played_few_vehicles", ability=short.name, count=count, busy=busy, queue=queue, cost=cost
             )
         case "charger":
-            hungry = sum(seen.hungry_s.values()) / max(seen.looked_s, 1.0)
-            return (
-                f"too few chargers: {len(plant.chargers)} for {len(plant.fleet)} vehicles, in use {short.busy_frac:.0%} of "
-                f"the time, and {hungry:.1f} vehicles stood with a low battery at any time; {waited}, {lost}"
+            return Reason(
+                "played_few_chargers",
+                chargers=len(plant.chargers),
+                vehicles=len(plant.fleet),
+                busy=busy,
+                hungry=sum(seen.hungry_s.values()) / looked_s,
+                cost=cost,
             )
         case "material":
-            kept = [
+            kept = tuple(
                 f"{storage.id} {stock.capacity}"
                 for storage in plant.storages.values()
                 for stock in storage.stocks
                 if stock.material == short.name
-            ]
-            return (
-                f"too little {short.name}: no storage had a container of it {short.busy_frac:.0%} of the time "
-                f"(capacity {', '.join(kept)}); {waited}, {lost}"
             )
+            return Reason("played_little_material", item=short.name, busy=busy, kept=kept, cost=cost)
         case "machine":
-            left_h = seen.left_s.get(short.name, 0.0) / 3600.0
-            products = ", ".join(making.product for making in plant.machines[short.name].makes)
-            return (
-                f"too few machines for {products}: {short.name} made pieces {short.busy_frac:.0%} of the time, and "
-                f"{left_h:.1f} h of its work were left at the end"
+            return Reason(
+                "played_few_machines",
+                products=tuple(making.product for making in plant.machines[short.name].makes),
+                machine=short.name,
+                busy=busy,
+                left_h=seen.left_s.get(short.name, 0.0) / 3600.0,
             )
         case "dock":
-            return (
-                f"one dock of {short.name} is too few: vehicles stood there for {short.busy_frac:.0%} of the time; {waited}, "
-                f"{lost}; larger lots, quicker handling, or another place that shares the work"
-            )
+            return Reason("played_few_docks", place=short.name, busy=busy, cost=cost)
         case "buffer":
-            return f"too small a buffer for {short.name}: the next load came too late, though nothing kept it waiting; {lost}"
+            return Reason("played_small_buffer", item=short.name, lost=lost)
         case _:
-            return f"the lane {short.name} is too narrow: {waited}, {lost}"
+            return Reason("played_narrow_lane", lane=short.name, cost=cost)
+
+
+def _percent(frac: float) -> int:
+    return round(100.0 * frac)

@@ -133,6 +133,11 @@ def test_from_a_lif_file_to_a_played_shift(
     expect(page.get_by_text("Bottleneck:")).to_be_visible(timeout=PLAYED_MS)
     expect(page.locator(".ed-figures div")).to_have_count(4)
     screenshot(page, "editor-4-played")
+    page.locator(".top select").select_option("de")
+    expect(page.locator(".ed-play p").filter(has_text="Engpass:")).to_have_text(
+        re.compile(r"Engpass: .*(knapp|zu wenig|zu klein|zu eng)")
+    )
+    page.locator(".top select").select_option("en")
     # An answer that is older than the draft says so.
     page.keyboard.press("n")
     click(page, 5.0, 3.0)
@@ -269,6 +274,9 @@ def test_a_floor_plan_in_dxf_lies_under_the_draft_and_a_place_that_is_too_narrow
     page.get_by_label("floor plan (DXF)").set_input_files(plan)
     expect(page.get_by_text("14.0 m, as the plan says")).to_be_visible(timeout=60_000)
     expect(page.get_by_text("left out: TEXT, 1 times")).to_be_visible()
+    page.locator(".top select").select_option("es")
+    expect(page.get_by_text("omitido: TEXT, 1 veces")).to_be_visible()
+    page.locator(".top select").select_option("en")
     expect(page.get_by_label("Width, m")).to_have_value("24")
     picture = page.locator(".ed-floor image")
     expect(picture).to_have_attribute("width", "24")

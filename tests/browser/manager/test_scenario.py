@@ -78,6 +78,13 @@ def test_a_manager_sees_when_the_next_step_comes_and_skips_to_it(
         card = page.locator(".scenario")
         expect(card.get_by_role("listitem").nth(1)).to_contain_text(re.compile(r"next, in \d+:\d\d\smin$"))
         screenshot(page, "scenario-countdown")
+        page.set_viewport_size({"width": 1440, "height": 900})
+        orders, around = page.locator(".orders").bounding_box(), page.locator(".giving").bounding_box()
+        assert orders is not None
+        assert around is not None
+        assert orders["height"] >= 139
+        assert orders["y"] + orders["height"] <= around["y"] + around["height"] + 1
+        expect(card.locator("[aria-current]")).to_be_in_viewport(ratio=1.0)
         card.get_by_role("button", name="Skip to the next step").click()
         stop = card.get_by_role("button", name="Stop skipping")
         expect(stop).to_be_visible()

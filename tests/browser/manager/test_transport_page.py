@@ -56,6 +56,7 @@ def test_it_tells_a_transport_from_its_call_to_its_hand_over(
     expect(page.locator(".order-head .tag").first).to_have_text("delivered")
     told = page.locator(".order-told")
     expect(told).to_contain_text(re.compile(r"ATV\d+ handed it over at M8 at "))
+    expect(page.get_by_role("heading", name="Link to follow it")).to_be_visible()
     for kind in ("called", "won", "fetched", "hand-over", "delivered"):
         expect(moments.filter(has_text=kind).first).to_be_visible()
     assert violations(page) == []

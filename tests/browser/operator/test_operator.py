@@ -6,10 +6,12 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from accessibility import violations
 from complaints import Complaints
 from facts_kit import opened
 from gateway_kit import PIN, House
 from heartbeats import events, machine_heartbeat
+from looks import WIDTHS_PX
 from open_house import OpenHouse
 from playwright.sync_api import Page, expect
 from puppets import LATER_S, Puppet
@@ -413,3 +415,17 @@ def tab_to(page: Page, name: str, *, back: bool = False) -> None:
             return
         page.keyboard.press("Shift+Tab" if back else "Tab")
     raise AssertionError(f"no way to {name} by keyboard")
+
+
+def test_at_every_width_the_panel_names_its_place_and_is_fit_for_all(
+    vehicles: dict[str, Puppet], enter: Enter
+) -> None:
+    page = enter(locale="es-ES")
+    where = page.get_by_role("heading", level=1)
+    expect(where).to_contain_text(STATION)
+    expect(page.locator(".station .stock li")).not_to_have_count(0)
+    for width in WIDTHS_PX:
+        page.set_viewport_size({"width": width, "height": 768})
+        assert page.evaluate("document.documentElement.scrollWidth <= innerWidth"), width
+        assert where.evaluate("each => each.scrollWidth <= each.clientWidth"), width
+        assert violations(page) == [], width

@@ -10,6 +10,7 @@ import io
 import json
 import sys
 from pathlib import Path
+from string import Formatter
 from typing import Any
 
 import ezdxf
@@ -27,6 +28,7 @@ from dray.gateway.routes.factory.plant_draft_work import draft_view
 from dray.plant import default_plant, load_plant, plant_yaml
 from dray.plant.exchange.dxf import MAX_BYTES
 from dray.plant.exchange.lif_export import export_lif
+from dray.plant.file.reasons import PLAYED_TEXTS
 from dray.store.factory.plant_drafts import DraftRow
 
 pytestmark = pytest.mark.anyio
@@ -223,7 +225,13 @@ REPORT = {
     "utilisation_frac": {"waiting": 0.2},
     "empty_travel_frac": 0.5,
     "invariants": "held",
-    "verdict": {"bottleneck": "", "name": "", "text": "nothing was short"},
+    "verdict": {
+        "bottleneck": "machine",
+        "name": "M1",
+        "text": "too few",
+        "code": "played_few_machines",
+        "values": {"machine": "M1"},
+    },
 }
 
 
@@ -250,15 +258,21 @@ async def test_a_shift_is_played_in_the_draft_and_in_the_running_plant(tmp_path:
     assert view.draft == view.running
     assert view.draft is not None
     assert (view.draft.transports_per_h, view.draft.on_time_frac) == (60.0, None)
+    assert (view.draft.bottleneck_code, view.draft.bottleneck_values) == (
+        "played_few_machines",
+        {"machine": "M1"},
+    )
 
 
 async def test_a_simulator_that_fails_or_hangs_is_said(tmp_path: Path) -> None:
     failed = await played(tmp_path, "sys.exit('the simulator is not installed')")
     assert (failed.state, failed.reason) == ("failed", "the simulator is not installed")
     garbled = await played(tmp_path, "open(report, 'w').write('[]')")
-    assert garbled.reason == "the simulator gave no report"
+    assert (garbled.reason, garbled.reason_code) == ("the simulator gave no report", "played_no_report")
+    assert failed.reason_code == ""
     slow = await played(tmp_path, "import threading; threading.Event().wait()", most_s=0.2)
     assert "longer than 0.2 s" in slow.reason
+    assert (slow.reason_code, slow.reason_values) == ("played_too_long", {"most_s": 0.2})
 
 
 @pytest.mark.slow
@@ -271,6 +285,12 @@ async def test_the_real_simulator_plays_a_short_shift() -> None:
     view = player.result("d")
     assert view.state == "done", view.reason
     assert view.draft == view.running
+    assert view.draft is not None
+    assert view.draft.bottleneck_code in PLAYED_TEXTS
+    begins = PLAYED_TEXTS[view.draft.bottleneck_code].partition("{")[0]
+    assert view.draft.bottleneck.startswith(begins)
+    filled = {name for _, name, _, _ in Formatter().parse(PLAYED_TEXTS[view.draft.bottleneck_code]) if name}
+    assert view.draft.bottleneck_values.keys() == filled
 
 
 def test_a_door_stands_on_the_lanes_that_are_driven_in_the_draft() -> None:

@@ -37,7 +37,9 @@ def machine(
         name=name,
         status=status,
         goals=tuple(
-            GoalView(goal=f"G-{name}-{i}", product=PRODUCT, quantity=left + 3, made=3, delivered=0)
+            GoalView(
+                goal=f"G-{name}-{i}", product=PRODUCT, quantity=left + 3, made=3, to_begin=left, delivered=0
+            )
             for i, left in enumerate(queue)
         ),
         buffers=(BufferView(item=GEAR.bill[0].material, level=level, capacity=100),),

@@ -153,7 +153,7 @@ async def test_a_machine_is_as_its_last_heartbeat_told(house: House) -> None:
     machine = await house.get("/api/machines/M1")
     assert machine["status"] == "starved"
     assert machine["name"] == PLANT.machines[0].name
-    goal = {"goal": "G1", "product": PRODUCT, "quantity": 5, "made": 2, "delivered": 1}
+    goal = {"goal": "G1", "product": PRODUCT, "quantity": 5, "made": 2, "to_begin": 3, "delivered": 1}
     assert machine["goals"] == [
         {**goal, "deadline_at_s": None, "order_due_at_s": None, "order_name": "", "offered": False}
     ]

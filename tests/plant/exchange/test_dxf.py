@@ -66,6 +66,7 @@ def test_without_a_unit_one_is_assumed_and_told(tmp_path: Path, length: float, w
     plan = read_dxf(file)
     assert plan.width_m == width_m
     assert "it does not say its unit" in plan.notes[0]
+    assert plan.notes[0].values == {"length": length}
 
 
 def nested(document: Any) -> None:

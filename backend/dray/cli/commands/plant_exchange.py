@@ -121,21 +121,19 @@ def floor_plan(
     json: Annotated[Path | None, typer.Option(help="Write its size and what was left out here.")] = None,
 ) -> None:
     """Make a picture of a floor plan, for the plant editor to lie under a draft. Needs the extra `dxf`."""
-    import msgspec
-
     from dray.cli.runtime.output import write_json, write_text
     from dray.errors import SettingsError
     from dray.plant.exchange.dxf import read_dxf
+    from dray.plant.file.reasons import told
 
     try:
         plan = read_dxf(file)
     except OSError as error:
         raise SettingsError("FILE", f"{file} cannot be read: {error.strerror}") from None
     write_text(out or file.with_suffix(".svg"), plan.svg, "--out")
-    told = msgspec.to_builtins(plan)
-    del told["svg"]
     if json is not None:
-        write_json(json, told)
+        notes = [{"text": str(note), "code": note.code, "values": told(note, str)} for note in plan.notes]
+        write_json(json, {"width_m": plan.width_m, "height_m": plan.height_m, "notes": notes})
     for note in plan.notes:
         typer.echo(f"{file}: {note}")
     typer.echo(f"{out or file.with_suffix('.svg')}: {plan.width_m:g} m x {plan.height_m:g} m")

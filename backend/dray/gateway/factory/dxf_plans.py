@@ -12,6 +12,7 @@ from tempfile import TemporaryDirectory
 import msgspec
 
 from dray.errors import DrayError
+from dray.gateway.factory.plant_drafts import NoteView
 from dray.gateway.http.bounded_process import run_bounded
 from dray.gateway.http.problems import Problem
 from dray.plant.exchange.dxf import MAX_BYTES
@@ -37,7 +38,7 @@ class Picture(msgspec.Struct, frozen=True, kw_only=True):
 
     width_m: float
     height_m: float
-    notes: tuple[str, ...] = ()
+    notes: tuple[NoteView, ...] = ()
     svg: bytes = b""
 
 

@@ -65,7 +65,7 @@ class FindingView(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class NoteView(msgspec.Struct, frozen=True, kw_only=True):
-    """Something that was odd in the file of which a draft was made."""
+    """Something that was odd in the file of which a draft or its floor plan was made."""
 
     text: str
     """What, where and how often, in one line."""

@@ -20,6 +20,7 @@ import msgspec
 from dray.errors import DrayError
 from dray.gateway.http.bounded_process import run_bounded
 from dray.gateway.http.problems import Problem
+from dray.plant.file.reasons import Reason, told
 
 MOST_S = 300.0
 """Wall seconds for one plant; a shift of 8 h in the default plant takes some 30."""
@@ -49,6 +50,10 @@ class ShiftFigures(msgspec.Struct, frozen=True, kw_only=True):
     empty_travel_frac: float
     bottleneck: str
     """What is short, in words."""
+    bottleneck_code: str = ""
+    """Of these words, so that panels tell it in the reader's language."""
+    bottleneck_values: dict[str, Any] = {}
+    """What is filled into them, as in a finding."""
     bottleneck_name: str
     """The machine, dock or type of vehicle; empty for none."""
     invariants: str
@@ -68,6 +73,10 @@ class PlayView(msgspec.Struct, frozen=True, kw_only=True):
     """The same shift in the running plant."""
     reason: str = ""
     """Why it failed."""
+    reason_code: str = ""
+    """Of the reason, so that panels tell it in the reader's language; empty where the simulator said it."""
+    reason_values: dict[str, Any] = {}
+    """What is filled into it, as in a finding."""
 
 
 class PlayFailed(DrayError):
@@ -135,9 +144,9 @@ class ShiftPlayer:
                 self._beside[key] = await self._figures(beside, begun.hours, begun.seed)
             done = msgspec.structs.replace(begun, state="done", draft=figures, running=self._beside[key])
         except (PlayFailed, Problem) as error:
-            done = msgspec.structs.replace(begun, state="failed", reason=str(error))
+            done = _failed(begun, error.args[0])
         except (OSError, asyncio.CancelledError):
-            self._keep(draft, msgspec.structs.replace(begun, state="failed", reason="it was broken off"))
+            self._keep(draft, _failed(begun, Reason("played_broken_off")))
             raise
         self._keep(draft, done)
 
@@ -157,13 +166,20 @@ class ShiftPlayer:
             try:
                 return figures_of(msgspec.json.decode(await asyncio.to_thread(report.read_bytes)))
             except (OSError, msgspec.DecodeError, KeyError, TypeError, ValueError):
-                raise PlayFailed(said[-TAIL_CHARS:].strip() or "the simulator gave no report") from None
+                raise PlayFailed(said[-TAIL_CHARS:].strip() or Reason("played_no_report")) from None
 
     async def _run(self, command: tuple[str, ...]) -> str:
         try:
             return (await run_bounded(command, self._most_s, MOST_BYTES))[1]
         except TimeoutError:
-            raise PlayFailed(f"it took longer than {self._most_s:g} s: play fewer hours") from None
+            raise PlayFailed(Reason("played_too_long", most_s=self._most_s)) from None
+
+
+def _failed(begun: PlayView, reason: str) -> PlayView:
+    code = reason.code if isinstance(reason, Reason) else ""
+    return msgspec.structs.replace(
+        begun, state="failed", reason=str(reason), reason_code=code, reason_values=told(reason, str)
+    )
 
 
 def figures_of(report: Mapping[str, Any]) -> ShiftFigures:
@@ -178,6 +194,8 @@ def figures_of(report: Mapping[str, Any]) -> ShiftFigures:
         waiting_frac=report["utilisation_frac"]["waiting"],
         empty_travel_frac=report["empty_travel_frac"],
         bottleneck=verdict["text"],
+        bottleneck_code=verdict.get("code", ""),
+        bottleneck_values=verdict.get("values", {}),
         bottleneck_name=verdict["name"] if verdict["bottleneck"] else "",
         invariants=report["invariants"],
     )

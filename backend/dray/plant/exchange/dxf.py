@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from dray.errors import PlantError, UnavailableError
+from dray.plant.file.reasons import Reason
 
 if TYPE_CHECKING:
     from ezdxf.document import Drawing
@@ -55,7 +56,7 @@ class FloorPlan(msgspec.Struct, frozen=True):
     svg: str
     width_m: float
     height_m: float
-    notes: tuple[str, ...]
+    notes: tuple[Reason, ...]
     """What was left out or assumed."""
 
 
@@ -74,7 +75,7 @@ def read_dxf(file: Path) -> FloorPlan:
     if begins.startswith(b"AC10"):
         raise PlantError(file.name, "", "it is DWG: save it as DXF")
     document = _document(file, binary=begins.startswith(b"AutoCA"))
-    notes: list[str] = []
+    notes: list[Reason] = []
     lines = list(_lines(document, file.name, notes))
     spots = [spot for line in lines for spot in line]
     if not spots:
@@ -112,20 +113,22 @@ def _document(file: Path, *, binary: bool) -> Drawing:
         raise PlantError(file.name, "", f"it is no DXF that can be read: {reason}") from None
 
 
-def _lines(document: Drawing, name: str, notes: list[str]) -> Iterator[list[Spot]]:
+def _lines(document: Drawing, name: str, notes: list[Reason]) -> Iterator[list[Spot]]:
     """All that is drawn in the model space, on layers that are shown, each as its corners."""
     from ezdxf.disassemble import recursive_decompose  # noqa: PLC0415
     from ezdxf.path import make_path  # noqa: PLC0415
 
     hidden = {layer.dxf.name.lower() for layer in document.layers if layer.is_off() or layer.is_frozen()}
+    hidden_count = 0
     left_out: Counter[str] = Counter()
+    shapeless: Counter[str] = Counter()
     for seen, entity in enumerate(_ending(recursive_decompose(document.modelspace()), name)):
         if seen == MAX_ENTITIES:
             raise PlantError(
                 name, "", f"it has more than {MAX_ENTITIES} entities, those of blocks counted: {SAVE_LESS}"
             )
         if str(entity.dxf.get("layer", "0")).lower() in hidden or entity.dxf.get("invisible", 0):
-            left_out["what is on hidden layers"] += 1
+            hidden_count += 1
             continue
         kind = entity.dxftype()
         if kind not in LINES:
@@ -134,9 +137,16 @@ def _lines(document: Drawing, name: str, notes: list[str]) -> Iterator[list[Spot
         if corners := _corners(make_path, entity):
             yield corners
         else:
-            left_out[f"{kind} without a shape"] += 1
-    for kind, count in sorted(left_out.items()):
-        notes.append(f"left out: {kind}, {count} times")
+            shapeless[kind] += 1
+    notes += [
+        Reason("note_plan_left_out", kind=kind, count=count) for kind, count in sorted(left_out.items())
+    ]
+    notes += [
+        Reason("note_plan_shapeless_left_out", kind=kind, count=count)
+        for kind, count in sorted(shapeless.items())
+    ]
+    if hidden_count:
+        notes.append(Reason("note_plan_hidden_left_out", count=hidden_count))
 
 
 def _ending(entities: Iterable[DXFEntity], name: str) -> Iterator[DXFEntity]:
@@ -163,13 +173,13 @@ def _corners(make_path: Callable[[DXFEntity], Outline], entity: DXFEntity) -> li
     return spots if len(spots) > 1 and all(isfinite(x) and isfinite(y) for x, y in spots) else []
 
 
-def _metres(document: Drawing, longest: float, notes: list[str]) -> float:
+def _metres(document: Drawing, longest: float, notes: list[Reason]) -> float:
     """Of one unit of the drawing."""
     unit = document.header.get("$INSUNITS", 0)
     if unit in METRES:
         return METRES[unit]
-    name, scale = ("millimetres", 0.001) if longest > LARGE else ("metres", 1.0)
-    notes.append(f"it does not say its unit: {name} are assumed, since it is {longest:.0f} long")
+    code, scale = ("note_plan_in_millimetres", 0.001) if longest > LARGE else ("note_plan_in_metres", 1.0)
+    notes.append(Reason(code, length=longest))
     return scale
 
 

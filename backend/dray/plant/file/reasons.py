@@ -307,8 +307,34 @@ NOTE_TEXTS: Mapping[str, str] = {
     "note_encoding_not_what_read_as": "encoding {declared} is not what it is in: read as {encoding}; look at its letters",
     "note_does_not_say_its_encoding": "it does not say its encoding: read as {encoding}; look at its letters",
     "note_more": "and {count} more",
+    "note_plan_left_out": "left out: {kind}, {count} times",
+    "note_plan_hidden_left_out": "left out: what is on hidden layers, {count} times",
+    "note_plan_shapeless_left_out": "left out: {kind} without a shape, {count} times",
+    "note_plan_in_millimetres": "it does not say its unit: millimetres are assumed, since it is {length:.0f} long",
+    "note_plan_in_metres": "it does not say its unit: metres are assumed, since it is {length:.0f} long",
 }
-"""What was odd in a layout, or could not be taken."""
+"""What was odd in a layout or a floor plan, or could not be taken."""
+
+PLAYED_TEXTS: Mapping[str, str] = {
+    "played_late": "{on_time}% of {due} orders on time, and no one resource is short: the orders come together or are due too early for the ways and cycles",
+    "played_nothing_short": "nothing is short: {delivered} of {placed} orders delivered; the busiest is {where}, {busy}%",
+    "played_all_chargers": "all chargers",
+    "played_machine": "machine {name}",
+    "played_vehicles": "vehicles {name}",
+    "played_overloaded": "{verdict}; overloaded {time:.1f}% of the time: up to {waiting} transports had waited for a vehicle for more than {limit_min:.0f} min",
+    "played_cost": "transports waited {waited}% of their time for it, machines lost {lost}% of theirs",
+    "played_few_vehicles": "too few vehicles that carry {ability}: {count} worked {busy}% of the time, and {queue:.1f} transports waited for one at any time; {cost}",
+    "played_few_chargers": "too few chargers: {chargers} for {vehicles} vehicles, in use {busy}% of the time, and {hungry:.1f} vehicles stood with a low battery at any time; {cost}",
+    "played_little_material": "too little {item}: no storage had a container of it {busy}% of the time (capacity {kept}); {cost}",
+    "played_few_machines": "too few machines for {products}: {machine} made pieces {busy}% of the time, and {left_h:.1f} h of its work were left at the end",
+    "played_few_docks": "one dock of {place} is too few: vehicles stood there for {busy}% of the time; {cost}; larger lots, quicker handling, or another place that shares the work",
+    "played_small_buffer": "too small a buffer for {item}: the next load came too late, though nothing kept it waiting; machines lost {lost}% of their time",
+    "played_narrow_lane": "the lane {lane} is too narrow: {cost}",
+    "played_too_long": "it took longer than {most_s:g} s: play fewer hours",
+    "played_no_report": "the simulator gave no report",
+    "played_broken_off": "it was broken off",
+}
+"""What came of a shift that was played: the bottleneck, or why there is none."""
 
 TEXTS: Mapping[str, str] = {
     **ITEM_TEXTS,
@@ -317,6 +343,7 @@ TEXTS: Mapping[str, str] = {
     **FAULT_TEXTS,
     **ADVICE_TEXTS,
     **NOTE_TEXTS,
+    **PLAYED_TEXTS,
 }
 """By code, with what is filled in."""
 

@@ -4,7 +4,7 @@ import { machineNeedOf, needingMachines, waitingGoals } from "./need";
 
 const NOW = { nowS: 100, speed: 1 };
 const OUT = { by: "Maria", since_at_s: 50, reason: "bearings", back_at_s: null, after_work: false };
-const goal = { goal: "1", product: "pump", quantity: 10, made: 4, delivered: 0, deadline_at_s: 900, offered: false, order_due_at_s: null, order_name: "" };
+const goal = { goal: "1", product: "pump", quantity: 10, made: 4, to_begin: 6, delivered: 0, deadline_at_s: 900, offered: false, order_due_at_s: null, order_name: "" };
 
 function machine(fields: Partial<MachineView> = {}): MachineView {
   const silence = { overdue_after_s: 10, lost_after_s: 30 };

@@ -26,7 +26,7 @@ export const shown = computed(() => {
 export function StationCard() {
   const spec = shown.value;
   return (
-    <section class="station card" aria-label={t("station.title")}>
+    <section class="station card" aria-label={t("station.title")} tabIndex={0}>
       {spec ? <Station spec={spec} machine={world.value?.machines.get(spec.id)} /> : <p class="empty">{t("station.none")}</p>}
     </section>
   );

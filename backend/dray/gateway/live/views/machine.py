@@ -29,6 +29,8 @@ class GoalView(View, kw_only=True):
     product: str
     quantity: int
     made: int
+    to_begin: int
+    """Pieces whose material no cycle has taken yet: one in the making is not among them."""
     delivered: int
     deadline_at_s: float | None = None
     """When it should be done; its order is due some minutes later. None where the machine does not tell."""

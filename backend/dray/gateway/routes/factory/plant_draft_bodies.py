@@ -23,7 +23,14 @@ EXAMPLE_FIGURES = ShiftFigures(
     transports_per_h=121.0,
     waiting_frac=0.09,
     empty_travel_frac=0.41,
-    bottleneck="nothing was short",
+    bottleneck="nothing is short: 60 of 61 orders delivered; the busiest is machine M3, 71%",
+    bottleneck_code="played_nothing_short",
+    bottleneck_values={
+        "delivered": 60,
+        "placed": 61,
+        "where": {"code": "played_machine", "values": {"name": "M3"}, "text": "machine M3"},
+        "busy": 71,
+    },
     bottleneck_name="",
     invariants="held",
 )
@@ -56,12 +63,19 @@ class PlanView(msgspec.Struct, frozen=True, kw_only=True):
     width_m: float | None = None
     """Of a plan that says how large it is, as DXF; else null."""
     height_m: float | None = None
-    notes: tuple[str, ...] = ()
+    notes: tuple[NoteView, ...] = ()
     """What of it was left out or assumed."""
 
 
 PLAN_EXAMPLE = PlanView(
-    media_type="image/svg+xml", width_m=84.2, height_m=51.0, notes=("left out: MTEXT, 31 times",)
+    media_type="image/svg+xml",
+    width_m=84.2,
+    height_m=51.0,
+    notes=(
+        NoteView(
+            text="left out: MTEXT, 31 times", code="note_plan_left_out", values={"kind": "MTEXT", "count": 31}
+        ),
+    ),
 )
 
 EXAMPLE = DraftView(

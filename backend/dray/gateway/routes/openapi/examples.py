@@ -126,7 +126,7 @@ _STRUCTS = (
         name="Lathe",
         status="producing",
         product="P1",
-        goals=(GoalView(goal="strategist.1-1", product="P1", quantity=5, made=1, delivered=0),),
+        goals=(GoalView(goal="strategist.1-1", product="P1", quantity=5, made=1, to_begin=4, delivered=0),),
         tasks=(
             OpenTaskView(
                 task="M1.1-1",

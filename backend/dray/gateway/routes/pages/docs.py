@@ -17,8 +17,8 @@ router = APIRouter(include_in_schema=False)
 
 STYLE = """
 :root{color-scheme:light dark;font:16px/1.5 system-ui,sans-serif}
-body{max-width:60rem;margin:2rem auto;padding:0 1rem}
-pre{overflow:auto;padding:.75rem;border:1px solid #8888;border-radius:.5rem;font-size:.875rem}
+body{overflow-wrap:anywhere;max-width:60rem;margin:2rem auto;padding:0 1rem}
+pre{white-space:pre-wrap;overflow-wrap:anywhere;padding:.75rem;border:1px solid #8888;border-radius:.5rem;font-size:.875rem}
 section{border-top:1px solid #8888;margin-top:2rem}
 table{border-collapse:collapse}td,th{text-align:left;padding:.25rem 1rem .25rem 0;vertical-align:top}
 """.strip()
@@ -27,10 +27,10 @@ PAGE = """\
 <!doctype html>
 <html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width">
 <title>{{ info.title }} API</title><style>{{ style | safe }}</style></head>
-<body><h1>{{ info.title }} API, {{ info.version }}</h1>
+<body><main><h1>{{ info.title }} API, {{ info.version }}</h1>
 <pre>{{ info.description }}</pre>
 <p>As a document for programs: <a href="openapi.json">openapi.json</a></p>
-<nav><ul>{% for op in operations %}<li><a href="#{{ op.operationId }}"><code>{{ op.method }} {{ op.path }}</code></a>
+<nav aria-label="Operations"><ul>{% for op in operations %}<li><a href="#{{ op.operationId }}"><code>{{ op.method }} {{ op.path }}</code></a>
 {{ op.summary }}</li>{% endfor %}</ul></nav>
 {% for op in operations %}<section id="{{ op.operationId }}">
 <h2><code>{{ op.method }} {{ op.path }}</code></h2><p>{{ op.description }}</p>
@@ -40,7 +40,7 @@ PAGE = """\
 <h3>Answers</h3><table>{% for status, text in op.answers %}<tr><th>{{ status }}</th><td>{{ text }}</td></tr>{% endfor %}
 </table>{% if op.example %}<pre>{{ op.example }}</pre>{% endif %}</section>{% endfor %}
 <h2>Shapes</h2>{% for name, shape in shapes %}<details id="{{ name }}"><summary>{{ name }}</summary>
-<pre>{{ shape }}</pre></details>{% endfor %}</body></html>
+<pre>{{ shape }}</pre></details>{% endfor %}</main></body></html>
 """
 
 STYLE_HASH = base64.b64encode(hashlib.sha256(STYLE.encode()).digest()).decode()

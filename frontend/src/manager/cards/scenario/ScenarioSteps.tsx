@@ -1,5 +1,6 @@
 import { useSignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
+import { useEffect, useRef } from "preact/hooks";
 import { skipToNextStep } from "../../../api/client";
 import type { ScenarioView, StepView } from "../../../api/types";
 import { Card } from "../../../parts/Card";
@@ -22,7 +23,7 @@ export function ScenarioSteps({ scenario }: { scenario: ScenarioView }) {
   const { after_s: afterS, checks, id, state, steps } = scenario;
   const next = nextOf(scenario);
   return (
-    <Card class="scenario" title={inFactoryTime(t("scenario.title", { name: id }))}>
+    <Card class="scenario" title={inFactoryTime(t("scenario.title", { name: id }))} scrolls>
       {state === "playing" && <Skip isSkipping={scenario.skipping} />}
       <ol>
         {steps.map((step) => (
@@ -51,8 +52,10 @@ export function ScenarioSteps({ scenario }: { scenario: ScenarioView }) {
 
 function Line({ step, when, isNext }: { step: StepView; when: ComponentChildren; isNext: boolean }) {
   const { after_s: afterS, agents } = step;
+  const line = useRef<HTMLLIElement>(null);
+  useEffect(() => { if (isNext && line.current) showWithin(line.current); }, [isNext]);
   return (
-    <li class={afterS === null ? "todo" : ""} aria-current={isNext ? "step" : undefined}>
+    <li ref={line} class={afterS === null ? "todo" : ""} aria-current={isNext ? "step" : undefined}>
       <span>
         {t(`scenario.step.${step.step}`)}
         {agents.length > 0 && ":"}
@@ -63,6 +66,14 @@ function Line({ step, when, isNext }: { step: StepView; when: ComponentChildren;
       <small>{when}</small>
     </li>
   );
+}
+
+/** Scrolls a card until a line of it is in the middle; the page around the card stays where it is. */
+function showWithin(line: HTMLElement): void {
+  const body = line.closest(".card-body");
+  if (!body) return;
+  const [inner, outer] = [line.getBoundingClientRect(), body.getBoundingClientRect()];
+  body.scrollTop += inner.top - outer.top - (outer.height - inner.height) / 2;
 }
 
 function whenOf({ after_s: afterS }: StepView, isOver: boolean): string {
@@ -89,7 +100,7 @@ function Skip({ isSkipping }: { isSkipping: boolean }) {
   };
   return (
     <div class="to-next">
-      <button type="button" class="button" disabled={busy.value} title={t("scenario.skipHint")} onClick={act}>
+      <button type="button" class="button small" disabled={busy.value} title={t("scenario.skipHint")} onClick={act}>
         {t(isSkipping ? "scenario.skipping" : "scenario.skip")}
       </button>
       {failed.value !== "" && <p role="alert" class="tone-alarm">{failed.value}</p>}

@@ -8,6 +8,7 @@ import { problemText } from "../../problem-text";
 import type { Story } from "./lanes";
 
 interface Props {
+  title: string;
   links: Story["links"];
   /** What whoever has a link sees. */
   hint: string;
@@ -19,7 +20,7 @@ interface Props {
 }
 
 /** The page of an order or a transport for others: its links are made, copied and taken back here. */
-export function LinkCard({ hint, links, make: makeLink, onChanged, revoke: revokeLinks, sure }: Props) {
+export function LinkCard({ hint, links, make: makeLink, onChanged, revoke: revokeLinks, sure, title }: Props) {
   const made = useSignal("");
   const asking = useSignal(false);
   const busy = useSignal(false);
@@ -48,7 +49,7 @@ export function LinkCard({ hint, links, make: makeLink, onChanged, revoke: revok
       made.value = "";
     });
   return (
-    <Card title={t("links.title")} aside={<span class="muted">{n("links.valid", valid.length, format.count(valid.length))}</span>} class="order-links">
+    <Card title={title} aside={<span class="muted">{n("links.valid", valid.length, format.count(valid.length))}</span>} class="order-links">
       <p class="muted">{hint}</p>
       {made.value !== "" && (
         <Once value={made.value} label={t("links.address")} copy={t("links.copy")} copied={t("links.copied")} notCopied={t("links.notCopied")} hint={t("links.once")}>

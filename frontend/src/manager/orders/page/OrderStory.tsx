@@ -78,6 +78,7 @@ function Page({ again, kept, story }: { kept: OrderAnswer; story: Story; again: 
           <ChangeCard key={`change ${id}`} kept={kept} onChanged={again} />
           <LinkCard
             key={id}
+            title={t("links.title")}
             links={story.links}
             hint={t("links.hint")}
             sure={t("links.revokeSure")}

@@ -1,7 +1,7 @@
 /** What happened to an order, in words. */
 import type { components } from "../../../api/types";
 import { format, t, word } from "../../../text/views/order";
-import { names, plant } from "../../state";
+import { names, placeOf } from "../../state";
 import type { Transport } from "./lanes";
 
 export type Moment = components["schemas"]["MomentView"];
@@ -19,10 +19,7 @@ export function isProblem(moment: Moment): boolean {
   return PROBLEMS.has(moment.kind);
 }
 
-/** What people call a place: warehouses and storages have names, machines their ids. */
-export function placeOf(id: string): string {
-  return plant.value?.warehouses.find((each) => each.id === id)?.name ?? id;
-}
+export { placeOf };
 
 export function loadOf(item: string, quantity: number): string {
   return `${format.count(quantity)} ${names.value(item)}`;

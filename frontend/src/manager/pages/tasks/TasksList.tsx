@@ -15,7 +15,7 @@ import { Pages } from "../../parts/pages/Pages";
 import { PrintButton } from "../../parts/paper/PrintButton";
 import { countOf, sortBy, usePaged } from "../../parts/pages/paged";
 import { ShowLink } from "../../parts/ShowLink";
-import { names, plant, taskName } from "../../state";
+import { names, placeOf, plant, taskName } from "../../state";
 import { addressOf, asked, storyOf } from "../../views";
 import { heldKey, machineHeldKey } from "../../parts/rows/held";
 import { queryOf, STATES, tableOf } from "./filter";
@@ -99,7 +99,7 @@ function shownOf(record: TaskRecord, live: TaskView | undefined): Shown {
 
 function Row({ task }: { task: Shown }) {
   const { live, order } = task;
-  const source = task.source.replaceAll("/", " / ");
+  const source = task.source.split("/").map(placeOf).join(" / ");
   const opened = live && isOpen(live);
   const name = taskName(task.id, order, task.reference ?? order);
   const story = storyOf(task);
@@ -110,7 +110,7 @@ function Row({ task }: { task: Shown }) {
         {live ? <ShowLink chosen={{ kind: "task", id: task.id }} name={name} label={t("tasks.open", { id: name })} /> : name}
       </th>
       <td>{story === "" ? what : <a class="link" href={story}>{what}</a>}</td>
-      <td>{task.destination && t("auction.way", { source, destination: task.destination })}</td>
+      <td>{task.destination && t("auction.way", { source, destination: placeOf(task.destination) })}</td>
       <td>{order && <a class="link" href={addressOf(order)}>{task.reference ?? order}</a>}</td>
       <td>
         {live?.phase && opened ? word("phase", live.phase) : word("state", task.state)}

@@ -59,6 +59,7 @@ export const transports: Catalogue<typeof en> = {
   "called.page.before": "vorher: {carriers}",
   "called.page.forgotten": "Seine Schritte sind älter als das Ereignisprotokoll. Wer ihn zuletzt fuhr und wann, ist noch bekannt.",
   "called.page.ended": "Beendet",
+  "called.links.title": "Link zum Verfolgen",
   "called.links.hint": "Wer einen Link hat, sieht, was von wo nach wo gebracht wird, wie weit es ist und wann es erwartet wird; keine Fahrzeuge und keine Karte.",
   "called.links.sure": "Alle Links dieses Transports zurücknehmen? Ihre Seiten sagen es von nun an.",
   "called.is.waiting": "wartet",

@@ -57,6 +57,7 @@ export const transports = {
   "called.page.before": "before: {carriers}",
   "called.page.forgotten": "Its steps are older than the log of events. Who carried it last, and when, is kept.",
   "called.page.ended": "Ended",
+  "called.links.title": "Link to follow it",
   "called.links.hint": "Whoever has a link sees what is brought, from where to where, how far it is and when it is expected; no vehicles and no map.",
   "called.links.sure": "Take all links of this transport back? Their pages say so from now on.",
   "called.is.waiting": "waiting",

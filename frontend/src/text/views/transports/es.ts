@@ -59,6 +59,7 @@ export const transports: Catalogue<typeof en> = {
   "called.page.before": "antes: {carriers}",
   "called.page.forgotten": "Sus pasos son más antiguos que el registro de sucesos. Se sabe quién lo llevó al final, y cuándo.",
   "called.page.ended": "Terminado",
+  "called.links.title": "Enlace para seguirlo",
   "called.links.hint": "Quien tiene un enlace ve qué se lleva, de dónde a dónde, cómo va y cuándo se espera; ni vehículos ni mapa.",
   "called.links.sure": "¿Anular todos los enlaces de este transporte? Sus páginas lo dirán desde ahora.",
   "called.is.waiting": "en espera",

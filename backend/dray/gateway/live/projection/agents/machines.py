@@ -183,6 +183,7 @@ class Machines:
             product=goal.product,
             quantity=goal.quantity,
             made=goal.made,
+            to_begin=max(0, goal.quantity - goal.made) if goal.to_begin is UNSET else goal.to_begin,
             delivered=goal.delivered,
             deadline_at_s=None if goal.deadline_s is UNSET else self._to_wall_s(goal.deadline_s),
             order_due_at_s=self.due_of(goal.goal),

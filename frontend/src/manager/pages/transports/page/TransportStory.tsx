@@ -64,6 +64,7 @@ export function TransportStory() {
               <Waits transport={found.transport} />
               <LinkCard
                 key={id}
+                title={t("called.links.title")}
                 links={found.story.links}
                 hint={t("called.links.hint")}
                 sure={t("called.links.sure")}
