@@ -66,7 +66,7 @@ TEXTS: Mapping[str, str] = {
     "same_place": "it is {place} already; name another place",
     "item_is_product": "{item} is a product: finished goods leave their machine by themselves",
     "material_unknown": "there is no material '{item}'; GET /api/materials lists them",
-    "load_too_large": "one load of {item} is {most} at most; ask for several transports",
+    "load_too_large": "one load of {item} is {most} at most; ask for several transports: {loads}",
     "not_your_area": "neither place is in your areas; one of them must be",
     "only_for": "this key calls for {place} only: it must be one of both places",
     "only_items": "this key calls for {items} only",

@@ -382,15 +382,15 @@ class PlainTransports:
             return [FieldError.of("item", "material_unknown", item=item)]
         errors, spec = misplaced(plant, item, source, to), plant.materials[item]
         if draft.quantity > spec.lot:
-            errors.append(FieldError.of("quantity", "load_too_large", item=item, most=spec.lot))
+            loads = loads_text(draft.quantity, spec.lot)
+            errors.append(FieldError.of("quantity", "load_too_large", item=item, most=spec.lot, loads=loads))
         places = self.places_of(caller)
         if places is not None and places.isdisjoint((source, to)):
             errors.append(FieldError.of("to", "not_your_area"))
         wanted = {spec.ability, draft.ability or spec.ability}
         if draft.vehicle is not None:
             errors += self._unfit(draft.vehicle, wanted)
-        if draft.ability is not None:
-            errors += self._unknown_ability(draft.ability, spec.ability)
+        errors += self._nobody_able(draft.ability, spec.ability)
         if draft.due_at is not None and draft.due_at.timestamp() <= now_s:
             now = datetime.fromtimestamp(now_s, UTC).isoformat(timespec="seconds")
             errors.append(FieldError.of("due_at", "past", now=now))
@@ -399,17 +399,17 @@ class PlainTransports:
             errors.append(FieldError.of("not_before", "not_after_due", due=due))
         return errors
 
-    def _unknown_ability(self, wanted: str, carried: str) -> list[FieldError]:
-        """What is wrong with an ability that nobody in the plant has, or nobody who carries the material."""
+    def _nobody_able(self, wanted: str | None, carried: str) -> list[FieldError]:
+        """What is wrong where no vehicle of the plant carries the material, or none of those has what is wanted beside."""
         kinds = self._plant.vehicle_types
         types = {each.type for each in self._plant.fleet.values()}
         types |= {each.type for each in self._projection.atvs.views()}
         has = [kinds[each].abilities for each in types & kinds.keys()]
-        if any(wanted in abilities and carried in abilities for abilities in has):
+        if any({wanted or carried, carried} <= set(abilities) for abilities in has):
             return []
         named = sorted({ability for abilities in has for ability in abilities if carried in abilities})
         if not named:
-            return [FieldError.of("ability", "ability_nobody", carried=carried)]
+            return [FieldError.of("item" if wanted is None else "ability", "ability_nobody", carried=carried)]
         return [
             FieldError.of(
                 "ability", "ability_unknown", carried=carried, wanted=wanted, abilities=", ".join(named)
@@ -425,6 +425,12 @@ class PlainTransports:
             abilities = ", ".join(sorted(lacking))
             return [FieldError.of("vehicle", "vehicle_lacks", vehicle=vehicle, abilities=abilities)]
         return []
+
+
+def loads_text(pieces: int, most: int) -> str:
+    """In which loads so many pieces come, where one has so many at most: as ``2 x 40 + 20``."""
+    full, rest = divmod(pieces, most)
+    return f"{full} x {most}" + (f" + {rest}" if rest else "")
 
 
 def _kept(row: TransportRow) -> KeptAnswer:

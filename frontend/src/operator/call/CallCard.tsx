@@ -5,6 +5,7 @@ import { isLow, lastsS } from "../../plant/stock";
 import { nowS, world } from "../../stream/stream";
 import { vehicleName } from "../../text/elsewhere";
 import { format, t, word } from "../../text/operator";
+import { shortageText } from "../../text/shortage";
 import { moment, names, plant, station } from "../state";
 import { busy, calls, choice, choose, failed, followCalls, send, withdraw } from "./call";
 import "./call.css";
@@ -132,6 +133,7 @@ function Job({ call, place }: { call: TransportAnswer; place: string }) {
           </ol>
         )}
         {why(call) !== "" && <small class={call.wait === null || call.wait === "undecided" || call.wait === "not_before" ? "muted" : "tone-warn"}>{why(call)}</small>}
+        {call.shortage !== null && <small class="muted">{shortageText(call.from, call.shortage)}</small>}
         {call.wait === "no_bid" && <Unwilling task={call.task} />}
       </div>
       {canCallOff(call) && (

@@ -57,7 +57,7 @@ export const rows: Catalogue<typeof en> = {
   "rowFault.same_place": "Das ist schon {place}. Einen anderen Ort nennen.",
   "rowFault.item_is_product": "{item} ist ein Produkt: Fertige Waren verlassen ihre Maschine von selbst.",
   "rowFault.material_unknown": "Ein Material {item} gibt es nicht. Eines aus der Liste wählen.",
-  "rowFault.load_too_large": "Eine Ladung {item} sind höchstens {most}. Mehrere Transporte anfordern.",
+  "rowFault.load_too_large": "Eine Ladung {item} sind höchstens {most}. Mehrere Transporte anfordern: {loads}.",
   "rowFault.not_your_area": "Keiner der Orte liegt in Ihren Bereichen. Einer muss es.",
   "rowFault.only_for": "Dieser Schlüssel ruft nur für {place}. Einer der Orte muss es sein.",
   "rowFault.only_items": "Dieser Schlüssel ruft nur {items}.",

@@ -54,7 +54,7 @@ export const rows = {
   "rowFault.same_place": "It is {place} already. Name another place.",
   "rowFault.item_is_product": "{item} is a product: finished goods leave their machine by themselves.",
   "rowFault.material_unknown": "There is no material {item}. Choose one of the list.",
-  "rowFault.load_too_large": "One load of {item} is {most} at most. Ask for several transports.",
+  "rowFault.load_too_large": "One load of {item} is {most} at most. Ask for several transports: {loads}.",
   "rowFault.not_your_area": "Neither place is in your areas. One of them must be.",
   "rowFault.only_for": "This key calls for {place} only. One of both places must be it.",
   "rowFault.only_items": "This key calls for {items} only.",

@@ -57,7 +57,7 @@ export const rows: Catalogue<typeof en> = {
   "rowFault.same_place": "Ya es {place}. Indique otro lugar.",
   "rowFault.item_is_product": "{item} es un producto: los productos acabados salen solos de su máquina.",
   "rowFault.material_unknown": "No hay ningún material {item}. Elija uno de la lista.",
-  "rowFault.load_too_large": "Una carga de {item} es de {most} como máximo. Pida varios transportes.",
+  "rowFault.load_too_large": "Una carga de {item} es de {most} como máximo. Pida varios transportes: {loads}.",
   "rowFault.not_your_area": "Ningún lugar está en sus áreas. Uno debe estarlo.",
   "rowFault.only_for": "Esta clave solo llama para {place}. Uno de los dos lugares debe serlo.",
   "rowFault.only_items": "Esta clave solo pide {items}.",

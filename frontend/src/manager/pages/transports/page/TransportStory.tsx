@@ -6,6 +6,7 @@ import { Tag } from "../../../../parts/Tag";
 import { choose } from "../../../../selection/selection";
 import { nowS, world } from "../../../../stream/stream";
 import { causeText } from "../../../../text/failure";
+import { shortageText } from "../../../../text/shortage";
 import { speakAlso } from "../../../../text/speech";
 import { t as ofOrders, tables as orderTables } from "../../../../text/views/order";
 import { format, t, tables, word } from "../../../../text/views/transports";
@@ -228,7 +229,7 @@ function LanesCard({ story, transport }: Props) {
 
 /** Why it is not there yet, by name: what it lacks, why a wished vehicle does not come, and for whom its carrier stands. */
 function Waits({ transport }: { transport: TransportAnswer }) {
-  const { ability, carrier, ended_at, not_before, refused, task: name, vehicle, vehicle_until, vehicle_waits, wait } = transport;
+  const { ability, carrier, ended_at, from: source, not_before, refused, shortage, task: name, vehicle, vehicle_until, vehicle_waits, wait } = transport;
   const task = name === null ? undefined : world.value?.tasks.get(name);
   const stands = carrier === null ? undefined : world.value?.waits.get(carrier);
   const lines = [
@@ -238,6 +239,7 @@ function Waits({ transport }: { transport: TransportAnswer }) {
     task?.trouble == null ? "" : causeText(task.trouble),
   ].filter((line) => line !== "");
   const more = [
+    shortageText(source, shortage),
     wait === "not_before" ? t("called.begins", { at: when(secondsOf(not_before)) }) : "",
     vehicle_until === null || ended_at !== null ? "" : t("called.until", { at: when(secondsOf(vehicle_until)) }),
     ability === null ? "" : t("called.asks", { ability }),
