@@ -168,7 +168,9 @@ function why(call: TransportAnswer): string {
     if (call.wait === "not_before" && begin !== null) return t("calling.begins", { at: format.due(Date.parse(begin) / 1000, moment.value.nowS) });
     if (vehicle !== null && waits !== null && call.wait !== "no_room" && call.wait !== "short")
       return t("calling.wait.vehicle", { vehicle, why: word("unwilling", waits) });
-    return call.wait === "no_room" || call.wait === "short" || call.wait === "no_bid" ? t(`calling.wait.${call.wait}`) : t("calling.wait.undecided");
+    if (call.wait !== "no_room" && call.wait !== "short" && call.wait !== "no_bid") return t("calling.wait.undecided");
+    // What its place has told last is why it waits: nothing else changes a call that waits.
+    return t("calling.waitsSince", { why: t(`calling.wait.${call.wait}`), at: format.due(Date.parse(call.updated_at) / 1000, moment.value.nowS) });
   }
   const at = call.expected_at === null ? "" : ` · ${t("card.there", { at: format.due(Date.parse(call.expected_at) / 1000, moment.value.nowS) })}`;
   return `${call.carrier ?? ""}${at}${call.status === "on_board" ? ` · ${t("calling.tooLate")}` : ""}`;

@@ -337,6 +337,7 @@ export const de: Catalogue<typeof en> = {
   "calling.begins": "beginnt {at}",
   "calling.tooLate": "nicht mehr abzubestellen",
   "calling.refused": "es geht nicht",
+  "calling.waitsSince": "{why}, seit {at}",
   "calling.wait.vehicle": "nur {vehicle} darf es bringen: {why}",
 
   "station.title": "Material",

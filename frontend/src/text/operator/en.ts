@@ -335,6 +335,7 @@ export const en = {
   "calling.begins": "begins {at}",
   "calling.tooLate": "cannot be called off any more",
   "calling.refused": "it cannot be done",
+  "calling.waitsSince": "{why}, since {at}",
   "calling.wait.vehicle": "only {vehicle} may carry it: {why}",
 
   "station.title": "Material",

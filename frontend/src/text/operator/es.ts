@@ -337,6 +337,7 @@ export const es: Catalogue<typeof en> = {
   "calling.begins": "empieza {at}",
   "calling.tooLate": "ya no se puede anular",
   "calling.refused": "no se puede hacer",
+  "calling.waitsSince": "{why}, desde {at}",
   "calling.wait.vehicle": "solo {vehicle} puede llevarlo: {why}",
 
   "station.title": "Material",
