@@ -18,6 +18,7 @@ from dray.gateway.access.rules import RULES
 from dray.gateway.orders.transport_draft import WISH_S
 from dray.gateway.orders.transports import loads_text
 from dray.messages import (
+    THING,
     AtvStatus,
     Phase,
     Reason,
@@ -508,3 +509,56 @@ async def test_what_is_not_there_yet_is_taken_and_told_with_what_is_free_and_who
         [station_heartbeat("S3", 11, stocks=(StockLevel("shaft", level=0, capacity=400),)), second]
     )
     assert (await house.get(f"{PATH}/{answer['id']}"))["shortage"] is None
+
+
+PUMP = {"from": "M8", "to": "S3", "thing": " pump housing for Meier ", "ability": "tote"}
+
+
+async def test_a_thing_without_master_data_is_asked_for_by_what_people_call_it(house: House) -> None:
+    response = await house.client.post(PATH, json=PUMP)
+    assert response.status_code == 201, response.text
+    answer = response.json()
+    assert (answer["item"], answer["thing"], answer["quantity"]) == (THING, "pump housing for Meier", 1)
+    [asked] = house.bus.sent_to("S3", TransportOrdered)
+    assert (asked.source, asked.item, asked.quantity, asked.ability) == ("M8", THING, 1, "tote")
+    assert await house.get(f"{PATH}/{answer['id']}") == answer
+    assert [each["id"] for each in (await house.get(PATH, q="meier"))["items"]] == [answer["id"]]
+    told = progress(answer["id"], TransportState.DELIVERED, item=THING, quantity=1)
+    await house.say(events("S3", told))
+    assert (await house.get(f"{PATH}/{answer['id']}"))["status"] == "delivered"
+    material = await called(house)
+    assert (material["thing"], material["item"]) == (None, "shaft")
+
+
+@pytest.mark.parametrize(
+    ("fields", "field", "code"),
+    [
+        ({"from": None}, "from", "thing_place"),
+        ({"to": None}, "to", "thing_place"),
+        ({"to": "nowhere"}, "to", "place_unknown"),
+        ({"to": "M8"}, "to", "same_place"),
+        ({"item": "shaft"}, "item", "thing_alone"),
+        ({"quantity": 2}, "quantity", "thing_is_one"),
+        ({"ability": None}, "ability", "thing_ability"),
+        ({"ability": "crane"}, "ability", "thing_ability"),
+        ({"thing": "  "}, "thing", "missing"),
+        ({"thing": "x" * 101}, "thing", "too_long"),
+        ({"thing": "a\nb"}, "thing", "pattern"),
+        ({"thing": None}, "item", "missing"),
+        ({"thing": None, "item": "shaft"}, "quantity", "missing"),
+    ],
+)
+async def test_a_thing_that_cannot_be_brought_is_refused_with_the_field(
+    house: House, fields: dict[str, Any], field: str, code: str
+) -> None:
+    answer = await house.client.post(PATH, json=PUMP | fields)
+    assert answer.status_code == 422
+    assert [(error["field"], error["code"]) for error in answer.json()["errors"]] == [(field, code)]
+
+
+async def test_a_key_for_some_materials_calls_for_no_thing(house: House) -> None:
+    _, header = await house.key(Scope.TRANSPORTS_CALL, places="M8", items="shaft")
+    answer = await house.visitor(**header).post(PATH, json=PUMP)
+    assert (answer.status_code, [error["code"] for error in answer.json()["errors"]]) == (403, ["only_items"])
+    _, header = await house.key(Scope.TRANSPORTS_CALL, places="M8")
+    assert (await house.visitor(**header).post(PATH, json=PUMP)).status_code == 201

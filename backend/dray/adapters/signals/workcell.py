@@ -36,7 +36,7 @@ from dray.body import (
     StockChanged,
     WorkcellState,
 )
-from dray.messages import NOTHING_KNOWN, Problem, ProblemKind
+from dray.messages import NOTHING_KNOWN, THING, Problem, ProblemKind
 from dray.messages.base import COUNT_MAX
 from dray.plant import Plant
 from dray.plant.model import MachineSpec
@@ -358,7 +358,8 @@ class SignalledWorkcell:
 
     def _move(self, item: str, change: int, vehicle: str) -> None:
         """A vehicle has brought something, or taken it."""
-        self._stock[item] = min(max(self._stock.get(item, 0) + change, 0), COUNT_MAX)
+        if item != THING:
+            self._stock[item] = min(max(self._stock.get(item, 0) + change, 0), COUNT_MAX)
         self._kept = replace(self._kept, seq=self._kept.seq + 1)
         self._keep()
         self._report(StockChanged(item=item, change=change, seq=self._kept.seq, vehicle=vehicle))

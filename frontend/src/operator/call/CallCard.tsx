@@ -115,7 +115,7 @@ function Job({ call, place }: { call: TransportAnswer; place: string }) {
   const step = stepOf(call);
   const brought = call.to === place;
   const what = t(brought ? "calling.jobBring" : "calling.jobTake", {
-    quantity: format.count(call.quantity), what: names.value(call.item), place: brought ? call.from : call.to,
+    quantity: format.count(call.quantity), what: call.thing ?? names.value(call.item), place: brought ? call.from : call.to,
   });
   return (
     <li>

@@ -3,7 +3,7 @@ import type { TransportAnswer } from "../../api/transports";
 import { canCallOff, loadOf, shownCalls, stepOf, unwillingOf } from "./steps";
 
 const call = (more: Partial<TransportAnswer> = {}): TransportAnswer => ({
-  id: "T1", status: "waiting", from: "S3", to: "M8", item: "shaft", quantity: 40, priority: "normal", vehicle: null, vehicle_until: null, vehicle_waits: null, shortage: null, ability: null, called_by: "anna",
+  id: "T1", status: "waiting", from: "S3", to: "M8", item: "shaft", thing: null, quantity: 40, priority: "normal", vehicle: null, vehicle_until: null, vehicle_waits: null, shortage: null, ability: null, called_by: "anna",
   created_at: "2030-01-01T10:00:00Z", due_at: "2030-01-01T10:15:00Z", not_before: null, cancel_at: null, ended_at: null, updated_at: "2030-01-01T10:00:00Z",
   carrier: null, expected_at: null, task: null, wait: null, refused: null, ...more,
 });

@@ -67,6 +67,9 @@ class TransportAnswer(msgspec.Struct, frozen=True, kw_only=True, rename={"source
     source: str
     to: str
     item: str
+    """A material; `.thing` for a thing without master data..."""
+    thing: str | None = None
+    """...which people call so."""
     quantity: int
     priority: str
     vehicle: str | None = None
@@ -170,7 +173,11 @@ DRAFTS = {
     "bring": {
         "summary": "A load from a storage to a machine",
         "value": {"from": "S5", "to": "M8", "item": "bearing", "quantity": 40},
-    }
+    },
+    "thing": {
+        "summary": "Something without master data",
+        "value": {"from": "M8", "to": "S5", "thing": "pump housing for Meier", "ability": "tote"},
+    },
 }
 
 
@@ -428,6 +435,7 @@ def transport_answer(
         source=row.source,
         to=row.destination,
         item=row.item,
+        thing=row.thing or None,
         quantity=row.quantity,
         priority=row.priority,
         vehicle=row.vehicle or None,

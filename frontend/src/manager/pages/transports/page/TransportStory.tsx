@@ -87,7 +87,7 @@ interface Props {
 
 /** Answers first what people come for: where it is, and when it is there. */
 function Head({ onChanged, story, transport }: Props & { onChanged: () => void }) {
-  const { called_by, cancel_at, due_at, ended_at, from, id, item, priority, quantity, status, task, to } = transport;
+  const { called_by, cancel_at, due_at, ended_at, from, id, item, priority, quantity, status, task, thing, to } = transport;
   const { before, last } = carriersOf(story);
   const isLive = task !== null && world.value?.tasks.has(task) === true;
   return (
@@ -99,7 +99,7 @@ function Head({ onChanged, story, transport }: Props & { onChanged: () => void }
           </a>
           {` / ${id}`}
         </p>
-        <h1 id="transport-title">{t("called.page.what", { load: loadOf(item, quantity), from: placeOf(from), to: placeOf(to) })}</h1>
+        <h1 id="transport-title">{t("called.page.what", { load: thing ?? loadOf(item, quantity), from: placeOf(from), to: placeOf(to) })}</h1>
         <Tag tone={status === "cancelled" ? "warn" : "normal"}>
           {cancel_at !== null && ended_at === null ? t("called.beingOff") : word("called.is", status)}
         </Tag>
