@@ -67,9 +67,7 @@ class TransportAnswer(msgspec.Struct, frozen=True, kw_only=True, rename={"source
     source: str
     to: str
     item: str
-    """A material; `.thing` for a thing without master data..."""
-    thing: str | None = None
-    """...which people call so."""
+    """A material; `.thing` for a `thing` without master data."""
     quantity: int
     priority: str
     vehicle: str | None = None
@@ -101,6 +99,8 @@ class TransportAnswer(msgspec.Struct, frozen=True, kw_only=True, rename={"source
     """Why nobody carries it: not_before while its time has not come, no_room where it goes, short where it is fetched, no_bid, or undecided yet."""
     refused: str | None = None
     """Why it cannot be done, where that has ended it."""
+    thing: str | None = None
+    """What people call it, where it has no master data."""
 
 
 EXAMPLE = TransportAnswer(
