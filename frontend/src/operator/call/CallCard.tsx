@@ -10,6 +10,7 @@ import { moment, names, plant, station } from "../state";
 import { busy, calls, choice, choose, failed, followCalls, send, withdraw } from "./call";
 import "./call.css";
 import { canCallOff, LOADS, shownCalls, stepOf, STEPS, unwillingOf } from "./steps";
+import { ThingForm } from "./ThingForm";
 
 /** Bring and take away for the own station: first touch what, second touch, in another place, how much; that sends. */
 export function CallCard() {
@@ -29,6 +30,7 @@ export function CallCard() {
         <Tiles buffers={buffers.filter(({ level }) => level > 0)} way="take" lasts={() => null} />
       </div>
       <Second spec={spec} />
+      <ThingForm />
       {shown.length > 0 && (
         <ul class="call-jobs">
           {shown.map((call) => (
@@ -133,7 +135,7 @@ function Job({ call, place }: { call: TransportAnswer; place: string }) {
           </ol>
         )}
         {why(call) !== "" && <small class={call.wait === null || call.wait === "undecided" || call.wait === "not_before" ? "muted" : "tone-warn"}>{why(call)}</small>}
-        {call.shortage !== null && <small class="muted">{shortageText(call.from, call.shortage)}</small>}
+        {call.shortage !== null && <small class="muted">{shortageText(call.from, brought ? call.shortage : { ...call.shortage, elsewhere: [] })}</small>}
         {call.wait === "no_bid" && <Unwilling task={call.task} />}
       </div>
       {canCallOff(call) && (
