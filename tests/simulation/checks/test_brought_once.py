@@ -60,6 +60,6 @@ def test_what_was_called_off_and_is_brought_is_found() -> None:
 
     tells(1, TransportState.ASSIGNED, "T-1-1")
     tells(2, TransportState.CANCELLED)
-    closed = TaskClosed(task="T-1-1", epoch=1, outcome="delivered")
+    closed = TaskClosed(task="T-1-1", epoch=1, outcome="delivered", carrier="ATV1")
     with pytest.raises(InvariantBroken, match="T-1 was called off, and T-1-1 of it is delivered"):
         check.on_message(3.0, "M8", "", Event(agent="M8", incarnation=1, number=3, at_s=3.0, fact=closed))
