@@ -476,9 +476,11 @@ def test_a_thing_is_set_aside_at_its_place_fetched_by_who_carries_such_and_count
     announced = published(rig.all, TaskAnnounced)[-1].work
     assert isinstance(announced, Transport)
     assert (announced.item, announced.needed, announced.sources) == (THING, ("tote",), ("M8",))
-    rig.on_message("ATV1", bid(200.0, task="T-9-1", finish_s=rig.now_s + 300.0))
+    offered = bid(200.0, task="T-9-1", finish_s=rig.now_s + 300.0)
+    rig.on_message("ATV1", msgspec.structs.replace(offered, source="M8"))
     rig.run(rig.now_s + 1.2)
-    rig.on_message("ATV1", accepted("T-9-1", number=award_number(rig.all, "ATV1", "T-9-1")))
+    taken = accepted("T-9-1", number=award_number(rig.all, "ATV1", "T-9-1"))
+    rig.on_message("ATV1", taken)
     effects = rig.on_message("ATV1", Docked("T-9-1", 1, "S1"))
     assert instructed(effects, OpenDock) == [OpenDock(vehicle="ATV1", item=THING, quantity=1)]
     rig.seq += 1
