@@ -133,4 +133,4 @@ async def test_a_database_of_a_newer_dray_is_left_alone(store: Store, url: str) 
 
 def test_the_migrations_are_found_and_have_one_head() -> None:
     assert (migrations_folder() / "env.py").is_file()
-    assert ScriptDirectory.from_config(configuration()).get_current_head() == "0043"
+    assert ScriptDirectory.from_config(configuration()).get_current_head() == "0044"

@@ -136,6 +136,7 @@ from dray.messages.reason import CommandRefusal, Implausible, Reason
 from dray.messages.shutout import ShutOut
 from dray.messages.stock import StockAsked, StockFreed, StockReserved, StockShort
 from dray.messages.transport import (
+    THING,
     TRANSPORT_ENDED,
     TransportAnswered,
     TransportCancelled,
@@ -228,6 +229,7 @@ AnyMessage = (
 __all__ = [
     "NOTHING_KNOWN",
     "OPERATOR_PREFIX",
+    "THING",
     "TRANSPORT_ENDED",
     "WIRE_VERSION",
     "Accepted",

@@ -7,8 +7,13 @@ machine asks likewise for parts to be fetched that it has and does not need.
 from __future__ import annotations
 
 from enum import StrEnum
+from typing import Final
 
 from dray.messages.base import Count, Id, IdOrNone, Message, Seconds
+
+THING: Final = ".thing"
+"""As an item: one thing without master data (a text at whoever has called for it). It is carried as everything else and counted in no stock: it needs a
+place where it is fetched and one where it goes, and no place that keeps it. No item of a plant is called so: those begin with a letter."""
 
 
 class TransportState(StrEnum):
@@ -67,7 +72,7 @@ class TransportOrdered(Message, frozen=True):
     vehicle_until_s: Seconds | None = None
     """Until when only that one is asked, and then any (plant clock); None for always."""
     ability: IdOrNone = ""
-    """What its vehicle must be able to carry, beside what the load asks for; empty for nothing."""
+    """What its vehicle must be able to carry, beside what the load asks for; empty for nothing. Of a `THING` it is what the load asks for."""
 
 
 class TransportCancelled(Message, frozen=True):

@@ -1,10 +1,14 @@
 /** Names that people use for what agents know by id. */
 import type { PlantFile } from "../api/types";
+import { t } from "../text";
 
 export type Names = (id: string) => string;
+
+/** The item of what has no master data (`dray.messages.THING`). */
+export const THING = ".thing";
 
 export function namesOf(plant: PlantFile | null): Names {
   const items = [...(plant?.materials ?? []), ...(plant?.products ?? [])];
   const names = new Map(items.map((item) => [item.id, item.name]));
-  return (id) => names.get(id) ?? id;
+  return (id) => names.get(id) ?? (id === THING ? t("item.thing") : id);
 }

@@ -5,7 +5,7 @@ export interface Formats {
   percent: (frac: number, digits?: number) => string;
   count: (value: number) => string;
   number: (value: number, digits: number) => string;
-  /** 71 s, 3:40 min, 2:05 h */
+  /** 71 s, 3:40 min, 2:05 h, 12 d */
   duration: (seconds: number) => string;
   /** 54.8 s, 34:48 min: where tenths tell one from another */
   price: (seconds: number) => string;
@@ -19,9 +19,9 @@ export interface Formats {
   day: (atS: number) => string;
   /** Fri 10:39 */
   moment: (atS: number) => string;
-  /** 10:39 today, Fri 14:00 this week, 3 Dec 14:00 after it */
+  /** 10:39 today, Fri 14:00 this week, 3 Dec 14:00 after it, 3 Dec 2031 14:00 in another year */
   due: (atS: number, nowS: number) => string;
-  /** 10:39:20 today, Fri 14:00 this week, 3 Dec 14:00 before it */
+  /** 10:39:20 today, Fri 14:00 this week, 3 Dec 14:00 before it, 3 Dec 2031 14:00 in another year */
   when: (atS: number, nowS: number) => string;
   list: (items: readonly string[]) => string;
 }
@@ -31,6 +31,10 @@ const NARROW_SPACE = "\u202f";
 const MINUTES_FROM_S = 120;
 const HOUR_S = 3600;
 const DAY_S = 24 * HOUR_S;
+/** From here on hours say nothing to anybody. */
+const DAYS_FROM_S = 10 * DAY_S;
+/** From here on a date may be of another year than one thinks. */
+const YEAR_FROM_S = 300 * DAY_S;
 
 export function formatsFor(locale: string, timeZone?: string): Formats {
   const zone = timeZone === undefined ? {} : { timeZone };
@@ -40,6 +44,7 @@ export function formatsFor(locale: string, timeZone?: string): Formats {
   const hour = timeFormat(locale, { ...zone, hour: "2-digit", minute: "2-digit" });
   const weekday = timeFormat(locale, { ...zone, weekday: "short", hour: "2-digit", minute: "2-digit" });
   const date = timeFormat(locale, { ...zone, day: "numeric", month: "short", hour: "2-digit", minute: "2-digit" });
+  const dateOfYear = timeFormat(locale, { ...zone, day: "numeric", month: "short", year: "numeric", hour: "2-digit", minute: "2-digit" });
   const dayOfMonth = timeFormat(locale, { ...zone, weekday: "short", day: "numeric" });
   const day = new Intl.DateTimeFormat("en-CA", { ...zone, dateStyle: "short" });
   const list = new Intl.ListFormat(locale, { type: "unit", style: "short" });
@@ -55,11 +60,14 @@ export function formatsFor(locale: string, timeZone?: string): Formats {
     const sign = seconds < 0 && whole > 0 ? "−" : "";
     if (whole < MINUTES_FROM_S) return `${sign}${count.format(whole)}${NARROW_SPACE}s`;
     if (whole < 2 * HOUR_S) return `${sign}${minutes(whole)}${NARROW_SPACE}min`;
-    return `${sign}${minutes(Math.round(whole / 60))}${NARROW_SPACE}h`;
+    if (whole < DAYS_FROM_S) return `${sign}${minutes(Math.round(whole / 60))}${NARROW_SPACE}h`;
+    return `${sign}${count.format(Math.round(whole / DAY_S))}${NARROW_SPACE}d`;
   };
   const isSameDay = (atS: number, nowS: number): boolean => day.format(atS * 1000) === day.format(nowS * 1000);
-  const otherDay = (atS: number, nowS: number): Intl.DateTimeFormat =>
-    Math.abs(atS - nowS) < 6 * DAY_S ? weekday : date;
+  const otherDay = (atS: number, nowS: number): Intl.DateTimeFormat => {
+    const awayS = Math.abs(atS - nowS);
+    return awayS < 6 * DAY_S ? weekday : awayS < YEAR_FROM_S ? date : dateOfYear;
+  };
   return {
     percent: (frac, digits = 0) => `${number(frac * 100, digits)}${NARROW_SPACE}%`,
     count: (value) => count.format(value),

@@ -63,7 +63,7 @@ const plain = (text: string): string => text.replaceAll("\u202f", " ");
 describe("formats", () => {
   test.each([
     [0, "0 s"], [71.4, "71 s"], [119, "119 s"], [120, "2:00 min"], [220, "3:40 min"], [7199, "119:59 min"],
-    [7500, "2:05 h"], [-30, "−30 s"],
+    [7500, "2:05 h"], [-30, "−30 s"], [239.9 * 3600, "239:54 h"], [240 * 3600, "10 d"], [631960 * 3600, "26,332 d"],
   ])("a duration of %d s is %s", (seconds, text) => {
     expect(plain(format.duration(seconds))).toBe(text);
   });
@@ -87,6 +87,8 @@ describe("formats", () => {
     expect(format.due(now + 3600, now)).toBe("09:00");
     expect(format.due(now + 3 * 86400, now)).toMatch(/^Thu.*08:00$/);
     expect(format.due(now + 30 * 86400, now)).toMatch(/^3 Jun.*08:00$/);
+    expect(format.due(now + 40 * 365 * 86400, now)).toMatch(/^24 Apr.* 2066.*08:00$/);
+    expect(format.when(now - 2 * 365 * 86400, now)).toMatch(/^4 May.* 2024.*08:00$/);
   });
 });
 

@@ -15,6 +15,7 @@ import msgspec
 
 from dray.body import Drop, Pick
 from dray.errors import PlantError
+from dray.messages import THING
 from dray.messages.keys import GATE
 from dray.plant import Plant, with_machine
 from dray.plant.floor.rectangles import Rectangle
@@ -301,8 +302,10 @@ class Floor:
         lies: Counter[str] = Counter(self.in_hands)
         for storage in self.storages.values():
             lies.update(storage.stock)
+            lies[THING] += storage.things
         for workcell in self.workcells.values():
             lies.update(workcell.sense().stock)
+            lies[THING] += workcell.things
         for warehouse in self.delivery.values():
             lies.update(warehouse.aside)
         for vehicle in self.vehicles.values():

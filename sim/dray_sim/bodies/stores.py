@@ -16,6 +16,7 @@ from collections.abc import Callable, Container, Iterable, Mapping
 from typing import Protocol
 
 from dray.body import CloseDock, Instruction, OpenDock, Refill, Report, StockChanged, StorageState
+from dray.messages import THING
 from dray.plant.model import Storage as StorageSpec
 from dray.ports import Clock
 from dray_sim.bodies.docks import OpenDocks
@@ -152,6 +153,7 @@ class Storage:
 
     Attributes:
         stock: pieces of every material.
+        things: things without master data that were brought here, less those that were fetched: nobody has counted how many lay here.
     """
 
     def __init__(
@@ -172,6 +174,7 @@ class Storage:
         self._capacity = {kept.material: kept.capacity for kept in spec.stocks}
         begin = {item: 0 for item in self._capacity if item in parts} | dict(stock or {})
         self.stock = {item: min(begin.get(item, room), room) for item, room in self._capacity.items()}
+        self.things = 0
         self._seq = 0
         """Of the last change of the stock that a report tells of."""
         self._takes_all = takes_all
@@ -205,7 +208,7 @@ class Storage:
 
     def take(self, vehicle: str, item: str, quantity: int) -> str:
         """See `Place`. Only what the dock is open for; without a vehicle it is a person."""
-        at_hand = self.stock.get(item)
+        at_hand = 1 if item == THING else self.stock.get(item)
         if at_hand is None:
             return NOT_KEPT
         if vehicle and (reason := self._docks.refusal(vehicle, item, quantity)):
@@ -214,11 +217,15 @@ class Storage:
             return TOO_LITTLE
         self._docks.shut(vehicle)
         self._change(item, -quantity, vehicle)
-        self._order_if_low(item)
+        if item != THING:
+            self._order_if_low(item)
         return ""
 
     def put(self, vehicle: str, item: str, quantity: int, goal: str = "") -> str:
         """See `Place`. A superseded vehicle may bring its load back."""
+        if item == THING:
+            self._change(item, quantity, vehicle)
+            return ""
         at_hand = self.stock.get(item)
         if at_hand is None:
             return NOT_KEPT
@@ -246,7 +253,10 @@ class Storage:
         self._change(item, missing)
 
     def _change(self, item: str, pieces: int, vehicle: str = "") -> None:
-        self.stock[item] += pieces
+        if item == THING:
+            self.things += pieces
+        else:
+            self.stock[item] += pieces
         self._seq += 1
         self._reporter.say(StockChanged(item=item, change=pieces, seq=self._seq, vehicle=vehicle))
         self._reporter.flush_soon()

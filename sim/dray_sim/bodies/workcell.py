@@ -34,7 +34,7 @@ from dray.body import (
     WorkcellState,
 )
 from dray.document import Documents
-from dray.messages import NOTHING_KNOWN, Problem
+from dray.messages import NOTHING_KNOWN, THING, Problem
 from dray.plant import Plant
 from dray.plant.model import MachineSpec
 from dray.ports import Clock
@@ -83,6 +83,7 @@ class SimWorkcell:
         consumed: pieces of every material that cycles have taken.
         made: good pieces of every product that cycles have put out.
         scrapped: bad ones.
+        things: things without master data that were brought here, less those that were fetched: nobody has counted how many lay here.
         documents: where it has documents from.
     """
 
@@ -115,6 +116,7 @@ class SimWorkcell:
         self._buffers = {material: plant.materials[material].buffer for material in materials}
         self._goods_capacity = spec.goods_capacity
         self._stock = dict.fromkeys((*materials, *self._cycle_s), 0) | dict(stock or {})
+        self.things = 0
         self._counts = spec.counts
         self._unbooked: Counter[str] = Counter()
         """Pieces that lie there and that a body which does not count knows nothing of; below 0 for those that it
@@ -157,7 +159,7 @@ class SimWorkcell:
             self._speed_frac = instruction.speed_frac
         elif isinstance(instruction, ReadDocument):
             self.documents.read(instruction.document, self._tell)
-        elif isinstance(instruction, Book) and instruction.item in self._stock and not self._counts:
+        elif isinstance(instruction, Book) and instruction.item in (THING, *self._stock) and not self._counts:
             self._unbooked[instruction.item] -= instruction.change
             self._tell_change(instruction.item, instruction.change, instruction.vehicle)
         self._reporter.flush_soon()
@@ -167,7 +169,8 @@ class SimWorkcell:
         cycling = self._cycle.product if self._cycle is not None else ""
         stock = dict(self._stock)
         for item, pieces in self._unbooked.items():
-            stock[item] -= pieces
+            if item != THING:
+                stock[item] -= pieces
         return WorkcellState(
             stock=stock,
             seq=self._seq,
@@ -192,7 +195,7 @@ class SimWorkcell:
             return reason
         if shut := self._docks.refusal(vehicle, item, quantity):
             return shut
-        if self._stock[item] < quantity:
+        if item != THING and self._stock[item] < quantity:
             return TOO_LITTLE
         self._transfer(vehicle, item, -quantity)
         return ""
@@ -202,7 +205,7 @@ class SimWorkcell:
         reason = self._refusal(vehicle, item, quantity)
         if reason:
             return reason
-        if quantity > self.room(item):
+        if item != THING and quantity > self.room(item):
             return NO_ROOM
         self._transfer(vehicle, item, quantity)
         return ""
@@ -366,14 +369,17 @@ class SimWorkcell:
             return NO_POWER
         # Less may come than was opened for: the dock counts it.
         shut = self._docks.refusal_of_part(vehicle, item, quantity)
-        return shut or ("" if item in self._stock else NOT_KEPT)
+        return shut or ("" if item in (THING, *self._stock) else NOT_KEPT)
 
     def _transfer(self, vehicle: str, item: str, change: int) -> None:
         self._docks.shut(vehicle)
         self._change_stock(item, change, vehicle)
 
     def _change_stock(self, item: str, change: int, vehicle: str = "") -> None:
-        self._stock[item] += change
+        if item == THING:
+            self.things += change
+        else:
+            self._stock[item] += change
         if vehicle and not self._counts:
             self._unbooked[item] += change
         else:

@@ -38,12 +38,14 @@ class BroughtOnce:
         """By task, the transport that it is an attempt at."""
         self._done: dict[str, int] = {}
         """By transport, how many tasks were closed as delivered."""
+        self._forgotten: set[str] = set()
+        """Transports of places that have lost their notes: who carries one may be heard of after it was called off anew. Only ever asked for membership."""
 
     def on_message(self, at_s: float, sender: str, _address: str, message: Message) -> None:
         """Note one utterance.
 
         Raises:
-            InvariantBroken: a transport has ended twice, or with another quantity, went on after its end, or has a carrier that it may not have.
+            InvariantBroken: a transport has ended twice, or with another quantity, went on after its end, was called off and brought, or has a carrier that it may not have.
         """
         if type(message) is TransportOrdered:
             self._asked.setdefault(message.transport, message.quantity)
@@ -58,12 +60,19 @@ class BroughtOnce:
             elif type(fact) is TaskOpened and type(fact.work) is Transport:
                 self._check_task(fact, at_s)
             elif type(fact) is TaskClosed and fact.outcome == "delivered" and fact.task in self._tasks:
-                self._done[self._tasks[fact.task]] = self._done.get(self._tasks[fact.task], 0) + 1
+                self._close(fact.task, at_s)
             elif type(fact) is MemoryLost:
                 for name in [name for name, place in self._places.items() if place == sender]:
                     del self._places[name]
                     self._ended.pop(name, None)
                     self._asked.pop(name, None)
+                    self._forgotten.add(name)
+
+    def _close(self, task: str, at_s: float) -> None:
+        name = self._tasks[task]
+        if self._ended.get(name) is TransportState.CANCELLED and name not in self._forgotten:
+            raise InvariantBroken(23, at_s, f"{name} was called off, and {task} of it is delivered")
+        self._done[name] = self._done.get(name, 0) + 1
 
     def _check(self, fact: TransportProgressed, sender: str, at_s: float) -> None:
         name = fact.transport

@@ -52,6 +52,7 @@ class Profile:
         carried_frac: the part of the runs with right of way in which people carry vehicles away and put them back.
         closures_frac: the part of the runs in which a manager closes lanes, nodes and areas.
         calls_frac: the part of the runs in which people have something brought or taken away.
+        things_frac: in these, the part of the calls that are for things which nobody counts.
         levels_frac: the part of the runs in plants of two machines and more in which some make parts for others.
         scrap_frac: the part of the runs in which machines make bad pieces.
         priorities_frac: the part of the runs in which orders have priorities.
@@ -89,6 +90,7 @@ class Profile:
     closures_frac: float = 0.0
     carried_frac: float = 0.0
     calls_frac: float = 0.0
+    things_frac: float = 0.0
     levels_frac: float = 0.0
     scrap_frac: float = 0.0
     priorities_frac: float = 0.0
@@ -187,7 +189,11 @@ PROFILES: Mapping[str, Profile] = {
     ),
     "carried": Profile(vehicles=(2, 6), intensity=(0.0, 1.0), carried_frac=1.0),
     "calls": Profile(
-        weights={**WEIGHTS, Crashed: 4.0, JournalLost: 0.5}, waves_frac=0.4, leaving_frac=0.3, calls_frac=1.0
+        weights={**WEIGHTS, Crashed: 4.0, JournalLost: 0.5},
+        waves_frac=0.4,
+        leaving_frac=0.3,
+        calls_frac=1.0,
+        things_frac=0.25,
     ),
     "faultless": Profile(intensity=(0.0, 0.0), random_operator_frac=0.0),
     "batteries": Profile(

@@ -37,7 +37,7 @@ from dray_sim.people.carriers import Carrying, draw_carryings
 from dray_sim.people.floor_manager import Closing
 from dray_sim.people.habits import Habits
 from dray_sim.people.random.revoker import Revocation
-from dray_sim.people.transport_caller import Call, draw_calls
+from dray_sim.people.transport_caller import Call, draw_calls, with_things
 
 DURATION_S = 1200.0
 """The least virtual time of a run."""
@@ -239,9 +239,10 @@ def _calls(plant: Plant, ranges: Profile, seed: int) -> tuple[Call, ...]:
     random = Random(f"{seed} calls")
     if random.random() >= ranges.calls_frac:
         return ()
-    return draw_calls(
+    calls = draw_calls(
         plant, random, Random(f"{seed} wishes"), Random(f"{seed} wanted abilities"), FAULTS_UNTIL_S
     )
+    return with_things(plant, calls, Random(f"{seed} things"), ranges.things_frac, FAULTS_UNTIL_S)
 
 
 def _carryings(plant: Plant, ranges: Profile, random: Random) -> tuple[Carrying, ...]:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from math import inf
 from random import Random
 
 import msgspec
 
 from dray.messages import (
+    THING,
     TRANSPORT_ENDED,
     Message,
     TransportAnswered,
@@ -89,6 +91,29 @@ def draw_calls(
             order = msgspec.structs.replace(order, ability=ability)
         calls.append(Call(at_s, to, order, off_s))
     return tuple(calls)
+
+
+def with_things(
+    plant: Plant, calls: Iterable[Call], random: Random, frac: float, until_s: float
+) -> tuple[Call, ...]:
+    """The same calls, so many of them for a thing that nobody counts: from any place to another.
+
+    A thing always finds room, and is always there. So one that is for no vehicle alone, and that nobody calls off before `until_s`, is waited
+    for as long as it takes: it must end.
+    """
+    places = [*sorted(plant.machines), *sorted(plant.stores)]
+
+    def drawn(call: Call) -> Call:
+        if random.random() >= frac:
+            return call
+        source = random.choice([place for place in places if place != call.to])
+        order = call.order
+        ability = plant.materials[order.item].ability
+        thing = msgspec.structs.replace(order, source=source, item=THING, quantity=1, ability=ability)
+        is_patient = call.off_s >= until_s and not order.vehicle
+        return replace(call, order=thing, off_s=inf if is_patient else call.off_s)
+
+    return tuple(map(drawn, calls))
 
 
 def _wanted(plant: Plant, order: TransportOrdered, random: Random) -> str:

@@ -1,4 +1,4 @@
-"""`dray link`: makes and takes back customers' links in the database that a gateway uses."""
+"""`dray link`: makes and takes back links to orders and plain transports in the database that a gateway uses."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from dray.store.access.audit import AuditFilter, AuditRow
 from dray.store.orders.orders import Item, Order
 from dray.store.orders.progress import OrderStatus
 from dray.store.orders.tracking_links import Link
+from dray.store.orders.transports import TransportRow
 
 GEAR = Product(id="P1", name="Gear unit", lot=4, bill=(BillLine("steel", 1),))
 ORDER = Order(
@@ -23,10 +24,24 @@ ORDER = Order(
     created_at_s=1.0,
 )
 
+TRANSPORT = TransportRow(
+    id="T-1",
+    source="S1",
+    destination="M1",
+    item="steel",
+    quantity=1,
+    priority="normal",
+    called_by="anna",
+    caller="user anna",
+    created_at_s=1.0,
+    due_at_s=900.0,
+    updated_at_s=1.0,
+)
+
 
 @pytest.fixture
 def database(database: str) -> str:
-    """A database with one order, and the link that came with it."""
+    """A database with one order, the link that came with it, and a plain transport."""
 
     async def fill() -> None:
         store = await open_store(database.replace("sqlite:", "sqlite+aiosqlite:"))
@@ -34,6 +49,7 @@ def database(database: str) -> str:
             await work.products.replace([GEAR])
             await work.orders.add(ORDER)
             await work.links.add("first", Link("O-1", 1.0))
+            await work.transports.add(TRANSPORT)
         await store.close()
 
     asyncio.run(fill())
@@ -54,7 +70,7 @@ def found(database: str, token: str) -> Link | None:
     async def find() -> Link | None:
         store = await open_store(database.replace("sqlite:", "sqlite+aiosqlite:"))
         async with store.read() as work:
-            link = await work.links.find(token)
+            link = await work.links.find(token) or await work.transport_links.find(token)
         await store.close()
         return link
 
@@ -91,6 +107,26 @@ def test_all_links_of_an_order_are_taken_back_at_once(dray, database) -> None:
     assert dray("revoke", "O-1")[:2] == (0, "2 links taken back\n")
 
 
+def test_links_lead_to_a_plain_transport_as_well_and_are_taken_back_alone_and_together(
+    dray, database
+) -> None:
+    url = dray("create", "T-1", "--days", "2")[1].strip()
+    link = found(database, url.rpartition("/")[2])
+    assert link is not None
+    assert (link.subject, link.expires_at_s) == ("T-1", link.created_at_s + 2 * 86_400)
+    assert dray("revoke", url)[:2] == (0, "1 link taken back\n")
+    dray("create", "T-1")
+    dray("create", "T-1")
+    assert dray("revoke", "T-1")[:2] == (0, "2 links taken back\n")
+    other = found(database, "first")
+    assert other is not None
+    assert other.revoked_at_s is None
+    assert [(action, about) for action, about, _, _ in log(database)] == [
+        *(("link.create", "T-1"), ("link.revoke", "T-1")),
+        *(("link.create", "T-1"), ("link.create", "T-1"), ("link.revoke", "T-1")),
+    ]
+
+
 def log(database: str) -> list[tuple[str, str, str, bytes]]:
     """The audit log, oldest first: action, what it was about, by what, and the rest."""
 
@@ -123,10 +159,10 @@ def test_who_makes_links_and_takes_them_back_is_in_the_audit_log_and_no_token_is
 @pytest.mark.parametrize(
     ("args", "told"),
     [
-        (("create", "O-2"), "there is no order 'O-2'"),
+        (("create", "O-2"), "there is no order and no transport 'O-2'"),
         (("create", "O-1", "--days", "0"), "--days"),
-        (("revoke", "nothing"), "neither an order's id nor a link"),
-        (("revoke", "-nothing"), "neither an order's id nor a link"),
+        (("revoke", "nothing"), "neither an order's or transport's id nor a link"),
+        (("revoke", "-nothing"), "neither an order's or transport's id nor a link"),
     ],
 )
 def test_what_is_not_there_is_named(dray, args: tuple[str, ...], told: str) -> None:

@@ -7,19 +7,24 @@ import re
 from datetime import datetime
 from typing import Any
 
+import msgspec
 import pytest
 from fake_bus import PLANT
 from gateway_kit import House, gateway
-from heartbeats import atv_heartbeat, events
+from heartbeats import atv_heartbeat, events, station_heartbeat
 
 from dray.gateway.access.principal import Role, Scope
 from dray.gateway.access.rules import RULES
 from dray.gateway.orders.transport_draft import WISH_S
+from dray.gateway.orders.transports import loads_text
 from dray.messages import (
+    THING,
     AtvStatus,
     Phase,
     Reason,
     Refusal,
+    StationHeartbeat,
+    StockLevel,
     Transport,
     TransportAnswered,
     TransportCancelled,
@@ -441,3 +446,119 @@ async def test_a_timeline_is_for_who_may_see_the_transport(house: House) -> None
     answer = await house.visitor(**stranger).get(f"{PATH}/{name}/timeline")
     assert answer.status_code == 404
     assert (await house.client.get(f"{PATH}/T-1M9K3X2A4-0000/timeline")).status_code == 404
+
+
+@pytest.mark.parametrize(
+    ("pieces", "most", "told"), [(41, 40, "1 x 40 + 1"), (80, 40, "2 x 40"), (10_000, 3, "3333 x 3 + 1")]
+)
+def test_what_is_more_than_one_load_is_told_in_loads(pieces: int, most: int, told: str) -> None:
+    assert loads_text(pieces, most) == told
+
+
+async def test_more_than_one_load_is_refused_with_the_loads_that_would_be_taken(house: House) -> None:
+    answer = await house.client.post(PATH, json=DRAFT | {"quantity": 100})
+    [error] = answer.json()["errors"]
+    assert (error["field"], error["code"]) == ("quantity", "load_too_large")
+    assert error["values"] == {"item": "shaft", "most": "40", "loads": "2 x 40 + 20"}
+    assert "ask for several transports: 2 x 40 + 20" in error["reason"]
+
+
+async def test_what_no_vehicle_of_the_fleet_carries_is_refused(
+    house: House, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    plant = house.projection.site.plant
+    handless = {
+        name: msgspec.structs.replace(kind, abilities=("pallet",))
+        for name, kind in plant.vehicle_types.items()
+    }
+    monkeypatch.setattr(plant, "vehicle_types", handless)
+    needs = plant.materials["shaft"].ability
+    assert needs != "pallet"
+    [error] = (await house.client.post(PATH, json=DRAFT)).json()["errors"]
+    assert (error["field"], error["code"], error["values"]) == ("item", "ability_nobody", {"carried": needs})
+
+
+async def test_what_is_not_there_yet_is_taken_and_told_with_what_is_free_and_who_has_as_much(
+    house: House,
+) -> None:
+    plant = house.projection.site.plant
+    others = [each for each in plant.storages_of("shaft") if each != "S3"]
+
+    def level(station: str, **fields: int) -> StationHeartbeat:
+        stock = StockLevel("shaft", capacity=400, **fields)
+        return station_heartbeat(station, 9, stocks=(stock,))
+
+    await house.say([level("S3", level=50, promised=38, on_order=40)])
+    await house.say([level(each, level=100) for each in others])
+    lacks = {"free": 12, "on_order": 40, "elsewhere": others[:3]}
+    answer = await called(house)
+    assert {**answer["shortage"], "elsewhere": sorted(answer["shortage"]["elsewhere"])} == lacks
+    first, second = events(
+        "M8",
+        progress(answer["id"], TransportState.WAITING, wait="short"),
+        progress(answer["id"], TransportState.WAITING, wait="no_bid"),
+    )
+    await house.say([first])
+    assert (await house.get(f"{PATH}/{answer['id']}"))["shortage"]["free"] == 12
+    assert (await house.get(PATH))["items"][0]["shortage"]["free"] == 12
+    await house.say(
+        [station_heartbeat("S3", 10, stocks=(StockLevel("shaft", level=90, capacity=400, promised=38),))]
+    )
+    assert (await house.get(f"{PATH}/{answer['id']}"))["shortage"] is None
+    await house.say(
+        [station_heartbeat("S3", 11, stocks=(StockLevel("shaft", level=0, capacity=400),)), second]
+    )
+    assert (await house.get(f"{PATH}/{answer['id']}"))["shortage"] is None
+
+
+PUMP = {"from": "M8", "to": "S3", "thing": " pump housing for Meier ", "ability": "tote"}
+
+
+async def test_a_thing_without_master_data_is_asked_for_by_what_people_call_it(house: House) -> None:
+    response = await house.client.post(PATH, json=PUMP)
+    assert response.status_code == 201, response.text
+    answer = response.json()
+    assert (answer["item"], answer["thing"], answer["quantity"]) == (THING, "pump housing for Meier", 1)
+    [asked] = house.bus.sent_to("S3", TransportOrdered)
+    assert (asked.source, asked.item, asked.quantity, asked.ability) == ("M8", THING, 1, "tote")
+    assert await house.get(f"{PATH}/{answer['id']}") == answer
+    assert [each["id"] for each in (await house.get(PATH, q="meier"))["items"]] == [answer["id"]]
+    told = progress(answer["id"], TransportState.DELIVERED, item=THING, quantity=1)
+    await house.say(events("S3", told))
+    assert (await house.get(f"{PATH}/{answer['id']}"))["status"] == "delivered"
+    material = await called(house)
+    assert (material["thing"], material["item"]) == (None, "shaft")
+
+
+@pytest.mark.parametrize(
+    ("fields", "field", "code"),
+    [
+        ({"from": None}, "from", "thing_place"),
+        ({"to": None}, "to", "thing_place"),
+        ({"to": "nowhere"}, "to", "place_unknown"),
+        ({"to": "M8"}, "to", "same_place"),
+        ({"item": "shaft"}, "item", "thing_alone"),
+        ({"quantity": 2}, "quantity", "thing_is_one"),
+        ({"ability": None}, "ability", "thing_ability"),
+        ({"ability": "crane"}, "ability", "thing_ability"),
+        ({"thing": "  "}, "thing", "missing"),
+        ({"thing": "x" * 101}, "thing", "too_long"),
+        ({"thing": "a\nb"}, "thing", "pattern"),
+        ({"thing": None}, "item", "missing"),
+        ({"thing": None, "item": "shaft"}, "quantity", "missing"),
+    ],
+)
+async def test_a_thing_that_cannot_be_brought_is_refused_with_the_field(
+    house: House, fields: dict[str, Any], field: str, code: str
+) -> None:
+    answer = await house.client.post(PATH, json=PUMP | fields)
+    assert answer.status_code == 422
+    assert [(error["field"], error["code"]) for error in answer.json()["errors"]] == [(field, code)]
+
+
+async def test_a_key_for_some_materials_calls_for_no_thing(house: House) -> None:
+    _, header = await house.key(Scope.TRANSPORTS_CALL, places="M8", items="shaft")
+    answer = await house.visitor(**header).post(PATH, json=PUMP)
+    assert (answer.status_code, [error["code"] for error in answer.json()["errors"]]) == (403, ["only_items"])
+    _, header = await house.key(Scope.TRANSPORTS_CALL, places="M8")
+    assert (await house.visitor(**header).post(PATH, json=PUMP)).status_code == 201

@@ -16,6 +16,7 @@ from spoken import accepted, bid, rhb
 from dray.body import OpenDock, StockChanged, StorageState
 from dray.memory import TransportMemory
 from dray.messages import (
+    THING,
     AtvHeartbeat,
     Award,
     Brief,
@@ -460,3 +461,65 @@ def test_a_transport_that_waits_for_a_person_can_be_called_off() -> None:
     answer = sent(rig.on_message("gateway", TransportCancelled("T-1")), TransportAnswered)[-1]
     assert answer.state is TransportState.CANCELLED
     assert word(rig, MachineCommandKind.LOAD_THERE) is CommandRefusal.NOT_HELD
+
+
+# --- things without master data ---
+
+PUMP = TransportOrdered("T-9", "M8", THING, 1, 600.0, ability="tote")
+
+
+def test_a_thing_is_set_aside_at_its_place_fetched_by_who_carries_such_and_counted_in_no_stock() -> None:
+    rig = started(stock=100)
+    assert rig.asks(PUMP) == TransportAnswered("T-9", TransportState.WAITING)
+    assert sent(rig.all, StockAsked, to="M8") == [StockAsked("T-9-1", 1, THING, 1)]
+    rig.on_message("M8", StockReserved("T-9-1", 1, THING, 1))
+    announced = published(rig.all, TaskAnnounced)[-1].work
+    assert isinstance(announced, Transport)
+    assert (announced.item, announced.needed, announced.sources) == (THING, ("tote",), ("M8",))
+    offered = bid(200.0, task="T-9-1", finish_s=rig.now_s + 300.0)
+    rig.on_message("ATV1", msgspec.structs.replace(offered, source="M8"))
+    rig.run(rig.now_s + 1.2)
+    taken = accepted("T-9-1", number=award_number(rig.all, "ATV1", "T-9-1"))
+    rig.on_message("ATV1", taken)
+    effects = rig.on_message("ATV1", Docked("T-9-1", 1, "S1"))
+    assert instructed(effects, OpenDock) == [OpenDock(vehicle="ATV1", item=THING, quantity=1)]
+    rig.seq += 1
+    rig.report(StockChanged(item=THING, change=1, seq=rig.seq, vehicle="ATV1"))
+    effects = rig.on_message("ATV1", Handover("T-9-1", 1, 1))
+    assert sent(effects, HandoverAccepted, to="ATV1") == [HandoverAccepted("T-9-1", 1)]
+    assert rig.states[-1] is TransportState.DELIVERED
+    rig.run(rig.now_s + 10.0)
+    told = published(rig.all, StationHeartbeat)[-1]
+    assert THING not in [stock.item for stock in told.stocks]
+
+
+@pytest.mark.parametrize(
+    ("fields", "refused"),
+    [
+        ({"quantity": 2}, TransportRefusal.TOO_LARGE),
+        ({"source": "S1"}, TransportRefusal.NOT_KEPT_THERE),
+        ({"source": "nowhere"}, TransportRefusal.NOT_KEPT_THERE),
+        ({"ability": ""}, TransportRefusal.NOT_KEPT_HERE),
+    ],
+)
+def test_a_thing_that_cannot_be_fetched_is_refused(fields: dict[str, Any], refused: TransportRefusal) -> None:
+    answer = started().asks(msgspec.structs.replace(PUMP, **fields))
+    assert (answer.state, answer.refused) == (TransportState.CANCELLED, refused)
+
+
+def test_a_storage_hands_a_thing_out_and_counts_nothing() -> None:
+    rig = started(stock=7)
+    [reserved] = sent(rig.on_message("M8", StockAsked("T-7-1", 1, THING, 1)), StockReserved, to="M8")
+    assert reserved == StockReserved("T-7-1", 1, THING, 1)
+    effects = rig.on_message("ATV1", Docked("T-7-1", 1, "S1", item=THING, quantity=1))
+    assert instructed(effects, OpenDock) == [OpenDock(vehicle="ATV1", item=THING, quantity=1)]
+    rig.seq += 1
+    rig.report(StockChanged(item=THING, change=-1, seq=rig.seq, vehicle="ATV1"))
+    rig.run(rig.now_s + 10.0)
+    told = {stock.item: stock.level for stock in published(rig.all, StationHeartbeat)[-1].stocks}
+    assert (told["shaft"], THING in told) == (7, False)
+    # The count is believed again: what it has told since is known.
+    rig.stock["shaft"] = 5
+    rig.run(rig.now_s + 10.0)
+    told = {stock.item: stock.level for stock in published(rig.all, StationHeartbeat)[-1].stocks}
+    assert told["shaft"] == 5

@@ -6,7 +6,7 @@ with the safeguard in place.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Iterable
 from typing import cast
 
 import pytest
@@ -50,9 +50,11 @@ from dray.protocol.traffic.driving import yielding
 from dray.protocol.traffic.driving.wishes import Wishes
 from dray.protocol.traffic.places import Places
 from dray.protocol.traffic.removal_authorisation import RemovalAuthorisation
+from dray.protocol.transports import transports
 from dray.protocol.transports.called import CalledTransports
 from dray.protocol.transports.dock import Dock
 from dray.protocol.transports.handovers import Handovers
+from dray.protocol.transports.transport_flow import TransportFlow
 from dray.protocol.transports.transports import Transports
 from dray.protocol.vehicle.atv import Atv
 from dray.protocol.vehicle.obstacle_handling import ObstacleHandling
@@ -355,6 +357,28 @@ def that_forgets_what_it_has_brought(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(CalledTransports, "_note_ended", lambda *_: None)
 
 
+def that_calls_off_in_words_only(patch: pytest.MonkeyPatch) -> None:
+    """A place says that a transport is called off, and lets its vehicle go on."""
+    patch.setattr(TransportFlow, "cancel", lambda *_: None)
+
+
+def that_lets_calls_stand_back_for_ever(patch: pytest.MonkeyPatch) -> None:
+    """What people call for with time to spare never gets older: it is given to nobody."""
+    stands_back, most_urgent = transports.stands_back, transports.most_urgent
+
+    def is_low(task: OpenTask) -> bool:
+        return task.id.startswith("T-") and task.auction.terms.deadline_s > task.auction.needed_s
+
+    def stand_back(task: OpenTask, others: Iterable[OpenTask]) -> bool:
+        return is_low(task) or stands_back(task, others)
+
+    def find(tasks: Iterable[OpenTask], atv: str, abilities: Collection[str]) -> OpenTask | None:
+        return most_urgent([task for task in tasks if not is_low(task)], atv, abilities)
+
+    patch.setattr(transports, "stands_back", stand_back)
+    patch.setattr(transports, "most_urgent", find)
+
+
 def that_makes_goods_again_at_once(patch: pytest.MonkeyPatch) -> None:
     """A machine gives goods up as soon as the vehicle that has them on board is silent."""
     patch.setattr(left_aboard, "WRITTEN_OFF_AFTER_S", 1.0)
@@ -362,6 +386,10 @@ def that_makes_goods_again_at_once(patch: pytest.MonkeyPatch) -> None:
 
 MUTANTS = [
     pytest.param(that_forgets_what_it_has_brought, "calls", 0, "invariant 23", id="brought-twice"),
+    pytest.param(
+        that_calls_off_in_words_only, "calls", 0, "invariant 23 .*was called off", id="called-off-and-brought"
+    ),
+    pytest.param(that_lets_calls_stand_back_for_ever, "calls", 0, "invariant 1 .*T-", id="low-calls-starve"),
     pytest.param(that_works_out_of_service, "hands", 0, "invariant 16", id="works-out-of-service"),
     pytest.param(that_waits_for_whoever_lives, "liars", 0, "invariant 1", id="no-progress-deadline"),
     pytest.param(with_clocks_that_jump, "clocks", 0, "invariant 6", id="clocks-that-jump"),

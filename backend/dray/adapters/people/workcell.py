@@ -43,6 +43,7 @@ from dray.body import (
 )
 from dray.messages import (
     NOTHING_KNOWN,
+    THING,
     CommandRefusal,
     MachineCommandKind,
     Problem,
@@ -245,7 +246,7 @@ class PeopleWorkcell:
         loads = kept.loads
         if visit is not None and visit.said is not None:
             change = -visit.said if change < 0 else visit.said
-        else:
+        elif book.item != THING:
             load = UnconfirmedLoad(book.vehicle, book.item, abs(change), goes=change < 0)
             loads = (*loads, load)[-LOADS_KEPT:]
         stock, seq = self._moved(book.item, change), kept.seq + 1
@@ -379,6 +380,8 @@ class PeopleWorkcell:
 
     def _moved(self, item: str, change: int) -> dict[str, int]:
         stock = self._kept.stock
+        if item == THING:
+            return stock
         return stock | {item: min(max(stock.get(item, 0) + change, 0), COUNT_MAX)}
 
     def _used(self, stock: dict[str, int], product: str) -> dict[str, int]:

@@ -17,6 +17,7 @@ from msgspec.structs import replace
 from dray.adapters.signals.dock import DockHandshake, DockState
 from dray.adapters.signals.signal import LEVEL, Quality, Sample, Signal, SignalMapping, Value
 from dray.body import Book, CloseDock, DockReady, Instruction, OpenDock, Report, StockChanged, StorageState
+from dray.messages import THING
 from dray.messages.base import COUNT_MAX
 from dray.plant.model import Storage as StorageSpec
 from dray.ports import Clock
@@ -179,7 +180,8 @@ class SignalledStore:
         self._wait()
 
     def _move(self, item: str, change: int) -> None:
-        self._stock[item] = min(max(self._stock.get(item, 0) + change, 0), COUNT_MAX)
+        if item != THING:
+            self._stock[item] = min(max(self._stock.get(item, 0) + change, 0), COUNT_MAX)
         self._kept = replace(self._kept, seq=self._kept.seq + 1)
 
     def _wait(self) -> None:

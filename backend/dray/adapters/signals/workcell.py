@@ -36,7 +36,7 @@ from dray.body import (
     StockChanged,
     WorkcellState,
 )
-from dray.messages import NOTHING_KNOWN, Problem, ProblemKind
+from dray.messages import NOTHING_KNOWN, THING, Problem, ProblemKind
 from dray.messages.base import COUNT_MAX
 from dray.plant import Plant
 from dray.plant.model import MachineSpec
@@ -369,7 +369,8 @@ class SignalledWorkcell:
         about = f"{book.task} {book.epoch} {'in' if change > 0 else 'out'} {item}"
         booked = dict(self._kept.booked)
         if about not in booked:
-            self._stock[item] = min(max(self._stock.get(item, 0) + change, 0), COUNT_MAX)
+            if item != THING:
+                self._stock[item] = min(max(self._stock.get(item, 0) + change, 0), COUNT_MAX)
             booked[about] = self._kept.seq + 1
             latest = dict(list(booked.items())[-BOOKED_KEPT:])
             self._kept = replace(self._kept, seq=self._kept.seq + 1, booked=latest)

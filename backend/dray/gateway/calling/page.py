@@ -75,7 +75,7 @@ def _called(
     brought = row.destination == place
     what = texts["brought" if brought else "taken"].format(
         quantity=row.quantity,
-        item=row.item if spec is None else spec.name,
+        item=row.thing or (row.item if spec is None else spec.name),
         place=row.source if brought else row.destination,
     )
     is_open = row.status in (TransportState.WAITING, TransportState.ASSIGNED)

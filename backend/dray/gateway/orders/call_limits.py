@@ -44,7 +44,7 @@ def refuse_beyond(
     if limits.places and limits.places.isdisjoint((source, destination)):
         field = "to" if draft.to is not None else "from"
         errors.append(FieldError.of(field, "only_for", place=", ".join(sorted(limits.places))))
-    if limits.items and draft.item not in limits.items:
+    if limits.items and (draft.item is None or draft.item not in limits.items):
         errors.append(FieldError.of("item", "only_items", items=", ".join(sorted(limits.items))))
     within_s = TRANSPORT_WITHIN_S[limits.priority]
     if TRANSPORT_WITHIN_S[draft.priority] < within_s:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, StringConstraints
 
 from dray.gateway.orders.drafts import DueMoment
 from dray.priorities import Priority
@@ -12,8 +12,18 @@ from dray.priorities import Priority
 WISH_S = 300.0
 """Of the plant's clock: how long one vehicle is waited for that is only wished for. What is urgent is due within one minute, all else later."""
 
+THING_MAX = 100
+"""Characters of what people call a thing: one line of a list."""
+
 
 _PlantId = Annotated[str, Field(min_length=1, max_length=32, pattern=r"^[A-Za-z][A-Za-z0-9_.-]*$")]
+
+_Thing = Annotated[
+    str,
+    StringConstraints(
+        strip_whitespace=True, min_length=1, max_length=THING_MAX, pattern=r"^[^\x00-\x1f\x7f]+$"
+    ),
+]
 
 
 class TransportDraft(BaseModel):
@@ -25,10 +35,13 @@ class TransportDraft(BaseModel):
     """A storage, or a machine that has it in a buffer. Left out, the nearest storage that has enough."""
     to: _PlantId | None = None
     """Likewise. Left out, the nearest storage that has room; one of both must be named."""
-    item: _PlantId
-    """A material; `GET /api/materials` lists them, and where they are kept."""
-    quantity: Annotated[int, Field(strict=True, ge=1, le=10_000)]
-    """Pieces: one load, so at most the lot of the material."""
+    item: _PlantId | None = None
+    """A material; `GET /api/materials` lists them, and where they are kept. Left out where it is a `thing`."""
+    thing: _Thing | None = None
+    """Instead of an item: something without master data, as people call it ("pump housing for Meier", "empty pallet"). It needs `from`, `to` and `ability`, and is counted
+    in no stock."""
+    quantity: Annotated[int | None, Field(strict=True, ge=1, le=10_000)] = None
+    """Pieces: one load, so at most the lot of the material. A thing is one, and needs none said."""
     due_at: DueMoment | None = None
     """When it should be there, with a time zone; not in the past."""
     not_before: DueMoment | None = None
@@ -39,9 +52,10 @@ class TransportDraft(BaseModel):
     vehicle_only: Annotated[bool, Field(strict=True)] = True
     """Whether it waits for that one for always; false for a wish, which ends after five minutes of the plant's clock: then any may carry it."""
     ability: _PlantId | None = None
-    """What its vehicle must be able to carry beside what the material asks for: one of the abilities of the plant's types of vehicles, as `pallet`."""
+    """What its vehicle must be able to carry beside what the material asks for: one of the abilities of the plant's types of vehicles, as `pallet`. Of a
+    thing: what it is carried as."""
 
     def text(self) -> str:
         """What was asked, in JSON: the same for the same, also of an earlier version."""
-        left_out = {name for name in ("ability", "not_before") if getattr(self, name) is None}
+        left_out = {name for name in ("ability", "not_before", "thing") if getattr(self, name) is None}
         return self.model_dump_json(exclude=left_out | ({"vehicle_only"} if self.vehicle_only else set()))

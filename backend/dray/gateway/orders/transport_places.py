@@ -66,6 +66,19 @@ def misplaced(plant: Plant, item: str, source: str, to: str) -> list[FieldError]
     return errors
 
 
+def thing_misplaced(plant: Plant, source: str, to: str) -> list[FieldError]:
+    """What is wrong with two places for a thing: each has a dock, and both are named, since nothing tells where it is."""
+    errors = []
+    for field, place in (("from", source), ("to", to)):
+        if not place:
+            errors.append(FieldError.of(field, "thing_place"))
+        elif place not in plant.machines and place not in plant.stores:
+            errors.append(FieldError.of(field, "place_unknown", place=place))
+    if source and source == to:
+        errors.append(FieldError.of("to", "same_place", place=to))
+    return errors
+
+
 def _nearest(plant: Plant, item: str, place: str, fits: Callable[[str], bool]) -> str:
     x_m, y_m = plant.position_of(place)
 

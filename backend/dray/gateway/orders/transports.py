@@ -31,8 +31,9 @@ from dray.gateway.orders.idempotency import alone, key_at_work, refuse_other_bod
 from dray.gateway.orders.order_ids import new_transport_id
 from dray.gateway.orders.outbox import Reminders
 from dray.gateway.orders.transport_draft import WISH_S, TransportDraft
-from dray.gateway.orders.transport_places import misplaced, places_for
+from dray.gateway.orders.transport_places import misplaced, places_for, thing_misplaced
 from dray.messages import (
+    THING,
     TRANSPORT_ENDED,
     Message,
     TransportAnswered,
@@ -334,11 +335,12 @@ class PlainTransports:
             Problem: 422, it names what does not exist or is not kept there; 403, the caller's key may not call for it.
         """
         now_s = self._wall_s()
+        item, quantity = (draft.item or "", draft.quantity or 0) if draft.thing is None else (THING, 1)
         source, destination = places_for(
             self._plant,
             self._projection.stations,
-            draft.item,
-            draft.quantity,
+            item,
+            quantity,
             draft.source or "",
             draft.to or "",
         )
@@ -356,8 +358,9 @@ class PlainTransports:
             id=new_transport_id(now_s),
             source=source,
             destination=destination,
-            item=draft.item,
-            quantity=draft.quantity,
+            item=item,
+            thing=draft.thing or "",
+            quantity=quantity,
             priority=draft.priority.value,
             vehicle=draft.vehicle or "",
             vehicle_until_s=begin_s + WISH_S / speed if draft.vehicle and not draft.vehicle_only else None,
@@ -375,22 +378,46 @@ class PlainTransports:
         self, draft: TransportDraft, source: str, to: str, caller: Principal, now_s: float
     ) -> list[FieldError]:
         """What has the right shape and still means nothing here."""
-        plant, item = self._plant, draft.item
+        plant, item, quantity = self._plant, draft.item, draft.quantity
+        if draft.thing is not None:
+            carried = draft.ability or ""
+            errors = self._nonsense_of_thing(draft, source, to)
+            return errors + self._nonsense_beside(draft, {carried} - {""}, source, to, caller, now_s)
+        if item is None or quantity is None:
+            return [FieldError("item" if item is None else "quantity", "it is missing", "missing")]
         if item in plant.products and item not in plant.parts:
             return [FieldError.of("item", "item_is_product", item=item)]
         if item not in plant.materials:
             return [FieldError.of("item", "material_unknown", item=item)]
         errors, spec = misplaced(plant, item, source, to), plant.materials[item]
-        if draft.quantity > spec.lot:
-            errors.append(FieldError.of("quantity", "load_too_large", item=item, most=spec.lot))
-        places = self.places_of(caller)
+        if quantity > spec.lot:
+            loads = loads_text(quantity, spec.lot)
+            errors.append(FieldError.of("quantity", "load_too_large", item=item, most=spec.lot, loads=loads))
+        errors += self._nobody_able(draft.ability, spec.ability)
+        wanted = {spec.ability, draft.ability or spec.ability}
+        return errors + self._nonsense_beside(draft, wanted, source, to, caller, now_s)
+
+    def _nonsense_of_thing(self, draft: TransportDraft, source: str, to: str) -> list[FieldError]:
+        """Likewise of a thing without master data."""
+        errors = thing_misplaced(self._plant, source, to)
+        if draft.item is not None:
+            errors.append(FieldError.of("item", "thing_alone"))
+        if draft.quantity not in (None, 1):
+            errors.append(FieldError.of("quantity", "thing_is_one"))
+        if draft.ability is None or not any(draft.ability in has for has in self._abilities()):
+            named = ", ".join(sorted({each for has in self._abilities() for each in has}))
+            errors.append(FieldError.of("ability", "thing_ability", abilities=named))
+        return errors
+
+    def _nonsense_beside(
+        self, draft: TransportDraft, wanted: set[str], source: str, to: str, caller: Principal, now_s: float
+    ) -> list[FieldError]:
+        """Likewise of who may ask, by whom it is carried (who has the abilities that are `wanted`), and when."""
+        errors, places = [], self.places_of(caller)
         if places is not None and places.isdisjoint((source, to)):
             errors.append(FieldError.of("to", "not_your_area"))
-        wanted = {spec.ability, draft.ability or spec.ability}
         if draft.vehicle is not None:
             errors += self._unfit(draft.vehicle, wanted)
-        if draft.ability is not None:
-            errors += self._unknown_ability(draft.ability, spec.ability)
         if draft.due_at is not None and draft.due_at.timestamp() <= now_s:
             now = datetime.fromtimestamp(now_s, UTC).isoformat(timespec="seconds")
             errors.append(FieldError.of("due_at", "past", now=now))
@@ -399,17 +426,21 @@ class PlainTransports:
             errors.append(FieldError.of("not_before", "not_after_due", due=due))
         return errors
 
-    def _unknown_ability(self, wanted: str, carried: str) -> list[FieldError]:
-        """What is wrong with an ability that nobody in the plant has, or nobody who carries the material."""
+    def _abilities(self) -> list[tuple[str, ...]]:
+        """What the vehicles of the plant can carry, by type: those of the plant file, and those that have joined."""
         kinds = self._plant.vehicle_types
         types = {each.type for each in self._plant.fleet.values()}
         types |= {each.type for each in self._projection.atvs.views()}
-        has = [kinds[each].abilities for each in types & kinds.keys()]
-        if any(wanted in abilities and carried in abilities for abilities in has):
+        return [kinds[each].abilities for each in sorted(types & kinds.keys())]
+
+    def _nobody_able(self, wanted: str | None, carried: str) -> list[FieldError]:
+        """What is wrong where no vehicle of the plant carries the material, or none of those has what is wanted beside."""
+        has = self._abilities()
+        if any({wanted or carried, carried} <= set(abilities) for abilities in has):
             return []
         named = sorted({ability for abilities in has for ability in abilities if carried in abilities})
         if not named:
-            return [FieldError.of("ability", "ability_nobody", carried=carried)]
+            return [FieldError.of("item" if wanted is None else "ability", "ability_nobody", carried=carried)]
         return [
             FieldError.of(
                 "ability", "ability_unknown", carried=carried, wanted=wanted, abilities=", ".join(named)
@@ -425,6 +456,12 @@ class PlainTransports:
             abilities = ", ".join(sorted(lacking))
             return [FieldError.of("vehicle", "vehicle_lacks", vehicle=vehicle, abilities=abilities)]
         return []
+
+
+def loads_text(pieces: int, most: int) -> str:
+    """In which loads so many pieces come, where one has so many at most: as ``2 x 40 + 20``."""
+    full, rest = divmod(pieces, most)
+    return f"{full} x {most}" + (f" + {rest}" if rest else "")
 
 
 def _kept(row: TransportRow) -> KeptAnswer:

@@ -14,7 +14,7 @@ from msgspec.structs import replace
 
 from dray.body import StockChanged, WorkcellState
 from dray.memory import MachineMemory, Memory
-from dray.messages import Docked, Phase, Transport, TransportAnswered
+from dray.messages import THING, Docked, Phase, Transport, TransportAnswered
 from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.protocol.contract_net.auction_rules import AuctionRules
@@ -242,6 +242,8 @@ class MaterialFlow(TransportFlow):
             super()._on_docked(sender, message, now_s)
 
     def _latest_s(self, need: Need, now_s: float) -> float:
+        if need.work.item == THING:
+            return super()._latest_s(need, now_s)
         return self._supply.latest_s(need.work, need.deadline_s, now_s)
 
     def _docked_here(self, work: Transport) -> Transport:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
 from dray.memory import ProductMemory
-from dray.messages import ProductDefinition, Production
+from dray.messages import THING, ProductDefinition, Production
 from dray.plant import Plant
 from dray.protocol.runtime.bounded_map import BoundedMap
 
@@ -55,7 +55,7 @@ class Products:
 
     def is_goods(self, item: str) -> bool:
         """Whether something is made here, rather than used."""
-        return item in self._cycle_s or item in self._brought or item not in self._plant.materials
+        return item in self._cycle_s or item in self._brought or item not in (THING, *self._plant.materials)
 
     def parts(self) -> tuple[str, ...]:
         """What it makes of which others make something."""

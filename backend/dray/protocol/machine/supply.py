@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Collection
 
-from dray.messages import BufferLevel, Production, Transport
+from dray.messages import THING, BufferLevel, Production, Transport
 from dray.messages.base import COUNT_MAX
 from dray.plant import Plant
 from dray.protocol.machine.production import GoalBook
@@ -101,6 +101,8 @@ class Supply:
 
     def room(self, material: str) -> int:
         """Pieces that the buffer can still take."""
+        if material == THING:
+            return COUNT_MAX
         return (
             self._plant.materials[material].buffer - self.level(material) if material in self.materials else 0
         )
@@ -137,11 +139,15 @@ class Supply:
 
     def ordered(self, work: Transport) -> None:
         """A transport was announced."""
+        if work.item == THING:
+            return
         self._on_order[work.item] += work.quantity
         self._levels = None
 
     def settled(self, work: Transport, took_s: float | None) -> None:
         """An announced transport has ended; `took_s` is its lead time if it was delivered."""
+        if work.item == THING:
+            return
         self._on_order[work.item] -= work.quantity
         self._levels = None
         if took_s is not None:
@@ -174,6 +180,8 @@ class Supply:
         return lead
 
     def _move(self, item: str, pieces: int) -> None:
+        if item == THING:
+            return
         # A workcell that counts wrongly is heard all the same: no level can be told that is below 0.
         self.stock[item] = min(max(self.stock.get(item, 0) + pieces, 0), COUNT_MAX)
         self._levels = None

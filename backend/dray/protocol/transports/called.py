@@ -16,6 +16,7 @@ from typing import Any, Protocol
 
 from dray.memory import Memory, TransportMemory
 from dray.messages import (
+    THING,
     TRANSPORT_ENDED,
     Phase,
     Transport,
@@ -176,9 +177,11 @@ class CalledTransports:
                 quantity=missing,
                 sources=(called.source,),
                 destination=self._place,
-                ability=self._plant.materials[called.item].ability,
+                ability=called.ability
+                if called.item == THING
+                else self._plant.materials[called.item].ability,
                 vehicle=called.vehicle,
-                also=called.ability,
+                also="" if called.item == THING else called.ability,
             )
             self._flow.seek(called.task, work, called.due_s, now_s)
 
@@ -278,6 +281,8 @@ class CalledTransports:
 
     def _refusal(self, sender: str, order: TransportOrdered) -> TransportRefusal | None:
         plant, item = self._plant, order.item
+        if item == THING:
+            return self._refusal_of_thing(order)
         room = self._stock.level(item) + self._stock.room(item)
         if item not in plant.materials or not 0 < order.quantity <= room:
             return TransportRefusal.NOT_KEPT_HERE
@@ -285,6 +290,16 @@ class CalledTransports:
         if order.source == self._place or order.source not in keepers:
             return TransportRefusal.NOT_KEPT_THERE
         return TransportRefusal.TOO_LARGE if order.quantity > plant.materials[item].lot else None
+
+    def _refusal_of_thing(self, order: TransportOrdered) -> TransportRefusal | None:
+        """It is fetched at any place that has a dock, once, by a vehicle that can carry what somebody says that it is like."""
+        plant = self._plant
+        if order.quantity != 1:
+            return TransportRefusal.TOO_LARGE
+        if not order.ability:
+            return TransportRefusal.NOT_KEPT_HERE
+        has_dock = order.source in plant.machines or order.source in plant.stores
+        return None if has_dock and order.source != self._place else TransportRefusal.NOT_KEPT_THERE
 
     def _refuse(self, order: TransportOrdered, refused: TransportRefusal) -> None:
         called = CalledTransport(order)

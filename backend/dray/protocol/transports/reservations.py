@@ -20,7 +20,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 
 from dray.memory import ReservationMemory
-from dray.messages import StockAsked, StockLevel
+from dray.messages import THING, StockAsked, StockLevel
 from dray.messages.base import COUNT_MAX
 from dray.protocol.runtime.bounded_map import BoundedMap
 from dray.protocol.runtime.events import NEVER_S
@@ -130,15 +130,19 @@ class Reservations:
 
         A level is never below 0, nor above what can be told: a storage that counts wrongly is heard all the same.
         """
-        if seq > self._seq and item in self._level:
-            self._seq = seq
+        if seq <= self._seq:
+            return
+        self._seq = seq
+        if item in self._level:
             self._level[item] = min(max(self._level[item] + pieces, 0), COUNT_MAX)
 
     def level(self, item: str) -> int:
         return self._level.get(item, 0)
 
     def room(self, item: str) -> int:
-        """Pieces that still find room."""
+        """Pieces that still find room; of things that nobody counts as many as come."""
+        if item == THING:
+            return COUNT_MAX
         return self._capacity.get(item, 0) - self.level(item)
 
     def keep(self, item: str, capacity: int) -> None:
@@ -147,7 +151,9 @@ class Reservations:
             self._capacity[item], self._level[item] = capacity, 0
 
     def free(self, item: str) -> int:
-        """Pieces that are promised to nobody."""
+        """Pieces that are promised to nobody; of things that nobody counts whoever asks for one knows that it is there."""
+        if item == THING:
+            return COUNT_MAX
         return self.level(item) - self.promised(item)
 
     def promised(self, item: str) -> int:
@@ -173,6 +179,8 @@ class Reservations:
 
     def holds(self, item: str, quantity: int) -> bool:
         """Whether so much can lie there at all."""
+        if item == THING:
+            return quantity == 1
         return 0 < quantity <= self._capacity.get(item, 0)
 
     # --- who asks ---

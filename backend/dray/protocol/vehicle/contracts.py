@@ -13,6 +13,7 @@ from msgspec.structs import replace
 
 from dray.memory import Contract
 from dray.messages import (
+    THING,
     AtvHeartbeat,
     Award,
     Confirmed,
@@ -168,6 +169,9 @@ class Contracts:
             return
         plant = self._plant
         refuges = plant.storages_of(load) if load in plant.materials else tuple(plant.delivery_warehouses)
+        if load == THING:
+            # Nobody knows any more where it was fetched: people find it at a storage.
+            refuges = tuple(plant.stores)
         work = Transport(item=load, quantity=quantity, sources=refuges, destination=refuges[0], ability="")
         task, why = f"{self._atv}-found", Reason.LOAD_UNKNOWN
         contract = Contract(task, 0, work, self._atv, refuges[0], 0.0, 0.0, cancelled=why)

@@ -48,6 +48,7 @@ transports = Table(
     Column("source", Id, nullable=False),
     Column("destination", Id, nullable=False),
     Column("item", Id, nullable=False),
+    Column("thing", String(200), nullable=False, server_default=""),
     Column("quantity", Integer, nullable=False),
     Column("priority", String(8), nullable=False),
     Column("vehicle", Id, nullable=False, server_default=""),
@@ -106,6 +107,8 @@ class TransportRow(msgspec.Struct, frozen=True, kw_only=True, gc=False):
     source: str
     destination: str
     item: str
+    thing: str = ""
+    """What people call it, where it is no material (`dray.messages.THING`); empty for a material."""
     quantity: int
     priority: str
     vehicle: str = ""
@@ -329,5 +332,5 @@ def _row(values: Iterable[object]) -> TransportRow:
 
 def _holds(word: Sought) -> ColumnElement[bool]:
     c = transports.c
-    texts = (c.id, c.source, c.destination, c.item, c.vehicle, c.carrier, c.called_by)
+    texts = (c.id, c.source, c.destination, c.item, c.thing, c.vehicle, c.carrier, c.called_by)
     return or_(*(text.icontains(word.text, autoescape=True) for text in texts), c.item.in_(word.named))

@@ -5,10 +5,12 @@ import { isLow, lastsS } from "../../plant/stock";
 import { nowS, world } from "../../stream/stream";
 import { vehicleName } from "../../text/elsewhere";
 import { format, t, word } from "../../text/operator";
+import { shortageText } from "../../text/shortage";
 import { moment, names, plant, station } from "../state";
 import { busy, calls, choice, choose, failed, followCalls, send, withdraw } from "./call";
 import "./call.css";
 import { canCallOff, LOADS, shownCalls, stepOf, STEPS, unwillingOf } from "./steps";
+import { ThingForm } from "./ThingForm";
 
 /** Bring and take away for the own station: first touch what, second touch, in another place, how much; that sends. */
 export function CallCard() {
@@ -28,6 +30,7 @@ export function CallCard() {
         <Tiles buffers={buffers.filter(({ level }) => level > 0)} way="take" lasts={() => null} />
       </div>
       <Second spec={spec} />
+      <ThingForm />
       {shown.length > 0 && (
         <ul class="call-jobs">
           {shown.map((call) => (
@@ -114,7 +117,7 @@ function Job({ call, place }: { call: TransportAnswer; place: string }) {
   const step = stepOf(call);
   const brought = call.to === place;
   const what = t(brought ? "calling.jobBring" : "calling.jobTake", {
-    quantity: format.count(call.quantity), what: names.value(call.item), place: brought ? call.from : call.to,
+    quantity: format.count(call.quantity), what: call.thing ?? names.value(call.item), place: brought ? call.from : call.to,
   });
   return (
     <li>
@@ -132,6 +135,7 @@ function Job({ call, place }: { call: TransportAnswer; place: string }) {
           </ol>
         )}
         {why(call) !== "" && <small class={call.wait === null || call.wait === "undecided" || call.wait === "not_before" ? "muted" : "tone-warn"}>{why(call)}</small>}
+        {call.shortage !== null && <small class="muted">{shortageText(call.from, brought ? call.shortage : { ...call.shortage, elsewhere: [] })}</small>}
         {call.wait === "no_bid" && <Unwilling task={call.task} />}
       </div>
       {canCallOff(call) && (
@@ -166,7 +170,9 @@ function why(call: TransportAnswer): string {
     if (call.wait === "not_before" && begin !== null) return t("calling.begins", { at: format.due(Date.parse(begin) / 1000, moment.value.nowS) });
     if (vehicle !== null && waits !== null && call.wait !== "no_room" && call.wait !== "short")
       return t("calling.wait.vehicle", { vehicle, why: word("unwilling", waits) });
-    return call.wait === "no_room" || call.wait === "short" || call.wait === "no_bid" ? t(`calling.wait.${call.wait}`) : t("calling.wait.undecided");
+    if (call.wait !== "no_room" && call.wait !== "short" && call.wait !== "no_bid") return t("calling.wait.undecided");
+    // What its place has told last is why it waits: nothing else changes a call that waits.
+    return t("calling.waitsSince", { why: t(`calling.wait.${call.wait}`), at: format.due(Date.parse(call.updated_at) / 1000, moment.value.nowS) });
   }
   const at = call.expected_at === null ? "" : ` · ${t("card.there", { at: format.due(Date.parse(call.expected_at) / 1000, moment.value.nowS) })}`;
   return `${call.carrier ?? ""}${at}${call.status === "on_board" ? ` · ${t("calling.tooLate")}` : ""}`;

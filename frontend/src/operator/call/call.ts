@@ -37,6 +37,24 @@ export async function send(lot: number, loads: number, urgent: boolean): Promise
   });
 }
 
+let thingKey = { for: "", key: "" };
+
+/** Something without master data is brought here or taken away; says whether it was called. The same, tried again after it failed, is called once. */
+export async function sendThing(way: Choice["way"], thing: string, there: string, ability: string): Promise<boolean> {
+  const place = station.value?.id;
+  if (place === undefined || busy.value) return false;
+  const ends = way === "bring" ? { from: there, to: place } : { from: place, to: there };
+  const draft = { ...ends, thing, ability, priority: "normal" as const };
+  const said = JSON.stringify(draft);
+  if (thingKey.for !== said) thingKey = { for: said, key: newKey() };
+  await doing(async () => {
+    await callTransport(draft, thingKey.key);
+    thingKey = { for: "", key: "" };
+    choice.value = null;
+  });
+  return failed.value === "";
+}
+
 export async function withdraw(transport: string): Promise<void> {
   await doing(() => callOff(transport));
 }

@@ -1,15 +1,20 @@
 import { expect, test } from "vitest";
 import type { TransportAnswer } from "../../api/transports";
-import { canCallOff, loadOf, shownCalls, stepOf, unwillingOf } from "./steps";
+import { abilitiesOf, canCallOff, loadOf, shownCalls, stepOf, unwillingOf } from "./steps";
 
 const call = (more: Partial<TransportAnswer> = {}): TransportAnswer => ({
-  id: "T1", status: "waiting", from: "S3", to: "M8", item: "shaft", quantity: 40, priority: "normal", vehicle: null, vehicle_until: null, vehicle_waits: null, ability: null, called_by: "anna",
+  id: "T1", status: "waiting", from: "S3", to: "M8", item: "shaft", thing: null, quantity: 40, priority: "normal", vehicle: null, vehicle_until: null, vehicle_waits: null, shortage: null, ability: null, called_by: "anna",
   created_at: "2030-01-01T10:00:00Z", due_at: "2030-01-01T10:15:00Z", not_before: null, cancel_at: null, ended_at: null, updated_at: "2030-01-01T10:00:00Z",
   carrier: null, expected_at: null, task: null, wait: null, refused: null, ...more,
 });
 
 test.each([["waiting", 0], ["assigned", 1], ["on_board", 2], ["delivered", 3], ["cancelled", null]])("%s is step %s", (status, step) => {
   expect(stepOf(call({ status }))).toBe(step);
+});
+
+test("what most types of vehicles carry is offered first", () => {
+  expect(abilitiesOf([{ abilities: ["pallet", "tote"] }, { abilities: ["tote"] }])).toEqual(["tote", "pallet"]);
+  expect(abilitiesOf([])).toEqual([]);
 });
 
 test("it is called off until it is on board, and once", () => {

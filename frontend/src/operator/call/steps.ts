@@ -32,6 +32,13 @@ export function shownCalls(calls: readonly TransportAnswer[], nowMs: number): Tr
   return calls.filter(({ ended_at: ended }) => ended === null || nowMs - Date.parse(ended) < SHOWN_MS);
 }
 
+/** What vehicles of the plant can carry, what most types carry first. */
+export function abilitiesOf(types: readonly { abilities: readonly string[] }[]): string[] {
+  const counts = new Map<string, number>();
+  for (const each of types.flatMap(({ abilities }) => abilities)) counts.set(each, (counts.get(each) ?? 0) + 1);
+  return [...counts].sort(([a, m], [b, n]) => n - m || a.localeCompare(b)).map(([ability]) => ability);
+}
+
 export interface Choice {
   readonly item: string;
   readonly way: "bring" | "take";

@@ -151,6 +151,7 @@ export const de: Catalogue<typeof en> = {
   "wait.says": "{atv} {what}",
   "wait.body": "Wartet seit {time}: {what} (bis: {until})",
   "wait.bodyAlone": "Wartet seit {time}: {what}",
+  "item.thing": "Ding",
   "wait.for": "wartet auf {who}",
   "wait.which": "; dieses wartet auf {who}",
   "wait.more": "{n} weitere",

@@ -148,6 +148,7 @@ export const en = {
   "wait.says": "{atv} {what}",
   "wait.body": "Waiting for {time}: {what} (until {until})",
   "wait.bodyAlone": "Waiting for {time}: {what}",
+  "item.thing": "thing",
   "wait.for": "waits for {who}",
   "wait.which": ", which waits for {who}",
   "wait.more": "{n} more",

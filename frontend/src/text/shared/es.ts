@@ -151,6 +151,7 @@ export const es: Catalogue<typeof en> = {
   "wait.says": "{atv} {what}",
   "wait.body": "Espera desde hace {time}: {what} (hasta que: {until})",
   "wait.bodyAlone": "Espera desde hace {time}: {what}",
+  "item.thing": "objeto",
   "wait.for": "espera a {who}",
   "wait.which": ", que espera a {who}",
   "wait.more": "{n} más",

@@ -1,4 +1,4 @@
-"""`dray link`: customers' links to the pages of their orders."""
+"""`dray link`: links to the pages of orders and of plain transports, for customers and others."""
 
 from __future__ import annotations
 
@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
+    from dray.store.orders.tracking_links import Links
     from dray.store.work import Work
 
-app = typer.Typer(no_args_is_help=True, help="Customers' links to the pages of their orders.")
+app = typer.Typer(no_args_is_help=True, help="Links to the pages of orders and plain transports.")
 
 Database = Annotated[
     str | None, typer.Option("--db", help="Its URL; else DRAY_DATABASE_URL, else sqlite:///dray.db.")
@@ -24,29 +25,35 @@ LONGEST_DAYS = 3650
 
 @app.callback()
 def link() -> None:
-    """Customers' links to the pages of their orders."""
+    """Links to the pages of orders and plain transports."""
 
 
 @app.command()
 def create(
-    order: Annotated[str, typer.Argument(help="The order's id, as O-1M9K3X2A4-K7QM.")],
+    to: Annotated[
+        str,
+        typer.Argument(
+            metavar="ORDER|TRANSPORT",
+            help="The order's id, as O-1M9K3X2A4-K7QM, or the plain transport's, as T-1M9K3X2A4-K7QM.",
+        ),
+    ],
     days: Annotated[
         int | None,
         typer.Option(
             min=1,
             max=LONGEST_DAYS,
-            help="How long it leads there; else until a quarter after the order's end.",
+            help="How long it leads there; else until a quarter after the order's or transport's end.",
         ),
     ] = None,
     url: Annotated[
         str | None,
         typer.Option(
-            help="Where customers reach the gateway; else DRAY_HOST and DRAY_PORT, else http://127.0.0.1:8000."
+            help="Where its readers reach the gateway; else DRAY_HOST and DRAY_PORT, else http://127.0.0.1:8000."
         ),
     ] = None,
     db: Database = None,
 ) -> None:
-    """Make another link to an order's page; it is printed once and kept nowhere."""
+    """Make another link to the page of an order or a plain transport; it is printed once and kept nowhere."""
     from dray.cli.commands.administration.console import note, transact
     from dray.cli.runtime.options import load_settings
     from dray.errors import SettingsError
@@ -58,15 +65,19 @@ def create(
     token, now_s = new_token(), time.time()
 
     async def keep(work: Work) -> None:
-        if await work.orders.get(order) is None:
-            raise SettingsError("ORDER", f"there is no order {order!r}; GET /api/orders lists them")
-        ends_s = None if days is None else now_s + days * DAY_S
-        if not await work.links.add_another(token, Link(order, now_s, expires_at_s=ends_s)):
+        links = await _links_of(work, to)
+        if links is None:
             raise SettingsError(
-                "ORDER",
-                f"{WORKING_MAX} links lead to its page already: `dray link revoke {order}` takes them back",
+                "ORDER|TRANSPORT",
+                f"there is no order and no transport {to!r}; GET /api/orders and GET /api/transports list them",
             )
-        await note(work, "link.create", order, days=days)
+        ends_s = None if days is None else now_s + days * DAY_S
+        if not await links.add_another(token, Link(to, now_s, expires_at_s=ends_s)):
+            raise SettingsError(
+                "ORDER|TRANSPORT",
+                f"{WORKING_MAX} links lead to its page already: `dray link revoke {to}` takes them back",
+            )
+        await note(work, "link.create", to, days=days)
 
     transact(db, keep)
     typer.echo(f"{base}/track/{token}")
@@ -75,26 +86,50 @@ def create(
 # A token may begin with a dash.
 @app.command(context_settings={"ignore_unknown_options": True, "help_option_names": ["--help"]})
 def revoke(
-    what: Annotated[str, typer.Argument(help="A link, its token, or an order's id for all of its links.")],
+    what: Annotated[
+        str, typer.Argument(help="A link, its token, or an order's or transport's id for all of its links.")
+    ],
     db: Database = None,
 ) -> None:
     """Take links back: their pages say so from now on."""
     from dray.cli.commands.administration.console import note, transact
-    from dray.errors import SettingsError
 
     token, now_s = what.rstrip("/").rpartition("/")[2], time.time()
 
     async def take_back(work: Work) -> int:
-        if await work.orders.get(what) is not None:
-            order, count = what, await work.links.revoke_all(what, now_s)
-        elif (link := await work.links.find(token)) is not None:
-            order, count = link.subject, await work.links.revoke(token, now_s)
+        links, subject = await _links_of(work, what), what
+        if links is not None:
+            count = await links.revoke_all(what, now_s)
         else:
-            raise SettingsError("WHAT", "it is neither an order's id nor a link to one")
+            links, subject = await _links_with(work, token)
+            count = await links.revoke(token, now_s)
         if count:
             # Of a token nothing is written down: it opens a page, or has opened one.
-            await note(work, "link.revoke", order, links=count)
+            await note(work, "link.revoke", subject, links=count)
         return count
 
     count = transact(db, take_back)
     typer.echo(f"{count} {'link' if count == 1 else 'links'} taken back")
+
+
+async def _links_of(work: Work, subject: str) -> Links | None:
+    """The links to pages of orders or of transports, by what one leads to; None where there is neither of this name."""
+    if await work.orders.get(subject) is not None:
+        return work.links
+    if await work.transports.get(subject) is not None:
+        return work.transport_links
+    return None
+
+
+async def _links_with(work: Work, token: str) -> tuple[Links, str]:
+    """Those among which a token is, and to what it leads.
+
+    Raises:
+        SettingsError: it is of no link.
+    """
+    from dray.errors import SettingsError
+
+    for links in (work.links, work.transport_links):
+        if (link := await links.find(token)) is not None:
+            return links, link.subject
+    raise SettingsError("WHAT", "it is neither an order's or transport's id nor a link to one")

@@ -44,8 +44,10 @@ class RecurringTransport(msgspec.Struct, frozen=True, kw_only=True, rename={"sou
 
     source: str | None = None
     to: str | None = None
-    item: str
-    quantity: int
+    item: str | None = None
+    thing: str | None = None
+    """What has no master data, instead of an item."""
+    quantity: int | None = None
     priority: str = "normal"
     vehicle: str | None = None
     vehicle_only: bool = True
@@ -342,7 +344,7 @@ def _lines(each: ScheduleAnswer) -> Iterator[Row]:
     came = last.transport or last.order
     end = (next(iter(each.next_runs), None), last.planned_at, came, last.refused)
     if (one := each.transport) is not None:
-        what = (one.item, one.quantity, one.priority, one.vehicle, one.ability)
+        what = (one.item or one.thing, one.quantity or 1, one.priority, one.vehicle, one.ability)
         yield (*begin, "transport", one.source, one.to, None, None, *what, None, *end)
     if (order := each.order) is not None:
         for item in order.items:

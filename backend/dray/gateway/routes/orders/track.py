@@ -84,7 +84,7 @@ async def track_transport(
     found = await transport_of(store, token, now_s)
     if found.row is None:
         raise _no_page(found.why or NoPage.UNKNOWN, token)
-    name = material_name(projection, found.row.item)
+    name = found.row.thing or material_name(projection, found.row.item)
     return Json(transport_track(found.row, name, now_s), headers=PRIVATE)
 
 

@@ -35,6 +35,7 @@ from dray.gateway.http.responses import (
 from dray.gateway.live.projection import Projection
 from dray.gateway.orders.idempotency import Key, own_key
 from dray.gateway.orders.order_ids import new_token
+from dray.gateway.orders.shortage import Shortage, shortage_of
 from dray.gateway.orders.timeline import LegView, MomentView, WayOutView
 from dray.gateway.orders.transport_draft import TransportDraft
 from dray.gateway.orders.transport_timeline import KINDS, TransportTimeline, transport_timeline
@@ -66,6 +67,7 @@ class TransportAnswer(msgspec.Struct, frozen=True, kw_only=True, rename={"source
     source: str
     to: str
     item: str
+    """A material; `.thing` for a `thing` without master data."""
     quantity: int
     priority: str
     vehicle: str | None = None
@@ -86,6 +88,8 @@ class TransportAnswer(msgspec.Struct, frozen=True, kw_only=True, rename={"source
     """When somebody has called it off: it is cancelled when the factory has confirmed."""
     ended_at: str | None = None
     updated_at: str
+    shortage: Shortage | None = None
+    """What its source lacks at present, and which storages have as much, where that keeps it waiting."""
     carrier: str | None = None
     expected_at: str | None = None
     """When its carrier has promised to be there."""
@@ -95,6 +99,8 @@ class TransportAnswer(msgspec.Struct, frozen=True, kw_only=True, rename={"source
     """Why nobody carries it: not_before while its time has not come, no_room where it goes, short where it is fetched, no_bid, or undecided yet."""
     refused: str | None = None
     """Why it cannot be done, where that has ended it."""
+    thing: str | None = None
+    """What people call it, where it has no master data."""
 
 
 EXAMPLE = TransportAnswer(
@@ -114,7 +120,9 @@ EXAMPLE = TransportAnswer(
     task="T-1M9K3X2A4-K7QM-1",
 )
 
-COLUMNS = tuple(name for name in TransportAnswer.__struct_fields__ if name != "vehicle_waits")
+COLUMNS = tuple(
+    name for name in TransportAnswer.__struct_fields__ if name not in ("vehicle_waits", "shortage")
+)
 """Of a table: all but what is so at this moment only."""
 
 HEADER = tuple(each.encode_name for each in fields(TransportAnswer) if each.name in COLUMNS)
@@ -165,7 +173,11 @@ DRAFTS = {
     "bring": {
         "summary": "A load from a storage to a machine",
         "value": {"from": "S5", "to": "M8", "item": "bearing", "quantity": 40},
-    }
+    },
+    "thing": {
+        "summary": "Something without master data",
+        "value": {"from": "M8", "to": "S5", "thing": "pump housing for Meier", "ability": "tote"},
+    },
 }
 
 
@@ -196,6 +208,7 @@ DRAFTS = {
 )
 async def call_transport(
     transports: Provided[PlainTransports],
+    projection: Provided[Projection],
     caller: Caller,
     note: Noted,
     draft: TransportDraft,
@@ -207,7 +220,7 @@ async def call_transport(
         draft,
         caller,
         None if key is None else own_key(caller, f"transport {key}"),
-        lambda row: msgspec.json.encode(transport_answer(row)),
+        lambda row: msgspec.json.encode(transport_answer(row, shortage=shortage_of(row, projection))),
     )
     note.target = kept.order_id
     headers = {"Location": f"/api/transports/{kept.order_id}"}
@@ -257,7 +270,10 @@ async def list_transports(
         total = len(rows) if is_all else None if words else await work.transports.total(wanted)
     last = rows[limit - 1] if len(rows) > limit else None
     return counted(
-        [transport_answer(row, why_not(row, projection, now_s)) for row in rows[:limit]],
+        [
+            transport_answer(row, why_not(row, projection, now_s), shortage_of(row, projection))
+            for row in rows[:limit]
+        ],
         None if last is None else write_cursor(*place_of(last, sort)),
         total,
     )
@@ -299,7 +315,7 @@ async def get_transport(
         row = await work.transports.get(transport)
     if row is None or not transports.may_see(row, caller):
         raise not_found("transport", transport, "GET /api/transports")
-    return Json(transport_answer(row, why_not(row, projection, now_s)))
+    return Json(transport_answer(row, why_not(row, projection, now_s), shortage_of(row, projection)))
 
 
 @router.get(
@@ -409,14 +425,17 @@ async def cancel_transport(
     return Json(transport_answer(row))
 
 
-def transport_answer(row: TransportRow, vehicle_waits: str | None = None) -> TransportAnswer:
-    """A transport, as REST shows it, and why the vehicle that is wanted does not carry it."""
+def transport_answer(
+    row: TransportRow, vehicle_waits: str | None = None, shortage: Shortage | None = None
+) -> TransportAnswer:
+    """A transport, as REST shows it, why the vehicle that is wanted does not carry it, and what its source lacks."""
     return TransportAnswer(
         id=row.id,
         status=row.status.value,
         source=row.source,
         to=row.destination,
         item=row.item,
+        thing=row.thing or None,
         quantity=row.quantity,
         priority=row.priority,
         vehicle=row.vehicle or None,
@@ -430,6 +449,7 @@ def transport_answer(row: TransportRow, vehicle_waits: str | None = None) -> Tra
         cancel_at=None if row.cancel_at_s is None else iso(row.cancel_at_s),
         ended_at=None if row.ended_at_s is None else iso(row.ended_at_s),
         updated_at=iso(row.updated_at_s),
+        shortage=shortage,
         carrier=row.carrier or None,
         expected_at=None if row.expected_at_s is None else iso(row.expected_at_s),
         task=row.task or None,

@@ -52,7 +52,9 @@ async def customer(
     if found.facts is not None:
         told = page(track(found.facts), texts, clock, now_s)
     elif sent.row is not None:
-        told = transport_page(sent.row, material_name(projection, sent.row.item), texts, clock, now_s)
+        told = transport_page(
+            sent.row, sent.row.thing or material_name(projection, sent.row.item), texts, clock, now_s
+        )
     else:
         why = sent.why or found.why or NoPage.UNKNOWN
         status = HTTPStatus.NOT_FOUND if why is NoPage.UNKNOWN else HTTPStatus.GONE

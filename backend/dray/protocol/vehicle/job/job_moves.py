@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from dray.body import Drop, Pick
 from dray.errors import NoWay
 from dray.memory import Contract
+from dray.messages import THING
 from dray.plant import Plant, Routes
 from dray.protocol.contract_net.dock import dock_of
 from dray.protocol.runtime.timers import Timers
@@ -154,13 +155,16 @@ class JobMoves:
     # --- where to with a load that nobody wants ---
 
     def refuge(self) -> str:
-        """The nearest storage that keeps the load; goods are set aside at the delivery warehouse.
+        """The nearest storage that keeps the load; goods are set aside at the delivery warehouse, a thing goes back to the storage where it was fetched, or else to the nearest.
 
         Where every storage is full, and stays so since nobody can fetch with this vehicle's load in the way, material goes back
         to where it came from, a source warehouse. Where what is closed leaves no way to any, the first one is waited for.
         """
         is_material = self._work.item in self._plant.materials
         storages = self._plant.storages_of(self._work.item) if is_material else (self._work.destination,)
+        if self._work.item == THING:
+            fetched = self._source in self._plant.stores
+            storages = (self._source,) if fetched else (*self._plant.stores,) or (self._work.destination,)
         here = self._driver.next_node
         for refuges in (storages, self._plant.source_warehouses if is_material else ()):
             try:

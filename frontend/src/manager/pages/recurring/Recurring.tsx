@@ -159,7 +159,7 @@ function What({ schedule: { order, transport } }: { schedule: Schedule }) {
   const way = t("recurring.way", { from: transport.from ?? t("recurring.nearest"), to: transport.to ?? t("recurring.nearest") });
   return (
     <>
-      {format.count(transport.quantity)} {names.value(transport.item)}
+      {format.count(transport.quantity ?? 1)} {transport.thing ?? names.value(transport.item ?? "")}
       <small class="line muted">{[way, transport.vehicle, transport.ability].filter(Boolean).join(" · ")}</small>
     </>
   );

@@ -27,6 +27,8 @@ export interface Written {
   readonly from: string;
   readonly to: string;
   readonly item: string;
+  /** What has no master data is called for over REST, and kept here as it is. */
+  readonly thing: string;
   readonly quantity: string;
   readonly priority: Priority;
   readonly vehicle: string;
@@ -44,7 +46,7 @@ export interface Written {
 export function empty(zone: string): Written {
   return {
     name: "", kind: "transport", days: ["1", "2", "3", "4", "5"], time: "06:00", cron: "", zone, holidays: "", missed: "skip",
-    from: "", to: "", item: "", quantity: "", priority: "normal", vehicle: "", ability: "", only: true,
+    from: "", to: "", item: "", thing: "", quantity: "", priority: "normal", vehicle: "", ability: "", only: true,
     customer: "", reference: "", lines: [NO_LINE], dueH: "",
   };
 }
@@ -74,8 +76,9 @@ export function writtenOf(schedule: Schedule): Written {
     ...(transport && {
       from: transport.from ?? "",
       to: transport.to ?? "",
-      item: transport.item,
-      quantity: String(transport.quantity),
+      item: transport.item ?? "",
+      thing: transport.thing ?? "",
+      quantity: String(transport.quantity ?? ""),
       vehicle: transport.vehicle ?? "",
       ability: transport.ability ?? "",
       only: transport.vehicle_only,
@@ -112,12 +115,13 @@ export function draftOf(written: Written): Omit<ScheduleDraft, "paused"> {
   };
 }
 
-function transportOf({ ability, from, item, only, priority, quantity, to, vehicle }: Written): NonNullable<ScheduleDraft["transport"]> {
+function transportOf({ ability, from, item, only, priority, quantity, thing, to, vehicle }: Written): NonNullable<ScheduleDraft["transport"]> {
   return {
     from: from === "" ? null : from,
     to: to === "" ? null : to,
-    item,
-    quantity: numberOf(quantity),
+    item: item === "" ? null : item,
+    thing: thing === "" ? null : thing,
+    quantity: quantity === "" ? null : numberOf(quantity),
     priority,
     vehicle: vehicle === "" ? null : vehicle,
     vehicle_only: only,

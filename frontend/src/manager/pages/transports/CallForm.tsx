@@ -29,7 +29,7 @@ type TextPart = { [K in keyof Written]: Written[K] extends string ? K : never }[
 
 /** Calls for one load: refusals stand at their fields. */
 export function CallForm({ onCalled }: { onCalled: () => void }) {
-  const { begin, due, only, priority, quantity, vehicle } = written.value;
+  const { begin, due, only, priority, quantity, thing, vehicle } = written.value;
   const file = plant.value;
   const { answer: priorities } = useRefreshed(fetchPriorities, PRIORITIES_EVERY_MS);
   const places = [...(file?.storages ?? []), ...(file?.machines ?? [])];
@@ -48,6 +48,9 @@ export function CallForm({ onCalled }: { onCalled: () => void }) {
       >
         <div class="form">
           <Choice part="item" label={t("called.item")} none={t("called.choose")} options={file?.materials ?? []} />
+          <Field part="thing" label={t("called.orThing")}>
+            {(attributes) => <input {...attributes} autoComplete="off" maxLength={100} placeholder={t("called.thingAs")} value={thing} onInput={(event) => { edit({ thing: event.currentTarget.value }); }} />}
+          </Field>
           <Field part="quantity" label={t("called.quantity")}>
             {(attributes) => <input {...attributes} inputMode="numeric" autoComplete="off" value={quantity} onInput={(event) => { edit({ quantity: event.currentTarget.value }); }} />}
           </Field>

@@ -112,11 +112,11 @@ function when(moment: string): string {
 }
 
 function Row({ end, transport }: { transport: TransportAnswer; end: (id: string) => Promise<void> }) {
-  const { called_by, created_at, due_at, id, item, priority, quantity, to } = transport;
+  const { called_by, created_at, due_at, id, item, priority, quantity, thing, to } = transport;
   return (
     <tr>
       <th scope="row">
-        {format.count(quantity)} {names.value(item)}
+        {format.count(quantity)} {thing ?? names.value(item)}
         <small class="line">
           <a class="link" href={addressOfTransport(id)}>{id}</a>
         </small>

@@ -10,6 +10,8 @@ import { problemText } from "../../problem-text";
 
 export interface Written {
   readonly item: string;
+  /** What has no master data, as people call it; empty for a material. */
+  readonly thing: string;
   readonly quantity: string;
   readonly from: string;
   readonly to: string;
@@ -23,7 +25,7 @@ export interface Written {
   readonly ability: string;
 }
 
-export const EMPTY: Written = { item: "", quantity: "", from: "", to: "", priority: "normal", due: "", begin: "", vehicle: "", only: true, ability: "" };
+export const EMPTY: Written = { item: "", thing: "", quantity: "", from: "", to: "", priority: "normal", due: "", begin: "", vehicle: "", only: true, ability: "" };
 
 export const written = signal<Written>(EMPTY);
 export const complaints = signal<Readonly<Record<string, string>>>({});
@@ -53,18 +55,18 @@ export function loadsOf(pieces: number, most: number): number[] {
 }
 
 /** What is sent. What is no number goes as it was written, for the gateway says best what is wrong with it. */
-export function draftOf({ ability, begin, due, from, item, only, priority, quantity, to, vehicle }: Written): TransportDraft {
+export function draftOf({ ability, begin, due, from, item, only, priority, quantity, thing, to, vehicle }: Written): TransportDraft {
   const pieces = quantity.trim();
   const moment = (written: string): string | null => (written === "" ? null : new Date(written).toISOString());
   const or = (text: string): string | null => (text === "" ? null : text);
   return {
-    from: or(from), to: or(to), item, priority, vehicle: or(vehicle), vehicle_only: only, ability: or(ability),
-    quantity: /^\d+$/.test(pieces) ? Number(pieces) : (pieces as unknown as number),
+    from: or(from), to: or(to), item: or(item), thing: or(thing.trim()), priority, vehicle: or(vehicle), vehicle_only: only, ability: or(ability),
+    quantity: pieces === "" ? null : /^\d+$/.test(pieces) ? Number(pieces) : (pieces as unknown as number),
     due_at: moment(due), not_before: moment(begin),
   };
 }
 
-const PARTS: Readonly<Record<string, string>> = { due_at: "due", not_before: "begin", from: "from", to: "to", item: "item", quantity: "quantity", vehicle: "vehicle", ability: "ability" };
+const PARTS: Readonly<Record<string, string>> = { due_at: "due", not_before: "begin", from: "from", to: "to", item: "item", thing: "thing", quantity: "quantity", vehicle: "vehicle", ability: "ability" };
 
 /** Each complaint at its field, and those together that have none. */
 export function complaintsOf(errors: readonly { field: string; reason: string }[]): { at: Record<string, string>; elsewhere: string } {
@@ -93,7 +95,7 @@ export async function send(most = 0): Promise<boolean> {
   try {
     let id = "";
     if (most === 0) ({ id } = await callTransport(draft, key));
-    else for (const [load, quantity] of loadsOf(draft.quantity, most).entries()) ({ id } = await callTransport({ ...draft, quantity }, `${key}-${load}`));
+    else for (const [load, quantity] of loadsOf(draft.quantity ?? 0, most).entries()) ({ id } = await callTransport({ ...draft, quantity }, `${key}-${load}`));
     edit(EMPTY);
     outcome.value = { good: true, text: t("called.sent", { id: "" }), called: id };
     return true;
@@ -101,7 +103,7 @@ export async function send(most = 0): Promise<boolean> {
     const errors = error instanceof Problem ? error.errors : [];
     const { at, elsewhere } = complaintsOf(errors);
     const most = mostOf(errors);
-    splitBy.value = most > 0 && draft.quantity <= most * LOADS_MOST ? most : 0;
+    splitBy.value = most > 0 && (draft.quantity ?? 0) <= most * LOADS_MOST ? most : 0;
     complaints.value = at;
     const reason = elsewhere === "" && Object.keys(at).length === 0 ? problemText(error) : elsewhere;
     outcome.value = reason === "" ? null : { good: false, text: t("called.failed", { reason }) };

@@ -18,10 +18,11 @@ test("the address says in which order they come, in the list and in the table", 
 
 test("what is left empty is left to the gateway, and what is no number it refuses", () => {
   expect(draftOf({ ...EMPTY, item: "shaft", quantity: " 40 ", to: "M8" })).toEqual({
-    from: null, to: "M8", item: "shaft", quantity: 40, priority: "normal", vehicle: null, vehicle_only: true, ability: null, due_at: null, not_before: null,
+    from: null, to: "M8", item: "shaft", thing: null, quantity: 40, priority: "normal", vehicle: null, vehicle_only: true, ability: null, due_at: null, not_before: null,
   });
   expect(draftOf({ ...EMPTY, begin: "2030-01-01T10:00" }).not_before).toBe(new Date("2030-01-01T10:00").toISOString());
   expect(draftOf({ ...EMPTY, quantity: "many" }).quantity).toBe("many");
+  expect(draftOf({ ...EMPTY, thing: " pump housing ", from: "M8", to: "S5", ability: "tote" })).toMatchObject({ item: null, thing: "pump housing", quantity: null });
 });
 
 test("a complaint stands at its field", () => {

@@ -21,6 +21,8 @@ export const transports: Catalogue<typeof en> = {
   "called.open": "offen",
   "called.wayOf": "{source} nach {to}",
   "called.item": "Material",
+  "called.orThing": "Oder ein Ding ohne Stammdaten",
+  "called.thingAs": "Pumpengehäuse für Meier",
   "called.choose": "Wählen…",
   "called.quantity": "Stück (eine Ladung)",
   "called.source": "Von",

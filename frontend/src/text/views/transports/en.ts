@@ -19,6 +19,8 @@ export const transports = {
   "called.open": "open",
   "called.wayOf": "{source} to {to}",
   "called.item": "Material",
+  "called.orThing": "Or a thing without master data",
+  "called.thingAs": "pump housing for Meier",
   "called.choose": "Choose…",
   "called.quantity": "Pieces (one load)",
   "called.source": "From",

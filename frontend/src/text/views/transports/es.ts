@@ -21,6 +21,8 @@ export const transports: Catalogue<typeof en> = {
   "called.open": "abiertos",
   "called.wayOf": "de {source} a {to}",
   "called.item": "Material",
+  "called.orThing": "O un objeto sin datos maestros",
+  "called.thingAs": "carcasa de bomba para Meier",
   "called.choose": "Elegir…",
   "called.quantity": "Piezas (una carga)",
   "called.source": "De",

@@ -6,6 +6,7 @@ import { Tag } from "../../../../parts/Tag";
 import { choose } from "../../../../selection/selection";
 import { nowS, world } from "../../../../stream/stream";
 import { causeText } from "../../../../text/failure";
+import { shortageText } from "../../../../text/shortage";
 import { speakAlso } from "../../../../text/speech";
 import { t as ofOrders, tables as orderTables } from "../../../../text/views/order";
 import { format, t, tables, word } from "../../../../text/views/transports";
@@ -87,7 +88,7 @@ interface Props {
 
 /** Answers first what people come for: where it is, and when it is there. */
 function Head({ onChanged, story, transport }: Props & { onChanged: () => void }) {
-  const { called_by, cancel_at, due_at, ended_at, from, id, item, priority, quantity, status, task, to } = transport;
+  const { called_by, cancel_at, due_at, ended_at, from, id, item, priority, quantity, status, task, thing, to } = transport;
   const { before, last } = carriersOf(story);
   const isLive = task !== null && world.value?.tasks.has(task) === true;
   return (
@@ -99,7 +100,7 @@ function Head({ onChanged, story, transport }: Props & { onChanged: () => void }
           </a>
           {` / ${id}`}
         </p>
-        <h1 id="transport-title">{t("called.page.what", { load: loadOf(item, quantity), from: placeOf(from), to: placeOf(to) })}</h1>
+        <h1 id="transport-title">{t("called.page.what", { load: thing ?? loadOf(item, quantity), from: placeOf(from), to: placeOf(to) })}</h1>
         <Tag tone={status === "cancelled" ? "warn" : "normal"}>
           {cancel_at !== null && ended_at === null ? t("called.beingOff") : word("called.is", status)}
         </Tag>
@@ -229,7 +230,7 @@ function LanesCard({ story, transport }: Props) {
 
 /** Why it is not there yet, by name: what it lacks, why a wished vehicle does not come, and for whom its carrier stands. */
 function Waits({ transport }: { transport: TransportAnswer }) {
-  const { ability, carrier, ended_at, not_before, refused, task: name, vehicle, vehicle_until, vehicle_waits, wait } = transport;
+  const { ability, carrier, ended_at, from: source, not_before, refused, shortage, task: name, vehicle, vehicle_until, vehicle_waits, wait } = transport;
   const task = name === null ? undefined : world.value?.tasks.get(name);
   const stands = carrier === null ? undefined : world.value?.waits.get(carrier);
   const lines = [
@@ -239,6 +240,7 @@ function Waits({ transport }: { transport: TransportAnswer }) {
     task?.trouble == null ? "" : causeText(task.trouble),
   ].filter((line) => line !== "");
   const more = [
+    shortageText(source, shortage),
     wait === "not_before" ? t("called.begins", { at: when(secondsOf(not_before)) }) : "",
     vehicle_until === null || ended_at !== null ? "" : t("called.until", { at: when(secondsOf(vehicle_until)) }),
     ability === null ? "" : t("called.asks", { ability }),

@@ -6,8 +6,8 @@ import { attemptsOf, carriersOf, expectedS, lateS, spanOf } from "./story";
 const at = (atS: number): string => new Date(atS * 1000).toISOString();
 
 const transport = (more: Partial<TransportAnswer>): TransportAnswer => ({
-  id: "T-1M9K3X2A4-K7QM", status: "assigned", from: "S5", to: "M8", item: "bearing", quantity: 40, priority: "normal", vehicle: null, vehicle_until: null,
-  vehicle_waits: null, ability: null, called_by: "Button", created_at: at(1000), due_at: at(1900), not_before: null, cancel_at: null, ended_at: null, updated_at: at(1000),
+  id: "T-1M9K3X2A4-K7QM", status: "assigned", from: "S5", to: "M8", item: "bearing", thing: null, quantity: 40, priority: "normal", vehicle: null, vehicle_until: null,
+  vehicle_waits: null, shortage: null, ability: null, called_by: "Button", created_at: at(1000), due_at: at(1900), not_before: null, cancel_at: null, ended_at: null, updated_at: at(1000),
   carrier: null, expected_at: null, task: null, wait: null, refused: null, ...more,
 });
 
