@@ -52,6 +52,7 @@ from dray.messages.floor.traffic import (
     FloorTold,
     HoldsAsked,
     PlaceBooked,
+    PlaceConfirmed,
     PlaceGranted,
     PlaceWished,
     YieldAsked,
@@ -205,6 +206,7 @@ AnyMessage = (
     | StockFreed
     | PlaceWished
     | PlaceGranted
+    | PlaceConfirmed
     | FloorTold
     | YieldAsked
     | YieldRefused
@@ -316,6 +318,7 @@ __all__ = [
     "PartDefinition",
     "Phase",
     "PlaceBooked",
+    "PlaceConfirmed",
     "PlaceGranted",
     "PlaceWished",
     "Pose",

@@ -182,6 +182,7 @@ export const de: Catalogue<typeof en> = {
   "reason.why.before_now": "ein Gebot, das in der Vergangenheit fertig wäre",
   "reason.why.too_late": "ein Gebot, das viel später fertig wäre, als sein Preis sagt",
   "reason.why.anothers_key": "Wünsche nach Plätzen, die nicht mit dem Schlüssel dieses Fahrzeugs unterschrieben sind",
+  "reason.why.robs_places": "führt ein Buch, das Fahrzeugen Plätze ohne deren Wort nimmt",
   "failure.no WLAN": "kein WLAN",
   "failure.a tool has broken": "ein Werkzeug ist gebrochen",
   "failure.the way is blocked": "der Weg ist versperrt",

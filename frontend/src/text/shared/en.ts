@@ -179,6 +179,7 @@ export const en = {
   "reason.why.before_now": "a bid that would be done in the past",
   "reason.why.too_late": "a bid that would be done much later than its price tells",
   "reason.why.anothers_key": "wishes for places that are not signed with this vehicle's key",
+  "reason.why.robs_places": "keeps a book that takes places from vehicles without their word",
   "failure.no WLAN": "no WLAN",
   "failure.a tool has broken": "a tool has broken",
   "failure.the way is blocked": "the way is blocked",

@@ -182,6 +182,7 @@ export const es: Catalogue<typeof en> = {
   "reason.why.before_now": "una oferta que acabaría en el pasado",
   "reason.why.too_late": "una oferta que acabaría mucho más tarde de lo que dice su precio",
   "reason.why.anothers_key": "peticiones de lugares que no firma la clave de este vehículo",
+  "reason.why.robs_places": "lleva un libro que quita lugares a vehículos sin su palabra",
   "failure.no WLAN": "sin wifi",
   "failure.a tool has broken": "se ha roto una herramienta",
   "failure.the way is blocked": "el camino está bloqueado",
