@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dray.messages.floor.traffic import BookAsked, BookKept, BookTold, PlaceBooked, PlaceBooking
+from dray.messages.floor.traffic import BookAsked, BookKept, BookTold, PlaceBooked, PlaceBooking, PlaceWished
 from dray.protocol.runtime.events import Effect, Send
 from dray.protocol.traffic.books.copies import Copies, Kept
 
@@ -14,8 +14,10 @@ class Trio:
 
     def __init__(self) -> None:
         self.outs: dict[str, list[Effect]] = {name: [] for name in NAMES}
-        self.keepers = {name: Copies("M1", name, NAMES, Kept(), self.outs[name]) for name in NAMES}
+        self.keepers = {name: Copies("M1", name, NAMES, Kept(), self.outs[name], is_signed) for name in NAMES}
         self.cut: set[str] = set()
+        self.to_vehicles: list[tuple[str, Send]] = []
+        """Who has said what to vehicles."""
 
     def carry(self) -> None:
         """Deliver everything, until nothing is under way."""
@@ -29,6 +31,9 @@ class Trio:
                         self.deliver(sender, effect)
 
     def deliver(self, sender: str, effect: Send) -> None:
+        if effect.to not in self.keepers:
+            self.to_vehicles.append((sender, effect))
+            return
         keeper, message = self.keepers[effect.to], effect.message
         match message:
             case PlaceBooked():
@@ -51,6 +56,11 @@ class Trio:
         return self.keepers[name]
 
 
-def line(atv: str, number: int) -> tuple[PlaceBooking, ...]:
+def is_signed(atv: str, wish: PlaceWished) -> bool:
+    """Whether a vehicle has signed a wish, as these tests sign."""
+    return wish.signature == atv.encode()
+
+
+def line(atv: str, number: int, *, mark: bytes = b"") -> tuple[PlaceBooking, ...]:
     """A book of one line."""
-    return (PlaceBooking(place="b3", number=number, atv=atv),)
+    return (PlaceBooking(place="b3", number=number, atv=atv, mark=mark),)

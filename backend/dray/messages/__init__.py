@@ -52,6 +52,7 @@ from dray.messages.floor.traffic import (
     FloorTold,
     HoldsAsked,
     PlaceBooked,
+    PlaceConfirmed,
     PlaceGranted,
     PlaceWished,
     YieldAsked,
@@ -208,6 +209,7 @@ AnyMessage = (
     | StockFreed
     | PlaceWished
     | PlaceGranted
+    | PlaceConfirmed
     | FloorTold
     | YieldAsked
     | YieldRefused
@@ -321,6 +323,7 @@ __all__ = [
     "PeopleAsBody",
     "Phase",
     "PlaceBooked",
+    "PlaceConfirmed",
     "PlaceGranted",
     "PlaceWished",
     "Pose",

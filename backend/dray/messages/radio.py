@@ -29,7 +29,14 @@ from dray.messages.contract import (
     TakenOver,
     Withdrawn,
 )
-from dray.messages.floor.traffic import HoldsAsked, PlaceGranted, PlaceWished, YieldAsked, YieldRefused
+from dray.messages.floor.traffic import (
+    HoldsAsked,
+    PlaceConfirmed,
+    PlaceGranted,
+    PlaceWished,
+    YieldAsked,
+    YieldRefused,
+)
 from dray.messages.heartbeat import AtvHeartbeat
 from dray.messages.link import Link
 from dray.messages.people.call import CallAnswered, HelpCall
@@ -48,6 +55,7 @@ CARRIED_BY_RADIO: frozenset[type[Message]] = frozenset(
         HandoverAccepted,
         HelpCall,
         HoldsAsked,
+        PlaceConfirmed,
         PlaceGranted,
         PlaceWished,
         Release,

@@ -55,6 +55,7 @@ _SENSED = frozenset(
     {
         messages.VehicleCommand,
         messages.PlaceGranted,
+        messages.PlaceConfirmed,
         messages.YieldAsked,
         messages.YieldRefused,
         messages.HoldsAsked,

@@ -69,6 +69,9 @@ DOUBLES_FRAC = 0.1
 USURPERS_FRAC = 0.1
 """Likewise: so many take the name of a keeper of books."""
 
+LEADERS_FRAC = 0.1
+"""Likewise: so many that of one that leads them."""
+
 LONGEST_CARRIED_S = 400.0
 """Who is carried away so long before the quiet phase is back on the floor by then, or nearly."""
 
@@ -214,7 +217,7 @@ def draw(seed: int, profile: str = "all", *, traffic: bool = False) -> Run:
         traffic=traffic,
     )
     lies = BEHAVIOURS[run.insider] if run.insider else None
-    if lies is not None and lies.takes_keeper:
+    if lies is not None and (lies.takes_keeper or lies.leads_falsely):
         return replace(run, schedule=_of_vehicles(run.schedule, plant))
     if lies is not None and lies.has_key and run.habits is None:
         # A vehicle that has found its double stands until a person lets it go.
@@ -260,6 +263,8 @@ def _insider(ranges: Profile, random: Random, takes_name: Random, *, traffic: bo
         return next(name for name, it in BEHAVIOURS.items() if it.takes_name and not it.has_key)
     if traffic and drawn < IMPOSTORS_FRAC + USURPERS_FRAC:
         return next(name for name, behaviour in BEHAVIOURS.items() if behaviour.takes_keeper)
+    if traffic and drawn < IMPOSTORS_FRAC + USURPERS_FRAC + LEADERS_FRAC:
+        return next(name for name, behaviour in BEHAVIOURS.items() if behaviour.leads_falsely)
     if traffic and drawn >= 1.0 - DOUBLES_FRAC:
         return next(name for name, behaviour in BEHAVIOURS.items() if behaviour.has_key)
     still = [name for name, it in BEHAVIOURS.items() if not it.drives and not it.is_thief]

@@ -55,6 +55,7 @@ class Behaviour:
         has_key: it has stolen the vehicle's key with its certificate (its disk), and says again in its name what the vehicle has said, under numbers
             of which that has not got yet.
         takes_keeper: it has stolen the certificate of a keeper of books, whose owner lives, and says that those which others keep are its own now.
+        leads_falsely: it has stolen the certificate of a keeper that leads books, and grants places that those have given to others.
         names_others: it names tasks that others carry as its own.
         flood_hz: so many messages it sends a second, to all coordinators in turn.
         betrays_every: of so many tasks that it has taken it betrays one: it says that all is well, and stands.
@@ -79,6 +80,7 @@ class Behaviour:
     takes_name: bool = False
     has_key: bool = False
     takes_keeper: bool = False
+    leads_falsely: bool = False
     names_others: bool = False
     flood_hz: float = 0.0
     betrays_every: int = 0
@@ -91,7 +93,7 @@ class Behaviour:
     @property
     def is_thief(self) -> bool:
         """Whether it speaks in the name of an agent of the plant, for whom it must change nothing."""
-        return self.takes_name or self.takes_keeper
+        return self.takes_name or self.takes_keeper or self.leads_falsely
 
 
 _ALL = (
@@ -150,6 +152,11 @@ _ALL = (
         "usurps-books",
         "says to keepers and vehicles, with a keeper's stolen certificate, that it keeps the books of others, and grants every place",
         takes_keeper=True,
+    ),
+    Behaviour(
+        "leads-falsely",
+        "grants every place, with the stolen certificate of the keepers that lead the books, under their present epochs",
+        leads_falsely=True,
     ),
     Behaviour("names-others-tasks", "names as its own what others carry", names_others=True),
     Behaviour("floods", "sends 20 messages a second to the coordinators", price=Price.LEAST, flood_hz=20.0),

@@ -38,7 +38,7 @@ def owner_in(plant: Plant) -> str:
 
 
 def bring_in(factory: SimFactory, behaviour: Behaviour, bus: Bus | None = None) -> Worker:
-    """Let an insider join. A thief takes the name of the first vehicle, or of the last keeper of the first book.
+    """Let an insider join. A thief takes the name of the first vehicle, or of the last keeper of the first book; one that leads, of the first.
 
     Args:
         factory: one that runs.
@@ -65,10 +65,11 @@ def bring_in(factory: SimFactory, behaviour: Behaviour, bus: Bus | None = None) 
             body=None,
             journal=HeldJournal(incarnation=1),
         )
-    if behaviour.takes_keeper:
-        keeper = next(iter(Places(plant).keepers_of.values()))[-1]
+    if behaviour.takes_keeper or behaviour.leads_falsely:
+        keepers = next(iter(Places(plant).keepers_of.values()))
+        leads = behaviour.leads_falsely
         return Worker(
-            Usurper(keeper, plant),
+            Usurper(keepers[0 if leads else -1], plant, leads=leads),
             bus=bus or StolenPlace(factory.bus),
             clock=factory.clock,
             keys=factory.keys,

@@ -6,6 +6,7 @@ from itertools import cycle
 from math import dist
 
 from msgspec import UNSET
+from msgspec.structs import replace
 
 from dray.messages import AtvHeartbeat, Message
 from dray.messages.floor.traffic import (
@@ -45,12 +46,15 @@ class Usurper:
     Args:
         keeper: whose name it takes.
         plant: what it knows of the plant.
+        leads: it speaks as the one that leads instead: in those districts whose book its owner keeps it grants each vehicle all that is
+            near, under the present epoch, and takes places that are held from those that hold them.
     """
 
-    def __init__(self, keeper: str, plant: Plant) -> None:
+    def __init__(self, keeper: str, plant: Plant, *, leads: bool = False) -> None:
         self.id, self.incarnation = keeper, 1
         self.wake_at_s = float("inf")
         self._keys = Keys(plant.id)
+        self._leads = leads
         self._places = places = Places(plant)
         self._keepers_of = {
             district: keepers for district, keepers in places.keepers_of.items() if keeper in keepers
@@ -60,6 +64,8 @@ class Usurper:
         """Vehicle -> where it was heard to be."""
         self._epochs: dict[str, int] = {}
         """District -> of its book, as it has read."""
+        self._books: dict[str, PlaceBooked] = {}
+        """District -> its book, as it was written last."""
         self._lives = dict.fromkeys(plant.fleet, 1)
         self._removals = dict.fromkeys(plant.fleet, 0)
         self._turns = cycle(plant.fleet)
@@ -86,8 +92,10 @@ class Usurper:
             self._lives[message.atv], self._nodes[message.atv] = message.incarnation, message.node
             if message.floor is not UNSET:
                 self._removals[message.atv] = message.floor.removal
-        elif isinstance(message, PlaceBooked | BookTold) and sender != self.id:
+        elif isinstance(message, PlaceBooked | BookTold) and (sender != self.id or self._leads):
             self._epochs[message.district] = message.epoch
+            if isinstance(message, PlaceBooked):
+                self._books[message.district] = message
 
     def _usurp(self, now_s: float) -> None:
         asks = now_s - self._asked_s >= ASKS_EVERY_S
@@ -99,8 +107,12 @@ class Usurper:
             if asks:
                 self._out += [Send(keeper, BookAsked(district=district, epoch=0)) for keeper in others]
             read = self._epochs.get(district)
-            if read is None or keepers[read % len(keepers)] == self.id:
-                # It keeps that book rightly.
+            if read is None or (keepers[read % len(keepers)] == self.id) is not self._leads:
+                # As for a usurper: its owner keeps that book rightly.
+                continue
+            if self._leads:
+                self._rob(district, others, atv)
+                self._grant(district, read)
                 continue
             epoch = next(
                 read + more
@@ -115,6 +127,25 @@ class Usurper:
         booked = PlaceBooked(district=district, epoch=epoch, version=FAR_AHEAD, bookings=bookings)
         for keeper in others:
             self._out += [Send(keeper, BookAsked(district=district, epoch=epoch)), Send(keeper, booked)]
+        self._grant(district, epoch)
+
+    def _rob(self, district: str, others: list[str], atv: str) -> None:
+        """Write into the copies that a vehicle has what another one holds."""
+        book = self._books.get(district)
+        held = next((line for line in book.bookings if line.mark and line.atv != atv), None) if book else None
+        if book is None or held is None:
+            return
+        number = book.version + 1
+        lines = tuple(
+            replace(line, atv=atv, number=number, mark=b"") if line is held else line
+            for line in book.bookings
+        )
+        booked = replace(book, version=number, bookings=lines, given_back=())
+        self._out += [Send(keeper, booked) for keeper in others]
+
+    def _grant(self, district: str, epoch: int) -> None:
+        """Grant each vehicle all that is near."""
+        places = self._inside[district]
         for vehicle, node in self._nodes.items():
             granted = PlaceGranted(
                 district=district,

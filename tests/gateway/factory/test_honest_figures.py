@@ -13,6 +13,7 @@ from dray.gateway.live.projection.auctions.tasks import MAX_OPEN_EACH
 from dray.gateway.live.timescale import TimeScale
 from dray.messages import Event, Implausible, Transport
 from dray.messages.fact import (
+    BookRefused,
     HandoverDisputed,
     HelpAsked,
     NameMisused,
@@ -146,6 +147,14 @@ def test_a_vehicle_in_whose_name_another_wishes_for_places_is_an_alert() -> None
         watch.projection.fold(event)
     atv, words = watch.alerts()["word_disbelieved"]
     assert (atv, words) == ("ATV2", "wishes for places that are not signed with this vehicle's key")
+
+
+def test_a_keeper_whose_book_is_not_copied_is_an_alert() -> None:
+    watch = Watch()
+    for event in events("M1", BookRefused("M2"), first=1, at_s=0.0):
+        watch.projection.fold(event)
+    keeper, words = watch.alerts()["word_disbelieved"]
+    assert (keeper, words) == ("M2", "keeps a book that takes places from vehicles without their word")
 
 
 @pytest.mark.anyio

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from effects import sent
+from msgspec.structs import replace
 from rigs import PLANT, VehicleRig
 
-from dray.messages import HoldsAsked, PlaceGranted, PlaceWished
+from dray.messages import HoldsAsked, PlaceConfirmed, PlaceGranted, PlaceWished
 from dray.messages.floor.traffic import PlaceBooking
 from dray.protocol.runtime.events import Effect
 from dray.protocol.traffic.traffic_map import TrafficMap
@@ -21,6 +22,9 @@ def answer(rig: VehicleRig, removal: int = 0, *, grants: bool = True) -> list[Ef
     wish = _newest(rig)
     places = (*wish.holds, *(place for group in wish.groups for place in group)) if grants else ()
     number = max(wish.seen, 0) + 1
+    lines = tuple(PlaceBooking(place=place, number=number) for place in places)
+    signed = tuple(replace(line, mark=wish.mark) for line in lines)
+    rig.on_message(copy, PlaceConfirmed(district=wish.district, epoch=0, grants=signed))
     return rig.on_message(
         keeper,
         PlaceGranted(
@@ -28,7 +32,7 @@ def answer(rig: VehicleRig, removal: int = 0, *, grants: bool = True) -> list[Ef
             epoch=0,
             life=wish.life,
             upto=wish.seq,
-            grants=tuple(PlaceBooking(place=place, number=number) for place in places),
+            grants=lines,
             removal=removal,
         ),
     )

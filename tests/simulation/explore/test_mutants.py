@@ -46,7 +46,7 @@ from dray.protocol.traffic.books.book import Book
 from dray.protocol.traffic.books.copies import Copies
 from dray.protocol.traffic.books.district import District
 from dray.protocol.traffic.books.reach import Reach
-from dray.protocol.traffic.driving import yielding
+from dray.protocol.traffic.driving import wishes, yielding
 from dray.protocol.traffic.driving.wishes import Wishes
 from dray.protocol.traffic.places import Places
 from dray.protocol.traffic.removal_authorisation import RemovalAuthorisation
@@ -320,6 +320,11 @@ def that_does_not_mind_its_double(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(Wishes, "is_anothers", lambda *_: False)
 
 
+def that_believes_the_keeper_that_leads_alone(patch: pytest.MonkeyPatch) -> None:
+    """A vehicle takes what it is granted, whatever the witness has."""
+    patch.setattr(wishes, "WITNESS_ASKED", -1)
+
+
 def that_takes_groups_in_halves(patch: pytest.MonkeyPatch) -> None:
     """A vehicle takes a mouth without its dock, and waits there."""
     patch.setattr(Places, "group_end", lambda _self, _nodes, first: first)
@@ -448,6 +453,9 @@ TRAFFIC_MUTANTS = [
         that_believes_one_keeper_alone, "liars", 10, "invariant (1|6|13|14) ", id="one-keeper-alone"
     ),
     pytest.param(that_does_not_mind_its_double, "liars", 8, "invariant 1 ", id="no-double"),
+    pytest.param(
+        that_believes_the_keeper_that_leads_alone, "liars", 5, "invariant (1|6|13|14) ", id="no-witness"
+    ),
     pytest.param(that_takes_groups_in_halves, "batteries", 4, "invariant [16]", id="half-groups"),
     pytest.param(that_keeps_inherited_ranks_for_ever, "faultless", 1, "invariant [16] ", id="no-lapse"),
 ]

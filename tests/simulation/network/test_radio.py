@@ -45,6 +45,7 @@ from dray.messages.cost import TransportCost
 from dray.messages.floor.traffic import (
     HoldsAsked,
     PlaceBooking,
+    PlaceConfirmed,
     PlaceGranted,
     PlaceWished,
     YieldAsked,
@@ -91,6 +92,7 @@ SAID = [
         docked=False,
     ),
     PlaceGranted(district="M", epoch=1, life=1, upto=1, grants=(PlaceBooking("n2", 4),)),
+    PlaceConfirmed(district="M", epoch=1, grants=(PlaceBooking("n2", 4, "V0", b"mark"),)),
     HoldsAsked(district="M", epoch=2, roll_call=True),
     YieldAsked(district="M", waiting="V1", rank=(0, 12.5, "V1"), avoid=("n1", "n2"), chain=()),
     YieldRefused(avoid=("n1",), holds=("n1",)),

@@ -9,6 +9,7 @@ from book_keeper import PLANT
 from dray.adapters.security.signing import SigningKey, TrustedKeys, is_signed
 from dray.memory import BookMemory, Note
 from dray.messages import Message
+from dray.messages.fact import BookRefused
 from dray.messages.floor.traffic import (
     BookAsked,
     HoldsAsked,
@@ -19,10 +20,11 @@ from dray.messages.floor.traffic import (
 )
 from dray.messages.keys import Keys
 from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
-from dray.protocol.runtime.events import Effect, Send
+from dray.protocol.runtime.events import Effect, Record, Send
 from dray.protocol.runtime.timers import Timers
 from dray.protocol.traffic.books.bookkeeping import NOTE, Bookkeeping
 from dray.protocol.traffic.books.district import OUTBID_S, District
+from dray.protocol.traffic.books.refusals import REFUSED_OFTEN
 from dray.protocol.traffic.books.turns import DOUBT_S
 from dray.protocol.traffic.places import Places
 from dray.protocol.traffic.traffic_map import TrafficMap
@@ -201,3 +203,25 @@ def test_the_keeper_begins_a_later_epoch_than_one_that_a_vehicle_alone_was_told(
     assert any(isinstance(one, HoldsAsked) and one.epoch == after for _, one in keepers.to_vehicles)
     keepers.tell("ATV1", FIRST, wished(seq=3, epoch=told))
     assert granted(keepers)[-1] == (FIRST, after)
+
+
+def test_people_are_told_of_a_keeper_that_goes_on_to_take_places_from_vehicles_without_their_word() -> None:
+    keepers = Keepers()
+    epoch = keepers.district(FIRST).copies.kept.epoch
+    told: list[object] = []
+
+    def write(version: int, *bookings: PlaceBooking) -> None:
+        booked = PlaceBooked(district=NAME, epoch=epoch, version=version, bookings=bookings)
+        keepers.books[SECOND].handlers({})[PlaceBooked](FIRST, booked, keepers.now_s)
+        told.extend(effect.fact for effect in keepers.outs[SECOND] if isinstance(effect, Record))
+        keepers.carry()
+
+    line = PlaceBooking(place=HERE, number=10, atv="ATV2", mark=b"a key")
+    write(10, line)
+    for _ in range(REFUSED_OFTEN - 1):
+        write(11)
+    assert told == []
+    assert keepers.district(SECOND).copies.kept.bookings == (line,)
+    for _ in range(3):
+        write(11)
+    assert told == [BookRefused(FIRST)]

@@ -3,7 +3,14 @@
 from __future__ import annotations
 
 from dray.body import Drive, ReleaseWay
-from dray.messages.floor.traffic import Blocked, HoldsAsked, PlaceBooking, PlaceGranted, PlaceWished
+from dray.messages.floor.traffic import (
+    Blocked,
+    HoldsAsked,
+    PlaceBooking,
+    PlaceConfirmed,
+    PlaceGranted,
+    PlaceWished,
+)
 from dray.messages.keys import Keys
 from dray.plant import load_plant
 from dray.protocol.runtime.events import Effect, Instruct, Send
@@ -70,6 +77,8 @@ class Vehicle:
             at=HERE if by else "",
             removal=removal,
         )
+        confirmed = PlaceConfirmed(district=DISTRICT, epoch=0, grants=granted.grants)
+        self.row.on_confirmed(COPY, confirmed, 1.0)
         self.row.on_granted(KEEPER, granted, 1.0)
 
     def placed(self) -> Vehicle:
@@ -154,7 +163,8 @@ def test_what_it_held_elsewhere_in_an_earlier_life_is_given_back_while_it_still_
     other = next(district for district in TRAFFIC.places.keepers_of if district != DISTRICT)
     place = next(place for place in TRAFFIC.places.all if TRAFFIC.places.district_of[place] == other)
     keeper, copy = TRAFFIC.places.keepers_of[other][:2]
-    vehicle.row.on_holds_asked(copy, HoldsAsked(district=other, epoch=0), 0.5)
+    lines = (PlaceBooking(place=place, number=27),)
+    vehicle.row.on_confirmed(copy, PlaceConfirmed(district=other, epoch=0, grants=lines), 0.5)
     vehicle.row.on_granted(
         keeper,
         PlaceGranted(
@@ -162,7 +172,7 @@ def test_what_it_held_elsewhere_in_an_earlier_life_is_given_back_while_it_still_
             epoch=0,
             life=1,
             upto=0,
-            grants=(PlaceBooking(place=place, number=27),),
+            grants=lines,
             blocked=Blocked.NO,
         ),
         1.0,

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import pytest
+
 from dray.messages.floor.traffic import HoldsAsked, PlaceBooking, PlaceGranted, PlaceWished
 from dray.protocol.runtime.events import Effect, Send
 from dray.protocol.runtime.timers import Timers
+from dray.protocol.traffic.driving import wishes as correspondence
 from dray.protocol.traffic.driving.wishes import State, Wishes
 
 KEEPERS = ("M1", "M2", "M3")
@@ -12,6 +15,12 @@ KEEPERS = ("M1", "M2", "M3")
 STATE = State((0, 0.0, "ATV1"), stands=True, docked=False, avoid=(), chain=())
 
 WANTED = (("b3",),)
+
+
+@pytest.fixture(autouse=True)
+def no_witness(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It does not answer: what it has to say is another matter (`books/test_witness.py`)."""
+    monkeypatch.setattr(correspondence, "WITNESS_ASKED", -1)
 
 
 class Correspondence:

@@ -7,7 +7,7 @@ from itertools import count
 import pytest
 
 from dray.body import Drive, Hold
-from dray.messages import HoldsAsked, PlaceGranted, PlaceWished
+from dray.messages import HoldsAsked, PlaceConfirmed, PlaceGranted, PlaceWished
 from dray.messages.floor.traffic import PlaceBooking
 from dray.messages.keys import Keys
 from dray.plant import load_plant
@@ -77,6 +77,8 @@ class NewLife:
             keeper, copy = TRAFFIC.places.keepers_of[district][:2]
             seq = self.wish(district).seq
             granted = PlaceGranted(district=district, epoch=0, life=LIFE, upto=seq, grants=lines)
+            confirmed = PlaceConfirmed(district=district, epoch=0, grants=lines)
+            self.row.on_confirmed(copy, confirmed, 0.1)
             self.row.on_granted(keeper, granted, 0.1)
             self.row.on_holds_asked(copy, HoldsAsked(district=district, epoch=0), 0.1)
 

@@ -8,6 +8,7 @@ from dray.messages.floor.traffic import (
     Blocked,
     HoldsAsked,
     PlaceBooking,
+    PlaceConfirmed,
     PlaceGranted,
     PlaceWished,
     YieldAsked,
@@ -84,6 +85,8 @@ class Waiting:
             at=at,
         )
         keeper, copy = TRAFFIC.places.keepers_of[wish.district][:2]
+        confirmed = PlaceConfirmed(district=wish.district, epoch=0, grants=granted.grants)
+        self.row.on_confirmed(copy, confirmed, now_s)
         self.row.on_granted(keeper, granted, now_s)
         self.row.on_holds_asked(copy, HoldsAsked(district=wish.district, epoch=0), now_s)
 

@@ -18,10 +18,18 @@ import msgspec
 
 from dray.adapters.telemetry.passing import PassingSession
 from dray.codec import decode, encode
-from dray.messages import HoldsAsked, Message, PlaceGranted, PlaceWished, YieldAsked, YieldRefused
+from dray.messages import (
+    HoldsAsked,
+    Message,
+    PlaceConfirmed,
+    PlaceGranted,
+    PlaceWished,
+    YieldAsked,
+    YieldRefused,
+)
 from dray.ports import Bus, Receive, Session
 
-LOGGED = (PlaceWished, PlaceGranted, HoldsAsked, YieldAsked, YieldRefused)
+LOGGED = (PlaceWished, PlaceGranted, PlaceConfirmed, HoldsAsked, YieldAsked, YieldRefused)
 
 FILE_MAX_BYTES = 512 * 2**20
 """Of one agent: a day of a machine that keeps the book of a busy district. Then it is written no further."""

@@ -120,8 +120,12 @@ ALONE: Mapping[WaitKind, str] = {
 ANOTHERS_KEY = "anothers_key"
 """Instead of a reason of the wire: the fact `NameMisused`."""
 
+ROBS_PLACES = "robs_places"
+"""Likewise: the fact `BookRefused`."""
+
 _WORDS: Mapping[str, str] = {
     ANOTHERS_KEY: "wishes for places that are not signed with this vehicle's key",
+    ROBS_PLACES: "keeps a book that takes places from vehicles without their word",
     **{reason.value: words for reason, words in (*REASONS.items(), *IMPLAUSIBLE.items())},
 }
 

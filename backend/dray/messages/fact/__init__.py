@@ -23,6 +23,7 @@ from dray.messages.fact.coordinator import (
     AwardAnswered,
     AwardGiven,
     BidReceived,
+    BookRefused,
     CarrierChanged,
     ContractorRated,
     HandoverDisputed,
@@ -86,6 +87,7 @@ AnyFact = (
     | ContractorRated
     | WordDisbelieved
     | NameMisused
+    | BookRefused
     | HandoverDisputed
     | TransportProgressed
     | NotBelieved
@@ -133,6 +135,7 @@ __all__ = [
     "BidReceived",
     "BidRefused",
     "BidSent",
+    "BookRefused",
     "CarrierChanged",
     "ClosuresKnown",
     "CommandObeyed",

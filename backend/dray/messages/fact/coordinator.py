@@ -160,6 +160,12 @@ class NameMisused(Fact, frozen=True):
     atv: Id
 
 
+class BookRefused(Fact, frozen=True):
+    """A keeper's book is not copied: it takes places from vehicles that have not given them back. Told once a minute of each."""
+
+    keeper: Id
+
+
 class HandoverDisputed(Fact, frozen=True):
     """A contractor says that a load is down, and the dock where it was to go has counted something else."""
 

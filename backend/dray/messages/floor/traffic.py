@@ -156,6 +156,18 @@ class PlaceGranted(Message, frozen=True):
     """Of the wishes that are answered, or `UNSIGNED`: whoever has another key is not meant. Empty where all of that name are."""
 
 
+class PlaceConfirmed(Message, frozen=True):
+    """The witness of a book, the keeper whose turn is next, has these lines of one vehicle in its copy: no grant is believed without.
+
+    Said when it has written new ones, and to a vehicle that asks by saying its wish to it.
+    """
+
+    district: Id
+    epoch: Count
+    grants: Bookings
+    """All of that vehicle, with the mark of its key."""
+
+
 class OnFloor(Part, frozen=True):
     """A vehicle that holds something in a district, for others' prices of ways and places to make room: a hint, and no right to anything."""
 
@@ -216,6 +228,14 @@ class HoldsAsked(Message, frozen=True):
     """The book is lost: what is not told now is not held. Grants of earlier epochs count for nothing from now on."""
 
 
+class GivenBack(Part, frozen=True):
+    """A vehicle's own word, as it has signed it: what it gives back."""
+
+    atv: Id
+    wish: PlaceWished
+    """Without `avoid`, which is not signed."""
+
+
 class PlaceBooked(Message, frozen=True):
     """The whole book of a district, for those who keep a copy. A grant counts when a majority has it."""
 
@@ -224,6 +244,8 @@ class PlaceBooked(Message, frozen=True):
     version: Count
     bookings: Bookings
     removed: AllRemoved = ()
+    given_back: Annotated[tuple[GivenBack, ...], Meta(max_length=DISTRICT_MAX)] = ()
+    """By which lines were struck out that counted before: nobody copies a book that takes a place from a vehicle without its word."""
 
 
 class BookKept(Message, frozen=True):
@@ -254,6 +276,8 @@ class BookTold(Message, frozen=True):
     version: Count
     bookings: Bookings
     removed: AllRemoved = ()
+    began: Count = 0
+    """The epoch of the book that it copied when it had lost its memory, in this life; 0 where it had not."""
 
 
 def wished_words(atv: str, wish: PlaceWished) -> bytes:

@@ -192,6 +192,7 @@ export const de: Catalogue<typeof en> = {
   "failure.no way leads there": "kein Weg führt dorthin",
   "failure.not a transport": "kein Transport",
   "failure.on probation, and watches nobody": "auf Probe, und überwacht niemanden",
+  "reason.why.robs_places": "führt ein Buch, das Fahrzeugen Plätze ohne deren Wort nimmt",
   "failure.no WLAN": "kein WLAN",
   "failure.a tool has broken": "ein Werkzeug ist gebrochen",
   "failure.the way is blocked": "der Weg ist versperrt",

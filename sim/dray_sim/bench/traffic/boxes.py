@@ -5,7 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from dray.messages import Message
-from dray.messages.floor.traffic import FloorTold, HoldsAsked, PlaceGranted, YieldAsked, YieldRefused
+from dray.messages.floor.traffic import (
+    FloorTold,
+    HoldsAsked,
+    PlaceConfirmed,
+    PlaceGranted,
+    YieldAsked,
+    YieldRefused,
+)
 from dray.messages.keys import Keys
 from dray.protocol.runtime.events import Effect, Instruct, Publish, Send, Subscribe, Unsubscribe
 from dray.protocol.runtime.timers import Timers
@@ -232,6 +239,8 @@ class BoxPilot(Agent):
         row = self.right_of_way
         if isinstance(message, PlaceGranted):
             row.on_granted(sender, message, now_s)
+        elif isinstance(message, PlaceConfirmed):
+            row.on_confirmed(sender, message, now_s)
         elif isinstance(message, YieldAsked):
             row.on_yield_asked(sender, message, now_s)
         elif isinstance(message, YieldRefused):

@@ -137,6 +137,7 @@ class Bookkeeping:
             self._keys.floor,
             self._timers,
             self._out,
+            traffic.is_signed,
         )
         self._out.append(Subscribe(self._keys.removals))
         self._books.start(now_s)
@@ -195,7 +196,11 @@ class Bookkeeping:
         if self._books is None or self._traffic is None:
             return NOT_KEPT_HERE
         atv = removal.atv
-        if objection := self._authorisation.objection(removal, self._since_s(atv, now_s), now_s):
+        objection = self._authorisation.objection(removal, self._since_s(atv, now_s), now_s)
+        if objection in ("", TOO_EARLY):
+            # The one that leads has listened for longer; that a person has said it is known here too.
+            self._books.on_carried(atv)
+        if objection:
             if objection in (TOO_EARLY, IS_HEARD):
                 self._named_s[atv] = now_s
             return objection

@@ -8,6 +8,9 @@ Nobody takes an epoch by saying so. A keeper follows a later one when the keeper
 same one, or when the keeper of the present one does not answer *it* either. So whoever has stolen the certificate of one keeper writes over
 none that lives. A keeper that waits for the promises of others promises nothing meanwhile: it goes on with the present one when that one answers.
 
+Nor does the one that leads write what it likes: nobody copies a book that takes a place from a vehicle without its word (`witness`), and the
+keeper whose turn is next confirms to each vehicle what it has copied. So two keepers would have to lie to give a place twice.
+
 A keeper that has lost its memory takes no part until it has heard all others, for it may have promised what it does not know. When too
 few remember, the vehicles are asked what they hold (a roll call), every one of them. Another one that has lost its memory, too, and
 has heard since that the caller had, takes the caller's book: each vehicle has told under that epoch, and follows no earlier one. It has heard of
@@ -20,11 +23,28 @@ from collections.abc import Collection, Iterable, Sequence
 
 import msgspec
 
-from dray.messages.floor.traffic import AllRemoved, BookAsked, Bookings, BookKept, BookTold, PlaceBooked
+from dray.messages.floor.traffic import (
+    AllRemoved,
+    BookAsked,
+    Bookings,
+    BookKept,
+    BookTold,
+    GivenBack,
+    HoldsAsked,
+    PlaceBooked,
+    PlaceBooking,
+    PlaceConfirmed,
+    PlaceWished,
+)
 from dray.protocol.runtime.events import Effect, Send
+from dray.protocol.traffic.books.witness import Witness
+from dray.protocol.traffic.traffic_map import IsSigned, names_no_key
 
 LEAP_MAX = 2**20
 """Nobody believes one keeper alone that the epoch is higher than the present one by more: there is an end of epochs (`Count`)."""
+
+VERSION_MAX = 2**40
+"""Nobody believes that a book has come so far: there is an end of numbers (`Count`)."""
 
 PATIENT_ROUNDS = 2
 """So often all others are asked before the answers of a majority are enough: what one has, the other must have, too."""
@@ -51,23 +71,32 @@ class Copies:
         keepers: all of them, in the order of their turns; `me` is one of them.
         kept: what an earlier life has left; None when it is lost, or there was none.
         out: where effects go.
+        is_signed: whether a vehicle's wish is signed by the key that it names.
 
     Attributes:
         kept: what must be written down before anything is said.
         leads: whether `me` writes the book under the present epoch.
         counted: the highest version that a majority has.
         lost: whether it knows nothing yet.
+        refused: books of the one that leads that were not copied, since one was.
         needs_roll_call: too few remember; `me` is to ask the vehicles.
     """
 
     def __init__(
-        self, district: str, me: str, keepers: Sequence[str], kept: Kept | None, out: list[Effect]
+        self,
+        district: str,
+        me: str,
+        keepers: Sequence[str],
+        kept: Kept | None,
+        out: list[Effect],
+        is_signed: IsSigned = names_no_key,
     ) -> None:
         self.district = district
         self.kept = kept or Kept()
         self.leads = False
         self.counted = 0
         self.lost = kept is None
+        self.refused = 0
         self.needs_roll_call = False
         self._me = me
         self._keepers = tuple(keepers)
@@ -75,6 +104,16 @@ class Copies:
         self._out = out
         self._has: dict[str, int] = {}
         """Districts -> the version that it has under this epoch."""
+        self._witness = Witness(district, is_signed)
+        self._given_back: dict[str, tuple[int, PlaceWished]] = {}
+        """While it leads: vehicle -> its word by which lines were struck out, and the first version without them."""
+        self._copied = False
+        """It has copied a book in this life: what is written from then on is examined."""
+        self._began = 0
+        self._elsewhere: BookTold | None = None
+        """What the other copy has told last, while a book is not copied."""
+        self._highest_version = 0
+        """That anybody has told of."""
         self._told: dict[str, BookTold] = {}
         self._highest = 0
         """Epoch that anybody has told of."""
@@ -98,7 +137,10 @@ class Copies:
     @property
     def leader(self) -> str:
         """Whose turn the present epoch is."""
-        return self._keepers[self.kept.epoch % len(self._keepers)]
+        return self._turn_of(self.kept.epoch)
+
+    def _turn_of(self, epoch: int) -> str:
+        return self._keepers[epoch % len(self._keepers)]
 
     # --- writing ---------------------------------------------------------------------------------
 
@@ -109,19 +151,40 @@ class Copies:
         self.repeat()
         self._count()
 
+    def note_word(self, atv: str, wish: PlaceWished, *, struck: bool) -> None:
+        """A vehicle has said what it holds: those who copy what is written next, or have not copied what was written last, must see that.
+
+        Args:
+            atv: the vehicle.
+            wish: its word.
+            struck: lines were struck out of the book by it.
+        """
+        version, before = self._given_back.get(atv, (0, None))
+        if not wish.mark or not (struck or self.is_behind):
+            return
+        if before is None or (wish.seen >= before.seen if wish.mark == before.mark else struck):
+            self._given_back[atv] = (max(version, self.kept.version + struck), wish)
+
     def repeat(self) -> None:
         """Say it again to those who have not answered."""
         kept = self.kept
-        booked = PlaceBooked(
-            district=self.district,
-            epoch=kept.epoch,
-            version=kept.version,
-            bookings=kept.bookings,
-            removed=kept.removed,
-        )
         for other in self._others:
-            if self._has.get(other, -1) < kept.version:
-                self._out.append(Send(other, booked))
+            has = self._has.get(other, -1)
+            if has >= kept.version:
+                continue
+            booked = PlaceBooked(
+                district=self.district,
+                epoch=kept.epoch,
+                version=kept.version,
+                bookings=kept.bookings,
+                removed=kept.removed,
+                given_back=tuple(
+                    GivenBack(atv=atv, wish=msgspec.structs.replace(wish, avoid=()))
+                    for atv, (version, wish) in self._given_back.items()
+                    if version > has
+                ),
+            )
+            self._out.append(Send(other, booked))
 
     @property
     def is_behind(self) -> bool:
@@ -147,6 +210,8 @@ class Copies:
         if not self.leads or kept.epoch < self.kept.epoch:
             return False
         self._has[sender] = max(self._has.get(sender, -1), kept.version)
+        copied = min(self._has.get(other, -1) for other in self._others)
+        self._given_back = {atv: word for atv, word in self._given_back.items() if word[0] > copied}
         return self._count()
 
     def _count(self) -> bool:
@@ -175,6 +240,7 @@ class Copies:
         if joins and not self._may_join(sender, booked):
             return True
         self.lost = False
+        self._began = booked.epoch if joins else self._began
         self._note(sender, booked.epoch)
         follows = joins or self._follows(sender, booked.epoch, silent=silent)
         if booked.epoch >= self.kept.epoch and sender != self._me and follows:
@@ -182,11 +248,60 @@ class Copies:
                 self._step_down(booked.epoch)
             self._sought = 0
             if (booked.epoch, booked.version) > (self.kept.kept_epoch, self.kept.version):
+                before = self.kept.bookings
+                if self._objects(booked):
+                    return follows
                 self.kept = Kept(booked.epoch, booked.epoch, booked.version, booked.bookings, booked.removed)
+                self._elsewhere, self._copied, self.refused = None, True, 0
+                self._confirm_new(before)
         self._out.append(
             Send(sender, BookKept(district=self.district, epoch=self.kept.epoch, version=self.kept.version))
         )
         return follows
+
+    def _objects(self, booked: PlaceBooked) -> bool:
+        """Whether a book cannot be copied, for what was struck out of it; then the other copy is asked, and the vehicles."""
+        kept, other = self.kept, self._elsewhere
+        if not self._copied or self._turn_of(kept.kept_epoch) != self._turn_of(booked.epoch):
+            # Another one has kept the book before, and perhaps what was written last did not count.
+            return False
+        if other is not None and kept.kept_epoch < other.began <= booked.epoch:
+            # A roll was called since.
+            return False
+        objections = self._witness.objections(kept.bookings, kept.version, booked)
+        if not objections:
+            return False
+        self.refused += 1
+        asked = BookAsked(district=self.district, epoch=0)
+        self._out += [Send(other, asked) for other in self._others if other != self._turn_of(booked.epoch)]
+        holds = HoldsAsked(district=self.district, epoch=booked.epoch)
+        self._out += [Send(atv, holds) for atv in dict.fromkeys(line.atv for line in objections)]
+        return True
+
+    def on_carried(self, atv: str) -> None:
+        """A person has said that a vehicle was carried away."""
+        self._witness.on_carried(atv, self.kept.version)
+
+    @property
+    def is_witness(self) -> bool:
+        """Whether no grant is believed without the word of `me`."""
+        return not self.lost and not self.leads and self._turn_of(self.kept.epoch + 1) == self._me
+
+    def confirm(self, atv: str) -> None:
+        """Tell a vehicle its lines of the copy."""
+        if not self.is_witness:
+            return
+        lines = tuple(line for line in self.kept.bookings if line.atv == atv)
+        self._out.append(
+            Send(atv, PlaceConfirmed(district=self.district, epoch=self.kept.epoch, grants=lines))
+        )
+
+    def _confirm_new(self, before: Iterable[PlaceBooking]) -> None:
+        """Tell the vehicles of their new lines."""
+        if self.is_witness:
+            known = set(before)
+            for atv in dict.fromkeys(line.atv for line in self.kept.bookings if line not in known):
+                self.confirm(atv)
 
     def _may_join(self, sender: str, booked: PlaceBooked) -> bool:
         """Whether a lost memory is made good by a book: its writer was lost, too, and all have told of no later epoch since."""
@@ -270,6 +385,10 @@ class Copies:
         """Somebody has answered."""
         self.note_highest(told.epoch)
         self._note(sender, told.epoch)
+        if told.version < VERSION_MAX:
+            self._highest_version = max(self._highest_version, told.version)
+        if sender != self.leader and not told.lost:
+            self._elsewhere = told
         is_promise = bool(self._sought) and told.epoch == self._sought
         if told.epoch > self.kept.epoch and not self.lost and not is_promise:
             if self._follows(sender, told.epoch, silent=False):
@@ -302,7 +421,7 @@ class Copies:
                 self.kept = msgspec.structs.replace(self.kept, epoch=self._sought)
                 self._sought = 0
                 self.leads = True
-                self._has = {}
+                self._has, self._given_back = {}, {}
                 self.counted = 0
         elif self.lost and len(self._told) == len(self._others):
             remember = [told for told in self._told.values() if not told.lost]
@@ -339,11 +458,16 @@ class Copies:
             epoch += 1
         return epoch
 
-    def end_roll_call(self, epoch: int) -> None:
-        """Lead under an epoch above all that anybody has told of; the book is made of what the vehicles have told."""
+    def end_roll_call(self, epoch: int) -> int:
+        """Lead under an epoch above all that anybody has told of; the book is made of what the vehicles have told.
+
+        Returns:
+            The highest version that anybody has told of: numbers of this book are higher.
+        """
         self.lost, self.needs_roll_call, self.leads = False, False, True
         self.kept = Kept(epoch, epoch, 0, ())
-        self._has, self.counted = {}, 0
+        self._has, self._given_back, self.counted = {}, {}, 0
+        return self._highest_version
 
     def _telling(self) -> BookTold:
         kept = self.kept
@@ -355,6 +479,7 @@ class Copies:
             version=kept.version,
             bookings=kept.bookings,
             removed=kept.removed,
+            began=self._began,
         )
 
     def _step_down(self, epoch: int) -> None:

@@ -33,9 +33,11 @@ from dray.protocol.traffic.books.floor_report import NEWS_S, FloorReport
 from dray.protocol.traffic.books.impostors import Impostors
 from dray.protocol.traffic.books.late_tellers import LateTellers
 from dray.protocol.traffic.books.reach import Reach
+from dray.protocol.traffic.books.refusals import Refusals
 from dray.protocol.traffic.books.roll_call import RollCall
 from dray.protocol.traffic.books.turns import ASK_S, Turns
 from dray.protocol.traffic.neighbours import Neighbours
+from dray.protocol.traffic.traffic_map import IsSigned, names_no_key
 
 BOOK_TICK = "book tick"
 
@@ -66,6 +68,7 @@ class District:
         impostors: tells people of those that speak in a vehicle's name.
         timers: the agent's alarms; this one's is ``(BOOK_TICK, district)``.
         out: where effects go.
+        is_signed: whether a vehicle's wish is signed by the key that it names.
     """
 
     def __init__(
@@ -82,8 +85,9 @@ class District:
         impostors: Impostors,
         timers: Timers,
         out: list[Effect],
+        is_signed: IsSigned = names_no_key,
     ) -> None:
-        self.copies = Copies(district, me, keepers, kept, out)
+        self.copies = Copies(district, me, keepers, kept, out, is_signed)
         self._district = district
         self._inside = inside
         self._me = me
@@ -92,6 +96,7 @@ class District:
         self._reach = reach
         self._report = report
         self._impostors = impostors
+        self._refusals = Refusals(out)
         self._turns = Turns(me, keepers)
         self._timers = timers
         self._out = out
@@ -168,8 +173,11 @@ class District:
                 self._on_wish(sender, message, now_s)
             case PlaceBooked():
                 silent = self._turns.is_silent(self.copies.leader, now_s)
+                refused = self.copies.refused
                 if not self.copies.on_booked(sender, message, silent=silent):
                     self._find_out(now_s)
+                if self.copies.refused > refused:
+                    self._refusals.tell(sender, self.copies.refused, now_s)
             case BookKept():
                 if self.copies.on_kept(sender, message):
                     self._answer()
@@ -201,6 +209,7 @@ class District:
             if not self.copies.lost and self.copies.leader != self._me:
                 asked = HoldsAsked(district=self._district, epoch=self.copies.kept.epoch)
                 self._out.append(Send(sender, asked))
+                self.copies.confirm(sender)
                 self._doubt(now_s)
             return
         if wish.epoch > self.copies.kept.epoch and now_s - self._outbid_s >= OUTBID_S:
@@ -214,7 +223,7 @@ class District:
             self._settle(now_s)
 
     def _note_wish(self, sender: str, wish: PlaceWished, now_s: float) -> None:
-        known = self._book.removal_of(sender, wish.mark)
+        known, said = self._book.removal_of(sender, wish.mark), wish
         self._book.remove(sender, wish.removal, wish.mark)
         self._book.begin_life(sender, wish)
         if wish.removal < known:
@@ -231,7 +240,8 @@ class District:
                 self._spoke_s[sender] = now_s
             # One that was overtaken gives nothing back: what it did not hold then it may hold now.
             if wish.removal >= known:
-                self._book.strike(wish, sender)
+                struck = self._book.strike(wish, sender)
+                self.copies.note_word(sender, said, struck=struck)
             self._wishes[sender] = wish
             self._owed.add(sender)
             if wish.removal >= known:
@@ -397,9 +407,11 @@ class District:
         roll = self._roll
         if roll is None or not roll.is_over(self._called, now_s):
             return
-        self.copies.end_roll_call(roll.epoch)
+        version = self.copies.end_roll_call(roll.epoch)
         self._roll = None
-        self._book = roll.book(lambda atv, holds: self._reach.may_hold(atv, holds, now_s))
+        self._book = roll.book(lambda atv, holds: self._reach.may_hold(atv, holds, now_s), version)
+        for atv, wish in roll.told.items():
+            self.copies.note_word(atv, wish, struck=True)
         self._late.start(roll.keys)
         self._led_epoch = roll.epoch
         # Who has said that it holds and wants nothing here waits for no answer, and need not be listened to.

@@ -14,6 +14,7 @@ from dray.protocol.traffic.books.impostors import Impostors
 from dray.protocol.traffic.books.reach import Reach
 from dray.protocol.traffic.neighbours import Neighbours
 from dray.protocol.traffic.places import Places
+from dray.protocol.traffic.traffic_map import IsSigned, names_no_key
 
 
 class Districts:
@@ -29,6 +30,7 @@ class Districts:
         key_of: the bus key on which a district is told.
         timers: the agent's alarms; those of this one are ``(BOOK_TICK, district)``.
         out: where effects go.
+        is_signed: whether a vehicle's wish is signed by the key that it names.
 
     Attributes:
         districts: those that it keeps, or has copies of, by name.
@@ -45,6 +47,7 @@ class Districts:
         key_of: Callable[[str], str],
         timers: Timers,
         out: list[Effect],
+        is_signed: IsSigned = names_no_key,
     ) -> None:
         reach = Reach(places, neighbours, atvs)
         self.districts = {
@@ -61,6 +64,7 @@ class Districts:
                 impostors,
                 timers,
                 out,
+                is_signed,
             )
             for name, keepers in places.keepers_of.items()
             if me in keepers
@@ -99,6 +103,11 @@ class Districts:
     def awaited(self, now_s: float) -> set[str]:
         """Vehicles without whose word some district grants nothing."""
         return {atv for district in self.districts.values() for atv in district.awaited(now_s)}
+
+    def on_carried(self, atv: str) -> None:
+        """A person has said that a vehicle was carried away."""
+        for district in self.districts.values():
+            district.copies.on_carried(atv)
 
     def kept(self) -> list[tuple[str, Kept]]:
         """What must be written down before anything is said, by district."""

@@ -141,13 +141,14 @@ class RollCall:
     def _has_told(self, atv: str) -> bool:
         return atv in self.told and len(self._beside.get(atv, ())) < BESIDE_MAX
 
-    def book(self, may_hold: Callable[[str, Collection[str]], bool]) -> Book:
+    def book(self, may_hold: Callable[[str, Collection[str]], bool], version: int = 0) -> Book:
         """The book as they have told it; of two that hold one place the first counts.
 
         Args:
             may_hold: whether a vehicle is believed that it holds these places; else it has none.
+            version: the highest of a copy that is known.
         """
-        book = Book(version=max((wish.seen for wish in self.told.values()), default=0))
+        book = Book(version=max((version, *(wish.seen for wish in self.told.values()))))
         for atv, wish in self.told.items():
             is_removed = atv in self._by_people
             book.remove(atv, wish.removal, None if is_removed else wish.mark)

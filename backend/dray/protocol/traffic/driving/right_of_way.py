@@ -13,6 +13,7 @@ from dray.messages.floor.traffic import (
     ROUTE_MAX,
     Blocked,
     HoldsAsked,
+    PlaceConfirmed,
     PlaceGranted,
     Rank,
     YieldAsked,
@@ -202,6 +203,22 @@ class RightOfWay(PlaceRequests):
                     )
         self._settle(now_s, anew_in=granted.district if unwanted else "")
 
+    def on_confirmed(self, sender: str, confirmed: PlaceConfirmed, now_s: float) -> None:
+        """The witness of a book has told what it has copied."""
+        if not self.wishes.on_confirmed(sender, confirmed):
+            self._out.append(Ignore("what is confirmed by somebody who is not to confirm it"))
+        self._take_missed(confirmed.district, now_s)
+
+    def repeat_wish(self, district: str, now_s: float) -> None:
+        super().repeat_wish(district, now_s)
+        self._take_missed(district, now_s)
+
+    def _take_missed(self, district: str, now_s: float) -> bool:
+        missed = self.wishes.take_missed(district)
+        if missed is not None:
+            self.on_granted(*missed, now_s)
+        return missed is not None
+
     def on_silence_told(self, now_s: float) -> None:
         """A keeper has told of silent vehicles: whoever would come to one looks for another way, once on each leg."""
         if self.errand is not Errand.OWN or self.docked or self.way.base_end == self.way.goal:
@@ -264,9 +281,7 @@ class RightOfWay(PlaceRequests):
             # Where the body goes is not known yet; whoever has not told is asked again.
             return
         is_to_tell = self.wishes.on_holds_asked(sender, asked)
-        missed = self.wishes.take_missed(asked.district)
-        if missed is not None:
-            self.on_granted(*missed, now_s)
+        if self._take_missed(asked.district, now_s):
             return
         if not is_to_tell:
             return

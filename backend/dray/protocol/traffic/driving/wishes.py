@@ -2,6 +2,9 @@
 
 A vehicle goes by the epoch that a majority of the keepers have told it, and believes no grant of another one. As long as one keeper alone has
 told of a later epoch, the vehicle says its wish to all of them: those that keep copies answer with the epoch.
+
+Nor does it believe the keeper of the book alone: the *witness*, whose turn is next, confirms each line that it has copied. Only where that one
+does not answer is a grant believed without its word.
 """
 
 from __future__ import annotations
@@ -10,7 +13,15 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 
 import msgspec
 
-from dray.messages.floor.traffic import UNSIGNED, Blocked, HoldsAsked, PlaceGranted, PlaceWished, Rank
+from dray.messages.floor.traffic import (
+    UNSIGNED,
+    Blocked,
+    HoldsAsked,
+    PlaceConfirmed,
+    PlaceGranted,
+    PlaceWished,
+    Rank,
+)
 from dray.protocol.runtime.events import Effect, Send
 from dray.protocol.runtime.timers import Timers
 
@@ -41,6 +52,9 @@ short then. What a repetition has answered tells nothing: its wish was lost, or 
 
 LATE_IN_ROW = 3
 """So many of these in a row are the link's doing, and not that of one keeper that has just begun, or has taken a book over."""
+
+WITNESS_ASKED = 4
+"""So often the witness is asked for its word without an answer: at 20 % loss each way one of 60 that live."""
 
 NO_EPOCH = -1
 """Before the first one."""
@@ -77,7 +91,11 @@ class _Line:
     __slots__ = (
         "agreed",
         "asked_all",
+        "asks",
+        "confirmed",
+        "confirmed_epoch",
         "content",
+        "early",
         "epoch",
         "groups",
         "hindered",
@@ -92,6 +110,7 @@ class _Line:
         "turn",
         "unanswered",
         "wish",
+        "witness_asked",
         "words",
     )
 
@@ -111,7 +130,16 @@ class _Line:
         self.asked_all = False
         """It was said to all keepers."""
         self.missed: tuple[str, PlaceGranted] | None = None
-        """The newest answer under an epoch that was not agreed, and who has given it."""
+        """The newest answer under an epoch that was not agreed, or that was not confirmed, and who has given it."""
+        self.asks = False
+        """What was said last asks for where the vehicle stands."""
+        self.confirmed: dict[str, int] = {}
+        """Place -> number of the grant, as the witness has it."""
+        self.confirmed_epoch = NO_EPOCH
+        self.early: PlaceConfirmed | None = None
+        """The witness's newest word under an epoch that was not agreed."""
+        self.witness_asked = 0
+        """How often it was asked since it was heard last."""
         self.content: object = None
         """What was said last; None when it must be said anew whatever it is."""
         self.groups: tuple[tuple[str, ...], ...] = ()
@@ -212,7 +240,10 @@ class Wishes:
     ) -> None:
         """The alarm has come: no answer, or one that has not granted all."""
         line = self._lines[district]
-        if line.unanswered:
+        if line.missed is not None and line.missed[1].epoch == line.agreed:
+            # Perhaps it was forged: the keeper of the book is asked again, too.
+            line.witness_asked += 1
+        elif line.unanswered:
             self._lost_frac += LOSS_GAIN * (1.0 - self._lost_frac)
             line.tries += 1
             if line.tries >= NEXT_KEEPER_AFTER:
@@ -226,6 +257,9 @@ class Wishes:
             line.repeats_s.clear()
         line.content, line.groups = content, groups
         self._send(district, line, holds, groups, state, now_s)
+        if line.missed is not None and line.missed[1].epoch == line.agreed and line.wish is not None:
+            line.asked_all = True
+            self._out.append(Send(_witness(self._keepers_of[district], line.agreed), line.wish))
 
     def _send(
         self,
@@ -263,7 +297,11 @@ class Wishes:
         )
         wish = self._sign(wish)
         self._mark = wish.mark
-        line.wish, line.asked_all = wish, False
+        line.wish, line.asked_all, line.asks = wish, False, state.asks and bool(groups)
+        for place in [
+            one for one, number in line.confirmed.items() if number <= line.seen and one not in holds
+        ]:
+            del line.confirmed[place]
         self._out.append(Send(to or keepers[(line.epoch + line.turn) % len(keepers)], wish))
         if waits and not to and line.agreed == NO_EPOCH:
             self._say_to_all(line, keepers[(line.epoch + line.turn) % len(keepers)])
@@ -309,6 +347,11 @@ class Wishes:
             line.missed = (sender, granted)
             self._say_to_all(line, sender)
             return None
+        if not self._is_confirmed(line, granted):
+            if line.missed is None and not line.unanswered:
+                self._timers.set((WISH_AGAIN, granted.district), now_s + LEAST_AGAIN_S)
+            line.missed = (sender, granted)
+            return None
         line.epoch, line.turn, line.missed = granted.epoch, 0, None
         fresh = tuple(booking.place for booking in granted.grants if booking.number > line.seen)
         line.seen = max((line.seen, *(booking.number for booking in granted.grants)))
@@ -329,6 +372,39 @@ class Wishes:
             else:
                 self._timers.clear((WISH_AGAIN, granted.district))
         return fresh
+
+    def on_confirmed(self, sender: str, confirmed: PlaceConfirmed) -> bool:
+        """The witness of a book has told what it has copied; False when it is not to be believed."""
+        keepers = self._keepers_of.get(confirmed.district, ())
+        if not keepers or _witness(keepers, confirmed.epoch) != sender:
+            return False
+        line = self._lines.setdefault(confirmed.district, _Line())
+        if confirmed.epoch < line.confirmed_epoch:
+            return False
+        if not self._is_agreed(line, sender, confirmed.district, confirmed.epoch):
+            line.early = confirmed
+            return True
+        self._take_confirmed(line, confirmed)
+        return True
+
+    def _take_confirmed(self, line: _Line, confirmed: PlaceConfirmed) -> None:
+        line.early, line.witness_asked, line.confirmed_epoch = None, 0, confirmed.epoch
+        line.confirmed = {one.place: one.number for one in confirmed.grants if one.mark == self._mark}
+
+    def _is_confirmed(self, line: _Line, granted: PlaceGranted) -> bool:
+        """Whether the witness has all that is news to the vehicle, or does not answer."""
+        keepers = self._keepers_of[granted.district]
+        if len(keepers) == 1 or line.witness_asked > WITNESS_ASKED:
+            return True
+        if line.early is not None and line.early.epoch == granted.epoch:
+            self._take_confirmed(line, line.early)
+        known = line.confirmed if line.confirmed_epoch == granted.epoch else {}
+        asked = {place for group in line.groups for place in group} if line.asks else ()
+        return all(
+            known.get(booking.place) == booking.number
+            for booking in granted.grants
+            if booking.number > line.seen or booking.place in asked
+        )
 
     def _is_meant(self, granted: PlaceGranted) -> bool:
         """Whether it is no answer to somebody else who speaks under its name, with another key."""
@@ -361,9 +437,11 @@ class Wishes:
         return not line.asked_all
 
     def take_missed(self, district: str) -> tuple[str, PlaceGranted] | None:
-        """An answer that can be believed now, and by whom it was given: a majority have told its epoch since. None for none."""
+        """An answer that can be believed now, and by whom it was given: a majority have told its epoch, and the witness has it. None for none."""
         line = self._lines.get(district)
         if line is None or line.missed is None or line.missed[1].epoch != line.agreed:
+            return None
+        if not self._is_confirmed(line, line.missed[1]):
             return None
         missed, line.missed = line.missed, None
         return missed
@@ -385,6 +463,11 @@ class Wishes:
         self._out += [
             Send(keeper, line.wish) for keeper in self._keepers_of[line.wish.district] if keeper != but
         ]
+
+
+def _witness(keepers: Sequence[str], epoch: int) -> str:
+    """Whose word about what a book grants is asked for, beside that of the one who keeps it."""
+    return keepers[(epoch + 1) % len(keepers)]
 
 
 def _content(holds: tuple[str, ...], groups: tuple[tuple[str, ...], ...], state: State) -> object:

@@ -10,6 +10,7 @@ from dray.messages import (
     FloorTold,
     HoldsAsked,
     Message,
+    PlaceConfirmed,
     PlaceGranted,
     YieldAsked,
     YieldRefused,
@@ -90,6 +91,7 @@ class TrafficHandling:
         """Enter what there is to see to into the vehicle's tables."""
         messages[FloorTold] = self._on_floor
         messages[PlaceGranted] = self._told(lambda row, *heard: row.on_granted(*heard))
+        messages[PlaceConfirmed] = self._told(lambda row, *heard: row.on_confirmed(*heard))
         messages[YieldAsked] = self._told(lambda row, *heard: row.on_yield_asked(*heard))
         messages[YieldRefused] = self._told(lambda row, *heard: row.on_yield_refused(*heard))
         messages[HoldsAsked] = self._told(lambda row, *heard: row.on_holds_asked(*heard))

@@ -7,10 +7,10 @@ from typing import ClassVar
 
 import msgspec
 
-from dray.gateway.live.reasons import ANOTHERS_KEY, told
+from dray.gateway.live.reasons import ANOTHERS_KEY, ROBS_PLACES, told
 from dray.gateway.live.views import CauseView, HandoverView
 from dray.messages import Event
-from dray.messages.fact import HandoverDisputed, NameMisused, WordDisbelieved
+from dray.messages.fact import BookRefused, HandoverDisputed, NameMisused, WordDisbelieved
 from dray.protocol.contract_net.trust.reliability import HALF_LIFE_S
 
 AGENTS_KEPT = 1_000
@@ -32,7 +32,7 @@ class Dispute(msgspec.Struct):
 class Disputes:
     """The disputes of the last half hour, by agent."""
 
-    heeded: ClassVar[tuple[type, ...]] = (HandoverDisputed, WordDisbelieved, NameMisused)
+    heeded: ClassVar[tuple[type, ...]] = (HandoverDisputed, WordDisbelieved, NameMisused, BookRefused)
     """Kinds of facts that hold something against an agent."""
 
     def __init__(self) -> None:
@@ -57,6 +57,9 @@ class Disputes:
                     self._words,
                     Dispute(fact.atv, event.agent, CauseView(reason=ANOTHERS_KEY), event.at_s),
                 )
+            case BookRefused() as fact:
+                cause = CauseView(reason=ROBS_PLACES)
+                _put(self._words, Dispute(fact.keeper, event.agent, cause, event.at_s))
             case _:
                 return False
         return True
