@@ -1,7 +1,7 @@
 """What an event loop does between two looks at its sockets: the processor's time of each step, by whom it was for.
 
-Processor time is the thread's own (`time.thread_time`), so a busy computer changes nothing. The collector of garbage is at work in steps as
-in service; what a step takes is measured several times, and the least counts.
+Processor time is the thread's own (`time.thread_time`), so a busy computer changes nothing. What a step takes is measured several times,
+and the least counts.
 """
 
 from __future__ import annotations
