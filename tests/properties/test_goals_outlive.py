@@ -83,7 +83,7 @@ class GoalsOutlive(RuleBasedStateMachine):
             GoalBrief(goal=goal, product=PRODUCT, quantity=self.work[goal][1], made=0, delivered=0)
             for goal in goals
         ]
-        self.note(self.rig.on_message(machine, mhb(machine, *briefs, seq=self.beats)))
+        self.note(self.rig.on_message(machine, mhb(machine, *briefs, seq=self.beats, at_s=self.rig.now_s)))
 
     def bid_for_all(self, machine: str) -> None:
         for goal, (epoch, _) in list(self.work.items()):

@@ -79,6 +79,22 @@ def test_a_vehicle_is_let_in_when_the_controller_is_ready_and_its_word_is_booked
     assert (rig.stock, rig.body.sense().opened, rig.body.outputs[Signal.DOCK_PERMIT]) == (60, (), False)
 
 
+@pytest.mark.parametrize("value", ["OFF", "false", "no", 1.0])
+def test_a_word_that_is_neither_true_nor_false_lets_nobody_in(value: Value) -> None:
+    rig = StoreRig()
+    rig.body.instruct(OpenDock("ATV1", ITEM, 40))
+    rig.tell(Signal.DOCK_READY, value)
+    assert rig.heard() == []
+
+
+def test_a_level_that_is_said_again_and_again_is_believed() -> None:
+    rig = StoreRig(**{ITEM: Tag("level")})
+    for _ in range(4):
+        rig.level(160)
+        rig.clock.pass_s(SETTLES_S / 2)
+    assert rig.stock == 160
+
+
 def test_a_life_that_begins_anew_knows_who_is_at_the_dock_and_books_nothing_twice() -> None:
     rig = StoreRig()
     rig.body.instruct(OpenDock("ATV1", ITEM, 40))

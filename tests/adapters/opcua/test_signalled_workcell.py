@@ -279,6 +279,15 @@ def test_a_fault_is_acknowledged_until_it_has_gone() -> None:
     assert rig.state.broken == ""
 
 
+def test_a_fault_is_not_acknowledged_by_itself_where_the_bit_is_inverted() -> None:
+    rig = Rig(FAULTS | {Signal.RESET: Tag("reset", invert=True)})
+    for fault in (False, True, False, True):
+        rig.tell(Signal.FAULT, fault)
+        assert rig.body.outputs.get(Signal.RESET, True) is True
+    rig.body.instruct(ResetFault())
+    assert rig.body.outputs[Signal.RESET] is False
+
+
 def test_a_connection_that_is_lost_is_a_problem_of_its_own_kind_and_lets_nobody_in() -> None:
     rig = Rig(TWO_BITS)
     rig.tell(Signal.DOCK_READY, False)

@@ -8,8 +8,18 @@ from hypothesis import strategies as st
 from people_rig import BILL, CYCLE_S, FULL, ITEM, KIND, PRODUCT, PeopleRig
 
 from dray.adapters.people.workcell import DAMAGED, LOADS_KEPT, PIECES_MAX, WORDS_KEPT
-from dray.body import Book, CloseDock, CycleDone, CycleFailed, OpenDock, Repaired, ResetFault, StockChanged
-from dray.messages import CommandRefusal, MachineCommandKind, UnconfirmedLoad
+from dray.body import (
+    Book,
+    CloseDock,
+    CycleDone,
+    CycleFailed,
+    OpenDock,
+    Repaired,
+    ResetFault,
+    StartCycle,
+    StockChanged,
+)
+from dray.messages import BillLine, CommandRefusal, MachineCommandKind, UnconfirmedLoad
 
 REFUSED = CommandRefusal
 ATV = "ATV3"
@@ -144,12 +154,37 @@ def test_a_load_that_an_agent_that_was_killed_says_again_is_answered_and_not_boo
     rig = PeopleRig()
     rig.body.instruct(OpenDock(ATV, ITEM, 12))
     rig.book(ATV, ITEM, 12, "M1-1")
-    assert rig.says(KIND.ARRIVED, 12, ITEM) == (None, "")
+    assert rig.says(KIND.ARRIVED, 12, ITEM, vehicle=ATV) == (None, "")
     first = rig.heard()
     rig.begin()
     rig.book(ATV, ITEM, 12, "M1-1")
     assert rig.heard() == first
     assert (rig.state.loads, rig.state.stock[ITEM]) == ((), 32)
+
+
+def test_what_comes_by_hand_while_a_load_waits_for_a_word_is_more() -> None:
+    rig = PeopleRig()
+    brought(rig)
+    assert rig.says(KIND.ARRIVED, 12, ITEM) == (None, "")
+    assert rig.state.stock[ITEM] == 44
+    assert rig.state.loads == (UnconfirmedLoad(ATV, ITEM, 12),)
+
+
+def test_what_is_taken_by_hand_while_a_vehicle_brings_more_is_not_its_load() -> None:
+    rig = PeopleRig()
+    rig.body.instruct(OpenDock(ATV, ITEM, 10))
+    assert rig.says(KIND.TAKEN, 6, ITEM) == (None, "")
+    rig.book(ATV, ITEM, 10)
+    assert rig.state.stock[ITEM] == 24
+
+
+def test_a_product_that_an_order_has_taught_is_known_to_the_next_life() -> None:
+    rig = PeopleRig()
+    rig.body.instruct(StartCycle(product="taught", bill=(BillLine(ITEM, 2),), cycle_s=30.0))
+    rig.begin()
+    assert rig.state.cycling == "taught"
+    assert rig.says(KIND.MADE, 1) == (None, "")
+    assert (rig.state.cycling, rig.state.stock["taught"], rig.state.stock[ITEM]) == ("", 1, 18)
 
 
 def test_a_number_far_from_the_load_is_asked_once() -> None:

@@ -18,7 +18,7 @@ from dray.adapters.security.identity import Identity
 from dray.adapters.zenoh import bus as bus_module
 from dray.adapters.zenoh.bus import UNSEALED, ZenohBus
 from dray.adapters.zenoh.shares import AT_ONCE_S, SAID_PER_S, TALKATIVE, Shares, ShareSpentError
-from dray.adapters.zenoh.stamp import Stamp, write_stamp
+from dray.adapters.zenoh.stamp import Stamp, Tally, write_stamp
 from dray.codec import encode
 from dray.messages import Event
 from dray.messages.fact import MemoryLost
@@ -153,6 +153,18 @@ def test_what_an_agent_says_too_often_is_not_heard_and_costs_no_signature_and_ot
             assert len(examined) == before
             await say(honest, "ATV1", 1)
             assert heard[share:] == ["ATV1"]
+            # What it has said is said again by somebody else, without end: it is heard all the same when it says something new.
+            assert honest.seals is not None
+            again = write_stamp(Stamp(0, 1, honest.seals.seal(key, 0, 1, data)))
+            for number in range(1, share + MANY + 1):
+                talkative.inner.put(key, data, attachment=again)
+                if number % 100 == 0:
+                    await row.settle()
+            await row.settle()
+            assert len(heard) == 2 * share + 1
+            await say(honest, "ATV1", 1)
+            assert heard[2 * share + 1 :] == ["ATV1"]
+            del heard[share + 1 :]
             # It has been silent for a second.
             now_s[0] = 1.0
             await say(talkative, "ATV9", MANY)
@@ -163,11 +175,11 @@ def test_what_an_agent_says_too_often_is_not_heard_and_costs_no_signature_and_ot
 
 def test_those_that_speak_for_thousands_of_orders_may_say_any_number_and_a_fast_clock_counts() -> None:
     def said_by(kind: Kind | None, speed: float = 1.0) -> int:
-        shares, said = Shares(speed, lambda: 0.0), 0
+        shares, said, stamp = Shares(Tally(), speed, lambda: 0.0), 0, Stamp(0, 1)
         with suppress(ShareSpentError):
             while said < MANY * 100:
-                shares.check("X")
-                shares.note("X", kind)
+                shares.check("X", "key", stamp)
+                shares.note("X", "key", stamp, kind)
                 said += 1
         return said
 

@@ -16,7 +16,7 @@ MAPPING = 'url: opc.tcp://127.0.0.1:9\nsignals: {pieces: {node: "ns=2;s=x"}}\n'
 @pytest.mark.parametrize(
     ("arguments", "why"),
     [
-        (("M1",), "--mapping: a body by OPC UA needs the file that names its nodes"),
+        (("M1",), "--mapping: a controller's body needs the file that names its signals"),
         (("M99", "--mapping", "{file}"), "NAME: there is no 'M99'"),
         (("M1", "--mapping", "nothing.yaml"), "nothing.yaml cannot be read"),
     ],

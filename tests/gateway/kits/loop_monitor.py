@@ -1,12 +1,13 @@
 """What an event loop does between two looks at its sockets: the processor's time of each step, by whom it was for.
 
-Processor time is the thread's own (`time.thread_time`), so a busy computer changes nothing. The collector of garbage is at work in steps as
-in service; what a step takes is measured several times, and the least counts.
+Processor time is the thread's own (`time.thread_time`), so a busy computer changes nothing. What a step takes is measured several times,
+and the least counts.
 """
 
 from __future__ import annotations
 
 import asyncio
+import gc
 import time
 from asyncio.events import Handle
 from collections.abc import Iterator
@@ -44,7 +45,11 @@ def be(whose: str) -> None:
 
 @contextmanager
 def loop_monitor() -> Iterator[LoopMonitor]:
-    """Watch the loops of this thread as long as the context lasts."""
+    """Watch the loops of this thread as long as the context lasts.
+
+    Meanwhile nothing looks for garbage: a full collection looks at all that the process holds, those of other tests included, in whosever step it
+    falls.
+    """
     monitor, run = LoopMonitor(), Handle._run  # type: ignore[attr-defined]
 
     def watched(handle: Handle) -> None:
@@ -52,11 +57,15 @@ def loop_monitor() -> Iterator[LoopMonitor]:
         run(handle)
         monitor.ran(handle, time.thread_time() - begun_s)
 
+    collects = gc.isenabled()
     Handle._run = watched  # type: ignore[attr-defined]
+    gc.disable()
     try:
         yield monitor
     finally:
         Handle._run = run  # type: ignore[attr-defined]
+        if collects:
+            gc.enable()
 
 
 @dataclass(frozen=True)

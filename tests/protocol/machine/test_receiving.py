@@ -231,6 +231,19 @@ def test_where_the_body_does_not_count_the_carriers_word_is_booked() -> None:
     assert instructed(says(rig, pieces), Book) == []
 
 
+def test_no_carrier_is_believed_that_it_has_brought_more_than_it_was_given() -> None:
+    rig = BlindRig("M7", NO_HOUSINGS)
+    rig.start()
+    rig.take_goal("G1", production(quantity=LOT))
+    rig = doubting(rig)
+    rig.hire("M7-1", "ATV2")
+    pieces = quantity(rig)
+    effects = says(rig, 2**53)
+    assert instructed(effects, Book) == [Book("ATV2", "housing", pieces, task="M7-1", epoch=1)]
+    rig.stocked("housing", pieces, "ATV2")
+    assert disputed(rig) == [("ATV2", 2**53, pieces)]
+
+
 def blind_with_goods() -> tuple[BlindRig, str]:
     """M7, which does not count, with a lot of goods that ATV2 is to fetch; and the task."""
     rig = BlindRig("M7", FULL)

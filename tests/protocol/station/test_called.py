@@ -13,7 +13,7 @@ from rigs import MachineRig, Rig
 from seals import granted, trusts_seals
 from spoken import accepted, bid, rhb
 
-from dray.body import OpenDock, StockChanged, StorageState
+from dray.body import CloseDock, OpenDock, StockChanged, StorageState
 from dray.memory import TransportMemory
 from dray.messages import (
     THING,
@@ -65,9 +65,10 @@ class StorageRig(Rig):
         super().__init__(Station("S1", PLANT, incarnation=incarnation, trusts=trusts_seals))
         self.stock = {kept.material: 0 for kept in PLANT.storages["S1"].stocks} | {"shaft": stock}
         self.seq = self.beats = 0
+        self.opened: tuple[str, ...] = ()
 
     def sense(self) -> StorageState:
-        return StorageState(stock=dict(self.stock), seq=self.seq, opened=())
+        return StorageState(stock=dict(self.stock), seq=self.seq, opened=self.opened)
 
     def asks(self, order: Message = ORDER) -> TransportAnswered:
         """Somebody asks, and is answered."""
@@ -114,10 +115,11 @@ def started(**options: Any) -> StorageRig:
     return rig
 
 
-def restarted(rig: StorageRig) -> StorageRig:
+def restarted(rig: StorageRig, *opened: str) -> StorageRig:
     """Its next life, with what it has written down."""
     after = StorageRig(rig.stock["shaft"], incarnation=2)
     after.seq, after.memory, after.now_s = rig.seq, committed(rig.all), rig.now_s
+    after.opened = opened
     after.start()
     return after
 
@@ -180,6 +182,16 @@ def test_the_next_life_goes_on_with_the_same_carrier() -> None:
     assert after.asks() == TransportAnswered("T-1", TransportState.ON_BOARD)
     assert sent(after.put_down(), HandoverAccepted, to="ATV1")
     assert after.states[-1] is TransportState.DELIVERED
+
+
+def test_the_next_life_leaves_the_dock_open_for_who_is_unloading_and_shuts_it_for_who_is_not_known() -> None:
+    rig = started()
+    rig.asks()
+    rig.carried()
+    rig.beats_in(Phase.CARRYING)
+    rig.on_message("ATV1", Docked(TASK, 1, "S1"))
+    after = restarted(rig, "ATV1", "ATV7")
+    assert instructed(after.all, CloseDock) == [CloseDock(vehicle="ATV7")]
 
 
 def test_a_life_without_notes_waits_for_its_carriers_before_it_begins_anything() -> None:

@@ -6,7 +6,8 @@
     arrived N, a load waits       the difference to what was booked  unlikely: far from what was booked
     arrived N of V at the dock    nothing; V's load is booked as N   unlikely: far from what V was let in for
     arrived N of V, no such load  nothing                            no load: V has brought none that waits for a word
-    arrived N, by hand            StockChanged by N                  unlikely: more than the buffer takes
+    arrived N, by hand            StockChanged by N                  unlikely: more than the buffer takes (no vehicle is named, and none
+                                                                     stands there with it)
     taken N                       the same, out                      unlikely: more than lies there
     stock is N                    StockChanged by the difference     dock open: a vehicle is loading or unloading it; unlikely: far from what is believed
 
@@ -94,6 +95,15 @@ class Visit(Struct, frozen=True, omit_defaults=True):
     """What people say that it was; None while they have said nothing."""
 
 
+class Taught(Struct, frozen=True):
+    """A product as its orders say it is made."""
+
+    bill: dict[str, int]
+    """Material -> pieces."""
+    cycle_s: float
+    """0.0 for what the plant file says."""
+
+
 class Kept(Struct, frozen=True):
     """What one life of an agent leaves to the next of a machine's body."""
 
@@ -110,6 +120,8 @@ class Kept(Struct, frozen=True):
     """The last words, the oldest first."""
     doubt: str = ""
     """Why counts may be wrong, until a person says that they were seen to."""
+    taught: dict[str, Taught] = {}
+    """Products that the plant file does not know, or knows with another bill of material."""
     booked: dict[str, tuple[int, int]] = {}
     """The latest words of vehicles (`dray.body.Book`), each with the change of the stock and its number: an agent that was killed says them again."""
 
@@ -152,6 +164,8 @@ class PeopleWorkcell:
         items = dict.fromkeys((*materials, *self._cycle_s), 0)
         kept = kept or Kept(items, made_s=clock.now_s())
         self._kept = replace(kept, stock=items | kept.stock, last=kept.last or spec.makes[0].product)
+        for product, taught in kept.taught.items():
+            self._learn(product, taught)
         self._answers = {each.key: each for each in kept.answered}
         self._report: Callable[[Report], None] = _nobody_hears
 
@@ -199,14 +213,21 @@ class PeopleWorkcell:
     def _start(self, start: StartCycle) -> None:
         product = start.product
         if start.bill:
-            self._bills[product] = {line.material: line.quantity for line in start.bill}
-            if start.cycle_s > 0.0:
-                self._cycle_s.setdefault(product, start.cycle_s)
+            bill = {line.material: line.quantity for line in start.bill}
+            taught = Taught(bill, max(0.0, start.cycle_s))
+            if self._kept.taught.get(product) != taught:
+                self._keep(taught=self._kept.taught | {product: taught})
+                self._learn(product, taught)
         if reason := self._why_not(product):
             self._report(CycleFailed(product=product, reason=reason))
             return
         stock = self._kept.stock if self._kept.cycling else self._used(self._kept.stock, product)
         self._keep(stock=stock, cycling=product, last=product)
+
+    def _learn(self, product: str, taught: Taught) -> None:
+        self._bills[product] = taught.bill
+        if taught.cycle_s > 0.0:
+            self._cycle_s.setdefault(product, taught.cycle_s)
 
     def _why_not(self, product: str) -> str:
         """Why a piece cannot be begun; empty when it can."""
@@ -329,10 +350,13 @@ class PeopleWorkcell:
     def _judge_load(self, word: Word) -> tuple[CommandRefusal | None, str, list[Report], Kept]:
         kept, goes = self._kept, word.kind is _KIND.TAKEN
         for load in kept.loads:
-            if load.goes is goes and _is_of(load, word.vehicle or load.vehicle, word.item):
+            if load.goes is goes and _is_of(load, word.vehicle, word.item):
                 return self._confirmed(word, load)
+        # Who names no vehicle while one stands there means its load: material that it brings, products that it takes.
+        is_its = goes is (word.item in self._cycle_s)
         for visit in kept.visits:
-            if _is_of(visit, word.vehicle or visit.vehicle, word.item) and visit.said is None:
+            vehicle = word.vehicle or (visit.vehicle if is_its else "")
+            if _is_of(visit, vehicle, word.item) and visit.said is None:
                 return self._said_early(word, visit)
         if word.vehicle:
             return CommandRefusal.NO_LOAD, "", [], kept

@@ -153,13 +153,18 @@ class SignalledStore:
         """The controller has told a value."""
         is_good = sample.quality is Quality.GOOD
         if name == Signal.DOCK_READY:
-            is_ready = is_good and bool(sample.value) is not self._tags[Signal.DOCK_READY].invert
-            self._dock.ready(is_ready=is_ready)
+            # A word that is neither true nor false is no leave to go in.
+            is_value = is_good and isinstance(sample.value, bool | int)
+            self._dock.ready(
+                is_ready=is_value and bool(sample.value) is not self._tags[Signal.DOCK_READY].invert
+            )
         elif name.startswith(LEVEL):
             item = name.removeprefix(LEVEL)
             level = _level(sample.value, self._levels[item].scale) if is_good else None
+            if level == self._told.get(item):
+                return
             if level is None:
-                self._told.pop(item, None)
+                del self._told[item]
             else:
                 self._told[item] = level
             self._wait()

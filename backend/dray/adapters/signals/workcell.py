@@ -145,6 +145,8 @@ class SignalledWorkcell:
         self._refused: dict[Signal, str] = {}
         """Those that the controller does not take."""
         self._fault, self._fault_text, self._standing = "", "", ""
+        self._resets = False
+        """The controller is told to clear its fault."""
         self._late = ""
         self._turn = 0
         """Grows when another piece is waited for, so that an outdated call of the clock is recognised."""
@@ -264,7 +266,8 @@ class SignalledWorkcell:
                 self._dock.ready(is_ready=bool(value) is not tag.invert)
             case Signal.FAULT:
                 self._fault = _fault(value, inverted=tag.invert)
-                self._put(Signal.RESET, bool(self._fault) and bool(self.outputs.get(Signal.RESET)))
+                self._resets = self._resets and bool(self._fault)
+                self._put(Signal.RESET, self._resets)
             case Signal.FAULT_TEXT:
                 self._fault_text = str(value).strip()
             case Signal.STATE:
@@ -385,6 +388,7 @@ class SignalledWorkcell:
         if self._late:
             self._expect(self._kept.cycling)
         if self._fault:
+            self._resets = True
             self._put(Signal.RESET, True)
 
     def _expect(self, product: str) -> None:

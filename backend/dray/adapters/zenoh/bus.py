@@ -89,7 +89,7 @@ class ZenohSession:
         self._said: Counter[str] = Counter()
         """How many messages on each key; keys are few: agents, cells, products, dwell points."""
         self._heard = Tally()
-        self._shares = Shares(bus.speed)
+        self._shares = Shares(self._heard, bus.speed)
         self._patterns: dict[str, zenoh.KeyExpr] = {}
         self._subscribers: dict[str, zenoh.Subscriber[None]] = {}
         self._owners: dict[str, str] = {}
@@ -349,7 +349,7 @@ class ZenohBus:
         except WireError:
             reason = UNREADABLE
         else:
-            shares.note(sender, kind)
+            shares.note(sender, key, stamp, kind)
             reason = objection(sender, kind, key, message, shut_out)
             if not reason:
                 return Heard(sender, message, context, stamp)
@@ -370,7 +370,7 @@ class ZenohBus:
             return None, *decode_with_context(data)
         if not reader:
             sender, message, context = decode_with_context(data)
-            shares.check(sender)
+            shares.check(sender, key, stamp)
             if sender in shut_out:
                 # Nobody hears it, whoever has said it: however much that is, it costs no signature.
                 return None, sender, message, context
@@ -380,7 +380,7 @@ class ZenohBus:
         sender, message, context = decode_with_context(words)
         if sender != writer:
             raise SealError(f"{writer} has written it", data)
-        shares.check(sender)
+        shares.check(sender, key, stamp)
         return kind, sender, message, context
 
     def _meet(self, sample: zenoh.Sample) -> None:

@@ -17,6 +17,7 @@ import zenoh
 
 from dray.adapters.zenoh.bus import ZenohBus
 from dray.adapters.zenoh.shares import Shares
+from dray.adapters.zenoh.stamp import Tally
 from dray.messages import ShutOut
 
 log = logging.getLogger(__name__)
@@ -37,7 +38,7 @@ class Exclusions:
         self._bus, self._file = bus, file
         self._lock = threading.Lock()
         self._list = self._read_list()
-        self._shares = Shares(bus.speed)
+        self._shares = Shares(Tally(), bus.speed)
         bus.shut_out = frozenset(self._list.agents)
         self._ear = bus.inner.declare_subscriber(bus.keys.shut_out, bus.on_zenohs_thread(self._on_sample))
 

@@ -73,6 +73,11 @@ class Tally:
         self._last[place] = (stamp.life, stamp.number)
         return stamp.number - last - 1 if stamp.life == life else 0
 
+    def is_news(self, sender: str, key: str, stamp: Stamp) -> bool:
+        """Whether a message is later than all that were counted of its sender and key."""
+        life, last = self._last.get((sender, key), (NEVER_HEARD, 0))
+        return (stamp.life, stamp.number) > (life, last)
+
     def forget(self) -> None:
         """Begin anew: what is not listened to is not missed."""
         self._last.clear()

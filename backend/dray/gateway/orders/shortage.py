@@ -1,4 +1,4 @@
-"""What lacks where a transport that waits is to be fetched, and who has as much: by the last words of storages and machines."""
+"""What lacks where a transport that waits is to be fetched, and who has as much: by the last words of storages."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from math import hypot
 
 import msgspec
 
+from dray.gateway.access.principal import Principal, Scope
 from dray.gateway.live.projection import Projection
 from dray.messages import TransportState, TransportWait
 from dray.store.orders.transports import TransportRow
@@ -20,27 +21,36 @@ class Shortage(msgspec.Struct, frozen=True, kw_only=True):
     free: int
     """Pieces that lie at its source and are not set aside for others."""
     on_order: int
-    """Pieces that are on their way there, or are to be. 0 where nothing is known to come: it waits until somebody brings more."""
+    """Pieces that are ordered there, on their way or not. A storage that refills itself orders none."""
     elsewhere: tuple[str, ...]
     """Storages that have as much, the nearest first; at most three."""
 
 
-def shortage_of(row: TransportRow, projection: Projection) -> Shortage | None:
+def shortage_of(
+    row: TransportRow, projection: Projection, caller: Principal, places: frozenset[str] | None
+) -> Shortage | None:
     """What a transport waits for at its source.
 
     Args:
         row: the transport.
-        projection: what storages and machines have told.
+        projection: what storages have told.
+        caller: who is told.
+        places: those that it is shown; None for all.
 
     Returns:
-        None where somebody carries it, it is not to begin yet, it waits for something else, its source was never heard, or has enough.
+        None where somebody carries it, it is not to begin yet, it waits for something else, its source is a machine (which does not tell what it
+        has promised), was never heard, or has enough; and for a caller that may not see stocks there.
     """
+    if not caller.may(Scope.FACTORY_READ) or (places is not None and row.source not in places):
+        return None
     if row.status is not TransportState.WAITING or row.wait not in ("", TransportWait.SHORT):
         return None
     here = _free(row.source, row.item, projection)
     if here is None or here[0] >= row.quantity:
         return None
     plant = projection.site.plant
+    if not plant.has_place(row.destination) or row.item not in plant.materials:
+        return None
     x_m, y_m = plant.position_of(row.destination)
 
     def rank(storage: str) -> tuple[float, str]:
@@ -51,6 +61,7 @@ def shortage_of(row: TransportRow, projection: Projection) -> Shortage | None:
         storage
         for storage in plant.keepers_of(row.item)
         if storage in plant.stores
+        and (places is None or storage in places)
         and storage not in (row.source, row.destination)
         and (has := _free(storage, row.item, projection)) is not None
         and has[0] >= row.quantity
@@ -60,13 +71,9 @@ def shortage_of(row: TransportRow, projection: Projection) -> Shortage | None:
 
 
 def _free(place: str, item: str, projection: Projection) -> tuple[int, int] | None:
-    """Pieces that are free at a place, and those that are to come there; None where it was not heard, or does not keep them."""
+    """Pieces that are free at a storage, and those that are ordered there; None where it was not heard, or does not keep them."""
     station = projection.stations.view(place)
     for stock in station.stocks if station is not None else ():
         if stock.item == item:
             return max(0, stock.level - stock.promised), stock.on_order
-    machine = projection.machines.view(place)
-    for buffer in machine.buffers if machine is not None else ():
-        if buffer.item == item:
-            return buffer.level, buffer.on_order
     return None

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from typing import Annotated
+from unicodedata import category
 
-from pydantic import BaseModel, ConfigDict, Field, StringConstraints
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, StringConstraints
 
 from dray.gateway.orders.drafts import DueMoment
 from dray.priorities import Priority
@@ -18,11 +19,25 @@ THING_MAX = 100
 
 _PlantId = Annotated[str, Field(min_length=1, max_length=32, pattern=r"^[A-Za-z][A-Za-z0-9_.-]*$")]
 
+
+def _seen(thing: str) -> str:
+    """Refuse what nobody sees, and what turns the rest of a line round.
+
+    Raises:
+        ValueError: it holds such a character.
+    """
+    for character in thing:
+        if category(character) in ("Cc", "Cf", "Zl", "Zp"):
+            raise ValueError(f"holds a character that nobody sees (U+{ord(character):04X})")
+    return thing
+
+
 _Thing = Annotated[
     str,
     StringConstraints(
         strip_whitespace=True, min_length=1, max_length=THING_MAX, pattern=r"^[^\x00-\x1f\x7f]+$"
     ),
+    AfterValidator(_seen),
 ]
 
 

@@ -144,7 +144,8 @@ class Station(AgentBase):
             self._commit()
         else:
             self._flow.restore_tasks((), memory, now_s)
-        self._issuing.shut_unknown(state.opened)
+        bringing = {task.primary for task in self._flow.tasks}
+        self._issuing.shut_unknown(vehicle for vehicle in state.opened if vehicle not in bringing)
         self._out += (Subscribe(self._keys.all_free), *self._docks)
         self._closures.listen()
         if self.incarnation > 1:

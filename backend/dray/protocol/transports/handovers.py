@@ -156,5 +156,6 @@ class Handovers:
         # Goods that a person has handed over have left before, with whoever had them first.
         if not task.contract.receipt.booked and (comes or not work.handed_at):
             task.contract.receipt.booked = True
-            change = task.contract.receipt.said if comes else -work.quantity
+            # No vehicle brings more than it was given: what it says beyond that is disputed.
+            change = min(task.contract.receipt.said, work.quantity) if comes else -work.quantity
             self._out.append(Instruct(Book(task.primary, work.item, change, task=task.id, epoch=task.epoch)))

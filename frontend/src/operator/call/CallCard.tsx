@@ -171,7 +171,8 @@ function why(call: TransportAnswer): string {
     if (vehicle !== null && waits !== null && call.wait !== "no_room" && call.wait !== "short")
       return t("calling.wait.vehicle", { vehicle, why: word("unwilling", waits) });
     if (call.wait !== "no_room" && call.wait !== "short" && call.wait !== "no_bid") return t("calling.wait.undecided");
-    // What its place has told last is why it waits: nothing else changes a call that waits.
+    // Between two auctions that found nobody it is being offered: since when is not told.
+    if (call.wait === "no_bid") return t("calling.wait.no_bid");
     return t("calling.waitsSince", { why: t(`calling.wait.${call.wait}`), at: format.due(Date.parse(call.updated_at) / 1000, moment.value.nowS) });
   }
   const at = call.expected_at === null ? "" : ` · ${t("card.there", { at: format.due(Date.parse(call.expected_at) / 1000, moment.value.nowS) })}`;

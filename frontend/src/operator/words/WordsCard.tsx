@@ -81,10 +81,10 @@ function Second({ choice, machine }: { machine: MachineView; choice: Choice | nu
   const { id } = machine;
   const asked = doubted.value;
   if (choice === null && asked !== null) {
-    const quantity = format.count(asked.word.quantity);
+    const quantity = format.count(asked.quantity);
     return (
       <div class="words-second" role="alert">
-        <p><b>{whatText(asked.word)}</b> {t("words.unlikely", { expected: asked.expected, quantity })}</p>
+        <p><b>{whatText(asked)}</b> {t("words.unlikely", { expected: asked.doubted ?? "", quantity })}</p>
         <div class="words-say">
           <button type="button" class="button primary words-yes" onClick={() => { answer(true); }}>{t("words.sure", { quantity })}</button>
           <button type="button" class="button" onClick={() => { answer(false); }}>{t("words.no")}</button>

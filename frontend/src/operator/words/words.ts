@@ -2,7 +2,7 @@
  * What people say has happened at a machine, until the machine has answered. It is kept in the browser and said again under its
  * name, so that it counts once however often the tablet, the gateway or the machine is away.
  */
-import { signal } from "@preact/signals";
+import { computed, signal } from "@preact/signals";
 import { commandMachine, newKey } from "../../api/client";
 import { Problem } from "../../api/problem";
 import { recall, remember } from "../../memory";
@@ -23,6 +23,8 @@ export interface Word extends Choice {
   /** The number is right, however far it is from the expected one. */
   readonly sure: boolean;
   readonly saidMs: number;
+  /** Far from this number, which was expected: somebody is asked. */
+  readonly doubted?: string;
 }
 
 export interface Said {
@@ -31,14 +33,17 @@ export interface Said {
   readonly reason: string;
 }
 
-/** Not answered yet, the oldest first. */
-export const waiting = signal<readonly Word[]>([]);
+/** Not settled yet, the oldest first. */
+const kept = signal<readonly Word[]>([]);
+
+/** Not answered yet. */
+export const waiting = computed(() => kept.value.filter((word) => word.doubted === undefined));
+
+/** The first that somebody is asked about. */
+export const doubted = computed(() => kept.value.find((word) => word.doubted !== undefined) ?? null);
 
 /** What became of the last one. */
 export const last = signal<Said | null>(null);
-
-/** One that is far from what was expected: somebody is asked. */
-export const doubted = signal<{ readonly word: Word; readonly expected: string } | null>(null);
 
 let person = "";
 let underway = false;
@@ -49,13 +54,13 @@ export function goOn(): void {
   const id = me.value?.id ?? "";
   if (id === "" || id === person) return;
   person = id;
-  waiting.value = read();
+  kept.value = read();
   void pass();
 }
 
 export function say(machine: string, choice: Choice, sure = false): void {
   const word = { ...choice, key: newKey(), machine, sure, saidMs: Date.now() };
-  last.value = doubted.value = null;
+  last.value = null;
   keep([...read(), word]);
   void pass();
 }
@@ -63,8 +68,14 @@ export function say(machine: string, choice: Choice, sure = false): void {
 /** Answers the question about a number that is far from the expected one. */
 export function answer(isRight: boolean): void {
   const asked = doubted.value;
-  doubted.value = null;
-  if (asked && isRight) say(asked.word.machine, asked.word, true);
+  if (asked === null) return;
+  const { item, kind, machine, quantity, saidMs, vehicle } = asked;
+  if (isRight && isStale(kind, saidMs)) {
+    end(asked, "lost", "");
+    return;
+  }
+  forget(asked);
+  if (isRight) say(machine, { item, kind, quantity, vehicle }, true);
 }
 
 async function pass(): Promise<void> {
@@ -86,19 +97,22 @@ function next(tried: ReadonlySet<string>): Word | undefined {
 
 async function tell(word: Word): Promise<void> {
   const { item, key, kind, machine, quantity, saidMs, sure, vehicle } = word;
-  if (kind === "stock_is" && Date.now() - saidMs > COUNT_LASTS_MS) {
+  if (isStale(kind, saidMs)) {
     end(word, "lost", "");
     return;
   }
   try {
     const { detail, done, reason } = await commandMachine(machine, { kind, item, quantity, vehicle, sure, command: key });
     if (!done && reason === "unlikely") {
-      forget(word);
-      doubted.value = { word, expected: detail };
+      keep(read().map((each) => (each.key === key ? { ...each, doubted: detail } : each)));
     } else end(word, done ? "counted" : "refused", refusalText({ reason: reason ?? "", detail }));
   } catch (error) {
     if (!mayComeThrough(error)) end(word, "refused", problemText(error));
   }
+}
+
+function isStale(kind: Word["kind"], saidMs: number): boolean {
+  return kind === "stock_is" && Date.now() - saidMs > COUNT_LASTS_MS;
 }
 
 /** Whether it may be heard when it is said again: nobody has said no. */
@@ -116,18 +130,18 @@ function forget({ key }: Word): void {
 }
 
 function keep(words: readonly Word[]): void {
-  waiting.value = words;
+  kept.value = words;
   remember(KEPT + person, JSON.stringify(words));
 }
 
 /** Also what another tab of the same person has said; where a browser keeps nothing, what this page knows. */
 function read(): readonly Word[] {
-  const kept = recall(KEPT + person);
-  if (kept === null) return waiting.value;
+  const written = recall(KEPT + person);
+  if (written === null) return kept.value;
   try {
-    const words: unknown = JSON.parse(kept);
-    return Array.isArray(words) ? (words as Word[]) : waiting.value;
+    const words: unknown = JSON.parse(written);
+    return Array.isArray(words) ? (words as Word[]) : kept.value;
   } catch {
-    return waiting.value;
+    return kept.value;
   }
 }

@@ -388,7 +388,7 @@ export const de: Catalogue<typeof en> = {
   "words.waiting": "Noch ohne Antwort: {count}. Hier aufbewahrt, wird wieder gesendet.",
   "words.counted": "Gezählt: {what}.",
   "words.refused": "Nicht gezählt: {what}: {reason}.",
-  "words.lost": "Niemand hat es rechtzeitig gehört: {what}. Zählen Sie noch einmal.",
+  "words.lost": "Es kam rechtzeitig keine Antwort: {what}. Zählen Sie noch einmal.",
   "words.unknown": "Den Code {code} kennt hier niemand.",
 
 };

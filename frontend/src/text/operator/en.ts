@@ -386,7 +386,7 @@ export const en = {
   "words.waiting": "Not answered yet: {count}. Kept here, and said again.",
   "words.counted": "Counted: {what}.",
   "words.refused": "Not counted: {what}: {reason}.",
-  "words.lost": "Nobody has heard it in time: {what}. Count again.",
+  "words.lost": "No answer came in time: {what}. Count again.",
   "words.unknown": "Nobody knows the code {code} here.",
 
 } as const;

@@ -388,7 +388,7 @@ export const es: Catalogue<typeof en> = {
   "words.waiting": "Aún sin respuesta: {count}. Se guarda aquí y se repite.",
   "words.counted": "Contado: {what}.",
   "words.refused": "No contado: {what}: {reason}.",
-  "words.lost": "Nadie lo ha oído a tiempo: {what}. Cuente otra vez.",
+  "words.lost": "No llegó respuesta a tiempo: {what}. Cuente otra vez.",
   "words.unknown": "Nadie conoce aquí el código {code}.",
 
 };

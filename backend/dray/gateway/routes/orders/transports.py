@@ -220,7 +220,9 @@ async def call_transport(
         draft,
         caller,
         None if key is None else own_key(caller, f"transport {key}"),
-        lambda row: msgspec.json.encode(transport_answer(row, shortage=shortage_of(row, projection))),
+        lambda row: msgspec.json.encode(
+            transport_answer(row, shortage=shortage_of(row, projection, caller, transports.places_of(caller)))
+        ),
     )
     note.target = kept.order_id
     headers = {"Location": f"/api/transports/{kept.order_id}"}
@@ -271,7 +273,7 @@ async def list_transports(
     last = rows[limit - 1] if len(rows) > limit else None
     return counted(
         [
-            transport_answer(row, why_not(row, projection, now_s), shortage_of(row, projection))
+            transport_answer(row, why_not(row, projection, now_s), shortage_of(row, projection, caller, own))
             for row in rows[:limit]
         ],
         None if last is None else write_cursor(*place_of(last, sort)),
@@ -315,7 +317,8 @@ async def get_transport(
         row = await work.transports.get(transport)
     if row is None or not transports.may_see(row, caller):
         raise not_found("transport", transport, "GET /api/transports")
-    return Json(transport_answer(row, why_not(row, projection, now_s), shortage_of(row, projection)))
+    lacks = shortage_of(row, projection, caller, transports.places_of(caller))
+    return Json(transport_answer(row, why_not(row, projection, now_s), lacks))
 
 
 @router.get(

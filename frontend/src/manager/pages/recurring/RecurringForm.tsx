@@ -86,6 +86,7 @@ function TransportFields() {
   return (
     <>
       <Choice part="item" label={t("recurring.item")} none={t("recurring.choose")} options={file?.materials ?? []} />
+      <Text part="thing" label={t("recurring.thing")} />
       <Text part="quantity" label={t("recurring.quantity")} numeric />
       <Choice part="from" label={t("recurring.from")} none={t("recurring.nearest")} options={places} />
       <Choice part="to" label={t("recurring.to")} none={t("recurring.nearest")} options={places} />

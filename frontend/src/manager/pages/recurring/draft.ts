@@ -27,7 +27,7 @@ export interface Written {
   readonly from: string;
   readonly to: string;
   readonly item: string;
-  /** What has no master data is called for over REST, and kept here as it is. */
+  /** Instead of an item: what people call something that has no master data. */
   readonly thing: string;
   readonly quantity: string;
   readonly priority: Priority;

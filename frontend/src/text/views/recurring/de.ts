@@ -32,6 +32,7 @@ export const recurring: Catalogue<typeof en> = {
   "recurring.orderOf": "Auftrag für {customer}",
   "recurring.dueAfter": "fällig {hours} h später",
   "recurring.item": "Material",
+  "recurring.thing": "Oder etwas ohne Stammdaten",
   "recurring.choose": "Wählen…",
   "recurring.quantity": "Stück je Mal",
   "recurring.from": "Von",

@@ -29,6 +29,7 @@ export const recurring = {
   "recurring.orderOf": "order for {customer}",
   "recurring.dueAfter": "due {hours} h later",
   "recurring.item": "Material",
+  "recurring.thing": "Or a thing without master data",
   "recurring.choose": "Choose…",
   "recurring.quantity": "Pieces each time",
   "recurring.from": "From",

@@ -32,6 +32,7 @@ export const recurring: Catalogue<typeof en> = {
   "recurring.orderOf": "pedido para {customer}",
   "recurring.dueAfter": "con un plazo de {hours} h",
   "recurring.item": "Material",
+  "recurring.thing": "O algo sin datos maestros",
   "recurring.choose": "Elegir…",
   "recurring.quantity": "Piezas cada vez",
   "recurring.from": "De",
