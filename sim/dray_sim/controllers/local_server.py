@@ -1,0 +1,31 @@
+"""An OPC UA server on this computer for all machines of a simulated plant."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from importlib.util import find_spec
+from typing import TYPE_CHECKING
+
+from dray.errors import UnavailableError
+
+if TYPE_CHECKING:
+    from dray_sim.controllers.opcua_server import ControllerServer
+
+
+@contextmanager
+def local_server(machines: Iterable[str]) -> Iterator[ControllerServer]:
+    """A server on a free port of this machine, as long as the context lasts.
+
+    Args:
+        machines: ids of those that it has nodes for.
+
+    Raises:
+        UnavailableError: what it needs is not installed, or it does not start.
+    """
+    if find_spec("asyncua") is None:
+        raise UnavailableError("an OPC UA server", "asyncua is not installed", "install dray[opcua]")
+    from dray_sim.controllers.opcua_server import ControllerServer  # noqa: PLC0415  It need not be installed.
+
+    with ControllerServer(machines) as server:
+        yield server
