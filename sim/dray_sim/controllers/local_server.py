@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from importlib.util import find_spec
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from dray.errors import UnavailableError
@@ -14,11 +15,12 @@ if TYPE_CHECKING:
 
 
 @contextmanager
-def local_server(machines: Iterable[str]) -> Iterator[ControllerServer]:
+def local_server(machines: Iterable[str], folder: Path) -> Iterator[ControllerServer]:
     """A server on a free port of this machine, as long as the context lasts.
 
     Args:
         machines: ids of those that it has nodes for.
+        folder: where the mapping file of each is written, as `M8.yaml`, when there is a factory behind the server.
 
     Raises:
         UnavailableError: what it needs is not installed, or it does not start.
@@ -27,5 +29,5 @@ def local_server(machines: Iterable[str]) -> Iterator[ControllerServer]:
         raise UnavailableError("an OPC UA server", "asyncua is not installed", "install dray[opcua]")
     from dray_sim.controllers.opcua_server import ControllerServer  # noqa: PLC0415  It need not be installed.
 
-    with ControllerServer(machines) as server:
+    with ControllerServer(machines, folder) as server:
         yield server

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import msgspec
@@ -29,7 +28,6 @@ class OpcUaMachines:
         plant: what stands where.
         clock: of that loop.
         server: that has their nodes.
-        folder: where each machine's mapping file is written, as `M8.yaml`.
         rest_s: how long a machine rests after a piece (`MachineController`).
         documents: where machines have them from; None for the workcell's own.
 
@@ -43,12 +41,11 @@ class OpcUaMachines:
         plant: Plant,
         clock: Clock,
         server: ControllerServer,
-        folder: Path,
         *,
         rest_s: float = 0.0,
         documents: Documents | None = None,
     ) -> None:
-        self._plant, self._clock, self._server, self._folder = plant, clock, server, folder
+        self._plant, self._clock, self._server = plant, clock, server
         self._rest_s, self._documents = rest_s, documents
         self._loop = asyncio.get_running_loop()
         self.controllers: dict[str, MachineController] = {}
@@ -70,7 +67,7 @@ class OpcUaMachines:
         else:
             self._build(workcell)
         mapping = self._mappings[machine]
-        life = _Life(mapping, self._folder, self._loop, self._server, lambda kept: self._keep(machine, kept))
+        life = _Life(mapping, self._loop, self._server, lambda kept: self._keep(machine, kept))
         spec, kept = self._plant.machines[machine], self._kept.get(machine)
         body = SignalledWorkcell(spec, self._plant, mapping, self._clock, life, kept)
         life.begin(body)
@@ -106,7 +103,7 @@ class OpcUaMachines:
         server.connect(machine, lambda signal, value: self._cross(controller.hear, signal, value))
         tags = {signal: Tag(node_id(machine, signal)) for signal in NODES}
         mapping = OpcUaMapping(url=server.url, signals=tags, stock=workcell.sense().stock)
-        (self._folder / f"{machine}.yaml").write_bytes(msgspec.yaml.encode(mapping))
+        (server.folder / f"{machine}.yaml").write_bytes(msgspec.yaml.encode(mapping))
         self._mappings[machine] = mapping
 
     def _keep(self, machine: str, kept: Kept) -> None:
@@ -122,7 +119,6 @@ class _Life:
 
     Args:
         mapping: where its controller is.
-        folder: of the mapping file.
         loop: the factory's.
         server: on whose loop the link runs.
         remember: keeps what the next life must know.
@@ -134,12 +130,11 @@ class _Life:
     def __init__(
         self,
         mapping: OpcUaMapping,
-        folder: Path,
         loop: asyncio.AbstractEventLoop,
         server: ControllerServer,
         remember: Callable[[Kept], None],
     ) -> None:
-        self._link = OpcUaLink(mapping, folder)
+        self._link = OpcUaLink(mapping, server.folder)
         self._loop, self._server, self._remember = loop, server, remember
         self._body: SignalledWorkcell | None = None
         self._ended = False

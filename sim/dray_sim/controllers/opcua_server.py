@@ -11,6 +11,7 @@ import logging
 import threading
 from collections.abc import Callable, Coroutine, Iterable
 from concurrent.futures import Future
+from pathlib import Path
 from typing import Any, Self
 
 from asyncua import Node, Server, ua
@@ -43,6 +44,9 @@ NODES = {
 
 Hear = Callable[[Signal, Value], None]
 
+# It warns of a server without certificates.
+logging.getLogger("asyncua").setLevel(logging.ERROR)
+
 _log = logging.getLogger(__name__)
 
 
@@ -56,14 +60,16 @@ class ControllerServer:
 
     Args:
         machines: their ids.
+        folder: where the mapping file of each is written, as `M8.yaml`.
 
     Attributes:
         url: where it is.
         loop: of its thread; for links to it, too.
     """
 
-    def __init__(self, machines: Iterable[str]) -> None:
+    def __init__(self, machines: Iterable[str], folder: Path) -> None:
         self.url = ""
+        self.folder = folder
         self.loop = asyncio.new_event_loop()
         self._machines = tuple(machines)
         self._thread = threading.Thread(target=self._run, name="opc-ua", daemon=True)

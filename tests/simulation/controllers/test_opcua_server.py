@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import queue
+from pathlib import Path
 
 import pytest
 from asyncua import Client, ua
@@ -26,7 +27,7 @@ async def shown(client: Client, node: str, value: Value) -> None:
             await asyncio.sleep(0.02)
 
 
-def test_a_machine_shows_its_values_and_hears_what_is_written() -> None:
+def test_a_machine_shows_its_values_and_hears_what_is_written(tmp_path: Path) -> None:
     heard: queue.Queue[tuple[str, Signal, Value]] = queue.Queue()
 
     async def use(server: ControllerServer) -> None:
@@ -41,7 +42,7 @@ def test_a_machine_shows_its_values_and_hears_what_is_written() -> None:
             with pytest.raises(ua.UaStatusCodeError):
                 await client.get_node("ns=2;s=M8.pieces").write_value(ua.Variant(8, ua.VariantType.UInt16))
 
-    with local_server(["M8", "M9"]) as server:
+    with local_server(["M8", "M9"], tmp_path) as server:
         for machine in ("M8", "M9"):
             server.connect(machine, lambda *said, who=machine: heard.put((who, *said)))
         asyncio.run(use(server))
@@ -52,5 +53,5 @@ def test_a_machine_shows_its_values_and_hears_what_is_written() -> None:
 
 def test_without_the_extra_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "find_spec", lambda _name: None)
-    with pytest.raises(UnavailableError, match=r"asyncua.*dray\[opcua\]"), local_server(["M8"]):
+    with pytest.raises(UnavailableError, match=r"asyncua.*dray\[opcua\]"), local_server(["M8"], Path()):
         pass

@@ -50,11 +50,11 @@ class Shift:
     broken: object = None
 
 
-async def worked(folder: Path, broker: BrokerAddress, server: ControllerServer) -> Shift:
+async def worked(broker: BrokerAddress, server: ControllerServer) -> Shift:
     """One order, and what each side believes when it is delivered; meanwhile each machine's agent begins another life."""
     plant, now, shift, listeners = default_plant(), clock(), Shift(), Listeners()
     fleet = BrokerFleet(plant, now, broker, lambda plant_s: plant_s)
-    machines = OpcUaMachines(plant, now, server, folder, rest_s=REST_S)
+    machines = OpcUaMachines(plant, now, server, rest_s=REST_S)
     factory = SimFactory(
         plant,
         now,
@@ -113,8 +113,8 @@ async def worked(folder: Path, broker: BrokerAddress, server: ControllerServer) 
 @pytest.mark.slow
 def test_an_order_is_delivered_and_every_piece_is_counted_once(tmp_path: Path) -> None:
     plant = default_plant()
-    with local_broker() as broker, local_server(plant.machines) as server:
-        shift = run(worked(tmp_path, broker, server), paced(SPEED))
+    with local_broker() as broker, local_server(plant.machines, tmp_path) as server:
+        shift = run(worked(broker, server), paced(SPEED))
         url = server.url
     assert shift.broken is None
     assert shift.restarted
