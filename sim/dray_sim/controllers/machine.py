@@ -85,7 +85,7 @@ class MachineController:
         workcell.attach(self._heard)
         clock.call_at(clock.now_s(), self._look)
 
-    def hear(self, signal: Signal, value: Value) -> None:
+    def on_write(self, signal: Signal, value: Value) -> None:
         """It is told something, and does it when it looks."""
         if signal in self.told:
             self.told[signal] = value

@@ -6,19 +6,17 @@ import asyncio
 from collections.abc import Callable
 from typing import Any
 
-import msgspec
-
 from dray.adapters.documents import DocumentReader
 from dray.adapters.opcua.link import OpcUaLink
 from dray.adapters.opcua.mapping_file import OpcUaMapping
-from dray.adapters.signals.signal import Sample, Signal, Tag, Value
+from dray.adapters.signals.signal import Sample, Value
 from dray.adapters.signals.workcell import Kept, SignalledWorkcell
 from dray.document import Documents
 from dray.plant import Plant
 from dray.ports import Body, Clock
 from dray_sim.bodies.workcell import SimWorkcell
-from dray_sim.controllers.machine import MachineController
-from dray_sim.controllers.opcua_server import NODES, ControllerServer, node_id
+from dray_sim.controllers.opcua_controllers import OpcUaControllers
+from dray_sim.controllers.opcua_server import ControllerServer
 
 
 class OpcUaMachines:
@@ -28,7 +26,7 @@ class OpcUaMachines:
         plant: what stands where.
         clock: of that loop.
         server: that has their nodes.
-        rest_s: how long a machine rests after a piece (`MachineController`).
+        speed: the factory's seconds per real second.
         documents: where machines have them from; None for the workcell's own.
 
     Attributes:
@@ -41,19 +39,18 @@ class OpcUaMachines:
         plant: Plant,
         clock: Clock,
         server: ControllerServer,
-        *,
-        rest_s: float = 0.0,
+        speed: float,
         documents: Documents | None = None,
     ) -> None:
         self._plant, self._clock, self._server = plant, clock, server
-        self._rest_s, self._documents = rest_s, documents
+        self._documents = documents
+        self._controllers = OpcUaControllers(clock, server, speed)
+        self.controllers = self._controllers.controllers
         self._loop = asyncio.get_running_loop()
-        self.controllers: dict[str, MachineController] = {}
         self.bodies: dict[str, SignalledWorkcell] = {}
         self._mappings: dict[str, OpcUaMapping] = {}
         self._kept: dict[str, Kept] = {}
         self._lives: dict[str, _Life] = {}
-        self._ended = False
 
     def embody(self, workcell: SimWorkcell, _life: int) -> Body:
         """The body of the next life of a machine's agent. It knows what the last one has left, and nothing of the workcell.
@@ -65,7 +62,7 @@ class OpcUaMachines:
         if machine in self._lives:
             self._lives[machine].end()
         else:
-            self._build(workcell)
+            self._mappings[machine] = self._controllers.build(workcell)
         mapping = self._mappings[machine]
         life = _Life(mapping, self._loop, self._server, lambda kept: self._keep(machine, kept))
         spec, kept = self._plant.machines[machine], self._kept.get(machine)
@@ -85,33 +82,12 @@ class OpcUaMachines:
 
     def end(self) -> None:
         """Hear nothing any more, and say nothing."""
-        self._ended = True
+        self._controllers.end()
         for life in self._lives.values():
             life.end()
 
-    def _build(self, workcell: SimWorkcell) -> None:
-        """Give a machine its controller, and write down where that is."""
-        machine, server = workcell.id, self._server
-
-        def show(signal: Signal, value: Value) -> None:
-            server.show(machine, signal, value)
-
-        controller = MachineController(workcell, self._clock, show, rest_s=self._rest_s)
-        self.controllers[machine] = controller
-        for signal, value in controller.shows.items():
-            show(signal, value)
-        server.connect(machine, lambda signal, value: self._cross(controller.hear, signal, value))
-        tags = {signal: Tag(node_id(machine, signal)) for signal in NODES}
-        mapping = OpcUaMapping(url=server.url, signals=tags, stock=workcell.sense().stock)
-        (server.folder / f"{machine}.yaml").write_bytes(msgspec.yaml.encode(mapping))
-        self._mappings[machine] = mapping
-
     def _keep(self, machine: str, kept: Kept) -> None:
         self._kept[machine] = kept
-
-    def _cross(self, call: Callable[..., None], *args: Any) -> None:
-        if not self._ended:
-            self._loop.call_soon_threadsafe(call, *args)
 
 
 class _Life:

@@ -42,7 +42,7 @@ NODES = {
 }
 """What each signal begins with, and its type."""
 
-Hear = Callable[[Signal, Value], None]
+OnWrite = Callable[[Signal, Value], None]
 
 # It warns of a server without certificates.
 logging.getLogger("asyncua").setLevel(logging.ERROR)
@@ -75,7 +75,7 @@ class ControllerServer:
         self._thread = threading.Thread(target=self._run, name="opc-ua", daemon=True)
         self._server: Server | None = None
         self._nodes: dict[tuple[str, Signal], Node] = {}
-        self._hears: dict[str, Hear] = {}
+        self._writes: dict[str, OnWrite] = {}
         self._unshown: dict[tuple[str, Signal], Value] = {}
         """Values that are not shown yet: the latest one of each node."""
         self._changed = asyncio.Event()
@@ -102,9 +102,9 @@ class ControllerServer:
 
     # --- from any thread ---
 
-    def connect(self, machine: str, hear: Hear) -> None:
-        """Call `hear`, in the server's thread, with whatever is written to a machine from now on."""
-        self._hears[machine] = hear
+    def connect(self, machine: str, on_write: OnWrite) -> None:
+        """Call `on_write`, in the server's thread, with whatever is written to a machine from now on."""
+        self._writes[machine] = on_write
 
     def show(self, machine: str, signal: Signal, value: Value) -> None:
         """Let a machine show a value."""
@@ -119,8 +119,8 @@ class ControllerServer:
     def datachange_notification(self, node: Node, value: Any, _data: Any) -> None:
         """Something was written."""
         machine, _, name = str(node.nodeid.Identifier).rpartition(".")
-        if machine in self._hears and isinstance(value, bool | int | float | str):
-            self._hears[machine](Signal(name), value)
+        if machine in self._writes and isinstance(value, bool | int | float | str):
+            self._writes[machine](Signal(name), value)
 
     def _run(self) -> None:
         asyncio.set_event_loop(self.loop)

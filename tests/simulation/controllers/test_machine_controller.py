@@ -32,7 +32,7 @@ class Stand:
 
     def tell(self, **values: Value) -> None:
         for name, value in values.items():
-            self.controller.hear(Signal(name), value)
+            self.controller.on_write(Signal(name), value)
 
     def wait(self, for_s: float) -> list[tuple[Signal, Value]]:
         """What is told meanwhile."""

@@ -51,6 +51,12 @@ def test_a_machine_shows_its_values_and_hears_what_is_written(tmp_path: Path) ->
         assert heard.empty()
 
 
+def test_a_folder_that_cannot_be_made_is_named(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    with pytest.raises(UnavailableError, match="file"), local_server(["M8"], tmp_path / "file"):
+        pass
+
+
 def test_without_the_extra_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "find_spec", lambda _name: None)
     with pytest.raises(UnavailableError, match=r"asyncua.*dray\[opcua\]"), local_server(["M8"], Path()):

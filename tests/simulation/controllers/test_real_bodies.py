@@ -27,7 +27,6 @@ from dray_sim.vda5050.broker_fleet import BrokerFleet
 from dray_sim.vda5050.local_broker import local_broker
 
 SPEED = 5.0
-REST_S = 0.5 * SPEED
 PIECES = 2
 PATIENCE_S = 2400.0
 """Of the plant's time: eight minutes of a busy computer."""
@@ -54,7 +53,7 @@ async def worked(broker: BrokerAddress, server: ControllerServer) -> Shift:
     """One order, and what each side believes when it is delivered; meanwhile each machine's agent begins another life."""
     plant, now, shift, listeners = default_plant(), clock(), Shift(), Listeners()
     fleet = BrokerFleet(plant, now, broker, lambda plant_s: plant_s)
-    machines = OpcUaMachines(plant, now, server, rest_s=REST_S)
+    machines = OpcUaMachines(plant, now, server, speed=SPEED)
     factory = SimFactory(
         plant,
         now,

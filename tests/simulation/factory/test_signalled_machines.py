@@ -71,7 +71,7 @@ class Wired:
     def write(self) -> None:
         if self.linked and self.body is not None:
             for name, value in self.body.outputs.items():
-                self._controller.hear(Signal(name), value)
+                self._controller.on_write(Signal(name), value)
 
     # --- the wire ---
 

@@ -62,10 +62,6 @@ if TYPE_CHECKING:
     from dray_sim.controllers.opcua_machines import OpcUaMachines
     from dray_sim.controllers.opcua_server import ControllerServer
 
-REST_WALL_S = 0.5
-"""Rest of a machine with a controller after each piece, in real seconds: OPC UA takes a fifth of one to tell of the piece, and then the
-machine hears whether another one is wanted."""
-
 BUILDING_S = 60.0
 """Longest wait for the factory to be built: one of 1,000 vehicles takes some seconds."""
 
@@ -228,8 +224,7 @@ def _machines(
     """The machines of the factory behind their controllers, made on its loop."""
     from dray_sim.controllers.opcua_machines import OpcUaMachines
 
-    rest_s = max(1.0, REST_WALL_S * service.speed)
-    return OpcUaMachines(service.plant, now, controllers, rest_s=rest_s, documents=documents)
+    return OpcUaMachines(service.plant, now, controllers, service.speed, documents)
 
 
 def _app(
