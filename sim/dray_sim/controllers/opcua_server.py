@@ -14,7 +14,9 @@ from concurrent.futures import Future
 from pathlib import Path
 from typing import Any, Self
 
-from asyncua import Node, Server, ua
+from asyncua import ua
+from asyncua.common.node import Node
+from asyncua.server.server import Server
 
 from dray.adapters.signals.signal import Signal, Value, is_told
 from dray.errors import UnavailableError
@@ -139,10 +141,10 @@ class ControllerServer:
         written = []
         for machine in self._machines:
             place = await server.nodes.objects.add_object(
-                ua.NodeId(machine, space), ua.QualifiedName(machine, space)
+                ua.NodeId.from_string(f"ns={space};s={machine}"), ua.QualifiedName(machine, space)
             )
             for signal, (value, kind) in NODES.items():
-                name = ua.NodeId(f"{machine}.{signal.value}", space)
+                name = ua.NodeId.from_string(node_id(machine, signal))
                 node = await place.add_variable(name, ua.QualifiedName(signal.value, space), value, kind)
                 self._nodes[machine, signal] = node
                 if not is_told(signal):
