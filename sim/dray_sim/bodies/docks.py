@@ -6,6 +6,9 @@ from collections.abc import Iterator
 
 SHUT = "the dock is shut"
 
+WHATEVER = "", 0
+"""Item and quantity of a dock that is open for whatever the vehicle does, as one is that a controller opens."""
+
 
 class OpenDocks:
     """For whom the dock of a workcell or a storage is open."""
@@ -31,9 +34,11 @@ class OpenDocks:
 
     def refusal(self, vehicle: str, item: str, quantity: int) -> str:
         """Why a vehicle may not load or unload this; empty when it may."""
-        return "" if self._open.get(vehicle) == (item, quantity) else SHUT
+        return "" if self._open.get(vehicle) in ((item, quantity), WHATEVER) else SHUT
 
     def refusal_of_part(self, vehicle: str, item: str, quantity: int) -> str:
         """Why a vehicle may not load or unload as much, or less than the dock was opened for; empty when it may."""
-        opened = self._open.get(vehicle, ("", 0))
-        return "" if opened[0] == item and 0 < quantity <= opened[1] else SHUT
+        opened = self._open.get(vehicle)
+        if opened is None or quantity <= 0:
+            return SHUT
+        return "" if opened == WHATEVER or (opened[0] == item and quantity <= opened[1]) else SHUT

@@ -368,8 +368,10 @@ class SimWorkcell:
         if self._off:
             return NO_POWER
         # Less may come than was opened for: the dock counts it.
-        shut = self._docks.refusal_of_part(vehicle, item, quantity)
-        return shut or ("" if item in (THING, *self._stock) else NOT_KEPT)
+        if shut := self._docks.refusal_of_part(vehicle, item, quantity):
+            return shut
+        self._provide(item)  # A dock that is open for whatever comes was not told of it.
+        return "" if item in (THING, *self._stock) else NOT_KEPT
 
     def _transfer(self, vehicle: str, item: str, change: int) -> None:
         self._docks.shut(vehicle)

@@ -77,6 +77,7 @@ class FloorServer:
         refusal: why one more body cannot be put down; by default nobody is in its way.
         foreign: vehicles that are not simulated: places count what these say they have picked and dropped. Their doubles here are off the
             floor, and no agent has them. Of any other vehicle only its body here is believed.
+        controlled: machines that have controllers: no agent has their bodies here.
 
     Attributes:
         failures: bodies that could not be told of, by our own fault; others are.
@@ -92,6 +93,7 @@ class FloorServer:
         floor: Floor,
         refusal: Callable[[BodySpec], str] = lambda _: "",
         foreign: Collection[str] = (),
+        controlled: Collection[str] = (),
     ) -> None:
         self._session, self._plant, self._floor = session, plant, floor
         self._refusal = refusal
@@ -103,8 +105,13 @@ class FloorServer:
         for atv in self._foreign:
             floor.lift(atv)
             session.declare_queryable(body_key(plant, atv), _answering(self._crossing, _refuse_double))
+        for machine in controlled:
+            session.declare_queryable(
+                body_key(plant, machine), _answering(self._crossing, _refuse_controlled)
+            )
+        others = {*self._foreign, *controlled}
         self._served = [
-            self._serve(agent, body) for agent, body in floor.bodies.items() if agent not in self._foreign
+            self._serve(agent, body) for agent, body in floor.bodies.items() if agent not in others
         ]
         session.declare_queryable(added_key(plant), _answering(self._crossing, self._receive))
         session.declare_queryable(moved_key(plant), _answering(self._crossing, self._follow))
@@ -265,6 +272,12 @@ class _Served:
 def _refuse_double(query: zenoh.Query) -> None:
     with query:
         query.reply_err("it has a body of its own, as DRAY_FOREIGN says", encoding=REFUSED)
+
+
+def _refuse_controlled(query: zenoh.Query) -> None:
+    with query:
+        reason = "it has a controller: start its agent with --body opcua --mapping, with the file that the floor has written"
+        query.reply_err(reason, encoding=REFUSED)
 
 
 def _answering(crossing: Crossing, answer: Callable[[zenoh.Query], None]) -> Callback[zenoh.Query]:

@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from dray.cli.fleet.folder import read_settings, write_settings
+from dray.cli.fleet.folder import forget_controllers, read_settings, write_settings
+from dray.cli.fleet.process_specs import specs_of
 from dray.cli.fleet.supervisor import FleetOptions, _common_environment
 from dray.plant import default_plant
 from dray.settings import Settings
@@ -41,6 +42,33 @@ def test_the_database_is_the_options_the_environments_or_the_folders(
         "postgresql+asyncpg://dray@db/factory",
         "sqlite+aiosqlite:///other.db",
     ]
+
+
+def test_a_fleet_with_controllers_begins_with_none_and_its_machines_wait_for_theirs(
+    call: Call, supervised: list[FleetOptions], tmp_path: Path
+) -> None:
+    call("fleet", "up", "--folder", tmp_path, "--opcua")
+    assert [each.opcua for each in supervised] == [True]
+    plant = default_plant()
+    files = [tmp_path / "controllers" / "M8.yaml", tmp_path / "journals" / "M8.workcell.json"]
+    other = tmp_path / "journals" / "M8-elsewhere.workcell.json"
+    for file in (*files, other):
+        file.parent.mkdir(exist_ok=True)
+        file.touch()
+    forget_controllers(tmp_path, plant)
+    assert [file.exists() for file in (*files, other)] == [False, False, True]
+    specs = specs_of(plant, ("strategist",), tmp_path, {}, {}, demand=False, metrics=False, opcua=True)
+    told = {spec.name: (spec.command, spec.environment.get("DRAY_BODY", "")) for spec in specs}
+    assert told["floor"] == (("floor", "--opcua", str(tmp_path / "controllers")), "")
+    assert told["M8"] == (("agent", "machine", "M8"), "opcua")
+    assert told["ATV1"] == (("agent", "atv", "ATV1"), "")
+
+
+def test_controllers_need_what_is_not_always_installed(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("importlib.util.find_spec", lambda _name: None)
+    code, _, err = call("fleet", "up", "--opcua")
+    assert code == 2
+    assert "dray[opcua]" in err
 
 
 def test_what_the_environment_says_of_one_process_is_not_said_of_a_fleet(

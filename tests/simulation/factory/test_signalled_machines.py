@@ -7,19 +7,8 @@ from random import Random
 
 import pytest
 
-from dray.adapters.signals.signal import Sample, Signal, SignalMapping, Tag
+from dray.adapters.signals.signal import Sample, Signal, SignalMapping, Tag, Value
 from dray.adapters.signals.workcell import Kept, SignalledWorkcell
-from dray.body import (
-    Broken,
-    CloseDock,
-    CycleDone,
-    Instruction,
-    OpenDock,
-    Repaired,
-    Report,
-    StartCycle,
-    WorkcellState,
-)
 from dray.messages import OrderItem
 from dray.plant import Plant, default_plant
 from dray.plant.file.file import shipped_plant
@@ -27,6 +16,7 @@ from dray.ports import Body, Clock
 from dray_sim.bodies.workcell import SimWorkcell
 from dray_sim.checks.invariants import Invariants
 from dray_sim.clock.loop import JUMP, clock, run
+from dray_sim.controllers.machine import COUNTERS, MachineController
 from dray_sim.factory.sim_factory import SimFactory
 from dray_sim.network.listeners import Listeners
 from dray_sim.people.demand import Order
@@ -42,20 +32,12 @@ SIGNALS = (
     *(Signal.RUN, Signal.PRODUCT, Signal.DOCK_PERMIT, Signal.DOCK_VEHICLE),
 )
 
-COUNTERS = Signal.PIECES, Signal.BAD
-
 MODULUS = 16
 """At which its counter rolls over: within one shift, several times."""
 
-LOOK_S = 1.0
-"""How often the controller looks at what it is told."""
 
-READY_AFTER_S = 4.0
-"""What its dock takes to open."""
-
-
-class Controller:
-    """A machine's controller: it counts, and obeys bits, and knows nothing of materials.
+class Wired:
+    """A machine's controller, wired to the body of each life of its agent; the wire may be cut.
 
     Args:
         workcell: the machine.
@@ -64,29 +46,22 @@ class Controller:
     """
 
     def __init__(self, workcell: SimWorkcell, plant: Plant, now: Clock) -> None:
-        self._workcell, self._plant, self._now = workcell, plant, now
+        self._spec, self._plant, self._now = plant.machines[workcell.id], plant, now
+        self._controller = MachineController(workcell, now, self._tell, modulus=MODULUS)
         tags = {signal: Tag(signal.value) for signal in SIGNALS}
         for signal in COUNTERS:
             tags[signal] = Tag(signal.value, rolls_over_at=MODULUS)
         self._mapping = SignalMapping(tags, workcell.sense().stock)
-        self.made = dict.fromkeys(COUNTERS, 0)
         self.body: SignalledWorkcell | None = None
         self.kept: Kept | None = None
         self.linked = True
-        self._fault = False
-        self._open_for, self._open_at_s = "", 0.0
-        self.loads: dict[str, tuple[str, int]] = {}
-        """What vehicles are to bring or take; a dock in the field needs not know."""
-        workcell.attach(self._heard)
-        now.call_at(now.now_s(), self._look)
 
     def live(self) -> Body:
         """The body of the next life of its agent."""
-        spec = self._plant.machines[self._workcell.id]
-        self.body = SignalledWorkcell(spec, self._plant, self._mapping, self._now, self, self.kept)
+        self.body = SignalledWorkcell(self._spec, self._plant, self._mapping, self._now, self, self.kept)
         if self.linked:
             self.link()
-        return _Watched(self.body, self)
+        return self.body
 
     # --- a world ---
 
@@ -94,12 +69,14 @@ class Controller:
         self.kept = kept
 
     def write(self) -> None:
-        """It looks by itself."""
+        if self.linked and self.body is not None:
+            for name, value in self.body.outputs.items():
+                self._controller.on_write(Signal(name), value)
 
-    # --- what it tells ---
+    # --- the wire ---
 
     def cut(self) -> None:
-        """Nothing is heard of it any more."""
+        """Nothing is heard of it any more, and it hears nothing."""
         self.linked = False
         if self.body is not None:
             self.body.on_link_lost("cut")
@@ -108,79 +85,24 @@ class Controller:
         """It is heard again."""
         self.linked = True
         if self.body is not None:
-            for signal in COUNTERS:
-                self._tell(signal, self.made[signal] % MODULUS)
-            self._tell(Signal.FAULT, self._fault)
-            self._tell(Signal.DOCK_READY, bool(self._open_for))
+            for signal, value in self._controller.shows.items():
+                self._tell(signal, value)
             self.body.on_link()
+            self.write()
 
-    def _tell(self, signal: Signal, value: bool | int) -> None:
-        if self.linked and self.body is not None:
+    def _tell(self, signal: Signal, value: Value) -> None:
+        if self.linked and self.body is not None and signal in SIGNALS:
             self.body.on_sample(signal, Sample(value))
 
-    def _heard(self, report: Report) -> None:
-        match report:
-            case CycleDone(bad=bad):
-                signal = Signal.BAD if bad else Signal.PIECES
-                self.made[signal] += 1
-                self._tell(signal, self.made[signal] % MODULUS)
-            case Broken() | Repaired():
-                self._fault = isinstance(report, Broken)
-                self._tell(Signal.FAULT, self._fault)
 
-    # --- what it does ---
-
-    def _look(self) -> None:
-        self._now.call_at(self._now.now_s() + LOOK_S, self._look)
-        if self.body is None or not self.linked:
-            return
-        told = self.body.outputs
-        if told[Signal.RUN] and not self._workcell.sense().cycling:
-            product = str(told[Signal.PRODUCT])
-            self._workcell.instruct(StartCycle(product=product))
-        self._dock(str(told[Signal.DOCK_VEHICLE]) if told[Signal.DOCK_PERMIT] else "")
-
-    def _dock(self, vehicle: str) -> None:
-        if self._open_for and vehicle != self._open_for:
-            self._workcell.instruct(CloseDock(vehicle=self._open_for))
-            self._open_for = ""
-            self._tell(Signal.DOCK_READY, False)
-            return
-        if not vehicle or self._open_for:
-            self._open_at_s = self._now.now_s() + READY_AFTER_S
-        elif self._now.now_s() >= self._open_at_s:
-            item, quantity = self.loads[vehicle]
-            self._workcell.instruct(OpenDock(vehicle=vehicle, item=item, quantity=quantity))
-            self._open_for = vehicle
-            self._tell(Signal.DOCK_READY, True)
-
-
-class _Watched:
-    """A body, and what it is told of loads."""
-
-    def __init__(self, body: SignalledWorkcell, controller: Controller) -> None:
-        self._body, self._controller = body, controller
-        self.attach = body.attach
-
-    def instruct(self, instruction: Instruction) -> None:
-        if isinstance(instruction, OpenDock):
-            self._controller.loads[instruction.vehicle] = instruction.item, instruction.quantity
-        self._body.instruct(instruction)
-
-    def sense(self) -> WorkcellState:
-        return self._body.sense()
-
-
-async def shift(
-    plant: Plant, seed: int, span_s: float
-) -> tuple[SimFactory, dict[str, Controller], Invariants]:
+async def shift(plant: Plant, seed: int, span_s: float) -> tuple[SimFactory, dict[str, Wired], Invariants]:
     """An order of each product, while links are cut and agents are killed, and then a while in peace."""
     now, listeners, chance = clock(), Listeners(), Random(seed)
-    controllers: dict[str, Controller] = {}
+    controllers: dict[str, Wired] = {}
 
     def embody(workcell: SimWorkcell, _life: int) -> Body:
         if workcell.id not in controllers:
-            controllers[workcell.id] = Controller(workcell, plant, now)
+            controllers[workcell.id] = Wired(workcell, plant, now)
         return controllers[workcell.id].live()
 
     factory = SimFactory(

@@ -45,6 +45,13 @@ def up(
         bool,
         typer.Option("--metrics", help="Each process tells Prometheus its own; metrics.json says where."),
     ] = False,
+    opcua: Annotated[
+        bool,
+        typer.Option(
+            "--opcua",
+            help="Machines are behind an OPC UA server of the floor; their mapping files are in the folder, in controllers.",
+        ),
+    ] = False,
     strategists: Strategists = None,
     traffic: Traffic = None,
 ) -> None:
@@ -54,6 +61,11 @@ def up(
 
     import asyncio
     from functools import partial
+    from importlib.util import find_spec
+
+    if opcua and find_spec("asyncua") is None:
+        reason = "OPC UA needs more than is installed: pip install 'dray[opcua]'"
+        raise typer.BadParameter(reason, param_hint="--opcua")
 
     from dray.cli.commands.plant import chosen_plant
     from dray.cli.fleet.supervisor import FleetOptions, run_fleet
@@ -73,6 +85,7 @@ def up(
                 plain=plain,
                 demand=demand,
                 metrics=metrics,
+                opcua=opcua,
             )
         )
     )

@@ -21,6 +21,8 @@ from dray.settings import PREFIX, Settings
 
 REGISTRY, SETTINGS, CERTIFICATES, JOURNALS, LOGS = "fleet.json", "fleet.env", "certs", "journals", "logs"
 METRICS = "metrics.json"
+CONTROLLERS = "controllers"
+"""Mapping files of the machines, where these have controllers."""
 
 FLEET_LOCK, UPDATE_LOCK = "fleet.lock", "update.lock"
 
@@ -146,6 +148,21 @@ def _certify(plant: Plant, strategists: Sequence[str], folder: Path) -> None:
     }
     for name, kind in kinds.items():
         authority.issue(folder, plant.id, names_of(name, kind))
+
+
+def forget_controllers(folder: Path, plant: Plant) -> None:
+    """The floor will have other controllers: forget where those of the last one were, and what they have counted.
+
+    Raises:
+        UnavailableError: it cannot be.
+    """
+    with _kept_in(folder):
+        for machine in plant.machines:
+            for file in (
+                folder / CONTROLLERS / f"{machine}.yaml",
+                folder / JOURNALS / f"{machine}.workcell.json",
+            ):
+                file.unlink(missing_ok=True)
 
 
 def _forget_bodies(folder: Path) -> None:

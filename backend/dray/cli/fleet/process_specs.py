@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from dray.cli.fleet.addresses import free_addresses
-from dray.cli.fleet.folder import GATEWAY, HISTORIAN, LOGS
+from dray.cli.fleet.folder import CONTROLLERS, GATEWAY, HISTORIAN, LOGS
 from dray.cli.runtime.roster import FLOOR, agents_of
 from dray.messages.keys import STRATEGIST
 from dray.messages.speakers import Kind
@@ -73,6 +73,7 @@ def specs_of(
     *,
     demand: bool,
     metrics: bool,
+    opcua: bool = False,
 ) -> list[ProcessSpec]:
     """The specs of all processes of a plant, in the order in which they are to be started: agents need a floor, people a panel.
 
@@ -84,9 +85,11 @@ def specs_of(
         secret: further ones, for the gateway alone.
         demand: the gateway places orders, too.
         metrics: every process tells its own.
+        opcua: machines are behind the floor's OPC UA server.
     """
+    controllers = folder / CONTROLLERS
     commands: dict[str, tuple[str, ...]] = {
-        FLOOR: (FLOOR,),
+        FLOOR: (FLOOR, "--opcua", str(controllers)) if opcua else (FLOOR,),
         HISTORIAN: (HISTORIAN,),
         # One alone is not named: a version of Dray that knows no others can be gone back to.
         **{name: (STRATEGIST,) if name == STRATEGIST else (STRATEGIST, name) for name in strategists},
@@ -107,13 +110,18 @@ def specs_of(
             f"{PREFIX}METRICS_LISTEN": told[name],
         }
         command = commands[name]
+        body = (
+            {f"{PREFIX}BODY": "opcua", f"{PREFIX}MAPPING": str(controllers / f"{name}.yaml")}
+            if opcua and name in plant.machines
+            else {}
+        )
         specs.append(
             ProcessSpec(
                 name=name,
                 kind=command[1] if command[0] == "agent" else command[0],
                 command=command,
                 address=addresses[name],
-                environment={**os.environ, **common, **links, **(secret if name == GATEWAY else {})},
+                environment={**os.environ, **common, **links, **body, **(secret if name == GATEWAY else {})},
                 metrics=told[name],
                 log=folder / LOGS / f"{name}.log",
             )

@@ -22,6 +22,7 @@ from dray.cli.fleet.folder import (
     JOURNALS,
     LOGS,
     alone,
+    forget_controllers,
     make,
     prepare,
     write_settings,
@@ -59,6 +60,7 @@ class FleetOptions:
         plain: links without certificates.
         demand: let orders be placed.
         metrics: let every process tell Prometheus its metrics.
+        opcua: put machines behind an OPC UA server of the floor.
     """
 
     settings: Settings
@@ -68,6 +70,7 @@ class FleetOptions:
     plain: bool
     demand: bool
     metrics: bool
+    opcua: bool = False
 
 
 async def run_fleet(options: FleetOptions) -> None:
@@ -87,6 +90,8 @@ async def run_fleet(options: FleetOptions) -> None:
         # Held until all others have addresses: then the gateway finds it free.
         with contextlib.closing(listen(options.settings.host, options.settings.port)) as held:
             prepare(folder, options.plant, strategists, plain=options.plain)
+            if options.opcua:
+                forget_controllers(folder, options.plant)
             common = await _common_environment(options, folder, port=held.getsockname()[1])
             specs = specs_of(
                 options.plant,
@@ -97,6 +102,7 @@ async def run_fleet(options: FleetOptions) -> None:
                 {f"{PREFIX}ADMIN_TOKEN": token.get_secret_value()},
                 demand=options.demand,
                 metrics=options.metrics,
+                opcua=options.opcua,
             )
         write_settings(folder, common, [spec.address for spec in specs[: len(DISTANCES)]])
         write_targets(folder, {spec.name: spec.metrics for spec in specs if spec.metrics})

@@ -12,6 +12,7 @@ import socket
 from collections.abc import Callable, Coroutine, Iterator
 from dataclasses import dataclass
 from functools import partial
+from typing import TYPE_CHECKING
 
 from fastapi import FastAPI
 from opentelemetry.sdk.trace import TracerProvider
@@ -44,9 +45,9 @@ from dray.messages.keys import Keys
 from dray.ports import Bus
 from dray.store import Store, open_store
 from dray_sim.bodies.floor import NEARLY_EMPTY_FRAC
-from dray_sim.clock.loop import paced, virtual_loop
+from dray_sim.clock.loop import VirtualClock, paced, virtual_loop
 from dray_sim.clock.wall import HurryingClock, Wall
-from dray_sim.factory.installation import directly
+from dray_sim.factory.installation import directly, itself
 from dray_sim.factory.sim_factory import SimFactory
 from dray_sim.faults import Faults
 from dray_sim.network.bridge import BridgedBus, SimThread
@@ -55,6 +56,11 @@ from dray_sim.run.live import LivePlay
 from dray_sim.run.stage import with_right_of_way
 from dray_sim.scenarios import LivePart
 from dray_sim.vda5050.broker_fleet import BrokerFleet
+
+if TYPE_CHECKING:
+    # They need an extra.
+    from dray_sim.controllers.opcua_machines import OpcUaMachines
+    from dray_sim.controllers.opcua_server import ControllerServer
 
 BUILDING_S = 60.0
 """Longest wait for the factory to be built: one of 1,000 vehicles takes some seconds."""
@@ -86,6 +92,7 @@ async def run_service(
     broker: BrokerAddress | None = None,
     live: LivePart | None = None,
     wall: Wall | None = None,
+    controllers: ControllerServer | None = None,
 ) -> None:
     """Run until a signal.
 
@@ -95,6 +102,7 @@ async def run_service(
         broker: through which vehicles speak VDA 5050 with their agents; None for vehicles without it.
         live: what is played in the factory, in whose plant the service is; None for a factory without a script.
         wall: the clock of factory and gateway; the computer's when None.
+        controllers: by whose nodes machines speak with their agents; None for machines without controllers.
 
     Raises:
         UnavailableError: the port or the database is not to be had.
@@ -114,7 +122,7 @@ async def run_service(
             incarnation = await store.next_incarnation(service.plant.id)
             authority = await authority_of(store)
             tracing = stack.enter_context(traced(settings))
-            life = _life(service, seed, incarnation, authority, tracing, broker, live, wall)
+            life = _life(service, seed, incarnation, authority, tracing, broker, controllers, live, wall)
             factory = SimThread(life, paced(service.speed), wall=wall)
             try:
                 inside = await asyncio.to_thread(factory.start, BUILDING_S)
@@ -144,6 +152,7 @@ def _life(
     authority: SigningKey,
     tracing: TracerProvider | None,
     broker: BrokerAddress | None,
+    controllers: ControllerServer | None,
     live_part: LivePart | None,
     wall: Wall,
 ) -> Callable[[Callable[[Inside], None]], Coroutine[None, None, None]]:
@@ -157,7 +166,9 @@ def _life(
             """The clocks are compared when the factory has been built; nobody speaks before."""
             return scale.to_wall_s(plant_s)
 
+        documents = FetchedDocuments()
         fleet = None if broker is None else BrokerFleet(service.plant, now, broker, to_wall_s)
+        machines = None if controllers is None else _machines(service, controllers, now, documents)
         make = partial(
             SimFactory,
             incarnation=incarnation,
@@ -174,6 +185,7 @@ def _life(
                 strategists=service.settings.strategists,
                 traffic=service.settings.traffic,
                 embody=directly if fleet is None else fleet.embody,
+                embody_machine=itself if machines is None else machines.embody,
             )
             faults = Faults(factory)
         else:
@@ -187,20 +199,32 @@ def _life(
         scale = TimeScale(now.now_s(), wall.now_s(), service.speed)
         if wall.stands:
             loop.stood = scale.stood
-        documents = FetchedDocuments()
         for workcell in factory.workcells.values():
             workcell.documents = documents
-        if fleet is not None:
-            await fleet.ready()
-        ready(Inside(factory, faults, scale, play))
         try:
+            if fleet is not None:
+                await fleet.ready()
+            if machines is not None:
+                await machines.ready()
+            ready(Inside(factory, faults, scale, play))
             await (factory.run() if play is None else play.run())
         finally:
             documents.close()
+            if machines is not None:
+                machines.end()
             if fleet is not None:
                 await fleet.end()
 
     return live
+
+
+def _machines(
+    service: Service, controllers: ControllerServer, now: VirtualClock, documents: FetchedDocuments
+) -> OpcUaMachines:
+    """The machines of the factory behind their controllers, made on its loop."""
+    from dray_sim.controllers.opcua_machines import OpcUaMachines
+
+    return OpcUaMachines(service.plant, now, controllers, service.speed, documents)
 
 
 def _app(

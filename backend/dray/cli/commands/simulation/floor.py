@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -19,6 +20,12 @@ def floor(
             help="Vehicles that speak VDA 5050, as ATV1,ATV2: places count what these say they pick and drop; else DRAY_FOREIGN.",
         ),
     ] = None,
+    opcua: Annotated[
+        Path | None,
+        typer.Option(
+            help="Machines are behind an OPC UA server on this computer; the mapping file of each is written into this folder.",
+        ),
+    ] = None,
 ) -> None:
     """Run the simulated floor: the bodies of all vehicles and machines, for agents that have none of their own."""
     import asyncio
@@ -28,4 +35,12 @@ def floor(
     from dray.cli.simulation.floor_process import serve_floor
 
     loaded = load_settings(settings_file=settings, traffic=traffic, foreign=foreign)
-    asyncio.run(serve_floor(Surroundings.of(loaded), seed))
+    where = Surroundings.of(loaded)
+    if opcua is None:
+        asyncio.run(serve_floor(where, seed))
+        return
+
+    from dray_sim.controllers.local_server import local_server
+
+    with local_server(where.plant.machines, opcua) as controllers:
+        asyncio.run(serve_floor(where, seed, controllers))

@@ -14,6 +14,8 @@ from dray.cli.runtime.options import Strategists, Traffic
 
 if TYPE_CHECKING:
     from dray.adapters.vda5050.link import BrokerAddress
+    from dray.plant import Plant
+    from dray_sim.controllers.opcua_server import ControllerServer
     from dray_sim.scenarios import LivePart
 
 SCENARIO_DATABASE = "sqlite:///dray-scenario.db"
@@ -60,9 +62,19 @@ def up(
             "--vda5050", help="Vehicles speak VDA 5050 (2.0, 2.1 and 3.0 by turns) over an MQTT broker."
         ),
     ] = False,
+    real_bodies: Annotated[
+        bool,
+        typer.Option(
+            "--real-bodies",
+            help="Machines are behind an OPC UA server, and vehicles speak VDA 5050 as with --vda5050. Storages, warehouses and the gate "
+            "are simulated as before.",
+        ),
+    ] = False,
     broker: Annotated[
         str | None,
-        typer.Option(help="With --vda5050: mqtt://HOST:PORT; else one that is started on this machine."),
+        typer.Option(
+            help="With --vda5050 or --real-bodies: mqtt://HOST:PORT; else one that is started on this machine."
+        ),
     ] = None,
 ) -> None:
     """Run a simulated factory with its panels; Ctrl-C stops it."""
@@ -90,6 +102,7 @@ def up(
                 "--plant": plant is not None,
                 "--strategists": strategists is not None,
                 "--vda5050": vda5050,
+                "--real-bodies": real_bodies,
             },
         )
         chosen = live.part.plant()
@@ -97,8 +110,12 @@ def up(
             settings = load_settings(host=host, port=port, database_url=SCENARIO_DATABASE, traffic=traffic)
         settings = settings.model_copy(update={"strategists": live.part.shift.strategists or 1})
     customers = customers_of(chosen, speed=speed, seed=seed) if demand and live is None else None
-    with brokered(vda5050=vda5050, url=broker) as address:
-        asyncio.run(run_service(Service(settings, chosen, speed, customers), seed, address, live))
+    service = Service(settings, chosen, speed, customers)
+    with (
+        brokered(vda5050=vda5050 or real_bodies, url=broker) as address,
+        controlled(chosen, real_bodies=real_bodies) as controllers,
+    ):
+        asyncio.run(run_service(service, seed, address, live, controllers=controllers))
 
 
 def _live_part(name: str, others: Mapping[str, bool]) -> LivePart:
@@ -128,12 +145,12 @@ def brokered(*, vda5050: bool, url: str | None) -> Iterator[BrokerAddress | None
     """The broker of vehicles that speak VDA 5050, as long as the context lasts; None without them.
 
     Raises:
-        BadParameter: an address that is none, or without --vda5050.
+        BadParameter: an address that is none, or where no vehicle speaks VDA 5050.
         UnavailableError: none can be started here.
     """
     if not vda5050:
         if url is not None:
-            raise typer.BadParameter("only with --vda5050", param_hint="--broker")
+            raise typer.BadParameter("only with --vda5050 or --real-bodies", param_hint="--broker")
         yield None
         return
 
@@ -153,3 +170,31 @@ def brokered(*, vda5050: bool, url: str | None) -> Iterator[BrokerAddress | None
         except ValueError as error:
             raise typer.BadParameter(str(error), param_hint="--broker") from None
         yield BrokerAddress(host, port, tls)
+
+
+@contextmanager
+def controlled(plant: Plant, *, real_bodies: bool) -> Iterator[ControllerServer | None]:
+    """The OPC UA server of machines with controllers, as long as the context lasts; None without them.
+
+    Raises:
+        UnavailableError: none can be started here.
+    """
+    if not real_bodies:
+        yield None
+        return
+
+    from tempfile import TemporaryDirectory
+
+    from dray_sim.controllers.local_server import local_server
+
+    with (
+        TemporaryDirectory(prefix="dray-mappings-") as folder,
+        local_server(plant.machines, Path(folder)) as server,
+    ):
+        typer.echo(
+            f"OPC UA server      {server.url}, nodes as ns=2;s=MACHINE.pieces\n"
+            f"Mapping files      {folder}, one a machine\n"
+            "As before          storages, warehouses and the gate have no controllers; they are simulated",
+            err=True,
+        )
+        yield server

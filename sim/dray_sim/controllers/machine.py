@@ -1,0 +1,145 @@
+"""The controller of a simulated machine: it counts pieces, shows bits and obeys bits, as a PLC in the field does.
+
+It knows nothing of materials, tasks and agents. Whoever connects it passes on what it shows, and what it is told.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from dray.adapters.signals.signal import Signal, Value
+from dray.body import (
+    Broken,
+    CloseDock,
+    CycleDone,
+    OpenDock,
+    Repaired,
+    Report,
+    ResetFault,
+    SetPace,
+    StartCycle,
+)
+from dray.ports import Clock
+from dray_sim.bodies.docks import WHATEVER
+from dray_sim.bodies.workcell import SimWorkcell
+
+LOOK_S = 1.0
+"""How often it looks at what it is told."""
+
+READY_AFTER_S = 4.0
+"""What its dock takes to open."""
+
+MODULUS = 2**16
+"""At which its counters roll over: those of a PLC are words."""
+
+COUNTERS = Signal.PIECES, Signal.BAD
+
+
+class MachineController:
+    """A machine's controller.
+
+    Args:
+        workcell: the machine; its reports are the controller's from now on.
+        clock: the plant's.
+        tell: is given each value that changes, and none twice.
+        modulus: at which the counters roll over.
+        rest_s: so long after a piece it begins no other one. Where `RUN` takes time to come, it has gone by then if no piece is wanted.
+
+    Attributes:
+        shows: what it tells, by signal.
+        told: what it was told, by signal.
+        made: pieces that it has counted since it was built, by counter.
+    """
+
+    def __init__(
+        self,
+        workcell: SimWorkcell,
+        clock: Clock,
+        tell: Callable[[Signal, Value], None],
+        *,
+        modulus: int = MODULUS,
+        rest_s: float = 0.0,
+    ) -> None:
+        self._workcell, self._clock, self._tell = workcell, clock, tell
+        self._modulus, self._rest_s = modulus, rest_s
+        self._rests_until_s = clock.now_s()
+        self.made = dict.fromkeys(COUNTERS, 0)
+        self.shows: dict[Signal, Value] = {
+            Signal.PIECES: 0,
+            Signal.BAD: 0,
+            Signal.FAULT: bool(workcell.broken),
+            Signal.FAULT_TEXT: workcell.broken,
+            Signal.DOCK_READY: False,
+        }
+        self.told: dict[Signal, Value] = {
+            Signal.RUN: False,
+            Signal.PRODUCT: "",
+            Signal.SPEED: 1.0,
+            Signal.RESET: False,
+            Signal.DOCK_PERMIT: False,
+            Signal.DOCK_VEHICLE: "",
+            Signal.ALIVE: 0,
+        }
+        self._speed_frac = 1.0
+        self._open_for, self._open_at_s = "", 0.0
+        workcell.attach(self._heard)
+        clock.call_at(clock.now_s(), self._look)
+
+    def on_write(self, signal: Signal, value: Value) -> None:
+        """It is told something, and does it when it looks."""
+        if signal in self.told:
+            self.told[signal] = value
+
+    # --- what it shows ---
+
+    def _show(self, signal: Signal, value: Value) -> None:
+        if self.shows[signal] != value:
+            self.shows[signal] = value
+            self._tell(signal, value)
+
+    def _heard(self, report: Report) -> None:
+        match report:
+            case CycleDone(bad=bad):
+                signal = Signal.BAD if bad else Signal.PIECES
+                self.made[signal] += 1
+                self._rests_until_s = self._clock.now_s() + self._rest_s
+                self._show(signal, self.made[signal] % self._modulus)
+            case Broken(reason=reason):
+                self._show(Signal.FAULT_TEXT, reason)
+                self._show(Signal.FAULT, True)
+            case Repaired():
+                self._show(Signal.FAULT, False)
+                self._show(Signal.FAULT_TEXT, "")
+
+    # --- what it does ---
+
+    def _look(self) -> None:
+        now_s = self._clock.now_s()
+        self._clock.call_at(now_s + LOOK_S, self._look)
+        if self._workcell.off:
+            # The dock of a machine without power has shut.
+            self._open_for, self._open_at_s = "", now_s + READY_AFTER_S
+            self._show(Signal.DOCK_READY, False)
+            return
+        if self.told[Signal.RESET] and self._workcell.broken:
+            self._workcell.instruct(ResetFault())
+        speed_frac = float(self.told[Signal.SPEED])
+        if speed_frac != self._speed_frac and 0.0 < speed_frac <= 1.0:
+            self._speed_frac = speed_frac
+            self._workcell.instruct(SetPace(speed_frac=speed_frac))
+        if self.told[Signal.RUN] and now_s >= self._rests_until_s and not self._workcell.sense().cycling:
+            self._workcell.instruct(StartCycle(product=str(self.told[Signal.PRODUCT])))
+        self._dock(str(self.told[Signal.DOCK_VEHICLE]) if self.told[Signal.DOCK_PERMIT] else "", now_s)
+
+    def _dock(self, vehicle: str, now_s: float) -> None:
+        if self._open_for and vehicle != self._open_for:
+            self._workcell.instruct(CloseDock(vehicle=self._open_for))
+            self._open_for = ""
+            self._show(Signal.DOCK_READY, False)
+        elif not vehicle or self._open_for:
+            self._open_at_s = now_s + READY_AFTER_S
+        elif now_s >= self._open_at_s:
+            item, quantity = WHATEVER
+            self._workcell.instruct(OpenDock(vehicle=vehicle, item=item, quantity=quantity))
+            self._open_for = vehicle
+            self._show(Signal.DOCK_READY, True)

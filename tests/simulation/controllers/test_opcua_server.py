@@ -1,0 +1,63 @@
+"""The OPC UA server of simulated machines, seen by a client in another thread."""
+
+from __future__ import annotations
+
+import asyncio
+import queue
+from pathlib import Path
+
+import pytest
+from asyncua import Client, ua
+
+from dray.adapters.signals.signal import Signal, Value
+from dray.errors import UnavailableError
+from dray_sim.controllers import local_server as module
+from dray_sim.controllers.local_server import local_server
+from dray_sim.controllers.opcua_server import ControllerServer
+
+PATIENCE_S = 60.0
+"""Far beyond what a busy computer takes."""
+
+
+async def shown(client: Client, node: str, value: Value) -> None:
+    """Wait until a node shows it."""
+    async with asyncio.timeout(PATIENCE_S):
+        # The server tells nobody that it has taken a value in.
+        while await client.get_node(node).read_value() != value:  # noqa: ASYNC110
+            await asyncio.sleep(0.02)
+
+
+def test_a_machine_shows_its_values_and_hears_what_is_written(tmp_path: Path) -> None:
+    heard: queue.Queue[tuple[str, Signal, Value]] = queue.Queue()
+
+    async def use(server: ControllerServer) -> None:
+        async with Client(server.url) as client:
+            server.show("M8", Signal.PIECES, 7)
+            server.show("M8", Signal.FAULT_TEXT, "tool broken")
+            await shown(client, "ns=2;s=M8.pieces", 7)
+            await shown(client, "ns=2;s=M8.fault_text", "tool broken")
+            await shown(client, "ns=2;s=M9.pieces", 0)
+            await client.get_node("ns=2;s=M9.run").write_value(True)
+            await client.get_node("ns=2;s=M8.dock_vehicle").write_value("ATV1")
+            with pytest.raises(ua.UaStatusCodeError):
+                await client.get_node("ns=2;s=M8.pieces").write_value(ua.Variant(8, ua.VariantType.UInt16))
+
+    with local_server(["M8", "M9"], tmp_path) as server:
+        for machine in ("M8", "M9"):
+            server.connect(machine, lambda *said, who=machine: heard.put((who, *said)))
+        asyncio.run(use(server))
+        assert heard.get(timeout=PATIENCE_S) == ("M9", Signal.RUN, True)
+        assert heard.get(timeout=PATIENCE_S) == ("M8", Signal.DOCK_VEHICLE, "ATV1")
+        assert heard.empty()
+
+
+def test_a_folder_that_cannot_be_made_is_named(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    with pytest.raises(UnavailableError, match="file"), local_server(["M8"], tmp_path / "file"):
+        pass
+
+
+def test_without_the_extra_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "find_spec", lambda _name: None)
+    with pytest.raises(UnavailableError, match=r"asyncua.*dray\[opcua\]"), local_server(["M8"], Path()):
+        pass
