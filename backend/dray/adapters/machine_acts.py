@@ -5,17 +5,19 @@ from __future__ import annotations
 import asyncio
 from collections.abc import AsyncIterator, Callable
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import Protocol, TypeVar
 
 import msgspec
 
 from dray.adapters.commissioning_step import Step
-from dray.adapters.signals.signal import LinkListener, Signal, SignalMapping
+from dray.adapters.signals.signal import LinkListener, Signal, SignalMapping, is_told
 from dray.adapters.signals.workcell import Kept, SignalledWorkcell
 from dray.body import CloseDock, CycleDone, CycleFailed, DockReady, OpenDock, Report, StartCycle
 from dray.plant import Plant
 from dray.plant.model import MachineSpec
 from dray.ports import Clock
+
+M = TypeVar("M", bound=SignalMapping)
 
 LOOK_S = 0.1
 
@@ -43,6 +45,18 @@ class Wanted:
 
     cycle: bool = False
     dock: bool = False
+
+    def of(self, mapping: M) -> M:
+        """The signals that are needed for it: those that are written only where the machine is to do something, for its agent may be at work."""
+        if self.cycle or self.dock:
+            return mapping
+        told = {
+            name: tag
+            for name, tag in mapping.signals.items()
+            # It makes no sense without the permit, which is written.
+            if is_told(name) and name is not Signal.DOCK_READY
+        }
+        return msgspec.structs.replace(mapping, signals=told)
 
 
 class Link(Protocol):

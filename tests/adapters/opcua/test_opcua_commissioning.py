@@ -64,6 +64,23 @@ def test_a_machine_that_works_makes_a_piece_and_opens_its_dock(tmp_path: Path) -
     asyncio.run(story())
 
 
+def test_what_is_only_looked_at_is_told_nothing(tmp_path: Path) -> None:
+    """Its agent may be at work, and does not say again what it has said."""
+
+    async def story() -> None:
+        async with Plc() as plc:
+            for signal in (Signal.RUN, Signal.DOCK_PERMIT):
+                await plc.put(signal, True)
+            done = commissioning(plc.url, tmp_path, Wanted())
+            steps = await seen(done)
+            assert done.passed, steps
+            assert steps["machine"][0]
+            assert await plc.read(Signal.RUN) is True
+            assert await plc.read(Signal.DOCK_PERMIT) is True
+
+    asyncio.run(story())
+
+
 def test_what_is_wrong_is_named_signal_by_signal_and_nothing_moves(tmp_path: Path) -> None:
     async def story() -> None:
         async with Plc() as plc:

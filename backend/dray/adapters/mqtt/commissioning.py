@@ -76,14 +76,9 @@ class MqttCommissioning:
                 yield self._note(Step(name, None, f"is written to {tag.topic}: see there that it comes"))
         if not self.passed:
             return
-        acts = Acts(
-            self.spec,
-            self.plant,
-            self.mapping,
-            self.clock,
-            self.wanted,
-            SignalsOverMqtt(self.mapping, self.broker, CLIENT),
-        )
+        mapping = self.wanted.of(self.mapping)
+        signals = SignalsOverMqtt(mapping, self.broker, CLIENT)
+        acts = Acts(self.spec, self.plant, mapping, self.clock, self.wanted, signals)
         async for step in acts.run():
             yield self._note(step)
 

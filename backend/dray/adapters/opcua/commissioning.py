@@ -100,8 +100,9 @@ class Commissioning:
             await client.disconnect()
         if not self.passed:
             return
-        link = OpcUaLink(self.mapping, self.folder, self.password)
-        acts = Acts(self.spec, self.plant, self.mapping, self.clock, self.wanted, link)
+        mapping = self.wanted.of(self.mapping)
+        link = OpcUaLink(mapping, self.folder, self.password)
+        acts = Acts(self.spec, self.plant, mapping, self.clock, self.wanted, link)
         async for step in acts.run():
             yield self._note(step)
 
