@@ -14,13 +14,15 @@ from dray.store import Store, downgrade, open_store, upgrade
 from dray.store.access.api_keys import ApiKey
 from dray.store.access.audit import AuditFilter
 from dray.store.access.digest import digest
-from dray.store.database.migrate import configuration, migrations_folder
+from dray.store.database.migrate import configuration, migrations_folder, revisions
 from dray.store.database.searching import Sought
 from dray.store.history.events import EventFilter
 from dray.store.orders.tracking_links import Link
 from dray.store.tables import metadata
 
 pytestmark = pytest.mark.anyio
+
+HEAD = "0044"
 
 
 def comparable(_thing: object, name: str | None, kind: str, *_rest: object) -> bool:
@@ -129,8 +131,17 @@ async def test_a_database_of_a_newer_dray_is_left_alone(store: Store, url: str) 
         await connection.execute(text("UPDATE alembic_version SET version_num = '9999'"))
     with pytest.raises(UnavailableError, match="newer Dray"):
         await open_store(url)
+    assert await revisions(store.database) == ("9999", HEAD, False)
+
+
+async def test_which_tables_there_are_is_told_and_changes_nothing(store: Store) -> None:
+    assert await revisions(store.database) == (HEAD, HEAD, True)
+    await downgrade(store.database, "0043")
+    assert await revisions(store.database) == ("0043", HEAD, True)
+    await downgrade(store.database, "base")
+    assert await revisions(store.database) == (None, HEAD, True)
 
 
 def test_the_migrations_are_found_and_have_one_head() -> None:
     assert (migrations_folder() / "env.py").is_file()
-    assert ScriptDirectory.from_config(configuration()).get_current_head() == "0044"
+    assert ScriptDirectory.from_config(configuration()).get_current_head() == HEAD

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
@@ -73,7 +73,7 @@ def answers(told: Picture | None = None, **fields: Any) -> Answers:
     return Answers(picture=told or picture(), **usual | fields)
 
 
-def of(name: str, found: Any) -> Finding:
+def of(name: str, found: Iterable[Finding]) -> Finding:
     """The finding of this name; the only one."""
     (it,) = (each for each in found if each.name == name)
     return it

@@ -30,8 +30,8 @@ async def database(settings: Settings, now_s: float) -> AsyncIterator[Finding]:
         now_s: unix time.
     """
     name, url = "database", make_url(settings.database_url)
-    shown = url.render_as_string(hide_password=True)
-    upgrade = f"dray db upgrade --db {shown.replace('+aiosqlite', '').replace('+asyncpg', '')}"
+    shown = url.set(drivername=url.get_backend_name()).render_as_string(hide_password=True)
+    upgrade = f"dray db upgrade --db {shown}"
     if _lacks_file(url):
         yield missing(name, f"there is no file {url.database}", upgrade)
         return
