@@ -182,6 +182,7 @@ def test_a_plant_that_has_no_room_for_its_vehicles_is_not_ready(run: Run, file: 
     [
         (("--gateway", "nowhere"), "is no address"),
         (("--certificates", "none"), "there is no folder none"),
+        (("--mappings", "none"), "there is no folder none"),
         (("--settings", "none.env"), "there is no file none.env"),
         (("--json", "none/report.json"), "No such file"),
     ],

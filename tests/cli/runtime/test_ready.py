@@ -16,7 +16,7 @@ from sqlalchemy import text
 from dray.adapters.security.certificates import Authority
 from dray.adapters.security.revocations import call_back
 from dray.cli.runtime.gateway.authority import authority_of
-from dray.cli.runtime.ready.agents import agents, bodies, docks, plant_of_gateway
+from dray.cli.runtime.ready.agents import agents, bodies, plant_of_gateway
 from dray.cli.runtime.ready.answers import (
     Agent,
     Alert,
@@ -33,6 +33,7 @@ from dray.cli.runtime.ready.answers import (
 from dray.cli.runtime.ready.certificates import certificates
 from dray.cli.runtime.ready.computer import clocks, disks
 from dray.cli.runtime.ready.database import database
+from dray.cli.runtime.ready.docks import docks
 from dray.cli.runtime.ready.finding import Finding, Verdict, named
 from dray.cli.runtime.ready.people import people_and_keys
 from dray.cli.runtime.roster import certified_of
@@ -139,13 +140,58 @@ def test_a_body_that_does_not_answer_is_a_problem_by_its_name() -> None:
     assert bodies(WORKSHOP, answers()).verdict is Verdict.OK
 
 
-def test_docks_of_people_are_noted_and_one_that_does_not_get_ready_is_missing() -> None:
-    by_people = tuple(heard(each, unconfirmed=()) for each in WORKSHOP.machines)
+BY_PEOPLE = tuple(heard(each, unconfirmed=()) for each in WORKSHOP.machines)
+
+COUNTER = "url: opc.tcp://saw\nsignals:\n  pieces: {node: ns=2;s=Good}\n"
+SAFE = COUNTER + "  dock_permit: {node: ns=2;s=Here}\n  dock_ready: {node: ns=2;s=Safe}\n"
+SCALES = (
+    "signals:\n  dock_permit: {topic: a}\n  dock_ready: {topic: b}\nlevels: {paint: {topic: b, path: c}}\n"
+)
+
+
+def test_of_a_dock_of_which_nobody_knows_it_cannot_be_told() -> None:
+    found = docks(WORKSHOP, None, None)
+    assert seen(found, Verdict.UNKNOWN, "cannot be told of SAW, DRILL, BENCH, RACK, PAINT")
+    some = answers(picture(machines=(heard("SAW"), *BY_PEOPLE[1:])))
+    found = docks(WORKSHOP, None, some)
+    assert seen(
+        found, Verdict.UNKNOWN, "cannot be told of SAW, RACK, PAINT; none at DRILL, BENCH: the words of"
+    )
+
+
+def test_a_dock_that_does_not_get_ready_for_a_vehicle_is_missing() -> None:
     late = Alert("dock_not_ready", "DRILL", ("CART1",))
-    assert seen(docks(WORKSHOP, answers(picture(machines=by_people))), Verdict.OK, "people and vehicles")
-    some = picture(machines=(heard("SAW"), *by_people[1:]))
-    assert seen(docks(WORKSHOP, answers(some)), Verdict.UNKNOWN, "none at DRILL, BENCH")
-    assert seen(docks(WORKSHOP, answers(picture(alerts=(late,)))), Verdict.MISSING, "DRILL")
+    assert seen(docks(WORKSHOP, None, answers(picture(alerts=(late,)))), Verdict.MISSING, "DRILL")
+
+
+def test_mappings_tell_which_docks_shake_hands(tmp_path: Path) -> None:
+    stores = {store: [each.material for each in spec.stocks] for store, spec in WORKSHOP.stores.items()}
+    for store, items in stores.items():
+        (tmp_path / f"{store}.yaml").write_text(SCALES.replace("paint", items[0]))
+    (tmp_path / "SAW.yaml").write_text(SAFE)
+    (tmp_path / "DRILL.yaml").write_text(COUNTER)
+    told = answers(picture(machines=(heard("SAW"), heard("DRILL"), BY_PEOPLE[2])))
+    found = docks(WORKSHOP, tmp_path, told)
+    assert found.verdict is Verdict.OK
+    assert found.seen.split("; ") == [
+        "with a handshake: SAW, RACK, PAINT",
+        "without one: DRILL: vehicles load as soon as they stand there",
+        "none at BENCH: the words of people and vehicles count",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("place", "text", "said"),
+    [
+        ("SAW", "signals: 3", "SAW.yaml"),
+        ("SAW", "url: opc.tcp://saw\nsignals: {}", "`pieces` is missing"),
+        ("RACK", COUNTER, "a storage has"),
+        ("RACK", SCALES.replace("paint", "gold"), "levels.gold: this is not kept there"),
+    ],
+)
+def test_a_mapping_that_cannot_be_used_is_missing(tmp_path: Path, place: str, text: str, said: str) -> None:
+    (tmp_path / f"{place}.yaml").write_text(text)
+    assert seen(docks(WORKSHOP, tmp_path, None), Verdict.MISSING, said)
 
 
 def test_a_clock_that_is_not_that_of_the_wall_is_no_service() -> None:

@@ -13,7 +13,7 @@ from gateway_kit import House
 from heartbeats import atv_heartbeat, machine_heartbeat, station_heartbeat
 from wall_clock import NOW_S
 
-from dray.cli.runtime.ready.agents import agents, bodies, docks, plant_of_gateway
+from dray.cli.runtime.ready.agents import agents, bodies, plant_of_gateway
 from dray.cli.runtime.ready.answers import Answers, ask
 from dray.cli.runtime.ready.finding import Finding, Verdict
 from dray.cli.runtime.ready.people import people_and_keys
@@ -86,7 +86,6 @@ async def test_who_was_never_heard_is_silent_or_has_a_problem_is_named(house: Ho
     assert found["gate"].seen == "silent: gate"
     broken = bodies(WORKS, answers)
     assert (broken.verdict, broken.seen) == (Verdict.MISSING, "with a problem: M5 (its controller is away)")
-    assert docks(WORKS, answers).verdict is Verdict.UNKNOWN
 
 
 async def test_people_keys_and_duty_are_read_as_the_gateway_tells_them(house: House) -> None:

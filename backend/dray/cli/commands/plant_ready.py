@@ -31,6 +31,12 @@ def ready(
         Path | None,
         typer.Option(help="The folder where `dray certs` made them; else DRAY_BUS_CERTIFICATES."),
     ] = None,
+    mappings: Annotated[
+        Path | None,
+        typer.Option(
+            help="The folder of the controllers' mapping files, called as M8.yaml, for their docks."
+        ),
+    ] = None,
     db: Annotated[
         str | None,
         typer.Option("--db", help="URL of the database; else DRAY_DATABASE_URL, else sqlite:///dray.db."),
@@ -53,8 +59,9 @@ def ready(
 
     said = load_settings(settings_file=settings, database_url=db, admin_token=token)
     plant = load_plant(file)
-    if certificates is not None and not certificates.is_dir():
-        raise SettingsError("--certificates", f"there is no folder {certificates}")
+    for option, folder in (("--certificates", certificates), ("--mappings", mappings)):
+        if folder is not None and not folder.is_dir():
+            raise SettingsError(option, f"there is no folder {folder}")
     client = RestClient(gateway or f"http://{said.host}:{said.port}", token or _secret(said), "see its log")
     here = Viewpoint(
         file=str(file),
@@ -63,6 +70,7 @@ def ready(
         url=client.url,
         has_token=client.has_token,
         certificates=certificates,
+        mappings=mappings,
         wall_s=time.time,
         ntp=ntp_synchronised,
         free_bytes=free_on,

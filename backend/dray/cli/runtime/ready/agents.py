@@ -129,22 +129,3 @@ def bodies(plant: Plant, answers: Answers) -> Finding:
     people = [each for each in wanted if heard[each].unconfirmed is not None]
     by_people = f"; people are the body of {named(people)}" if people else ""
     return ok(name, f"{len(wanted)} machines and vehicles tell of no problem{by_people}")
-
-
-def docks(plant: Plant, answers: Answers) -> Finding:
-    """Whether docks answer. Where people are the body nobody asks a dock: what they and vehicles say counts."""
-    name, heard = "docks", answers.picture.agents()
-    late = [each.agent for each in answers.picture.alerts if each.kind == "dock_not_ready"]
-    if late:
-        todo = "dray machine check NAME --mapping NAME.yaml --plant FILE --dock; see dock_ready in its controller"
-        return missing(name, f"a vehicle stands there, and they do not get ready: {named(late)}", todo)
-    people = [each for each in plant.machines if each in heard and heard[each].unconfirmed is not None]
-    if len(people) == len(plant.machines):
-        return ok(name, "no machine's dock answers: the words of people and vehicles count there")
-    by_people = f"; none at {named(people)}: the words of people and vehicles count" if people else ""
-    todo = (
-        "dray machine check NAME --mapping NAME.yaml --plant FILE --dock tries one while nobody stands there"
-    )
-    return unknown(
-        name, f"no vehicle waits for one; whether they shake hands shows only when one comes{by_people}", todo
-    )

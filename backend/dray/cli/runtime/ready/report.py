@@ -8,11 +8,12 @@ from pathlib import Path
 
 from msgspec.structs import replace
 
-from dray.cli.runtime.ready.agents import agents, bodies, docks, plant_of_gateway
+from dray.cli.runtime.ready.agents import agents, bodies, plant_of_gateway
 from dray.cli.runtime.ready.answers import Answers, Client, Ready, ask
 from dray.cli.runtime.ready.certificates import certificates
 from dray.cli.runtime.ready.computer import clocks, disks
 from dray.cli.runtime.ready.database import database
+from dray.cli.runtime.ready.docks import docks
 from dray.cli.runtime.ready.finding import Finding, missing, named, ok, unknown
 from dray.cli.runtime.ready.people import people_and_keys
 from dray.cli.runtime.roster import certified_of
@@ -31,7 +32,7 @@ ASKED = (
         "vehicles",
         "strategist",
     ),
-    *("bodies", "docks", "managers", "operators", "API keys", "people on duty"),
+    *("bodies", "managers", "operators", "API keys", "people on duty"),
 )
 """What only a gateway tells."""
 
@@ -47,6 +48,7 @@ class Viewpoint:
         url: of the gateway, for people.
         has_token: whether the gateway is told who asks.
         certificates: the folder where they were made; None for that of the settings.
+        mappings: the folder of the mapping files of controllers; None for none.
         wall_s: this computer's wall clock.
         ntp: whether that is synchronised; None where nobody can tell.
         free_bytes: what is free on the disk of a folder.
@@ -58,6 +60,7 @@ class Viewpoint:
     url: str
     has_token: bool
     certificates: Path | None
+    mappings: Path | None
     wall_s: Callable[[], float]
     ntp: Callable[[], bool | None]
     free_bytes: Callable[[Path], int]
@@ -85,6 +88,7 @@ async def _all(plant: Plant, here: Viewpoint) -> AsyncIterator[Finding]:
     said, answers = _gateway(here)
     for finding in clocks(answers, here.ntp):
         yield finding
+    yield docks(plant, here.mappings, answers)
     yield said
     if answers is None:
         for name in ASKED:
@@ -94,7 +98,6 @@ async def _all(plant: Plant, here: Viewpoint) -> AsyncIterator[Finding]:
     for finding in agents(plant, strategists, answers):
         yield finding
     yield bodies(plant, answers)
-    yield docks(plant, answers)
     for finding in people_and_keys(plant, answers, here.wall_s()):
         yield finding
 
