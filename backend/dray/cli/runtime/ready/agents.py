@@ -115,7 +115,7 @@ def _strategists(wanted: tuple[str, ...], answers: Answers, alerts: Iterable[Ale
 def bodies(plant: Plant, answers: Answers) -> Finding:
     """Whether the bodies of machines and vehicles answer: one that does not is a problem of its agent."""
     name, heard = "bodies", answers.picture.agents()
-    wanted = [each for each in (*plant.machines, *plant.fleet) if each in heard]
+    wanted = [each for each in (*plant.machines, *plant.fleet) if not _lack(heard.get(each), answers.picture)]
     broken = [
         f"{each} ({heard[each].problem or heard[each].status})"
         for each in wanted
