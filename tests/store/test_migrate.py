@@ -14,13 +14,15 @@ from dray.store import Store, downgrade, open_store, upgrade
 from dray.store.access.api_keys import ApiKey
 from dray.store.access.audit import AuditFilter
 from dray.store.access.digest import digest
-from dray.store.database.migrate import configuration, migrations_folder
+from dray.store.database.migrate import configuration, migrations_folder, revisions
 from dray.store.database.searching import Sought
 from dray.store.history.events import EventFilter
 from dray.store.orders.tracking_links import Link
 from dray.store.tables import metadata
 
 pytestmark = pytest.mark.anyio
+
+NEWEST, BEFORE, *_ = (each.revision for each in ScriptDirectory.from_config(configuration()).walk_revisions())
 
 
 def comparable(_thing: object, name: str | None, kind: str, *_rest: object) -> bool:
@@ -129,6 +131,15 @@ async def test_a_database_of_a_newer_dray_is_left_alone(store: Store, url: str) 
         await connection.execute(text("UPDATE alembic_version SET version_num = '9999'"))
     with pytest.raises(UnavailableError, match="newer Dray"):
         await open_store(url)
+    assert await revisions(store.database) == ("9999", NEWEST, False)
+
+
+async def test_which_tables_there_are_is_told_and_changes_nothing(store: Store) -> None:
+    assert await revisions(store.database) == (NEWEST, NEWEST, True)
+    await downgrade(store.database, BEFORE)
+    assert await revisions(store.database) == (BEFORE, NEWEST, True)
+    await downgrade(store.database, "base")
+    assert await revisions(store.database) == (None, NEWEST, True)
 
 
 def test_the_migrations_are_found_and_have_one_head() -> None:

@@ -21,3 +21,6 @@ async def test_keys_of_other_names_are_others(store: Store) -> None:
         await work.signing_keys.get("gateway", private=b"1" * 32, public=b"1" * 32, now_s=1.0)
         other = await work.signing_keys.get("other", private=b"2" * 32, public=b"2" * 32, now_s=1.0)
     assert other == b"2" * 32
+    async with store.read() as work:
+        assert await work.signing_keys.public("other") == (b"2" * 32).hex()
+        assert await work.signing_keys.public("nobody") is None

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, TypeVar
 import typer
 
 from dray.cli.commands.plant_exchange import export_layout, floor_plan, import_layout
+from dray.cli.commands.plant_ready import ready
 
 if TYPE_CHECKING:
     from dray.plant import Plant
@@ -26,6 +27,7 @@ app = typer.Typer(no_args_is_help=True, help="Plant files.")
 app.command("import")(import_layout)
 app.command("export")(export_layout)
 app.command("picture")(floor_plan)
+app.command("ready")(ready)
 
 
 @app.callback()

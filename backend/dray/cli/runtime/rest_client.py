@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import http.client
+from email.utils import parsedate_to_datetime
 from http import HTTPStatus
 from typing import NoReturn, TypeVar
 from urllib.error import HTTPError, URLError
@@ -70,6 +71,36 @@ class RestClient:
             InputError: the gateway cannot use it; says why in the gateway's words.
             UnavailableError: nobody answers there, or not as Dray does.
         """
+        answer, _ = self._exchange(method, path, body)
+        try:
+            return msgspec.json.decode(answer, type=shape)
+        except msgspec.MsgspecError as error:
+            raise UnavailableError(self._url, f"does not answer as Dray does: {error}", REMEDY) from None
+
+    def date_s(self) -> float | None:
+        """The gateway's wall clock (unix time) in whole seconds, up to a second old; None where its answers have no date.
+
+        Raises:
+            UnavailableError: nobody answers there.
+        """
+        _, told = self._exchange("GET", "/healthz")
+        try:
+            return parsedate_to_datetime(told).timestamp()
+        except ValueError:
+            return None
+
+    @property
+    def url(self) -> str:
+        """Where it asks."""
+        return self._url
+
+    @property
+    def has_token(self) -> bool:
+        """Whether it says who asks."""
+        return bool(self._token)
+
+    def _exchange(self, method: str, path: str, body: object = None) -> tuple[bytes, str]:
+        """The body of an answer, and its date."""
         data = None if body is None else msgspec.json.encode(body)
         headers = {"Accept": "application/json"}
         if data is not None:
@@ -79,7 +110,7 @@ class RestClient:
         request = Request(self._url + path, data, headers, method=method)  # noqa: S310 - http or https, see above
         try:
             with self._opener.open(request, timeout=PATIENCE_S) as answer:
-                return msgspec.json.decode(answer.read(), type=shape)
+                return answer.read(), answer.headers.get("Date", "")
         except HTTPError as error:
             with error:
                 self._refuse(error.code, error.read())
@@ -87,8 +118,6 @@ class RestClient:
             cause = getattr(error, "reason", error)
             reason = getattr(cause, "strerror", None) or str(cause)
             raise UnavailableError(f"no Dray at {self._url}", reason.lower(), REMEDY) from None
-        except msgspec.MsgspecError as error:
-            raise UnavailableError(self._url, f"does not answer as Dray does: {error}", REMEDY) from None
 
     def _refuse(self, status: int, body: bytes) -> NoReturn:
         try:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from dray.messages.keys import GATE
-from dray.messages.speakers import Kind
+from collections.abc import Iterable
+
+from dray.messages.keys import GATE, HISTORIAN
+from dray.messages.speakers import Kind, names_of
 from dray.plant import Plant
 
 FLOOR = "floor"
@@ -17,4 +19,14 @@ def agents_of(plant: Plant) -> dict[str, Kind]:
         **dict.fromkeys(plant.machines, Kind.MACHINE),
         **dict.fromkeys(plant.fleet, Kind.ATV),
         GATE: Kind.GATE,
+    }
+
+
+def certified_of(plant: Plant, strategists: Iterable[str], gateway: str) -> dict[str, dict[str, Kind]]:
+    """Whom each process of a plant speaks for, by the name of its certificate."""
+    return {
+        **{agent: {agent: kind} for agent, kind in agents_of(plant).items()},
+        **{strategist: {strategist: Kind.STRATEGIST} for strategist in strategists},
+        gateway: names_of(gateway, Kind.GATEWAY),
+        HISTORIAN: {HISTORIAN: Kind.HISTORIAN},
     }

@@ -30,3 +30,9 @@ class SigningKeys:
         await self._connection.execute(insert_new(self._connection, signing_keys), [row])
         query = select(signing_keys.c.private_key).where(signing_keys.c.id == name)
         return bytes.fromhex((await self._connection.execute(query)).scalar_one())
+
+    async def public(self, name: str) -> str | None:
+        """The public key of this name, in hex; None when there is none."""
+        query = select(signing_keys.c.public_key).where(signing_keys.c.id == name)
+        found: str | None = (await self._connection.execute(query)).scalar_one_or_none()
+        return found

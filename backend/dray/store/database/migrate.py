@@ -62,6 +62,29 @@ async def downgrade(database: Database, revision: str) -> None:
     await _run(database, lambda config: command.downgrade(config, revision))
 
 
+async def revisions(database: Database) -> tuple[str | None, str | None, bool]:
+    """Which tables there are; changes nothing.
+
+    Returns:
+        The revision of the tables, None for no tables; the newest one; and whether this software knows the first of them.
+
+    Raises:
+        UnavailableError: the database cannot be read, or the migrations are not there.
+    """
+    from alembic.runtime.migration import MigrationContext  # noqa: PLC0415 (see above)
+    from alembic.script import ScriptDirectory  # noqa: PLC0415 (see above)
+
+    scripts = ScriptDirectory.from_config(configuration())
+
+    def found(connection: Connection) -> str | None:
+        return MigrationContext.configure(connection).get_current_revision()
+
+    async with database.read() as connection:
+        current = await connection.run_sync(found)
+    known = {script.revision for script in scripts.walk_revisions()}
+    return current, scripts.get_current_head(), current is None or current in known
+
+
 async def _run(database: Database, order: Callable[[Config], None]) -> None:
     from alembic.util import CommandError  # noqa: PLC0415 (see above)
 

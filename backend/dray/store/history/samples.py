@@ -32,6 +32,12 @@ class Samples:
         query = select(func.count()).select_from(heartbeat_samples)
         return (await self._connection.execute(query)).scalar_one()
 
+    async def newest_s(self) -> float | None:
+        """When the agent said what was written last (wall clock); None before the first."""
+        query = select(heartbeat_samples.c.at_s).order_by(heartbeat_samples.c.position.desc()).limit(1)
+        found: float | None = (await self._connection.execute(query)).scalar_one_or_none()
+        return found
+
     async def prune(self, before_s: float, at_most: int, now_s: float) -> int:
         """Forget some of the oldest, up to the first that is not from before this moment; returns how many."""
         aged = await ages.oldest(self._connection, heartbeat_samples, at_most, now_s)

@@ -38,10 +38,9 @@ def make(folder: Folder, plant: PlantFile = None, days: Days = None) -> None:
     from dray.adapters.security.certificates import AUTHORITY, DAYS, Authority
     from dray.cli.commands.plant import chosen_plant
     from dray.cli.runtime.options import load_settings
-    from dray.cli.runtime.roster import agents_of
+    from dray.cli.runtime.roster import certified_of
     from dray.errors import SettingsError
     from dray.messages.keys import strategists_of
-    from dray.messages.speakers import Kind, names_of
 
     settings = load_settings(plant_file=plant)
     chosen = chosen_plant(settings.plant_file)
@@ -49,16 +48,11 @@ def make(folder: Folder, plant: PlantFile = None, days: Days = None) -> None:
         raise SettingsError(
             str(folder), "has an authority already; `dray certs issue` uses it, or choose another folder"
         )
-    processes = [
-        *({agent: kind} for agent, kind in agents_of(chosen).items()),
-        *({strategist: Kind.STRATEGIST} for strategist in strategists_of(settings.strategists)),
-        names_of("gateway", Kind.GATEWAY),
-        {"historian": Kind.HISTORIAN},
-    ]
+    processes = certified_of(chosen, strategists_of(settings.strategists), "gateway")
     with _writing_into(folder):
         authority = Authority.make(chosen.id)
         authority.write(folder)
-        for agents in processes:
+        for agents in processes.values():
             authority.issue(folder, chosen.id, agents, days=days or DAYS)
     typer.echo(f"{folder}: an authority and {len(processes)} certificates for {chosen.id}")
 

@@ -1,0 +1,135 @@
+"""All findings of a plant, in the order in which it is brought into service."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator, Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from msgspec.structs import replace
+
+from dray.cli.runtime.ready.agents import agents, bodies, plant_of_gateway
+from dray.cli.runtime.ready.answers import Answers, Client, Ready, ask
+from dray.cli.runtime.ready.certificates import certificates
+from dray.cli.runtime.ready.computer import clocks, disks
+from dray.cli.runtime.ready.database import database
+from dray.cli.runtime.ready.docks import docks
+from dray.cli.runtime.ready.finding import Finding, missing, named, ok, unknown
+from dray.cli.runtime.ready.people import people_and_keys
+from dray.cli.runtime.roster import certified_of
+from dray.errors import UnavailableError
+from dray.messages.keys import strategists_of
+from dray.plant import Plant, sum_up
+from dray.plant.planning.advice import advice
+from dray.settings import Settings
+
+ASKED = (
+    *(
+        "plant of the gateway",
+        "machines",
+        "storages and warehouses",
+        "gate",
+        "vehicles",
+        "strategist",
+    ),
+    *("bodies", "managers", "operators", "API keys", "people on duty"),
+)
+"""What only a gateway tells."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Viewpoint:
+    """From where a plant is looked at.
+
+    Attributes:
+        file: the plant file, as commands name it.
+        settings: of this computer.
+        client: asks the gateway; `url` is where.
+        url: of the gateway, for people.
+        has_token: whether the gateway is told who asks.
+        certificates: the folder where they were made; None for that of the settings.
+        mappings: the folder of the mapping files of controllers; None for none.
+        wall_s: this computer's wall clock.
+        ntp: whether that is synchronised; None where nobody can tell.
+        free_bytes: what is free on the disk of a folder.
+    """
+
+    file: str
+    settings: Settings
+    client: Client
+    url: str
+    has_token: bool
+    certificates: Path | None
+    mappings: Path | None
+    wall_s: Callable[[], float]
+    ntp: Callable[[], bool | None]
+    free_bytes: Callable[[Path], int]
+
+
+async def findings(plant: Plant, here: Viewpoint) -> list[Finding]:
+    """What is there of a plant, and what is missing, with commands for this plant file.
+
+    Raises:
+        SettingsError: the gateway does not know who asks, or whoever asks may not see the whole plant.
+    """
+    return [replace(each, todo=each.todo.replace("FILE", here.file)) async for each in _all(plant, here)]
+
+
+async def _all(plant: Plant, here: Viewpoint) -> AsyncIterator[Finding]:
+    settings = here.settings
+    yield _file(plant)
+    strategists = strategists_of(settings.strategists)
+    wanted = certified_of(plant, strategists, settings.gateway_name)
+    yield certificates(plant.id, wanted, settings, here.certificates, here.wall_s())
+    async for finding in database(settings, here.wall_s()):
+        yield finding
+    for finding in disks(plant, settings, here.free_bytes):
+        yield finding
+    said, answers = _gateway(here)
+    for finding in clocks(answers, here.ntp):
+        yield finding
+    yield docks(plant, here.mappings, answers)
+    yield said
+    if answers is None:
+        for name in ASKED:
+            yield unknown(name, "only the gateway tells")
+        return
+    yield plant_of_gateway(plant, answers)
+    for finding in agents(plant, strategists, answers):
+        yield finding
+    yield bodies(plant, answers)
+    for finding in people_and_keys(plant, answers, here.wall_s()):
+        yield finding
+
+
+def _file(plant: Plant) -> Finding:
+    found = advice(plant)
+    errors = [each for each in found if each.level == "error"]
+    if errors:
+        return missing(
+            "plant file", "; ".join(f"{each.field}: {each.text}" for each in errors), "dray plant check FILE"
+        )
+    warned = f"; warnings: {named(dict.fromkeys(each.kind for each in found))}" if found else ""
+    return ok("plant file", sum_up(plant) + warned, "dray plant check FILE" if found else "")
+
+
+def _gateway(here: Viewpoint) -> tuple[Finding, Answers | None]:
+    start = "dray gateway; --gateway says where it is"
+    try:
+        if not here.has_token:
+            here.client.ask("GET", "/readyz", Ready)
+            seen = f"{here.url} takes orders, and does not tell the rest to whom it does not know"
+            return unknown("gateway", seen, "--token TOKEN or DRAY_ADMIN_TOKEN"), None
+        answers = ask(here.client, here.wall_s)
+    except UnavailableError as error:
+        return missing("gateway", f"{error.what}: {error.reason}", start), None
+    return ok("gateway", f"{here.url} takes orders"), answers
+
+
+def lines(found: list[Finding]) -> Iterator[str]:
+    """The findings for people: what is missing has a line with what to do."""
+    width = max(len(each.name) for each in found)
+    for each in found:
+        yield f"{each.verdict:8} {each.name:{width}}  {each.seen}"
+        if each.todo:
+            yield f"{'':8} {'':{width}}  -> {each.todo}"
