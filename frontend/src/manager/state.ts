@@ -21,7 +21,4 @@ export function taskName(id: string, order: string, called = orderName(order)): 
   return order !== "" && id.startsWith(order) ? called + id.slice(order.length) : id;
 }
 
-/** What people call a place: warehouses and storages have names, machines their ids. */
-export function placeOf(id: string): string {
-  return plant.value?.warehouses.find((each) => each.id === id)?.name ?? id;
-}
+export { placeOf } from "../text/place";

@@ -2,6 +2,7 @@
 import { effect, type ReadonlySignal, type Signal } from "@preact/signals";
 import { fetchPlant } from "../api/client";
 import type { PlantFile } from "../api/types";
+import { callPlacesAs } from "../text/place";
 
 /** Often enough for whoever waits in front of an empty page. */
 const RETRY_MS = 3000;
@@ -13,7 +14,9 @@ export async function loadPlant(
   problemText: (error: unknown) => string,
 ): Promise<void> {
   try {
-    plant.value = await fetchPlant();
+    const loaded = await fetchPlant();
+    callPlacesAs(loaded);
+    plant.value = loaded;
     failed.value = null;
   } catch (error) {
     failed.value = problemText(error);

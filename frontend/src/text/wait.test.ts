@@ -1,9 +1,10 @@
 import { describe, expect, test } from "vitest";
-import type { WaitCauseView } from "../api/types";
+import type { PlantFile, WaitCauseView } from "../api/types";
 import { de } from "./manager/de";
 import { en } from "./manager/en";
 import { es } from "./manager/es";
 import { speak } from "./speech";
+import { callPlacesAs } from "./place";
 import { jamText, waitText } from "./wait";
 
 const cause = (more: Partial<WaitCauseView>): WaitCauseView => ({ kind: "docked", chain: ["ATV3", "ATV7"], more: 0, place: "M8", since_at_s: null, ...more });
@@ -11,6 +12,8 @@ const cause = (more: Partial<WaitCauseView>): WaitCauseView => ({ kind: "docked"
 describe("a wait", () => {
   test("is a sentence down to what holds all of them up", () => {
     expect(waitText(cause({}))).toBe("waits for ATV3, which waits for ATV7 at the dock of M8");
+    callPlacesAs({ warehouses: [{ id: "DELIVERY", name: "Delivery" }] as PlantFile["warehouses"] });
+    expect(waitText(cause({ chain: ["ATV7"], place: "DELIVERY" }))).toBe("waits for ATV7 at the dock of Delivery");
     expect(waitText(cause({ chain: ["ATV7"], place: "" }))).toBe("waits for ATV7 at a dock");
     expect(waitText(cause({ chain: ["ATV7"], place: "CH2", kind: "charging" }))).toBe("waits for ATV7, which is charging at CH2");
     expect(waitText(cause({ chain: ["ATV7"], place: "", kind: "standing" }))).toBe("waits for ATV7, which stands there");

@@ -2,6 +2,7 @@
 import type { WaitCauseView } from "../api/types";
 import { vehicleName } from "./elsewhere";
 import { format, t } from "./index";
+import { placeOf } from "./place";
 
 /** As "waits for ATV3, which waits for ATV7 at the dock of M8". */
 export function waitText(cause: WaitCauseView): string {
@@ -24,6 +25,6 @@ export function jamText(vehicles: readonly string[], cause: WaitCauseView): stri
 /** The one that holds up all others, and what holds it up. */
 function endText(atv: string, { kind, place }: WaitCauseView): string {
   const who = vehicleName(atv);
-  if (place !== "" && (kind === "docked" || kind === "charging" || kind === "standing")) return t(`wait.at.${kind}`, { who, place });
+  if (place !== "" && (kind === "docked" || kind === "charging" || kind === "standing")) return t(`wait.at.${kind}`, { who, place: placeOf(place) });
   return t(`wait.end.${kind}`, { who });
 }

@@ -5,6 +5,7 @@ import { isLow, lastsS } from "../../plant/stock";
 import { nowS, world } from "../../stream/stream";
 import { vehicleName } from "../../text/elsewhere";
 import { format, t, word } from "../../text/operator";
+import { placeOf } from "../../text/place";
 import { shortageText } from "../../text/shortage";
 import { moment, names, plant, station } from "../state";
 import { busy, calls, choice, choose, failed, followCalls, send, withdraw } from "./call";
@@ -117,7 +118,7 @@ function Job({ call, place }: { call: TransportAnswer; place: string }) {
   const step = stepOf(call);
   const brought = call.to === place;
   const what = t(brought ? "calling.jobBring" : "calling.jobTake", {
-    quantity: format.count(call.quantity), what: call.thing ?? names.value(call.item), place: brought ? call.from : call.to,
+    quantity: format.count(call.quantity), what: call.thing ?? names.value(call.item), place: placeOf(brought ? call.from : call.to),
   });
   return (
     <li>

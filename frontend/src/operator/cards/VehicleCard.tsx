@@ -9,6 +9,7 @@ import { selection } from "../../selection/selection";
 import { world } from "../../stream/stream";
 import { format, t, word } from "../../text/operator";
 import { factoryTime } from "../../text/plant-time";
+import { placeOf } from "../../text/place";
 import { waitText } from "../../text/wait";
 import { areaAt, distanceM } from "../area/region";
 import { CommandLine } from "../commands/CommandLine";
@@ -117,5 +118,5 @@ function taskText(atv: AtvView): string {
   if (task.phase === "returning") return t("card.bringing", what);
   const there = task.due_at_s === null ? "" : ` · ${t("card.there", { at: format.due(task.due_at_s, moment.value.nowS) })}`;
   const going = load === "" ? "card.fetching" : "card.going";
-  return t(going, { ...what, destination }) + there;
+  return t(going, { ...what, destination: placeOf(destination) }) + there;
 }

@@ -3,6 +3,7 @@ import { Tag } from "../../parts/Tag";
 import { freshness, world } from "../../stream/stream";
 import { isPast } from "../../stream/freshness";
 import { format, t } from "../../text/operator";
+import { placeOf } from "../../text/place";
 import { CommandLine } from "../commands/CommandLine";
 import { sayLoad } from "../commands/given";
 import { HoldButton } from "../cards/HoldButton";
@@ -30,7 +31,7 @@ function HeldCard({ task }: { task: TaskView }) {
     <li class="vehicle card machine-need need-help" id={`held-${id}`}>
       <div class="vehicle-body">
         <header>
-          <h2>{t("held.title", { place: task.destination })}</h2>
+          <h2>{t("held.title", { place: placeOf(task.destination) })}</h2>
           <Tag tone="warn">{id}</Tag>
         </header>
         <div class="vehicle-now">
@@ -53,5 +54,5 @@ function HeldCard({ task }: { task: TaskView }) {
 
 /** What is to be looked for, and where. */
 export function heldText({ destination: place, item, quantity }: TaskView): string {
-  return t("held.what", { quantity: format.count(quantity), item: names.value(item), place });
+  return t("held.what", { quantity: format.count(quantity), item: names.value(item), place: placeOf(place) });
 }

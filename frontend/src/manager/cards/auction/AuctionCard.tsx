@@ -6,7 +6,7 @@ import { selection } from "../../../selection/selection";
 import { world } from "../../../stream/stream";
 import { causeText } from "../../../text/failure";
 import { format, n, t, word } from "../../../text/manager";
-import { names, taskName } from "../../state";
+import { names, placeOf, taskName } from "../../state";
 import { Term } from "../../story/Term";
 import { addressOfTransport, transportOf } from "../../views";
 import { auctionOf, isWon, shownTask } from "./auction";
@@ -56,7 +56,7 @@ function noneKey() {
 function Title({ task }: { task: TaskView | null }) {
   if (!task) return <>{t("auction.title")}</>;
   const what = t("auction.what", { quantity: format.count(task.quantity), item: names.value(task.item) });
-  const source = task.source || task.sources.join(" / ");
+  const source = task.source ? placeOf(task.source) : task.sources.map(placeOf).join(" / ");
   const called = transportOf(task.id);
   return (
     <>
@@ -64,7 +64,7 @@ function Title({ task }: { task: TaskView | null }) {
       {called === "" ? taskName(task.id, task.order) : <a class="link" href={addressOfTransport(called)}>{task.id}</a>}
       <span class="title-more">
         {what}
-        {task.destination && `, ${t("auction.way", { source, destination: task.destination })}`}
+        {task.destination && `, ${t("auction.way", { source, destination: placeOf(task.destination) })}`}
       </span>
     </>
   );

@@ -1,6 +1,6 @@
 /** What somebody does, in words. */
 import { t, word } from "../../../text/views/replay";
-import { names, plant } from "../../state";
+import { names, placeOf } from "../../state";
 import type { Spell } from "./strips";
 
 export function doingText(spell: Spell): string {
@@ -11,9 +11,5 @@ export function doingText(spell: Spell): string {
   if (item === "" || !["fetches", "carries", "makes"].includes(doing)) return word("doing", doing);
   const load = names.value(item);
   const to = doing === "fetches" ? spell.source : spell.destination;
-  return `${t("doing.load", { doing: word("doing", doing), item: load })}${to === "" ? "" : ` → ${placeName(to)}`}`;
-}
-
-function placeName(id: string): string {
-  return plant.value?.warehouses.find((each) => each.id === id)?.name ?? id;
+  return `${t("doing.load", { doing: word("doing", doing), item: load })}${to === "" ? "" : ` → ${placeOf(to)}`}`;
 }

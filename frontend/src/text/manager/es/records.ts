@@ -24,7 +24,7 @@ export const records: Catalogue<typeof english> = {
   "promises.title": "Promesas",
 
   "kpis.title": "Cifras en el tiempo",
-  "filter.findAll": "Buscar en todo lo que hubo",
+  "filter.findAll": "Buscar en todo",
   "list.failed": "No se pudo leer la lista: {reason}. Se intenta de nuevo.",
   "list.since": "Desde",
   "list.until": "Hasta",
