@@ -375,6 +375,8 @@ class WorkcellState(Part, frozen=True):
     """Whether it is people, whose words (`Word`) it takes."""
     loads: tuple[UnconfirmedLoad, ...] = ()
     """Of people: what vehicles have brought and taken by their own word, and nobody has confirmed yet; the oldest first."""
+    opened: tuple[str, ...] = ()
+    """Vehicles for which its dock is open, or is being opened, where it remembers them over its agent's lives."""
 
 
 # --- a storage: instructions and state; it has a dock as a workcell has -------

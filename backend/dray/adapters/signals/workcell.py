@@ -74,6 +74,8 @@ class Kept(Struct, frozen=True):
     """The product that was wanted last: pieces that nobody has asked for are taken for some of it."""
     doubt: str = ""
     """Why counts may be wrong, until a person says that they were seen to."""
+    opened: tuple[str, ...] = ()
+    """Vehicles for which the dock is open, or is being opened, in their order."""
     booked: dict[str, int] = {}
     """The latest words of vehicles (`dray.body.Book`), each with the number of its change of the stock: an agent that was killed says them again."""
 
@@ -155,8 +157,11 @@ class SignalledWorkcell:
         # A piece that an earlier life has begun is wanted all the same.
         self._put(Signal.PRODUCT, self._kept.cycling)
         self._put(Signal.RUN, bool(self._kept.cycling))
-        self._put(Signal.DOCK_PERMIT, False)
-        self._put(Signal.DOCK_VEHICLE, "")
+        # Whoever is at the dock stays there: its controller must hear nothing else meanwhile.
+        for vehicle in self._kept.opened:
+            self._dock.want(vehicle)
+        self._put(Signal.DOCK_PERMIT, bool(self._dock.vehicle))
+        self._put(Signal.DOCK_VEHICLE, self._dock.vehicle)
         self._judge()
         if self._kept.cycling:
             self._expect(self._kept.cycling)
@@ -182,6 +187,8 @@ class SignalledWorkcell:
                 self._put(Signal.SPEED, speed_frac * self._scale(Signal.SPEED))
             case _:
                 return
+        if self._dock.waiting != self._kept.opened:
+            self._keep()
         self._settle()
 
     def sense(self) -> WorkcellState:
@@ -197,6 +204,7 @@ class SignalledWorkcell:
             resettable=resettable,
             paces=Signal.SPEED in self._tags,
             answers=True,
+            opened=self._dock.waiting,
         )
 
     def attach(self, report: Callable[[Report], None]) -> None:
@@ -467,7 +475,7 @@ class SignalledWorkcell:
         return 1.0 if tag is None else tag.scale
 
     def _keep(self) -> None:
-        self._kept = replace(self._kept, stock=dict(self._stock))
+        self._kept = replace(self._kept, stock=dict(self._stock), opened=self._dock.waiting)
         self._world.remember(self._kept)
 
 

@@ -123,6 +123,7 @@ class MaterialFlow(TransportFlow):
             timers,
             out,
             self.door,
+            self.departures,
             drains=lambda: owner.is_draining,
             changed=self.note_stock,
         )
@@ -143,8 +144,14 @@ class MaterialFlow(TransportFlow):
         self.put_away.restore(memory.put_away, memory.put_away_count, now_s)
         self.restore_tasks(memory.tasks, notes, now_s)
         self.booking_out.restore(memory.let_in)
+        self.departures.restore(memory.leaving)
         for load in memory.let_in:
             self._book.restore(load, (load.vehicle,), now_s)
+
+    def shut_unknown(self, opened: Iterable[str]) -> None:
+        """Shut the dock for vehicles for which an earlier life has opened it, and of which nothing is known any more."""
+        carriers = {task.primary for task in self.tasks}
+        self._issuing.shut_unknown(vehicle for vehicle in opened if vehicle not in carriers)
 
     # --- what the machine asks and tells ---
 

@@ -93,6 +93,7 @@ class Station(AgentBase):
             self._timers,
             self._out,
             self._flow.door,
+            self._flow.departures,
             drains=lambda: self._shutdown.begun,
             changed=self._go_on,
         )
@@ -114,7 +115,8 @@ class Station(AgentBase):
         self._report_handlers = {StockChanged: self._stock_changed, DockReady: self._flow.on_dock_ready}
         self._docks = () if traffic is None else docks_heard(storage, items, plant, self._keys)
         heard = self._flow.subscriptions
-        self._bookkeeping = Bookkeeping(storage, plant, traffic, trusts, heard, self._timers, self._out)
+        gone = self._flow.departures.on_carried_away
+        self._bookkeeping = Bookkeeping(storage, plant, traffic, trusts, heard, self._timers, self._out, gone)
         self._message_handlers = self._bookkeeping.handlers(self._message_handlers)
         self._committers += [*self._bookkeeping.committers, self._flow.called.commits]
         self._alarm_handlers = {
@@ -139,6 +141,7 @@ class Station(AgentBase):
                 self._book.restore(reserved, state.opened, now_s)
             self._flow.restore_tasks(note.tasks, memory, now_s)
             self._flow.booking_out.restore(note.let_in)
+            self._flow.departures.restore(note.leaving)
             self._held_loads.restore(note.answered)
             # Tasks without a carrier have a higher epoch now: no life may use one that an earlier one has used.
             self._commit()
@@ -170,6 +173,7 @@ class Station(AgentBase):
             tasks=tuple(task.memory() for task in self._flow.tasks),
             answered=self._held_loads.answered,
             let_in=self._flow.booking_out.memories(),
+            leaving=self._flow.departures.memories(),
         )
 
     def _was_deaf(self, span_s: float) -> None:

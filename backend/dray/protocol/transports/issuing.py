@@ -11,6 +11,7 @@ from typing import Any
 
 from dray.memory import ReservationMemory
 from dray.messages import Docked, Message, StockAsked, StockFreed, StockReserved, StockShort
+from dray.protocol.contract_net.departures import Departures
 from dray.protocol.contract_net.dock import Door
 from dray.protocol.runtime.events import Effect, Ignore, Send
 from dray.protocol.runtime.timers import Timers
@@ -34,6 +35,7 @@ class Issuing:
         timers: the alarms of its agent; this class uses `LAPSE`.
         out: where effects go.
         door: of its dock.
+        departures: those who are not wanted at it any more.
         drains: whether its agent was asked to leave.
         changed: called with now_s after every change, to see to what follows (`settle`).
 
@@ -48,6 +50,7 @@ class Issuing:
         timers: Timers,
         out: list[Effect],
         door: Door,
+        departures: Departures,
         *,
         drains: Callable[[], bool],
         changed: Callable[[float], None],
@@ -58,7 +61,7 @@ class Issuing:
         self._out = out
         self._drains = drains
         self._changed = changed
-        self._door = door
+        self._door, self._departures = door, departures
         self.message_handlers: Mapping[type[Message], Callable[..., None]] = {
             StockAsked: self._on_asked,
             StockFreed: self._on_freed,
@@ -156,6 +159,7 @@ class Issuing:
             self._door.shut(ask.vehicle)
         ask.vehicle, ask.opened, ask.epoch = vehicle, docked.epoch, max(ask.epoch, docked.epoch)
         self._book.renew(ask, now_s)
+        self._departures.note_done(vehicle, aboard=False)
         self._door.open(vehicle, docked, ask.item, ask.quantity, now_s)
         self._changed(now_s)
 

@@ -35,6 +35,7 @@ from dray.messages.fact import Outcome
 from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.protocol.contract_net.auction_rules import AuctionRules
+from dray.protocol.contract_net.departures import Departures
 from dray.protocol.contract_net.dock import Door, ready_within_s
 from dray.protocol.contract_net.task import OpenTask
 from dray.protocol.contract_net.terms import Place
@@ -94,6 +95,7 @@ class TransportFlow:
         called: what people and programs have asked for.
         door: of its dock, for whoever loads or unloads.
         booking_out: what others have fetched, where the body does not count.
+        departures: vehicles that may still be at its dock though they are not wanted there any more.
         message_handlers: by the type of a message, what to call with (sender, message, now_s).
         alarms: what to call when an alarm of these names has come.
         subscriptions: which heartbeats it hears.
@@ -130,7 +132,7 @@ class TransportFlow:
             lost=self._on_task_lost,
             is_missing=self._lacks,
             source_answers=lambda task, now_s: self.sourcing.answers(task, now_s),  # noqa: PLW0108 - made below
-            left=lambda atv: self._dock.shut(atv),  # noqa: PLW0108 - made below
+            left=lambda task: self._dock.leave(task),  # noqa: PLW0108 - made below
             unloaded=self._settle,
             commit=owner.commit,
             ended=self._on_task_ended,
@@ -149,8 +151,9 @@ class TransportFlow:
         )
         self.held = HeldTransports(plant, self.tasks)
         self.booking_out = BookingOut(self.subscriptions, out)
-        self.door = Door(out, ready_within_s(plant, place))
-        self._dock = Dock(place, self.tasks, stock, self.door, out)
+        self.departures = Departures(plant.node_of(place), self.subscriptions, out, owner.commit)
+        self.door = Door(out, ready_within_s(plant, place), self.departures)
+        self._dock = Dock(place, self.tasks, stock, self.door, self.departures, out)
         self._handovers = Handovers(
             place,
             self.tasks,
@@ -189,6 +192,8 @@ class TransportFlow:
     def take_abilities(self, body: WorkcellState | StorageState) -> None:
         """What the body counts and says by itself."""
         self._handovers.counts, self.door.answers = body.counts, body.answers
+        self._dock.counts = body.counts
+        self.door.restore(body.opened)
 
     def note_let_in(self, load: ReservationMemory | None) -> None:
         """Somebody else's vehicle may load now; None for nobody."""
@@ -300,6 +305,7 @@ class TransportFlow:
         self.tasks.on_heartbeat(heartbeat, now_s)
         self._handovers.on_carrier_heard(heartbeat)
         self.booking_out.on_carrier_heard(heartbeat)
+        self.departures.on_vehicle(heartbeat)
         self._recovery.on_heartbeat(heartbeat, now_s)
         self.called.review(now_s)
 
