@@ -401,6 +401,8 @@ class StorageState(Part, frozen=True):
     """Whether its dock takes time to open; see `WorkcellState`."""
     counts: bool = True
     """Whether it counts what vehicles bring and take; see `WorkcellState`."""
+    uncounted: tuple[str, ...] = ()
+    """Materials of which nobody knows how many pieces lie there, until somebody has counted: `stock` says what has come since, at least."""
 
 
 StorageInstruction = OpenDock | CloseDock | Book | Refill

@@ -14,7 +14,7 @@ from plc import PATIENCE_S, Plc, mapping
 from signals_rig import PLANT, HandClock
 
 from dray.adapters.signals.signal import LEVEL, Edge, Quality, Sample, Signal, SignalMapping, Tag, Value
-from dray.adapters.signals.store import SETTLES_S, KeptStore, SignalledStore
+from dray.adapters.signals.store import DAMAGED_STORE, SETTLES_S, KeptStore, SignalledStore
 from dray.body import Book, CloseDock, DockReady, OpenDock, Refill, Report, StockChanged
 
 SPEC = PLANT.storages["S1"]
@@ -106,6 +106,33 @@ def test_a_life_that_begins_anew_knows_who_is_at_the_dock_and_books_nothing_twic
     rig.body.instruct(out())
     assert rig.heard() == [StockChanged(item=ITEM, change=-40, seq=1, vehicle="ATV1")]
     assert (rig.stock, rig.body.sense().opened) == (60, ())
+
+
+def test_a_damaged_memory_is_no_empty_storage_and_what_levels_tell_is_counted() -> None:
+    rig = StoreRig(**{ITEM: Tag("level")})
+    rig.kept = DAMAGED_STORE
+    rig.begin()
+    assert set(rig.body.sense().uncounted) == ITEMS
+    rig.begin()  # Killed before anything was remembered, and again after a word of a vehicle.
+    rig.body.instruct(out())
+    rig.begin()
+    assert set(rig.body.sense().uncounted) == ITEMS
+    rig.heard()
+    rig.level(70)
+    rig.clock.pass_s(SETTLES_S)
+    assert rig.heard() == [StockChanged(item=ITEM, change=70, seq=2, counted=True)]
+    assert set(rig.body.sense().uncounted) == ITEMS - {ITEM}
+    rig.begin()
+    assert (rig.stock, set(rig.body.sense().uncounted)) == (70, ITEMS - {ITEM})
+
+
+def test_a_level_of_nothing_counts_as_well() -> None:
+    rig = StoreRig(**{ITEM: Tag("level")})
+    rig.kept = DAMAGED_STORE
+    rig.begin()
+    rig.level(0)
+    rig.clock.pass_s(SETTLES_S)
+    assert (rig.stock, ITEM in rig.body.sense().uncounted) == (0, False)
 
 
 def test_what_people_bring_is_told_once_the_level_has_rested() -> None:

@@ -37,9 +37,13 @@ class KeptStore(Struct, frozen=True):
     opened: tuple[str, ...] = ()
     booked: dict[str, int] = {}
     """The latest words of vehicles, each with the number of its change of the stock."""
+    uncounted: tuple[str, ...] = ()
+    """Materials of which nobody knows how many pieces lie there; `stock` has what has come since."""
+    damaged: bool = False
+    """All that was known is lost."""
 
 
-DAMAGED_STORE = KeptStore({})
+DAMAGED_STORE = KeptStore({}, damaged=True)
 """What is known where a life has left something that cannot be read."""
 
 
@@ -80,6 +84,8 @@ class SignalledStore:
         self._tags, self._levels, self._clock, self._world = mapping.signals, mapping.levels, clock, world
         self._kept = kept or KeptStore(mapping.stock)
         self._stock = {line.material: 0 for line in spec.stocks} | self._kept.stock
+        if self._kept.damaged:
+            self._kept = replace(self._kept, damaged=False, uncounted=tuple(self._stock))
         self._told: dict[str, int] = {}
         """By material, the level that its controller has told last; none of those of which it tells nothing good."""
         self._turn = 0
@@ -121,6 +127,7 @@ class SignalledStore:
             opened=self._dock.waiting,
             answers=True,
             counts=False,
+            uncounted=self._kept.uncounted,
         )
 
     def attach(self, report: Callable[[Report], None]) -> None:
@@ -202,10 +209,14 @@ class SignalledStore:
             self._wait()  # Whoever stands there says itself what it brings or takes.
             return
         for item, level in self._told.items():
-            if change := level - self._stock.get(item, 0):
-                self._move(item, change)
-                self._keep()
-                self._report(StockChanged(item=item, change=change, seq=self._kept.seq))
+            change, counted = level - self._stock.get(item, 0), item in self._kept.uncounted
+            if not change and not counted:
+                continue
+            self._move(item, change)
+            left = tuple(each for each in self._kept.uncounted if each != item)
+            self._kept = replace(self._kept, uncounted=left)
+            self._keep()
+            self._report(StockChanged(item=item, change=change, seq=self._kept.seq, counted=counted))
 
     # --- what follows ---
 

@@ -73,6 +73,8 @@ class Station(AgentBase):
         spec = plant.stores[storage]
         items = tuple(kept.material for kept in spec.stocks)
         self._book = Reservations({kept.material: kept.capacity for kept in spec.stocks})
+        self._uncounted: tuple[str, ...] = ()
+        """Materials of which its body does not know how many pieces lie there."""
         self._told: tuple[StockLevel, ...] = ()
         self._written: tuple[ReservationMemory, ...] = ()
         self._flow = TransportFlow(
@@ -133,6 +135,7 @@ class Station(AgentBase):
     def _start(self, body: BodyState | None, memory: Memory, now_s: float) -> None:
         state = self._storage(body)
         self._book.take_count(state.stock, state.seq)
+        self._uncounted = state.uncounted
         self._flow.take_abilities(state)
         note = memory.get(WHOLE)
         if isinstance(note, StationMemory):
@@ -159,7 +162,8 @@ class Station(AgentBase):
 
     def _sense(self, body: BodyState | None, now_s: float) -> None:
         state = self._storage(body)
-        if self._book.sense(state.stock, state.seq):
+        was, self._uncounted = self._uncounted, state.uncounted
+        if self._book.sense(state.stock, state.seq) or was != state.uncounted:
             self._go_on(now_s)
 
     def _storage(self, body: BodyState | None) -> StorageState:
@@ -261,12 +265,17 @@ class Station(AgentBase):
         if not self._shutdown.begun:
             self._flow.called.pursue(now_s)
             if not self._flow.hears_out:
-                self._refilling.pursue(now_s)
+                self._refilling.pursue(now_s, self._uncounted)
         self._flow.called.review(now_s)
         if self._fills_itself:
             self._out.extend(Instruct(Refill(item=item)) for item in self._book.short_items)
         levels = tuple(
-            replace(level, on_order=self._flow.inbound(level.item)) for level in self._book.levels()
+            replace(
+                level,
+                on_order=self._flow.inbound(level.item),
+                uncounted=level.item in self._uncounted,
+            )
+            for level in self._book.levels()
         )
         if levels != self._told:
             self._told = levels
