@@ -124,6 +124,7 @@ class MaterialFlow(TransportFlow):
             out,
             self.door,
             self.departures,
+            self.booking_out,
             drains=lambda: owner.is_draining,
             changed=self.note_stock,
         )
@@ -244,7 +245,7 @@ class MaterialFlow(TransportFlow):
             # Another place's transport: what it fetches here is taken away.
             self._book.assume(self._to_give)
             self._issuing.on_docked(sender, message, now_s)
-            self.note_let_in(self._issuing.opened_for(message.task))
+            self.note_let_in(self._issuing.opened_for(message.task), now_s)
         else:
             super()._on_docked(sender, message, now_s)
 

@@ -96,6 +96,7 @@ class Station(AgentBase):
             self._out,
             self._flow.door,
             self._flow.departures,
+            self._flow.booking_out,
             drains=lambda: self._shutdown.begun,
             changed=self._go_on,
         )
@@ -236,7 +237,7 @@ class Station(AgentBase):
             self._out.append(Ignore("asked for the dock of another storage"))
         elif docked.item and docked.station == self.id and not self._flow.knows(docked.task):
             self._issuing.on_docked(sender, docked, now_s)
-            self._flow.note_let_in(self._issuing.opened_for(docked.task))
+            self._flow.note_let_in(self._issuing.opened_for(docked.task), now_s)
         else:
             self._flow.message_handlers[Docked](sender, docked, now_s)
 

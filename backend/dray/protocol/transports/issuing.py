@@ -15,6 +15,7 @@ from dray.protocol.contract_net.departures import Departures
 from dray.protocol.contract_net.dock import Door
 from dray.protocol.runtime.events import Effect, Ignore, Send
 from dray.protocol.runtime.timers import Timers
+from dray.protocol.transports.booking_out import BookingOut
 from dray.protocol.transports.reservations import Ask, Reservations
 
 LAPSE = "lapse"
@@ -36,6 +37,7 @@ class Issuing:
         out: where effects go.
         door: of its dock.
         departures: those who are not wanted at it any more.
+        booking_out: those who were let in to load, where the body does not count.
         drains: whether its agent was asked to leave.
         changed: called with now_s after every change, to see to what follows (`settle`).
 
@@ -51,6 +53,7 @@ class Issuing:
         out: list[Effect],
         door: Door,
         departures: Departures,
+        booking_out: BookingOut,
         *,
         drains: Callable[[], bool],
         changed: Callable[[float], None],
@@ -61,7 +64,7 @@ class Issuing:
         self._out = out
         self._drains = drains
         self._changed = changed
-        self._door, self._departures = door, departures
+        self._door, self._departures, self._booking_out = door, departures, booking_out
         self.message_handlers: Mapping[type[Message], Callable[..., None]] = {
             StockAsked: self._on_asked,
             StockFreed: self._on_freed,
@@ -96,6 +99,8 @@ class Issuing:
         return TOO_MANY if self._book.has_too_many(sender) else ""
 
     def _on_freed(self, sender: str, freed: StockFreed, now_s: float) -> None:
+        if self._booking_out.on_freed(sender, freed):
+            return  # The body says that it is gone.
         ask = self._book.get(freed.task)
         if ask is None or ask.coordinator != sender:
             self._out.append(Ignore("gave back what it does not have"))

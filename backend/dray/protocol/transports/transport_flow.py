@@ -145,12 +145,13 @@ class TransportFlow:
             out,
             announce=self._announce_sourced,
             task_of=self.tasks.get,
+            may_be_fetched=self._may_be_fetched,
             starve=self.withdraw,
             changed=owner.beat_soon,
             resized=self._resize,
         )
         self.held = HeldTransports(plant, self.tasks)
-        self.booking_out = BookingOut(self.subscriptions, out)
+        self.booking_out = BookingOut(self.subscriptions, out, owner.commit)
         self.departures = Departures(plant.node_of(place), self.subscriptions, out, owner.commit)
         self.door = Door(out, ready_within_s(plant, place), self.departures)
         self._dock = Dock(place, self.tasks, stock, self.door, self.departures, out)
@@ -195,11 +196,10 @@ class TransportFlow:
         self._dock.counts = body.counts
         self.door.restore(body.opened)
 
-    def note_let_in(self, load: ReservationMemory | None) -> None:
+    def note_let_in(self, load: ReservationMemory | None, now_s: float) -> None:
         """Somebody else's vehicle may load now; None for nobody."""
         if load is not None and not self._handovers.counts:
-            self.booking_out.let_in(load)
-            self._owner.commit()
+            self.booking_out.let_in(load, now_s)
 
     def restore_tasks(self, memories: Iterable[TaskMemory], memory: Memory, now_s: float) -> None:
         """Go on with the transports of an earlier life, and with those that people have asked for."""
@@ -233,6 +233,10 @@ class TransportFlow:
     def knows(self, task: str) -> bool:
         """Whether a task is, or was, one of this place's."""
         return not (self.tasks.get(task) is None and self.tasks.closed(task) is None)
+
+    def _may_be_fetched(self, task: str, epoch: int) -> bool:
+        closed = self.tasks.closed(task)
+        return closed is None or (closed.epoch == epoch and closed.outcome == "delivered")
 
     def seek(self, task: str, work: Transport, deadline_s: float, now_s: float) -> None:
         """Have a load set aside where it is to be fetched, and then fetched."""
@@ -304,7 +308,7 @@ class TransportFlow:
     def _on_vehicle(self, _sender: str, heartbeat: AtvHeartbeat, now_s: float) -> None:
         self.tasks.on_heartbeat(heartbeat, now_s)
         self._handovers.on_carrier_heard(heartbeat)
-        self.booking_out.on_carrier_heard(heartbeat)
+        self.booking_out.on_carrier_heard(heartbeat, now_s)
         self.departures.on_vehicle(heartbeat)
         self._recovery.on_heartbeat(heartbeat, now_s)
         self.called.review(now_s)
