@@ -1,8 +1,8 @@
 """The station of a storage or a source warehouse: tells what lies there and what is promised, and opens its dock for who may fetch it.
 
 Whoever coordinates transports asks it to set material aside before anybody is hired (`transports.issuing`); what is promised
-is written down before it is said. Like a machine it has a dock: a vehicle asks before it loads. What is brought back is
-put down without a question, for whoever brings it has nowhere else to go. What people want brought here it coordinates itself,
+is written down before it is said. Like a machine it has a dock: a vehicle asks before it loads. Whoever brings something back
+asks as well, and is let in, for it has nowhere else to go. What people want brought here it coordinates itself,
 with the same code as a machine (`transports.transport_flow`).
 
 Where vehicles refill the storage the station orders what runs low (`refilling`). Else how material comes there is its body's concern, and
@@ -233,7 +233,9 @@ class Station(AgentBase):
 
     def _on_docked(self, sender: str, docked: Docked, now_s: float) -> None:
         """A vehicle stands here and asks to unload what was brought here, or to load for another place."""
-        if docked.station != self.id and not self._flow.knows(docked.task):
+        if docked.returns and docked.station == self.id:
+            self._flow.take_back(sender, docked, now_s)
+        elif docked.station != self.id and not self._flow.knows(docked.task):
             self._out.append(Ignore("asked for the dock of another storage"))
         elif docked.item and docked.station == self.id and not self._flow.knows(docked.task):
             self._issuing.on_docked(sender, docked, now_s)

@@ -11,7 +11,7 @@ from collections.abc import Callable, Collection, Iterable, Mapping
 from typing import Any, Protocol, cast
 
 from dray.body import DockReady, StockChanged, StorageState, WorkcellState
-from dray.memory import Memory, ReservationMemory, TaskMemory
+from dray.memory import DepartureMemory, Memory, ReservationMemory, TaskMemory
 from dray.messages import (
     Accepted,
     AtvHeartbeat,
@@ -200,6 +200,15 @@ class TransportFlow:
         """Somebody else's vehicle may load now; None for nobody."""
         if load is not None and not self._handovers.counts:
             self.booking_out.let_in(load, now_s)
+
+    def take_back(self, vehicle: str, docked: Docked, now_s: float) -> None:
+        """A vehicle stands here with a load that nobody waits for any more; a body that counts takes it without a question."""
+        if self._handovers.counts:
+            self.door.agree(vehicle, docked)
+            return
+        load = DepartureMemory(vehicle, docked.task, docked.epoch, docked.item, docked.quantity)
+        self.departures.watch(load)
+        self.door.open(vehicle, docked, docked.item, docked.quantity, now_s)
 
     def restore_tasks(self, memories: Iterable[TaskMemory], memory: Memory, now_s: float) -> None:
         """Go on with the transports of an earlier life, and with those that people have asked for."""
