@@ -19,6 +19,7 @@ from msgspec.structs import replace
 
 from dray.adapters.signals.dock import DockHandshake, DockState
 from dray.adapters.signals.signal import LEVEL, Quality, Sample, Signal, SignalMapping, Value
+from dray.adapters.vehicles_words import name_of, with_word
 from dray.body import Book, CloseDock, DockReady, Instruction, OpenDock, Report, StockChanged, StorageState
 from dray.messages import THING
 from dray.messages.base import COUNT_MAX
@@ -30,9 +31,6 @@ RESTS_S = 10.0
 
 BAND_PIECES = 2
 """From the lowest to the highest level of one that rests: a scale between two numbers tells both, and one that shakes a piece more and less."""
-
-BOOKED_KEPT = 256
-"""Words of vehicles that are remembered: many times the transports that are under way there."""
 
 
 class KeptStore(Struct, frozen=True):
@@ -191,13 +189,12 @@ class SignalledStore:
 
     def _book(self, book: Book) -> None:
         """A vehicle has brought something, or taken it; said again, it is in the stock already."""
-        about = f"{book.task} {book.epoch} {'in' if book.change > 0 else 'out'} {book.item}"
-        if about not in self._kept.booked:
+        if name_of(book) not in self._kept.booked:
             self._move(book.item, book.change)
-            booked = {**self._kept.booked, about: self._kept.seq}
-            self._kept = replace(self._kept, booked=dict(list(booked.items())[-BOOKED_KEPT:]))
+            booked = with_word(self._kept.booked, book, self._kept.seq)
+            self._kept = replace(self._kept, booked=booked)
             self._keep()
-        seq = self._kept.booked[about]
+        seq = self._kept.booked[name_of(book)]
         self._report(StockChanged(item=book.item, change=book.change, seq=seq, vehicle=book.vehicle))
         self._watch_all()
 

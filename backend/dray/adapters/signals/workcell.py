@@ -19,6 +19,7 @@ from msgspec.structs import replace
 from dray.adapters.signals.counting import CounterState, Reading, count, count_pulse
 from dray.adapters.signals.dock import DockHandshake, DockState
 from dray.adapters.signals.signal import Quality, Sample, Signal, SignalMapping, Tag, Value
+from dray.adapters.vehicles_words import name_of, with_word
 from dray.body import (
     Book,
     Broken,
@@ -44,9 +45,6 @@ from dray.ports import Clock
 
 LATE_CYCLES, LATE_MIN_S = 5.0, 60.0
 """A piece is missed after so many times what it takes, and not earlier than that."""
-
-BOOKED_KEPT = 256
-"""Words of vehicles that are remembered: many times the transports that one machine has open."""
 
 STANDS = {
     "notavailable": "not available",
@@ -377,16 +375,15 @@ class SignalledWorkcell:
     def _move(self, book: Book) -> None:
         """A vehicle has brought something, or taken it; said again, it is in the stock already."""
         item, change = book.item, book.change
-        about = f"{book.task} {book.epoch} {'in' if change > 0 else 'out'} {item}"
-        booked = dict(self._kept.booked)
-        if about not in booked:
+        if name_of(book) not in self._kept.booked:
             if item != THING:
                 self._stock[item] = min(max(self._stock.get(item, 0) + change, 0), COUNT_MAX)
-            booked[about] = self._kept.seq + 1
-            latest = dict(list(booked.items())[-BOOKED_KEPT:])
-            self._kept = replace(self._kept, seq=self._kept.seq + 1, booked=latest)
+            seq = self._kept.seq + 1
+            booked = with_word(self._kept.booked, book, seq)
+            self._kept = replace(self._kept, seq=seq, booked=booked)
             self._keep()
-        self._report(StockChanged(item=item, change=change, seq=booked[about], vehicle=book.vehicle))
+        seq = self._kept.booked[name_of(book)]
+        self._report(StockChanged(item=item, change=change, seq=seq, vehicle=book.vehicle))
 
     def _reset(self) -> None:
         """A person says that what was wrong was seen to."""
