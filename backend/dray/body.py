@@ -375,6 +375,8 @@ class WorkcellState(Part, frozen=True):
     """Whether it is people, whose words (`Word`) it takes."""
     loads: tuple[UnconfirmedLoad, ...] = ()
     """Of people: what vehicles have brought and taken by their own word, and nobody has confirmed yet; the oldest first."""
+    opened: tuple[str, ...] = ()
+    """Vehicles for which its dock is open, or is being opened, where it remembers them over its agent's lives."""
 
 
 # --- a storage: instructions and state; it has a dock as a workcell has -------
@@ -399,6 +401,8 @@ class StorageState(Part, frozen=True):
     """Whether its dock takes time to open; see `WorkcellState`."""
     counts: bool = True
     """Whether it counts what vehicles bring and take; see `WorkcellState`."""
+    uncounted: tuple[str, ...] = ()
+    """Materials of which nobody knows how many pieces lie there, until somebody has counted: `stock` says what has come since, at least."""
 
 
 StorageInstruction = OpenDock | CloseDock | Book | Refill

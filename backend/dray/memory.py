@@ -113,6 +113,8 @@ class MachineMemory(Part, tag_field="kind", tag="machine", frozen=True):
     """Names of those go on from here."""
     let_in: tuple[ReservationMemory, ...] = ()
     """Loads that others' vehicles may have taken, where the body does not count."""
+    leaving: tuple[DepartureMemory, ...] = ()
+    """Vehicles that may still be at its dock though they are not wanted there any more."""
 
 
 class ProductMemory(Part, frozen=True):
@@ -193,6 +195,18 @@ class StationMemory(Part, tag_field="kind", tag="station", frozen=True):
     """People's words that it would obey if they came again."""
     let_in: tuple[ReservationMemory, ...] = ()
     """As a machine's."""
+    leaving: tuple[DepartureMemory, ...] = ()
+    """As a machine's."""
+
+
+class DepartureMemory(Part, frozen=True):
+    """A vehicle that may be at a dock, and what it may have put down (`change` above 0) or taken there; 0 where nobody knows."""
+
+    vehicle: str
+    task: str = ""
+    epoch: int = 0
+    item: str = ""
+    change: int = 0
 
 
 class ReservationMemory(Part, frozen=True):

@@ -9,7 +9,7 @@ from typing import Protocol, TypeVar
 
 import msgspec
 
-from dray.adapters.commissioning_step import Step
+from dray.adapters.commissioning_step import Step, Steps
 from dray.adapters.signals.signal import LinkListener, Signal, SignalMapping, is_told
 from dray.adapters.signals.workcell import Kept, SignalledWorkcell
 from dray.body import CloseDock, CycleDone, CycleFailed, DockReady, OpenDock, Report, StartCycle
@@ -59,6 +59,14 @@ class Wanted:
         return msgspec.structs.replace(mapping, signals=told)
 
 
+class At(Protocol):
+    """The machine that is commissioned."""
+
+    spec: MachineSpec
+    plant: Plant
+    clock: Clock
+
+
 class Link(Protocol):
     """To its controller."""
 
@@ -67,6 +75,26 @@ class Link(Protocol):
 
     async def run(self, listener: LinkListener) -> None:
         """Be linked until cancelled."""
+
+
+async def after(
+    steps: Steps, wanted: Wanted, mapping: M, link_by: Callable[[M], Link], machine: At
+) -> AsyncIterator[Step]:
+    """The end of every commissioning: the steps in which the machine works, unless one before them has failed.
+
+    Args:
+        steps: those before; these are noted there, too.
+        wanted: how far to go.
+        mapping: its signals.
+        link_by: makes a link to its controller for those signals that are needed.
+        machine: which.
+    """
+    if not steps.passed:
+        return
+    needed = wanted.of(mapping)
+    acts = Acts(machine.spec, machine.plant, needed, machine.clock, wanted, link_by(needed))
+    async for step in acts.run():
+        yield steps.note(step)
 
 
 @dataclass

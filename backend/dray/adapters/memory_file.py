@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 from pathlib import Path
 from typing import Generic, TypeVar
 
@@ -43,8 +44,8 @@ class MemoryFile(Generic[Kept]):
             raise self._unavailable(error) from None
         except (msgspec.DecodeError, UnicodeDecodeError) as error:
             aside = self._path.with_suffix(".damaged")
-            self._path.replace(aside)
-            self.lost = f"{self._path} is damaged ({error}), and was moved to {aside.name}"
+            self._keep_aside(aside)
+            self.lost = f"{self._path} is damaged ({error}), and is kept as {aside.name}"
             return self._damaged
 
     def write(self, memory: Kept) -> None:
@@ -63,6 +64,14 @@ class MemoryFile(Generic[Kept]):
             draft.replace(self._path)
         except OSError as error:
             raise self._unavailable(error) from None
+
+    def _keep_aside(self, aside: Path) -> None:
+        """Whoever is killed before the next `write` finds that it was damaged: a file that is gone would be a first life's."""
+        try:
+            shutil.copyfile(self._path, aside)
+        except OSError as error:
+            raise self._unavailable(error) from None
+        self.write(self._damaged)
 
     def _unavailable(self, error: OSError) -> UnavailableError:
         reason = error.strerror or str(error)

@@ -312,6 +312,8 @@ class Docked(Message, frozen=True):
     item: IdOrNone = ""
     """What is to be loaded or unloaded: told to a storage, which may have forgotten whom it was promised to."""
     quantity: Count = 0
+    returns: bool = False
+    """It brings a load that nobody waits for any more back to a storage."""
 
 
 class DockOpened(Message, frozen=True):

@@ -356,6 +356,8 @@ class StockLevel(Part, frozen=True, omit_defaults=True):
     """Pieces that are asked for and cannot be promised yet."""
     on_order: Count = 0
     """Pieces that are on their way here, or are to be."""
+    uncounted: bool = False
+    """Nobody knows how many lie there, until somebody has counted: at least `level`."""
 
 
 class StationHeartbeat(Message, frozen=True, omit_defaults=True):

@@ -45,7 +45,9 @@ class StockShort(Message, frozen=True):
     """Pieces that lie there and are promised to nobody."""
 
 
-class StockFreed(Message, frozen=True):
+class StockFreed(Message, frozen=True, omit_defaults=True):
     """The coordinator does not count on pieces for this task any more."""
 
     task: Id
+    fetched: bool = False
+    """They were fetched in the epoch of the `StockReserved` that is answered, or may have been, as far as the coordinator remembers."""

@@ -110,6 +110,12 @@ describe("an alert says", () => {
     expect(whatText(dock, 100, 1).replaceAll("\u202f", " ")).toBe("Its dock has not got ready for ATV2 for 70 s");
   });
 
+  test("that nobody knows what lies in a storage, and that it is to be counted", () => {
+    const unknown = alert({ kind: "stock_unknown", agent: "S3", response: "count_stock" });
+    expect(whatText(unknown, 100, 1)).toContain("not known any more");
+    expect(asksText(unknown)).toContain("Count what lies there");
+  });
+
   test("how long help is waited for, in factory time", () => {
     expect(said({ kind: "atv_help", until_at_s: 142 })).toBe("Needs help within 42 s");
     expect(said({ kind: "atv_help", until_at_s: 110 }, 3)).toBe("Needs help within 30 s of factory time");

@@ -20,6 +20,7 @@ from asyncua.server.server import Server
 
 from dray.adapters.signals.signal import Signal, Value, is_told
 from dray.errors import UnavailableError
+from dray_sim.controllers.opcua_nodes import Types, add_controller, shown
 
 NAMESPACE = "urn:dray:simulated-machines"
 SPACE = 2
@@ -28,7 +29,7 @@ SPACE = 2
 START_S, STOP_S = 60.0, 20.0
 """Longest waits for the server: it reads the standard's 1,500 nodes first."""
 
-NODES = {
+NODES: Types = {
     Signal.PIECES: (0, ua.VariantType.UInt16),
     Signal.BAD: (0, ua.VariantType.UInt16),
     Signal.FAULT: (False, ua.VariantType.Boolean),
@@ -140,12 +141,7 @@ class ControllerServer:
         assert space == SPACE, space  # noqa: S101 - of a server that was made here
         written = []
         for machine in self._machines:
-            place = await server.nodes.objects.add_object(
-                ua.NodeId.from_string(f"ns={space};s={machine}"), ua.QualifiedName(machine, space)
-            )
-            for signal, (value, kind) in NODES.items():
-                name = ua.NodeId.from_string(node_id(machine, signal))
-                node = await place.add_variable(name, ua.QualifiedName(signal.value, space), value, kind)
+            for signal, node in (await add_controller(server, space, machine, NODES)).items():
                 self._nodes[machine, signal] = node
                 if not is_told(signal):
                     await node.set_writable()
@@ -189,4 +185,4 @@ class ControllerServer:
             while self._unshown:
                 name = next(iter(self._unshown))
                 value = self._unshown.pop(name)
-                await self._nodes[name].write_value(ua.DataValue(ua.Variant(value, NODES[name[1]][1])))
+                await self._nodes[name].write_value(shown(name[1], value, NODES))

@@ -11,6 +11,7 @@ from asyncua.crypto.permission_rules import SimpleRoleRuleset, User, UserRole
 from asyncua.server.user_managers import UserManager
 
 from dray.adapters.signals.signal import Signal, Value
+from dray_sim.controllers.opcua_nodes import add_controller, shown
 
 NAMESPACE = "http://example.org/press"
 
@@ -82,19 +83,10 @@ class Plc:
         else:
             server.set_security_policy([ua.SecurityPolicyType.NoSecurity])
         space = await server.register_namespace(NAMESPACE)
-        press = await server.nodes.objects.add_object(
-            ua.NodeId("Press", space), ua.QualifiedName("Press", space)
-        )
-        for signal, (value, kind) in TYPES.items():
-            name = signal.value
-            node = await press.add_variable(
-                ua.NodeId(f"Press.{name}", space),
-                ua.QualifiedName(name, space),
-                self._shows.get(signal, value),
-                kind,
-            )
+        begins = {signal: (self._shows.get(signal, value), kind) for signal, (value, kind) in TYPES.items()}
+        self.nodes = await add_controller(server, space, "Press", begins)
+        for node in self.nodes.values():
             await node.set_writable()
-            self.nodes[signal] = node
         await server.start()
         if not self._port:
             self._port = server.bserver.port
@@ -113,8 +105,7 @@ class Plc:
 
     async def put(self, signal: Signal, value: Value, status: int = ua.StatusCodes.Good) -> None:
         """Show a value."""
-        variant = ua.Variant(value, TYPES[signal][1])
-        await self.nodes[signal].write_value(ua.DataValue(variant, ua.StatusCode(status)))
+        await self.nodes[signal].write_value(shown(signal, value, TYPES, ua.StatusCode(status)))
 
     async def read(self, signal: Signal) -> Value:
         """What it was told, or shows."""

@@ -153,6 +153,12 @@ class MqttRig:
             running.cancel()
             await asyncio.gather(running, return_exceptions=True)
 
+    async def begins_at(self, good: int) -> None:
+        """Its controller is linked, and its counter was seen once."""
+        await self.until(self.link.linked.is_set)
+        await self.say("press/counts", counts(good))
+        await self.until(lambda: self.kept is not None and self.kept.pieces is not None)
+
     async def say(self, topic: str, data: bytes, *, retain: bool = False) -> None:
         """The machine says something."""
         async with aiomqtt.Client(self.broker.host, self.broker.port, identifier="press") as client:
@@ -195,9 +201,7 @@ def test_pieces_a_dock_and_words_from_end_to_end_and_what_is_said_twice_counts_o
     async def story(broker: BrokerAddress) -> None:
         rig = MqttRig(broker)
         async with rig.life():
-            await rig.until(rig.link.linked.is_set)
-            await rig.say("press/counts", counts(7))
-            await rig.until(lambda: rig.kept is not None and rig.kept.pieces is not None)
+            await rig.begins_at(7)
             rig.body.instruct(StartCycle(product=PRODUCT))
             await rig.hears("press/do", lambda said: said["run"] is True)  # type: ignore[index]
             rig.clock.pass_s(100.0)
@@ -227,9 +231,7 @@ def test_what_is_no_value_is_a_problem_until_there_is_one(data: bytes, why: str)
     async def story(broker: BrokerAddress) -> None:
         rig = MqttRig(broker)
         async with rig.life():
-            await rig.until(rig.link.linked.is_set)
-            await rig.say("press/counts", counts(7))
-            await rig.until(lambda: rig.kept is not None and rig.kept.pieces is not None)
+            await rig.begins_at(7)
             await rig.say("press/counts", data)
             await rig.until(lambda: why in rig.broken)
             rig.clock.pass_s(100.0)
@@ -243,9 +245,7 @@ def test_what_the_broker_has_kept_counts_nothing_and_lets_nobody_in_but_a_fault_
     async def story(broker: BrokerAddress) -> None:
         rig = MqttRig(broker)
         async with rig.life():
-            await rig.until(rig.link.linked.is_set)
-            await rig.say("press/counts", counts(100))
-            await rig.until(lambda: rig.kept is not None and rig.kept.pieces is not None)
+            await rig.begins_at(100)
         rig.clock.pass_s(3_600.0)
         await rig.say("press/counts", counts(95), retain=True)
         await rig.say("press/dock", b'{"safe": true}', retain=True)
@@ -265,9 +265,7 @@ def test_a_counter_that_was_reset_while_it_was_heard_counts_on() -> None:
     async def story(broker: BrokerAddress) -> None:
         rig = MqttRig(broker)
         async with rig.life():
-            await rig.until(rig.link.linked.is_set)
-            await rig.say("press/counts", counts(500))
-            await rig.until(lambda: rig.kept is not None and rig.kept.pieces is not None)
+            await rig.begins_at(500)
             rig.clock.pass_s(100.0)
             await rig.say("press/counts", counts(1))
             await rig.until(lambda: rig.counted() == 1)
@@ -284,9 +282,7 @@ def test_a_broker_that_goes_and_comes_back_is_a_problem_meanwhile_and_no_piece_i
             port, rig = first.port, MqttRig(first)
             living = rig.life()
             await living.__aenter__()
-            await rig.until(rig.link.linked.is_set)
-            await rig.say("press/counts", counts(7))
-            await rig.until(lambda: rig.kept is not None and rig.kept.pieces is not None)
+            await rig.begins_at(7)
         await rig.until(lambda: "is not heard" in rig.broken)
         rig.clock.pass_s(600.0)
         second = Broker(port=port, listen="127.0.0.1").start()
@@ -383,7 +379,7 @@ def test_a_check_shows_each_signal_and_lets_it_make_a_piece_and_open_its_dock() 
         assert steps["pieces"].text == "press/counts count.good, shows 7"
         assert steps["cycle"].text.startswith(f"one {PRODUCT} after")
         assert "ready after" in steps["dock"].text
-        assert done.passed
+        assert done.steps.passed
         assert "press/counts count.good" in done.report()
 
     play(story)

@@ -57,7 +57,7 @@ def test_a_machine_that_works_makes_a_piece_and_opens_its_dock(tmp_path: Path) -
         assert "UInt16, shows 0" in steps["pieces"][1]
         assert steps["cycle"][1].startswith(f"one {PRODUCT} after")
         assert "ready after" in steps["dock"][1]
-        assert done.passed
+        assert done.steps.passed
         # What it has, and the mapping lacks.
         assert '  bad: {node: "ns=2;s=Press.bad"}' in done.report()
 
@@ -73,7 +73,7 @@ def test_what_is_only_looked_at_is_told_nothing(tmp_path: Path) -> None:
                 await plc.put(signal, True)
             done = commissioning(plc.url, tmp_path, Wanted())
             steps = await seen(done)
-            assert done.passed, steps
+            assert done.steps.passed, steps
             assert steps["machine"][0]
             assert await plc.read(Signal.RUN) is True
             assert await plc.read(Signal.DOCK_PERMIT) is True
@@ -99,7 +99,7 @@ def test_what_is_wrong_is_named_signal_by_signal_and_nothing_moves(tmp_path: Pat
         assert "it is a pulse: say `edge: rising` or `falling`" in steps["bad"][1]
         assert "may not be written" in steps["run"][1]
         assert "cycle" not in steps
-        assert not done.passed
+        assert not done.steps.passed
 
     asyncio.run(story())
 

@@ -14,7 +14,7 @@ from plc import PATIENCE_S, Plc, mapping
 from signals_rig import PLANT, HandClock
 
 from dray.adapters.signals.signal import LEVEL, Edge, Quality, Sample, Signal, SignalMapping, Tag, Value
-from dray.adapters.signals.store import SETTLES_S, KeptStore, SignalledStore
+from dray.adapters.signals.store import DAMAGED_STORE, RESTS_S, KeptStore, SignalledStore
 from dray.body import Book, CloseDock, DockReady, OpenDock, Refill, Report, StockChanged
 
 SPEC = PLANT.storages["S1"]
@@ -91,7 +91,7 @@ def test_a_level_that_is_said_again_and_again_is_believed() -> None:
     rig = StoreRig(**{ITEM: Tag("level")})
     for _ in range(4):
         rig.level(160)
-        rig.clock.pass_s(SETTLES_S / 2)
+        rig.clock.pass_s(RESTS_S / 2)
     assert rig.stock == 160
 
 
@@ -108,15 +108,87 @@ def test_a_life_that_begins_anew_knows_who_is_at_the_dock_and_books_nothing_twic
     assert (rig.stock, rig.body.sense().opened) == (60, ())
 
 
+def test_a_damaged_memory_is_no_empty_storage_and_what_levels_tell_is_counted() -> None:
+    rig = StoreRig(**{ITEM: Tag("level")})
+    rig.kept = DAMAGED_STORE
+    rig.begin()
+    assert set(rig.body.sense().uncounted) == ITEMS
+    rig.begin()  # Killed before anything was remembered, and again after a word of a vehicle.
+    rig.body.instruct(out())
+    rig.begin()
+    assert set(rig.body.sense().uncounted) == ITEMS
+    rig.heard()
+    rig.level(70)
+    rig.clock.pass_s(RESTS_S)
+    assert rig.heard() == [StockChanged(item=ITEM, change=70, seq=2, counted=True)]
+    assert set(rig.body.sense().uncounted) == ITEMS - {ITEM}
+    rig.begin()
+    assert (rig.stock, set(rig.body.sense().uncounted)) == (70, ITEMS - {ITEM})
+
+
+def test_a_level_of_nothing_counts_as_well() -> None:
+    rig = StoreRig(**{ITEM: Tag("level")})
+    rig.kept = DAMAGED_STORE
+    rig.begin()
+    rig.level(0)
+    rig.clock.pass_s(RESTS_S)
+    assert (rig.stock, ITEM in rig.body.sense().uncounted) == (0, False)
+
+
 def test_what_people_bring_is_told_once_the_level_has_rested() -> None:
     rig = StoreRig(**{ITEM: Tag("level")})
     for level in (100, 130, 160):
         rig.level(level)
-        rig.clock.pass_s(SETTLES_S - 1.0)
+        rig.clock.pass_s(RESTS_S - 1.0)
     assert rig.heard() == []
     rig.clock.pass_s(2.0)
     assert rig.heard() == [StockChanged(item=ITEM, change=60, seq=1)]
     assert rig.stock == 160
+
+
+def shakes(rig: StoreRig, middle: int, span_s: float) -> None:
+    """A sensor tells a piece more and a piece less, each second."""
+    for second in range(int(span_s)):
+        rig.level(middle + (0, 1, 0, -1)[second % 4])
+        rig.clock.pass_s(1.0)
+
+
+def test_a_level_that_shakes_by_a_piece_rests() -> None:
+    rig = StoreRig(**{ITEM: Tag("level")})
+    shakes(rig, 160, 4 * RESTS_S)
+    assert rig.heard() == [StockChanged(item=ITEM, change=60, seq=1)]
+    shakes(rig, 161, 4 * RESTS_S)
+    assert rig.heard() == []
+    rig.level(158)
+    rig.clock.pass_s(3 * RESTS_S)
+    assert (rig.stock, rig.heard()) == (158, [StockChanged(item=ITEM, change=-2, seq=2)])
+
+
+def test_a_level_that_shakes_by_more_does_not_rest() -> None:
+    rig = StoreRig(**{ITEM: Tag("level")})
+    for second in range(int(4 * RESTS_S)):
+        rig.level(160 + 3 * (second % 2))
+        rig.clock.pass_s(1.0)
+    assert rig.heard() == []
+
+
+def test_a_level_that_creeps_is_followed_and_right_in_the_end() -> None:
+    rig = StoreRig(**{ITEM: Tag("level")})
+    for level in range(100, 121):
+        rig.level(level)
+        rig.clock.pass_s(RESTS_S / 2 - 1.0)
+    rig.clock.pass_s(3 * RESTS_S)
+    assert rig.stock == 120
+
+
+def test_one_material_that_moves_does_not_keep_another_from_being_counted() -> None:
+    other = next(line.material for line in SPEC.stocks if line.material != ITEM)
+    rig = StoreRig(**{ITEM: Tag("level"), other.replace("-", "_"): Tag("more")})
+    for second in range(int(2 * RESTS_S)):
+        rig.tell(LEVEL + other, 10 * second)
+        rig.level(160)
+        rig.clock.pass_s(1.0)
+    assert rig.heard() == [StockChanged(item=ITEM, change=60, seq=1)]
 
 
 @pytest.mark.parametrize("sensor_first", [True, False])
@@ -127,12 +199,12 @@ def test_what_a_vehicle_takes_is_taken_once_whoever_says_so_first(sensor_first: 
     rig.tell(Signal.DOCK_READY, True)
     if sensor_first:
         rig.level(60)
-        rig.clock.pass_s(5 * SETTLES_S)  # Its agent has not said so yet.
+        rig.clock.pass_s(5 * RESTS_S)  # Its agent has not said so yet.
     rig.body.instruct(out())
     rig.tell(Signal.DOCK_READY, False)
-    rig.clock.pass_s(SETTLES_S / 2)
+    rig.clock.pass_s(RESTS_S / 2)
     rig.level(60)
-    rig.clock.pass_s(5 * SETTLES_S)
+    rig.clock.pass_s(5 * RESTS_S)
     changes = [report for report in rig.heard() if isinstance(report, StockChanged)]
     assert changes == [StockChanged(item=ITEM, change=-40, seq=1, vehicle="ATV1")]
 
@@ -142,7 +214,7 @@ def test_a_vehicle_that_takes_less_than_it_says_is_put_right_by_the_level() -> N
     rig.body.instruct(OpenDock("ATV1", ITEM, 40))
     rig.body.instruct(out())
     rig.level(62)
-    rig.clock.pass_s(SETTLES_S)
+    rig.clock.pass_s(RESTS_S)
     assert rig.heard()[-1] == StockChanged(item=ITEM, change=2, seq=2)
 
 
@@ -161,7 +233,7 @@ def test_what_is_no_level_changes_nothing(value: Value, quality: Quality) -> Non
     rig = StoreRig(**{ITEM: Tag("level")})
     rig.level(40)
     rig.tell(LEVEL + ITEM, value, quality)
-    rig.clock.pass_s(SETTLES_S)
+    rig.clock.pass_s(RESTS_S)
     assert (rig.heard(), rig.stock) == ([], 100)
 
 
@@ -169,7 +241,7 @@ def test_a_level_of_before_the_link_was_lost_counts_no_more() -> None:
     rig = StoreRig(**{ITEM: Tag("level")})
     rig.level(40)
     rig.body.on_link_lost("cut")
-    rig.clock.pass_s(SETTLES_S)
+    rig.clock.pass_s(RESTS_S)
     assert (rig.heard(), rig.stock) == ([], 100)
     assert rig.body.away_since_s is not None
 

@@ -137,6 +137,18 @@ def test_a_vehicle_is_let_in_when_the_controller_says_so_and_once_for_each_time_
     assert (rig.body.outputs[Signal.DOCK_PERMIT], rig.body.outputs[Signal.DOCK_VEHICLE]) == (False, "")
 
 
+def test_a_life_that_begins_while_a_vehicle_unloads_keeps_the_dock_open_for_it() -> None:
+    rig = Rig(TWO_BITS)
+    rig.body.instruct(OpenDock(vehicle="ATV1", item=ITEM, quantity=10))
+    rig.begin()
+    assert (rig.body.outputs[Signal.DOCK_PERMIT], rig.body.outputs[Signal.DOCK_VEHICLE]) == (True, "ATV1")
+    assert rig.state.opened == ("ATV1",)
+    rig.body.instruct(CloseDock(vehicle="ATV1"))
+    assert rig.body.outputs[Signal.DOCK_PERMIT] is False
+    rig.begin()
+    assert rig.state.opened == ()
+
+
 def test_a_dock_without_a_handshake_is_open_at_once() -> None:
     rig = Rig()
     rig.body.instruct(OpenDock(vehicle="ATV1", item=ITEM, quantity=10))

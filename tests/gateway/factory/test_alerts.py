@@ -10,6 +10,7 @@ from facts_kit import SPEED, wall_s
 from fake_bus import PLANT
 from heartbeats import atv_heartbeat, events, machine_heartbeat, station_heartbeat
 from msgspec import UNSET
+from msgspec.structs import replace
 from wall_clock import NOW_S
 
 from dray.gateway.live.projection import Projection
@@ -33,7 +34,7 @@ from dray.messages import (
     Transport,
 )
 from dray.messages.fact import GoalWaits, MachineFailure, PhaseEntered, TaskOpened
-from dray.messages.heartbeat import DockWait
+from dray.messages.heartbeat import DockWait, StockLevel
 from dray.store.factory.alert_history import Acknowledgement
 from dray.store.factory.exclusions import Exclusion
 from dray.store.orders.orders import Item, Order
@@ -78,6 +79,15 @@ def test_a_dock_that_does_not_get_ready_is_an_alarm_until_it_does(projection: Pr
         ("ATV2",),
     )
     projection.fold(machine_heartbeat("M8", 2, status=MachineStatus.STARVED))
+    assert alerts(projection) == []
+
+
+def test_a_storage_that_nobody_has_counted_is_an_alarm_until_somebody_has(projection: Projection) -> None:
+    unknown = StockLevel(item="shaft", level=0, capacity=80, uncounted=True)
+    projection.fold(station_heartbeat(stocks=(unknown,)))
+    alert = the_alert(projection)
+    assert (alert.kind, alert.level, alert.agent) == ("stock_unknown", "alarm", "S1")
+    projection.fold(station_heartbeat(seq=2, stocks=(replace(unknown, level=40, uncounted=False),)))
     assert alerts(projection) == []
 
 

@@ -238,6 +238,7 @@ class MachineRig(Rig):
         self.answers = False
         self.people = False
         self.loads: tuple[UnconfirmedLoad, ...] = ()
+        self.opened: tuple[str, ...] = ()
         self.seq = 0
         self._cycles = 0
 
@@ -265,6 +266,7 @@ class MachineRig(Rig):
             counts=self.counts,
             people=self.people,
             loads=self.loads,
+            opened=self.opened,
         )
 
     def handle(self, event: Event) -> list[Effect]:

@@ -5,12 +5,13 @@ from __future__ import annotations
 from typing import Any
 
 from defaults import PLANT
-from effects import facts, instructed
+from effects import facts, instructed, sent
 from spoken import transport
 
 from dray.body import Drive, Drop, Pick, VehicleState, WayDone
 from dray.memory import Contract
 from dray.messages import (
+    Docked,
     DockHeld,
     DockOpened,
     Message,
@@ -22,6 +23,7 @@ from dray.messages.fact import PhaseEntered
 from dray.protocol.runtime.events import NEVER_S, Effect
 from dray.protocol.runtime.timers import Timers
 from dray.protocol.vehicle.drivers.driver import Driver
+from dray.protocol.vehicle.job.job_state import JobState
 from dray.protocol.vehicle.job.transport_job import TransportJob
 
 ROUTES = PLANT.routes("light")
@@ -74,6 +76,8 @@ class Trip:
             out=self.out,
         )
         self.load = ""
+        self.takes_back = True
+        """A storage to which the load is brought back opens its dock at once."""
         self.job.set_off(0.0)
 
     @property
@@ -88,6 +92,11 @@ class Trip:
         source = self.job.source
         if opens and self.job.phase is Phase.LOADING and source in PLANT.storages:
             self.opened(source)
+        self._let_back()
+
+    def _let_back(self) -> None:
+        if self.takes_back and self.job.state is JobState.AT_REFUGE:
+            self.opened([each for each in sent(self.out, Docked) if each.returns][-1].station)
 
     def hears(self, message: Message) -> None:
         self.job.on_answer(message, self.now_s)
@@ -104,6 +113,7 @@ class Trip:
     def done(self, kind: type[Pick | Drop]) -> None:
         self.load = self.job.work.item if kind is Pick else ""
         self.job.action_done(instructed(self.out, kind)[-1].order, self.now_s)
+        self._let_back()
 
     def fails(self, kind: type[Pick | Drop]) -> None:
         self.job.action_failed(instructed(self.out, kind)[-1].order, "no contact", self.now_s)
@@ -114,6 +124,7 @@ class Trip:
         self.now_s = self.timers.next_s
         for _ in self.timers.due(self.now_s):
             self.job.wake(self.load, self.now_s)
+        self._let_back()
 
     def to_loading(self) -> Trip:
         self.arrives()

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import pytest
 from effects import committed, instructed, listening, sent
+from m7 import docked, handover, supplied_by
 from msgspec.structs import replace
 from rigs import BlindRig, MachineRig
 from spoken import rhb
@@ -103,3 +105,68 @@ def test_what_was_booked_before_a_kill_and_is_told_again_takes_nothing_twice() -
 def test_a_body_that_counts_is_told_nothing() -> None:
     rig = at_the_dock(MachineRig("LATHE1", {"bar": 60, "shaft": 12}, plant=PLANT))
     assert instructed(beats(rig, Phase.CARRYING), Book) == []
+
+
+# --- after a time in which the vehicle was not heard ---
+
+
+def after_a_trip(*, told_by: str = "PRESS1") -> MachineRig:
+    """The lathe's agent was down while the cart has loaded; it works at something else by now."""
+    first = at_the_dock()
+    rig = BlindRig("LATHE1", {"bar": 60, "shaft": 12}, plant=PLANT, incarnation=2)
+    rig.memory = committed(first.all)
+    rig.start()
+    effects = beats(rig, Phase.APPROACHING, task="PRESS2-7")
+    assert sent(effects, StockReserved, to=told_by) == [StockReserved(TASK, 1, "shaft", 6)]
+    assert instructed(effects, Book) == []
+    return rig
+
+
+def test_a_load_that_was_fetched_while_the_agent_was_down_is_booked_out() -> None:
+    rig = after_a_trip()
+    assert instructed(rig.on_message("PRESS1", StockFreed(TASK, fetched=True)), Book) == [OUT]
+    rig.stocked("shaft", -6, CART)
+    assert lies_there(rig) == (6, 6)
+
+
+def test_a_load_that_was_not_fetched_while_the_agent_was_down_lies_there_still() -> None:
+    rig = after_a_trip()
+    assert instructed(rig.on_message("PRESS2", StockFreed(TASK, fetched=True)), Book) == []
+    assert instructed(rig.on_message("PRESS1", StockFreed(TASK)), Book) == []
+    assert instructed(rig.on_message("PRESS1", StockFreed(TASK, fetched=True)), Book) == []
+    assert lies_there(rig)[0] == 12
+
+
+def test_the_coordinator_is_asked_until_it_answers_and_no_oftener_than_it_needs() -> None:
+    rig = after_a_trip()
+    asked = [
+        each
+        for _ in range(25)
+        for each in sent(beats(rig, Phase.APPROACHING, task="PRESS2-7"), StockReserved)
+    ]
+    assert len(asked) == 2
+
+
+def test_a_vehicle_that_was_not_heard_for_a_while_may_have_fetched_it() -> None:
+    rig = at_the_dock()
+    rig.run(rig.now_s + 60.0)
+    effects = beats(rig, Phase.APPROACHING, task="PRESS2-7")
+    assert sent(effects, StockReserved, to="PRESS1")
+    assert instructed(rig.on_message("PRESS1", StockFreed(TASK, fetched=True)), Book) == [OUT]
+
+
+@pytest.mark.parametrize(
+    ("epoch", "fetched"), [(1, True), (0, False)], ids=["its epoch", "the epoch of another carrier"]
+)
+def test_a_coordinator_that_is_asked_says_whether_the_load_was_fetched(epoch: int, fetched: bool) -> None:
+    rig = supplied_by("ATV2")
+    rig.on_message("ATV2", docked())
+    rig.on_message("ATV2", handover())
+    said = rig.on_message("S1", StockReserved("M7-1", epoch, "housing", 24))
+    assert sent(said, StockFreed, to="S1") == [StockFreed("M7-1", fetched=fetched)]
+
+
+def test_a_coordinator_that_remembers_nothing_does_not_say_that_the_load_lies_there() -> None:
+    rig = supplied_by("ATV2")
+    said = rig.on_message("S1", StockReserved("M7-99", 1, "housing", 24))
+    assert sent(said, StockFreed, to="S1") == [StockFreed("M7-99", fetched=True)]

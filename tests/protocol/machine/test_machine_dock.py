@@ -28,7 +28,11 @@ from dray.messages import (
 )
 from dray.messages.fact import TaskClosed
 from dray.messages.heartbeat import DockWait
+from dray.messages.keys import Keys
+from dray.protocol.contract_net.departures import Departures
 from dray.protocol.contract_net.dock import NOT_READY, SAFE_WITHIN_S, Door
+from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
+from dray.protocol.runtime.events import Effect
 
 # --- the dock ---------------------------------------------------------------------------------------
 
@@ -167,7 +171,10 @@ def test_a_vehicle_that_goes_away_waits_for_no_dock() -> None:
 
 
 def test_whoever_stands_behind_another_one_waits_from_its_turn_on() -> None:
-    door = Door([], 60.0)
+    out: list[Effect] = []
+    keys = Keys(PLANT.id)
+    departures = Departures("m7", HeartbeatSubscriptions(keys.atv_heartbeat, out), out, lambda: None)
+    door = Door(out, 60.0, departures)
     door.answers = True
     for vehicle in ("ATV1", "ATV2"):
         door.open(vehicle, docked(), "housing", 24, 0.0)

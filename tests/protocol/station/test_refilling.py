@@ -61,9 +61,10 @@ class RefilledRig(Rig):
     def __init__(self, stock: int, incarnation: int = 1) -> None:
         super().__init__(Station("S1", REFILLED, incarnation=incarnation))
         self.stock, self.seq, self.beats = stock, 0, 0
+        self.uncounted: tuple[str, ...] = ()
 
     def sense(self) -> StorageState:
-        return StorageState(stock={ITEM: self.stock}, seq=self.seq, opened=())
+        return StorageState(stock={ITEM: self.stock}, seq=self.seq, opened=(), uncounted=self.uncounted)
 
     @property
     def ordered(self) -> list[StockAsked]:
@@ -221,3 +222,15 @@ def test_one_that_is_leaving_orders_nothing() -> None:
     rig.leave()
     rig.changes(-POINT)
     assert rig.ordered == []
+
+
+def test_what_nobody_has_counted_is_told_and_not_ordered_until_it_is() -> None:
+    rig = RefilledRig(0)
+    rig.uncounted = (ITEM,)
+    rig.start()
+    rig.run(60.0)
+    assert (rig.level.uncounted, rig.ordered) == (True, [])
+    rig.uncounted = ()
+    rig.run(120.0)
+    assert not rig.level.uncounted
+    assert rig.ordered

@@ -359,3 +359,62 @@ def test_asked_to_leave_it_promises_nothing_more_and_waits_for_the_vehicle_at_it
     assert rig.asks("M8-2") == [Ignore("asked for while the station was draining")]
     rig.changes(-40, "ATV1")
     assert rig.has_left
+
+
+# --- what is brought back ---
+
+
+def brought_back(*, counts: bool) -> tuple[StationRig, list[Effect]]:
+    """ATV1 stands at the dock with 40 shafts that nobody wants any more; the dock makes itself safe."""
+    rig = StationRig()
+    rig.answers, rig.counts = True, counts
+    rig.start()
+    back = Docked(task="M8-1", epoch=1, station="S1", item=ITEM, quantity=40, returns=True)
+    return rig, rig.on_message("ATV1", back)
+
+
+def returns(rig: StationRig, *, aboard: bool, ended: bool = False, node: str = "") -> list[Effect]:
+    """ATV1 tells how far it is."""
+    rig.run(rig.now_s + 1.0)
+    beat = rhb("ATV1", 100 + int(rig.now_s), rig.now_s, task="M8-1")
+    assert beat.task is not None
+    brief = None if ended else msgspec.structs.replace(beat.task, phase=Phase.RETURNING)
+    where = node or PLANT.node_of("S1")
+    load, quantity = (ITEM, 40) if aboard else ("", 0)
+    said = msgspec.structs.replace(beat, task=brief, node=where, load=load, load_quantity=quantity)
+    return rig.on_message("ATV1", said)
+
+
+def test_a_body_that_counts_takes_what_is_brought_back_without_a_question() -> None:
+    _, effects = brought_back(counts=True)
+    assert sent(effects, DockOpened, to="ATV1") == [DockOpened("M8-1", 1, "S1")]
+    assert instructed(effects, OpenDock) == []
+
+
+def test_where_the_body_does_not_count_what_is_brought_back_gets_a_permit_and_is_booked_in() -> None:
+    rig, effects = brought_back(counts=False)
+    assert sent(effects, DockOpened) == []
+    assert instructed(effects, OpenDock) == [OpenDock("ATV1", ITEM, 40)]
+    assert sent(rig.report(DockReady("ATV1")), DockOpened, to="ATV1")
+    assert instructed(returns(rig, aboard=True), CloseDock) == []
+    effects = returns(rig, aboard=False, ended=True)
+    assert instructed(effects, Book) == [Book("ATV1", ITEM, 40, task="M8-1", epoch=1)]
+    assert instructed(effects, CloseDock) == [CloseDock("ATV1")]
+    rig.changes(40, "ATV1")
+    assert rig.level.level == 140
+
+
+def test_a_vehicle_that_goes_elsewhere_with_what_it_brings_back_is_not_booked_in() -> None:
+    rig, _ = brought_back(counts=False)
+    rig.report(DockReady("ATV1"))
+    effects = returns(rig, aboard=True, node="c1")
+    assert (instructed(effects, Book), instructed(effects, CloseDock)) == ([], [CloseDock("ATV1")])
+
+
+def test_the_next_life_books_in_what_was_brought_back_to_this_one() -> None:
+    first, _ = brought_back(counts=False)
+    rig = StationRig(incarnation=2)
+    rig.answers, rig.counts, rig.opened = True, False, {"ATV1": None}
+    rig.memory = committed(first.all)
+    rig.start()
+    assert instructed(returns(rig, aboard=False, ended=True), Book)

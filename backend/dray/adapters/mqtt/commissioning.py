@@ -6,8 +6,8 @@ import asyncio
 from collections.abc import AsyncIterator
 from dataclasses import dataclass, field
 
-from dray.adapters.commissioning_step import Step
-from dray.adapters.machine_acts import LINK_S, Acts, Wanted
+from dray.adapters.commissioning_step import Step, Steps
+from dray.adapters.machine_acts import LINK_S, Wanted, after
 from dray.adapters.mqtt.link import SignalsOverMqtt
 from dray.adapters.mqtt.mapping_file import MqttMapping
 from dray.adapters.mqtt.values import sample_of
@@ -47,7 +47,7 @@ class MqttCommissioning:
     clock: Clock
     wanted: Wanted
     hear_s: float = HEAR_S
-    steps: list[Step] = field(default_factory=list)
+    steps: Steps = field(default_factory=Steps)
 
     async def run(self) -> AsyncIterator[Step]:
         """Walk through all steps; a step on which others stand ends it when it fails."""
@@ -59,42 +59,33 @@ class MqttCommissioning:
         try:
             begun_s = self.clock.now_s()
             if not await _within(ear.linked, LINK_S):
-                yield self._note(Step("connection", False, ear.lost or f"{self.broker} does not answer"))
+                yield self.steps.note(Step("connection", False, ear.lost or f"{self.broker} does not answer"))
                 return
             safe = "" if self.broker.tls else "; nothing is encrypted"
             took_s = self.clock.now_s() - begun_s
-            yield self._note(Step("connection", True, f"{self.broker} answers after {took_s:.1f} s{safe}"))
+            yield self.steps.note(
+                Step("connection", True, f"{self.broker} answers after {took_s:.1f} s{safe}")
+            )
             until_s = self.clock.now_s() + self.hear_s
             for name, tag in told.items():
                 await _within(ear.event(tag.topic), until_s - self.clock.now_s())
-                yield self._note(_heard(name, tag, ear, self.hear_s))
+                yield self.steps.note(_heard(name, tag, ear, self.hear_s))
         finally:
             running.cancel()
             await asyncio.gather(running, return_exceptions=True)
         for name, tag in self.mapping.tags.items():
             if not is_told(name):
-                yield self._note(Step(name, None, f"is written to {tag.topic}: see there that it comes"))
-        if not self.passed:
-            return
-        mapping = self.wanted.of(self.mapping)
-        signals = SignalsOverMqtt(mapping, self.broker, CLIENT)
-        acts = Acts(self.spec, self.plant, mapping, self.clock, self.wanted, signals)
-        async for step in acts.run():
-            yield self._note(step)
+                yield self.steps.note(Step(name, None, f"is written to {tag.topic}: see there that it comes"))
 
-    @property
-    def passed(self) -> bool:
-        """Nothing that was tried has failed."""
-        return bool(self.steps) and all(step.passed is not False for step in self.steps)
+        def signals(mapping: MqttMapping) -> SignalsOverMqtt:
+            return SignalsOverMqtt(mapping, self.broker, CLIENT)
+
+        async for step in after(self.steps, self.wanted, self.mapping, signals, self):
+            yield step
 
     def report(self) -> str:
         """All of it, to be kept: Markdown."""
-        lines = (f"    {step.line}" for step in self.steps)
-        return "\n".join([f"# {self.spec.id}, {self.broker}", "", *lines, ""])
-
-    def _note(self, step: Step) -> Step:
-        self.steps.append(step)
-        return step
+        return "\n".join([f"# {self.spec.id}, {self.broker}", "", *self.steps.lines, ""])
 
 
 class _Ear:

@@ -14,8 +14,8 @@ from asyncua import ua
 from asyncua.client.client import Client
 from asyncua.ua.uaerrors import UaError
 
-from dray.adapters.commissioning_step import Step
-from dray.adapters.machine_acts import Acts, Wanted
+from dray.adapters.commissioning_step import Step, Steps
+from dray.adapters.machine_acts import Wanted, after
 from dray.adapters.opcua.link import OpcUaLink, connection, find, sample_of, words
 from dray.adapters.opcua.mapping_file import OpcUaMapping
 from dray.adapters.signals.signal import READ, Quality, Signal, Tag
@@ -66,7 +66,7 @@ class Commissioning:
     plant: Plant
     clock: Clock
     wanted: Wanted
-    steps: list[Step] = field(default_factory=list)
+    steps: Steps = field(default_factory=Steps)
     _guesses: dict[Signal, str] = field(default_factory=dict)
 
     async def run(self) -> AsyncIterator[Step]:
@@ -81,7 +81,7 @@ class Commissioning:
             async with asyncio.timeout(LINK_S):
                 await client.connect()
         except (OSError, TimeoutError, UaError) as error:
-            yield self._note(Step("connection", False, words(error)))
+            yield self.steps.note(Step("connection", False, words(error)))
             return
         try:
             took_s = self.clock.now_s() - begun_s
@@ -90,26 +90,20 @@ class Commissioning:
                 if self.mapping.security != "none"
                 else "; nothing is encrypted, and nobody shows who it is"
             )
-            yield self._note(
+            yield self.steps.note(
                 Step("connection", True, f"{self.mapping.url} answers after {took_s:.1f} s{safe}")
             )
             for signal, tag in self.mapping.signals.items():
-                yield self._note(await self._node(client, signal, tag))
+                yield self.steps.note(await self._node(client, signal, tag))
             await self._guess(client)
         finally:
             await client.disconnect()
-        if not self.passed:
-            return
-        mapping = self.wanted.of(self.mapping)
-        link = OpcUaLink(mapping, self.folder, self.password)
-        acts = Acts(self.spec, self.plant, mapping, self.clock, self.wanted, link)
-        async for step in acts.run():
-            yield self._note(step)
 
-    @property
-    def passed(self) -> bool:
-        """Nothing that was tried has failed."""
-        return bool(self.steps) and all(step.passed is not False for step in self.steps)
+        def link(mapping: OpcUaMapping) -> OpcUaLink:
+            return OpcUaLink(mapping, self.folder, self.password)
+
+        async for step in after(self.steps, self.wanted, self.mapping, link, self):
+            yield step
 
     def report(self) -> str:
         """All of it, to be kept: Markdown."""
@@ -121,7 +115,7 @@ class Commissioning:
             [
                 f"# {self.spec.id}, {self.mapping.url}",
                 "",
-                *(f"    {step.line}" for step in self.steps),
+                *self.steps.lines,
                 "",
                 "Nodes that look like signals which the mapping does not have; look at each before you add it:"
                 if suggestion
@@ -182,7 +176,3 @@ class Commissioning:
                 if names and found[names[0]] not in self._guesses.values():
                     self._guesses[signal] = found[names[0]]
                     break
-
-    def _note(self, step: Step) -> Step:
-        self.steps.append(step)
-        return step

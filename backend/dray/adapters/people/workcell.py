@@ -26,6 +26,7 @@ from typing import Protocol
 from msgspec import Struct
 from msgspec.structs import replace
 
+from dray.adapters.vehicles_words import name_of, with_word
 from dray.body import (
     Book,
     CloseDock,
@@ -70,9 +71,6 @@ WORDS_KEPT = 1_000
 
 LOADS_KEPT = 50
 """Loads that wait for a word. Of more the oldest are taken to be as their vehicles have said."""
-
-BOOKED_KEPT = 256
-"""Words of vehicles that are remembered: many times the transports that one machine has open."""
 
 _KIND = MachineCommandKind
 
@@ -255,13 +253,12 @@ class PeopleWorkcell:
 
     def _book(self, book: Book) -> None:
         """A vehicle says what it has brought or taken: it is so until people say otherwise."""
-        about = f"{book.task} {book.epoch} {book.item} {'out' if book.change < 0 else 'in'}"
-        if about not in self._kept.booked:
-            self._take_in(book, about)
-        change, seq = self._kept.booked[about]
+        if name_of(book) not in self._kept.booked:
+            self._take_in(book)
+        change, seq = self._kept.booked[name_of(book)]
         self._report(StockChanged(item=book.item, change=change, seq=seq, vehicle=book.vehicle))
 
-    def _take_in(self, book: Book, about: str) -> None:
+    def _take_in(self, book: Book) -> None:
         kept, change = self._kept, book.change
         visit = next((each for each in kept.visits if _is_of(each, book.vehicle, book.item)), None)
         loads = kept.loads
@@ -272,7 +269,7 @@ class PeopleWorkcell:
             loads = (*loads, load)[-LOADS_KEPT:]
         stock, seq = self._moved(book.item, change), kept.seq + 1
         visits = tuple(each for each in kept.visits if each is not visit)
-        booked = dict(list(kept.booked.items())[1 - BOOKED_KEPT :]) | {about: (change, seq)}
+        booked = with_word(kept.booked, book, (change, seq))
         self._keep(stock=stock, seq=seq, loads=loads, visits=visits, booked=booked)
 
     def _reset(self) -> None:

@@ -1,7 +1,10 @@
 """The body of a storage's or a warehouse's station whose dock has a controller that tells and obeys single values.
 
 What lies there is reckoned by what vehicles say that they have brought and taken. Where the controller tells a material's level, that is right in the
-end: what it differs by, when nobody stands at the dock and nothing has moved for a while, somebody else has brought or taken.
+end: what it differs by, when nobody stands at the dock and it rests, somebody else has brought or taken.
+
+A level rests when everything that was told of it within `RESTS_S` of the plant's clock lies in a band of `BAND_PIECES`. A sensor that jitters there for ever
+is at rest: what is believed stays as it is as long as it lies between the lowest and the highest of these values, and becomes their middle else.
 """
 
 from __future__ import annotations
@@ -16,17 +19,18 @@ from msgspec.structs import replace
 
 from dray.adapters.signals.dock import DockHandshake, DockState
 from dray.adapters.signals.signal import LEVEL, Quality, Sample, Signal, SignalMapping, Value
+from dray.adapters.vehicles_words import name_of, with_word
 from dray.body import Book, CloseDock, DockReady, Instruction, OpenDock, Report, StockChanged, StorageState
 from dray.messages import THING
 from dray.messages.base import COUNT_MAX
 from dray.plant.model import Storage as StorageSpec
 from dray.ports import Clock
 
-SETTLES_S = 10.0
-"""A level counts when it has stood for so long: a sensor is slower than a vehicle's word, and people fill piece by piece."""
+RESTS_S = 10.0
+"""A level counts when it has rested for so long: a sensor is slower than a vehicle's word, and people fill piece by piece."""
 
-BOOKED_KEPT = 256
-"""Words of vehicles that are remembered: many times the transports that are under way there."""
+BAND_PIECES = 2
+"""From the lowest to the highest level of one that rests: a scale between two numbers tells both, and one that shakes a piece more and less."""
 
 
 class KeptStore(Struct, frozen=True):
@@ -37,10 +41,23 @@ class KeptStore(Struct, frozen=True):
     opened: tuple[str, ...] = ()
     booked: dict[str, int] = {}
     """The latest words of vehicles, each with the number of its change of the stock."""
+    uncounted: tuple[str, ...] = ()
+    """Materials of which nobody knows how many pieces lie there; `stock` has what has come since."""
+    damaged: bool = False
+    """All that was known is lost."""
 
 
-DAMAGED_STORE = KeptStore({})
+DAMAGED_STORE = KeptStore({}, damaged=True)
 """What is known where a life has left something that cannot be read."""
+
+
+class Range(Struct, frozen=True):
+    """Between which numbers a level was since it is watched."""
+
+    low: int
+    high: int
+    turn: int
+    """Names the call of the clock at which it has rested, so that an outdated one is recognised."""
 
 
 class World(Protocol):
@@ -80,10 +97,13 @@ class SignalledStore:
         self._tags, self._levels, self._clock, self._world = mapping.signals, mapping.levels, clock, world
         self._kept = kept or KeptStore(mapping.stock)
         self._stock = {line.material: 0 for line in spec.stocks} | self._kept.stock
+        if self._kept.damaged:
+            self._kept = replace(self._kept, damaged=False, uncounted=tuple(self._stock))
         self._told: dict[str, int] = {}
         """By material, the level that its controller has told last; none of those of which it tells nothing good."""
         self._turn = 0
-        """Grows when something moves, so that an outdated call of the clock is recognised."""
+        self._ranges: dict[str, Range] = {}
+        """By material, where its level was since it is watched; none of those that rest at one number."""
         self._dock = DockHandshake(answers=Signal.DOCK_READY in self._tags)
         self._told_ready = ""
         self._report: Callable[[Report], None] = _nobody_hears
@@ -121,6 +141,7 @@ class SignalledStore:
             opened=self._dock.waiting,
             answers=True,
             counts=False,
+            uncounted=self._kept.uncounted,
         )
 
     def attach(self, report: Callable[[Report], None]) -> None:
@@ -140,6 +161,7 @@ class SignalledStore:
             self.away_since_s = self._clock.now_s()
         self.away = reason
         self._told.clear()
+        self._ranges.clear()
         self._dock.ready(is_ready=False)
         self._settle()
 
@@ -160,52 +182,80 @@ class SignalledStore:
             )
         elif name.startswith(LEVEL):
             item = name.removeprefix(LEVEL)
-            level = _level(sample.value, self._levels[item].scale) if is_good else None
-            if level == self._told.get(item):
-                return
-            if level is None:
-                del self._told[item]
-            else:
-                self._told[item] = level
-            self._wait()
+            self._hear_level(item, _level(sample.value, self._levels[item].scale) if is_good else None)
         self._settle()
 
     # --- what lies there ---
 
     def _book(self, book: Book) -> None:
         """A vehicle has brought something, or taken it; said again, it is in the stock already."""
-        about = f"{book.task} {book.epoch} {'in' if book.change > 0 else 'out'} {book.item}"
-        if about not in self._kept.booked:
+        if name_of(book) not in self._kept.booked:
             self._move(book.item, book.change)
-            booked = {**self._kept.booked, about: self._kept.seq}
-            self._kept = replace(self._kept, booked=dict(list(booked.items())[-BOOKED_KEPT:]))
+            booked = with_word(self._kept.booked, book, self._kept.seq)
+            self._kept = replace(self._kept, booked=booked)
             self._keep()
-        seq = self._kept.booked[about]
+        seq = self._kept.booked[name_of(book)]
         self._report(StockChanged(item=book.item, change=book.change, seq=seq, vehicle=book.vehicle))
-        self._wait()
+        self._watch_all()
 
     def _move(self, item: str, change: int) -> None:
         if item != THING:
             self._stock[item] = min(max(self._stock.get(item, 0) + change, 0), COUNT_MAX)
         self._kept = replace(self._kept, seq=self._kept.seq + 1)
 
-    def _wait(self) -> None:
-        """Something has moved: look at the levels when it has rested."""
-        if self._levels:
-            self._turn += 1
-            self._clock.call_at(self._clock.now_s() + SETTLES_S, partial(self._compare, self._turn))
+    def _watch(self, item: str) -> None:
+        """See whether a level rests from now on."""
+        self._turn += 1
+        level = self._told[item]
+        self._ranges[item] = Range(level, level, self._turn)
+        self._clock.call_at(self._clock.now_s() + RESTS_S, partial(self._compare, item, self._turn))
 
-    def _compare(self, turn: int) -> None:
-        if turn != self._turn:
+    def _watch_all(self) -> None:
+        """Something was moved here: no level counts before it has rested from now on."""
+        for item in self._told:
+            self._watch(item)
+
+    def _hear_level(self, item: str, level: int | None) -> None:
+        if level == self._told.get(item):
+            return
+        if level is None:
+            del self._told[item]
+            self._ranges.pop(item, None)
+            return
+        self._told[item] = level
+        seen = self._ranges.get(item)
+        if seen is not None:
+            seen = replace(seen, low=min(seen.low, level), high=max(seen.high, level))
+        if seen is None or seen.high - seen.low > BAND_PIECES:
+            self._watch(item)
+        else:
+            self._ranges[item] = seen
+
+    def _compare(self, item: str, turn: int) -> None:
+        """A level has rested, if nothing has moved since `_watch`."""
+        seen = self._ranges.get(item)
+        if seen is None or seen.turn != turn:
             return
         if self._dock.state is not DockState.SHUT:
-            self._wait()  # Whoever stands there says itself what it brings or takes.
+            self._watch(item)  # Whoever stands there says itself what it brings or takes.
             return
-        for item, level in self._told.items():
-            if change := level - self._stock.get(item, 0):
-                self._move(item, change)
-                self._keep()
-                self._report(StockChanged(item=item, change=change, seq=self._kept.seq))
+        self._take_level(item, seen)
+        if seen.low == seen.high:
+            del self._ranges[item]
+        else:
+            self._watch(item)
+
+    def _take_level(self, item: str, seen: Range) -> None:
+        """What is believed is as it is told, or as good as the sensor can tell."""
+        stock, counted = self._stock.get(item, 0), item in self._kept.uncounted
+        change = 0 if seen.low <= stock <= seen.high else (seen.low + seen.high) // 2 - stock
+        if not change and not counted:
+            return
+        self._move(item, change)
+        left = tuple(each for each in self._kept.uncounted if each != item)
+        self._kept = replace(self._kept, uncounted=left)
+        self._keep()
+        self._report(StockChanged(item=item, change=change, seq=self._kept.seq, counted=counted))
 
     # --- what follows ---
 

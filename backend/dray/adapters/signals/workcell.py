@@ -19,6 +19,7 @@ from msgspec.structs import replace
 from dray.adapters.signals.counting import CounterState, Reading, count, count_pulse
 from dray.adapters.signals.dock import DockHandshake, DockState
 from dray.adapters.signals.signal import Quality, Sample, Signal, SignalMapping, Tag, Value
+from dray.adapters.vehicles_words import name_of, with_word
 from dray.body import (
     Book,
     Broken,
@@ -44,9 +45,6 @@ from dray.ports import Clock
 
 LATE_CYCLES, LATE_MIN_S = 5.0, 60.0
 """A piece is missed after so many times what it takes, and not earlier than that."""
-
-BOOKED_KEPT = 256
-"""Words of vehicles that are remembered: many times the transports that one machine has open."""
 
 STANDS = {
     "notavailable": "not available",
@@ -74,6 +72,8 @@ class Kept(Struct, frozen=True):
     """The product that was wanted last: pieces that nobody has asked for are taken for some of it."""
     doubt: str = ""
     """Why counts may be wrong, until a person says that they were seen to."""
+    opened: tuple[str, ...] = ()
+    """Vehicles for which the dock is open, or is being opened, in their order."""
     booked: dict[str, int] = {}
     """The latest words of vehicles (`dray.body.Book`), each with the number of its change of the stock: an agent that was killed says them again."""
 
@@ -155,8 +155,11 @@ class SignalledWorkcell:
         # A piece that an earlier life has begun is wanted all the same.
         self._put(Signal.PRODUCT, self._kept.cycling)
         self._put(Signal.RUN, bool(self._kept.cycling))
-        self._put(Signal.DOCK_PERMIT, False)
-        self._put(Signal.DOCK_VEHICLE, "")
+        # Whoever is at the dock stays there: its controller must hear nothing else meanwhile.
+        for vehicle in self._kept.opened:
+            self._dock.want(vehicle)
+        self._put(Signal.DOCK_PERMIT, bool(self._dock.vehicle))
+        self._put(Signal.DOCK_VEHICLE, self._dock.vehicle)
         self._judge()
         if self._kept.cycling:
             self._expect(self._kept.cycling)
@@ -182,6 +185,8 @@ class SignalledWorkcell:
                 self._put(Signal.SPEED, speed_frac * self._scale(Signal.SPEED))
             case _:
                 return
+        if self._dock.waiting != self._kept.opened:
+            self._keep()
         self._settle()
 
     def sense(self) -> WorkcellState:
@@ -197,6 +202,7 @@ class SignalledWorkcell:
             resettable=resettable,
             paces=Signal.SPEED in self._tags,
             answers=True,
+            opened=self._dock.waiting,
         )
 
     def attach(self, report: Callable[[Report], None]) -> None:
@@ -369,16 +375,15 @@ class SignalledWorkcell:
     def _move(self, book: Book) -> None:
         """A vehicle has brought something, or taken it; said again, it is in the stock already."""
         item, change = book.item, book.change
-        about = f"{book.task} {book.epoch} {'in' if change > 0 else 'out'} {item}"
-        booked = dict(self._kept.booked)
-        if about not in booked:
+        if name_of(book) not in self._kept.booked:
             if item != THING:
                 self._stock[item] = min(max(self._stock.get(item, 0) + change, 0), COUNT_MAX)
-            booked[about] = self._kept.seq + 1
-            latest = dict(list(booked.items())[-BOOKED_KEPT:])
-            self._kept = replace(self._kept, seq=self._kept.seq + 1, booked=latest)
+            seq = self._kept.seq + 1
+            booked = with_word(self._kept.booked, book, seq)
+            self._kept = replace(self._kept, seq=seq, booked=booked)
             self._keep()
-        self._report(StockChanged(item=item, change=change, seq=booked[about], vehicle=book.vehicle))
+        seq = self._kept.booked[name_of(book)]
+        self._report(StockChanged(item=item, change=change, seq=seq, vehicle=book.vehicle))
 
     def _reset(self) -> None:
         """A person says that what was wrong was seen to."""
@@ -467,7 +472,7 @@ class SignalledWorkcell:
         return 1.0 if tag is None else tag.scale
 
     def _keep(self) -> None:
-        self._kept = replace(self._kept, stock=dict(self._stock))
+        self._kept = replace(self._kept, stock=dict(self._stock), opened=self._dock.waiting)
         self._world.remember(self._kept)
 
 

@@ -58,5 +58,5 @@ def check(
     typer.echo("\n" + done.report())
     if out is not None:
         out.write_text(done.report(), encoding="utf-8")
-    if not done.passed:
+    if not done.steps.passed:
         raise typer.Exit(1)

@@ -6,12 +6,16 @@ Who may load or unload is for the dock's owner to know: whoever receives a load 
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from msgspec import UNSET, UnsetType
 
 from dray.body import CloseDock, OpenDock
+from dray.memory import DepartureMemory
 from dray.messages import Docked, DockHeld, DockOpened, Transport
 from dray.messages.heartbeat import DockWait
 from dray.plant import Plant
+from dray.protocol.contract_net.departures import Departures
 from dray.protocol.runtime.events import Effect, Instruct, Send
 
 
@@ -58,17 +62,20 @@ class Door:
     Args:
         out: where effects go.
         patience_s: so long the body may take to open it.
+        departures: of this dock.
 
     Attributes:
         answers: whether the body says when it has opened (`dray.body.WorkcellState`); else it is open as soon as it is told to.
     """
 
-    def __init__(self, out: list[Effect], patience_s: float) -> None:
-        self._out, self._patience_s = out, patience_s
+    def __init__(self, out: list[Effect], patience_s: float, departures: Departures) -> None:
+        self._out, self._patience_s, self._departures = out, patience_s, departures
         self._asked: dict[str, Docked] = {}
         """By vehicle, what it has asked for and waits to be opened."""
         self._since_s: dict[str, float] = {}
         """Since when each of them is the next one."""
+        self._inside: set[str] = set()  # Only ever asked for membership.
+        """Those that were let in where the body has to make the dock ready: they may be at it."""
         self.answers = False
 
     def open(self, vehicle: str, asked: Docked, item: str, quantity: int, now_s: float) -> None:
@@ -97,6 +104,7 @@ class Door:
         asked = self._forget(vehicle)
         if asked is None:
             return False
+        self._inside.add(vehicle)
         self.agree(vehicle, asked)
         # It gets ready: whoever waits behind this one has waited for that one's turn.
         self._since_s = dict.fromkeys(self._since_s, now_s)
@@ -111,11 +119,30 @@ class Door:
         held = DockHeld(task=asked.task, epoch=asked.epoch, station=asked.station, reason=reason)
         self._out.append(Send(vehicle, held))
 
-    def shut(self, vehicle: str) -> None:
-        """End a transfer that this vehicle has begun, without effect."""
+    def restore(self, opened: Iterable[str]) -> None:
+        """Go on with a dock that an earlier life has opened."""
+        if self.answers:
+            self._inside.update(opened)
+
+    def shut(self, vehicle: str, load: DepartureMemory | None = None) -> None:
+        """A vehicle is not wanted any more: end a transfer that it has begun without effect, or let it leave where it may be inside.
+
+        Args:
+            vehicle: which.
+            load: what it may move meanwhile, and nobody else would book; None for nothing.
+        """
         self._forget(vehicle)
-        # Also when this life has not opened it: an earlier one may have.
-        self._out.append(Instruct(CloseDock(vehicle=vehicle)))
+        if vehicle in self._inside:
+            self._inside.discard(vehicle)
+            self._departures.watch(load or DepartureMemory(vehicle))
+        else:
+            # Also when this life has not opened it: an earlier one may have.
+            self._out.append(Instruct(CloseDock(vehicle=vehicle)))
+
+    def close(self, vehicle: str) -> None:
+        """A vehicle has done what it was let in for."""
+        self._inside.discard(vehicle)
+        self.shut(vehicle)
 
     def _forget(self, vehicle: str) -> Docked | None:
         self._since_s.pop(vehicle, None)

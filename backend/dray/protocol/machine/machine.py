@@ -155,7 +155,8 @@ class Machine(AgentBase):
             () if traffic is None else docks_heard(machine, plant.materials_of(machine), plant, self._keys)
         )
         heard = self._flow.subscriptions
-        self._bookkeeping = Bookkeeping(machine, plant, traffic, trusts, heard, self._timers, self._out)
+        gone = self._flow.departures.on_carried_away
+        self._bookkeeping = Bookkeeping(machine, plant, traffic, trusts, heard, self._timers, self._out, gone)
         self._message_handlers = self._bookkeeping.handlers(self._message_handlers)
         self._committers += [*self._bookkeeping.committers, self._flow.called.commits]
         self._report = StatusReport(
@@ -210,6 +211,7 @@ class Machine(AgentBase):
         self._commands.sense(body)
         if isinstance(note, MachineMemory):
             self._restore(note, memory, now_s)
+        self._flow.shut_unknown(body.opened)
         self._breakdown.start(body, note.help if isinstance(note, MachineMemory) else None, now_s)
         self._flow.goods.count()
         self._out += [Subscribe(self._keys.goals(each)) for each in (*self._goals.products.own, self.id)]
@@ -245,6 +247,7 @@ class Machine(AgentBase):
             put_away=self._flow.put_away.memories(),
             put_away_count=self._flow.put_away.count,
             let_in=self._flow.booking_out.memories(),
+            leaving=self._flow.departures.memories(),
         )
 
     def _sense(self, body: BodyState | None, now_s: float) -> None:

@@ -123,6 +123,8 @@ class MaterialFlow(TransportFlow):
             timers,
             out,
             self.door,
+            self.departures,
+            self.booking_out,
             drains=lambda: owner.is_draining,
             changed=self.note_stock,
         )
@@ -143,8 +145,14 @@ class MaterialFlow(TransportFlow):
         self.put_away.restore(memory.put_away, memory.put_away_count, now_s)
         self.restore_tasks(memory.tasks, notes, now_s)
         self.booking_out.restore(memory.let_in)
+        self.departures.restore(memory.leaving)
         for load in memory.let_in:
             self._book.restore(load, (load.vehicle,), now_s)
+
+    def shut_unknown(self, opened: Iterable[str]) -> None:
+        """Shut the dock for vehicles for which an earlier life has opened it, and of which nothing is known any more."""
+        carriers = {task.primary for task in self.tasks}
+        self._issuing.shut_unknown(vehicle for vehicle in opened if vehicle not in carriers)
 
     # --- what the machine asks and tells ---
 
@@ -237,7 +245,7 @@ class MaterialFlow(TransportFlow):
             # Another place's transport: what it fetches here is taken away.
             self._book.assume(self._to_give)
             self._issuing.on_docked(sender, message, now_s)
-            self.note_let_in(self._issuing.opened_for(message.task))
+            self.note_let_in(self._issuing.opened_for(message.task), now_s)
         else:
             super()._on_docked(sender, message, now_s)
 

@@ -9,6 +9,7 @@ again, and one that is known to anybody is not made twice. Parts come from whoev
 
 from __future__ import annotations
 
+from collections.abc import Container
 from typing import Protocol
 
 from dray.messages import Transport
@@ -61,10 +62,10 @@ class Refilling:
                         lot,
                     )
 
-    def pursue(self, now_s: float) -> None:
-        """Order what is short."""
+    def pursue(self, now_s: float, uncounted: Container[str]) -> None:
+        """Order what is short; of what nobody has counted nobody knows whether it is."""
         for item in self._rules:
-            while pieces := self._missing(item):
+            while item not in uncounted and (pieces := self._missing(item)):
                 self._order(item, pieces, now_s)
 
     def _missing(self, item: str) -> int:

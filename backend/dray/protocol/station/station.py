@@ -1,8 +1,8 @@
 """The station of a storage or a source warehouse: tells what lies there and what is promised, and opens its dock for who may fetch it.
 
 Whoever coordinates transports asks it to set material aside before anybody is hired (`transports.issuing`); what is promised
-is written down before it is said. Like a machine it has a dock: a vehicle asks before it loads. What is brought back is
-put down without a question, for whoever brings it has nowhere else to go. What people want brought here it coordinates itself,
+is written down before it is said. Like a machine it has a dock: a vehicle asks before it loads. Whoever brings something back
+asks as well, and is let in, for it has nowhere else to go. What people want brought here it coordinates itself,
 with the same code as a machine (`transports.transport_flow`).
 
 Where vehicles refill the storage the station orders what runs low (`refilling`). Else how material comes there is its body's concern, and
@@ -73,6 +73,8 @@ class Station(AgentBase):
         spec = plant.stores[storage]
         items = tuple(kept.material for kept in spec.stocks)
         self._book = Reservations({kept.material: kept.capacity for kept in spec.stocks})
+        self._uncounted: tuple[str, ...] = ()
+        """Materials of which its body does not know how many pieces lie there."""
         self._told: tuple[StockLevel, ...] = ()
         self._written: tuple[ReservationMemory, ...] = ()
         self._flow = TransportFlow(
@@ -93,6 +95,8 @@ class Station(AgentBase):
             self._timers,
             self._out,
             self._flow.door,
+            self._flow.departures,
+            self._flow.booking_out,
             drains=lambda: self._shutdown.begun,
             changed=self._go_on,
         )
@@ -114,7 +118,8 @@ class Station(AgentBase):
         self._report_handlers = {StockChanged: self._stock_changed, DockReady: self._flow.on_dock_ready}
         self._docks = () if traffic is None else docks_heard(storage, items, plant, self._keys)
         heard = self._flow.subscriptions
-        self._bookkeeping = Bookkeeping(storage, plant, traffic, trusts, heard, self._timers, self._out)
+        gone = self._flow.departures.on_carried_away
+        self._bookkeeping = Bookkeeping(storage, plant, traffic, trusts, heard, self._timers, self._out, gone)
         self._message_handlers = self._bookkeeping.handlers(self._message_handlers)
         self._committers += [*self._bookkeeping.committers, self._flow.called.commits]
         self._alarm_handlers = {
@@ -131,6 +136,7 @@ class Station(AgentBase):
     def _start(self, body: BodyState | None, memory: Memory, now_s: float) -> None:
         state = self._storage(body)
         self._book.take_count(state.stock, state.seq)
+        self._uncounted = state.uncounted
         self._flow.take_abilities(state)
         note = memory.get(WHOLE)
         if isinstance(note, StationMemory):
@@ -139,6 +145,7 @@ class Station(AgentBase):
                 self._book.restore(reserved, state.opened, now_s)
             self._flow.restore_tasks(note.tasks, memory, now_s)
             self._flow.booking_out.restore(note.let_in)
+            self._flow.departures.restore(note.leaving)
             self._held_loads.restore(note.answered)
             # Tasks without a carrier have a higher epoch now: no life may use one that an earlier one has used.
             self._commit()
@@ -156,7 +163,8 @@ class Station(AgentBase):
 
     def _sense(self, body: BodyState | None, now_s: float) -> None:
         state = self._storage(body)
-        if self._book.sense(state.stock, state.seq):
+        was, self._uncounted = self._uncounted, state.uncounted
+        if self._book.sense(state.stock, state.seq) or was != state.uncounted:
             self._go_on(now_s)
 
     def _storage(self, body: BodyState | None) -> StorageState:
@@ -170,6 +178,7 @@ class Station(AgentBase):
             tasks=tuple(task.memory() for task in self._flow.tasks),
             answered=self._held_loads.answered,
             let_in=self._flow.booking_out.memories(),
+            leaving=self._flow.departures.memories(),
         )
 
     def _was_deaf(self, span_s: float) -> None:
@@ -224,11 +233,13 @@ class Station(AgentBase):
 
     def _on_docked(self, sender: str, docked: Docked, now_s: float) -> None:
         """A vehicle stands here and asks to unload what was brought here, or to load for another place."""
-        if docked.station != self.id and not self._flow.knows(docked.task):
+        if docked.returns and docked.station == self.id:
+            self._flow.take_back(sender, docked, now_s)
+        elif docked.station != self.id and not self._flow.knows(docked.task):
             self._out.append(Ignore("asked for the dock of another storage"))
         elif docked.item and docked.station == self.id and not self._flow.knows(docked.task):
             self._issuing.on_docked(sender, docked, now_s)
-            self._flow.note_let_in(self._issuing.opened_for(docked.task))
+            self._flow.note_let_in(self._issuing.opened_for(docked.task), now_s)
         else:
             self._flow.message_handlers[Docked](sender, docked, now_s)
 
@@ -257,12 +268,17 @@ class Station(AgentBase):
         if not self._shutdown.begun:
             self._flow.called.pursue(now_s)
             if not self._flow.hears_out:
-                self._refilling.pursue(now_s)
+                self._refilling.pursue(now_s, self._uncounted)
         self._flow.called.review(now_s)
         if self._fills_itself:
             self._out.extend(Instruct(Refill(item=item)) for item in self._book.short_items)
         levels = tuple(
-            replace(level, on_order=self._flow.inbound(level.item)) for level in self._book.levels()
+            replace(
+                level,
+                on_order=self._flow.inbound(level.item),
+                uncounted=level.item in self._uncounted,
+            )
+            for level in self._book.levels()
         )
         if levels != self._told:
             self._told = levels

@@ -1,19 +1,32 @@
 """Loads that others have fetched from a place whose body does not count: each is booked out once its vehicle says that it has it.
 
-A vehicle that was let in to load is listened to. When it names the same task, in the same epoch, with the load on board, the body is told (`Book`).
-When it names the task no more and never had it on board, it has left without.
+A vehicle that was let in to load is listened to.
+
+    it names the task, in the same epoch, with the load on board    booked out: the body is told (`Book`)
+    it names the task no more, and was heard at it until then       it has left without
+    it names the task no more, after a time in which it was not     its coordinator is asked, as long as it takes: it says whether the
+    heard (this agent was down, or deaf)                            load was fetched, or that it cannot know. In doubt it is booked
+                                                                    out: nothing is promised that may not lie there
+
+The question is `StockReserved`, which a coordinator that counts on the pieces no more answers with `StockFreed`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 
 from dray.body import Book
 from dray.memory import ReservationMemory
-from dray.messages import AtvHeartbeat
+from dray.messages import AtvHeartbeat, StockFreed, StockReserved
 from dray.messages.heartbeat import GOODS_ABOARD
 from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
-from dray.protocol.runtime.events import Effect, Instruct
+from dray.protocol.runtime.events import Effect, Instruct, Send
+
+UNHEARD_S = 8.0
+"""No vehicle fetches a load, brings it and goes on to something else within this; several heartbeats of one that works come."""
+
+AGAIN_S = 10.0
+"""A coordinator that has not answered is asked again after this."""
 
 
 class BookingOut:
@@ -22,34 +35,53 @@ class BookingOut:
     Args:
         subscriptions: whose heartbeats are heard.
         out: where effects go.
+        commit: called when the next life must know of something else.
     """
 
-    def __init__(self, subscriptions: HeartbeatSubscriptions, out: list[Effect]) -> None:
+    def __init__(
+        self, subscriptions: HeartbeatSubscriptions, out: list[Effect], commit: Callable[[], None]
+    ) -> None:
         self._subscriptions = subscriptions
-        self._out = out
+        self._out, self._commit = out, commit
         self._let_in: dict[str, ReservationMemory] = {}
         """By vehicle, what it may take."""
+        self._heard_s: dict[str, float] = {}
+        """By vehicle, when it was heard or seen at its task last; none of those that this life has not heard."""
+        self._asked_s: dict[str, float] = {}
+        """By vehicle, when its coordinator was asked last whether it has fetched the load."""
 
-    def let_in(self, load: ReservationMemory) -> None:
-        """A vehicle may load now. Harmless when that was said before."""
-        if load.vehicle not in self._let_in:
-            self._subscriptions.follow(load.vehicle)
-        self._let_in[load.vehicle] = load
+    def let_in(self, load: ReservationMemory, now_s: float) -> None:
+        """A vehicle stands here and may load now. Harmless when that was said before."""
+        self._follow(load)
+        self._heard_s[load.vehicle] = now_s
+        self._asked_s.pop(load.vehicle, None)
+        self._commit()
 
-    def on_carrier_heard(self, heartbeat: AtvHeartbeat) -> None:
+    def on_carrier_heard(self, heartbeat: AtvHeartbeat, now_s: float) -> None:
         """A vehicle may have left with a load."""
         load, carries = self._let_in.get(heartbeat.atv), heartbeat.task
         if load is None:
             return
-        if carries is None or (carries.task, carries.epoch) != (load.task, load.opened):
+        if carries is not None and (carries.task, carries.epoch) == (load.task, load.opened):
+            self._heard_s[load.vehicle] = now_s
+            if carries.phase in GOODS_ABOARD:
+                self._book(load)
+        elif now_s - self._heard_s.get(load.vehicle, -UNHEARD_S) < UNHEARD_S:
             self._forget(load.vehicle)
-        elif carries.phase in GOODS_ABOARD:
-            self._out.append(
-                Instruct(
-                    Book(load.vehicle, load.item, -load.quantity, task=load.task, epoch=load.opened),
-                )
-            )
-            self._forget(load.vehicle)
+        else:
+            self._ask(load, now_s)
+
+    def on_freed(self, sender: str, freed: StockFreed) -> bool:
+        """A coordinator counts on pieces no more; one that was asked says so whether they were fetched. Returns whether they are booked out now."""
+        for vehicle in list(self._asked_s):
+            load = self._let_in[vehicle]
+            if (load.task, load.coordinator) != (freed.task, sender):
+                continue
+            if freed.fetched:
+                self._book(load)
+                return True
+            self._forget(vehicle)
+        return False
 
     def memories(self) -> tuple[ReservationMemory, ...]:
         """For the next life, which hears the vehicle in this one's place."""
@@ -58,8 +90,29 @@ class BookingOut:
     def restore(self, memories: Iterable[ReservationMemory]) -> None:
         """Go on listening to whom an earlier life has let in."""
         for load in memories:
-            self.let_in(load)
+            self._follow(load)
+
+    def _follow(self, load: ReservationMemory) -> None:
+        if load.vehicle not in self._let_in:
+            self._subscriptions.follow(load.vehicle)
+        self._let_in[load.vehicle] = load
+
+    def _ask(self, load: ReservationMemory, now_s: float) -> None:
+        if not load.coordinator:
+            self._book(load)  # Nobody can be asked: only a vehicle has spoken of it.
+        elif now_s - self._asked_s.get(load.vehicle, -AGAIN_S) >= AGAIN_S:
+            self._asked_s[load.vehicle] = now_s
+            asked = StockReserved(load.task, load.opened, load.item, load.quantity)
+            self._out.append(Send(load.coordinator, asked))
+
+    def _book(self, load: ReservationMemory) -> None:
+        book = Book(load.vehicle, load.item, -load.quantity, task=load.task, epoch=load.opened)
+        self._out.append(Instruct(book))
+        self._forget(load.vehicle)
 
     def _forget(self, vehicle: str) -> None:
         del self._let_in[vehicle]
+        self._heard_s.pop(vehicle, None)
+        self._asked_s.pop(vehicle, None)
         self._subscriptions.unfollow(vehicle)
+        self._commit()

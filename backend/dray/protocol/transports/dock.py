@@ -9,7 +9,9 @@ from __future__ import annotations
 
 from typing import Protocol, cast
 
+from dray.memory import DepartureMemory
 from dray.messages import Docked, Handover, HandoverAccepted, Transport
+from dray.protocol.contract_net.departures import Departures
 from dray.protocol.contract_net.dock import Door
 from dray.protocol.contract_net.task import OpenTask
 from dray.protocol.runtime.events import NEVER_S, Effect, Send
@@ -34,15 +36,28 @@ class Dock:
         tasks: its open transports.
         stock: what lies there.
         door: its door.
+        departures: those who are not wanted at it any more.
         out: where effects go.
+
+    Attributes:
+        counts: whether the coordinator's body counts what vehicles bring and take.
     """
 
-    def __init__(self, place: str, tasks: Transports, stock: Stock, door: Door, out: list[Effect]) -> None:
+    def __init__(
+        self,
+        place: str,
+        tasks: Transports,
+        stock: Stock,
+        door: Door,
+        departures: Departures,
+        out: list[Effect],
+    ) -> None:
         self._place = place
         self._tasks = tasks
         self._stock = stock
         self._out = out
-        self._door = door
+        self._door, self._departures = door, departures
+        self.counts = True
 
     def on_docked(self, sender: str, message: Docked, now_s: float) -> None:
         """A vehicle asks to load or to unload."""
@@ -58,6 +73,7 @@ class Dock:
         if held:
             self._door.hold(sender, message, held)
         elif here:
+            self._departures.note_done(sender, aboard=work.destination == self._place)
             self._door.open(sender, message, work.item, work.quantity, now_s)
             if self._door.answers:
                 task.contract.held_s = min(was_held_s, now_s)
@@ -75,9 +91,15 @@ class Dock:
                 if task.primary == vehicle:
                     task.contract.held_s = NEVER_S
 
-    def shut(self, vehicle: str) -> None:
-        """A vehicle carries for this coordinator no more: a manoeuvre that it has begun ends without effect."""
-        self._door.shut(vehicle)
+    def leave(self, task: OpenTask) -> None:
+        """The primary of a task carries it no more: a manoeuvre that it has begun ends without effect, where the dock can see to that."""
+        vehicle, work = task.primary, cast(Transport, task.work)
+        if task.contract.receipt.booked or task.is_counted:
+            self._door.close(vehicle)
+            return
+        change = work.quantity if work.destination == self._place else -work.quantity
+        load = DepartureMemory(vehicle, task.id, task.epoch, work.item, 0 if self.counts else change)
+        self._door.shut(vehicle, load)
 
     def on_handover(self, sender: str, message: Handover) -> OpenTask | None:
         """Somebody says that its load is down.

@@ -11,9 +11,11 @@ from typing import Any
 
 from dray.memory import ReservationMemory
 from dray.messages import Docked, Message, StockAsked, StockFreed, StockReserved, StockShort
+from dray.protocol.contract_net.departures import Departures
 from dray.protocol.contract_net.dock import Door
 from dray.protocol.runtime.events import Effect, Ignore, Send
 from dray.protocol.runtime.timers import Timers
+from dray.protocol.transports.booking_out import BookingOut
 from dray.protocol.transports.reservations import Ask, Reservations
 
 LAPSE = "lapse"
@@ -34,6 +36,8 @@ class Issuing:
         timers: the alarms of its agent; this class uses `LAPSE`.
         out: where effects go.
         door: of its dock.
+        departures: those who are not wanted at it any more.
+        booking_out: those who were let in to load, where the body does not count.
         drains: whether its agent was asked to leave.
         changed: called with now_s after every change, to see to what follows (`settle`).
 
@@ -48,6 +52,8 @@ class Issuing:
         timers: Timers,
         out: list[Effect],
         door: Door,
+        departures: Departures,
+        booking_out: BookingOut,
         *,
         drains: Callable[[], bool],
         changed: Callable[[float], None],
@@ -58,7 +64,7 @@ class Issuing:
         self._out = out
         self._drains = drains
         self._changed = changed
-        self._door = door
+        self._door, self._departures, self._booking_out = door, departures, booking_out
         self.message_handlers: Mapping[type[Message], Callable[..., None]] = {
             StockAsked: self._on_asked,
             StockFreed: self._on_freed,
@@ -93,6 +99,8 @@ class Issuing:
         return TOO_MANY if self._book.has_too_many(sender) else ""
 
     def _on_freed(self, sender: str, freed: StockFreed, now_s: float) -> None:
+        if self._booking_out.on_freed(sender, freed):
+            return  # The body says that it is gone.
         ask = self._book.get(freed.task)
         if ask is None or ask.coordinator != sender:
             self._out.append(Ignore("gave back what it does not have"))
@@ -156,6 +164,7 @@ class Issuing:
             self._door.shut(ask.vehicle)
         ask.vehicle, ask.opened, ask.epoch = vehicle, docked.epoch, max(ask.epoch, docked.epoch)
         self._book.renew(ask, now_s)
+        self._departures.note_done(vehicle, aboard=False)
         self._door.open(vehicle, docked, ask.item, ask.quantity, now_s)
         self._changed(now_s)
 

@@ -107,6 +107,7 @@ class Sourcing:
         out: where effects go.
         announce: called with a need for which material is set aside in all of its sources, and now_s.
         task_of: an open task by its name.
+        may_be_fetched: whether the load of a task that is not open was fetched in an epoch, or may have been, for nothing is known of it.
         starve: called with an open task whose material is not there any more, before anybody was hired, and now_s.
         changed: called with now_s when something is waited for.
         resized: called with what was to be brought and what is, when less has to do.
@@ -124,6 +125,7 @@ class Sourcing:
         *,
         announce: Callable[[Need, float], None],
         task_of: Callable[[str], OpenTask | None],
+        may_be_fetched: Callable[[str, int], bool],
         starve: Callable[[OpenTask, float], None],
         changed: Callable[[float], None],
         resized: Callable[[Transport, Transport], None],
@@ -133,7 +135,7 @@ class Sourcing:
         self._timers = timers
         self._out = out
         self._announce = announce
-        self._task_of = task_of
+        self._task_of, self._may_be_fetched = task_of, may_be_fetched
         self._starve = starve
         self._changed = changed
         self._resized = resized
@@ -204,7 +206,8 @@ class Sourcing:
         if task is not None and sender in _sources(task):
             self._hold(task, sender)
         else:
-            self._free(message.task, (sender,))
+            fetched = self._may_be_fetched(message.task, message.epoch)
+            self._out.append(Send(sender, StockFreed(message.task, fetched=fetched)))
 
     def on_short(self, sender: str, message: StockShort, now_s: float) -> None:
         self._note_heard(sender, now_s)

@@ -11,7 +11,7 @@ from collections.abc import Callable, Collection, Iterable, Mapping
 from typing import Any, Protocol, cast
 
 from dray.body import DockReady, StockChanged, StorageState, WorkcellState
-from dray.memory import Memory, ReservationMemory, TaskMemory
+from dray.memory import DepartureMemory, Memory, ReservationMemory, TaskMemory
 from dray.messages import (
     Accepted,
     AtvHeartbeat,
@@ -35,6 +35,7 @@ from dray.messages.fact import Outcome
 from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.protocol.contract_net.auction_rules import AuctionRules
+from dray.protocol.contract_net.departures import Departures
 from dray.protocol.contract_net.dock import Door, ready_within_s
 from dray.protocol.contract_net.task import OpenTask
 from dray.protocol.contract_net.terms import Place
@@ -94,6 +95,7 @@ class TransportFlow:
         called: what people and programs have asked for.
         door: of its dock, for whoever loads or unloads.
         booking_out: what others have fetched, where the body does not count.
+        departures: vehicles that may still be at its dock though they are not wanted there any more.
         message_handlers: by the type of a message, what to call with (sender, message, now_s).
         alarms: what to call when an alarm of these names has come.
         subscriptions: which heartbeats it hears.
@@ -130,7 +132,7 @@ class TransportFlow:
             lost=self._on_task_lost,
             is_missing=self._lacks,
             source_answers=lambda task, now_s: self.sourcing.answers(task, now_s),  # noqa: PLW0108 - made below
-            left=lambda atv: self._dock.shut(atv),  # noqa: PLW0108 - made below
+            left=lambda task: self._dock.leave(task),  # noqa: PLW0108 - made below
             unloaded=self._settle,
             commit=owner.commit,
             ended=self._on_task_ended,
@@ -143,14 +145,16 @@ class TransportFlow:
             out,
             announce=self._announce_sourced,
             task_of=self.tasks.get,
+            may_be_fetched=self._may_be_fetched,
             starve=self.withdraw,
             changed=owner.beat_soon,
             resized=self._resize,
         )
         self.held = HeldTransports(plant, self.tasks)
-        self.booking_out = BookingOut(self.subscriptions, out)
-        self.door = Door(out, ready_within_s(plant, place))
-        self._dock = Dock(place, self.tasks, stock, self.door, out)
+        self.booking_out = BookingOut(self.subscriptions, out, owner.commit)
+        self.departures = Departures(plant.node_of(place), self.subscriptions, out, owner.commit)
+        self.door = Door(out, ready_within_s(plant, place), self.departures)
+        self._dock = Dock(place, self.tasks, stock, self.door, self.departures, out)
         self._handovers = Handovers(
             place,
             self.tasks,
@@ -189,12 +193,22 @@ class TransportFlow:
     def take_abilities(self, body: WorkcellState | StorageState) -> None:
         """What the body counts and says by itself."""
         self._handovers.counts, self.door.answers = body.counts, body.answers
+        self._dock.counts = body.counts
+        self.door.restore(body.opened)
 
-    def note_let_in(self, load: ReservationMemory | None) -> None:
+    def note_let_in(self, load: ReservationMemory | None, now_s: float) -> None:
         """Somebody else's vehicle may load now; None for nobody."""
         if load is not None and not self._handovers.counts:
-            self.booking_out.let_in(load)
-            self._owner.commit()
+            self.booking_out.let_in(load, now_s)
+
+    def take_back(self, vehicle: str, docked: Docked, now_s: float) -> None:
+        """A vehicle stands here with a load that nobody waits for any more; a body that counts takes it without a question."""
+        if self._handovers.counts:
+            self.door.agree(vehicle, docked)
+            return
+        load = DepartureMemory(vehicle, docked.task, docked.epoch, docked.item, docked.quantity)
+        self.departures.watch(load)
+        self.door.open(vehicle, docked, docked.item, docked.quantity, now_s)
 
     def restore_tasks(self, memories: Iterable[TaskMemory], memory: Memory, now_s: float) -> None:
         """Go on with the transports of an earlier life, and with those that people have asked for."""
@@ -228,6 +242,10 @@ class TransportFlow:
     def knows(self, task: str) -> bool:
         """Whether a task is, or was, one of this place's."""
         return not (self.tasks.get(task) is None and self.tasks.closed(task) is None)
+
+    def _may_be_fetched(self, task: str, epoch: int) -> bool:
+        closed = self.tasks.closed(task)
+        return closed is None or (closed.epoch == epoch and closed.outcome == "delivered")
 
     def seek(self, task: str, work: Transport, deadline_s: float, now_s: float) -> None:
         """Have a load set aside where it is to be fetched, and then fetched."""
@@ -299,7 +317,8 @@ class TransportFlow:
     def _on_vehicle(self, _sender: str, heartbeat: AtvHeartbeat, now_s: float) -> None:
         self.tasks.on_heartbeat(heartbeat, now_s)
         self._handovers.on_carrier_heard(heartbeat)
-        self.booking_out.on_carrier_heard(heartbeat)
+        self.booking_out.on_carrier_heard(heartbeat, now_s)
+        self.departures.on_vehicle(heartbeat)
         self._recovery.on_heartbeat(heartbeat, now_s)
         self.called.review(now_s)
 

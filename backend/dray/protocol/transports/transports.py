@@ -71,7 +71,7 @@ class Transports(Coordinator):
         lost: called when a task is given up with the vehicle that has carried it.
         is_missing: whether the load of a task lies at its place no more, by its own senses.
         source_answers: whether the station where the load of a task is fetched lives, at a time (s).
-        left: called with a vehicle that does not carry a task any more.
+        left: called with a task whose primary does not carry it any more, before that is forgotten.
         unloaded: called when a task has ended because its load is down, though nobody has said so.
         commit: called when the next life must know of something else.
         ended: called with a task that has ended, before that is forgotten, and how.
@@ -98,7 +98,7 @@ class Transports(Coordinator):
         lost: Callable[[OpenTask, float], None],
         is_missing: Callable[[OpenTask], bool],
         source_answers: Callable[[OpenTask, float], bool],
-        left: Callable[[str], None],
+        left: Callable[[OpenTask], None],
         unloaded: Callable[[OpenTask, float], None],
         commit: Callable[[], None],
         ended: Callable[[OpenTask, Outcome], None],
@@ -388,7 +388,7 @@ class Transports(Coordinator):
         self._secondaries.drop(task, reason)
         self.failover.leave(task)
         if task.primary:
-            self._left(task.primary)
+            self._left(task)
         task.contract = CarrierContract()
 
     def _bind(self, task: OpenTask, atv: str, source: str, promised_s: float, now_s: float) -> None:

@@ -173,7 +173,8 @@ class Contracts:
             # Nobody knows any more where it was fetched: people find it at a storage.
             refuges = tuple(plant.stores)
         work = Transport(item=load, quantity=quantity, sources=refuges, destination=refuges[0], ability="")
-        task, why = f"{self._atv}-found", Reason.LOAD_UNKNOWN
+        # A name of its own for each: what is brought back under one name is booked in once.
+        task, why = f"{self._atv}-found-{now_s:.0f}", Reason.LOAD_UNKNOWN
         contract = Contract(task, 0, work, self._atv, refuges[0], 0.0, 0.0, cancelled=why)
         self.standby.resign(Reason.HAS_WORK)
         self._owner.stop_resting()

@@ -9,6 +9,7 @@ from trip import GOODS, ROUTES, Trip
 
 from dray.body import Drive, Drop, Pick
 from dray.messages import (
+    Docked,
     Handover,
     Message,
     Phase,
@@ -18,6 +19,7 @@ from dray.messages import (
 )
 from dray.protocol.runtime.events import NEVER_S
 from dray.protocol.vehicle.job.job_moves import RETRY_S
+from dray.protocol.vehicle.job.job_state import JobState
 from dray.protocol.vehicle.job.transport_job import TRIES
 
 
@@ -138,6 +140,44 @@ def test_a_load_that_could_not_be_put_back_is_tried_again_after_a_while() -> Non
     assert len(instructed(trip.out, Drop)) == 2
     trip.done(Drop)
     assert trip.job.ended == Reason.SUPERSEDED
+
+
+def brought_back() -> Trip:
+    """It stands at the storage with a load that nobody wants, and has no answer yet."""
+    trip = Trip().to_carrying()
+    trip.takes_back = False
+    trip.superseded()
+    trip.arrives()
+    return trip
+
+
+def refuge(trip: Trip) -> str:
+    """Where it has asked last to put its load down."""
+    asked = sent(trip.out, Docked)[-1]
+    assert (asked.returns, asked.item, asked.quantity) == (True, "shaft", trip.job.work.quantity)
+    return asked.station
+
+
+def test_what_is_brought_back_is_put_down_when_the_storage_opens_its_dock() -> None:
+    trip = brought_back()
+    assert instructed(trip.out, Drop) == []
+    trip.held(refuge(trip))
+    trip.waits()
+    assert instructed(trip.out, Drop) == []
+    trip.opened(refuge(trip))
+    assert instructed(trip.out, Drop)[-1].station == refuge(trip)
+    trip.done(Drop)
+    assert trip.job.ended == Reason.SUPERSEDED
+
+
+def test_where_no_station_answers_the_load_is_brought_elsewhere() -> None:
+    trip = brought_back()
+    silent = refuge(trip)
+    while trip.job.state is JobState.AT_REFUGE:
+        trip.waits()
+    assert instructed(trip.out, Drop) == []
+    trip.arrives()
+    assert refuge(trip) != silent
 
 
 @pytest.mark.parametrize(

@@ -18,6 +18,8 @@ class StockView(View, kw_only=True):
     """Pieces that machines ask for and that cannot be promised yet."""
     on_order: int = 0
     """Pieces that are on their way here, or are to be."""
+    uncounted: bool = False
+    """Nobody knows how many lie there, until somebody has counted: at least `level`."""
 
 
 class StationView(View, kw_only=True):

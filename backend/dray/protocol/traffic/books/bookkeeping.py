@@ -62,6 +62,7 @@ class Bookkeeping:
         subscriptions: to whose heartbeats the agent listens.
         timers: the agent's alarms.
         out: where effects go.
+        carried_away: called with a vehicle of which it is believed that people have carried it away.
     """
 
     def __init__(
@@ -73,8 +74,10 @@ class Bookkeeping:
         subscriptions: HeartbeatSubscriptions,
         timers: Timers,
         out: list[Effect],
+        carried_away: Callable[[str], None] = lambda _vehicle: None,
     ) -> None:
         self._me = me
+        self._carried_away = carried_away
         self._plant = plant
         self._keys = Keys(plant.id)
         self._traffic = traffic
@@ -216,6 +219,7 @@ class Bookkeeping:
         place = self._traffic.places.place_of(removal.node) if removal.node else ""
         for district in self._books.districts.values():
             district.remove(removal, place, now_s)
+        self._carried_away(atv)
         return ""
 
     def _nodes_of(self, atv: str) -> tuple[str, ...]:

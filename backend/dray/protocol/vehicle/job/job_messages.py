@@ -96,6 +96,19 @@ class JobMessages:
         # A machine and the station of a storage have the name of the place.
         self._ask(station, asked, now_s)
 
+    def ask_to_put_back(self, station: str, now_s: float) -> None:
+        """Ask to put down a load that nobody waits for any more, where the vehicle stands."""
+        work = self._contract.work
+        asked = Docked(
+            task=self._task,
+            epoch=self._epoch,
+            station=station,
+            item=work.item,
+            quantity=work.quantity,
+            returns=True,
+        )
+        self._ask(station, asked, now_s)
+
     def ask_for_handover(self, now_s: float) -> None:
         """The load is down: ask the coordinator to take it over."""
         handover = Handover(task=self._task, epoch=self._epoch, quantity=self._contract.work.quantity)

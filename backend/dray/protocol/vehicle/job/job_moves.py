@@ -177,6 +177,10 @@ class JobMoves:
         except NoWay:
             return storages[0]
 
+    def has_station(self, place: str) -> bool:
+        """Whether an agent sees to the dock of a refuge: a delivery warehouse has its gate."""
+        return place in self._plant.stores
+
     def note_full(self, place: str) -> None:
         """This place did not take the load."""
         self._full.add(place)

@@ -4,7 +4,7 @@
 
 is the job that goes well. It stands and is GIVING_BACK when another vehicle is to carry it and nothing is on board. When
 the contract is void while a manoeuvre runs, its end is waited for (VOID_PICKING, VOID_DROPPING); a load that nobody
-wants any more is RETURNING to a storage and PUTTING_BACK there. docs/states.md draws the table.
+wants any more is RETURNING to a storage, asks for its dock (AT_REFUGE) and is PUTTING_BACK there. docs/states.md draws the table.
 """
 
 from __future__ import annotations
@@ -40,6 +40,8 @@ class JobState(StrEnum):
     """The contract is void; a drop is still under way."""
     RETURNING = "returning"
     """The contract is void; the load is on its way to a place that keeps it."""
+    AT_REFUGE = "at_refuge"
+    """Asks for the dock of the place that keeps it."""
     PUTTING_BACK = "putting_back"
     ENDED = "ended"
 
@@ -106,7 +108,13 @@ TRANSITIONS: Transitions[JobState] = {
         _S.ENDED: "dropped",
     },
     _S.RETURNING: {
-        _S.PUTTING_BACK: "arrives",
+        _S.AT_REFUGE: "arrives at a storage",
+        _S.PUTTING_BACK: "arrives at a delivery warehouse",
+        _S.ENDED: "the load was taken off",
+    },
+    _S.AT_REFUGE: {
+        _S.PUTTING_BACK: "the dock opens",
+        _S.RETURNING: "nobody answers",
         _S.ENDED: "the load was taken off",
     },
     _S.PUTTING_BACK: {
@@ -127,6 +135,7 @@ PHASES = {
     _S.VOID_DROPPING: Phase.UNLOADING,
     _S.HANDING_OVER: Phase.HANDING_OVER,
     _S.RETURNING: Phase.RETURNING,
+    _S.AT_REFUGE: Phase.RETURNING,
     _S.PUTTING_BACK: Phase.RETURNING,
 }
 """What others hear of a state; of one that is not here they go on hearing the phase before."""
@@ -135,11 +144,19 @@ MANOEUVRES = frozenset({_S.PICKING, _S.DROPPING, _S.VOID_PICKING, _S.VOID_DROPPI
 """A pick or a drop is under way."""
 
 LOADED = frozenset(
-    {_S.CARRYING, _S.AT_DESTINATION, _S.DROPPING, _S.VOID_DROPPING, _S.RETURNING, _S.PUTTING_BACK}
+    {
+        _S.CARRYING,
+        _S.AT_DESTINATION,
+        _S.DROPPING,
+        _S.VOID_DROPPING,
+        _S.RETURNING,
+        _S.AT_REFUGE,
+        _S.PUTTING_BACK,
+    }
 )
 """The load is on board."""
 
-VOID = frozenset({_S.VOID_PICKING, _S.VOID_DROPPING, _S.RETURNING, _S.PUTTING_BACK, _S.ENDED})
+VOID = frozenset({_S.VOID_PICKING, _S.VOID_DROPPING, _S.RETURNING, _S.AT_REFUGE, _S.PUTTING_BACK, _S.ENDED})
 """The contract binds nobody any more."""
 
 

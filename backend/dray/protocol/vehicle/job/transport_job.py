@@ -144,6 +144,9 @@ class TransportJob(JobWays):
                 self._enter(JobState.AT_DESTINATION, self.work.destination)
                 self._moves.expect_to_unload(now_s, docked=True)
                 self._ask_to_unload(now_s)
+            case JobState.RETURNING if self._moves.has_station(self._station):
+                self._states.enter(JobState.AT_REFUGE)
+                self._ask_to_put_back(now_s)
             case JobState.RETURNING:
                 self._drop(JobState.PUTTING_BACK)
 
@@ -283,6 +286,8 @@ class TransportJob(JobWays):
                 self._ask_for_dock(now_s)
             case JobState.AT_DESTINATION:
                 self._ask_to_unload(now_s)
+            case JobState.AT_REFUGE:
+                self._ask_to_put_back(now_s)
             case JobState.HANDING_OVER:
                 self._ask_for_handover(now_s)
             case _:
@@ -320,6 +325,10 @@ class TransportJob(JobWays):
         self._moves.try_no_more()
         self._messages.ask_for_dock(self._station, now_s)
 
+    def _ask_to_put_back(self, now_s: float) -> None:
+        self._moves.try_no_more()
+        self._messages.ask_to_put_back(self._station, now_s)
+
     def _ask_for_handover(self, now_s: float) -> None:
         self._moves.try_no_more()
         self._messages.ask_for_handover(now_s)
@@ -345,13 +354,15 @@ class TransportJob(JobWays):
             self._messages.ask_later(now_s)
 
     def _waits_at(self, station: str) -> bool:
-        asks = self.state in (JobState.AT_SOURCE, JobState.AT_DESTINATION)
+        asks = self.state in (JobState.AT_SOURCE, JobState.AT_DESTINATION, JobState.AT_REFUGE)
         return asks and station == self._station
 
     def _transfer(self) -> None:
         if self.state is JobState.AT_SOURCE:
             self._states.enter(JobState.PICKING)
             self._moves.pick()
+        elif self.state is JobState.AT_REFUGE:
+            self._drop(JobState.PUTTING_BACK)
         else:
             self._drop(JobState.DROPPING)
 
@@ -363,6 +374,9 @@ class TransportJob(JobWays):
         """The coordinator answers nothing any more: its transports end with it (paper, case 1)."""
         if self.state is JobState.HANDING_OVER:
             self._end(Reason.NOT_CONFIRMED)
+        elif self.state is JobState.AT_REFUGE:
+            self._moves.note_full(self._station)
+            self._return(now_s)
         elif self.state is JobState.AT_SOURCE and self.source not in (self.coordinator, self.work.handed_at):
             self._short = self.source
             self.give_back(Reason.SOURCE_SILENT, now_s, self.source)

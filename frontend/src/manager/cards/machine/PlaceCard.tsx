@@ -73,7 +73,11 @@ function Kept({ stock, capacity }: { stock: StockView | undefined; capacity: num
   if (!stock) return <>{t("place.upTo", { quantity: format.count(capacity) })}</>;
   return (
     <>
-      {t("place.stock", { level: format.count(stock.level), capacity: format.count(stock.capacity) })}
+      {stock.uncounted ? (
+        <span class="tone-warn">{t("place.uncounted", { level: format.count(stock.level), capacity: format.count(stock.capacity) })}</span>
+      ) : (
+        t("place.stock", { level: format.count(stock.level), capacity: format.count(stock.capacity) })
+      )}
       {stock.promised > 0 && <small>{t("place.promised", { quantity: format.count(stock.promised) })}</small>}
       {stock.on_order > 0 && <small>{t("place.onOrder", { quantity: format.count(stock.on_order) })}</small>}
       {stock.wanted > 0 && <small class="tone-warn">{t("place.wanted", { quantity: format.count(stock.wanted) })}</small>}

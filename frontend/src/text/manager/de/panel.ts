@@ -74,6 +74,7 @@ export const panel: Catalogue<typeof english> = {
 
   "place.stock": "{level} von {capacity}",
   "place.promised": "{quantity} für Transporte zurückgelegt",
+  "place.uncounted": "nicht gezählt, seit der Speicher beschädigt war; mindestens {level} von {capacity}",
   "place.onOrder": "{quantity} weitere unterwegs",
   "place.wanted": "{quantity} verlangt und nicht da",
 

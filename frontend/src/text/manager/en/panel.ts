@@ -71,6 +71,7 @@ export const panel = {
 
   "place.stock": "{level} of {capacity}",
   "place.promised": "{quantity} set aside for transports",
+  "place.uncounted": "not counted since its memory was damaged; at least {level} of {capacity}",
   "place.onOrder": "{quantity} more on the way",
   "place.wanted": "{quantity} asked for and not there",
 

@@ -74,6 +74,7 @@ export const panel: Catalogue<typeof english> = {
 
   "place.stock": "{level} de {capacity}",
   "place.promised": "{quantity} apartadas para transportes",
+  "place.uncounted": "sin contar desde que se dañó la memoria; al menos {level} de {capacity}",
   "place.onOrder": "{quantity} más en camino",
   "place.wanted": "{quantity} pedidas y no disponibles",
 

@@ -104,4 +104,5 @@ def _stock(level: StockLevel) -> StockView:
         promised=level.promised,
         wanted=level.wanted,
         on_order=level.on_order,
+        uncounted=level.uncounted,
     )

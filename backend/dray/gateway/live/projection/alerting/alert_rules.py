@@ -182,6 +182,8 @@ def of_stations(heartbeats: Iterable[StationHeartbeat], now: Moment) -> Iterator
             yield Condition(kind=kind, agent=heard.station, seen_at_s=now.to_wall_s(heard.at_s))
         elif heard.dock_wait is not UNSET:
             yield _dock_not_ready(heard.station, heard.dock_wait, now)
+        elif any(level.uncounted for level in heard.stocks):
+            yield Condition(kind="stock_unknown", agent=heard.station)
 
 
 def of_strategists(heartbeats: Iterable[StrategistHeartbeat], now: Moment) -> Iterator[Condition]:

@@ -1,0 +1,44 @@
+"""The nodes of one simulated controller in an OPC UA server: an object, and a variable for each of its signals."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from asyncua import ua
+from asyncua.common.node import Node
+from asyncua.server.server import Server
+
+from dray.adapters.signals.signal import Signal, Value
+
+Types = Mapping[Signal, tuple[Value, ua.VariantType]]
+"""What each signal begins with, and its type."""
+
+
+async def add_controller(server: Server, space: int, name: str, types: Types) -> dict[Signal, Node]:
+    """Add one, with nodes as `ns=2;s=NAME.pieces`; nobody may write to them yet.
+
+    Args:
+        server: to which.
+        space: the index of its namespace.
+        name: of the controller.
+        types: of its signals.
+    """
+    place = await server.nodes.objects.add_object(_id(name, space), ua.QualifiedName(name, space))
+    return {
+        signal: await place.add_variable(
+            _id(f"{name}.{signal.value}", space),
+            ua.QualifiedName(signal.value, space),
+            value,
+            kind,
+        )
+        for signal, (value, kind) in types.items()
+    }
+
+
+def shown(signal: Signal, value: Value, types: Types, status: ua.StatusCode | None = None) -> ua.DataValue:
+    """A value of a signal, as its node takes it, with what the controller says of it."""
+    return ua.DataValue(ua.Variant(value, types[signal][1]), status or ua.StatusCode())
+
+
+def _id(name: str, space: int) -> ua.NodeId:
+    return ua.NodeId.from_string(f"ns={space};s={name}")

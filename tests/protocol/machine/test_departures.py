@@ -1,0 +1,161 @@
+"""A dock that makes itself safe stays open until the vehicle at it has left, whatever becomes of its transport meanwhile."""
+
+from __future__ import annotations
+
+from effects import committed, instructed, listening, sent
+from m7 import NO_HOUSINGS, docked, handover
+from msgspec.structs import replace
+from rigs import BlindRig, MachineRig
+from spoken import production, rhb
+
+from dray.body import Book, CloseDock, DockReady
+from dray.memory import DepartureMemory
+from dray.messages import (
+    Docked,
+    DockOpened,
+    Phase,
+    Reason,
+    Resigned,
+    Role,
+    StockAsked,
+    StockFreed,
+    Superseded,
+)
+from dray.messages.keys import Keys
+from dray.plant.file.file import shipped_plant
+from dray.protocol.contract_net.departures import Departures
+from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
+from dray.protocol.runtime.events import Effect
+
+DOCK = "m7"
+GIVES_BACK = Resigned(task="M7-1", epoch=1, role=Role.PRIMARY, reason=Reason.PROBLEM)
+SHUT = [CloseDock(vehicle="ATV2")]
+BROUGHT = [Book("ATV2", "housing", 24, task="M7-1", epoch=1)]
+
+
+def unloading(rig: MachineRig | None = None) -> MachineRig:
+    """M7, whose dock makes itself safe and whose body does not count; ATV2 unloads 24 housings there (M7-1)."""
+    rig = rig or BlindRig("M7", NO_HOUSINGS)
+    rig.answers = True
+    rig.start()
+    rig.take_goal("G1", production(quantity=24))
+    rig.hire("M7-1", "ATV2")
+    rig.on_message("ATV2", docked())
+    assert sent(rig.report(DockReady(vehicle="ATV2")), DockOpened)
+    return rig
+
+
+def given_back(rig: MachineRig | None = None) -> MachineRig:
+    """ATV2 has given its transport back while it unloads."""
+    rig = unloading(rig)
+    effects = rig.on_message("ATV2", GIVES_BACK)
+    assert sent(effects, Superseded, to="ATV2")
+    assert instructed(effects, CloseDock) == []
+    return rig
+
+
+def beats(rig: MachineRig, phase: Phase | None, *, node: str = DOCK, aboard: bool = False) -> list[Effect]:
+    """ATV2 tells what it does."""
+    rig.run(rig.now_s + 1.0)
+    beat = rhb("ATV2", 1000 + int(rig.now_s), rig.now_s, task="M7-1", coordinator="M7")
+    assert beat.task is not None
+    doing = None if phase is None else replace(beat.task, phase=phase)
+    load = ("housing", 24) if aboard else ("", 0)
+    return rig.on_message("ATV2", replace(beat, task=doing, node=node, load=load[0], load_quantity=load[1]))
+
+
+def test_a_vehicle_that_goes_away_with_its_load_has_the_dock_until_it_has_left() -> None:
+    rig = given_back()
+    assert instructed(beats(rig, Phase.UNLOADING, aboard=True), CloseDock) == []
+    assert instructed(beats(rig, Phase.RETURNING, aboard=True), CloseDock) == []
+    effects = beats(rig, Phase.RETURNING, node="c1", aboard=True)
+    assert (instructed(effects, CloseDock), instructed(effects, Book)) == (SHUT, [])
+
+
+def test_what_a_superseded_vehicle_has_put_down_all_the_same_is_booked() -> None:
+    rig = given_back()
+    assert instructed(beats(rig, Phase.UNLOADING, aboard=True), Book) == []
+    effects = beats(rig, None)
+    assert (instructed(effects, CloseDock), instructed(effects, Book)) == (SHUT, BROUGHT)
+    assert instructed(beats(rig, None), CloseDock) == []
+
+
+def test_a_silent_vehicle_keeps_the_dock_until_it_is_heard_elsewhere() -> None:
+    rig = given_back()
+    assert instructed(rig.run(rig.now_s + 3_600.0), CloseDock) == []
+    assert instructed(beats(rig, None, node="c1", aboard=True), CloseDock) == SHUT
+
+
+def test_a_vehicle_that_was_carried_away_has_left() -> None:
+    out: list[Effect] = []
+    departures = Departures(DOCK, HeartbeatSubscriptions(Keys("dray").atv_heartbeat, out), out, lambda: None)
+    departures.watch(DepartureMemory("ATV2", "M7-1", 1, "housing", 24))
+    departures.on_carried_away("ATV7")
+    assert instructed(out, CloseDock) == []
+    departures.on_carried_away("ATV2")
+    assert (instructed(out, CloseDock), instructed(out, Book)) == (SHUT, [])
+    assert listening(out) == set()
+
+
+def test_the_next_life_waits_for_it_and_books_what_it_put_down() -> None:
+    first = given_back()
+    rig = BlindRig("M7", NO_HOUSINGS, incarnation=2)
+    rig.answers, rig.opened, rig.memory = True, ("ATV2",), committed(first.all)
+    assert instructed(rig.start(), CloseDock) == []
+    assert instructed(beats(rig, Phase.UNLOADING, aboard=True), CloseDock) == []
+    effects = beats(rig, None)
+    assert (instructed(effects, CloseDock), instructed(effects, Book)) == (SHUT, BROUGHT)
+
+
+def test_a_life_without_notes_shuts_a_dock_that_it_does_not_know_of_once_its_vehicle_has_left() -> None:
+    rig = BlindRig("M7", NO_HOUSINGS)
+    rig.answers, rig.opened = True, ("ATV2",)
+    assert instructed(rig.start(), CloseDock) == []
+    effects = beats(rig, None, node="c1")
+    assert (instructed(effects, CloseDock), instructed(effects, Book)) == (SHUT, [])
+
+
+def test_who_carries_goes_on_unloading_over_a_restart_of_the_machines_agent() -> None:
+    first = unloading()
+    rig = BlindRig("M7", NO_HOUSINGS, incarnation=2)
+    rig.answers, rig.opened, rig.memory = True, ("ATV2",), committed(first.all)
+    assert instructed(rig.start(), CloseDock) == []
+    assert instructed(rig.on_message("ATV2", handover()), Book) == BROUGHT
+
+
+def test_a_dock_that_was_never_opened_is_shut_at_once() -> None:
+    rig = BlindRig("M7", NO_HOUSINGS)
+    rig.answers = True
+    rig.start()
+    rig.take_goal("G1", production(quantity=24))
+    rig.hire("M7-1", "ATV2")
+    rig.on_message("ATV2", docked())
+    assert instructed(rig.on_message("ATV2", GIVES_BACK), CloseDock) == SHUT
+
+
+def test_a_dock_that_ends_a_transfer_without_effect_is_shut_at_once() -> None:
+    rig = MachineRig("M7", NO_HOUSINGS)
+    rig.start()
+    rig.take_goal("G1", production(quantity=24))
+    rig.hire("M7-1", "ATV2")
+    rig.on_message("ATV2", docked())
+    assert instructed(rig.on_message("ATV2", GIVES_BACK), CloseDock) == SHUT
+
+
+def test_a_load_that_is_given_back_while_it_is_taken_leaves_the_dock_open_until_its_vehicle_has_left() -> (
+    None
+):
+    rig = BlindRig("LATHE1", {"bar": 60, "shaft": 12}, plant=shipped_plant("levels"))
+    rig.answers = True
+    rig.start()
+    rig.on_message("PRESS1", StockAsked("PRESS1-1", 1, "shaft", 6))
+    rig.on_message("ATV2", Docked("PRESS1-1", 1, "LATHE1", "shaft", 6))
+    rig.report(DockReady(vehicle="ATV2"))
+    assert instructed(rig.on_message("PRESS1", StockFreed("PRESS1-1")), CloseDock) == []
+    beat = rhb("ATV2", 1000, rig.now_s, task="PRESS1-1", coordinator="PRESS1")
+    assert beat.task is not None
+    beat = replace(beat, node=shipped_plant("levels").node_of("LATHE1"))
+    loads = replace(beat, task=replace(beat.task, phase=Phase.LOADING))
+    assert instructed(rig.on_message("ATV2", loads), CloseDock) == []
+    leaves = replace(beat, seq=1001, node="far", task=replace(beat.task, phase=Phase.RETURNING))
+    assert instructed(rig.on_message("ATV2", leaves), CloseDock) == SHUT
