@@ -399,9 +399,13 @@ class StorageState(Part, frozen=True):
     """Whether its dock takes time to open; see `WorkcellState`."""
     counts: bool = True
     """Whether it counts what vehicles bring and take; see `WorkcellState`."""
+    people: bool = False
+    """Whether it is people, whose words (`Word`) it takes."""
+    loads: tuple[UnconfirmedLoad, ...] = ()
+    """Of people; see `WorkcellState`."""
 
 
-StorageInstruction = OpenDock | CloseDock | Book | Refill
+StorageInstruction = OpenDock | CloseDock | Book | Refill | Word
 
 # --- a person with a tablet: the operator's body ---------------------------------------------------
 

@@ -31,10 +31,11 @@ DockBody = Annotated[
 ]
 
 StationBody = Annotated[
-    Literal["floor", "controller", "opcua", "mqtt"] | None,
+    Literal["floor", "controller", "opcua", "mqtt", "people"] | None,
     typer.Option(
         "--body",
-        help="floor: simulated, on `dray floor`; controller: that of its dock, behind a broker; opcua, mqtt: likewise, by OPC UA or on topics; else DRAY_BODY.",
+        help="floor: simulated, on `dray floor`; controller: that of its dock, behind a broker; opcua, mqtt: likewise, by OPC UA or on topics; "
+        "people: who work there say at the tablet what has happened; else DRAY_BODY.",
     ),
 ]
 
@@ -226,12 +227,12 @@ def station(
     from dray import __version__
     from dray.body import StorageState
     from dray.cli.runtime.agent_process import run_agent
-    from dray.cli.runtime.bodies import by_controller, on_floor, store_by_signals
+    from dray.cli.runtime.bodies import by_controller, on_floor, store_by_people, store_by_signals
     from dray.cli.runtime.output import one_of
     from dray.protocol.station.station import Station
 
     said = _surroundings(settings, traffic=traffic, body=body, broker=broker, mapping=mapping)
-    where = _with_body(said, "a station", "controller", "opcua", "mqtt")
+    where = _with_body(said, "a station", "controller", "opcua", "mqtt", "people")
     spec = one_of(where.plant.stores, name, "NAME")
     trusts, places = _trusted(where), where.traffic
 
@@ -245,6 +246,8 @@ def station(
             embody = by_controller(where, name, StorageState)
         case "opcua" | "mqtt":
             embody = store_by_signals(where, name, spec)
+        case "people":
+            embody = store_by_people(where, name, spec)
         case _:
             embody = on_floor(where, name)
     asyncio.run(run_agent(where, name, make, embody))

@@ -1,61 +1,82 @@
-import { signal } from "@preact/signals";
+import { computed, signal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
-import type { MachineView } from "../../api/types";
+import { selection } from "../../selection/selection";
 import { world } from "../../stream/stream";
 import { vehicleName } from "../../text/elsewhere";
 import { format, t } from "../../text/operator";
+import { me } from "../session/session";
 import { names } from "../state";
-import { shown } from "../station/StationCard";
-import { type Choice, isWhole, itemsFor, KINDS, ofKind, ofLoad, scanned, withItem, withQuantity } from "./choice";
+import { type Choice, isWhole, itemsFor, kindsAt, ofKind, ofLoad, type Place, scanned, withItem, withQuantity } from "./choice";
 import { NOTHING, pressed } from "./scan";
-import { answer, doubted, goOn, last, say, waiting } from "./words";
+import { answer, type At, doubted, goOn, last, say, waiting } from "./words";
 import "./words.css";
 
-/** Chosen at which machine, and what. */
-const chosen = signal<{ readonly machine: string; readonly choice: Choice } | null>(null);
+/** Chosen at which place, and what. */
+const chosen = signal<{ readonly place: string; readonly choice: Choice } | null>(null);
 const unknown = signal("");
 
-/** What has happened at a machine that people work: a first touch or code chooses, a second one says it. */
-export function WordsCard() {
-  const machine = world.value?.machines.get(shown.value?.id ?? "");
-  return machine?.unconfirmed ? <Words machine={machine} /> : null;
+interface Worked extends Place, At {}
+
+/** The place that was touched on the map, else where this person works, else the only one here that people work. */
+const worked = computed<Worked | null>(() => {
+  const touched = workedAt(selection.value.place?.id ?? "");
+  if (touched) return touched.unconfirmed ? touched : null;
+  const own = workedAt(me.value?.station ?? "");
+  if (own?.unconfirmed) return own;
+  const { machines, stations } = world.value ?? {};
+  const [only, ...others] = [...(machines?.values() ?? []), ...(stations?.values() ?? [])].filter((each) => each.unconfirmed !== null);
+  return only === undefined || others.length > 0 ? null : workedAt(only.id);
+});
+
+/** A machine or a station, whoever works there; null for what is neither, or was not heard yet. */
+function workedAt(id: string): Worked | null {
+  const machine = world.value?.machines.get(id);
+  if (machine) return { ...machine, station: false };
+  const station = world.value?.stations.get(id);
+  return station ? { id, station: true, buffers: station.stocks, goods: [], product: "", unconfirmed: station.unconfirmed } : null;
 }
 
-function choose(machine: string, choice: Choice): void {
-  chosen.value = { machine, choice };
+/** What has happened at a place that people work: a first touch or code chooses, a second one says it. */
+export function WordsCard() {
+  const place = worked.value;
+  return place && <Words place={place} />;
+}
+
+function choose(place: string, choice: Choice): void {
+  chosen.value = { place, choice };
   unknown.value = "";
 }
 
-function sayIt(machine: string, choice: Choice): void {
+function sayIt(at: At, choice: Choice): void {
   chosen.value = null;
-  say(machine, choice);
+  say(at, choice);
 }
 
-function Words({ machine }: { machine: MachineView }) {
-  const { id } = machine;
+function Words({ place }: { place: Worked }) {
+  const { id } = place;
   useEffect(goOn);
   useEffect(() => listen(id), [id]);
-  const choice = chosen.value?.machine === id ? chosen.value.choice : null;
+  const choice = chosen.value?.place === id ? chosen.value.choice : null;
   return (
     <section class="words card" aria-label={t("words.title", { id })}>
       <h2>{t("words.title", { id })}</h2>
       <div class="words-what">
-        {KINDS.map((kind) => (
+        {kindsAt(place).map((kind) => (
           <button
             key={kind}
             type="button"
             class="words-kind"
             aria-pressed={choice?.kind === kind && choice.vehicle === ""}
-            onClick={() => { choose(id, ofKind(kind, machine)); }}
+            onClick={() => { choose(id, ofKind(kind, place)); }}
           >
             {t(`command.${kind}`)}
           </button>
         ))}
       </div>
-      <Second machine={machine} choice={choice} />
+      <Second place={place} choice={choice} />
       {/* Below all else: one that comes moves nothing under a finger. */}
       <div class="words-what">
-        {(machine.unconfirmed ?? []).map((load, i) => {
+        {(place.unconfirmed ?? []).map((load, i) => {
           const mine = ofLoad(load);
           const what = { vehicle: vehicleName(load.vehicle), quantity: format.count(load.quantity), item: names.value(load.item) };
           return (
@@ -77,8 +98,8 @@ function Words({ machine }: { machine: MachineView }) {
 }
 
 /** The place of the second touch is always there, so that nothing moves under a finger. */
-function Second({ choice, machine }: { machine: MachineView; choice: Choice | null }) {
-  const { id } = machine;
+function Second({ choice, place }: { place: Worked; choice: Choice | null }) {
+  const { id } = place;
   const asked = doubted.value;
   if (choice === null && asked !== null) {
     const quantity = format.count(asked.quantity);
@@ -101,8 +122,8 @@ function Second({ choice, machine }: { machine: MachineView; choice: Choice | nu
     <div class="words-second" role="status">
       {choice.vehicle === "" && (
         <div class="words-items" role="group" aria-label={t("words.item")}>
-          {itemsFor(choice.kind, machine).map((each) => (
-            <button key={each} type="button" class="button" aria-pressed={each === item} onClick={() => { choose(id, withItem(choice, each, machine)); }}>
+          {itemsFor(choice.kind, place).map((each) => (
+            <button key={each} type="button" class="button" aria-pressed={each === item} onClick={() => { choose(id, withItem(choice, each, place)); }}>
               {names.value(each)}
             </button>
           ))}
@@ -120,7 +141,7 @@ function Second({ choice, machine }: { machine: MachineView; choice: Choice | nu
             onInput={({ currentTarget: { valueAsNumber } }) => { choose(id, withQuantity(choice, valueAsNumber)); }}
           />
           <button type="button" class="button" aria-label={t("words.more")} onClick={() => { more(1); }}>+</button>
-          <button type="button" class="button primary words-yes" disabled={!isWhole(choice)} onClick={() => { sayIt(id, choice); }}>
+          <button type="button" class="button primary words-yes" disabled={!isWhole(choice)} onClick={() => { sayIt(place, choice); }}>
             {whatText(choice)}
           </button>
         </div>
@@ -163,11 +184,11 @@ function isField(target: EventTarget | null): boolean {
 }
 
 function take(id: string, code: string): void {
-  const machine = world.value?.machines.get(id);
-  if (!machine) return;
-  const before = chosen.value?.machine === id ? chosen.value.choice : null;
-  const step = scanned(code, before, machine);
+  const place = workedAt(id);
+  if (place === null) return;
+  const before = chosen.value?.place === id ? chosen.value.choice : null;
+  const step = scanned(code, before, place);
   if (step.does === "unknown") unknown.value = code;
   else if (step.does === "choose") choose(id, step.choice);
-  else sayIt(id, step.choice);
+  else sayIt(place, step.choice);
 }

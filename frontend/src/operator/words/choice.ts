@@ -7,10 +7,12 @@
  *     made, arrived…  what has happened
  *     ok              says it; so does the same code once more
  */
-import type { LoadView, MachineView } from "../../api/types";
+import type { LoadView } from "../../api/types";
 import type { WordKind } from "../commands/life";
 
-export const KINDS: readonly WordKind[] = ["made", "scrapped", "arrived", "taken", "stock_is"];
+const KINDS: readonly WordKind[] = ["made", "scrapped", "arrived", "taken", "stock_is"];
+
+const OF_LOADS: readonly WordKind[] = ["arrived", "taken", "stock_is"];
 
 export interface Choice {
   readonly kind: WordKind;
@@ -20,7 +22,22 @@ export interface Choice {
   readonly quantity: number;
 }
 
-export type Place = Pick<MachineView, "buffers" | "goods" | "product" | "unconfirmed">;
+interface Level {
+  readonly item: string;
+  readonly level: number;
+}
+
+/** A place that people work. */
+export interface Place {
+  /** Material. */
+  readonly buffers: readonly Level[];
+  /** What is made there; none at a storage. */
+  readonly goods: readonly Level[];
+  /** What is being made. */
+  readonly product: string;
+  /** Null where its body is not people. */
+  readonly unconfirmed: readonly LoadView[] | null;
+}
 
 export type Step =
   | { readonly does: "choose"; readonly choice: Choice }
@@ -29,6 +46,11 @@ export type Step =
 
 /** The most that can be said at once. */
 const MOST: Readonly<Record<WordKind, number>> = { made: 100, scrapped: 100, arrived: 1e6, taken: 1e6, stock_is: 1e6 };
+
+/** What can be said there: where nothing is made, nothing is finished. */
+export function kindsAt({ goods }: Pick<Place, "goods">): readonly WordKind[] {
+  return goods.length === 0 ? OF_LOADS : KINDS;
+}
 
 export function itemsFor(kind: WordKind, { buffers, goods }: Place): readonly string[] {
   const products = goods.map(({ item }) => item);
@@ -67,7 +89,7 @@ export function isWhole({ item, kind, quantity, vehicle }: Choice): boolean {
 export function scanned(code: string, before: Choice | null, place: Place): Step {
   const word = code.trim().toLowerCase();
   if (word === "ok") return before && isWhole(before) ? { does: "say", choice: before } : { does: "unknown" };
-  const kind = KINDS.find((each) => each === word);
+  const kind = kindsAt(place).find((each) => each === word);
   if (kind !== undefined) return { does: "choose", choice: ofKind(kind, place) };
   const [, name = word, many] = /^(.+)\*(\d{1,7})$/.exec(word) ?? [];
   const item = itemsFor("stock_is", place).find((each) => each.toLowerCase() === name);

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 from dray.gateway.live.projection.agents.atvs import clock_of
+from dray.gateway.live.projection.agents.loads import loads_of
 from dray.gateway.live.projection.agents.outsiders import Outsiders
 from dray.gateway.live.projection.agents.silence import Silence
 from dray.gateway.live.projection.changes import Changes
@@ -91,6 +92,7 @@ class Stations:
             draining=heartbeat.draining,
             shut_out=self._outsiders.view(heartbeat.station),
             clock=clock_of(self._clocks, heartbeat.station),
+            unconfirmed=loads_of(heartbeat.people),
             seen_at_s=self._to_wall_s(heartbeat.at_s),
             silence=self._silence.view(heartbeat.station, heartbeat),
         )
