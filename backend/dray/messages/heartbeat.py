@@ -372,11 +372,24 @@ LOADS_TOLD = 8
 """Unconfirmed loads in a heartbeat: more than people confirm at one look."""
 
 
+class GoalToCome(Part, frozen=True, omit_defaults=True):
+    """Pieces of a goal that the gate lets in, and of which people have not said that they have arrived."""
+
+    goal: Id
+    quantity: Count
+
+
+GOALS_TOLD = 50
+"""Goals in a heartbeat of the gate: more than somebody looks through. Others are known by the codes of their labels."""
+
+
 class PeopleAsBody(Part, frozen=True, omit_defaults=True):
     """An agent's body is people: what they say is counted."""
 
     loads: Annotated[tuple[UnconfirmedLoad, ...], Meta(max_length=LOADS_TOLD)] = ()
     """Unconfirmed ones, the oldest first."""
+    goals: Annotated[tuple[GoalToCome, ...], Meta(max_length=GOALS_TOLD)] = ()
+    """Of the gate: what is to come, the quietest first."""
 
 
 class StationHeartbeat(Message, frozen=True, omit_defaults=True):

@@ -22,6 +22,7 @@ from dray.adapters.memory_file import MemoryFile
 from dray.adapters.mqtt.link import SignalsOverMqtt
 from dray.adapters.mqtt.mapping_file import MqttMapping
 from dray.adapters.opcua.mapping_file import OpcUaMapping
+from dray.adapters.people.gate import DAMAGED_GATE, KeptGate, PeopleGate
 from dray.adapters.people.store import DAMAGED_STORE as DAMAGED_PEOPLE_STORE
 from dray.adapters.people.store import PeopleStore
 from dray.adapters.people.words import KeptStock
@@ -370,6 +371,16 @@ def store_by_people(surroundings: Surroundings, name: str, spec: StorageSpec) ->
         DAMAGED_PEOPLE_STORE,
         lambda world, kept: PeopleStore(spec, world, kept),
     )
+
+
+def gate_by_people(surroundings: Surroundings, name: str) -> Embody:
+    """The gate of the delivery warehouses, whose people say what has arrived.
+
+    Args:
+        surroundings: of the process.
+        name: the agent's id.
+    """
+    return _of_people(surroundings, name, KeptGate, DAMAGED_GATE, PeopleGate)
 
 
 @dataclass(frozen=True, slots=True)

@@ -315,6 +315,7 @@ export const de: Catalogue<typeof en> = {
   "refusal.not_handled": "das wird hier weder gefertigt noch gebraucht",
   "refusal.no_load": "keine Ladung dieses Fahrzeugs wartet auf ein Wort: jemand hat sie schon gemeldet",
   "refusal.dock_open": "ein Fahrzeug lädt oder entlädt es gerade: zählen Sie, wenn es weg ist",
+  "refusal.not_admitted": "so viele Stücke dieses Ziels werden nicht angenommen",
 
   "station.noGoal": "Sie hat kein Ziel.",
   "station.goalLabel": "{item}: {made} von {quantity} gefertigt",

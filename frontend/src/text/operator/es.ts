@@ -315,6 +315,7 @@ export const es: Catalogue<typeof en> = {
   "refusal.not_handled": "eso ni se fabrica ni se usa aquí",
   "refusal.no_load": "ninguna carga de ese vehículo espera una palabra: alguien ya lo ha dicho",
   "refusal.dock_open": "un vehículo lo está cargando o descargando: cuente cuando se haya ido",
+  "refusal.not_admitted": "no se admiten tantas piezas de ese objetivo",
 
   "station.noGoal": "No tiene objetivo.",
   "station.goalLabel": "{item}: {made} de {quantity} hechas",

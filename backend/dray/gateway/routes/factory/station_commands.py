@@ -1,4 +1,4 @@
-"""What people say has happened at a station whose body is people: a storage's, or a source warehouse's."""
+"""What people say has happened at a station whose body is people: a storage's, a source warehouse's, or the delivery gate."""
 
 from __future__ import annotations
 
@@ -21,6 +21,7 @@ from dray.gateway.routes.factory.command_answers import CommandAnswer, CommandNa
 from dray.gateway.routes.factory.machine_commands import NAME, QUANTITY_MAX
 from dray.gateway.routes.parameters import Visible
 from dray.messages import MachineCommand, MachineCommandKind
+from dray.messages.keys import GATE
 
 router = APIRouter(tags=["factory"])
 
@@ -34,6 +35,7 @@ class StationCommandRequest(BaseModel):
             "examples": [
                 {"kind": "arrived", "item": "shaft", "quantity": 12, "vehicle": "ATV3"},
                 {"kind": "taken", "item": "shaft", "quantity": 12},
+                {"kind": "arrived", "item": "order-7-1.1", "quantity": 4},
                 {"kind": "stock_is", "item": "shaft", "quantity": 40, "sure": True},
             ]
         },
@@ -41,7 +43,7 @@ class StationCommandRequest(BaseModel):
 
     kind: Literal["arrived", "taken", "stock_is"]
     item: Annotated[str, Field(min_length=1, pattern=NAME)]
-    """The material."""
+    """The material; at the gate, the goal that stands on the label."""
     quantity: Annotated[int, Field(strict=True, ge=0, le=QUANTITY_MAX)]
     """Pieces."""
     vehicle: Annotated[str, Field(pattern=NAME)] = ""
@@ -82,7 +84,7 @@ async def command_station(
     station: str,
     command: StationCommandRequest,
 ) -> Json:
-    """Say what has arrived at a storage or warehouse, was taken there, or lies there; waits for its word."""
+    """Say what has arrived at a storage, a warehouse or the gate (station `gate`), was taken there, or lies there; waits for its word."""
     note.detail |= command.model_dump(mode="json", exclude_none=True)
     note.waits = True
     _area_rule(projection, caller, station)
@@ -107,12 +109,12 @@ def _area_rule(projection: Projection, caller: Principal, station: str) -> None:
         Problem: 403, it stands elsewhere; 404, there is no such station, to a caller of the whole plant.
     """
     plant = projection.site.plant
-    is_known = station in plant.stores
+    places = plant.delivery_warehouses if station == GATE else (station,) if station in plant.stores else ()
     if caller.areas is None:
-        if not is_known:
+        if not places:
             raise not_found("station", station, "GET /api/storages")
         return
-    near = plant.areas_near(*plant.position_of(station), 0.0) if is_known else ()
+    near = {area for place in places for area in plant.areas_near(*plant.position_of(place), 0.0)}
     if caller.areas.isdisjoint(near):
         areas = ", ".join(sorted(caller.areas)) or "none"
         raise forbidden(f"{station} is not in your areas ({areas})")
