@@ -47,7 +47,8 @@ class BrokerProcess:
             start_new_session=True,
         )
         assert self._process.stdout is not None
-        assert self._process.stdout.readline() == "ready\n"
+        with self._process.stdout as told:
+            assert told.readline() == "ready\n"
 
     def kill(self) -> None:
         """All connections break, without a word."""

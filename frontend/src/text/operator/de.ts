@@ -368,6 +368,11 @@ export const de: Catalogue<typeof en> = {
   "station.unheard": "Von dieser Maschine wurde noch nichts gehört.",
 
   "words.title": "Was an {id} geschehen ist",
+  "words.gate": "Was am Tor angekommen ist",
+  "words.toCome": "{quantity} {item} kommen noch.",
+  "words.allThere": "Alle da?",
+  "words.ofGoal": "{item} ({goal})",
+  "words.say.in": "{quantity} {item} angekommen",
   "words.brought": "{vehicle} hat {quantity} {item} gebracht.",
   "words.took": "{vehicle} hat {quantity} {item} geholt.",
   "words.right": "Richtig?",

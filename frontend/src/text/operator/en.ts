@@ -366,6 +366,11 @@ export const en = {
   "station.unheard": "Nothing was heard of this machine yet.",
 
   "words.title": "What has happened at {id}",
+  "words.gate": "What has arrived at the gate",
+  "words.toCome": "{quantity} {item} are to come.",
+  "words.allThere": "All there?",
+  "words.ofGoal": "{item} ({goal})",
+  "words.say.in": "{quantity} {item} arrived",
   "words.brought": "{vehicle} brought {quantity} {item}.",
   "words.took": "{vehicle} took {quantity} {item}.",
   "words.right": "Right?",

@@ -368,6 +368,11 @@ export const es: Catalogue<typeof en> = {
   "station.unheard": "Aún no se ha oído nada de esta máquina.",
 
   "words.title": "Qué ha pasado en {id}",
+  "words.gate": "Qué ha llegado a la puerta",
+  "words.toCome": "Faltan {quantity} {item}.",
+  "words.allThere": "¿Están todas?",
+  "words.ofGoal": "{item} ({goal})",
+  "words.say.in": "{quantity} {item} llegadas",
   "words.brought": "{vehicle} ha traído {quantity} {item}.",
   "words.took": "{vehicle} se ha llevado {quantity} {item}.",
   "words.right": "¿Correcto?",

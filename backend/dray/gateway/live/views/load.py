@@ -1,4 +1,4 @@
-"""A load that waits for a word of people."""
+"""Loads and goods that wait for a word of people."""
 
 from __future__ import annotations
 
@@ -13,3 +13,13 @@ class LoadView(View, kw_only=True):
     quantity: int
     goes: bool = False
     """It was taken away; else it was brought."""
+
+
+class ToComeView(View, kw_only=True):
+    """Pieces of a goal that the delivery gate lets in, and of which people have not said that they have arrived."""
+
+    goal: str
+    """As it stands on the labels of the containers."""
+    product: str
+    """Empty where that is not known."""
+    quantity: int

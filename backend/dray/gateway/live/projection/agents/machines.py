@@ -109,6 +109,12 @@ class Machines:
         self.changes.mark(heartbeat.machine)
         return True
 
+    def product_of(self, goal: str) -> str:
+        """What a goal is about, by the words of who makes it; empty where nobody does."""
+        made = (each for heartbeat in self._last.values() for each in heartbeat.goals if each.goal == goal)
+        brief = next(made, None)
+        return "" if brief is None else brief.product
+
     def starved_frac(self, now_s: float) -> float | None:
         """Part of the last hour's time with a goal in which material was missing; None without any.
 
