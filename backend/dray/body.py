@@ -403,9 +403,13 @@ class StorageState(Part, frozen=True):
     """Whether it counts what vehicles bring and take; see `WorkcellState`."""
     uncounted: tuple[str, ...] = ()
     """Materials of which nobody knows how many pieces lie there, until somebody has counted: `stock` says what has come since, at least."""
+    people: bool = False
+    """Whether it is people, whose words (`Word`) it takes."""
+    loads: tuple[UnconfirmedLoad, ...] = ()
+    """Of people; see `WorkcellState`."""
 
 
-StorageInstruction = OpenDock | CloseDock | Book | Refill
+StorageInstruction = OpenDock | CloseDock | Book | Refill | Word
 
 # --- a person with a tablet: the operator's body ---------------------------------------------------
 

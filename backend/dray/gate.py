@@ -50,6 +50,8 @@ class GoodsArrived(Part, frozen=True):
     """How many may get in at all; 0 tells that the gate is shut and `arrived` the last word."""
     vehicle: str = ""
     """Who has brought the last ones; empty after an `Admit`, and where the gate cannot tell."""
+    by_people: bool = False
+    """People count, later than goods come."""
 
 
 class GateState(Part, frozen=True):
@@ -59,3 +61,5 @@ class GateState(Part, frozen=True):
     """Pieces by goal, for every goal that was ever admitted and is not forgotten; of several strategists each has those of its orders."""
     held: dict[str, int] = field(default_factory=dict)
     """The orders that this strategist holds, with their epochs; empty where there is one strategist."""
+    people: bool = False
+    """Whether it is people, whose words (`dray.body.Word`) it takes."""

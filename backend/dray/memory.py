@@ -154,6 +154,8 @@ class GoalMemory(Part, frozen=True):
     """With which epoch the order is held by the strategist that it obeys."""
     disputes: int = 0
     """Handovers of its pieces, one after the other, of which the gate has counted nothing."""
+    by_people: bool = False
+    """People count at the gate, later than goods come."""
 
 
 class TaskMemory(Part, frozen=True):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -79,13 +80,17 @@ def enter(open_page: OpenPage, house: OpenHouse) -> Enter:
     """Open the panel as the operator of the area; once more for another tab of the same browser."""
 
     def enter(
-        *, beside: Page | None = None, before: Callable[[Page], None] = lambda _page: None, **look: Any
+        *,
+        beside: Page | None = None,
+        before: Callable[[Page], None] = lambda _page: None,
+        area: str = AREA,
+        **look: Any,
     ) -> Page:
         if beside is not None:
             page = beside.context.new_page()
         else:
             page = open_page("about:blank", who=None, has_touch=True, **{"viewport": LYING} | look)
-            token = house.do(_session)
+            token = house.do(partial(_session, area=area))
             cookie = {"name": "dray_session", "value": token, "url": house.url}
             page.context.add_cookies([cookie | {"httpOnly": True, "sameSite": "Strict"}])
         before(page)
@@ -95,9 +100,10 @@ def enter(open_page: OpenPage, house: OpenHouse) -> Enter:
     return enter
 
 
-async def _session(house: House) -> str:
-    browser = await house.log_in(WHO, Role.OPERATOR, AREA)
-    await browser.post("/login/station", data={"station": STATION})
+async def _session(house: House, area: str) -> str:
+    browser = await house.log_in(WHO, Role.OPERATOR, area)
+    if area == AREA:
+        await browser.post("/login/station", data={"station": STATION})
     return browser.cookies["dray_session"]
 
 

@@ -229,6 +229,8 @@ class Confirmed(Message, frozen=True):
     """Pieces of the goal that the delivery warehouse has counted."""
     brought: tuple[Brought, ...] = ()
     """The same by vehicle, as far as the strategist's present life has heard: the rest may be anybody's."""
+    by_people: bool = False
+    """People count at the gate, later than goods come: carriers go on by their own word."""
 
 
 class Declined(Message, frozen=True):

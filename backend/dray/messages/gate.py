@@ -107,6 +107,8 @@ class GoodsCounted(Message, frozen=True, omit_defaults=True):
     """Of the word about this goal that the gate has obeyed last; 0 while it obeys it."""
     brought: tuple[Brought, ...] = ()
     """By whom, as far as the gate can tell."""
+    by_people: bool = False
+    """People count, later than goods come."""
 
 
 class CountHeard(Message, frozen=True):

@@ -360,6 +360,40 @@ class StockLevel(Part, frozen=True, omit_defaults=True):
     """Nobody knows how many lie there, until somebody has counted: at least `level`."""
 
 
+class UnconfirmedLoad(Part, frozen=True, omit_defaults=True):
+    """A load that a vehicle says it has brought or taken, and that people have not confirmed yet."""
+
+    vehicle: Id
+    item: Id
+    quantity: Count
+    goes: bool = False
+    """It was taken away; else it was brought."""
+
+
+LOADS_TOLD = 8
+"""Unconfirmed loads in a heartbeat: more than people confirm at one look."""
+
+
+class GoalToCome(Part, frozen=True, omit_defaults=True):
+    """Pieces of a goal that the gate lets in, and of which people have not said that they have arrived."""
+
+    goal: Id
+    quantity: Count
+
+
+GOALS_TOLD = 50
+"""Goals in a heartbeat of the gate: more than somebody looks through. Others are known by the codes of their labels."""
+
+
+class PeopleAsBody(Part, frozen=True, omit_defaults=True):
+    """An agent's body is people: what they say is counted."""
+
+    loads: Annotated[tuple[UnconfirmedLoad, ...], Meta(max_length=LOADS_TOLD)] = ()
+    """Unconfirmed ones, the oldest first."""
+    goals: Annotated[tuple[GoalToCome, ...], Meta(max_length=GOALS_TOLD)] = ()
+    """Of the gate: what is to come, the quietest first."""
+
+
 class StationHeartbeat(Message, frozen=True, omit_defaults=True):
     """What the agent of a storage or source warehouse tells everybody, at 0.2 Hz and when it changes: what lies there, what is promised."""
 
@@ -377,27 +411,8 @@ class StationHeartbeat(Message, frozen=True, omit_defaults=True):
     """Vehicles without whose word it grants no place of a book that was lost; of more than `AWAITED_MAX` the first."""
     dock_wait: DockWait | UnsetType = UNSET
     """Left out while its dock gets ready for everybody in time."""
-
-
-class UnconfirmedLoad(Part, frozen=True, omit_defaults=True):
-    """A load that a vehicle says it has brought or taken, and that people have not confirmed yet."""
-
-    vehicle: Id
-    item: Id
-    quantity: Count
-    goes: bool = False
-    """It was taken away; else it was brought."""
-
-
-LOADS_TOLD = 8
-"""Unconfirmed loads in a heartbeat: more than people confirm at one look."""
-
-
-class PeopleAsBody(Part, frozen=True, omit_defaults=True):
-    """A machine's body is people: what they say is counted."""
-
-    loads: Annotated[tuple[UnconfirmedLoad, ...], Meta(max_length=LOADS_TOLD)] = ()
-    """Unconfirmed ones, the oldest first."""
+    people: PeopleAsBody | UnsetType = UNSET
+    """Left out where its body is not people."""
 
 
 class MachineHeartbeat(Message, frozen=True, omit_defaults=True):

@@ -147,6 +147,8 @@ class CommandRefusal(StrEnum):
     """The item is neither made nor used there."""
     NO_LOAD = "no_load"
     """No load of that vehicle waits for a word."""
+    NOT_ADMITTED = "not_admitted"
+    """So many pieces of that goal are not let in, or none; how many are stands beside it."""
     DOCK_OPEN = "dock_open"
     """A vehicle is loading or unloading that item: count it when the vehicle has gone."""
 

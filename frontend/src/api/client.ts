@@ -11,6 +11,7 @@ import type {
   DutyView,
   LoadSeenRequest,
   MachineCommandRequest,
+  StationCommandRequest,
   FaultRequest,
   ImportAnswer,
   KpiHistory,
@@ -152,6 +153,11 @@ export async function commandAtv(atv: string, command: CommandRequest): Promise<
 /** Sends a command to a machine. */
 export async function commandMachine(machine: string, command: MachineCommandRequest): Promise<CommandAnswer> {
   return await bodyOf(gateway.POST("/api/machines/{machine}/commands", { params: { path: { machine } }, body: command }));
+}
+
+/** Says what has happened at a station that people work. */
+export async function commandStation(station: string, command: StationCommandRequest): Promise<CommandAnswer> {
+  return await bodyOf(gateway.POST("/api/stations/{station}/commands", { params: { path: { station } }, body: command }));
 }
 
 /** Says what somebody has seen of a load that was said to be there twice and not counted. */

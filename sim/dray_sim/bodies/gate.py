@@ -44,12 +44,16 @@ class Gate:
     Args:
         clock: the plant's clock.
         kept: how many goals it keeps in mind.
+
+    Attributes:
+        is_open: it lets everything in, and still counts: people are its agent's body, and say what has come.
     """
 
     def __init__(self, clock: Clock, kept: int = KEPT_GOALS) -> None:
         self._clock = clock
         self._reporter = Reporter(clock)
         self._kept = kept
+        self.is_open = False
         self._permits: dict[str, _Permit] = {}
         """In the order of the last `Admit` or arrival of each, so that the quietest stands first."""
 
@@ -78,6 +82,8 @@ class Gate:
 
     def enter(self, goal: str, quantity: int, vehicle: str = "") -> str:
         """Let pieces of a goal in, wholly or not at all. Returns "" when they are in, else why not."""
+        if self.is_open:
+            self.admit(Admit(goal, self.arrived(goal) + quantity))
         permit = self._permits.get(goal)
         if permit is None or permit.arrived + quantity > permit.admitted:
             return NOT_ADMITTED

@@ -29,6 +29,9 @@ SPACE = 2
 START_S, STOP_S = 60.0, 20.0
 """Longest waits for the server: it reads the standard's 1,500 nodes first."""
 
+AWAY_S = 2.0
+"""Real seconds for which nobody is listened to after all connections were cut."""
+
 NODES: Types = {
     Signal.PIECES: (0, ua.VariantType.UInt16),
     Signal.BAD: (0, ua.VariantType.UInt16),
@@ -117,6 +120,10 @@ class ControllerServer:
         """Let something run beside the server; it is cancelled with it at the latest."""
         return asyncio.run_coroutine_threadsafe(self._keep(work), self.loop)
 
+    def cut(self) -> None:
+        """End all connections, and be away for `AWAY_S`; what machines do meanwhile is shown then."""
+        self.begin(self._cut())
+
     # --- in its thread ---
 
     def datachange_notification(self, node: Node, value: Any, _data: Any) -> None:
@@ -153,6 +160,14 @@ class ControllerServer:
             subscription = await server.create_subscription(0, self)
             await subscription.subscribe_data_change(written)
         self.begin(self._show_all())
+
+    async def _cut(self) -> None:
+        assert self._server is not None  # noqa: S101 - it has been opened
+        listener = self._server.bserver
+        assert listener is not None  # noqa: S101 - likewise
+        await listener.stop()
+        await asyncio.sleep(AWAY_S)
+        await listener.start()
 
     async def _close(self) -> None:
         works = [*self._works]

@@ -77,7 +77,7 @@ class FloorServer:
         refusal: why one more body cannot be put down; by default nobody is in its way.
         foreign: vehicles that are not simulated: places count what these say they have picked and dropped. Their doubles here are off the
             floor, and no agent has them. Of any other vehicle only its body here is believed.
-        controlled: machines that have controllers: no agent has their bodies here.
+        controlled: those that are used in another way, as machines that have controllers: no agent has their bodies here.
 
     Attributes:
         failures: bodies that could not be told of, by our own fault; others are.
@@ -276,7 +276,10 @@ def _refuse_double(query: zenoh.Query) -> None:
 
 def _refuse_controlled(query: zenoh.Query) -> None:
     with query:
-        reason = "it has a controller: start its agent with --body opcua --mapping, with the file that the floor has written"
+        reason = (
+            "it is not used over the bus here: start its agent with the --body that the floor was started for, "
+            "a machine's with the --mapping that the floor has written"
+        )
         query.reply_err(reason, encoding=REFUSED)
 
 

@@ -7,7 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from people_rig import BILL, CYCLE_S, FULL, ITEM, KIND, PRODUCT, PeopleRig
 
-from dray.adapters.people.workcell import DAMAGED, LOADS_KEPT, PIECES_MAX, WORDS_KEPT
+from dray.adapters.people.words import LOADS_KEPT, WORDS_KEPT
+from dray.adapters.people.workcell import DAMAGED, PIECES_MAX
 from dray.body import (
     Book,
     CloseDock,

@@ -145,6 +145,7 @@ LARGEST: dict[tuple[str, str], tuple[Callable[[int], Json], ...]] = {
     ("POST", "/api/products/import"): (products_file, products_bytes),
     ("POST", "/api/tasks/{task}/load"): (),
     ("POST", "/api/machines/{machine}/commands"): (),
+    ("POST", "/api/stations/{station}/commands"): (),
     ("POST", "/api/atvs/{atv}/commands"): (),
     ("POST", "/api/atvs/{atv}/carried-away"): (),
     ("POST", "/api/atvs/{atv}/put-back"): (),

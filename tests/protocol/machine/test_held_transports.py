@@ -17,6 +17,7 @@ from dray.messages import (
     CommandRefusal,
     Confirmed,
     Handover,
+    HandoverAccepted,
     HelpCall,
     MachineCommand,
     MachineCommandKind,
@@ -249,3 +250,22 @@ def test_goods_that_were_counted_after_all_begin_the_count_anew() -> None:
     rig.on_message("ATV3", handover(task, 1, LOT))
     rig.on_message("STRATEGIST", Confirmed("G1", 1, LOT, ()))
     assert (goal.disputes, goal.delivered) == (0, LOT)
+
+
+def test_where_people_count_at_the_gate_a_carrier_goes_on_by_its_word_and_nothing_is_made_again() -> None:
+    rig = doubting(m7({item: 4 * pieces for item, pieces in FULL.items()}, goal=LOT))
+    rig.on_message("STRATEGIST", Confirmed("G1", 1, by_people=True))
+    rig.cycles(LOT)
+    [task] = [each.id for each in rig.agent._flow.tasks if each.work.goal == "G1"]
+    hire(rig, "ATV2", 1, task)
+    rig.stocked("pump-p3", -LOT, "ATV2")
+    effects = rig.on_message("ATV2", handover(task, 1, LOT))
+    assert sent(effects, HandoverAccepted, to="ATV2")
+    goal = rig.agent._goals.get("G1")
+    rig.run(rig.now_s + AGES_S)
+    rig.on_message("STRATEGIST", Confirmed("G1", 1, arrived=1, by_people=True))
+    assert (goal.delivered, goal.to_make, goal.disputes) == (LOT, 0, 0)
+    # A later life of the strategist has not heard of it yet.
+    rig.on_message("STRATEGIST", Confirmed("G1", 1, arrived=1))
+    assert (goal.delivered, goal.to_make) == (LOT, 0)
+    assert goal.memory().by_people

@@ -23,18 +23,20 @@ app = typer.Typer(no_args_is_help=True, help="One agent of a plant as a process 
 Body = Literal["floor", "vda5050"]
 
 DockBody = Annotated[
-    Literal["floor", "controller"] | None,
+    Literal["floor", "controller", "people"] | None,
     typer.Option(
         "--body",
-        help="floor: simulated, on `dray floor`; controller: that of its docks, behind a broker; else DRAY_BODY.",
+        help="floor: simulated, on `dray floor`; controller: that of its docks, behind a broker; "
+        "people: who work there say at the tablet what has arrived; else DRAY_BODY.",
     ),
 ]
 
 StationBody = Annotated[
-    Literal["floor", "controller", "opcua", "mqtt"] | None,
+    Literal["floor", "controller", "opcua", "mqtt", "people"] | None,
     typer.Option(
         "--body",
-        help="floor: simulated, on `dray floor`; controller: that of its dock, behind a broker; opcua, mqtt: likewise, by OPC UA or on topics; else DRAY_BODY.",
+        help="floor: simulated, on `dray floor`; controller: that of its dock, behind a broker; opcua, mqtt: likewise, by OPC UA or on topics; "
+        "people: who work there say at the tablet what has happened; else DRAY_BODY.",
     ),
 ]
 
@@ -226,12 +228,12 @@ def station(
     from dray import __version__
     from dray.body import StorageState
     from dray.cli.runtime.agent_process import run_agent
-    from dray.cli.runtime.bodies import by_controller, on_floor, store_by_signals
+    from dray.cli.runtime.bodies import by_controller, on_floor, store_by_people, store_by_signals
     from dray.cli.runtime.output import one_of
     from dray.protocol.station.station import Station
 
     said = _surroundings(settings, traffic=traffic, body=body, broker=broker, mapping=mapping)
-    where = _with_body(said, "a station", "controller", "opcua", "mqtt")
+    where = _with_body(said, "a station", "controller", "opcua", "mqtt", "people")
     spec = one_of(where.plant.stores, name, "NAME")
     trusts, places = _trusted(where), where.traffic
 
@@ -245,6 +247,8 @@ def station(
             embody = by_controller(where, name, StorageState)
         case "opcua" | "mqtt":
             embody = store_by_signals(where, name, spec)
+        case "people":
+            embody = store_by_people(where, name, spec)
         case _:
             embody = on_floor(where, name)
     asyncio.run(run_agent(where, name, make, embody))
@@ -266,19 +270,26 @@ def gate(
     from dray import __version__
     from dray.body import GateState
     from dray.cli.runtime.agent_process import run_agent
-    from dray.cli.runtime.bodies import by_controller, on_floor
+    from dray.cli.runtime.bodies import by_controller, gate_by_people, on_floor
     from dray.cli.runtime.output import one_of
     from dray.messages.keys import GATE
     from dray.protocol.gate.gate import DeliveryGate
 
-    where = _with_body(_surroundings(settings, body=body, broker=broker), "the gate", "controller")
+    said = _surroundings(settings, body=body, broker=broker)
+    where = _with_body(said, "the gate", "controller", "people")
     one_of({GATE: None}, name, "NAME")
+    trusts = _trusted(where)
 
     def make(life: int) -> DeliveryGate:
-        return DeliveryGate(where.plant, incarnation=life, software=__version__)
+        return DeliveryGate(where.plant, incarnation=life, software=__version__, trusts=trusts)
 
-    real = where.settings.body == "controller"
-    embody = by_controller(where, name, GateState) if real else on_floor(where, name)
+    match where.settings.body:
+        case "controller":
+            embody = by_controller(where, name, GateState)
+        case "people":
+            embody = gate_by_people(where, name)
+        case _:
+            embody = on_floor(where, name)
     asyncio.run(run_agent(where, name, make, embody))
 
 

@@ -52,6 +52,15 @@ def up(
             help="Machines are behind an OPC UA server of the floor; their mapping files are in the folder, in controllers.",
         ),
     ] = False,
+    vda5050: Annotated[
+        str, typer.Option(help="Vehicles speak VDA 5050 at this broker: mqtt://HOST:1883.", metavar="BROKER")
+    ] = "",
+    people_at_gate: Annotated[
+        bool,
+        typer.Option(
+            "--people-at-gate", help="People say what has arrived at the gate, on the tablet or over REST."
+        ),
+    ] = False,
     strategists: Strategists = None,
     traffic: Traffic = None,
 ) -> None:
@@ -86,6 +95,8 @@ def up(
                 demand=demand,
                 metrics=metrics,
                 opcua=opcua,
+                vda5050=vda5050,
+                people_at_gate=people_at_gate,
             )
         )
     )

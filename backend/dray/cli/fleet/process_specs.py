@@ -14,7 +14,7 @@ from pathlib import Path
 from dray.cli.fleet.addresses import free_addresses
 from dray.cli.fleet.folder import CONTROLLERS, GATEWAY, HISTORIAN, LOGS
 from dray.cli.runtime.roster import FLOOR, agents_of
-from dray.messages.keys import STRATEGIST
+from dray.messages.keys import GATE, STRATEGIST
 from dray.messages.speakers import Kind
 from dray.plant import Plant
 from dray.settings import PREFIX
@@ -74,6 +74,8 @@ def specs_of(
     demand: bool,
     metrics: bool,
     opcua: bool = False,
+    vda5050: str = "",
+    people_at_gate: bool = False,
 ) -> list[ProcessSpec]:
     """The specs of all processes of a plant, in the order in which they are to be started: agents need a floor, people a panel.
 
@@ -86,10 +88,17 @@ def specs_of(
         demand: the gateway places orders, too.
         metrics: every process tells its own.
         opcua: machines are behind the floor's OPC UA server.
+        vda5050: the broker at which vehicles speak VDA 5050; empty for vehicles that do not.
+        people_at_gate: people are the body of the gate.
     """
     controllers = folder / CONTROLLERS
     commands: dict[str, tuple[str, ...]] = {
-        FLOOR: (FLOOR, "--opcua", str(controllers)) if opcua else (FLOOR,),
+        FLOOR: (
+            FLOOR,
+            *(("--opcua", str(controllers)) if opcua else ()),
+            *(("--vda5050",) if vda5050 else ()),
+            *(("--open-gate",) if people_at_gate else ()),
+        ),
         HISTORIAN: (HISTORIAN,),
         # One alone is not named: a version of Dray that knows no others can be gone back to.
         **{name: (STRATEGIST,) if name == STRATEGIST else (STRATEGIST, name) for name in strategists},
@@ -110,20 +119,35 @@ def specs_of(
             f"{PREFIX}METRICS_LISTEN": told[name],
         }
         command = commands[name]
-        body = (
-            {f"{PREFIX}BODY": "opcua", f"{PREFIX}MAPPING": str(controllers / f"{name}.yaml")}
-            if opcua and name in plant.machines
-            else {}
-        )
+        body = {}
+        if opcua and name in plant.machines:
+            body = {"BODY": "opcua", "MAPPING": str(controllers / f"{name}.yaml")}
+        elif vda5050 and name in plant.fleet:
+            body = {"BODY": "vda5050", "BROKER": vda5050} | _simulated_vehicle(name)
+        elif vda5050 and name == FLOOR:
+            body = {"BROKER": vda5050}
+        elif people_at_gate and name == GATE:
+            body = {"BODY": "people"}
         specs.append(
             ProcessSpec(
                 name=name,
                 kind=command[1] if command[0] == "agent" else command[0],
                 command=command,
                 address=addresses[name],
-                environment={**os.environ, **common, **links, **body, **(secret if name == GATEWAY else {})},
+                environment={
+                    **os.environ,
+                    **common,
+                    **links,
+                    **{f"{PREFIX}{key}": value for key, value in body.items()},
+                    **(secret if name == GATEWAY else {}),
+                },
                 metrics=told[name],
                 log=folder / LOGS / f"{name}.log",
             )
         )
     return specs
+
+
+def _simulated_vehicle(name: str) -> dict[str, str]:
+    """What the agent of a vehicle of the floor is told of it (`dray_sim.vda5050.floor_fleet`)."""
+    return {"MANUFACTURER": "Dray", "SERIAL": name, "PROFILE": "dray-sim"}

@@ -61,6 +61,8 @@ class FleetOptions:
         demand: let orders be placed.
         metrics: let every process tell Prometheus its metrics.
         opcua: put machines behind an OPC UA server of the floor.
+        vda5050: the broker at which vehicles speak VDA 5050; empty for vehicles that do not.
+        people_at_gate: let people be the body of the gate.
     """
 
     settings: Settings
@@ -71,6 +73,8 @@ class FleetOptions:
     demand: bool
     metrics: bool
     opcua: bool = False
+    vda5050: str = ""
+    people_at_gate: bool = False
 
 
 async def run_fleet(options: FleetOptions) -> None:
@@ -103,6 +107,8 @@ async def run_fleet(options: FleetOptions) -> None:
                 demand=options.demand,
                 metrics=options.metrics,
                 opcua=options.opcua,
+                vda5050=options.vda5050,
+                people_at_gate=options.people_at_gate,
             )
         write_settings(folder, common, [spec.address for spec in specs[: len(DISTANCES)]])
         write_targets(folder, {spec.name: spec.metrics for spec in specs if spec.metrics})

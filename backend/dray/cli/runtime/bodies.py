@@ -11,6 +11,8 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Generic, Protocol, TypeVar
 
+from msgspec import Struct
+
 from dray.adapters.controller.body import ControllerBody
 from dray.adapters.controller.letters import TOLD, prefix
 from dray.adapters.documents import DocumentReader, FetchedDocuments
@@ -20,6 +22,10 @@ from dray.adapters.memory_file import MemoryFile
 from dray.adapters.mqtt.link import SignalsOverMqtt
 from dray.adapters.mqtt.mapping_file import MqttMapping
 from dray.adapters.opcua.mapping_file import OpcUaMapping
+from dray.adapters.people.gate import DAMAGED_GATE, KeptGate, PeopleGate
+from dray.adapters.people.store import DAMAGED_STORE as DAMAGED_PEOPLE_STORE
+from dray.adapters.people.store import KeptStore as PeopleKeptStore
+from dray.adapters.people.store import PeopleStore
 from dray.adapters.people.workcell import DAMAGED as DAMAGED_PEOPLE
 from dray.adapters.people.workcell import Kept as PeopleKept
 from dray.adapters.people.workcell import PeopleWorkcell
@@ -176,6 +182,7 @@ FIRST_S = 10.0
 
 
 _Kept = TypeVar("_Kept")
+_PeopleKept = TypeVar("_PeopleKept", bound=Struct)
 
 
 class _World(Generic[_Kept]):
@@ -304,11 +311,32 @@ def by_signals(surroundings: Surroundings, name: str, spec: MachineSpec) -> Embo
     return embody
 
 
-class _PeopleWorld:
-    """What the body of people needs beside a clock: a disk."""
+class _PeopleWorld(Generic[_PeopleKept]):
+    """What a body of people needs beside a clock: a disk."""
 
-    def __init__(self, remember: Callable[[PeopleKept], None]) -> None:
+    def __init__(self, remember: Callable[[_PeopleKept], None]) -> None:
         self.remember = remember
+
+
+def _of_people(
+    surroundings: Surroundings,
+    name: str,
+    kind: type[_PeopleKept],
+    damaged: _PeopleKept,
+    make: Callable[[_PeopleWorld[_PeopleKept], _PeopleKept | None], Body],
+) -> Embody:
+    """A body that is people: what they have said is kept in a file of the journal folder."""
+
+    @asynccontextmanager
+    async def embody(_bus: ZenohBus, _journal: SqliteJournal) -> AsyncIterator[Embodied]:
+        path = surroundings.settings.journal_folder / f"{name}.people.json"
+        file = MemoryFile(path, kind, damaged)
+        kept = file.read()
+        if file.lost:
+            _log.error("%s: %s", name, file.lost)
+        yield Embodied(make(_PeopleWorld(file.write), kept), asyncio.Event().wait)
+
+    return embody
 
 
 def by_people(surroundings: Surroundings, name: str, spec: MachineSpec) -> Embody:
@@ -319,19 +347,40 @@ def by_people(surroundings: Surroundings, name: str, spec: MachineSpec) -> Embod
         name: the agent's id.
         spec: the machine.
     """
+    return _of_people(
+        surroundings,
+        name,
+        PeopleKept,
+        DAMAGED_PEOPLE,
+        lambda world, kept: PeopleWorkcell(spec, surroundings.plant, surroundings.clock(), world, kept),
+    )
 
-    @asynccontextmanager
-    async def embody(_bus: ZenohBus, _journal: SqliteJournal) -> AsyncIterator[Embodied]:
-        path = surroundings.settings.journal_folder / f"{name}.people.json"
-        file = MemoryFile(path, PeopleKept, DAMAGED_PEOPLE)
-        kept = file.read()
-        if file.lost:
-            _log.error("%s: %s", name, file.lost)
-        world = _PeopleWorld(file.write)
-        body = PeopleWorkcell(spec, surroundings.plant, surroundings.clock(), world, kept)
-        yield Embodied(body, asyncio.Event().wait)
 
-    return embody
+def store_by_people(surroundings: Surroundings, name: str, spec: StorageSpec) -> Embody:
+    """A storage or a warehouse without a controller, whose people say what has come and gone.
+
+    Args:
+        surroundings: of the process.
+        name: the agent's id.
+        spec: what is kept there.
+    """
+    return _of_people(
+        surroundings,
+        name,
+        PeopleKeptStore,
+        DAMAGED_PEOPLE_STORE,
+        lambda world, kept: PeopleStore(spec, world, kept),
+    )
+
+
+def gate_by_people(surroundings: Surroundings, name: str) -> Embody:
+    """The gate of the delivery warehouses, whose people say what has arrived.
+
+    Args:
+        surroundings: of the process.
+        name: the agent's id.
+    """
+    return _of_people(surroundings, name, KeptGate, DAMAGED_GATE, PeopleGate)
 
 
 @dataclass(frozen=True, slots=True)

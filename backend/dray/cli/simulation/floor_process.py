@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import asyncio
+import signal
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from dray.adapters.system_clock import SystemClock
 from dray.adapters.telemetry.traffic_log import TrafficLog
+from dray.adapters.vda5050.link import BrokerAddress
 from dray.adapters.zenoh.claim import Claim
 from dray.cli.runtime.readiness import say_ready
 from dray.cli.runtime.roster import FLOOR
@@ -16,8 +18,10 @@ from dray.cli.runtime.surroundings import Surroundings
 from dray.cli.runtime.telemetry.clock_meter import ClockMeter
 from dray.cli.simulation.floor_meter import FloorMeter
 from dray.errors import SettingsError, UnavailableError
+from dray.messages.keys import GATE
 from dray_sim.bodies.floor import NEARLY_EMPTY_FRAC, Floor
 from dray_sim.remote import FloorMonitor, FloorServer
+from dray_sim.vda5050.floor_fleet import speak_vda5050
 
 if TYPE_CHECKING:
     # It needs an extra.
@@ -25,14 +29,21 @@ if TYPE_CHECKING:
 
 
 async def serve_floor(
-    surroundings: Surroundings, seed: int, controllers: ControllerServer | None = None
+    surroundings: Surroundings,
+    seed: int,
+    controllers: ControllerServer | None = None,
+    *,
+    vda5050: BrokerAddress | None = None,
+    open_gate: bool = False,
 ) -> None:
-    """Run the simulated floor until a signal.
+    """Run the simulated floor until a signal. SIGHUP cuts all connections to its OPC UA server.
 
     Args:
         surroundings: of the process.
         seed: how full buffers are at the start follows from it.
         controllers: by whose nodes machines speak with their agents; None for machines whose bodies agents use over the bus.
+        vda5050: the broker at which vehicles speak VDA 5050; None for vehicles whose bodies agents use over the bus.
+        open_gate: the gate lets everything in: people are the body of its agent.
 
     Raises:
         SettingsError: a foreign vehicle is none of the plant's.
@@ -54,14 +65,23 @@ async def serve_floor(
         clock = surroundings.clock()
         floor = Floor(plant, clock, seed=seed, stock_frac=NEARLY_EMPTY_FRAC)
         monitor = _monitor(surroundings, floor, clock)
-        controlled = () if controllers is None else tuple(floor.workcells)
+        floor.gate.is_open = open_gate
+        controlled = (
+            *(() if controllers is None else floor.workcells),
+            *(() if vda5050 is None else floor.vehicles),
+            *((GATE,) if open_gate else ()),
+        )
         if monitor is None:
             server = FloorServer(bus.inner, plant.id, floor, foreign=foreign, controlled=controlled)
             running = [group.create_task(server.run())]
         else:
             server = FloorServer(bus.inner, plant.id, floor, monitor.occupied, foreign, controlled)
             running = [group.create_task(server.run()), group.create_task(monitor.run())]
+        if vda5050 is not None:
+            running.append(group.create_task(speak_vda5050(plant, floor.vehicles, clock, vda5050)))
         end_controllers = _control(controllers, floor, clock, surroundings.settings.plant_speed)
+        if controllers is not None:
+            asyncio.get_running_loop().add_signal_handler(signal.SIGHUP, controllers.cut)
         async with surroundings.told(FloorMeter(server, monitor), ClockMeter(clock)):
             with stopped_by_signals(stopped.set):
                 say_ready(FLOOR)

@@ -91,6 +91,9 @@ RULES: Mapping[tuple[str, str], Rule] = {
     ("POST", "/api/machines/{machine}/commands"): Rule(
         Scope.VEHICLES_COMMAND, by_area=True, action="machine.command"
     ),
+    ("POST", "/api/stations/{station}/commands"): Rule(
+        Scope.VEHICLES_COMMAND, by_area=True, action="station.command"
+    ),
     ("GET", "/api/atvs"): Rule(Scope.FACTORY_READ, by_area=True),
     ("GET", "/api/atvs/{atv}"): Rule(Scope.FACTORY_READ, by_area=True),
     ("POST", "/api/atvs/{atv}/commands"): Rule(Scope.VEHICLES_STOP, by_area=True, action="vehicle.command"),

@@ -85,6 +85,7 @@ REFUSALS: Mapping[CommandRefusal, str] = {
     CommandRefusal.NOT_HANDLED: "that item is neither made nor used there",
     CommandRefusal.NO_LOAD: "no load of that vehicle waits for a word",
     CommandRefusal.DOCK_OPEN: "a vehicle is loading or unloading it; count when it has gone",
+    CommandRefusal.NOT_ADMITTED: "so many pieces of that goal are not let in",
 }
 
 IMPLAUSIBLE: Mapping[Implausible, str] = {

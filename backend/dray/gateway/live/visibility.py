@@ -38,6 +38,7 @@ from dray.gateway.live.views import (
     WhyView,
 )
 from dray.gateway.live.views.alert import OF_MANY
+from dray.messages.keys import GATE
 from dray.plant import Plant
 from dray.plant.floor.doors import doors_along
 from dray.plant.model import PlantFile
@@ -261,8 +262,10 @@ class AreaVisibility:
         )
 
     def station(self, view: StationView) -> StationView | None:
-        """The station of a storage, where it is seen."""
-        if view.id not in self._places:
+        """The station of a storage, where it is seen; or the gate whose people say what has arrived, who read goals on labels."""
+        gate = view.id == GATE and view.unconfirmed is not None
+        places = self._projection.site.plant.delivery_warehouses if gate else (view.id,)
+        if self._places.isdisjoint(places):
             return None
         return replace(view, shut_out=self._shut_out(view.shut_out))
 

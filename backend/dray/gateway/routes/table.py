@@ -18,6 +18,7 @@ from dray.gateway.routes.factory import (
     machines,
     plant_drafts,
     scenario,
+    station_commands,
     tasks,
 )
 from dray.gateway.routes.factory.floor import areas, carrying, closures, obstacles, traffic, waits
@@ -53,6 +54,7 @@ API = (
     inventory,
     machine_commands,
     machines,
+    station_commands,
     atvs,
     carrying,
     # Its path looks like that of a task, so it comes first.

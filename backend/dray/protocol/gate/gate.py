@@ -8,41 +8,58 @@ process. The agent adds what a strategist has to rely on:
 - a goal is admitted on the word of the strategist alone that holds its order, and an old word about it changes nothing;
 - an order is held by one strategist, with an epoch, over the gate's own lives.
 
+Where its body is people it passes their words on, with a grant for the area of a delivery warehouse.
+
 It coordinates nothing and hires nobody. Pieces of a goal that is shut stay with whoever has brought them.
 """
 
 from __future__ import annotations
 
+from itertools import islice
+
+from msgspec import UNSET
 from msgspec.structs import replace
 
-from dray.body import Admit, BodyState, GateState, GoodsArrived
+from dray.body import Admit, BodyState, GateState, GoodsArrived, WordTaken
 from dray.errors import ProtocolViolation
 from dray.memory import WHOLE, GateGoal, GateMemory, Memory, Note
 from dray.messages import (
     AdmissionAsked,
+    CommandRefusal,
     CountHeard,
     GateAsked,
     GateTold,
     GoodsCounted,
+    Grant,
     HolderHeard,
     HolderTold,
+    MachineCommand,
     OrderClaimed,
+    PeopleAsBody,
     StationHeartbeat,
 )
+from dray.messages.heartbeat import GOALS_TOLD, GoalToCome
 from dray.messages.keys import GATE, Keys
 from dray.plant import Plant
 from dray.protocol.gate.admissions import KEPT_GOALS, Admissions
 from dray.protocol.gate.order_holders import OrderHolders
 from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S
+from dray.protocol.people.command_authorisation import CommandAuthorisation
+from dray.protocol.people.granted_commands import GrantedCommands
+from dray.protocol.people.words import PassedWords
 from dray.protocol.runtime.agent import AgentBase
 from dray.protocol.runtime.bounded_map import BoundedMap
 from dray.protocol.runtime.events import Ignore, Instruct, Publish, Send
 from dray.protocol.runtime.heartbeat_timer import BEAT, HeartbeatTimer
 from dray.protocol.runtime.retransmission import Retransmitter
 from dray.protocol.runtime.shutdown import COORDINATOR_LEAVES_WITHIN_S
+from dray.protocol.runtime.trust import Trusts, trusts_nobody
 
 COUNT, HOLDER = "count", "holder"
 """The alarms for telling a count again, by goal, and a lost order, by order."""
+
+NO_PEOPLE = "its controller counts, and nobody else"
+"""What stands beside a refusal, for people."""
 
 
 class DeliveryGate(AgentBase):
@@ -54,6 +71,7 @@ class DeliveryGate(AgentBase):
         incarnation: how often it has been started.
         software: the version it runs, for its heartbeat.
         kept: how many goals it keeps in mind.
+        trusts: whose word counts when people say what has arrived.
     """
 
     def __init__(
@@ -64,6 +82,7 @@ class DeliveryGate(AgentBase):
         incarnation: int = 1,
         software: str = "",
         kept: int = KEPT_GOALS,
+        trusts: Trusts = trusts_nobody,
     ) -> None:
         super().__init__(agent, incarnation, leaves_within_s=COORDINATOR_LEAVES_WITHIN_S)
         self._software = software
@@ -76,6 +95,12 @@ class DeliveryGate(AgentBase):
         """By goal, how many the body has said to admit since this life began."""
         self._counts = Retransmitter(COUNT, self._timers, self._out)
         self._holders = Retransmitter(HOLDER, self._timers, self._out)
+        self._places_m = tuple(plant.position_of(each) for each in plant.delivery_warehouses)
+        self._people = False
+        granted = GrantedCommands[MachineCommand](
+            CommandAuthorisation(agent, plant, trusts), _refuse, _detail, self._out
+        )
+        self._granted, self._words = granted, PassedWords(granted, self._out)
         self._committers += [self._goals.commits, self._orders.commits]
         self._message_handlers = {
             GateAsked: self._on_gate_asked,
@@ -83,8 +108,12 @@ class DeliveryGate(AgentBase):
             CountHeard: self._on_count_heard,
             OrderClaimed: self._on_claimed,
             HolderHeard: self._on_holder_heard,
+            MachineCommand: self._on_command,
         }
-        self._report_handlers = {GoodsArrived: self._on_arrived}
+        self._report_handlers = {
+            GoodsArrived: self._on_arrived,
+            WordTaken: lambda report, _now_s: self._words.on_taken(report),
+        }
         self._alarm_handlers = {BEAT: self._beat, COUNT: self._counts.wake, HOLDER: self._holders.wake}
 
     # --- the beginning, time passing, and the end ---
@@ -92,6 +121,7 @@ class DeliveryGate(AgentBase):
     def _start(self, body: BodyState | None, memory: Memory, now_s: float) -> None:
         if not isinstance(body, GateState):
             raise ProtocolViolation(f"{self.id}: the delivery gate needs a gate, not {body!r}")
+        self._people = body.people
         note = memory.get(WHOLE)
         if isinstance(note, GateMemory):
             self._since = note.since
@@ -133,11 +163,26 @@ class DeliveryGate(AgentBase):
             at_s=now_s,
             software=self._software,
             draining=self._shutdown.begun,
+            people=PeopleAsBody(goals=self._to_come()) if self._people else UNSET,
         )
         self._out.append(Publish(self._beat_key, said))
 
     def _take_leave(self, now_s: float) -> None:
         self._say_status(now_s)
+
+    def _to_come(self) -> tuple[GoalToCome, ...]:
+        short = (goal for goal in self._goals if goal.arrived < goal.admitted)
+        return tuple(
+            GoalToCome(goal.goal, goal.admitted - goal.arrived) for goal in islice(short, GOALS_TOLD)
+        )
+
+    # --- people ---
+
+    def _on_command(self, sender: str, command: MachineCommand, now_s: float) -> None:
+        if command.kind.is_word and self._people:
+            self._words.pass_on(sender, command, self._places_m, now_s)
+        else:
+            self._granted.on_command(sender, command, self._places_m[0], now_s)
 
     # --- goods ---
 
@@ -150,6 +195,8 @@ class DeliveryGate(AgentBase):
         self._obeyed[goal.goal] = report.admitted
         if report.arrived > goal.arrived:
             goal = self._count(goal, report.arrived, report.vehicle)
+        if self._people:
+            self._heartbeat_timer.at_once(now_s)
         self._tell(goal, report.admitted, now_s)
 
     def _count(self, goal: GateGoal, arrived: int, vehicle: str) -> GateGoal:
@@ -167,6 +214,7 @@ class DeliveryGate(AgentBase):
             incarnation=goal.incarnation if obeyed else 0,
             number=goal.number if obeyed else 0,
             brought=goal.brought,
+            by_people=self._people,
         )
         if goal.arrived > goal.heard:
             self._counts.say(goal.goal, Send(goal.asker, counted), now_s)
@@ -264,3 +312,12 @@ class DeliveryGate(AgentBase):
                 is_shut = False
                 self._out.append(Instruct(Admit(goal.goal, 0)))
         return is_shut
+
+
+def _refuse(_command: MachineCommand, _grant: Grant, _now_s: float) -> CommandRefusal:
+    """A gate has no commands but words."""
+    return CommandRefusal.NOT_SUPPORTED
+
+
+def _detail(_command: MachineCommand, _refused: CommandRefusal) -> str:
+    return NO_PEOPLE

@@ -26,6 +26,7 @@ class Goal:
     __slots__ = (
         "arrived",
         "brought",
+        "by_people",
         "committed",
         "confirmed",
         "credited",
@@ -77,6 +78,8 @@ class Goal:
         """Pieces that the gate has counted, by the strategist's last word."""
         self.brought: dict[str, int] = {}
         """The same by vehicle, as far as the gate has told."""
+        self.by_people = False
+        """People count at the gate, later than goods come: its carriers are let go on their word."""
         self.credited: dict[str, int] = {}
         """Pieces of handovers that this life has accepted, by vehicle."""
         self.heard_s = -NEVER_S
@@ -129,6 +132,7 @@ class Goal:
         if confirmed.arrived >= self.arrived:
             self.arrived = confirmed.arrived
             self.brought = {each.vehicle: each.pieces for each in confirmed.brought}
+        self.by_people = self.by_people or confirmed.by_people
         self.heard_s = now_s
 
     def arrived_by(self, vehicle: str) -> int:
@@ -157,6 +161,8 @@ class Goal:
             Ready pieces that are not needed for this goal any more.
         """
         if self.on_the_way or arrived == self.delivered or self.is_of_parts:
+            return 0
+        if self.by_people and arrived < self.delivered:
             return 0
         # Whatever was sent has either arrived or will not: no piece is in between.
         self.delivered = min(arrived, self.committed)
@@ -204,4 +210,5 @@ class Goal:
             confirmed=self.confirmed,
             held=self.held,
             disputes=self.disputes,
+            by_people=self.by_people,
         )

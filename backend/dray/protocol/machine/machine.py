@@ -183,7 +183,7 @@ class Machine(AgentBase):
             DockReady: self._flow.on_dock_ready,
             Broken: self._broken,
             Repaired: self._repaired,
-            WordTaken: lambda report, _now_s: self._commands.on_word_taken(report),
+            WordTaken: lambda report, _now_s: self._commands.words.on_taken(report),
             **self._documents.reports,
         }
         self._alarm_handlers = {

@@ -85,6 +85,7 @@ class GoalBook:
             memory.goal, memory.work, memory.deadline_s, memory.strategist, memory.epoch, memory.number
         )
         goal.confirmed, goal.held, goal.disputes = memory.confirmed, memory.held, memory.disputes
+        goal.by_people = memory.by_people
         goal.made, goal.delivered, goal.lost_in_transit = (
             memory.made,
             memory.delivered,

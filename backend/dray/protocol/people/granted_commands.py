@@ -82,15 +82,20 @@ class GrantedCommands(Generic[C]):
         self._note(CommandMemory(command.command, grant.person, grant.valid_until_s, refused, detail), now_s)
         return refused is None
 
-    def permits(self, sender: str, command: C, place_m: tuple[float, float], now_s: float) -> Grant | None:
-        """The grant of a command that is carried out and answered elsewhere (`tell`); None when it has none that holds, and was refused."""
+    def permits(
+        self, sender: str, command: C, places_m: Iterable[tuple[float, float]], now_s: float
+    ) -> Grant | None:
+        """The grant of a command that is carried out and answered elsewhere (`tell`); None when it has none that holds, and was refused.
+
+        It reaches one of `places_m` at least.
+        """
         grant = self._grant_of(sender, command)
         if grant is None:
             return None
         if now_s > grant.valid_until_s:
             self._refuse(sender, command, CommandRefusal.EXPIRED)
             return None
-        if not self._authority.covers(command, grant, *place_m):
+        if not any(self._authority.covers(command, grant, *place_m) for place_m in places_m):
             self._refuse(sender, command, CommandRefusal.NOT_HERE)
             return None
         return grant

@@ -1,6 +1,6 @@
 """People at a station: whom it calls to look for a load that was disputed twice, and whose word it takes about that.
 
-A station has no other commands. It begins to hear who is on duty when it calls somebody for the first time.
+A station has no other commands; where its body is people, it hears what they say has happened (`PassedWords`). It begins to hear who is on duty when it calls somebody for the first time.
 """
 
 from __future__ import annotations
@@ -8,12 +8,15 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import Any
 
+from dray.body import StorageState
 from dray.memory import CommandMemory
-from dray.messages import CommandRefusal, Grant, MachineCommand, Message
+from dray.messages import CommandRefusal, Grant, MachineCommand, Message, PeopleAsBody
+from dray.messages.heartbeat import LOADS_TOLD
 from dray.plant import Plant
 from dray.protocol.calls.help_calls import HelpCalls
 from dray.protocol.people.command_authorisation import CommandAuthorisation
 from dray.protocol.people.granted_commands import GrantedCommands
+from dray.protocol.people.words import PassedWords
 from dray.protocol.runtime.events import Effect
 from dray.protocol.runtime.timers import Timers
 from dray.protocol.transports.held import HeldTransports
@@ -49,6 +52,8 @@ class HeldLoads:
 
     Attributes:
         message_handlers, alarms: for the agent's tables.
+        people: what waits for people's words, where they are its body; else None.
+        words: these, on their way to the body.
     """
 
     def __init__(
@@ -64,6 +69,8 @@ class HeldLoads:
         self._held = held
         self._place_m = plant.position_of(station)
         self._granted = GrantedCommands[MachineCommand](authority, self._try, _detail, out)
+        self.words = PassedWords(self._granted, out)
+        self.people: PeopleAsBody | None = None
         self._calls = HelpCalls(_Caller(station, incarnation, plant), plant, timers, out)
         self._listens = False
         self.message_handlers: dict[type[Message], Callable[[str, Any, float], None]] = {
@@ -82,7 +89,16 @@ class HeldLoads:
 
     def on_command(self, sender: str, command: MachineCommand, now_s: float) -> None:
         """Take a person's word; see `GrantedCommands.on_command`."""
+        if command.kind.is_word and self.people is not None:
+            self.words.pass_on(sender, command, (self._place_m,), now_s)
+            return
         self._granted.on_command(sender, command, self._held.place_m(command.task) or self._place_m, now_s)
+
+    def sense(self, body: StorageState) -> bool:
+        """Take note of what waits for people's words; whether that is news."""
+        people = PeopleAsBody(loads=body.loads[:LOADS_TOLD]) if body.people else None
+        is_news, self.people = people != self.people, people
+        return is_news
 
     def update_calls(self, now_s: float, *, expected: bool) -> None:
         """Call somebody for each load that is to be looked for, and nobody longer than that.

@@ -11,9 +11,10 @@ the station only tells it what is short (`Refill`); or people's, who have it bro
 
 from __future__ import annotations
 
+from msgspec import UNSET
 from msgspec.structs import replace
 
-from dray.body import BodyState, DockReady, Refill, StockChanged, StorageState
+from dray.body import BodyState, DockReady, Refill, StockChanged, StorageState, WordTaken
 from dray.errors import ProtocolViolation
 from dray.memory import WHOLE, Memory, Note, ReservationMemory, StationMemory
 from dray.messages import Docked, MachineCommand, StationHeartbeat, StockLevel, WorkSought
@@ -115,7 +116,11 @@ class Station(AgentBase):
             Docked: self._on_docked,
             WorkSought: self._on_sought,
         }
-        self._report_handlers = {StockChanged: self._stock_changed, DockReady: self._flow.on_dock_ready}
+        self._report_handlers = {
+            StockChanged: self._stock_changed,
+            DockReady: self._flow.on_dock_ready,
+            WordTaken: lambda report, _now_s: self._held_loads.words.on_taken(report),
+        }
         self._docks = () if traffic is None else docks_heard(storage, items, plant, self._keys)
         heard = self._flow.subscriptions
         gone = self._flow.departures.on_carried_away
@@ -138,6 +143,7 @@ class Station(AgentBase):
         self._book.take_count(state.stock, state.seq)
         self._uncounted = state.uncounted
         self._flow.take_abilities(state)
+        self._held_loads.sense(state)
         note = memory.get(WHOLE)
         if isinstance(note, StationMemory):
             self._written = note.reserved
@@ -163,6 +169,8 @@ class Station(AgentBase):
 
     def _sense(self, body: BodyState | None, now_s: float) -> None:
         state = self._storage(body)
+        if self._held_loads.sense(state):
+            self._heartbeat_timer.at_once(now_s)
         was, self._uncounted = self._uncounted, state.uncounted
         if self._book.sense(state.stock, state.seq) or was != state.uncounted:
             self._go_on(now_s)
@@ -203,6 +211,7 @@ class Station(AgentBase):
             draining=self._shutdown.begun,
             awaits=self._bookkeeping.awaited(now_s),
             dock_wait=self._flow.door.wait(now_s),
+            people=self._held_loads.people or UNSET,
         )
         self._out.append(Publish(self._beat_key, heartbeat))
         return heartbeat

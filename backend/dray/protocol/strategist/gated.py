@@ -278,9 +278,11 @@ class GatedStrategist(Strategist):
             if news > 0:
                 total += news
                 # Only the last one may be the last word about a goal that is shut.
-                yield GoodsArrived(goal, total, max(1, counted.admitted), each.vehicle)
+                yield GoodsArrived(
+                    goal, total, max(1, counted.admitted), each.vehicle, by_people=counted.by_people
+                )
         self._brought[goal] = {each.vehicle: each.pieces for each in counted.brought}
-        yield GoodsArrived(goal, counted.arrived, counted.admitted)
+        yield GoodsArrived(goal, counted.arrived, counted.admitted, by_people=counted.by_people)
 
     def _on_holder(self, told: HolderTold, now_s: float) -> list[Effect]:
         held, effects = told.held, list[Effect]()

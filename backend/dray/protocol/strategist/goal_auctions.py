@@ -151,7 +151,9 @@ class GoalAuctions(Coordinator):
     def confirm(self, goal: OpenGoal) -> None:
         """Tell a machine that a goal is its own, and how much of it has arrived."""
         brought = tuple(Brought(vehicle, pieces) for vehicle, pieces in goal.brought.items())
-        confirmed = Confirmed(task=goal.id, epoch=goal.epoch, arrived=goal.arrived, brought=brought)
+        confirmed = Confirmed(
+            task=goal.id, epoch=goal.epoch, arrived=goal.arrived, brought=brought, by_people=goal.by_people
+        )
         self._out.append(Send(goal.machine, confirmed))
 
     def withdraw(self, machine: str, goal: str, epoch: int) -> None:

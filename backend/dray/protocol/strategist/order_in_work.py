@@ -13,6 +13,7 @@ class OpenGoal:
         "arrived",
         "asked",
         "brought",
+        "by_people",
         "deadline_s",
         "epoch",
         "failure",
@@ -39,6 +40,8 @@ class OpenGoal:
         """Pieces that the gate has counted; of a part, those that its machine has made."""
         self.brought: dict[str, int] = {}
         """The same by vehicle, as far as this life has heard it."""
+        self.by_people = False
+        """People count at the gate, later than goods come."""
         self.asked: int | None = None
         """As little as its machine is asked to make of it, by a change that is under way."""
         self.keeps = False

@@ -311,7 +311,7 @@ class Strategist(AgentBase):
                     goal.offered = not goal.offered
                     self._check_goal(goal.id, now_s)
                 if not goal.work.part_of:
-                    if brief.delivered > goal.arrived:
+                    if brief.delivered > goal.arrived and not goal.by_people:
                         # It believes that pieces are in which the gate has not seen.
                         self._auctions.confirm(goal)
                     self._changes.on_named(goal, brief, now_s)
@@ -324,6 +324,7 @@ class Strategist(AgentBase):
             self._out.append(Ignore("goods of a goal that is closed"))
             return
         order = self._book.order_of(goal)
+        goal.by_people = report.by_people
         news = self._note_arrived(goal, report.arrived)
         if news and report.vehicle:
             goal.brought[report.vehicle] = goal.brought.get(report.vehicle, 0) + news

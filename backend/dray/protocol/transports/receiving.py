@@ -8,7 +8,8 @@
 Material is counted by the coordinator's own body, and taken by its carrier's name (`StockChanged`). Finished goods are counted as
 they leave by the machine's own body, and as they arrive by the gate of the delivery warehouses: the strategist tells
 whose pieces have come in (`Confirmed`). While the strategist says nothing at all, the carrier is let go on its word, and the
-pieces are compared with the gate's count as soon as it is heard again.
+pieces are compared with the gate's count as soon as it is heard again. So it is where people count at the gate, who say it later: what they
+have not said yet is not missing.
 
 Nobody has counted, and the carrier's word is taken, where the contract was made by an earlier life of the coordinator, and
 for pieces that no goal wants any more.
@@ -32,6 +33,9 @@ class GateCount(Protocol):
 
     disputes: int
     """Handovers of its pieces, one after the other, of which nothing was counted."""
+
+    by_people: bool
+    """People count, later than goods come."""
 
     @property
     def heard_s(self) -> float:
@@ -69,7 +73,7 @@ def verdict_on(task: OpenTask, goal: GateCount | None, place: str, now_s: float)
         return _judged(task.contract.receipt.counted, work.quantity, is_patient)
     if task.witnessed and not task.is_loaded:
         return _judged(0, work.quantity, is_patient)
-    if goal is None:
+    if goal is None or goal.by_people:
         return Verdict.COUNTED, work.quantity
     arrived = goal.arrived_by(task.primary)
     if arrived < work.quantity and not is_patient and goal.heard_s < task.contract.receipt.said_s:

@@ -1,61 +1,104 @@
-import { signal } from "@preact/signals";
+import { computed, signal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
-import type { MachineView } from "../../api/types";
+import { selection } from "../../selection/selection";
 import { world } from "../../stream/stream";
 import { vehicleName } from "../../text/elsewhere";
 import { format, t } from "../../text/operator";
-import { names } from "../state";
-import { shown } from "../station/StationCard";
-import { type Choice, isWhole, itemsFor, KINDS, ofKind, ofLoad, scanned, withItem, withQuantity } from "./choice";
+import { me } from "../session/session";
+import { names, plant } from "../state";
+import { type Choice, isWhole, itemsFor, kindsAt, ofGoal, ofKind, ofLoad, type Place, scanned, withItem, withQuantity } from "./choice";
 import { NOTHING, pressed } from "./scan";
-import { answer, doubted, goOn, last, say, waiting } from "./words";
+import { answer, type At, doubted, goOn, last, say, waiting } from "./words";
 import "./words.css";
 
-/** Chosen at which machine, and what. */
-const chosen = signal<{ readonly machine: string; readonly choice: Choice } | null>(null);
+/** Chosen at which place, and what. */
+const chosen = signal<{ readonly place: string; readonly choice: Choice } | null>(null);
 const unknown = signal("");
 
-/** What has happened at a machine that people work: a first touch or code chooses, a second one says it. */
-export function WordsCard() {
-  const machine = world.value?.machines.get(shown.value?.id ?? "");
-  return machine?.unconfirmed ? <Words machine={machine} /> : null;
+const GATE = "gate";
+
+interface Worked extends Place, At {}
+
+/** The place that was touched on the map, else where this person works, else the only one here that people work. */
+const worked = computed<Worked | null>(() => {
+  const touched = workedAt(placeOf(selection.value.place?.id ?? ""));
+  if (touched) return touched.unconfirmed ? touched : null;
+  const own = workedAt(me.value?.station ?? "");
+  if (own?.unconfirmed) return own;
+  const { machines, stations } = world.value ?? {};
+  const [only, ...others] = [...(machines?.values() ?? []), ...(stations?.values() ?? [])].filter((each) => each.unconfirmed !== null);
+  return only === undefined || others.length > 0 ? null : workedAt(only.id);
+});
+
+/** The delivery warehouses have one gate. */
+function placeOf(id: string): string {
+  const isDelivery = plant.value?.warehouses.some((each) => each.id === id && each.kind === "delivery") ?? false;
+  return isDelivery ? GATE : id;
 }
 
-function choose(machine: string, choice: Choice): void {
-  chosen.value = { machine, choice };
+/** A machine or a station, whoever works there; null for what is neither, or was not heard yet. */
+function workedAt(id: string): Worked | null {
+  const machine = world.value?.machines.get(id);
+  if (machine) return { ...machine, station: false, toCome: null };
+  const station = world.value?.stations.get(id);
+  if (!station) return null;
+  const { stocks: buffers, to_come: toCome, unconfirmed } = station;
+  return { id, station: true, buffers, goods: [], product: "", unconfirmed, toCome: id === GATE ? toCome : null };
+}
+
+/** What has happened at a place that people work: a first touch or code chooses, a second one says it. */
+export function WordsCard() {
+  const place = worked.value;
+  return place && <Words place={place} />;
+}
+
+function choose(place: string, choice: Choice): void {
+  chosen.value = { place, choice };
   unknown.value = "";
 }
 
-function sayIt(machine: string, choice: Choice): void {
+function sayIt(at: At, choice: Choice): void {
   chosen.value = null;
-  say(machine, choice);
+  say(at, choice);
 }
 
-function Words({ machine }: { machine: MachineView }) {
-  const { id } = machine;
+function Words({ place }: { place: Worked }) {
+  const { id } = place;
   useEffect(goOn);
   useEffect(() => listen(id), [id]);
-  const choice = chosen.value?.machine === id ? chosen.value.choice : null;
+  const choice = chosen.value?.place === id ? chosen.value.choice : null;
+  const title = place.toCome ? t("words.gate") : t("words.title", { id });
   return (
-    <section class="words card" aria-label={t("words.title", { id })}>
-      <h2>{t("words.title", { id })}</h2>
+    <section class="words card" aria-label={title}>
+      <h2>{title}</h2>
       <div class="words-what">
-        {KINDS.map((kind) => (
+        {kindsAt(place).map((kind) => (
           <button
             key={kind}
             type="button"
             class="words-kind"
             aria-pressed={choice?.kind === kind && choice.vehicle === ""}
-            onClick={() => { choose(id, ofKind(kind, machine)); }}
+            onClick={() => { choose(id, ofKind(kind, place)); }}
           >
             {t(`command.${kind}`)}
           </button>
         ))}
       </div>
-      <Second machine={machine} choice={choice} />
+      <Second place={place} choice={choice} />
       {/* Below all else: one that comes moves nothing under a finger. */}
       <div class="words-what">
-        {(machine.unconfirmed ?? []).map((load, i) => {
+        {(place.toCome ?? []).map((each) => (
+          <button
+            key={each.goal}
+            type="button"
+            class="words-load"
+            aria-pressed={choice?.item === each.goal}
+            onClick={() => { choose(id, ofGoal(each)); }}
+          >
+            {t("words.toCome", { item: itemName(each.goal), quantity: format.count(each.quantity) })} <b>{t("words.allThere")}</b>
+          </button>
+        ))}
+        {(place.unconfirmed ?? []).map((load, i) => {
           const mine = ofLoad(load);
           const what = { vehicle: vehicleName(load.vehicle), quantity: format.count(load.quantity), item: names.value(load.item) };
           return (
@@ -77,14 +120,14 @@ function Words({ machine }: { machine: MachineView }) {
 }
 
 /** The place of the second touch is always there, so that nothing moves under a finger. */
-function Second({ choice, machine }: { machine: MachineView; choice: Choice | null }) {
-  const { id } = machine;
+function Second({ choice, place }: { place: Worked; choice: Choice | null }) {
+  const { id } = place;
   const asked = doubted.value;
   if (choice === null && asked !== null) {
     const quantity = format.count(asked.quantity);
     return (
       <div class="words-second" role="alert">
-        <p><b>{whatText(asked)}</b> {t("words.unlikely", { expected: asked.doubted ?? "", quantity })}</p>
+        <p><b>{whatText(asked, asked.place)}</b> {t("words.unlikely", { expected: asked.doubted ?? "", quantity })}</p>
         <div class="words-say">
           <button type="button" class="button primary words-yes" onClick={() => { answer(true); }}>{t("words.sure", { quantity })}</button>
           <button type="button" class="button" onClick={() => { answer(false); }}>{t("words.no")}</button>
@@ -99,10 +142,10 @@ function Second({ choice, machine }: { machine: MachineView; choice: Choice | nu
   const more = (by: number): void => { choose(id, withQuantity(choice, choice.quantity + by)); };
   return (
     <div class="words-second" role="status">
-      {choice.vehicle === "" && (
+      {choice.vehicle === "" && !place.toCome && (
         <div class="words-items" role="group" aria-label={t("words.item")}>
-          {itemsFor(choice.kind, machine).map((each) => (
-            <button key={each} type="button" class="button" aria-pressed={each === item} onClick={() => { choose(id, withItem(choice, each, machine)); }}>
+          {itemsFor(choice.kind, place).map((each) => (
+            <button key={each} type="button" class="button" aria-pressed={each === item} onClick={() => { choose(id, withItem(choice, each, place)); }}>
               {names.value(each)}
             </button>
           ))}
@@ -120,8 +163,8 @@ function Second({ choice, machine }: { machine: MachineView; choice: Choice | nu
             onInput={({ currentTarget: { valueAsNumber } }) => { choose(id, withQuantity(choice, valueAsNumber)); }}
           />
           <button type="button" class="button" aria-label={t("words.more")} onClick={() => { more(1); }}>+</button>
-          <button type="button" class="button primary words-yes" disabled={!isWhole(choice)} onClick={() => { sayIt(id, choice); }}>
-            {whatText(choice)}
+          <button type="button" class="button primary words-yes" disabled={!isWhole(choice)} onClick={() => { sayIt(place, choice); }}>
+            {whatText(choice, id)}
           </button>
         </div>
       )}
@@ -129,8 +172,16 @@ function Second({ choice, machine }: { machine: MachineView; choice: Choice | nu
   );
 }
 
-function whatText({ item, kind, quantity, vehicle }: Choice): string {
-  const what = { item: names.value(item), quantity: format.count(quantity) };
+/** A material's or a product's name; of a goal its product and what its label says. */
+function itemName(item: string): string {
+  const goal = world.value?.stations.get(GATE)?.to_come.find((each) => each.goal === item);
+  if (goal === undefined || goal.product === "") return names.value(item);
+  return t("words.ofGoal", { item: names.value(goal.product), goal: item });
+}
+
+function whatText({ item, kind, quantity, vehicle }: Choice, place: string): string {
+  const what = { item: itemName(item), quantity: format.count(quantity) };
+  if (place === GATE) return t("words.say.in", what);
   if (vehicle === "" || (kind !== "arrived" && kind !== "taken")) return t(`words.say.${kind}`, what);
   return t(`words.say.${kind}With`, { ...what, vehicle: vehicleName(vehicle) });
 }
@@ -138,7 +189,7 @@ function whatText({ item, kind, quantity, vehicle }: Choice): string {
 function becameText(): string {
   if (unknown.value !== "") return t("words.unknown", { code: unknown.value });
   if (last.value === null) return t("words.first");
-  return t(`words.${last.value.became}`, { what: whatText(last.value.word), reason: last.value.reason });
+  return t(`words.${last.value.became}`, { what: whatText(last.value.word, last.value.word.place), reason: last.value.reason });
 }
 
 /** Hears a scanner that types like a keyboard, wherever the focus is but in a field. */
@@ -163,11 +214,11 @@ function isField(target: EventTarget | null): boolean {
 }
 
 function take(id: string, code: string): void {
-  const machine = world.value?.machines.get(id);
-  if (!machine) return;
-  const before = chosen.value?.machine === id ? chosen.value.choice : null;
-  const step = scanned(code, before, machine);
+  const place = workedAt(id);
+  if (place === null) return;
+  const before = chosen.value?.place === id ? chosen.value.choice : null;
+  const step = scanned(code, before, place);
   if (step.does === "unknown") unknown.value = code;
   else if (step.does === "choose") choose(id, step.choice);
-  else sayIt(id, step.choice);
+  else sayIt(place, step.choice);
 }

@@ -1,5 +1,5 @@
 import { describe, expect, test } from "vitest";
-import { type Choice, isWhole, ofKind, ofLoad, type Place, scanned, withItem, withQuantity } from "./choice";
+import { type Choice, isWhole, kindsAt, ofKind, ofLoad, type Place, scanned, withItem, withQuantity } from "./choice";
 
 const level = (item: string, pieces: number) => ({ item, level: pieces, capacity: 99, reorder_point: 0, on_order: 0, spare: 0 });
 const place: Place = {
@@ -7,6 +7,7 @@ const place: Place = {
   goods: [level("pump-p3", 2), level("gear-unit-g2", 0)],
   product: "pump-p3",
   unconfirmed: [{ vehicle: "ATV3", item: "shaft", quantity: 12, goes: false }],
+  toCome: null,
 };
 const load: Choice = { kind: "arrived", item: "shaft", vehicle: "ATV3", quantity: 12 };
 
@@ -71,5 +72,32 @@ describe("a code", () => {
 
   test("that nobody knows changes nothing", () => {
     expect(scanned("4006381333931", load, place)).toEqual({ does: "unknown" });
+  });
+});
+
+describe("at a storage", () => {
+  const storage: Place = { buffers: [level("shaft", 38)], goods: [], product: "", unconfirmed: [], toCome: null };
+
+  test("nothing is made, and a code of a material is an arrival by hand", () => {
+    expect(kindsAt(storage)).toEqual(["arrived", "taken", "stock_is"]);
+    expect(scanned("made", null, storage)).toEqual({ does: "unknown" });
+    expect(scanned("shaft*5", null, storage)).toMatchObject({ choice: { kind: "arrived", item: "shaft", vehicle: "", quantity: 5 } });
+  });
+});
+
+describe("at the gate", () => {
+  const gate: Place = { buffers: [], goods: [], product: "", unconfirmed: [], toCome: [{ goal: "O-7-1.1", product: "pump-p3", quantity: 6 }] };
+  const all: Choice = { kind: "arrived", item: "O-7-1.1", vehicle: "", quantity: 6 };
+
+  test("the code of a label chooses all that is to come of its goal, and the same code once more says it", () => {
+    expect(scanned("O-7-1.1", null, gate)).toEqual({ does: "choose", choice: all });
+    expect(scanned("o-7-1.1", all, gate)).toEqual({ does: "say", choice: all });
+    expect(scanned("o-7-1.1*4", all, gate)).toEqual({ does: "choose", choice: { ...all, quantity: 4 } });
+  });
+
+  test("things only arrive", () => {
+    expect(kindsAt(gate)).toEqual(["arrived"]);
+    expect(scanned("stock_is", null, gate)).toEqual({ does: "unknown" });
+    expect(scanned("shaft", null, gate)).toEqual({ does: "unknown" });
   });
 });

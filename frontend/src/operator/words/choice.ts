@@ -7,10 +7,14 @@
  *     made, arrived…  what has happened
  *     ok              says it; so does the same code once more
  */
-import type { LoadView, MachineView } from "../../api/types";
+import type { LoadView, ToComeView } from "../../api/types";
 import type { WordKind } from "../commands/life";
 
-export const KINDS: readonly WordKind[] = ["made", "scrapped", "arrived", "taken", "stock_is"];
+const KINDS: readonly WordKind[] = ["made", "scrapped", "arrived", "taken", "stock_is"];
+
+const AT_GATE: readonly WordKind[] = ["arrived"];
+
+const OF_LOADS: readonly WordKind[] = ["arrived", "taken", "stock_is"];
 
 export interface Choice {
   readonly kind: WordKind;
@@ -20,7 +24,24 @@ export interface Choice {
   readonly quantity: number;
 }
 
-export type Place = Pick<MachineView, "buffers" | "goods" | "product" | "unconfirmed">;
+interface Level {
+  readonly item: string;
+  readonly level: number;
+}
+
+/** A place that people work. */
+export interface Place {
+  /** Material. */
+  readonly buffers: readonly Level[];
+  /** What is made there; none at a storage. */
+  readonly goods: readonly Level[];
+  /** What is being made. */
+  readonly product: string;
+  /** Null where its body is not people. */
+  readonly unconfirmed: readonly LoadView[] | null;
+  /** Of the delivery gate: pieces that are to come, by goal; null elsewhere. */
+  readonly toCome: readonly ToComeView[] | null;
+}
 
 export type Step =
   | { readonly does: "choose"; readonly choice: Choice }
@@ -30,7 +51,14 @@ export type Step =
 /** The most that can be said at once. */
 const MOST: Readonly<Record<WordKind, number>> = { made: 100, scrapped: 100, arrived: 1e6, taken: 1e6, stock_is: 1e6 };
 
-export function itemsFor(kind: WordKind, { buffers, goods }: Place): readonly string[] {
+/** What can be said there: where nothing is made, nothing is finished. */
+export function kindsAt({ goods, toCome }: Pick<Place, "goods" | "toCome">): readonly WordKind[] {
+  if (toCome) return AT_GATE;
+  return goods.length === 0 ? OF_LOADS : KINDS;
+}
+
+export function itemsFor(kind: WordKind, { buffers, goods, toCome }: Place): readonly string[] {
+  if (toCome) return toCome.map(({ goal }) => goal);
   const products = goods.map(({ item }) => item);
   return kind === "made" || kind === "scrapped" ? products : [...buffers.map(({ item }) => item), ...products];
 }
@@ -43,13 +71,20 @@ export function ofKind(kind: WordKind, place: Place): Choice {
 }
 
 /** The same of an item: what lies there is what somebody expects to count. */
-export function withItem(choice: Choice, item: string, { buffers, goods }: Place): Choice {
+export function withItem(choice: Choice, item: string, { buffers, goods, toCome }: Place): Choice {
+  const goal = toCome?.find((each) => each.goal === item);
+  if (goal) return ofGoal(goal);
   const level = [...buffers, ...goods].find((each) => each.item === item)?.level ?? 0;
   return { ...choice, item, quantity: choice.kind === "stock_is" ? level : choice.quantity };
 }
 
 export function ofLoad({ goes, item, quantity, vehicle }: LoadView): Choice {
   return { kind: goes ? "taken" : "arrived", item, vehicle, quantity };
+}
+
+/** All that is to come of a goal. */
+export function ofGoal({ goal, quantity }: ToComeView): Choice {
+  return { kind: "arrived", item: goal, vehicle: "", quantity };
 }
 
 /** Another number; whatever is none leaves the one that was. */
@@ -67,7 +102,7 @@ export function isWhole({ item, kind, quantity, vehicle }: Choice): boolean {
 export function scanned(code: string, before: Choice | null, place: Place): Step {
   const word = code.trim().toLowerCase();
   if (word === "ok") return before && isWhole(before) ? { does: "say", choice: before } : { does: "unknown" };
-  const kind = KINDS.find((each) => each === word);
+  const kind = kindsAt(place).find((each) => each === word);
   if (kind !== undefined) return { does: "choose", choice: ofKind(kind, place) };
   const [, name = word, many] = /^(.+)\*(\d{1,7})$/.exec(word) ?? [];
   const item = itemsFor("stock_is", place).find((each) => each.toLowerCase() === name);
@@ -80,6 +115,8 @@ export function scanned(code: string, before: Choice | null, place: Place): Step
   if (before?.item === "" && itemsFor(before.kind, place).includes(item)) {
     return { does: "choose", choice: counted(withItem(before, item, place)) };
   }
+  const goal = place.toCome?.find((each) => each.goal === item);
+  if (goal) return { does: "choose", choice: counted(ofGoal(goal)) };
   const load = place.unconfirmed?.find((each) => each.item === item);
   if (load) return { does: "choose", choice: counted(ofLoad(load)) };
   const isMade = itemsFor("made", place).includes(item);

@@ -1,9 +1,10 @@
 /**
- * What people say has happened at a machine, until the machine has answered. It is kept in the browser and said again under its
- * name, so that it counts once however often the tablet, the gateway or the machine is away.
+ * What people say has happened at a machine or a station, until that has answered. It is kept in the browser and said again under its
+ * name, so that it counts once however often the tablet, the gateway or the place is away.
  */
 import { computed, signal } from "@preact/signals";
-import { commandMachine, newKey } from "../../api/client";
+import { commandMachine, commandStation, newKey } from "../../api/client";
+import type { CommandAnswer } from "../../api/types";
 import { Problem } from "../../api/problem";
 import { recall, remember } from "../../memory";
 import { problemText, refusalText } from "../problem-text";
@@ -19,12 +20,20 @@ const KEPT = "operator.words.";
 
 export interface Word extends Choice {
   readonly key: string;
-  readonly machine: string;
+  readonly place: string;
+  /** At a station; else at a machine. */
+  readonly station: boolean;
   /** The number is right, however far it is from the expected one. */
   readonly sure: boolean;
   readonly saidMs: number;
   /** Far from this number, which was expected: somebody is asked. */
   readonly doubted?: string;
+}
+
+/** Where something is said. */
+export interface At {
+  readonly id: string;
+  readonly station: boolean;
 }
 
 export interface Said {
@@ -58,8 +67,8 @@ export function goOn(): void {
   void pass();
 }
 
-export function say(machine: string, choice: Choice, sure = false): void {
-  const word = { ...choice, key: newKey(), machine, sure, saidMs: Date.now() };
+export function say({ id, station }: At, choice: Choice, sure = false): void {
+  const word = { ...choice, key: newKey(), place: id, station, sure, saidMs: Date.now() };
   last.value = null;
   keep([...read(), word]);
   void pass();
@@ -69,13 +78,13 @@ export function say(machine: string, choice: Choice, sure = false): void {
 export function answer(isRight: boolean): void {
   const asked = doubted.value;
   if (asked === null) return;
-  const { item, kind, machine, quantity, saidMs, vehicle } = asked;
+  const { item, kind, place, quantity, saidMs, station, vehicle } = asked;
   if (isRight && isStale(kind, saidMs)) {
     end(asked, "lost", "");
     return;
   }
   forget(asked);
-  if (isRight) say(machine, { item, kind, quantity, vehicle }, true);
+  if (isRight) say({ id: place, station }, { item, kind, quantity, vehicle }, true);
 }
 
 async function pass(): Promise<void> {
@@ -96,19 +105,25 @@ function next(tried: ReadonlySet<string>): Word | undefined {
 }
 
 async function tell(word: Word): Promise<void> {
-  const { item, key, kind, machine, quantity, saidMs, sure, vehicle } = word;
+  const { key, kind, saidMs } = word;
   if (isStale(kind, saidMs)) {
     end(word, "lost", "");
     return;
   }
   try {
-    const { detail, done, reason } = await commandMachine(machine, { kind, item, quantity, vehicle, sure, command: key });
+    const { detail, done, reason } = await passOn(word);
     if (!done && reason === "unlikely") {
       keep(read().map((each) => (each.key === key ? { ...each, doubted: detail } : each)));
     } else end(word, done ? "counted" : "refused", refusalText({ reason: reason ?? "", detail }));
   } catch (error) {
     if (!mayComeThrough(error)) end(word, "refused", problemText(error));
   }
+}
+
+async function passOn({ item, key, kind, place, quantity, station, sure, vehicle }: Word): Promise<CommandAnswer> {
+  const said = { item, quantity, vehicle, sure, command: key };
+  if (station && kind !== "made" && kind !== "scrapped") return await commandStation(place, { kind, ...said });
+  return await commandMachine(place, { kind, ...said });
 }
 
 function isStale(kind: Word["kind"], saidMs: number): boolean {

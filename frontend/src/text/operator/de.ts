@@ -315,6 +315,7 @@ export const de: Catalogue<typeof en> = {
   "refusal.not_handled": "das wird hier weder gefertigt noch gebraucht",
   "refusal.no_load": "keine Ladung dieses Fahrzeugs wartet auf ein Wort: jemand hat sie schon gemeldet",
   "refusal.dock_open": "ein Fahrzeug lädt oder entlädt es gerade: zählen Sie, wenn es weg ist",
+  "refusal.not_admitted": "so viele Stücke dieses Ziels werden nicht angenommen",
 
   "station.noGoal": "Sie hat kein Ziel.",
   "station.goalLabel": "{item}: {made} von {quantity} gefertigt",
@@ -367,6 +368,11 @@ export const de: Catalogue<typeof en> = {
   "station.unheard": "Von dieser Maschine wurde noch nichts gehört.",
 
   "words.title": "Was an {id} geschehen ist",
+  "words.gate": "Was am Tor angekommen ist",
+  "words.toCome": "{quantity} {item} kommen noch.",
+  "words.allThere": "Alle da?",
+  "words.ofGoal": "{item} ({goal})",
+  "words.say.in": "{quantity} {item} angekommen",
   "words.brought": "{vehicle} hat {quantity} {item} gebracht.",
   "words.took": "{vehicle} hat {quantity} {item} geholt.",
   "words.right": "Richtig?",

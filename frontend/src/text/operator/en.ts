@@ -313,6 +313,7 @@ export const en = {
   "refusal.not_handled": "that is neither made nor used here",
   "refusal.no_load": "no load of that vehicle waits for a word: somebody else has said it already",
   "refusal.dock_open": "a vehicle is loading or unloading it: count when it has gone",
+  "refusal.not_admitted": "so many pieces of that goal are not let in",
 
   "station.noGoal": "It has no goal.",
   "station.goalLabel": "{item}: {made} of {quantity} made",
@@ -365,6 +366,11 @@ export const en = {
   "station.unheard": "Nothing was heard of this machine yet.",
 
   "words.title": "What has happened at {id}",
+  "words.gate": "What has arrived at the gate",
+  "words.toCome": "{quantity} {item} are to come.",
+  "words.allThere": "All there?",
+  "words.ofGoal": "{item} ({goal})",
+  "words.say.in": "{quantity} {item} arrived",
   "words.brought": "{vehicle} brought {quantity} {item}.",
   "words.took": "{vehicle} took {quantity} {item}.",
   "words.right": "Right?",

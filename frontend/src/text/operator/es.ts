@@ -315,6 +315,7 @@ export const es: Catalogue<typeof en> = {
   "refusal.not_handled": "eso ni se fabrica ni se usa aquí",
   "refusal.no_load": "ninguna carga de ese vehículo espera una palabra: alguien ya lo ha dicho",
   "refusal.dock_open": "un vehículo lo está cargando o descargando: cuente cuando se haya ido",
+  "refusal.not_admitted": "no se admiten tantas piezas de ese objetivo",
 
   "station.noGoal": "No tiene objetivo.",
   "station.goalLabel": "{item}: {made} de {quantity} hechas",
@@ -367,6 +368,11 @@ export const es: Catalogue<typeof en> = {
   "station.unheard": "Aún no se ha oído nada de esta máquina.",
 
   "words.title": "Qué ha pasado en {id}",
+  "words.gate": "Qué ha llegado a la puerta",
+  "words.toCome": "Faltan {quantity} {item}.",
+  "words.allThere": "¿Están todas?",
+  "words.ofGoal": "{item} ({goal})",
+  "words.say.in": "{quantity} {item} llegadas",
   "words.brought": "{vehicle} ha traído {quantity} {item}.",
   "words.took": "{vehicle} se ha llevado {quantity} {item}.",
   "words.right": "¿Correcto?",

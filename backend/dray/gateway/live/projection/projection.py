@@ -98,6 +98,7 @@ class Projection:
         )
         storages = self.site.plant.stores
         self.stations = Stations(storages, time.to_wall_s, self.outsiders, self.clocks, self._silence)
+        self.stations.product_of = self.machines.product_of
         self.orders = Orders(time.to_wall_s, self.site.products, self.materials)
         self.machines.due_of, self.machines.order_of = self.orders.due_of, self.orders.named
         self.tasks = Tasks(time.to_wall_s, self.orders.named)

@@ -36,11 +36,11 @@ from dray.gateway.live.views.factory import (
 from dray.gateway.live.views.floor.closure import ClosureView, CornerView, LaneView
 from dray.gateway.live.views.floor.obstacle import ObstacleView
 from dray.gateway.live.views.floor.wait import WaitCauseView, WaitKind, WaitView
+from dray.gateway.live.views.load import LoadView, ToComeView
 from dray.gateway.live.views.machine import (
     BufferView,
     DocumentView,
     GoalView,
-    LoadView,
     MachineView,
     OpenTaskView,
 )
@@ -101,6 +101,7 @@ __all__ = [
     "StockView",
     "StrandedView",
     "TaskView",
+    "ToComeView",
     "UseView",
     "View",
     "WaitCauseView",

@@ -8,6 +8,7 @@ from dray.gateway.live.views.agent import ClockView, ProbationView, ShutOutView,
 from dray.gateway.live.views.atv import HelpView, OutOfServiceView, ProblemView
 from dray.gateway.live.views.base import View
 from dray.gateway.live.views.cause import CauseView
+from dray.gateway.live.views.load import LoadView
 
 
 class BufferView(View, kw_only=True):
@@ -71,16 +72,6 @@ class DocumentView(View, kw_only=True):
     """Nothing is made by one that is not `verified`."""
     detail: str = ""
     """What was found, of one that cannot be used."""
-
-
-class LoadView(View, kw_only=True):
-    """A load that a vehicle has brought or taken by its own word, and that nobody has confirmed yet."""
-
-    vehicle: str
-    item: str
-    quantity: int
-    goes: bool = False
-    """It was taken away; else it was brought."""
 
 
 class MachineView(View, kw_only=True):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dray.gateway.live.views.agent import ClockView, ShutOutView, SilenceView
 from dray.gateway.live.views.base import View
+from dray.gateway.live.views.load import LoadView, ToComeView
 
 
 class StockView(View, kw_only=True):
@@ -36,5 +37,9 @@ class StationView(View, kw_only=True):
     """Nobody hears it any more: all else here is what it said before."""
     clock: ClockView | None = None
     """None while nothing is known of it."""
+    unconfirmed: tuple[LoadView, ...] | None = None
+    """Where its body is people: what vehicles have brought and taken by their own word, and nobody has confirmed yet. Else None."""
+    to_come: tuple[ToComeView, ...] = ()
+    """Of the gate whose body is people: what they are expected to say, the quietest first."""
     seen_at_s: float
     silence: SilenceView

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from typing import Protocol
 
-from dray.body import ResetFault, SetPace, Word, WordTaken, WorkcellState
+from dray.body import ResetFault, SetPace, WorkcellState
 from dray.memory import CommandMemory, MachineMemory
 from dray.messages import CommandRefusal, Grant, MachineCommand, MachineCommandKind, PeopleAsBody
 from dray.messages.heartbeat import LOADS_TOLD
@@ -19,7 +19,7 @@ from dray.protocol.machine.people.breakdown import Breakdown
 from dray.protocol.people.command_authorisation import CommandAuthorisation
 from dray.protocol.people.granted_commands import GrantedCommands
 from dray.protocol.people.out_of_service import ServiceState
-from dray.protocol.runtime.bounded_map import BoundedMap
+from dray.protocol.people.words import PassedWords
 from dray.protocol.runtime.events import Effect, Instruct
 from dray.protocol.runtime.running import Running
 
@@ -28,9 +28,6 @@ NO_UPDATES = "its software is not replaced from here: use dray fleet update, or 
 ONE_SPEED = "its body has one speed only"
 NO_PEOPLE = "its controller counts, and nobody else"
 """What stands beside a refusal, for people."""
-
-WORDS_ASKED = 100
-"""Words whose answers its body owes at once: it answers each in the same moment."""
 
 
 class Owner(Protocol):
@@ -82,6 +79,7 @@ class MachineCommandHandling:
         service: whether it is out of service.
         paces: its body can work at a part of its speed.
         people: what waits for people's words, where they are its body; else None.
+        words: these, on their way to the body.
     """
 
     def __init__(
@@ -103,8 +101,7 @@ class MachineCommandHandling:
         self.service = ServiceState()
         self.paces = False
         self.people: PeopleAsBody | None = None
-        self._asked: BoundedMap[str, tuple[str, MachineCommand]] = BoundedMap(WORDS_ASKED)
-        """Words that the body was told, by their keys, with who has said them."""
+        self.words = PassedWords(self._granted, out)
 
     def sense(self, body: WorkcellState) -> bool:
         """Take note of what waits for people's words; whether that is news."""
@@ -121,34 +118,9 @@ class MachineCommandHandling:
         if command.kind.is_about_goods:
             place_m = self._goods.place_m(command.task) or place_m
         if command.kind.is_word and self.people is not None:
-            self._pass_on(sender, command, place_m, now_s)
+            self.words.pass_on(sender, command, (place_m,), now_s)
         else:
             self._granted.on_command(sender, command, place_m, now_s)
-
-    def on_word_taken(self, report: WordTaken) -> None:
-        """The body has taken a word, or says why not."""
-        asked = self._asked.pop(report.key, None)
-        if asked is not None:
-            self._granted.tell(*asked, report.refused, report.detail, again=report.again)
-
-    def _pass_on(
-        self, sender: str, command: MachineCommand, place_m: tuple[float, float], now_s: float
-    ) -> None:
-        """Tell the body what a person says. It remembers words, and answers."""
-        grant = self._granted.permits(sender, command, place_m, now_s)
-        if grant is None:
-            return
-        key = f"{grant.person}/{command.command}"
-        self._asked[key] = sender, command
-        word = Word(
-            key=key,
-            kind=command.kind,
-            item=command.item,
-            quantity=command.quantity,
-            vehicle=command.vehicle,
-            sure=command.sure,
-        )
-        self._out.append(Instruct(word))
 
     def restore(self, memory: MachineMemory) -> None:
         """Go on with what an earlier life was told."""

@@ -23,7 +23,7 @@ export function filterFrom(said: Asked): Filter {
 
 /** All that the gateway names (`gateway/access/rules.py`). */
 export const ACTIONS = [
-  "vehicle.command", "vehicle.carry_away", "vehicle.put_back", "machine.command", "load.see", "call.answer", "duty.set", "alert.acknowledge",
+  "vehicle.command", "vehicle.carry_away", "vehicle.put_back", "machine.command", "station.command", "load.see", "call.answer", "duty.set", "alert.acknowledge",
   "order.place", "order.import", "order.release", "order.revoke", "order.change", "order.cancel", "transport.call", "transport.cancel",
   "product.define", "product.import", "link.create", "link.revoke", "floor.close", "floor.open", "area.pause", "area.go_on", "floor.cleared", "agent.shut_out", "agent.readmit",
   "draft.begin", "draft.change", "draft.plan", "draft.play", "draft.remove", "report.targets", "schedule.add", "schedule.change", "schedule.remove", "fault.begin", "fault.end", "scenario.skip", "scenario.skip_end",

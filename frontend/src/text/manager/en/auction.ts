@@ -148,6 +148,7 @@ export const auction = {
   "refusal.command.not_handled": "that is neither made nor used here",
   "refusal.command.no_load": "no load of that vehicle waits for a word: somebody else has said it already",
   "refusal.command.dock_open": "a vehicle is loading or unloading it: count when it has gone",
+  "refusal.command.not_admitted": "so many pieces of that goal are not let in",
   "refusal.command.not_stranded": "its goods wait for nobody",
   "refusal.command.no_such_node": "no vehicle can go there",
   "refusal.command.load_aboard": "goods are on board: take them off first",

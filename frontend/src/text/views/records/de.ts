@@ -46,6 +46,7 @@ export const records: Catalogue<typeof en> = {
   "audit.did.duty.set": "Dienst",
   "audit.did.load.see": "nach Ladung gesehen",
   "audit.did.machine.command": "Maschinenbefehl",
+  "audit.did.station.command": "Meldung an eine Station",
   "audit.did.vehicle.carry_away": "Fahrzeug weggetragen",
   "audit.did.vehicle.put_back": "Fahrzeug zurückgestellt",
   "audit.did.transport.call": "Transport gerufen",

@@ -43,6 +43,7 @@ export const records = {
   "audit.did.duty.set": "duty",
   "audit.did.load.see": "load looked for",
   "audit.did.machine.command": "machine command",
+  "audit.did.station.command": "word to a station",
   "audit.did.vehicle.carry_away": "vehicle carried away",
   "audit.did.vehicle.put_back": "vehicle put back",
   "audit.did.transport.call": "transport called",

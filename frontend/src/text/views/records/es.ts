@@ -46,6 +46,7 @@ export const records: Catalogue<typeof en> = {
   "audit.did.duty.set": "servicio",
   "audit.did.load.see": "carga buscada",
   "audit.did.machine.command": "orden a una máquina",
+  "audit.did.station.command": "aviso a una estación",
   "audit.did.vehicle.carry_away": "vehículo retirado",
   "audit.did.vehicle.put_back": "vehículo devuelto",
   "audit.did.transport.call": "transporte pedido",

@@ -10,6 +10,7 @@ from msgspec.structs import asdict
 
 from dray.gateway.live.projection.agents.asked import help_view, out_view, problem_view
 from dray.gateway.live.projection.agents.atvs import clock_of, joining_max, plain, probation_of
+from dray.gateway.live.projection.agents.loads import loads_of
 from dray.gateway.live.projection.agents.outsiders import Outsiders
 from dray.gateway.live.projection.agents.silence import Silence
 from dray.gateway.live.projection.changes import Changes
@@ -17,7 +18,7 @@ from dray.gateway.live.projection.figures.time_use import TimeUse
 from dray.gateway.live.projection.materials import Materials
 from dray.gateway.live.projection.site import Site
 from dray.gateway.live.reasons import trouble_of
-from dray.gateway.live.views import BufferView, DocumentView, GoalView, LoadView, MachineView, OpenTaskView
+from dray.gateway.live.views import BufferView, DocumentView, GoalView, MachineView, OpenTaskView
 from dray.messages import (
     BufferLevel,
     DocumentBrief,
@@ -25,7 +26,6 @@ from dray.messages import (
     MachineHeartbeat,
     MachineStatus,
     TaskBrief,
-    UnconfirmedLoad,
 )
 from dray.messages.told_stock import with_stock
 from dray.store.history.clocks import Clocks, ToWall
@@ -109,6 +109,12 @@ class Machines:
         self.changes.mark(heartbeat.machine)
         return True
 
+    def product_of(self, goal: str) -> str:
+        """What a goal is about, by the words of who makes it; empty where nobody does."""
+        made = (each for heartbeat in self._last.values() for each in heartbeat.goals if each.goal == goal)
+        brief = next(made, None)
+        return "" if brief is None else brief.product
+
     def starved_frac(self, now_s: float) -> float | None:
         """Part of the last hour's time with a goal in which material was missing; None without any.
 
@@ -168,9 +174,7 @@ class Machines:
             software=heartbeat.software,
             draining=heartbeat.draining,
             probation=probation_of(heartbeat),
-            unconfirmed=(
-                None if heartbeat.people is UNSET else tuple(_load(load) for load in heartbeat.people.loads)
-            ),
+            unconfirmed=loads_of(heartbeat.people),
             shut_out=self._outsiders.view(heartbeat.machine),
             clock=clock_of(self._clocks, heartbeat.machine),
             seen_at_s=self._to_wall_s(heartbeat.at_s),
@@ -229,10 +233,6 @@ def _buffer(level: BufferLevel) -> BufferView:
         on_order=level.on_order,
         spare=level.spare,
     )
-
-
-def _load(load: UnconfirmedLoad) -> LoadView:
-    return LoadView(vehicle=load.vehicle, item=load.item, quantity=load.quantity, goes=load.goes)
 
 
 def _document(brief: DocumentBrief) -> DocumentView:

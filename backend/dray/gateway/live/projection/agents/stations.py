@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
+
+from msgspec import UNSET
 
 from dray.gateway.live.projection.agents.atvs import clock_of
+from dray.gateway.live.projection.agents.loads import loads_of
 from dray.gateway.live.projection.agents.outsiders import Outsiders
 from dray.gateway.live.projection.agents.silence import Silence
 from dray.gateway.live.projection.changes import Changes
-from dray.gateway.live.views import StationView, StockView
+from dray.gateway.live.views import StationView, StockView, ToComeView
 from dray.messages import StationHeartbeat, StockLevel
 from dray.messages.keys import GATE
 from dray.plant.model import Storage
@@ -39,6 +42,8 @@ class Stations:
         self._outsiders, self._clocks, self._silence = outsiders, clocks, silence
         self._last: dict[str, StationHeartbeat] = {}
         self.changes = Changes("station")
+        self.product_of: Callable[[str], str] = lambda _goal: ""
+        """By a goal, what it is about; empty where that is not known."""
 
     def fold(self, heartbeat: StationHeartbeat) -> bool:
         """Take a heartbeat in.
@@ -91,6 +96,11 @@ class Stations:
             draining=heartbeat.draining,
             shut_out=self._outsiders.view(heartbeat.station),
             clock=clock_of(self._clocks, heartbeat.station),
+            unconfirmed=loads_of(heartbeat.people),
+            to_come=tuple(
+                ToComeView(goal=each.goal, product=self.product_of(each.goal), quantity=each.quantity)
+                for each in (() if heartbeat.people is UNSET else heartbeat.people.goals)
+            ),
             seen_at_s=self._to_wall_s(heartbeat.at_s),
             silence=self._silence.view(heartbeat.station, heartbeat),
         )

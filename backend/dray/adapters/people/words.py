@@ -1,0 +1,291 @@
+"""Words of people about what lies at a place, be it a machine or a storage: what has arrived, was taken, or was counted.
+
+    word                          is reported as                     is refused
+    arrived N, a load waits       the difference to what was booked  unlikely: far from what was booked
+    arrived N of V at the dock    nothing; V's load is booked as N   unlikely: far from what V was let in for
+    arrived N of V, no such load  nothing                            no load: V has brought none that waits for a word
+    arrived N, by hand            StockChanged by N                  unlikely: more than finds room (no vehicle is named, and none
+                                                                     stands there with it)
+    taken N                       the same, out                      unlikely: more than lies there
+    stock is N                    StockChanged by the difference     dock open: a vehicle is loading or unloading it; unlikely: far from what is believed
+
+What is unlikely is taken when it is said to be sure. A word with a key that was heard before is answered as it was, and nothing else happens.
+
+Nobody waits for people: what a vehicle says that it has brought or taken is booked at once, and shown until somebody confirms or corrects it. Every
+word is remembered before it is reported, and reported before it is answered.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Generic, Protocol, TypeVar
+
+from msgspec import Struct
+from msgspec.structs import replace
+
+from dray.adapters.vehicles_words import name_of, with_word
+from dray.body import Book, OpenDock, Report, StockChanged, Word, WordTaken
+from dray.messages import THING, CommandRefusal, MachineCommandKind, UnconfirmedLoad
+from dray.messages.base import COUNT_MAX
+
+FAR_FRAC, FAR_PIECES = 0.5, 5
+"""A number is far from the expected one when it differs by more than this part of it, and by more than so many pieces."""
+
+WORDS_KEPT = 1_000
+"""Words that are known when they come again: more than all tablets of a place have under way."""
+
+LOADS_KEPT = 50
+"""Loads that wait for a word. Of more the oldest are taken to be as their vehicles have said."""
+
+
+class Answered(Struct, frozen=True, omit_defaults=True):
+    """A word, and what became of it."""
+
+    key: str
+    refused: CommandRefusal | None = None
+    detail: str = ""
+
+
+class Visit(Struct, frozen=True, omit_defaults=True):
+    """A vehicle at the dock, whose load is not booked yet."""
+
+    vehicle: str
+    item: str
+    quantity: int
+    said: int | None = None
+    """What people say that it was; None while they have said nothing."""
+
+
+class KeptStock(Struct, frozen=True):
+    """What one life of an agent leaves to the next of what lies there."""
+
+    stock: dict[str, int]
+    seq: int = 0
+    loads: tuple[UnconfirmedLoad, ...] = ()
+    visits: tuple[Visit, ...] = ()
+    answered: tuple[Answered, ...] = ()
+    """The last words, the oldest first."""
+    booked: dict[str, tuple[int, int]] = {}
+    """The latest words of vehicles (`dray.body.Book`), each with the change of the stock and its number: an agent that was killed says them again."""
+
+
+K = TypeVar("K", bound=KeptStock)
+K_contra = TypeVar("K_contra", bound=Struct, contravariant=True)
+
+Judged = tuple[CommandRefusal | None, str, list[Report], K]
+"""Why a word is not taken, with the expected number; what is to be reported of it, and what is known then."""
+
+
+class World(Protocol[K_contra]):
+    """What a body of people needs beside a clock."""
+
+    def remember(self, kept: K_contra) -> None:
+        """Keep it: on the disk at the return."""
+
+
+class AnsweredWords:
+    """The last words, by their keys: one that comes again is answered as it was.
+
+    Args:
+        kept: the last ones, the oldest first.
+    """
+
+    def __init__(self, kept: tuple[Answered, ...]) -> None:
+        self._answers = {each.key: each for each in kept}
+
+    def again(self, word: Word) -> WordTaken | None:
+        """The answer to a word that was heard before; None for a new one."""
+        before = self._answers.get(word.key)
+        return None if before is None else WordTaken(word.key, before.refused, before.detail, again=True)
+
+    def note(self, answer: Answered) -> tuple[Answered, ...]:
+        """Another one was answered; returns those that are kept."""
+        self._answers[answer.key] = answer
+        while len(self._answers) > WORDS_KEPT:
+            del self._answers[next(iter(self._answers))]
+        return tuple(self._answers.values())
+
+
+class Words(Generic[K]):
+    """What vehicles and people say of one place.
+
+    Args:
+        kept: what the last life has left.
+        world: the disk.
+        room: by item, the most that finds room.
+        is_its: whether a word of a kind about an item, that names no vehicle, means the load of the vehicle that stands there with it.
+
+    Attributes:
+        kept: what is known now; changed by `keep`.
+        report: who hears what has happened.
+    """
+
+    def __init__(
+        self,
+        kept: K,
+        world: World[K],
+        room: Mapping[str, int],
+        is_its: Callable[[MachineCommandKind, str], bool],
+    ) -> None:
+        self.kept, self._world = kept, world
+        self._room, self._is_its = room, is_its
+        self._answers = AnsweredWords(kept.answered)
+        self.report: Callable[[Report], None] = nobody_hears
+
+    def keep(self, **changes: object) -> None:
+        """Something is otherwise than before: on the disk at the return."""
+        self.kept = replace(self.kept, **changes)
+        self._world.remember(self.kept)
+
+    # --- vehicles ---
+
+    def let_in(self, opened: OpenDock) -> None:
+        """A vehicle stands at the dock; harmless when it does already."""
+        visit = Visit(opened.vehicle, opened.item, opened.quantity)
+        visits = self.kept.visits
+        if all((each.vehicle, each.item) != (visit.vehicle, visit.item) for each in visits):
+            others = tuple(each for each in visits if each.vehicle != visit.vehicle)
+            self.keep(visits=(*others, visit))
+
+    def let_out(self, vehicle: str) -> None:
+        """It is there no more."""
+        visits = tuple(each for each in self.kept.visits if each.vehicle != vehicle)
+        if visits != self.kept.visits:
+            self.keep(visits=visits)
+
+    def book(self, book: Book) -> None:
+        """A vehicle says what it has brought or taken: it is so until people say otherwise."""
+        if name_of(book) not in self.kept.booked:
+            self._take_in(book)
+        change, seq = self.kept.booked[name_of(book)]
+        self.report(StockChanged(item=book.item, change=change, seq=seq, vehicle=book.vehicle))
+
+    def _take_in(self, book: Book) -> None:
+        kept, change = self.kept, book.change
+        visit = next((each for each in kept.visits if _is_of(each, book.vehicle, book.item)), None)
+        loads = kept.loads
+        if visit is not None and visit.said is not None:
+            change = -visit.said if change < 0 else visit.said
+        elif book.item != THING:
+            load = UnconfirmedLoad(book.vehicle, book.item, abs(change), goes=change < 0)
+            loads = (*loads, load)[-LOADS_KEPT:]
+        stock, seq = self.moved(book.item, change), kept.seq + 1
+        visits = tuple(each for each in kept.visits if each is not visit)
+        booked = with_word(kept.booked, book, (change, seq))
+        self.keep(stock=stock, seq=seq, loads=loads, visits=visits, booked=booked)
+
+    # --- people ---
+
+    def hear(self, word: Word, judge: Callable[[Word], Judged[K]] | None = None) -> None:
+        """Take a word, or answer why not.
+
+        Args:
+            word: what is said.
+            judge: what becomes of it; by default `judge`.
+        """
+        if (before := self._answers.again(word)) is not None:
+            self.report(before)
+            return
+        refused, detail, reports, after = (judge or self.judge)(word)
+        self.kept = replace(after, answered=self._answers.note(Answered(word.key, refused, detail)))
+        self._world.remember(self.kept)
+        for report in reports:
+            self.report(report)
+        self.report(WordTaken(word.key, refused, detail))
+
+    def judge(self, word: Word) -> Judged[K]:
+        """What becomes of a word about what lies there."""
+        kept = self.kept
+        if word.item not in kept.stock:
+            return CommandRefusal.NOT_HANDLED, "", [], kept
+        if not 0 <= word.quantity <= COUNT_MAX:
+            return CommandRefusal.QUANTITY_OUT_OF_RANGE, "", [], kept
+        if word.kind is MachineCommandKind.STOCK_IS:
+            return self._judge_count(word)
+        if word.kind in (MachineCommandKind.ARRIVED, MachineCommandKind.TAKEN):
+            return self._judge_load(word)
+        return CommandRefusal.NOT_SUPPORTED, "", [], kept
+
+    def _judge_count(self, word: Word) -> Judged[K]:
+        kept, item = self.kept, word.item
+        if any(visit.item == item for visit in kept.visits):
+            return CommandRefusal.DOCK_OPEN, "", [], kept
+        believed = kept.stock[item]
+        if not word.sure and is_far(word.quantity, believed):
+            return CommandRefusal.UNLIKELY, str(believed), [], kept
+        # What is counted settles what vehicles have brought and taken before.
+        loads = tuple(load for load in kept.loads if load.item != item)
+        after = replace(kept, loads=loads)
+        return None, "", *self._corrected(after, item, word.quantity - believed)
+
+    def _judge_load(self, word: Word) -> Judged[K]:
+        kept, goes = self.kept, word.kind is MachineCommandKind.TAKEN
+        for load in kept.loads:
+            if load.goes is goes and _is_of(load, word.vehicle, word.item):
+                return self._confirmed(word, load)
+        is_its = self._is_its(word.kind, word.item)
+        for visit in kept.visits:
+            vehicle = word.vehicle or (visit.vehicle if is_its else "")
+            if _is_of(visit, vehicle, word.item) and visit.said is None:
+                return self._said_early(word, visit)
+        if word.vehicle:
+            return CommandRefusal.NO_LOAD, "", [], kept
+        if not word.quantity:
+            return CommandRefusal.QUANTITY_OUT_OF_RANGE, "", [], kept
+        there = kept.stock[word.item]
+        most = there if goes else max(0, self._room.get(word.item, COUNT_MAX) - there)
+        if word.quantity > most and not word.sure:
+            return CommandRefusal.UNLIKELY, str(most), [], kept
+        change = -min(word.quantity, there) if goes else word.quantity
+        seq = kept.seq + 1
+        report = StockChanged(item=word.item, change=change, seq=seq)
+        return None, "", [report], replace(kept, stock=self.moved(word.item, change), seq=seq)
+
+    def _confirmed(self, word: Word, load: UnconfirmedLoad) -> Judged[K]:
+        """A load that is booked: it was so, or it was another number."""
+        kept = self.kept
+        if not word.sure and is_far(word.quantity, load.quantity):
+            return CommandRefusal.UNLIKELY, str(load.quantity), [], kept
+        after = replace(kept, loads=tuple(each for each in kept.loads if each is not load))
+        more = word.quantity - load.quantity
+        return None, "", *self._corrected(after, load.item, -more if load.goes else more)
+
+    def _said_early(self, word: Word, visit: Visit) -> Judged[K]:
+        """Of a vehicle at the dock: its load is booked by this when it says that it is done."""
+        kept = self.kept
+        if not word.sure and is_far(word.quantity, visit.quantity):
+            return CommandRefusal.UNLIKELY, str(visit.quantity), [], kept
+        said = replace(visit, said=word.quantity)
+        visits = tuple(said if each is visit else each for each in kept.visits)
+        return None, "", [], replace(kept, visits=visits)
+
+    # --- stock ---
+
+    def _corrected(self, kept: K, item: str, change: int) -> tuple[list[Report], K]:
+        """There is another number than was believed."""
+        stock = self.moved(item, change)
+        change = stock[item] - kept.stock[item]
+        if not change:
+            return [], kept
+        report = StockChanged(item=item, change=change, seq=kept.seq + 1, counted=True)
+        return [report], replace(kept, stock=stock, seq=report.seq)
+
+    def moved(self, item: str, change: int) -> dict[str, int]:
+        """The stock after a change; what nobody counts is in none."""
+        stock = self.kept.stock
+        if item == THING:
+            return stock
+        return stock | {item: min(max(stock.get(item, 0) + change, 0), COUNT_MAX)}
+
+
+def _is_of(load: UnconfirmedLoad | Visit, vehicle: str, item: str) -> bool:
+    return (load.vehicle, load.item) == (vehicle, item)
+
+
+def is_far(said: int, expected: int) -> bool:
+    """Whether a number is asked about once."""
+    return abs(said - expected) > max(FAR_PIECES, FAR_FRAC * expected)
+
+
+def nobody_hears(report: Report) -> None:
+    """What a body reports before its agent listens; its state tells it all the same."""

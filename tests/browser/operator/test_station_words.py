@@ -1,0 +1,160 @@
+"""People are the body of a storage, and of the delivery gate: they say on the tablet of its area what has happened there."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from gateway_kit import House
+from heartbeats import station_heartbeat
+from open_house import OpenHouse
+from playwright.sync_api import Page, expect
+from puppets import LATER_S, Puppet
+from tablet_kit import LOOKS, TOUCH_PX, Enter
+
+from dray.messages import (
+    CommandAnswered,
+    CommandRefusal,
+    MachineCommand,
+    MachineCommandKind,
+    Message,
+    PeopleAsBody,
+    StockLevel,
+    UnconfirmedLoad,
+)
+from dray.messages.heartbeat import GoalToCome
+from dray.messages.keys import GATE
+
+Screenshot = Callable[..., Path]
+
+KIND = MachineCommandKind
+STORAGE, GATE_AREA = "S3", "AREA1"
+LABEL = "O-7-1.1"
+SIZES = {**LOOKS, "small-light-en": {"viewport": {"width": 1024, "height": 768}, "color_scheme": "light"}}
+
+
+class Place:
+    """A station whose body is people: it takes words, and doubts more than 20."""
+
+    def __init__(self, house: House, station: str) -> None:
+        self.heard: list[MachineCommand] = []
+        self._house, self._station, self._seq = house, station, 10
+        self._waits = PeopleAsBody(goals=(GoalToCome(LABEL, 6),))
+        self._stocks: tuple[StockLevel, ...] = ()
+        if station != GATE:
+            self._waits = PeopleAsBody(loads=(UnconfirmedLoad("ATV2", "shaft", 12, goes=True),))
+            self._stocks = (StockLevel("shaft", 38, 240), StockLevel("rotor", 4, 90))
+        house.bus.join(station, self._on_message)
+        self.beat()
+
+    def beat(self) -> None:
+        self._seq += 1
+        at_s = LATER_S + self._seq
+        said = station_heartbeat(self._station, self._seq, at_s=at_s, stocks=self._stocks, people=self._waits)
+        self._house.bus.say(said)
+
+    def _on_message(self, sender: str, message: Message) -> None:
+        if not isinstance(message, MachineCommand):
+            return
+        self.heard.append(message)
+        far = message.quantity > 20 and not message.sure
+        refused = CommandRefusal.UNLIKELY if far else None
+        self._house.bus.tell(
+            self._station, sender, CommandAnswered(message.command, not far, refused, "12" if far else "")
+        )
+        if not far:
+            self._waits = PeopleAsBody()
+            self.beat()
+
+    @property
+    def said(self) -> list[tuple[MachineCommandKind, str, int, str, bool]]:
+        return [(each.kind, each.item, each.quantity, each.vehicle, each.sure) for each in self.heard]
+
+
+async def at_storage(house: House) -> Place:
+    return Place(house, STORAGE)
+
+
+async def at_gate(house: House) -> Place:
+    return Place(house, GATE)
+
+
+def scan(page: Page, code: str) -> None:
+    page.keyboard.type(code)
+    page.keyboard.press("Enter")
+
+
+def test_two_touches_confirm_what_was_taken_from_a_storage(
+    house: OpenHouse, vehicles: dict[str, Puppet], enter: Enter
+) -> None:
+    storage = house.do(at_storage)
+    card = enter().get_by_role("region", name=f"What has happened at {STORAGE}")
+    expect(card.get_by_role("button", name="Piece finished")).to_have_count(0)
+    card.get_by_role("button", name="ATV2 took 12 Shaft").click()
+    assert storage.said == []
+    card.get_by_role("button", name="12 Shaft taken by ATV2").click()
+    expect(card).to_contain_text("Counted: 12 Shaft taken by ATV2.")
+    assert storage.said == [(KIND.TAKEN, "shaft", 12, "ATV2", False)]
+
+
+def test_a_scanner_counts_at_a_storage_and_a_number_far_off_is_asked_once(
+    house: OpenHouse, vehicles: dict[str, Puppet], enter: Enter
+) -> None:
+    storage = house.do(at_storage)
+    page = enter()
+    card = page.get_by_role("region", name=f"What has happened at {STORAGE}")
+    expect(card).to_be_visible()
+    scan(page, "stock_is")
+    scan(page, "rotor*40")
+    scan(page, "ok")
+    expect(card.get_by_role("alert")).to_contain_text("Is 40 right?")
+    card.get_by_role("button", name="Yes, 40").click()
+    expect(card).to_contain_text("Counted: 40 Rotor lie here.")
+    assert [each[4] for each in storage.said] == [False, True]
+
+
+def test_the_label_of_a_container_is_scanned_twice_at_the_gate(
+    house: OpenHouse, vehicles: dict[str, Puppet], enter: Enter
+) -> None:
+    gate = house.do(at_gate)
+    page = enter(area=GATE_AREA)
+    card = page.get_by_role("region", name="What has arrived at the gate")
+    expect(card.get_by_role("button", name=f"6 {LABEL} are to come.")).to_be_visible()
+    scan(page, f"{LABEL}*4")
+    assert gate.said == []
+    scan(page, f"{LABEL}*4")
+    expect(card).to_contain_text(f"Counted: 4 {LABEL} arrived.")
+    assert gate.said == [(KIND.ARRIVED, LABEL, 4, "", False)]
+
+
+def test_who_works_elsewhere_is_not_shown_the_gate(
+    house: OpenHouse, vehicles: dict[str, Puppet], enter: Enter
+) -> None:
+    house.do(at_gate)
+    page = enter()
+    expect(page.get_by_role("region", name="Material")).to_contain_text("Shaft")
+    expect(page.locator(".words")).to_have_count(0)
+
+
+@pytest.mark.parametrize("look", SIZES)
+@pytest.mark.parametrize("where", ["storage", "gate"])
+def test_it_fits_and_is_large(
+    house: OpenHouse,
+    vehicles: dict[str, Puppet],
+    enter: Enter,
+    screenshot: Screenshot,
+    look: str,
+    where: str,
+) -> None:
+    house.do(at_gate if where == "gate" else at_storage)
+    page = enter(**({"area": GATE_AREA} if where == "gate" else {}), **SIZES[look])
+    card = page.locator(".words")
+    card.locator(".words-load").click()
+    for button in card.get_by_role("button").all():
+        box = button.bounding_box()
+        assert box is not None
+        assert min(box["width"], box["height"]) >= TOUCH_PX
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    card.scroll_into_view_if_needed()
+    screenshot(page, f"words-{where}-{look}")

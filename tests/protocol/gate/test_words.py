@@ -1,0 +1,81 @@
+"""People are the gate's body: their words go to it with a grant for a delivery warehouse, and its heartbeat tells what is to come."""
+
+from __future__ import annotations
+
+from defaults import PLANT
+from effects import instructed, published, sent
+from msgspec import UNSET
+from rigs import Rig
+from seals import granted, trusts_seals
+
+from dray.body import GateState, GoodsArrived, Word, WordTaken
+from dray.messages import (
+    AdmissionAsked,
+    CommandAnswered,
+    CommandRefusal,
+    GoodsCounted,
+    MachineCommand,
+    MachineCommandKind,
+    PeopleAsBody,
+    StationHeartbeat,
+)
+from dray.messages.heartbeat import GoalToCome
+from dray.messages.keys import GATE
+from dray.protocol.gate.gate import NO_PEOPLE, DeliveryGate
+
+GOAL = "O1-1.1"
+ARRIVED = MachineCommand(command="w1", kind=MachineCommandKind.ARRIVED, item=GOAL, quantity=4)
+[WAREHOUSE] = PLANT.delivery_warehouses
+HERE = PLANT.areas_near(*PLANT.position_of(WAREHOUSE), 0.0)
+
+
+class GateRig(Rig):
+    """The gate, which has admitted 12 pieces of a goal."""
+
+    def __init__(self, *, people: bool = True) -> None:
+        super().__init__(DeliveryGate(PLANT, trusts=trusts_seals))
+        self.people, self.arrived = people, {GOAL: 0}
+        self.start()
+        self.on_message("strategist", AdmissionAsked(GOAL, 12, 1, 1))
+        self.report(GoodsArrived(GOAL, 0, 12, by_people=people))
+
+    def sense(self) -> GateState:
+        return GateState(dict(self.arrived), people=self.people)
+
+
+def test_a_word_is_passed_on_and_counted_and_answered_when_the_body_has_taken_it() -> None:
+    rig = GateRig()
+    effects = rig.on_message("gateway", granted(GATE, ARRIVED, areas=HERE))
+    assert instructed(effects, Word) == [Word("shift-lead/w1", ARRIVED.kind, GOAL, 4)]
+    assert sent(effects, CommandAnswered) == []
+    effects = rig.report(GoodsArrived(GOAL, 4, 12, by_people=True))
+    [counted] = sent(effects, GoodsCounted)
+    assert (counted.arrived, counted.admitted, counted.by_people) == (4, 12, True)
+    assert sent(rig.report(WordTaken("shift-lead/w1")), CommandAnswered) == [CommandAnswered("w1", done=True)]
+
+
+def test_its_heartbeat_tells_what_is_to_come() -> None:
+    rig = GateRig()
+    rig.report(GoodsArrived(GOAL, 4, 12, by_people=True))
+    beats = published(rig.run(rig.now_s + 1.0), StationHeartbeat)
+    assert beats[-1].people == PeopleAsBody(goals=(GoalToCome(GOAL, 8),))
+    rig.report(GoodsArrived(GOAL, 12, 12, by_people=True))
+    beats = published(rig.run(rig.now_s + 1.0), StationHeartbeat)
+    assert beats[-1].people == PeopleAsBody()
+
+
+def test_a_word_from_another_area_is_refused() -> None:
+    rig = GateRig()
+    elsewhere = [area.id for area in PLANT.file.areas if area.id not in HERE]
+    effects = rig.on_message("gateway", granted(GATE, ARRIVED, areas=elsewhere))
+    assert instructed(effects, Word) == []
+    assert [each.reason for each in sent(effects, CommandAnswered)] == [CommandRefusal.NOT_HERE]
+
+
+def test_a_gate_that_counts_takes_no_words() -> None:
+    rig = GateRig(people=False)
+    effects = rig.on_message("gateway", granted(GATE, ARRIVED))
+    assert instructed(effects, Word) == []
+    [answer] = sent(effects, CommandAnswered)
+    assert (answer.reason, answer.detail) == (CommandRefusal.NOT_SUPPORTED, NO_PEOPLE)
+    assert all(beat.people is UNSET for beat in published(rig.run(rig.now_s + 6.0), StationHeartbeat))
