@@ -25,3 +25,8 @@ export function taskName(id: string, order: string, called = orderName(order)): 
 export function placeOf(id: string): string {
   return plant.value?.warehouses.find((each) => each.id === id)?.name ?? id;
 }
+
+/** Of a source that is not chosen yet all that may be it, which have "/" between them. */
+export function placesOf(ids: string): string {
+  return ids.split("/").map(placeOf).join(" / ");
+}

@@ -22,7 +22,7 @@ pytestmark = pytest.mark.anyio
 
 TASK = "M8.1-1"
 PATH = f"/api/tasks/{TASK}/timeline"
-BRING = Transport("shaft", 40, ("S3",), "M8", "tote")
+BRING = Transport("shaft", 40, ("S2", "S3"), "M8", "tote")
 
 CARRIED: tuple[tuple[str, AnyFact], ...] = (
     ("M8", TaskOpened(TASK, 1, Role.PRIMARY, 1, BRING, 20.0, 300.0, 5.0)),
@@ -56,6 +56,8 @@ async def test_it_tells_who_has_ordered_who_won_who_took_over_and_who_brought_it
         ("delivered", ""),
     ]
     (attempt,) = story["attempts"]
+    # Of all that may have been its source the one that its carrier has chosen.
+    assert (transport["source"], attempt["source"]) == ("S2/S3", "S3")
     assert [(leg["carrier"], leg["replaced"]) for leg in attempt["legs"]] == [
         ("ATV6", "silent"),
         ("ATV1", ""),

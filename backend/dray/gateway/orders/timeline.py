@@ -162,6 +162,8 @@ class _Timeline:
         self._known = {goal.id: goal for goal in goals}
         self._goals: dict[str, OrderGoalView] = {}
         self._ways: dict[str, WayOutView] = {}
+        self._sources: dict[str, tuple[str, ...]] = {}
+        """Of a transport all that may be its source; whoever carries it chooses one."""
         self._legs: dict[str, list[LegView]] = {}
         self._moments: list[MomentView] = []
         self._arrived: dict[str, int] = {}
@@ -294,6 +296,7 @@ class _Timeline:
     def _on_opened(self, task: str, work: Transport, at_s: float) -> None:
         """Every round of bidding is an opening; the first one counts."""
         if task not in self._ways:
+            self._sources[task] = work.sources
             self._ways[task] = WayOutView(
                 task=task,
                 goal=work.goal,
@@ -312,6 +315,8 @@ class _Timeline:
                 return  # Told late by somebody who was replaced.
             legs.append(LegView(carrier=agent, since_at_s=at_s))
         leg = legs[-1]
+        if fact.phase is Phase.APPROACHING and fact.station in self._sources[fact.task]:
+            way.source = fact.station
         said = {
             "task": fact.task,
             "goal": way.goal,

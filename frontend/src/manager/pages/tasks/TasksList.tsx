@@ -14,7 +14,7 @@ import { Pages } from "../../parts/pages/Pages";
 import { PrintButton } from "../../parts/paper/PrintButton";
 import { countOf, sortBy, usePaged } from "../../parts/pages/paged";
 import { ShowLink } from "../../parts/ShowLink";
-import { names, placeOf, plant, taskName } from "../../state";
+import { names, placeOf, placesOf, plant, taskName } from "../../state";
 import { addressOf, asked, storyOf } from "../../views";
 import { queryOf, STATES, tableOf } from "./filter";
 import { Result } from "./Result";
@@ -97,7 +97,7 @@ function shownOf(record: TaskRecord, live: TaskView | undefined): Shown {
 
 function Row({ task }: { task: Shown }) {
   const { live, order } = task;
-  const source = task.source.split("/").map(placeOf).join(" / ");
+  const source = placesOf(task.source);
   const opened = live && isOpen(live);
   const name = taskName(task.id, order, task.reference ?? order);
   const story = storyOf(task);

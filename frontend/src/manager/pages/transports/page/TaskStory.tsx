@@ -19,9 +19,10 @@ import { Legend, Told } from "../../../orders/page/OrderStory";
 import { loadOf, placeOf } from "../../../orders/page/moments";
 import { StoryFrame } from "../../../orders/page/StoryFrame";
 import { useRefreshed } from "../../../refreshed";
+import { placesOf } from "../../../state";
 import { addressOf, go, shownTransport } from "../../../views";
 import { Result } from "../../tasks/Result";
-import { attemptsOf, carriersOf, spanBetween, stateOf } from "./story";
+import { attemptsOf, carriersOf, sourceOf, spanBetween, stateOf } from "./story";
 
 /** As of a plain transport. */
 const AGAIN_MS = 3000;
@@ -69,7 +70,7 @@ function promisedS({ transport: { id, promised_at_s: keptS } }: Story): number |
 
 /** Answers first what people come for: where it is, and when it is there. */
 function Head({ story }: { story: Story }) {
-  const { closed_at_s: closedS, coordinator, destination, id, item, opened_at_s: openedS, order, quantity, reference, source, standby } = story.transport;
+  const { closed_at_s: closedS, coordinator, destination, id, item, opened_at_s: openedS, order, quantity, reference, standby } = story.transport;
   const { before, last } = carriersOf(story);
   const atS = promisedS(story);
   const state = stateOf(story);
@@ -83,7 +84,7 @@ function Head({ story }: { story: Story }) {
           {` / ${id}`}
         </p>
         <h1 id="transport-title">
-          {t("called.page.what", { load: loadOf(item, quantity), from: source.split("/").map(placeOf).join(" / "), to: placeOf(destination) })}
+          {t("called.page.what", { load: loadOf(item, quantity), from: placesOf(sourceOf(story)), to: placeOf(destination) })}
         </h1>
         <Tag tone={state === "cancelled" ? "warn" : "normal"}>{word("called.is", state)}</Tag>
         <div class="order-deeds">
@@ -104,10 +105,10 @@ function Head({ story }: { story: Story }) {
             <a class="link" href={addressOf(order)}>{reference ?? order}</a>
           </Figure>
         )}
-        <Figure head={ofTasks("tasks.promise")}>{atS === null ? "–" : format.due(atS, nowS.value)}</Figure>
+        <Figure head={ofTasks("tasks.promise")} more={<Result task={story.transport} />}>{atS === null ? "–" : format.due(atS, nowS.value)}</Figure>
         {closedS !== null && (
           <Figure head={state === "delivered" ? ofOrders("orderPage.deliveredAt") : t("called.page.ended")}>
-            {format.due(closedS, nowS.value)} <Result task={story.transport} />
+            {format.due(closedS, nowS.value)}
           </Figure>
         )}
         <Figure head={t("called.page.carrier")} more={before.length === 0 ? "" : t("called.page.before", { carriers: format.list(before) })}>

@@ -60,3 +60,9 @@ export function lateS(transport: TransportAnswer, nowS: number): number {
   const thereS = secondsOf(transport.ended_at) ?? Math.max(nowS, expectedS(transport) ?? nowS);
   return Math.max(0, thereS - (secondsOf(transport.due_at) ?? thereS));
 }
+
+/** Where it is fetched; all places that it may be, with "/" between them, as long as no vehicle is on its way. */
+export function sourceOf({ attempts, transport: { source } }: Pick<TaskStory, "attempts" | "transport">): string {
+  const last = attempts.at(-1);
+  return last !== undefined && last.legs.length > 0 ? last.source : source;
+}
