@@ -26,6 +26,11 @@ export function placeOf(id: string): string {
   return plant.value?.warehouses.find((each) => each.id === id)?.name ?? id;
 }
 
+/** What people call an area of the floor. */
+export function areaName(id: string): string {
+  return plant.value?.areas.find((each) => each.id === id)?.name ?? id;
+}
+
 /** Of a source that is not chosen yet all that may be it, which have "/" between them. */
 export function placesOf(ids: string): string {
   return ids.split("/").map(placeOf).join(" / ");

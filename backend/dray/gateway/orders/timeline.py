@@ -81,6 +81,8 @@ class WayOutView(View, kw_only=True):
     closed_at_s: float | None = None
     outcome: Literal["", "delivered", "withdrawn"] = ""
     legs: tuple[LegView, ...] = ()
+    thing: str = ""
+    """What people call it, where it has no master data."""
 
 
 class OrderGoalView(View, kw_only=True):
@@ -118,6 +120,8 @@ class MomentView(View, kw_only=True):
     """Of a takeover: who was replaced. Of a moved goal: whose it was. Of a hand-over: where."""
     item: str = ""
     quantity: int = 0
+    thing: str = ""
+    """What people call that, where it has no master data."""
     reason: str = ""
     silent_s: float | None = None
 

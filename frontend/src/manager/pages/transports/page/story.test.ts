@@ -14,7 +14,7 @@ const transport = (more: Partial<TransportAnswer>): TransportAnswer => ({
 const leg = { carrier: "ATV1", since_at_s: 1010, aboard_at_s: null, until_at_s: null, replaced: "" };
 
 const story = (...legs: (typeof leg | (Omit<typeof leg, "aboard_at_s"> & { aboard_at_s: number | null; until_at_s: number | null }))[]): TransportStory => ({
-  attempts: [{ task: "T-1M9K3X2A4-K7QM-1", goal: "", item: "bearing", quantity: 40, source: "S5", destination: "M8", opened_at_s: 1001, closed_at_s: null, outcome: "", legs }],
+  attempts: [{ task: "T-1M9K3X2A4-K7QM-1", goal: "", item: "bearing", quantity: 40, source: "S5", destination: "M8", opened_at_s: 1001, closed_at_s: null, outcome: "", legs, thing: "" }],
   moments: [], is_whole: true, links: [],
 });
 
