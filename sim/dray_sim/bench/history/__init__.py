@@ -6,7 +6,7 @@ late, the page of an order, also of one whose events are forgotten, a shift's re
 same run and on the same connection, is to count the rows of that table, which reads all of them once and gives nothing to a person. The baseline of a
 search for an order is the bare query of an index: the id of the order that has this very reference, in SQL. All tables have their statistics (ANALYZE). Moments of what panels showed are measured by `replay`.
 
-Then the same is looked at over REST, orders are placed, and a tenth of the log is forgotten meanwhile (`use`). How long a transaction of that takes, while
+Then the same is looked at over REST, orders are placed, and a hundredth of the log is forgotten meanwhile (`use`). How long a transaction of that takes, while
 which nobody else writes, is told apart.
 """
 
