@@ -24,7 +24,10 @@ AT_ONCE = 200
 """Rows that one transaction forgets: some milliseconds, in which nobody else writes."""
 
 PAUSE_S = 0.02
-"""Wall seconds between two of these, for whoever waits to write."""
+"""Wall seconds between two of these at least, for whoever waits to write."""
+
+REST = 2.0
+"""Pauses take so many times as long as the work before them: a third of a processor at most, and where others need it no more than they leave."""
 
 _log = logging.getLogger(__name__)
 
@@ -92,10 +95,11 @@ class Retention:
             )
 
     async def _all(self, some: Callable[[], Awaitable[int]]) -> None:
-        forgotten = AT_ONCE
+        clock, forgotten = asyncio.get_running_loop().time, AT_ONCE
         while forgotten >= AT_ONCE:
+            begun_s = clock()
             forgotten = await some()
-            await asyncio.sleep(PAUSE_S)
+            await asyncio.sleep(max(PAUSE_S, REST * (clock() - begun_s)))
 
     async def _rows(self, prune: Callable[[Work], Awaitable[int]]) -> None:
         async def some() -> int:

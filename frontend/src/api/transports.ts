@@ -4,6 +4,7 @@ import type { components } from "./types";
 
 export type TransportAnswer = components["schemas"]["TransportAnswer"];
 export type TransportStory = components["schemas"]["TransportStory"];
+export type TaskStory = components["schemas"]["TaskStory"];
 export type TransportState = components["schemas"]["TransportState"];
 export type Priorities = components["schemas"]["PrioritiesAnswer"];
 export type TransportDraft = components["schemas"]["TransportDraft"];
@@ -25,6 +26,11 @@ export async function fetchTransport(transport: string): Promise<TransportAnswer
 /** How it was given out, who carried it, and what happened. */
 export async function fetchTransportStory(transport: string): Promise<TransportStory> {
   return await bodyOf(gateway.GET("/api/transports/{transport}/timeline", { params: { path: { transport } } }));
+}
+
+/** The same of one that nobody has called for: what a machine has brought for itself. */
+export async function fetchTaskStory(task: string): Promise<TaskStory> {
+  return await bodyOf(gateway.GET("/api/tasks/{task}/timeline", { params: { path: { task } } }));
 }
 
 /** @param key the same for every try: however often it is sent, it is done once */

@@ -5,7 +5,7 @@ import { Loaded } from "./parts/Loaded";
 import { NewsBanner } from "./shell/NewsBanner";
 import { TopBar } from "./shell/TopBar";
 import { step } from "./story/tour";
-import { shownOrder, shownTransport, view } from "./views";
+import { isTransport, shownOrder, shownTransport, view } from "./views";
 
 /** A view whose script comes when somebody looks at it; until then its name in the menu stands there. */
 const later =
@@ -32,11 +32,13 @@ const SHOWN = {
 
 const OrderPage = later(async () => (await import("./orders/page/OrderStory")).load());
 const TransportPage = later(async () => (await import("./pages/transports/page/TransportStory")).load(), "nav.tasks");
+const TaskPage = later(async () => (await import("./pages/transports/page/TaskStory")).load(), "nav.tasks");
 
 /** An order and a transport have a page of their own; all others are views. */
 function shown(): FunctionComponent {
   if (view.value === "orders" && shownOrder.value !== "") return OrderPage;
-  return view.value === "transports" && shownTransport.value !== "" ? TransportPage : SHOWN[view.value];
+  if (view.value === "transports" && shownTransport.value !== "") return isTransport(shownTransport.value) ? TransportPage : TaskPage;
+  return SHOWN[view.value];
 }
 
 /** The address names the view; what is skipped to must not change it. */

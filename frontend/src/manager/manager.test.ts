@@ -186,7 +186,8 @@ test("a task leads to where its story is told", () => {
   expect(storyOf({ id: `${called}-2`, kind: "transport", order: "" })).toBe(`#transports/${called}`);
   expect(storyOf({ id: "M4.1-3", kind: "transport", order: "O-1" })).toBe("#orders/O-1?transport=M4.1-3");
   expect(storyOf({ id: "G-1", kind: "production", order: "O-1" })).toBe("#orders/O-1");
-  expect(storyOf({ id: "M4.1-3", kind: "transport", order: "" })).toBe("");
+  expect(storyOf({ id: "M4.1-3", kind: "transport", order: "" })).toBe("#transports/M4.1-3");
+  expect(storyOf({ id: "G-1", kind: "production", order: "" })).toBe("");
 });
 
 describe("an order that is taken back", () => {

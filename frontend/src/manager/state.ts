@@ -4,6 +4,7 @@ import type { PlantFile } from "../api/types";
 import { inOrder } from "../alerts/alerts";
 import { world } from "../stream/stream";
 import { namesOf } from "../plant/names";
+import { placeOf } from "../text/place";
 
 export const plant = signal<PlantFile | null>(null);
 export const plantFailed = signal<string | null>(null);
@@ -21,4 +22,14 @@ export function taskName(id: string, order: string, called = orderName(order)): 
   return order !== "" && id.startsWith(order) ? called + id.slice(order.length) : id;
 }
 
-export { placeOf } from "../text/place";
+export { placeOf };
+
+/** What people call an area of the floor. */
+export function areaName(id: string): string {
+  return plant.value?.areas.find((each) => each.id === id)?.name ?? id;
+}
+
+/** Of a source that is not chosen yet all that may be it, which have "/" between them. */
+export function placesOf(ids: string): string {
+  return ids.split("/").map(placeOf).join(" / ");
+}

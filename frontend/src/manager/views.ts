@@ -13,7 +13,7 @@ export type ViewName = (typeof VIEWS)[number];
 export const view = signal<ViewName>("plant");
 /** The order whose page is shown; empty for none. */
 export const shownOrder = signal("");
-/** The plain transport whose page is shown; empty for none. */
+/** The plain transport, or the task that is carried, whose page is shown; empty for none. */
 export const shownTransport = signal("");
 
 /** What else the address says, as what is looked for in a list; empty for nothing. */
@@ -82,13 +82,13 @@ export function isTransport(id: string): boolean {
 }
 
 /**
- * Where the story of a task is told: on the page of the plain transport that it is an attempt at, or on its order's page, where a transport is chosen. Empty for
- * material that is brought to a machine: its row in the list is all that is told of it.
+ * Where the story of a task is told: on the page of the plain transport that it is an attempt at, on its order's page, where a transport is chosen, or on
+ * a page of its own. Empty for what is made for no order.
  */
 export function storyOf({ id, kind, order }: { readonly id: string; readonly kind: string; readonly order: string }): string {
   const called = transportOf(id);
   if (called !== "") return addressOfTransport(called);
-  if (order === "") return "";
+  if (order === "") return kind === "transport" ? addressOfTransport(id) : "";
   return addressWith(addressOf(order), { transport: kind === "transport" ? id : "" });
 }
 

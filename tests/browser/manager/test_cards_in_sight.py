@@ -49,6 +49,9 @@ def test_each_card_shows_three_of_its_rows(
             # The page scrolls there; no card within it has to.
             card.evaluate("(card) => card.scrollIntoView()")
         assert card.evaluate(ROWS_IN_SIGHT) >= 3, card.get_attribute("class")
+    if width_px == SIZES_PX[0][0]:
+        tops = "all => new Set(all.map(each => each.getBoundingClientRect().top)).size"
+        assert page.locator(".map .chip").evaluate_all(tops) == 1, "what is shown on the map is one line"
     screenshot(page, f"cards-{language}-{width_px}")
 
 

@@ -33,7 +33,7 @@ def _card(page: Page, agent: str) -> Locator:
 def _of(page: Page, part: str) -> str:
     """What the story says of its vehicle, say."""
     said = _story(page).locator("dl > div").filter(has=page.get_by_text(part, exact=True))
-    return said.locator("dd .link").inner_text()
+    return said.locator("dd .link").first.inner_text()
 
 
 def test_what_is_chosen_is_in_the_address_and_the_browser_goes_back_over_it(

@@ -1,4 +1,4 @@
-"""The page of one plain transport in a real browser: from the call to the hand-over, every way there, and what it prints."""
+"""The page of one transport in a real browser, called for by people or by a machine: from the call to the hand-over, every way there, and what it prints."""
 
 from __future__ import annotations
 
@@ -111,6 +111,46 @@ def test_a_transport_that_there_is_not_says_so(
     # The browser tells of every 404 by itself, and of nothing else.
     assert all("status of 404" in each for each in complaints)
     complaints.clear()
+
+
+def test_what_a_machine_has_brought_has_the_same_page(
+    quiet: Any, factory: str, open_page: OpenPage, screenshot: Screenshot
+) -> None:
+    product = quiet.ask("/api/products")["items"][0]["id"]
+    placed = {"customer": "Waterworks South", "items": [{"product": product, "quantity": 200}]}
+    order = quiet.ask("/api/orders", placed)["id"]
+
+    def brought() -> str:
+        """A transport of material that has ended."""
+        tasks = quiet.ask("/api/tasks/history?kind=transport&state=delivered")["items"]
+        own = (task["id"] for task in tasks if task["order"] == "" and not task["id"].startswith("T-"))
+        return str(next(own, ""))
+
+    quiet.advance_until(lambda: brought() != "")
+    name = brought()
+    page = open_page(f"{factory}/#tasks?kind=transport&state=delivered&q={name}")
+    page.locator("tbody tr").filter(has_text=name).get_by_role("link").focus()
+    page.keyboard.press("Enter")
+    expect(page).to_have_url(re.compile(rf"#transports/{re.escape(name)}$"))
+    machine = name.split(".")[0].rsplit("-", 1)[0]
+    expect(page.get_by_role("heading", level=1)).to_contain_text(f" → {machine}")
+    moments = page.locator(".order-moments li")
+    expect(moments.last).to_contain_text(f"{machine} has called for ")
+    for kind in ("called", "won", "fetched", "hand-over", "delivered"):
+        expect(moments.filter(has_text=kind).first).to_be_visible()
+    expect(page.locator(".order-told")).to_contain_text(
+        re.compile(rf"ATV\d+ handed it over at {machine} at ")
+    )
+    expect(page.locator(".order-head .tag").first).to_have_text("delivered")
+    assert violations(page) == []
+    screenshot(page, "task-page")
+    # The plant leads there, too, while it knows of it.
+    page.get_by_role("button", name="Show on the plant").click()
+    page.get_by_role("region", name=f"Auction {name}").get_by_role("link", name=name).click()
+    expect(page.get_by_role("heading", level=1)).to_contain_text(f" → {machine}")
+    page.get_by_role("link", name="Tasks", exact=True).last.click()
+    expect(page.get_by_role("heading", level=1)).to_contain_text("Tasks")
+    quiet.ask(f"/api/orders/{order}/cancel", {})
 
 
 def test_it_prints_on_one_page_without_what_can_be_clicked(

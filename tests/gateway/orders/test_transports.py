@@ -519,6 +519,8 @@ async def test_a_thing_without_master_data_is_asked_for_by_what_people_call_it(h
     assert response.status_code == 201, response.text
     answer = response.json()
     assert (answer["item"], answer["thing"], answer["quantity"]) == (THING, "pump housing for Meier", 1)
+    story = await house.get(f"{PATH}/{answer['id']}/timeline")
+    assert [each["thing"] for each in story["moments"]] == ["pump housing for Meier"]
     [asked] = house.bus.sent_to("S3", TransportOrdered)
     assert (asked.source, asked.item, asked.quantity, asked.ability) == ("M8", THING, 1, "tote")
     assert await house.get(f"{PATH}/{answer['id']}") == answer

@@ -106,6 +106,7 @@ RULES: Mapping[tuple[str, str], Rule] = {
     ("GET", "/api/tasks"): Rule(Scope.FACTORY_READ, by_area=True),
     ("GET", "/api/tasks/history"): Rule(Scope.FACTORY_READ),
     ("GET", "/api/tasks/{task}"): Rule(Scope.FACTORY_READ, by_area=True),
+    ("GET", "/api/tasks/{task}/timeline"): Rule(Scope.FACTORY_READ),
     ("POST", "/api/tasks/{task}/load"): Rule(Scope.VEHICLES_COMMAND, by_area=True, action="load.see"),
     ("GET", "/api/alerts"): Rule(Scope.FACTORY_READ, by_area=True),
     ("GET", "/api/alerts/history"): Rule(Scope.FACTORY_READ),

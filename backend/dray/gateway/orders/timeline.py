@@ -81,6 +81,8 @@ class WayOutView(View, kw_only=True):
     closed_at_s: float | None = None
     outcome: Literal["", "delivered", "withdrawn"] = ""
     legs: tuple[LegView, ...] = ()
+    thing: str = ""
+    """What people call it, where it has no master data."""
 
 
 class OrderGoalView(View, kw_only=True):
@@ -118,6 +120,8 @@ class MomentView(View, kw_only=True):
     """Of a takeover: who was replaced. Of a moved goal: whose it was. Of a hand-over: where."""
     item: str = ""
     quantity: int = 0
+    thing: str = ""
+    """What people call that, where it has no master data."""
     reason: str = ""
     silent_s: float | None = None
 
@@ -162,6 +166,8 @@ class _Timeline:
         self._known = {goal.id: goal for goal in goals}
         self._goals: dict[str, OrderGoalView] = {}
         self._ways: dict[str, WayOutView] = {}
+        self._sources: dict[str, tuple[str, ...]] = {}
+        """Of a transport all that may be its source; whoever carries it chooses one."""
         self._legs: dict[str, list[LegView]] = {}
         self._moments: list[MomentView] = []
         self._arrived: dict[str, int] = {}
@@ -294,6 +300,7 @@ class _Timeline:
     def _on_opened(self, task: str, work: Transport, at_s: float) -> None:
         """Every round of bidding is an opening; the first one counts."""
         if task not in self._ways:
+            self._sources[task] = work.sources
             self._ways[task] = WayOutView(
                 task=task,
                 goal=work.goal,
@@ -312,6 +319,8 @@ class _Timeline:
                 return  # Told late by somebody who was replaced.
             legs.append(LegView(carrier=agent, since_at_s=at_s))
         leg = legs[-1]
+        if fact.phase is Phase.APPROACHING and fact.station in self._sources[fact.task]:
+            way.source = fact.station
         said = {
             "task": fact.task,
             "goal": way.goal,

@@ -1,6 +1,6 @@
-"""The timeline of a plain transport: called for, won, fetched and handed over, with whoever took it over. Pure.
+"""The timeline of a plain transport, or of what a machine has brought for itself: called for, won, fetched and handed over, with takeovers. Pure.
 
-A transport may be given out several times, under a name each: its destination restarts, or a load comes in parts. Steps are read from
+A plain transport may be given out several times, under a name each: its destination restarts, or a load comes in parts. Steps are read from
 what agents have told; where the log has forgotten that, what the table of tasks keeps longer is told instead.
 """
 
@@ -23,7 +23,7 @@ KINDS = tuple(kind.__name__ for kind in TOLD_BY)
 
 
 class TransportTimeline(View, kw_only=True):
-    """All of a plain transport, oldest first. Times are wall clock seconds."""
+    """All of a transport, oldest first. Times are wall clock seconds."""
 
     attempts: tuple[WayOutView, ...] = ()
     """Each time it was given out; one, where nothing went otherwise."""
@@ -48,10 +48,41 @@ def transport_timeline(
     forgotten = [task for task in tasks if task.id not in ways]
     attempts = [*ways.values(), *(_known(task) for task in forgotten)]
     moments = [*_begun(row), *told.moments, *(each for task in forgotten for each in _kept(task)), *_end(row)]
+    # No vehicle is told what people call it.
+    for part in (*attempts, *moments):
+        part.thing = row.thing
     return TransportTimeline(
         attempts=tuple(sorted(attempts, key=lambda way: way.opened_at_s)),
         moments=tuple(sorted(moments, key=lambda moment: moment.at_s)),
         is_whole=is_whole and not forgotten,
+    )
+
+
+def task_timeline(task: TaskRow, rows: Iterable[EventRow], *, is_whole: bool = True) -> TransportTimeline:
+    """What is known of a transport that its coordinator needs by itself: material, or goods that are fetched from it.
+
+    Args:
+        task: the transport.
+        rows: what the log has of it, in any order.
+        is_whole: whether there are no more of them.
+    """
+    told = timeline(rows, ())
+    is_known = bool(told.transports)
+    moments = [_of_task(task, "called", task.opened_at_s), *(told.moments if is_known else _kept(task))]
+    if task.closed_at_s is not None:
+        ended: MomentKind = "delivered" if task.state == "delivered" else "cancelled"
+        moments.append(_of_task(task, ended, task.closed_at_s))
+    return TransportTimeline(
+        attempts=told.transports or (_known(task),),
+        moments=tuple(sorted(moments, key=lambda moment: moment.at_s)),
+        is_whole=is_whole and is_known,
+    )
+
+
+def _of_task(task: TaskRow, kind: MomentKind, at_s: float) -> MomentView:
+    agent = task.coordinator if kind == "called" else ""
+    return MomentView(
+        kind=kind, at_s=at_s, agent=agent, other=task.destination, item=task.item, quantity=task.quantity
     )
 
 
@@ -62,7 +93,7 @@ def _known(task: TaskRow) -> WayOutView:
         legs = (LegView(carrier=task.carrier, since_at_s=task.contracted_at_s, until_at_s=task.closed_at_s),)
     return WayOutView(
         task=task.id,
-        goal="",
+        goal=task.goal,
         item=task.item,
         quantity=task.quantity,
         source=task.source,

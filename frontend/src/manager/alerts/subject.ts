@@ -5,7 +5,7 @@ import { choose } from "../../selection/selection";
 import { world } from "../../stream/stream";
 import { t } from "../../text";
 import { orderName, taskName } from "../state";
-import { addressOf, addressOfTransport, go, transportOf } from "../views";
+import { addressOf, addressOfTransport, go, storyOf, transportOf } from "../views";
 
 /** The order by whose name an alert is told; empty where it is told by another one: goods by the vehicle that has them on board. */
 export function orderOf({ agent, goods, order }: AlertView): string {
@@ -21,11 +21,14 @@ export function subjectOf(alert: AlertView): string {
   return task === "" ? agent : taskName(task, world.value?.tasks.get(task)?.order ?? "");
 }
 
-/** The page of the order or plain transport by whose name an alert is told; empty where it is told by another one. */
+/** The page of the order or transport by whose name an alert is told; empty where it is told by another one. */
 export function pageOf(alert: AlertView): string {
   const order = orderOf(alert);
   if (order !== "") return addressOf(order);
-  const transport = alert.goods === null ? transportOf(alert.task) : "";
+  if (alert.goods !== null || alert.task === "") return "";
+  const task = world.value?.tasks.get(alert.task);
+  if (task) return storyOf(task);
+  const transport = transportOf(alert.task);
   return transport === "" ? "" : addressOfTransport(transport);
 }
 

@@ -1,11 +1,12 @@
 import { useSignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
+import type { TaskView } from "../../api/types";
 import { Link } from "../../parts/Link";
 import { lastChosen, NOTHING, selection } from "../../selection/selection";
 import { world } from "../../stream/stream";
 import { format, t } from "../../text/manager";
 import { names, orderName, taskName } from "../state";
-import { addressOf, addressOfTransport, transportOf } from "../views";
+import { addressOf, addressOfTransport, storyOf as pageOf, transportOf } from "../views";
 import { follow, following } from "./address";
 import { isUnknown, storyOf, taskOfStory } from "./story";
 import { Term } from "./Term";
@@ -34,7 +35,7 @@ export function StoryBar() {
         {task && (
           <Part name={t(isTransport ? "story.transport" : "story.production")}>
             <Link kind="task" id={task.id} name={taskName(task.id, task.order)} />
-            <span class="muted">{t("auction.what", { quantity: format.count(task.quantity), item: names.value(task.item) })}</span>
+            <What task={task} />
           </Part>
         )}
         {atv !== null && <Part name={t("story.vehicle")}><Link kind="atv" id={atv} /></Part>}
@@ -87,4 +88,11 @@ function CopyLink() {
       {done.value !== "" && <small class="muted" role="status">{t(done.value)}</small>}
     </>
   );
+}
+
+/** What is carried or made in it, with the way to where its story is told; a plain transport has its own beside it. */
+function What({ task }: { task: TaskView }) {
+  const what = t("auction.what", { quantity: format.count(task.quantity), item: names.value(task.item) });
+  const page = transportOf(task.id) === "" ? pageOf(task) : "";
+  return page === "" ? <span class="muted">{what}</span> : <a class="link" href={page}>{what}</a>;
 }

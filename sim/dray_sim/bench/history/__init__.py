@@ -3,10 +3,10 @@
 100,000 orders, as many tasks and 3,000,000 events (`quick`: a tenth of each) are written into a new database, with the alerts, the audit log, the
 minutes and the spells of those ten weeks, and asked for as the panels ask: a name that one order in ten thousand has, a page deep in the list, whatever was
 late, the page of an order, also of one whose events are forgotten, a shift's report. How long it takes to build is told apart. The baseline, in the
-same run and on the same connection, is to count the rows of that table, which reads all of them once and gives nothing to a person. Both have their
-statistics (ANALYZE). Moments of what panels showed are measured by `replay`.
+same run and on the same connection, is to count the rows of that table, which reads all of them once and gives nothing to a person. The baseline of a
+search for an order is the bare query of an index: the id of the order that has this very reference, in SQL. All tables have their statistics (ANALYZE). Moments of what panels showed are measured by `replay`.
 
-Then the same is looked at over REST, orders are placed, and a tenth of the log is forgotten meanwhile (`use`). How long a transaction of that takes, while
+Then the same is looked at over REST, orders are placed, and a hundredth of the log is forgotten meanwhile (`use`). How long a transaction of that takes, while
 which nobody else writes, is told apart.
 """
 
@@ -38,7 +38,7 @@ from dray.store.retention import AT_ONCE, DAY_S, Retention
 from dray.store.tables import audit, events, orders
 from dray_sim.bench.history.data import EVENTS_EACH, EVERY_S, NOW_S, filled, order_of
 from dray_sim.bench.history.forgetting import TimedStore, kept_after
-from dray_sim.bench.history.use import BEFORE, used
+from dray_sim.bench.history.use import BEFORE, beside, used
 from dray_sim.bench.postgres import databases
 from dray_sim.bench.row import Row
 
@@ -62,6 +62,9 @@ CSV_ROWS = 200
 SHIFT_S = 8 * 3600.0
 
 ROUNDS = 7
+
+BARE_ROUNDS = 101
+"""Of a query that takes a part of a millisecond."""
 
 FORGOTTEN = 20
 """Transactions that forget."""
@@ -93,10 +96,12 @@ async def measured(many: int, before: int = BEFORE) -> list[Row]:
             begun_s = time.perf_counter()
             async with filled(url, many) as store:
                 rows.append(await _built(f"history: {name}", store, time.perf_counter() - begun_s))
+                bare_ms = await _bare_ms(store)
                 for what, table, ask in _questions(many):
-                    rows.append(await _row(f"history: {name}, {what}", store, table, ask))
+                    row = await _row(f"history: {name}, {what}", store, table, ask)
+                    rows.append(row if what != _search_of(many) else beside(row, bare_ms))
                 rows.append(await _size(f"history: {name}, size", store))
-                rows += await used(f"history: {name}", url, store, many, before)
+                rows += await used(f"history: {name}", url, store, many, bare_ms, before)
                 rows.append(await _start(f"history: {name}, the historian's start", store))
                 rows.append(await _forgotten(f"history: {name}", store))
                 what = "the page of an order whose events are forgotten"
@@ -121,7 +126,7 @@ def _questions(many: int) -> Iterator[tuple[str, Table, Ask]]:
     one = OrderFilter(words=(Sought("d5"),))
     deep = order_of(many // 2)
     work_first = Sorting("work")
-    yield f"D5 in {many:,} orders", orders, orders_page(one, work_first)
+    yield _search_of(many), orders, orders_page(one, work_first)
     yield "first page", orders, orders_page(EVERY_ORDER, work_first)
     yield "a page in the middle", orders, orders_page(EVERY_ORDER, work_first, work_first.place(deep))
     yield "first part of a CSV file", orders, orders_page(EVERY_ORDER, work_first, limit=CSV_ROWS)
@@ -207,6 +212,22 @@ async def _row(name: str, store: Store, table: Table, ask: Ask) -> Row:
     return Row(
         name, median(asked_ms), "ms", median(counted_ms), "to count the table", aim_ms, note, less=True
     )
+
+
+def _search_of(many: int) -> str:
+    return f"D5 in {many:,} orders"
+
+
+async def _bare_ms(store: Store) -> float:
+    """How long the bare query of an index takes, as the driver answers it."""
+    one = text("SELECT id FROM orders WHERE reference = :reference")
+    took_ms: list[float] = []
+    async with store.database.read() as connection:
+        for _ in range(BARE_ROUNDS):
+            begun_s = time.perf_counter()
+            (await connection.execute(one, {"reference": order_of(0).reference})).scalar_one()
+            took_ms.append(1000 * (time.perf_counter() - begun_s))
+    return median(took_ms)
 
 
 async def _counted_ms(store: Store, table: Table) -> float:

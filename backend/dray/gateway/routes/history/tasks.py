@@ -1,4 +1,4 @@
-"""Tasks of all history: what was carried or made, by whom, and whether as promised."""
+"""Tasks of all history: what was carried or made, by whom, and whether as promised; and the story of each that is carried."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from dray.gateway.access.gate import missing
 from dray.gateway.access.principal import Scope
 from dray.gateway.factory.lateness import Hold, holds_of
 from dray.gateway.http.csv_tables import Format, Row, header_of, row_of, table, with_csv
+from dray.gateway.http.problems import not_found
 from dray.gateway.http.provided import Provided
 from dray.gateway.http.responses import (
     PAGE,
@@ -22,11 +23,15 @@ from dray.gateway.http.responses import (
     Limit,
     counted,
     counted_list_of,
+    described,
+    problems,
     read_cursor,
     write_cursor,
 )
 from dray.gateway.live.visibility import goal_alias
 from dray.gateway.orders.drafts import Moment
+from dray.gateway.orders.timeline import LegView, MomentView, WayOutView
+from dray.gateway.orders.transport_timeline import KINDS, TransportTimeline, task_timeline
 from dray.gateway.routes.search import NowS, Words
 from dray.store import Store
 from dray.store.orders.tasks import Place, SortedBy, TaskFilter, TaskRow, TaskState
@@ -52,7 +57,7 @@ class TaskRecord(msgspec.Struct, frozen=True, kw_only=True):
     goal: str
     order: str
     """For which it is made; empty for material."""
-    reference: str | None
+    reference: str | None = None
     """The customer's own number of that order."""
     state: TaskState
     carrier: str
@@ -99,6 +104,44 @@ EXAMPLE = TaskRecord(
 )
 
 COLUMNS = TaskRecord.__struct_fields__
+
+EVENTS_MOST = 2_000
+"""Events that are read for one task, as for an attempt at a plain transport."""
+
+
+class TaskStory(TransportTimeline, kw_only=True):
+    """All of one task that is carried, and the task itself."""
+
+    transport: TaskRecord
+
+
+STORY = TaskStory(
+    transport=EXAMPLE,
+    attempts=(
+        WayOutView(
+            task="M8.1-214",
+            goal="",
+            item="housing",
+            quantity=60,
+            source="S4",
+            destination="M8",
+            opened_at_s=1_893_456_000.0,
+            closed_at_s=1_893_456_077.0,
+            outcome="delivered",
+            legs=(
+                LegView(
+                    carrier="ATV2",
+                    since_at_s=1_893_456_002.0,
+                    aboard_at_s=1_893_456_030.0,
+                    until_at_s=1_893_456_077.0,
+                ),
+            ),
+        ),
+    ),
+    moments=(
+        MomentView(kind="called", at_s=1_893_456_000.0, agent="M8", other="M8", item="housing", quantity=60),
+    ),
+)
 
 
 @router.get(
@@ -152,6 +195,38 @@ async def list_task_history(
         async with store.read() as work:
             total = None if words else await work.tasks.total(wanted)
     return counted(records, None if last is None else write_cursor(*last), total)
+
+
+@router.get(
+    "/tasks/{task}/timeline",
+    responses={
+        200: described(TaskStory, "Who carried it, and what happened", STORY),
+        **problems(p404="There is no such task, or nothing is carried in it"),
+    },
+    response_class=Json,
+)
+async def task_timeline_of(store: Provided[Store], caller: Caller, now_s: NowS, task: str) -> Json:
+    """All of one task that is carried, also long after it has ended: material that a machine has brought, say.
+
+    `called`, `won`, `fetched`, handed over, and whoever took it over. Tasks in which something is made are told by their order's timeline.
+    """
+    async with store.read() as work:
+        row = (await work.tasks.many([task])).get(task)
+        if row is None or row.kind != "transport":
+            raise not_found("task", task, "GET /api/tasks/history?kind=transport")
+        rows = await work.events.of_tasks([task], KINDS, EVENTS_MOST + 1)
+        references = await work.orders.references({row.order_id} if row.order_id else set())
+        holds = await holds_of(work, (row,), now_s)
+    told = task_timeline(row, rows[:EVENTS_MOST], is_whole=len(rows) <= EVENTS_MOST)
+    record = _record(row, references.get(row.order_id), holds.get(row.id))
+    attempts, moments = told.attempts, told.moments
+    if not caller.may(Scope.ORDERS_READ):
+        record = _without_order(record)
+        attempts = tuple(msgspec.structs.replace(each, goal=record.goal) for each in attempts)
+        moments = tuple(
+            msgspec.structs.replace(each, goal=record.goal if each.goal else "") for each in moments
+        )
+    return Json(TaskStory(transport=record, attempts=attempts, moments=moments, is_whole=told.is_whole))
 
 
 async def _page(

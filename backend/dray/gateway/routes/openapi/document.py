@@ -50,7 +50,7 @@ from dray.gateway.routes.history.kept import KeptView
 from dray.gateway.routes.history.quality import QualityAnswer
 from dray.gateway.routes.history.replay import SpellsView
 from dray.gateway.routes.history.reports import TargetsView
-from dray.gateway.routes.history.tasks import TaskRecord
+from dray.gateway.routes.history.tasks import TaskRecord, TaskStory
 from dray.gateway.routes.keys import KeyAnswer, NewKeyAnswer
 from dray.gateway.routes.me import MeAnswer
 from dray.gateway.routes.openapi.examples import examples
@@ -131,6 +131,7 @@ SHAPES = (
     Snapshot,
     StorageAnswer,
     TaskRecord,
+    TaskStory,
     KeptView,
     TaskView,
     TrackAnswer,

@@ -8,7 +8,7 @@ import { causeText } from "../../../text/failure";
 import { format, n, t, word } from "../../../text/manager";
 import { names, placeOf, taskName } from "../../state";
 import { Term } from "../../story/Term";
-import { addressOfTransport, transportOf } from "../../views";
+import { storyOf } from "../../views";
 import { auctionOf, isWon, shownTask } from "./auction";
 import { BidLine } from "./BidLine";
 import { Carriers } from "./Carriers";
@@ -57,11 +57,12 @@ function Title({ task }: { task: TaskView | null }) {
   if (!task) return <>{t("auction.title")}</>;
   const what = t("auction.what", { quantity: format.count(task.quantity), item: names.value(task.item) });
   const source = task.source ? placeOf(task.source) : task.sources.map(placeOf).join(" / ");
-  const called = transportOf(task.id);
+  const page = storyOf(task);
+  const name = taskName(task.id, task.order);
   return (
     <>
       {t("auction.title")}{" "}
-      {called === "" ? taskName(task.id, task.order) : <a class="link" href={addressOfTransport(called)}>{task.id}</a>}
+      {page === "" ? name : <a class="link" href={page}>{name}</a>}
       <span class="title-more">
         {what}
         {task.destination && `, ${t("auction.way", { source, destination: placeOf(task.destination) })}`}

@@ -91,7 +91,7 @@ function dueText(order: OrderView): string {
 }
 
 /** One figure of the head, with a line below it. */
-export function Figure({ children, head, more = "", warns = false }: { head: string; more?: string; warns?: boolean; children: ComponentChildren }) {
+export function Figure({ children, head, more = "", warns = false }: { head: string; more?: ComponentChildren; warns?: boolean; children: ComponentChildren }) {
   return (
     <div>
       <dt>{head}</dt>

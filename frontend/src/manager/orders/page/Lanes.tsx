@@ -1,5 +1,5 @@
 import { format, t } from "../../../text/views/order";
-import { names } from "../../state";
+import { placesOf } from "../../state";
 import { chooseTransport, chosenTransport } from "./address";
 import { type Bar, barsOfExpected, type Goal, type Group, percentOf, type Sign, signsOf, type Span, type Story, ticksOf, type Transport } from "./lanes";
 import { loadOf, placeOf } from "./moments";
@@ -194,8 +194,8 @@ function expectedText({ from_at_s: fromS, to_at_s: toS }: NonNullable<Story["exp
 
 function titleOf(transport: Transport): string {
   return t("lanes.transport", {
-    load: `${format.count(transport.quantity)} ${names.value(transport.item)}`,
-    from: placeOf(transport.source),
+    load: loadOf(transport.item, transport.quantity, transport.thing),
+    from: placesOf(transport.source),
     to: placeOf(transport.destination),
   });
 }

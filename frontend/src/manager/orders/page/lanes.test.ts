@@ -8,7 +8,7 @@ const goal = (more: Partial<Goal>): Goal => ({
 });
 const leg = (more: Partial<Leg>): Leg => ({ carrier: "ATV1", since_at_s: 200, aboard_at_s: null, until_at_s: null, replaced: "", ...more });
 const transport = (legs: Leg[], more: Partial<Transport> = {}): Transport => ({
-  task: "M9.1-1", goal: "O-1.1", item: "g2", quantity: 5, source: "M9", destination: "OUT", opened_at_s: 190, closed_at_s: null, outcome: "", legs, ...more,
+  task: "M9.1-1", goal: "O-1.1", item: "g2", quantity: 5, source: "M9", destination: "OUT", opened_at_s: 190, closed_at_s: null, outcome: "", legs, thing: "", ...more,
 });
 const story = (more: Partial<Story>): Story => ({ goals: [], transports: [], moments: [], is_whole: true, expected: null, late: "", links: [], estimates: [], ...more });
 
@@ -104,8 +104,9 @@ describe("in words", () => {
   });
 
   test("an event says why", () => {
-    const moment = { kind: "took_over" as const, at_s: 1, task: "t", goal: "g", agent: "ATV1", other: "ATV3", item: "g2", quantity: 20, reason: "silent", silent_s: 5.5 };
+    const moment = { kind: "took_over" as const, at_s: 1, task: "t", goal: "g", agent: "ATV1", other: "ATV3", item: "g2", quantity: 20, thing: "", reason: "silent", silent_s: 5.5 };
     expect(momentText(moment)).toMatch(/^ATV1 took 20 g2 over from ATV3: silent for 5\.5/);
     expect(momentText({ ...moment, reason: "", silent_s: null })).toBe("ATV1 took 20 g2 over from ATV3");
+    expect(momentText({ ...moment, item: ".thing", quantity: 1, thing: "pump housing", reason: "", silent_s: null })).toBe("ATV1 took pump housing over from ATV3");
   });
 });

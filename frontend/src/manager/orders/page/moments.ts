@@ -21,16 +21,17 @@ export function isProblem(moment: Moment): boolean {
 
 export { placeOf };
 
-export function loadOf(item: string, quantity: number): string {
-  return `${format.count(quantity)} ${names.value(item)}`;
+/** @param thing what people call it, where it has no master data */
+export function loadOf(item: string, quantity: number, thing = ""): string {
+  return thing || `${format.count(quantity)} ${names.value(item)}`;
 }
 
 export function momentText(moment: Moment): string {
   const text = t(`moment.${moment.kind}`, {
     agent: moment.agent,
     other: placeOf(moment.other),
-    load: loadOf(moment.item, moment.quantity),
-    item: names.value(moment.item),
+    load: loadOf(moment.item, moment.quantity, moment.thing),
+    item: moment.thing || names.value(moment.item),
   });
   if (moment.reason === "") return text;
   const reason = word("reason.why", moment.reason);

@@ -9,7 +9,7 @@ import { ListKeptNote } from "../../parts/kept/KeptNote";
 import { Pages } from "../../parts/pages/Pages";
 import { PrintButton } from "../../parts/paper/PrintButton";
 import { countOf, narrow } from "../../parts/pages/paged";
-import { addressOf, addressOfTransport, isTransport } from "../../views";
+import { addressOf, addressOfTransport, isTransport, transportOf } from "../../views";
 import { detailText } from "./detail";
 import { Filters } from "./Filters";
 import { oldestFirst, useLog } from "./log";
@@ -79,13 +79,22 @@ function Row({ line }: { line: AuditLine }) {
   );
 }
 
-/** An order by its customer's number, and a plain transport, with the way to its page. */
-function Target({ line: { is_order: isOrder, reference, target } }: { line: AuditLine }) {
-  if (!isOrder && !isTransport(target)) return <Only what={target} by={{ target }} />;
+/** What a line is about that has a page; empty for all else. */
+function pageOf({ action, is_order: isOrder, target }: AuditLine): string {
+  if (isOrder) return addressOf(target);
+  if (isTransport(target)) return addressOfTransport(target);
+  return action === "load.see" ? addressOfTransport(transportOf(target) || target) : "";
+}
+
+/** An order by its customer's number, and a transport, with the way to its page. */
+function Target({ line }: { line: AuditLine }) {
+  const { reference, target } = line;
+  const page = pageOf(line);
+  if (page === "") return <Only what={target} by={{ target }} />;
   const name = reference ?? target;
   return (
     <>
-      <a class="link" href={isOrder ? addressOf(target) : addressOfTransport(target)}>
+      <a class="link" href={page}>
         {name}
       </a>{" "}
       <button type="button" class="button small" onClick={() => { narrow({ target }); }}>

@@ -8,6 +8,7 @@ import { useRefreshed } from "../../refreshed";
 import { KeysCard } from "./KeysCard";
 import "./people.css";
 import { PERSON, PersonSheet } from "./PersonSheet";
+import { areaName } from "../../state";
 import { begin } from "./state";
 
 const EVERY_MS = 10_000;
@@ -61,7 +62,7 @@ function Row({ person }: { person: Person }) {
         {name !== id && <small class="line muted">{id}</small>}
       </th>
       <td>{word("person.role", role)}</td>
-      <td>{role === "manager" ? t("people.everywhere") : areas.join(", ")}</td>
+      <td>{role === "manager" ? t("people.everywhere") : format.list(areas.map(areaName))}</td>
       <td>
         {disabledAtS !== null ? <Tag tone="warn">{t("people.isDisabled")}</Tag> : secrets.length > 0 ? format.list(secrets.map((each) => word("people.secret", each))) : t("people.byLink")}
       </td>

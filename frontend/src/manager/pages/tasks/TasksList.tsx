@@ -7,7 +7,6 @@ import { causeText } from "../../../text/failure";
 import { speakAlso } from "../../../text/speech";
 import { format, t, tables, word } from "../../../text/views/records";
 import { isOpen, latestBids } from "../../cards/auction/auction";
-import { PUNCTUAL_S } from "../../cards/auction/times";
 import { AskedChoice, AskedMoment, AskedOnly, AskedWords } from "../../parts/filters/Asked";
 import { CsvLink } from "../../parts/filters/CsvLink";
 import { ListKeptNote } from "../../parts/kept/KeptNote";
@@ -15,11 +14,10 @@ import { Pages } from "../../parts/pages/Pages";
 import { PrintButton } from "../../parts/paper/PrintButton";
 import { countOf, sortBy, usePaged } from "../../parts/pages/paged";
 import { ShowLink } from "../../parts/ShowLink";
-import { names, placeOf, plant, taskName } from "../../state";
+import { names, placeOf, placesOf, plant, taskName } from "../../state";
 import { addressOf, asked, storyOf } from "../../views";
-import { heldKey, machineHeldKey } from "../../parts/rows/held";
 import { queryOf, STATES, tableOf } from "./filter";
-import { factoryTime } from "../../../text/plant-time";
+import { Result } from "./Result";
 
 /** What is known of a task: by the stream as long as it has it, and by history. */
 type Shown = Omit<TaskRecord, "round" | "deadline_at_s" | "contracted_at_s"> & { readonly live: TaskView | undefined };
@@ -99,7 +97,7 @@ function shownOf(record: TaskRecord, live: TaskView | undefined): Shown {
 
 function Row({ task }: { task: Shown }) {
   const { live, order } = task;
-  const source = task.source.split("/").map(placeOf).join(" / ");
+  const source = placesOf(task.source);
   const opened = live && isOpen(live);
   const name = taskName(task.id, order, task.reference ?? order);
   const story = storyOf(task);
@@ -138,24 +136,4 @@ function Before({ task }: { task: TaskView }) {
   const before = task.carriers.slice(0, -1).flatMap(({ carrier }) => (carrier === "" ? [] : [carrier]));
   if (before.length === 0) return null;
   return <small class="line">{t("tasks.after", { before: format.list(before) })}</small>;
-}
-
-function Result({ task }: { task: Shown }) {
-  if (task.state !== "delivered" || task.closed_at_s === null || task.promised_at_s === null) return null;
-  const speed = world.value?.factory.speed ?? 1;
-  const lateS = (task.closed_at_s - task.promised_at_s) * speed;
-  if (Math.abs(lateS) < PUNCTUAL_S) return <span>{t("tasks.onTime")}</span>;
-  const by = factoryTime(Math.abs(lateS), speed);
-  if (lateS > 0) return <><span class="tone-warn">{t("tasks.broken", { by })}</span><Cause task={task} /></>;
-  return <span>{t("tasks.kept", { by })}</span>;
-}
-
-/** What held its carrier up, where that was long enough to be why it was late. */
-function Cause({ task }: { task: Shown }) {
-  const { held: doing, held_by: by, kind } = task;
-  const held = kind === "transport" ? heldKey(doing, by) : machineHeldKey(doing, by);
-  if (held === null) return null;
-  const speed = world.value?.factory.speed ?? 1;
-  const said = { time: factoryTime(task.held_s * speed, speed), by: kind === "transport" ? by : names.value(by) };
-  return <small class="line">{t(`held.${held}`, said)}</small>;
 }

@@ -1,7 +1,7 @@
 import { describe, expect, test } from "vitest";
-import type { TransportAnswer, TransportStory } from "../../../../api/transports";
+import type { TaskStory, TransportAnswer, TransportStory } from "../../../../api/transports";
 import { isTransport, namedIn, addressOfTransport, transportOf } from "../../../views";
-import { attemptsOf, carriersOf, expectedS, lateS, spanOf } from "./story";
+import { attemptsOf, carriersOf, expectedS, lateS, spanOf, stateOf } from "./story";
 
 const at = (atS: number): string => new Date(atS * 1000).toISOString();
 
@@ -14,7 +14,7 @@ const transport = (more: Partial<TransportAnswer>): TransportAnswer => ({
 const leg = { carrier: "ATV1", since_at_s: 1010, aboard_at_s: null, until_at_s: null, replaced: "" };
 
 const story = (...legs: (typeof leg | (Omit<typeof leg, "aboard_at_s"> & { aboard_at_s: number | null; until_at_s: number | null }))[]): TransportStory => ({
-  attempts: [{ task: "T-1M9K3X2A4-K7QM-1", goal: "", item: "bearing", quantity: 40, source: "S5", destination: "M8", opened_at_s: 1001, closed_at_s: null, outcome: "", legs }],
+  attempts: [{ task: "T-1M9K3X2A4-K7QM-1", goal: "", item: "bearing", quantity: 40, source: "S5", destination: "M8", opened_at_s: 1001, closed_at_s: null, outcome: "", legs, thing: "" }],
   moments: [], is_whole: true, links: [],
 });
 
@@ -59,5 +59,19 @@ describe("an attempt is named after its transport", () => {
   test("and its page has an address", () => {
     expect(namedIn(addressOfTransport("T-1M9K3X2A4-K7QM"), "transports")).toBe("T-1M9K3X2A4-K7QM");
     expect(namedIn("#transports?q=T-1", "transports")).toBe("");
+  });
+});
+
+describe("a task that is carried", () => {
+  const of = (state: TaskStory["transport"]["state"], ...legs: Parameters<typeof story>): string =>
+    stateOf({ attempts: story(...legs).attempts, transport: { state } as TaskStory["transport"] });
+
+  test("is as far as its last carrier", () => {
+    expect(of("bidding")).toBe("waiting");
+    expect(of("contracted", leg)).toBe("assigned");
+    expect(of("contracted", { ...leg, aboard_at_s: 1020 }, leg)).toBe("assigned");
+    expect(of("contracted", leg, { ...leg, aboard_at_s: 1020 })).toBe("on_board");
+    expect(of("delivered")).toBe("delivered");
+    expect(of("withdrawn", leg)).toBe("cancelled");
   });
 });

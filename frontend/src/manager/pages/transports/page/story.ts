@@ -1,5 +1,5 @@
 /** What the page of one plain transport draws and says, from what the gateway tells of it. Pure. */
-import type { TransportAnswer, TransportStory } from "../../../../api/transports";
+import type { TaskStory, TransportAnswer, TransportState, TransportStory } from "../../../../api/transports";
 import { barsOfLeg, type Group, type Span } from "../../../orders/page/lanes";
 
 /** What is shorter has no ticks that tell anything. */
@@ -17,7 +17,7 @@ export function hasEnded({ ended_at }: TransportAnswer): boolean {
 }
 
 /** How each time that it was given out is drawn. */
-export function attemptsOf(story: TransportStory, untilS: number): Group["transports"] {
+export function attemptsOf(story: Pick<TransportStory, "attempts">, untilS: number): Group["transports"] {
   return story.attempts.map((transport) => ({ transport, bars: transport.legs.flatMap((leg) => barsOfLeg(leg, untilS)) }));
 }
 
@@ -25,8 +25,21 @@ export function attemptsOf(story: TransportStory, untilS: number): Group["transp
 export function spanOf(transport: TransportAnswer, story: TransportStory, untilS: number): Span {
   const fromS = secondsOf(transport.created_at) ?? untilS;
   const ends = [untilS, ...story.moments.map((moment) => moment.at_s), secondsOf(transport.due_at), expectedS(transport)].filter((atS) => atS !== null);
+  return spanBetween(fromS, ends);
+}
+
+/** From a moment to the last of some others, with a little room behind it. */
+export function spanBetween(fromS: number, ends: readonly number[]): Span {
   const lastS = Math.max(fromS + LEAST_SPAN_S, ...ends);
   return { fromS, toS: lastS + (lastS - fromS) * ROOM_FRAC };
+}
+
+/** How far a task is that is carried, in the words of a plain transport. */
+export function stateOf({ attempts, transport: { state } }: Pick<TaskStory, "attempts" | "transport">): TransportState {
+  if (state === "delivered") return "delivered";
+  if (state === "withdrawn") return "cancelled";
+  if (state === "bidding") return "waiting";
+  return attempts.at(-1)?.legs.at(-1)?.aboard_at_s == null ? "assigned" : "on_board";
 }
 
 /** When its carrier has promised to be there; null once it has ended, and while nobody has. */
@@ -35,7 +48,7 @@ export function expectedS(transport: TransportAnswer): number | null {
 }
 
 /** Who carries it or brought it, and those before, each once. */
-export function carriersOf(story: TransportStory): { last: string; before: string[] } {
+export function carriersOf(story: Pick<TransportStory, "attempts">): { last: string; before: string[] } {
   const all = story.attempts.flatMap(({ legs }) => legs.map(({ carrier }) => carrier));
   const last = all.at(-1) ?? "";
   return { last, before: [...new Set(all)].filter((carrier) => carrier !== last) };
@@ -46,4 +59,10 @@ export function lateS(transport: TransportAnswer, nowS: number): number {
   if (transport.status === "cancelled") return 0;
   const thereS = secondsOf(transport.ended_at) ?? Math.max(nowS, expectedS(transport) ?? nowS);
   return Math.max(0, thereS - (secondsOf(transport.due_at) ?? thereS));
+}
+
+/** Where it is fetched; all places that it may be, with "/" between them, as long as no vehicle is on its way. */
+export function sourceOf({ attempts, transport: { source } }: Pick<TaskStory, "attempts" | "transport">): string {
+  const last = attempts.at(-1);
+  return last !== undefined && last.legs.length > 0 ? last.source : source;
 }

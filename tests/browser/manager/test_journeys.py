@@ -1,0 +1,164 @@
+"""What people do from end to end, with the mouse and with the keyboard alone: an order that was late, a link for a colleague, a link for the customer."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from accessibility import violations
+from looks import LOCALES
+from manager_kit import iso
+from playwright.sync_api import Locator, Page, expect
+
+OpenPage = Callable[..., Page]
+Screenshot = Callable[..., Path]
+
+REFERENCE = "PO-TUESDAY"
+
+STEPS_MOST = 200
+"""Presses of Tab to anything on a page: what is further is not reached by anybody."""
+
+HANDS = (
+    ("keyboard", "en", "light", 1440),
+    ("mouse", "en", "dark", 2560),
+    ("mouse", "de", "dark", 1024),
+    ("keyboard", "es", "light", 390),
+)
+"""By what, in which language and theme, and how wide, in pixels: every one of each once at least."""
+
+WORDS = {
+    "en": {"late": "late", "took over": " over from "},
+    "de": {"late": "verspätet", "took over": " übernommen"},
+    "es": {"late": "con retraso", "took over": " tomó "},
+}
+"""What the panel says."""
+
+
+class Hands:
+    """Somebody before a page, with a mouse or without one.
+
+    Args:
+        page: where.
+        by: `mouse` or `keyboard`.
+    """
+
+    def __init__(self, page: Page, by: str) -> None:
+        self.page, self._by = page, by
+
+    def reach(self, there: Locator) -> None:
+        """Stand on something, by Tab where there is no mouse."""
+        expect(there).to_be_visible()
+        if self._by == "mouse":
+            there.hover()
+            return
+        for _ in range(STEPS_MOST):
+            if there.evaluate("it => it === document.activeElement"):
+                return
+            self.page.keyboard.press("Tab")
+        raise AssertionError(f"Tab does not lead to {there}")
+
+    def use(self, there: Locator, key: str = "Enter") -> None:
+        """Click it, or press a key on it."""
+        self.reach(there)
+        if self._by == "mouse":
+            there.click()
+        else:
+            self.page.keyboard.press(key)
+
+    def write(self, there: Locator, text: str) -> None:
+        """Write into a field, letter by letter."""
+        if self._by == "mouse":
+            there.click()
+        else:
+            self.reach(there)
+        self.page.keyboard.type(text)
+
+
+@pytest.fixture(scope="module")
+def late(quiet: Any) -> str:
+    """An order that is late because its carrier fell silent with the goods; its id."""
+    product = quiet.ask("/api/products")["items"][0]["id"]
+    wanted = {"customer": "Waterworks South", "reference": REFERENCE, "due_at": iso(quiet.wall_s + 2.0)}
+    order = str(quiet.ask("/api/orders", wanted | {"items": [{"product": product, "quantity": 10}]})["id"])
+
+    def carrier() -> str:
+        """Who has its goods on board."""
+        ways = quiet.ask(f"/api/orders/{order}/timeline")["transports"]
+        legs = [leg for way in ways for leg in way["legs"] if leg["until_at_s"] is None]
+        return str(next((leg["carrier"] for leg in legs), ""))
+
+    quiet.advance_until(lambda: carrier() != "", step_s=0.5)
+    quiet.ask("/api/faults", {"kind": "powered_off", "agent": carrier()})
+    quiet.advance_until(lambda: quiet.ask(f"/api/orders/{order}")["status"] == "delivered")
+    return order
+
+
+@pytest.mark.parametrize(("by", "language", "theme", "width_px"), HANDS)
+def test_a_late_order_is_found_and_told_why_shown_to_a_colleague_and_to_its_customer(
+    quiet: Any,
+    late: str,
+    open_page: OpenPage,
+    screenshot: Screenshot,
+    by: str,
+    language: str,
+    theme: str,
+    width_px: int,
+) -> None:
+    look = {
+        "locale": LOCALES[language],
+        "color_scheme": theme,
+        "viewport": {"width": width_px, "height": 900},
+    }
+    page = open_page(quiet.url, permissions=["clipboard-read", "clipboard-write"], **look)
+    hands, says = Hands(page, by), WORDS[language]
+    kept = f"journey-{by}-{language}-{theme}-{width_px}"
+
+    # Find the order of that day, and say why it was late.
+    hands.use(page.locator(".top a[href='#orders']"))
+    hands.write(page.locator("main input[type=search]"), "tuesday")
+    hands.use(page.locator("label", has_text=says["late"]).locator("input[type=checkbox]"), "Space")
+    expect(page).to_have_url(re.compile(r"late=yes"))
+    rows = page.locator("main tbody tr")
+    expect(rows).to_have_count(1)
+    screenshot(page, f"{kept}-list")
+    hands.use(rows.get_by_role("link", name=REFERENCE))
+    expect(page.get_by_role("heading", level=1)).to_have_text(REFERENCE)
+    expect(page.locator(".order-head")).to_contain_text(says["late"])
+    hands.use(page.locator(".order-moments .segments button").last)
+    moments = page.locator(".order-moments li")
+    expect(moments.first).to_contain_text(says["took over"])
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    assert violations(page) == []
+    screenshot(page, f"{kept}-order")
+
+    # Send a colleague what is seen: the chosen transport and what is looked for stand in the address.
+    hands.use(moments.first.locator("button.moment-text"))
+    expect(page.locator(".order-told")).to_be_visible()
+    colleague = open_page(page.url, **look)
+    told = page.locator(".order-told p").inner_text()
+    expect(colleague.locator(".order-told p")).to_have_text(told)
+    expect(colleague.locator(".order-moments .segments button").last).to_have_attribute(
+        "aria-pressed", "true"
+    )
+
+    # Give the customer a link, and take it back.
+    links = page.locator(".order-links")
+    make, take_back = (links.locator(".order-actions").last.locator("button").nth(at) for at in (0, 1))
+    hands.use(make)
+    field = links.locator("input[readonly]")
+    address = field.input_value()
+    hands.use(links.locator("button").first)
+    assert page.evaluate("navigator.clipboard.readText()") == address
+    customer = open_page(address, who=None, **look)
+    expect(customer.locator("body")).to_contain_text(REFERENCE)
+    hands.use(take_back)
+    sure = links.get_by_role("group").locator("button")
+    expect(sure.first).to_be_focused()
+    screenshot(page, f"{kept}-sure")
+    hands.use(sure.last)
+    expect(field).to_have_count(0)
+    customer.reload()
+    expect(customer.locator("body")).not_to_contain_text(REFERENCE)
