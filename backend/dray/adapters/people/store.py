@@ -43,7 +43,7 @@ class PeopleStore:
             case Book():
                 self._words.book(instruction)
             case Word():
-                self._words.hear(instruction)
+                self._words.on_word(instruction)
             case _:
                 return
 
