@@ -24,7 +24,7 @@ from dray_sim.remote.pieces import count_pieces
 
 PIECES = 6
 KILLS = int(os.environ.get("DRAY_TEST_KILLS", "6"))
-"""More of them, and so more orders, for a trial by hand."""
+"""More of them, and so more orders, when it is run by hand."""
 
 BETWEEN_S = 6.0
 """Real seconds between two kills: an agent has begun its next life by then, on a computer with something else to do."""

@@ -54,7 +54,7 @@ class PeopleStore:
             case Book():
                 self._words.book(instruction)
             case Word():
-                self._words.hear(instruction, self._judge)
+                self._words.on_word(instruction, self._judge)
             case _:
                 return
 

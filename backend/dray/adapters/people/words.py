@@ -176,7 +176,7 @@ class Words(Generic[K]):
 
     # --- people ---
 
-    def hear(self, word: Word, judge: Callable[[Word], Judged[K]] | None = None) -> None:
+    def on_word(self, word: Word, judge: Callable[[Word], Judged[K]] | None = None) -> None:
         """Take a word, or answer why not.
 
         Args:

@@ -123,7 +123,7 @@ class PeopleWorkcell:
             case ResetFault():
                 self._reset()
             case Word():
-                self._words.hear(instruction, self._judge)
+                self._words.on_word(instruction, self._judge)
             case _:
                 return
 

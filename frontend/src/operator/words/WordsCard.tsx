@@ -71,19 +71,21 @@ function Words({ place }: { place: Worked }) {
   return (
     <section class="words card" aria-label={title}>
       <h2>{title}</h2>
-      <div class="words-what">
-        {kindsAt(place).map((kind) => (
-          <button
-            key={kind}
-            type="button"
-            class="words-kind"
-            aria-pressed={choice?.kind === kind && choice.vehicle === ""}
-            onClick={() => { choose(id, ofKind(kind, place)); }}
-          >
-            {t(`command.${kind}`)}
-          </button>
-        ))}
-      </div>
+      {!place.toCome && (
+        <div class="words-what">
+          {kindsAt(place).map((kind) => (
+            <button
+              key={kind}
+              type="button"
+              class="words-kind"
+              aria-pressed={choice?.kind === kind && choice.vehicle === ""}
+              onClick={() => { choose(id, ofKind(kind, place)); }}
+            >
+              {t(`command.${kind}`)}
+            </button>
+          ))}
+        </div>
+      )}
       <Second place={place} choice={choice} />
       {/* Below all else: one that comes moves nothing under a finger. */}
       <div class="words-what">
