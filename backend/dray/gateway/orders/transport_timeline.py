@@ -49,8 +49,10 @@ def transport_timeline(
     attempts = [*ways.values(), *(_known(task) for task in forgotten)]
     moments = [*_begun(row), *told.moments, *(each for task in forgotten for each in _kept(task)), *_end(row)]
     # No vehicle is told what people call it.
-    for part in (*attempts, *moments):
-        part.thing = row.thing
+    for attempt in attempts:
+        attempt.thing = row.thing
+    for moment in moments:
+        moment.thing = row.thing
     return TransportTimeline(
         attempts=tuple(sorted(attempts, key=lambda way: way.opened_at_s)),
         moments=tuple(sorted(moments, key=lambda moment: moment.at_s)),
