@@ -40,6 +40,10 @@ class SparePlaces(msgspec.Struct, frozen=True):
         """How many vehicles may be in the reserve at one time."""
         return len(self.reserve) + len(self.shut)
 
+    def holds_back_from(self, able: int) -> bool:
+        """Whether the reserve leaves to others what so many vehicles can carry: a third of them is at work, even if all others are the reserve."""
+        return 2 * able >= 3 * self.reserve_size
+
     def is_reserve(self, node: str) -> bool:
         """Whether a vehicle that waits at a node belongs to the reserve."""
         return node in self.shut or node in self.reserve

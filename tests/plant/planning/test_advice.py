@@ -69,6 +69,20 @@ def test_the_reserve_of_a_fleet_is_named() -> None:
     assert "8 are a reserve, which takes no work that others can do" in dwell_points.text
 
 
+def test_the_reserve_counts_for_no_carriers() -> None:
+    """In raster 38 all vehicles are of one type, 10 of 28 are a reserve, and 18 carry what 18 without a reserve do."""
+    floor = draw_raster(38)
+    [large, enough] = [
+        next(limit for limit in Flow(plant).limits() if limit.kind == "vehicles")
+        for plant in (floor, with_fleet(floor, 18))
+    ]
+    assert len(floor.fleet) - floor.spare_places.reserve_size == 18
+    assert with_fleet(floor, 18).spare_places.reserve_size == 0
+    assert large.load_frac == pytest.approx(enough.load_frac)
+    assert large.remedy == "add 10 parking places"
+    assert "18 that carry" in large.name
+
+
 def test_as_many_dwell_points_as_vehicles_are_enough(small_text: str) -> None:
     assert of_kind(change(small_text, (FIRST_FLEET, fleet("middle", "west"))), "dwell_points") == []
 

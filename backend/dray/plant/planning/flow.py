@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from itertools import combinations
 
 from dray.plant.charger_queue import CHANGEOVER_S
-from dray.plant.file.reasons import Reason, joined
+from dray.plant.file.reasons import Reason, counted, joined
 from dray.plant.model import VehicleType
 from dray.plant.plant import Plant
 
@@ -210,11 +210,16 @@ class Flow:
         for chosen in _combinations(tuple(needed_s)):
             able = [name for name, kind in self._kinds.items() if set(chosen) & set(kind.abilities)]
             busy = sum(needed_s[ability] for ability in chosen)
-            given = sum(self._count[name] * self._working_frac(self._kinds[name]) for name in able)
             count = sum(self._count[name] for name in able)
-            name = Reason("that_carry", count=count, abilities=joined("or", chosen))
+            at_work = self._at_work_frac(count)
+            given = at_work * sum(self._count[name] * self._working_frac(self._kinds[name]) for name in able)
+            name = Reason("that_carry", count=round(at_work * count), abilities=joined("or", chosen))
             more = max(1, round(busy / max(given, 1e-9) * count + 0.5) - count) if given > 0.0 else count
-            yield Limit("vehicles", name, given / busy, Reason("remedy_vehicles", count=more))
+            remedy = Reason("remedy_vehicles", count=more)
+            if at_work < 1.0:
+                # One vehicle more would be one more of the reserve.
+                remedy = counted("add_parking", "add_parkings", plant.spare_places.reserve_size)
+            yield Limit("vehicles", name, given / busy, remedy)
 
     def _charger_limits(self) -> Iterator[Limit]:
         """All that the fleet uses comes through the chargers."""
@@ -232,6 +237,11 @@ class Flow:
         yield Limit("charger", name, max(0.0, given_w - idle_w) / max(work_w, 1e-9), remedy)
 
     # --- how it is done ---
+
+    def _at_work_frac(self, able: int) -> float:
+        """Part of so many vehicles that is not the reserve; its places are taken by all types alike."""
+        spare = self.plant.spare_places
+        return 1.0 - spare.reserve_size / len(self.plant.fleet) if spare.holds_back_from(able) else 1.0
 
     def _working_frac(self, kind: VehicleType) -> float:
         """Part of its time in which a vehicle is not charging what it uses then."""

@@ -137,7 +137,7 @@ class Bidder:
         able = sum(
             set(work.needed) <= set(plant.vehicle_types[spec.type].abilities) for spec in plant.fleet.values()
         )
-        return 2 * able >= 3 * plant.spare_places.reserve_size
+        return plant.spare_places.holds_back_from(able)
 
     def review(self, award: Award, standing: Standing, now_s: float) -> Quote | Unable:
         """Whether an award can still be taken, from where the vehicle is now."""
