@@ -21,8 +21,10 @@ from yard import LIGHT, PICK, PLANT, Yard, drive
 from dray.adapters.system_clock import SystemClock
 from dray.adapters.vda5050.link import BrokerAddress
 from dray.body import ActionDone, ActionFailed, ProblemCleared, ProblemRaised, Report, WayDone
-from dray.cli.runtime import bodies
-from dray.cli.runtime.bodies import Embodied, RealVehicle, by_vda5050, counted_on_floor
+from dray.cli.runtime.bodies import on_floor
+from dray.cli.runtime.bodies.embodied import Embodied
+from dray.cli.runtime.bodies.on_floor import counted_on_floor
+from dray.cli.runtime.bodies.vda5050 import RealVehicle, by_vda5050
 from dray.cli.runtime.surroundings import Surroundings
 from dray.errors import SettingsError, UnavailableError
 from dray.ports import Body
@@ -144,7 +146,7 @@ def test_a_real_vehicle_at_simulated_places_is_lost_when_the_floor_counts_no_mor
         yield Embodied(yard.vehicle(), asyncio.Event().wait)
 
     async def play() -> None:
-        monkeypatch.setattr(bodies, "tell_moved", tell)
+        monkeypatch.setattr(on_floor, "tell_moved", tell)
         where = Surroundings(Settings(), PLANT)
         make = counted_on_floor(where, "ATV1", embody)
         async with make(SimpleNamespace(inner=None), SimpleNamespace(incarnation=3)) as embodied:  # type: ignore[arg-type]

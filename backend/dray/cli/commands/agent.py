@@ -98,7 +98,10 @@ def machine(
 
     from dray import __version__
     from dray.cli.runtime.agent_process import run_agent
-    from dray.cli.runtime.bodies import by_people, by_signals, on_floor, reading
+    from dray.cli.runtime.bodies.embodied import reading
+    from dray.cli.runtime.bodies.on_floor import on_floor
+    from dray.cli.runtime.bodies.people import by_people
+    from dray.cli.runtime.bodies.signals import by_signals
     from dray.cli.runtime.output import one_of
     from dray.protocol.machine.machine import Machine
     from dray.protocol.runtime.running import Running
@@ -169,7 +172,8 @@ def atv(
     from dray.adapters.security.own_key import own_key
     from dray.adapters.security.signing import VehicleKey
     from dray.cli.runtime.agent_process import run_agent
-    from dray.cli.runtime.bodies import RealVehicle, by_vda5050, counted_on_floor, on_floor
+    from dray.cli.runtime.bodies.on_floor import counted_on_floor, on_floor
+    from dray.cli.runtime.bodies.vda5050 import RealVehicle, by_vda5050
     from dray.cli.runtime.output import one_of
     from dray.protocol.vehicle.atv import Atv
 
@@ -228,7 +232,10 @@ def station(
     from dray import __version__
     from dray.body import StorageState
     from dray.cli.runtime.agent_process import run_agent
-    from dray.cli.runtime.bodies import by_controller, on_floor, store_by_people, store_by_signals
+    from dray.cli.runtime.bodies.controller import by_controller
+    from dray.cli.runtime.bodies.on_floor import on_floor
+    from dray.cli.runtime.bodies.people import store_by_people
+    from dray.cli.runtime.bodies.signals import store_by_signals
     from dray.cli.runtime.output import one_of
     from dray.protocol.station.station import Station
 
@@ -270,7 +277,9 @@ def gate(
     from dray import __version__
     from dray.body import GateState
     from dray.cli.runtime.agent_process import run_agent
-    from dray.cli.runtime.bodies import by_controller, gate_by_people, on_floor
+    from dray.cli.runtime.bodies.controller import by_controller
+    from dray.cli.runtime.bodies.on_floor import on_floor
+    from dray.cli.runtime.bodies.people import gate_by_people
     from dray.cli.runtime.output import one_of
     from dray.messages.keys import GATE
     from dray.protocol.gate.gate import DeliveryGate
@@ -307,7 +316,7 @@ def strategist(
     import asyncio
 
     from dray.cli.runtime.agent_process import run_agent
-    from dray.cli.runtime.bodies import bodiless
+    from dray.cli.runtime.bodies.embodied import bodiless
     from dray.errors import SettingsError
     from dray.protocol.strategist.gated import GatedStrategist
 

@@ -9,7 +9,7 @@ from contextlib import asynccontextmanager, closing
 from dray.adapters.journal.sqlite_journal import SqliteJournal
 from dray.adapters.zenoh.modem import Modem
 from dray.body import VehicleState
-from dray.cli.runtime.bodies import Embodied, Embody
+from dray.cli.runtime.bodies.embodied import Embodied, Embody
 from dray.cli.runtime.readiness import say_ready
 from dray.cli.runtime.signals import asked_by_signals
 from dray.cli.runtime.surroundings import Surroundings

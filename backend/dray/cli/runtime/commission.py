@@ -18,7 +18,9 @@ from dray.adapters.vda5050.control.master import MasterControl
 from dray.adapters.vda5050.dialogue import Head, Recorder
 from dray.adapters.vda5050.events import Heard, Linked, Memory, Say, Unlinked
 from dray.adapters.vda5050.link import MqttLink
-from dray.cli.runtime.bodies import RealController, RealVehicle, broker_of, linked
+from dray.cli.runtime.bodies.broker import broker_of
+from dray.cli.runtime.bodies.signals import RealController
+from dray.cli.runtime.bodies.vda5050 import RealVehicle, linked
 from dray.cli.runtime.output import one_of
 from dray.cli.runtime.surroundings import Surroundings
 from dray.plant.model import VehicleType

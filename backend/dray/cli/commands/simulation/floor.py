@@ -38,7 +38,7 @@ def floor(
     """Run the simulated floor: the bodies of all vehicles and machines, for agents that have none of their own."""
     import asyncio
 
-    from dray.cli.runtime.bodies import broker_of
+    from dray.cli.runtime.bodies.broker import broker_of
     from dray.cli.runtime.options import load_settings
     from dray.cli.runtime.surroundings import Surroundings
     from dray.cli.simulation.floor_process import serve_floor

@@ -1,0 +1,1 @@
+"""Bodies of agents, as their processes make them: one module for each kind."""

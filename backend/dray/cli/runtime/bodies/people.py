@@ -1,0 +1,104 @@
+"""Machines, storages and the gate whose bodies are people."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
+from typing import Generic, TypeVar
+
+from msgspec import Struct
+
+from dray.adapters.journal.sqlite_journal import SqliteJournal
+from dray.adapters.memory_file import MemoryFile
+from dray.adapters.people.gate import DAMAGED_GATE, KeptGate, PeopleGate
+from dray.adapters.people.store import DAMAGED_STORE as DAMAGED_PEOPLE_STORE
+from dray.adapters.people.store import KeptStore as PeopleKeptStore
+from dray.adapters.people.store import PeopleStore
+from dray.adapters.people.workcell import DAMAGED as DAMAGED_PEOPLE
+from dray.adapters.people.workcell import Kept as PeopleKept
+from dray.adapters.people.workcell import PeopleWorkcell
+from dray.adapters.zenoh.bus import ZenohBus
+from dray.cli.runtime.bodies.embodied import Embodied, Embody
+from dray.cli.runtime.surroundings import Surroundings
+from dray.plant.model import MachineSpec
+from dray.plant.model import Storage as StorageSpec
+from dray.ports import Body
+
+_log = logging.getLogger(__name__)
+
+
+_PeopleKept = TypeVar("_PeopleKept", bound=Struct)
+
+
+class _PeopleWorld(Generic[_PeopleKept]):
+    """What a body of people needs beside a clock: a disk."""
+
+    def __init__(self, remember: Callable[[_PeopleKept], None]) -> None:
+        self.remember = remember
+
+
+def _of_people(
+    surroundings: Surroundings,
+    name: str,
+    kind: type[_PeopleKept],
+    damaged: _PeopleKept,
+    make: Callable[[_PeopleWorld[_PeopleKept], _PeopleKept | None], Body],
+) -> Embody:
+    """A body that is people: what they have said is kept in a file of the journal folder."""
+
+    @asynccontextmanager
+    async def embody(_bus: ZenohBus, _journal: SqliteJournal) -> AsyncIterator[Embodied]:
+        path = surroundings.settings.journal_folder / f"{name}.people.json"
+        file = MemoryFile(path, kind, damaged)
+        kept = file.read()
+        if file.lost:
+            _log.error("%s: %s", name, file.lost)
+        yield Embodied(make(_PeopleWorld(file.write), kept), asyncio.Event().wait)
+
+    return embody
+
+
+def by_people(surroundings: Surroundings, name: str, spec: MachineSpec) -> Embody:
+    """A machine without a controller, whose people say what has happened.
+
+    Args:
+        surroundings: of the process.
+        name: the agent's id.
+        spec: the machine.
+    """
+    return _of_people(
+        surroundings,
+        name,
+        PeopleKept,
+        DAMAGED_PEOPLE,
+        lambda world, kept: PeopleWorkcell(spec, surroundings.plant, surroundings.clock(), world, kept),
+    )
+
+
+def store_by_people(surroundings: Surroundings, name: str, spec: StorageSpec) -> Embody:
+    """A storage or a warehouse without a controller, whose people say what has come and gone.
+
+    Args:
+        surroundings: of the process.
+        name: the agent's id.
+        spec: what is kept there.
+    """
+    return _of_people(
+        surroundings,
+        name,
+        PeopleKeptStore,
+        DAMAGED_PEOPLE_STORE,
+        lambda world, kept: PeopleStore(spec, world, kept),
+    )
+
+
+def gate_by_people(surroundings: Surroundings, name: str) -> Embody:
+    """The gate of the delivery warehouses, whose people say what has arrived.
+
+    Args:
+        surroundings: of the process.
+        name: the agent's id.
+    """
+    return _of_people(surroundings, name, KeptGate, DAMAGED_GATE, PeopleGate)

@@ -1,0 +1,224 @@
+"""Machines and storages whose controllers tell and obey single values, by OPC UA or MQTT."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
+from dataclasses import dataclass
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Generic, Protocol, TypeVar
+
+from dray.adapters.journal.sqlite_journal import SqliteJournal
+from dray.adapters.mapping_file import has_address, load_mapping
+from dray.adapters.memory_file import MemoryFile
+from dray.adapters.mqtt.link import SignalsOverMqtt
+from dray.adapters.mqtt.mapping_file import MqttMapping
+from dray.adapters.opcua.mapping_file import OpcUaMapping
+from dray.adapters.signals.signal import LinkListener, SignalMapping
+from dray.adapters.signals.store import DAMAGED_STORE, KeptStore, SignalledStore
+from dray.adapters.signals.workcell import DAMAGED as DAMAGED_WORKCELL
+from dray.adapters.signals.workcell import Kept, SignalledWorkcell
+from dray.adapters.zenoh.bus import ZenohBus
+from dray.cli.runtime.bodies.broker import broker_of
+from dray.cli.runtime.bodies.embodied import REMIND_EVERY_S, Embodied, Embody
+from dray.cli.runtime.surroundings import Surroundings
+from dray.errors import SettingsError
+from dray.plant.model import MachineSpec
+from dray.plant.model import Storage as StorageSpec
+from dray.settings import Settings
+from dray.supervision import Failures
+
+FIRST_S = 10.0
+"""So long a machine waits for its controller before it begins without, and says so."""
+
+
+SILENT_S = 10.0
+"""A storage's controller that is away for longer is gone: its agent ends, so that nobody counts on it, and begins anew."""
+
+
+_log = logging.getLogger(__name__)
+
+
+_Kept = TypeVar("_Kept")
+
+
+class _World(Generic[_Kept]):
+    """What such a body needs beside a clock: a link and a disk."""
+
+    def __init__(self, write: Callable[[], None], remember: Callable[[_Kept], None]) -> None:
+        self.write, self.remember = write, remember
+
+
+class SignalsLink(Protocol):
+    """A link to a controller that tells and obeys single values.
+
+    Attributes:
+        linked: set once its values could be heard for the first time.
+        failures: what the listener could not deal with.
+    """
+
+    linked: asyncio.Event
+    failures: Failures
+
+    def write(self) -> None:
+        """The listener's outputs have changed."""
+
+    async def run(self, listener: LinkListener) -> None:
+        """Be linked until cancelled."""
+
+
+@dataclass(frozen=True, slots=True)
+class RealController:
+    """The controller of a machine, or of a storage's dock.
+
+    Attributes:
+        mapping: which of its values are which signals.
+        folder: of the mapping file.
+        settings: of the process, with what is secret.
+    """
+
+    mapping: OpcUaMapping | MqttMapping
+    folder: Path
+    settings: Settings
+
+    @classmethod
+    def of(cls, settings: Settings, check: Callable[[SignalMapping], None]) -> RealController:
+        """What the settings say. Without a body of that kind the mapping file tells it: that of an OPC UA server has an address.
+
+        Args:
+            settings: of the process.
+            check: raises ValueError where the mapping is not that of such a body.
+
+        Raises:
+            SettingsError: there is no mapping, or it cannot be used; or what OPC UA needs is not installed.
+        """
+        file = settings.mapping
+        if file is None:
+            reason = "a controller's body needs the file that names its signals; or DRAY_MAPPING"
+            raise SettingsError("--mapping", reason)
+        named = settings.body in ("opcua", "mqtt")
+        mqtt = settings.body == "mqtt" if named else not has_address(file)
+        mapping = load_mapping(file, MqttMapping) if mqtt else load_mapping(file, OpcUaMapping)
+        if mqtt:
+            broker_of(settings)
+        elif find_spec("asyncua") is None:
+            raise SettingsError("--body", "OPC UA needs more than is installed: pip install 'dray[opcua]'")
+        try:
+            check(mapping)
+        except ValueError as error:
+            raise SettingsError("--mapping", f"{file}: {error}") from None
+        return cls(mapping, file.parent, settings)
+
+    @property
+    def password(self) -> str:
+        """Of its user; empty for none."""
+        password = self.settings.opcua_password
+        return "" if password is None else password.get_secret_value()
+
+    def link(self, client: str) -> SignalsLink:
+        """A link that does not run yet.
+
+        Args:
+            client: our name at a broker.
+        """
+        if isinstance(self.mapping, MqttMapping):
+            return SignalsOverMqtt(self.mapping, broker_of(self.settings), client)
+        from dray.adapters.opcua.link import OpcUaLink
+
+        return OpcUaLink(self.mapping, self.folder, self.password)
+
+
+def by_signals(surroundings: Surroundings, name: str, spec: MachineSpec) -> Embody:
+    """A machine whose controller tells and obeys single values. One that is away is the machine's problem, and no end of its agent.
+
+    Args:
+        surroundings: of the process.
+        name: the agent's id.
+        spec: the machine.
+
+    Raises:
+        SettingsError: there is no mapping, or it cannot be used.
+    """
+    settings = surroundings.settings
+    real = RealController.of(settings, SignalMapping.check_machine)
+
+    @asynccontextmanager
+    async def embody(_bus: ZenohBus, _journal: SqliteJournal) -> AsyncIterator[Embodied]:
+        file = MemoryFile(settings.journal_folder / f"{name}.workcell.json", Kept, DAMAGED_WORKCELL)
+        kept = file.read()
+        if file.lost:
+            _log.error("%s: %s", name, file.lost)
+        link = real.link(f"dray-{name}")
+        world = _World(link.write, file.write)
+        body = SignalledWorkcell(spec, surroundings.plant, real.mapping, surroundings.clock(), world, kept)
+        running = asyncio.create_task(link.run(body))
+        try:
+            await asyncio.wait(
+                (running, asyncio.ensure_future(link.linked.wait())),
+                timeout=FIRST_S,
+                return_when=asyncio.FIRST_COMPLETED,
+            )
+            if broken := body.sense().broken:
+                _log.warning("%s begins all the same: %s", name, broken)
+            yield Embodied(body, lambda: asyncio.shield(running), (link.failures,))
+        finally:
+            running.cancel()
+            await asyncio.gather(running, return_exceptions=True)
+
+    return embody
+
+
+def store_by_signals(surroundings: Surroundings, name: str, spec: StorageSpec) -> Embody:
+    """A storage or a warehouse whose dock's controller tells and obeys single values.
+
+    Its agent waits until the controller is there, and ends when it has been away for `SILENT_S`.
+
+    Args:
+        surroundings: of the process.
+        name: the agent's id.
+        spec: what is kept there.
+
+    Raises:
+        SettingsError: there is no mapping, or it cannot be used.
+    """
+    settings, clock = surroundings.settings, surroundings.clock
+    items = {line.material for line in spec.stocks}
+    real = RealController.of(settings, lambda mapping: mapping.check_store(items))
+
+    @asynccontextmanager
+    async def embody(_bus: ZenohBus, _journal: SqliteJournal) -> AsyncIterator[Embodied]:
+        file = MemoryFile(settings.journal_folder / f"{name}.store.json", KeptStore, DAMAGED_STORE)
+        kept = file.read()
+        if file.lost:
+            _log.error("%s: %s", name, file.lost)
+        now = clock()
+        link = real.link(f"dray-{name}")
+        body = SignalledStore(spec, real.mapping, now, _World(link.write, file.write), kept)
+        running = asyncio.create_task(link.run(body))
+
+        async def lost() -> None:
+            while body.away_since_s is None or now.now_s() - body.away_since_s < SILENT_S:
+                await asyncio.wait((running,), timeout=1.0)
+                if running.done():
+                    running.result()
+
+        try:
+            while body.away_since_s is not None:
+                there = asyncio.ensure_future(link.linked.wait())
+                await asyncio.wait(
+                    (running, there), timeout=REMIND_EVERY_S, return_when=asyncio.FIRST_COMPLETED
+                )
+                there.cancel()
+                if running.done():
+                    running.result()
+                if body.away:
+                    _log.warning("%s waits for its controller: %s", name, body.away)
+            yield Embodied(body, lost, (link.failures,))
+        finally:
+            running.cancel()
+            await asyncio.gather(running, return_exceptions=True)
+
+    return embody
