@@ -26,12 +26,15 @@ from dray.store.orders.order_histories import KINDS, OrderHistory, together
 from dray.store.orders.progress import Goal, note
 from dray.store.orders.tasks import TaskFilter
 from dray.store.orders.transports import TransportRow
-from dray.store.retention import KeptFor, Retention
+from dray.store.retention import Forgotten, KeptFor, Retention
 from dray.store.work import Work
 
 pytestmark = pytest.mark.anyio
 
 NOW_S = 100_000.0
+
+PATIENCE_S = 60.0
+"""Longer only where it hangs."""
 
 ALL = KeptFor(
     events_s=NOW_S,
@@ -305,6 +308,30 @@ async def test_takeovers_of_before_are_read_from_the_log(store: Store) -> None:
     async with store.read() as work:
         count, last = await work.takeovers.between(0.0, NOW_S, 10)
     assert (count, [each.fact for each in last]) == (1, [changed])
+
+
+async def test_all_else_has_its_turn_while_the_log_grows_as_fast_as_it_is_forgotten(
+    store: Store, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class Growing(Retention):
+        async def _events(self, before_s: float, now_s: float) -> Forgotten:
+            return Forgotten(retention.AT_ONCE)
+
+    monkeypatch.setattr(retention, "PAUSE_S", 0.0)
+    async with store.write() as work:
+        await work.audit.add(AuditRow(at_s=10.0, who="a", who_kind="admin", action="x", result="done"))
+    growing = Growing(store, msgspec.structs.replace(ALL, audit_s=0.0), Wall())
+    forgetting_on = asyncio.create_task(growing.forget())
+    try:
+        async with asyncio.timeout(PATIENCE_S):
+            kept = 1
+            while kept:
+                async with store.read() as work:
+                    kept = len(await work.audit.page(AuditFilter(), None, 100))
+        assert not forgetting_on.done()
+    finally:
+        forgetting_on.cancel()
+        await asyncio.gather(forgetting_on, return_exceptions=True)
 
 
 async def test_a_database_that_is_away_is_tried_again(

@@ -1,4 +1,4 @@
-"""Retention: what is kept for how long. Everything is forgotten by its age, in small transactions, so that nobody waits for the database.
+"""Retention: what is kept for how long. Everything is forgotten by its age, in small transactions with pauses, so that others wait little.
 
 What the pages of an order and of its customer need is kept with the order before the log forgets it. There is a bound on rows,
 too, so that no plant fills its disk; it is meant to be out of reach, and when it is reached that is told.
@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import time
 from collections.abc import Awaitable, Callable
+from typing import NamedTuple
 
 import msgspec
 
@@ -27,7 +29,10 @@ PAUSE_S = 0.02
 """Wall seconds between two of these at least, for whoever waits to write."""
 
 REST = 2.0
-"""Pauses take so many times as long as the work before them: a third of a processor at most, and where others need it no more than they leave."""
+"""Pauses take so many times as long as the work before them: a third of a processor at most. Nobody rests while there are too many rows for the disk."""
+
+TURN = 50
+"""Transactions after which what else is too old has its turn: a log that grows as fast as it is forgotten must not keep all else."""
 
 _log = logging.getLogger(__name__)
 
@@ -46,6 +51,20 @@ class KeptFor(msgspec.Struct, frozen=True, kw_only=True):
     """Rows of the log of events, of whatever age."""
 
 
+class Forgotten(NamedTuple):
+    """What one transaction has forgotten.
+
+    Attributes:
+        rows: how many; fewer than `AT_ONCE` where no more are too old.
+        worked_s: how long it took.
+        too_many: how many of them before their time, because there were too many.
+    """
+
+    rows: int
+    worked_s: float = 0.0
+    too_many: int = 0
+
+
 class Retention:
     """Forgets what is too old.
 
@@ -59,6 +78,7 @@ class Retention:
         self._store, self._kept_for, self._wall_s = store, kept_for, wall_s
         self.too_many = 0
         """Events that were forgotten before their time, because there were too many."""
+        self._clock = time.monotonic
 
     async def run(self) -> None:
         """Forget until cancelled."""
@@ -74,52 +94,67 @@ class Retention:
         Raises:
             UnavailableError: the database cannot be written; what was forgotten by then stays so.
         """
-        now_s, kept = self._wall_s(), self._kept_for
-        before = self.too_many
-        await self._all(lambda: self._events(now_s - kept.events_s, now_s))
-        await self._rows(lambda work: work.change_log.prune(now_s - kept.events_s, AT_ONCE))
-        await self._rows(lambda work: work.samples.prune(now_s - kept.samples_s, AT_ONCE, now_s))
-        await self._rows(lambda work: work.kpis.prune(now_s - kept.figures_s, AT_ONCE))
-        await self._rows(lambda work: work.piece_hours.prune(now_s - kept.figures_s, AT_ONCE))
-        await self._rows(lambda work: work.takeovers.prune(now_s - kept.figures_s, AT_ONCE))
-        await self._rows(lambda work: work.tasks.prune(now_s - kept.tasks_s, AT_ONCE))
-        await self._rows(lambda work: work.transports.prune(now_s - kept.transports_s, AT_ONCE))
-        await self._rows(lambda work: work.alerts.prune(now_s - kept.alerts_s, AT_ONCE))
-        await self._rows(lambda work: work.audit.prune(now_s - kept.audit_s, AT_ONCE))
-        if self.too_many > before:
-            _log.warning(
-                "%d events were forgotten before their time: there are more than DRAY_EVENTS_MOST=%d; make it more where "
-                "the disk has room, or keep them for fewer days (DRAY_EVENTS_DAYS)",
-                self.too_many - before,
-                kept.events_most,
-            )
+        has_more = True
+        while has_more:
+            before = self.too_many
+            turns = [await self._turn(some) for some in self._kinds(self._wall_s())]
+            has_more = any(turns)
+            if self.too_many > before:
+                _log.warning(
+                    "%d events were forgotten before their time: there are more than DRAY_EVENTS_MOST=%d; make it more where "
+                    "the disk has room, or keep them for fewer days (DRAY_EVENTS_DAYS)",
+                    self.too_many - before,
+                    self._kept_for.events_most,
+                )
 
-    async def _all(self, some: Callable[[], Awaitable[int]]) -> None:
-        clock, forgotten = asyncio.get_running_loop().time, AT_ONCE
-        while forgotten >= AT_ONCE:
-            begun_s = clock()
-            forgotten = await some()
-            await asyncio.sleep(max(PAUSE_S, REST * (clock() - begun_s)))
+    def _kinds(self, now_s: float) -> tuple[Callable[[], Awaitable[Forgotten]], ...]:
+        """What forgets some of each kind."""
+        kept = self._kept_for
+        return (
+            lambda: self._events(now_s - kept.events_s, now_s),
+            lambda: self._rows(lambda work: work.change_log.prune(now_s - kept.events_s, AT_ONCE)),
+            lambda: self._rows(lambda work: work.samples.prune(now_s - kept.samples_s, AT_ONCE, now_s)),
+            lambda: self._rows(lambda work: work.kpis.prune(now_s - kept.figures_s, AT_ONCE)),
+            lambda: self._rows(lambda work: work.piece_hours.prune(now_s - kept.figures_s, AT_ONCE)),
+            lambda: self._rows(lambda work: work.takeovers.prune(now_s - kept.figures_s, AT_ONCE)),
+            lambda: self._rows(lambda work: work.tasks.prune(now_s - kept.tasks_s, AT_ONCE)),
+            lambda: self._rows(lambda work: work.transports.prune(now_s - kept.transports_s, AT_ONCE)),
+            lambda: self._rows(lambda work: work.alerts.prune(now_s - kept.alerts_s, AT_ONCE)),
+            lambda: self._rows(lambda work: work.audit.prune(now_s - kept.audit_s, AT_ONCE)),
+        )
 
-    async def _rows(self, prune: Callable[[Work], Awaitable[int]]) -> None:
-        async def some() -> int:
-            async with self._store.write() as work:
-                return await prune(work)
+    async def _turn(self, some: Callable[[], Awaitable[Forgotten]]) -> bool:
+        """Forget some of one kind; whether there may be more."""
+        for _ in range(TURN):
+            done = await some()
+            rest_s = 0.0 if done.too_many else REST * done.worked_s
+            await asyncio.sleep(max(PAUSE_S, rest_s))
+            if done.rows < AT_ONCE:
+                return False
+        return True
 
-        await self._all(some)
+    async def _rows(self, prune: Callable[[Work], Awaitable[int]]) -> Forgotten:
+        async with self._store.write() as work:
+            # Waiting for others who write is no work.
+            begun_s = self._clock()
+            rows = await prune(work)
+        return Forgotten(rows, self._clock() - begun_s)
 
-    async def _events(self, before_s: float, now_s: float) -> int:
+    async def _events(self, before_s: float, now_s: float) -> Forgotten:
         # What stays with the orders is put together while others may write.
         async with self._store.read() as work:
+            begun_s = self._clock()
             found = await work.events.oldest(before_s, self._kept_for.events_most, AT_ONCE, now_s)
             if found is None:
-                return 0
+                return Forgotten(0)
             first, last, too_many = found
             histories = await work.order_histories.gathered(first, last)
+        read_s = self._clock() - begun_s
         async with self._store.write() as work:
+            begun_s = self._clock()
             # Another historian has forgotten them meanwhile, and perhaps more: what was read here is older than what is kept by now.
             if await work.events.first() == first:
                 await work.order_histories.put(histories)
                 await work.events.forget(first, last)
                 self.too_many += too_many
-        return last - first + 1
+        return Forgotten(last - first + 1, read_s + self._clock() - begun_s, too_many)

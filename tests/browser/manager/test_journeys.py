@@ -79,13 +79,13 @@ class Hands:
 
 @pytest.fixture(scope="module")
 def late(quiet: Any) -> str:
-    """An order that is late because its carrier fell silent with the goods; its id."""
+    """An order that is late because its carrier fell silent on its way; its id."""
     product = quiet.ask("/api/products")["items"][0]["id"]
     wanted = {"customer": "Waterworks South", "reference": REFERENCE, "due_at": iso(quiet.wall_s + 2.0)}
     order = str(quiet.ask("/api/orders", wanted | {"items": [{"product": product, "quantity": 10}]})["id"])
 
     def carrier() -> str:
-        """Who has its goods on board."""
+        """Who carries for it, or is on its way to fetch."""
         ways = quiet.ask(f"/api/orders/{order}/timeline")["transports"]
         legs = [leg for way in ways for leg in way["legs"] if leg["until_at_s"] is None]
         return str(next((leg["carrier"] for leg in legs), ""))

@@ -116,6 +116,7 @@ class FactoryScope:
         visibility = self._visibility
         shows: dict[str, tuple[Show, tuple[Any, ...]]] = {
             "machines": (visibility.machine, frame.machines),
+            "stations": (visibility.station, frame.stations),
             "tasks": (visibility.task, frame.tasks),
             "news": (visibility.news, frame.news),
             "alerts": (visibility.alert, frame.alerts),

@@ -155,6 +155,11 @@ class FactoryVisibility(WholeVisibility):
         goals = tuple(replace(goal, goal=goal_alias(goal.goal)) for goal in view.goals)
         return replace(view, goals=goals) if goals else view
 
+    def station(self, view: StationView) -> StationView | None:
+        """The station of a storage, or the gate, to which goals of other names are to come."""
+        to_come = tuple(replace(each, goal=goal_alias(each.goal)) for each in view.to_come)
+        return replace(view, to_come=to_come) if to_come else view
+
     def task(self, view: TaskView) -> TaskView | None:
         """A task, without the order that it is for."""
         stranded = view.stranded and replace(view.stranded, order="")
