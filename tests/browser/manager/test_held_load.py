@@ -1,4 +1,4 @@
-"""A load that was said to be there twice, in the manager's panel: the alert names its transport, whose card takes the word."""
+"""A load that was said to be there twice, in the manager's panel: the alert names its transport, whose page takes the word."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def house(sqlite_url: str) -> Iterator[OpenHouse]:
         yield house
 
 
-def test_the_alert_leads_to_the_card_which_says_that_the_load_is_missing(
+def test_the_alert_leads_to_the_page_which_says_that_the_load_is_missing(
     house: OpenHouse, open_page: OpenPage
 ) -> None:
     async def join(inside: House) -> MachineThatWaits:
@@ -33,7 +33,7 @@ def test_the_alert_leads_to_the_card_which_says_that_the_load_is_missing(
     page = as_manager(house, open_page)
     page.locator(".alerts-button").click()
     row = page.locator("main > section").first.get_by_role("row").filter(has_text="twice said to be there")
-    row.get_by_role("button").first.click()
+    row.get_by_role("link", name=f"Show {TASK}").click()
     page.get_by_role("button", name="It is not there").click()
     expect(page.locator(".load-seen")).to_have_count(0)
     said = [(command.kind, command.task) for command in machine.heard]

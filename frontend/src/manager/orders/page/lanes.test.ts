@@ -101,6 +101,8 @@ describe("in words", () => {
     expect(transportText(transport([]))).toBe("Nobody carries it yet.");
     expect(transportText(transport([leg({ until_at_s: 210, replaced: "silent" })]))).toContain("Nobody carries it yet.");
     expect(transportText(transport([], { outcome: "withdrawn", closed_at_s: 300 }))).toBe("It was withdrawn.");
+    const under = transport([leg({ carrier: "ATV1", aboard_at_s: 240, until_at_s: 300 })], { outcome: "withdrawn", closed_at_s: 300 });
+    expect(transportText(under)).toMatch(/^ATV1 worked on it until .+\. It was withdrawn\.$/);
   });
 
   test("an event says why", () => {

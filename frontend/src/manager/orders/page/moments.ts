@@ -46,7 +46,10 @@ export function transportText(transport: Transport): string {
     if (leg.replaced !== "") {
       return t("leg.replaced", { carrier: leg.carrier, at: format.clock(leg.until_at_s ?? leg.since_at_s), reason: word("reason.why", leg.replaced) });
     }
-    if (leg.until_at_s !== null && transport.outcome !== "withdrawn") return t("leg.done", { carrier: leg.carrier, at: format.clock(leg.until_at_s), to: placeOf(transport.destination) });
+    if (leg.until_at_s !== null) {
+      const key = transport.outcome === "withdrawn" ? "leg.ended" : "leg.done";
+      return t(key, { carrier: leg.carrier, at: format.clock(leg.until_at_s), to: placeOf(transport.destination) });
+    }
     if (leg.aboard_at_s !== null) return t("leg.carries", { carrier: leg.carrier, at: format.clock(leg.aboard_at_s) });
     return t("leg.fetches", { carrier: leg.carrier, at: format.clock(leg.since_at_s), from: placeOf(transport.source) });
   });

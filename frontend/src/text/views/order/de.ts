@@ -52,6 +52,7 @@ export const order: Catalogue<typeof en> = {
   "leg.done": "{carrier} hat ihn um {at} bei {to} übergeben.",
   "leg.replaced": "{carrier} wurde um {at} abgelöst: {reason}.",
   "leg.nobody": "Noch fährt ihn niemand.",
+  "leg.ended": "{carrier} war bis {at} damit beschäftigt.",
   "leg.withdrawn": "Er wurde zurückgezogen.",
 
   "estimates.title": "Wie sich die erwartete Zeit verschoben hat",

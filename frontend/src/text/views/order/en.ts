@@ -49,6 +49,7 @@ export const order = {
   "leg.done": "{carrier} handed it over at {to} at {at}.",
   "leg.replaced": "{carrier} was replaced at {at}: {reason}.",
   "leg.nobody": "Nobody carries it yet.",
+  "leg.ended": "{carrier} worked on it until {at}.",
   "leg.withdrawn": "It was withdrawn.",
 
   "estimates.title": "How the expected time moved",

@@ -52,6 +52,7 @@ export const order: Catalogue<typeof en> = {
   "leg.done": "{carrier} lo entregó en {to} a las {at}.",
   "leg.replaced": "{carrier} fue relevado a las {at}: {reason}.",
   "leg.nobody": "Nadie lo transporta todavía.",
+  "leg.ended": "{carrier} se ocupó de ello hasta las {at}.",
   "leg.withdrawn": "Fue retirado.",
 
   "estimates.title": "Cómo se ha movido la hora prevista",

@@ -10,6 +10,7 @@ import { t as ofOrders, tables as orderTables } from "../../../../text/views/ord
 import { t as ofTasks, tables as taskTables } from "../../../../text/views/records";
 import { format, t, tables, word } from "../../../../text/views/transports";
 import { isOpen } from "../../../cards/auction/auction";
+import { LoadSeen } from "../../../cards/auction/LoadSeen";
 import { whyText } from "../../../cards/auction/why-text";
 import { WaitNote } from "../../../cards/atv/WaitNote";
 import { Figure } from "../../../orders/page/Head";
@@ -155,6 +156,7 @@ function Waits({ story: { transport } }: { story: Story }) {
   return (
     <Card title={isHeld ? ofOrders("orderPage.waits") : t("called.vehicle")} class={isHeld ? "order-waits" : ""}>
       {task.trouble !== null && <p class="tone-warn">{causeText(task.trouble)}</p>}
+      {task.trouble?.reason === "disputed" && <LoadSeen key={task.id} task={task.id} />}
       {stands && <WaitNote wait={stands} />}
       {why !== "" && <p class="muted">{why}</p>}
     </Card>

@@ -11,6 +11,7 @@ import { speakAlso } from "../../../../text/speech";
 import { t as ofOrders, tables as orderTables } from "../../../../text/views/order";
 import { format, t, tables, word } from "../../../../text/views/transports";
 import { isOpen } from "../../../cards/auction/auction";
+import { LoadSeen } from "../../../cards/auction/LoadSeen";
 import { whyText } from "../../../cards/auction/why-text";
 import { WaitNote } from "../../../cards/atv/WaitNote";
 import { chosenTransport } from "../../../orders/page/address";
@@ -253,6 +254,7 @@ function Waits({ transport }: { transport: TransportAnswer }) {
       {lines.map((line) => (
         <p key={line} class="tone-warn">{line}</p>
       ))}
+      {task?.trouble?.reason === "disputed" && <LoadSeen key={task.id} task={task.id} />}
       {stands && <WaitNote wait={stands} />}
       {more.map((line) => (
         <p key={line} class="muted">{line}</p>
