@@ -129,6 +129,19 @@ def test_what_arrives_while_a_vehicle_stands_there_is_its_load_only_where_vehicl
     assert by_hand(Shelf(refilled_by_vehicles=by_vehicles)) == change
 
 
+def test_what_is_taken_by_hand_while_a_vehicle_brings_is_not_the_number_of_its_load() -> None:
+    shelf = Shelf(refilled_by_vehicles=True)
+    shelf.body.instruct(OpenDock(ATV, ITEM, 10))
+    assert shelf.says(KIND.TAKEN, 6) == (None, "")
+    brought = Book(ATV, ITEM, 10, task="S1-1", epoch=1)
+    shelf.body.instruct(brought)
+    assert (shelf.level, shelf.moved()) == (44, [10, -6])
+    assert shelf.body.sense().loads == (UnconfirmedLoad(ATV, ITEM, 10, goes=False),)
+    shelf.begin()
+    shelf.body.instruct(brought)
+    assert shelf.level == 44
+
+
 @pytest.mark.parametrize("kind", [KIND.MADE, KIND.SCRAPPED])
 def test_nobody_makes_anything_there(kind: MachineCommandKind) -> None:
     shelf = Shelf()

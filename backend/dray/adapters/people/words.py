@@ -54,6 +54,8 @@ class Visit(Struct, frozen=True, omit_defaults=True):
     quantity: int
     said: int | None = None
     """What people say that it was; None while they have said nothing."""
+    goes: bool = False
+    """Whether they say that it was taken; else that it has arrived."""
 
 
 class KeptStock(Struct, frozen=True):
@@ -155,24 +157,32 @@ class Words(Generic[K]):
 
     def book(self, book: Book) -> None:
         """A vehicle says what it has brought or taken: it is so until people say otherwise."""
-        if name_of(book) not in self.kept.booked:
-            self._take_in(book)
+        by_hand = 0 if name_of(book) in self.kept.booked else self._take_in(book)
         change, seq = self.kept.booked[name_of(book)]
         self.report(StockChanged(item=book.item, change=change, seq=seq, vehicle=book.vehicle))
+        if by_hand:
+            self.report(StockChanged(item=book.item, change=by_hand, seq=seq + 1))
 
-    def _take_in(self, book: Book) -> None:
+    def _take_in(self, book: Book) -> int:
+        """Book it; returns what was moved by hand meanwhile."""
         kept, change = self.kept, book.change
         visit = next((each for each in kept.visits if _is_of(each, book.vehicle, book.item)), None)
         loads = kept.loads
-        if visit is not None and visit.said is not None:
-            change = -visit.said if change < 0 else visit.said
+        said = 0 if visit is None or visit.said is None else -visit.said if visit.goes else visit.said
+        # A word of the other direction was not of this load.
+        is_of_it = visit is not None and visit.said is not None and visit.goes is (change < 0)
+        by_hand = 0 if is_of_it else said
+        if is_of_it:
+            change = said
         elif book.item != THING:
             load = UnconfirmedLoad(book.vehicle, book.item, abs(change), goes=change < 0)
             loads = (*loads, load)[-LOADS_KEPT:]
-        stock, seq = self.moved(book.item, change), kept.seq + 1
+        seq = kept.seq + 1
+        stock, seqs = self.moved(book.item, change + by_hand), seq + bool(by_hand)
         visits = tuple(each for each in kept.visits if each is not visit)
         booked = with_word(kept.booked, book, (change, seq))
-        self.keep(stock=stock, seq=seq, loads=loads, visits=visits, booked=booked)
+        self.keep(stock=stock, seq=seqs, loads=loads, visits=visits, booked=booked)
+        return by_hand
 
     # --- people ---
 
@@ -255,7 +265,7 @@ class Words(Generic[K]):
         kept = self.kept
         if not word.sure and is_far(word.quantity, visit.quantity):
             return CommandRefusal.UNLIKELY, str(visit.quantity), [], kept
-        said = replace(visit, said=word.quantity)
+        said = replace(visit, said=word.quantity, goes=word.kind is MachineCommandKind.TAKEN)
         visits = tuple(said if each is visit else each for each in kept.visits)
         return None, "", [], replace(kept, visits=visits)
 
