@@ -30,9 +30,9 @@ HANDS = (
 """By what, in which language and theme, and how wide, in pixels: every one of each once at least."""
 
 WORDS = {
-    "en": {"late": "late", "took over": " over from "},
-    "de": {"late": "verspätet", "took over": " übernommen"},
-    "es": {"late": "con retraso", "took over": " tomó "},
+    "en": {"late": "late", "took over": " over from ", "taken back": "This link was taken back"},
+    "de": {"late": "verspätet", "took over": " übernommen", "taken back": "Dieser Link wurde zurückgenommen"},
+    "es": {"late": "con retraso", "took over": " tomó ", "taken back": "Este enlace ha sido retirado"},
 }
 """What the panel says."""
 
@@ -82,7 +82,7 @@ def late(quiet: Any) -> str:
     """An order that is late because its carrier fell silent on its way; its id."""
     product = quiet.ask("/api/products")["items"][0]["id"]
     wanted = {"customer": "Waterworks South", "reference": REFERENCE, "due_at": iso(quiet.wall_s + 2.0)}
-    order = str(quiet.ask("/api/orders", wanted | {"items": [{"product": product, "quantity": 10}]})["id"])
+    order = str(quiet.ask("/api/orders", wanted | {"items": [{"product": product, "quantity": 2}]})["id"])
 
     def carrier() -> str:
         """Who carries for it, or is on its way to fetch."""
@@ -90,7 +90,7 @@ def late(quiet: Any) -> str:
         legs = [leg for way in ways for leg in way["legs"] if leg["until_at_s"] is None]
         return str(next((leg["carrier"] for leg in legs), ""))
 
-    quiet.advance_until(lambda: carrier() != "", step_s=0.5)
+    quiet.advance_until(lambda: carrier() != "", step_s=2.0)
     quiet.ask("/api/faults", {"kind": "powered_off", "agent": carrier()})
     quiet.advance_until(lambda: quiet.ask(f"/api/orders/{order}")["status"] == "delivered")
     return order
@@ -161,4 +161,5 @@ def test_a_late_order_is_found_and_told_why_shown_to_a_colleague_and_to_its_cust
     hands.use(sure.last)
     expect(field).to_have_count(0)
     customer.reload()
+    expect(customer.locator("body")).to_contain_text(says["taken back"])
     expect(customer.locator("body")).not_to_contain_text(REFERENCE)
