@@ -6,6 +6,7 @@ from typing import Any
 
 import httpx
 import pytest
+from answers import problem
 from areas_kit import AREAS
 from gateway_kit import AUTHORITY, House
 from heartbeats import station_heartbeat
@@ -93,6 +94,45 @@ async def test_what_no_station_can_be_told_is_not_sent(house: House, body: dict[
 async def test_a_machine_and_nobody_are_no_stations(house: House) -> None:
     for name in ("M1", "S99"):
         assert (await ask(house, ARRIVED, name)).status_code == 404
+
+
+@pytest.mark.parametrize(
+    ("area", "station", "status"),
+    [
+        (AT_GATE, "S1", 200),
+        (AT_GATE, GATE, 200),
+        (AT_GATE, "S2", 403),
+        (ELSEWHERE, "S2", 200),
+        (ELSEWHERE, "S1", 403),
+        (ELSEWHERE, GATE, 403),
+        # Not even that there is none is told to who is limited to areas.
+        (AT_GATE, "S99", 403),
+        (ELSEWHERE, "S99", 403),
+        (AT_GATE, "M1", 403),
+    ],
+)
+async def test_an_operator_says_what_has_happened_in_its_own_area_alone(
+    house: House, area: str, station: str, status: int
+) -> None:
+    heard = obedient(house, station=station)
+    client = await house.log_in("operator", Role.OPERATOR, area)
+    answer = await client.post(f"/api/stations/{station}/commands", json=ARRIVED)
+    assert answer.status_code == status, answer.text
+    areas = [said.grant and said.grant.areas for said in heard]
+    assert areas == ([(area,)] if status == 200 else [])
+
+
+@pytest.mark.parametrize("station", ["S1", GATE])
+async def test_a_station_that_is_shut_out_is_told_nothing(house: House, station: str) -> None:
+    heard = obedient(house, station=station)
+    assert (
+        await house.client.post(f"/api/agents/{station}/shut-out", json={"reason": "odd"})
+    ).status_code == 200
+    operator = await house.log_in("operator", Role.OPERATOR, AT_GATE)
+    for client in (operator, house.client):
+        answer = await client.post(f"/api/stations/{station}/commands", json=ARRIVED)
+        problem(answer, 409, "shut-out")
+    assert heard == []
 
 
 async def test_a_word_to_the_gate_is_shown_where_a_delivery_warehouse_lies_and_nowhere_else(
