@@ -27,6 +27,8 @@ class Admit(Part, frozen=True):
     quantity: int
     of: GoalOf | None = None
     """Told with a new goal where a plant has several strategists; None where it has one."""
+    arrived: int = 0
+    """How many are in, as its agent remembers: people's gate takes it up where its own file was damaged. 0 to any other."""
 
 
 class HoldOrder(Part, frozen=True):

@@ -3,6 +3,9 @@ import type { AtvView, PlantFile } from "../api/types";
 import type { Chosen } from "../selection/selection";
 import type { Pickable } from "./surface/pick";
 
+/** The agent of all delivery warehouses. */
+export const GATE = "gate";
+
 export function pickablesOf(plant: PlantFile): Pickable[] {
   const places = [...plant.storages, ...plant.warehouses, ...plant.chargers];
   return [

@@ -1,4 +1,4 @@
-/** What people call a place: warehouses have names, all others their ids. */
+/** What people call a place: a warehouse by its name, as far as it lies in the areas that they see; a storage by its id, as the map does, and all others. */
 import { signal } from "@preact/signals";
 import type { PlantFile } from "../api/types";
 

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dray.adapters.people.gate import KeptGate, PeopleGate
+from dray.adapters.people.gate import DAMAGED_GATE, KeptGate, PeopleGate
 from dray.body import Admit, GoodsArrived, Report, Word, WordTaken
 from dray.messages import CommandRefusal, MachineCommandKind
 
@@ -95,6 +95,20 @@ def test_a_finished_goal_is_forgotten_before_one_that_is_open() -> None:
     bench.says(1, "w1", "done")
     bench.body.instruct(Admit("new", 1))
     assert set(bench.body.sense().arrived) == {GOAL, "new"}
+
+
+def test_after_damage_its_agent_tells_what_is_in_and_people_go_on_with_what_is_to_come() -> None:
+    bench = Bench()
+    assert bench.says(5, "w1", sure=True) == (None, "")
+    bench.kept = DAMAGED_GATE
+    bench.begin()
+    bench.reports.clear()
+    bench.body.instruct(Admit(GOAL, 12, arrived=5))
+    assert bench.reports == [GoodsArrived(GOAL, 5, 12, by_people=True)]
+    assert bench.says(8, "w2", sure=True) == (REFUSED.NOT_ADMITTED, "7")
+    assert bench.says(7, "w3") == (None, "")
+    bench.body.instruct(Admit(GOAL, 20, arrived=5))
+    assert bench.arrived == 12, "what is in never falls"
 
 
 words = st.tuples(st.integers(-1, 9), st.sampled_from("abcdef"), st.booleans(), st.booleans())

@@ -40,7 +40,7 @@ def test_an_order_is_found_behind_a_hundred_others_and_the_address_says_how(
     page = open_page(f"{factory.url}/#orders")
     rows = page.locator("tbody tr")
     expect(rows).to_have_count(50)
-    page.get_by_role("searchbox", name="Find in history").fill("d5 hall")
+    page.get_by_role("searchbox", name="Find in all").fill("d5 hall")
     expect(rows).to_have_count(1)
     expect(rows).to_contain_text("X-D5-9")
     assert page.url.endswith("#orders?q=d5+hall")
@@ -48,7 +48,7 @@ def test_an_order_is_found_behind_a_hundred_others_and_the_address_says_how(
 
     again = open_page(page.url)
     expect(again.locator("tbody tr")).to_have_count(1)
-    expect(again.get_by_role("searchbox", name="Find in history")).to_have_value("d5 hall")
+    expect(again.get_by_role("searchbox", name="Find in all")).to_have_value("d5 hall")
 
 
 def test_pages_and_sorting_are_steps_that_the_browser_goes_back(

@@ -128,6 +128,22 @@ def test_the_label_of_a_container_is_scanned_twice_at_the_gate(
     assert gate.said == [(KIND.ARRIVED, LABEL, 4, "", False)]
 
 
+def test_a_label_that_is_not_listed_is_taken_as_it_is_spelt_with_the_number_that_somebody_types(
+    house: OpenHouse, vehicles: dict[str, Puppet], enter: Enter, screenshot: Screenshot
+) -> None:
+    gate = house.do(at_gate)
+    page = enter(area=GATE_AREA)
+    card = page.get_by_role("region", name="What has arrived at the gate")
+    expect(card).to_be_visible()
+    scan(page, "O-9-3.1")
+    expect(card.get_by_role("button", name="0 O-9-3.1 arrived")).to_be_disabled()
+    card.get_by_role("spinbutton").fill("4")
+    screenshot(page, "words-gate-unlisted")
+    card.get_by_role("button", name="4 O-9-3.1 arrived").click()
+    expect(card).to_contain_text("Counted: 4 O-9-3.1 arrived.")
+    assert gate.said == [(KIND.ARRIVED, "O-9-3.1", 4, "", False)]
+
+
 def test_who_works_elsewhere_is_not_shown_the_gate(
     house: OpenHouse, vehicles: dict[str, Puppet], enter: Enter
 ) -> None:

@@ -6,10 +6,16 @@ from typing import Any
 
 import httpx
 import pytest
+from answers import problem
+from areas_kit import AREAS
 from gateway_kit import AUTHORITY, House
 from heartbeats import station_heartbeat
+from wall_clock import NOW_S
 
 from dray.adapters.security.signing import TrustedKeys
+from dray.gateway.access.principal import Role
+from dray.gateway.live.views import AlertView
+from dray.gateway.live.visibility import AreaVisibility
 from dray.messages import (
     CommandAnswered,
     CommandRefusal,
@@ -19,8 +25,12 @@ from dray.messages import (
     UnconfirmedLoad,
     signed_words,
 )
+from dray.messages.keys import GATE
 
 pytestmark = pytest.mark.anyio
+
+AT_GATE, ELSEWHERE = "AREA1", "AREA2"
+"""Where the delivery warehouse of the plant lies, and S1; where neither does."""
 
 ARRIVED = {"kind": "arrived", "item": "shaft", "quantity": 12, "vehicle": "ATV3"}
 
@@ -29,17 +39,19 @@ async def ask(house: House, body: dict[str, Any], station: str = "S1") -> httpx.
     return await house.client.post(f"/api/stations/{station}/commands", json=body)
 
 
-def obedient(house: House, refused: CommandRefusal | None = None) -> list[MachineCommand]:
-    """S1 takes what it is told, or refuses it."""
+def obedient(
+    house: House, refused: CommandRefusal | None = None, station: str = "S1"
+) -> list[MachineCommand]:
+    """A station takes what it is told, or refuses it."""
     heard: list[MachineCommand] = []
 
     def receive(sender: str, message: Message) -> None:
         if isinstance(message, MachineCommand):
             heard.append(message)
             answer = CommandAnswered(message.command, refused is None, refused, "12" if refused else "")
-            house.bus.tell("S1", sender, answer)
+            house.bus.tell(station, sender, answer)
 
-    house.bus.join("S1", receive)
+    house.bus.join(station, receive)
     return heard
 
 
@@ -82,6 +94,84 @@ async def test_what_no_station_can_be_told_is_not_sent(house: House, body: dict[
 async def test_a_machine_and_nobody_are_no_stations(house: House) -> None:
     for name in ("M1", "S99"):
         assert (await ask(house, ARRIVED, name)).status_code == 404
+
+
+@pytest.mark.parametrize(
+    ("area", "station", "status"),
+    [
+        (AT_GATE, "S1", 200),
+        (AT_GATE, GATE, 200),
+        (AT_GATE, "S2", 403),
+        (ELSEWHERE, "S2", 200),
+        (ELSEWHERE, "S1", 403),
+        (ELSEWHERE, GATE, 403),
+        # Not even that there is none is told to who is limited to areas.
+        (AT_GATE, "S99", 403),
+        (ELSEWHERE, "S99", 403),
+        (AT_GATE, "M1", 403),
+    ],
+)
+async def test_an_operator_says_what_has_happened_in_its_own_area_alone(
+    house: House, area: str, station: str, status: int
+) -> None:
+    heard = obedient(house, station=station)
+    client = await house.log_in("operator", Role.OPERATOR, area)
+    answer = await client.post(f"/api/stations/{station}/commands", json=ARRIVED)
+    assert answer.status_code == status, answer.text
+    areas = [said.grant and said.grant.areas for said in heard]
+    assert areas == ([(area,)] if status == 200 else [])
+
+
+@pytest.mark.parametrize("station", ["S1", GATE])
+async def test_a_station_that_is_shut_out_is_told_nothing(house: House, station: str) -> None:
+    heard = obedient(house, station=station)
+    assert (
+        await house.client.post(f"/api/agents/{station}/shut-out", json={"reason": "odd"})
+    ).status_code == 200
+    operator = await house.log_in("operator", Role.OPERATOR, AT_GATE)
+    for client in (operator, house.client):
+        answer = await client.post(f"/api/stations/{station}/commands", json=ARRIVED)
+        problem(answer, 409, "shut-out")
+    assert heard == []
+
+
+async def test_a_word_to_the_gate_is_shown_where_a_delivery_warehouse_lies_and_nowhere_else(
+    house: House,
+) -> None:
+    obedient(house, station=GATE)
+    assert (await ask(house, ARRIVED, GATE)).status_code == 200
+    both = await house.log_in("both", Role.OPERATOR, AT_GATE, ELSEWHERE)
+    assert (await both.post(f"/api/stations/{GATE}/commands", json=ARRIVED)).status_code == 200
+    views = house.projection.commands.views()
+    assert [view.by for view in views] == ["Administrator", "Both"]
+    for view in views:
+        sees = {area for area in AREAS if AreaVisibility(house.projection, frozenset({area})).command(view)}
+        assert sees == {AT_GATE}
+
+
+async def test_the_gate_is_seen_and_is_missed_where_a_delivery_warehouse_lies_and_nowhere_else(
+    house: House,
+) -> None:
+    views = {area: AreaVisibility(house.projection, frozenset({area})) for area in AREAS}
+    house.projection.fold(station_heartbeat(GATE))
+    gate = house.projection.stations.view(GATE)
+    assert gate is not None
+    assert all(view.station(gate) is None for view in views.values()), (
+        "its controller counts, and nobody else"
+    )
+    house.projection.fold(station_heartbeat(GATE, 2, people=PeopleAsBody()))
+    gate = house.projection.stations.view(GATE)
+    assert gate is not None
+    assert {area for area, view in views.items() if view.station(gate)} == {AT_GATE}
+    lost = AlertView(
+        id="gate_lost-gate",
+        kind="gate_lost",
+        level="alarm",
+        response="look_at_gate",
+        agent=GATE,
+        since_at_s=NOW_S,
+    )
+    assert {area for area, view in views.items() if view.alert(lost)} == {AT_GATE}
 
 
 async def test_loads_that_wait_for_a_word_are_told_where_the_body_is_people(house: House) -> None:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from defaults import PLANT
-from effects import instructed, published, sent
+from effects import instructed, published, remember, sent
 from msgspec import UNSET
 from rigs import Rig
 from seals import granted, trusts_seals
 
-from dray.body import GateState, GoodsArrived, Word, WordTaken
+from dray.body import Admit, GateState, GoodsArrived, Word, WordTaken
+from dray.memory import Memory
 from dray.messages import (
     AdmissionAsked,
     CommandAnswered,
@@ -32,10 +33,14 @@ HERE = PLANT.areas_near(*PLANT.position_of(WAREHOUSE), 0.0)
 class GateRig(Rig):
     """The gate, which has admitted 12 pieces of a goal."""
 
-    def __init__(self, *, people: bool = True) -> None:
-        super().__init__(DeliveryGate(PLANT, trusts=trusts_seals))
-        self.people, self.arrived = people, {GOAL: 0}
+    def __init__(self, *, people: bool = True, memory: Memory | None = None) -> None:
+        """With a memory it is the next life of its agent, and its body has forgotten all."""
+        super().__init__(DeliveryGate(PLANT, incarnation=1 if memory is None else 2, trusts=trusts_seals))
+        self.people, self.arrived = people, {GOAL: 0} if memory is None else {}
+        self.memory = memory or {}
         self.start()
+        if memory is not None:
+            return
         self.on_message("strategist", AdmissionAsked(GOAL, 12, 1, 1))
         self.report(GoodsArrived(GOAL, 0, 12, by_people=people))
 
@@ -62,6 +67,17 @@ def test_its_heartbeat_tells_what_is_to_come() -> None:
     rig.report(GoodsArrived(GOAL, 12, 12, by_people=True))
     beats = published(rig.run(rig.now_s + 1.0), StationHeartbeat)
     assert beats[-1].people == PeopleAsBody()
+
+
+def test_a_gate_of_people_that_has_forgotten_is_told_what_is_in_and_a_controller_never() -> None:
+    for people in (True, False):
+        rig = GateRig(people=people)
+        rig.report(GoodsArrived(GOAL, 4, 12, by_people=people))
+        again = GateRig(people=people, memory=remember({}, rig.all))
+        assert instructed(again.all, Admit) == ([Admit(GOAL, 12, arrived=4)] if people else [])
+    again = GateRig(memory=remember({}, rig.all))
+    [beat] = published(again.run(again.now_s), StationHeartbeat)
+    assert beat.people == PeopleAsBody(goals=(GoalToCome(GOAL, 8),))
 
 
 def test_a_word_from_another_area_is_refused() -> None:

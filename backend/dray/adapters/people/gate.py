@@ -6,7 +6,8 @@
 
 A goal stands on the label of each container. What is unlikely is taken when it is said to be sure; more than is admitted never counts. A word with a
 key that was heard before is answered as it was. Nobody waits for people: a carrier goes on by its own word, and the order counts what they say
-when they say it. Every word is remembered before it is reported, and reported before it is answered.
+when they say it. Every word is remembered before it is reported, and reported before it is answered. Of what is lost here its agent tells how many
+of each goal are in (`Admit.arrived`).
 """
 
 from __future__ import annotations
@@ -43,7 +44,7 @@ class KeptGate(Struct, frozen=True):
 
 
 DAMAGED_GATE = KeptGate()
-"""What is known where a life has left something that cannot be read: a goal of which something has come is let in no more."""
+"""What is known where a life has left something that cannot be read: nothing, until its agent tells how many of each goal are in."""
 
 
 class PeopleGate:
@@ -83,7 +84,8 @@ class PeopleGate:
 
     def _admit(self, admit: Admit) -> None:
         before = self._kept.goals.get(admit.goal)
-        goal = KeptGoal(admit.quantity) if before is None else replace(before, admitted=admit.quantity)
+        known = before or KeptGoal(0)
+        goal = replace(known, admitted=admit.quantity, arrived=max(known.arrived, admit.arrived))
         if goal != before:
             self._kept = replace(self._kept, goals=self._with(admit.goal, goal))
             self._world.remember(self._kept)

@@ -17,6 +17,7 @@ from typing import Any, TypeVar, cast
 from dray.adapters.security.signing import SigningKey
 from dray.gateway.access.principal import Principal, Scope
 from dray.gateway.http.problems import Problem
+from dray.gateway.live.places import areas_of
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.views import CommandView
 from dray.messages import CommandAnswered, CommandKind, MachineCommand, Message, VehicleCommand
@@ -262,10 +263,6 @@ class Commands:
     def _show(self, sent: Sent, by: Principal) -> None:
         said = sent.said
         margin_m = said.kind.margin_m if isinstance(said.kind, CommandKind) else 0.0
-        if isinstance(said, VehicleCommand):
-            place_m = self._projection.atvs.place_m(sent.agent)
-        else:
-            place_m = self._floor.position_of(sent.agent) if self._floor.has_place(sent.agent) else None
         view = CommandView(
             id=said.command,
             atv=sent.agent,
@@ -274,9 +271,14 @@ class Commands:
             by=by.name,
             at_s=self._wall_s(),
         )
-        near = () if place_m is None else self._floor.areas_near(*place_m, margin_m)
+        if isinstance(said, MachineCommand):
+            near = areas_of(self._floor, sent.agent)
+        elif place_m := self._projection.atvs.place_m(sent.agent):
+            near = frozenset(self._floor.areas_near(*place_m, margin_m))
+        else:
+            near = frozenset[str]()
         if by.areas is not None and by.areas.isdisjoint(near):
-            near = (*near, *by.areas)  # whoever stops what is shown elsewhere sees what became of it
+            near |= by.areas  # whoever stops what is shown elsewhere sees what became of it
         self._projection.commands.put(view, near)
 
     def _granted(self, sent: Sent, by: Principal) -> VehicleCommand | MachineCommand:

@@ -15,6 +15,7 @@ from itertools import groupby, takewhile
 
 from msgspec.structs import replace
 
+from dray.gateway.live.places import places_of
 from dray.gateway.live.plant_picture import PlantPicture
 from dray.gateway.live.projection.site import Site
 from dray.gateway.live.reasons import wait_text
@@ -205,10 +206,9 @@ class AreaVisibility:
         return self._plant.is_in(x_m, y_m, self._areas)
 
     def has(self, agent: str) -> bool:
-        """Whether a machine, the station of a storage or a vehicle is there at this moment."""
-        plant = self._projection.site.plant
-        if agent in plant.machines or agent in plant.stores:
-            return agent in self._places
+        """Whether a machine, the station of a storage, the gate or a vehicle is there at this moment."""
+        if places := places_of(self._projection.site.plant, agent):
+            return not self._places.isdisjoint(places)
         place_m = self._projection.atvs.place_m(agent)
         return place_m is not None and self.reaches(*place_m)
 
@@ -268,9 +268,7 @@ class AreaVisibility:
 
     def station(self, view: StationView) -> StationView | None:
         """The station of a storage, where it is seen; or the gate whose people say what has arrived, who read goals on labels."""
-        gate = view.id == GATE and view.unconfirmed is not None
-        places = self._projection.site.plant.delivery_warehouses if gate else (view.id,)
-        if self._places.isdisjoint(places):
+        if not self.has(view.id) or (view.id == GATE and view.unconfirmed is None):
             return None
         return replace(view, shut_out=self._shut_out(view.shut_out))
 

@@ -29,7 +29,7 @@ class TransportTimeline(View, kw_only=True):
     """Each time it was given out; one, where nothing went otherwise."""
     moments: tuple[MomentView, ...] = ()
     is_whole: bool = True
-    """False where the log has forgotten its steps, and only tells who carried it last, and when."""
+    """False where the log has forgotten its steps, and only tells who carried it last, and when; or has more of them than are read at once."""
 
 
 def transport_timeline(

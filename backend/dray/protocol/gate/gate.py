@@ -140,11 +140,11 @@ class DeliveryGate(AgentBase):
         if arrived.get(goal.goal, 0) > goal.arrived:
             goal = self._count(goal, arrived[goal.goal], "")
         if goal.arrived < goal.admitted:
-            # A body that has forgotten what is in would let it in again.
-            if goal.goal in arrived or not goal.arrived:
-                self._out.append(Instruct(Admit(goal.goal, goal.admitted)))
+            # A controller that has forgotten what is in would let it in again; people's gate is told it.
+            if goal.goal in arrived or not goal.arrived or self._people:
+                self._admit(goal)
         elif not goal.admitted:
-            self._out.append(Instruct(Admit(goal.goal, 0)))
+            self._admit(goal)
         if goal.arrived > goal.heard:
             self._tell(goal, goal.admitted or goal.arrived, now_s)
 
@@ -262,7 +262,13 @@ class DeliveryGate(AgentBase):
         if self._goals.get(goal.goal) != goal:
             self._goals.put(goal)
         self._obeyed.pop(goal.goal, None)
-        self._out.append(Instruct(Admit(goal.goal, goal.admitted)))
+        self._admit(goal)
+
+    def _admit(self, goal: GateGoal) -> None:
+        """Tell the body how much may get in."""
+        self._out.append(
+            Instruct(Admit(goal.goal, goal.admitted, arrived=goal.arrived if self._people else 0))
+        )
 
     # --- who holds what ---
 
@@ -304,13 +310,15 @@ class DeliveryGate(AgentBase):
         for goal in self._goals:
             if goal.asker != strategist or 0 < goal.admitted <= goal.arrived:
                 continue
+            shut = goal
             if goal.admitted:
                 # Whatever was said about it before is old from now on.
-                self._goals.put(replace(goal, admitted=0, number=goal.number + 1))
+                shut = replace(goal, admitted=0, number=goal.number + 1)
+                self._goals.put(shut)
                 self._obeyed.pop(goal.goal, None)
             if self._obeyed.get(goal.goal) != 0:
                 is_shut = False
-                self._out.append(Instruct(Admit(goal.goal, 0)))
+                self._admit(shut)
         return is_shut
 
 

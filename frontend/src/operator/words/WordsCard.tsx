@@ -1,5 +1,6 @@
 import { computed, signal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
+import { GATE } from "../../plant/places";
 import { selection } from "../../selection/selection";
 import { world } from "../../stream/stream";
 import { vehicleName } from "../../text/elsewhere";
@@ -15,13 +16,11 @@ import "./words.css";
 const chosen = signal<{ readonly place: string; readonly choice: Choice } | null>(null);
 const unknown = signal("");
 
-const GATE = "gate";
-
 interface Worked extends Place, At {}
 
 /** The place that was touched on the map, else where this person works, else the only one here that people work. */
 const worked = computed<Worked | null>(() => {
-  const touched = workedAt(placeOf(selection.value.place?.id ?? ""));
+  const touched = workedAt(agentOf(selection.value.place?.id ?? ""));
   if (touched) return touched.unconfirmed ? touched : null;
   const own = workedAt(me.value?.station ?? "");
   if (own?.unconfirmed) return own;
@@ -30,8 +29,8 @@ const worked = computed<Worked | null>(() => {
   return only === undefined || others.length > 0 ? null : workedAt(only.id);
 });
 
-/** The delivery warehouses have one gate. */
-function placeOf(id: string): string {
+/** Of a place on the map; the delivery warehouses have one gate. */
+function agentOf(id: string): string {
   const isDelivery = plant.value?.warehouses.some((each) => each.id === id && each.kind === "delivery") ?? false;
   return isDelivery ? GATE : id;
 }

@@ -97,7 +97,18 @@ describe("at the gate", () => {
 
   test("things only arrive", () => {
     expect(kindsAt(gate)).toEqual(["arrived"]);
-    expect(scanned("stock_is", null, gate)).toEqual({ does: "unknown" });
-    expect(scanned("shaft", null, gate)).toEqual({ does: "unknown" });
+    for (const word of ["stock_is", "Made", "ok"]) expect(scanned(word, null, gate)).toEqual({ does: "unknown" });
+  });
+
+  test("the code of a goal that is not listed is chosen as it is spelt, with the number that it tells", () => {
+    const unlisted: Choice = { kind: "arrived", item: "O-9-3.1", vehicle: "", quantity: 0 };
+    expect(scanned(" O-9-3.1 ", null, gate)).toEqual({ does: "choose", choice: unlisted });
+    expect(scanned("O-9-3.1", all, gate)).toEqual({ does: "choose", choice: unlisted });
+    expect(scanned("O-9-3.1", unlisted, gate)).toEqual({ does: "choose", choice: unlisted });
+    expect(scanned("ok", unlisted, gate)).toEqual({ does: "unknown" });
+    const four = { ...unlisted, quantity: 4 };
+    expect(scanned("O-9-3.1*4", unlisted, gate)).toEqual({ does: "choose", choice: four });
+    expect(scanned("o-9-3.1*4", four, gate)).toEqual({ does: "say", choice: four });
+    expect(scanned("O-9-3.1", four, gate)).toEqual({ does: "say", choice: four });
   });
 });

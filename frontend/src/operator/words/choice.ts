@@ -6,6 +6,8 @@
  *     ITEM*12         the same, 12 of it
  *     made, arrived…  what has happened
  *     ok              says it; so does the same code once more
+ *
+ * At the gate a code is a goal, also one that is not listed: the gate refuses what it has not admitted.
  */
 import type { LoadView, ToComeView } from "../../api/types";
 import type { WordKind } from "../commands/life";
@@ -100,12 +102,13 @@ export function isWhole({ item, kind, quantity, vehicle }: Choice): boolean {
 
 /** What a code means after what was chosen before. */
 export function scanned(code: string, before: Choice | null, place: Place): Step {
-  const word = code.trim().toLowerCase();
+  const read = code.trim();
+  const word = read.toLowerCase();
   if (word === "ok") return before && isWhole(before) ? { does: "say", choice: before } : { does: "unknown" };
   const kind = kindsAt(place).find((each) => each === word);
   if (kind !== undefined) return { does: "choose", choice: ofKind(kind, place) };
-  const [, name = word, many] = /^(.+)\*(\d{1,7})$/.exec(word) ?? [];
-  const item = itemsFor("stock_is", place).find((each) => each.toLowerCase() === name);
+  const [, name = read, many] = /^(.+)\*(\d{1,7})$/.exec(read) ?? [];
+  const item = itemOf(name, before, place);
   if (item === undefined) return { does: "unknown" };
   const counted = (choice: Choice): Choice => (many === undefined ? choice : withQuantity(choice, Number(many)));
   if (before?.item === item) {
@@ -115,10 +118,21 @@ export function scanned(code: string, before: Choice | null, place: Place): Step
   if (before?.item === "" && itemsFor(before.kind, place).includes(item)) {
     return { does: "choose", choice: counted(withItem(before, item, place)) };
   }
-  const goal = place.toCome?.find((each) => each.goal === item);
-  if (goal) return { does: "choose", choice: counted(ofGoal(goal)) };
+  if (place.toCome) {
+    const goal = place.toCome.find((each) => each.goal === item) ?? { goal: item, product: "", quantity: 0 };
+    return { does: "choose", choice: counted(ofGoal(goal)) };
+  }
   const load = place.unconfirmed?.find((each) => each.item === item);
   if (load) return { does: "choose", choice: counted(ofLoad(load)) };
   const isMade = itemsFor("made", place).includes(item);
   return { does: "choose", choice: counted({ kind: isMade ? "made" : "arrived", item, vehicle: "", quantity: 1 }) };
+}
+
+/** The item that a code names, spelt as it is known there; at the gate a code that nobody knows is a goal as it is spelt. */
+function itemOf(code: string, before: Choice | null, place: Place): string | undefined {
+  const isIt = (item: string): boolean => item.toLowerCase() === code.toLowerCase();
+  const known = itemsFor("stock_is", place).find(isIt);
+  if (known !== undefined || !place.toCome) return known;
+  if (before && isIt(before.item)) return before.item;
+  return KINDS.some(isIt) ? undefined : code;
 }

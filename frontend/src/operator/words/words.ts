@@ -10,6 +10,7 @@ import { recall, remember } from "../../memory";
 import { problemText, refusalText } from "../problem-text";
 import { me } from "../session/session";
 import type { Choice } from "./choice";
+import { wordsIn } from "./kept";
 
 const AGAIN_MS = 5_000;
 
@@ -152,11 +153,5 @@ function keep(words: readonly Word[]): void {
 /** Also what another tab of the same person has said; where a browser keeps nothing, what this page knows. */
 function read(): readonly Word[] {
   const written = recall(KEPT + person);
-  if (written === null) return kept.value;
-  try {
-    const words: unknown = JSON.parse(written);
-    return Array.isArray(words) ? (words as Word[]) : kept.value;
-  } catch {
-    return kept.value;
-  }
+  return (written === null ? null : wordsIn(written)) ?? kept.value;
 }

@@ -16,6 +16,7 @@ from dray.gateway.http.problems import not_found
 from dray.gateway.http.provided import Provided
 from dray.gateway.http.request_bodies import json_only
 from dray.gateway.http.responses import Json, described, problems
+from dray.gateway.live.places import areas_of
 from dray.gateway.live.projection import Projection
 from dray.gateway.routes.factory.command_answers import CommandAnswer, CommandName, answered, must_be_heard
 from dray.gateway.routes.factory.machine_commands import NAME, QUANTITY_MAX
@@ -109,12 +110,11 @@ def _area_rule(projection: Projection, caller: Principal, station: str) -> None:
         Problem: 403, it stands elsewhere; 404, there is no such station, to a caller of the whole plant.
     """
     plant = projection.site.plant
-    places = plant.delivery_warehouses if station == GATE else (station,) if station in plant.stores else ()
+    is_station = station == GATE or station in plant.stores
     if caller.areas is None:
-        if not places:
+        if not is_station:
             raise not_found("station", station, "GET /api/storages")
         return
-    near = {area for place in places for area in plant.areas_near(*plant.position_of(place), 0.0)}
-    if caller.areas.isdisjoint(near):
+    if not is_station or caller.areas.isdisjoint(areas_of(plant, station)):
         areas = ", ".join(sorted(caller.areas)) or "none"
         raise forbidden(f"{station} is not in your areas ({areas})")

@@ -3,6 +3,7 @@ import { Card } from "../../../parts/Card";
 import { Fact, Facts } from "../../../parts/Facts";
 import { Link } from "../../../parts/Link";
 import { Tag } from "../../../parts/Tag";
+import { GATE } from "../../../plant/places";
 import { isLost } from "../../../plant/silence";
 import { nowS, presentS, world } from "../../../stream/stream";
 import { sinceHeard } from "../../../text/heard";
@@ -12,7 +13,7 @@ import { ShutOutNote } from "../agents/ShutOutNote";
 import { isOpen } from "../auction/auction";
 import { names } from "../../state";
 import { CallHere } from "./CallHere";
-import { GATE, type PlaceInfo } from "./place";
+import type { PlaceInfo } from "./place";
 
 /** A storage, warehouse or charger: what it keeps, and who comes. */
 export function PlaceCard({ place }: { place: PlaceInfo }) {

@@ -1,8 +1,6 @@
 /** Places that are no machines, in one shape. */
 import type { PlantFile } from "../../../api/types";
-
-/** The agent of all delivery warehouses. */
-export const GATE = "gate";
+import { GATE } from "../../../plant/places";
 
 export interface PlaceInfo {
   readonly id: string;

@@ -9,8 +9,8 @@ import { isProblem, isWanted, type Moment, momentText } from "./moments";
 /** Before somebody asks for more. */
 const AT_FIRST = 40;
 
-/** What happened, newest first; one selection with the lanes. */
-export function Moments({ isWhole, moments }: { moments: readonly Moment[]; isWhole: boolean }) {
+/** What happened, newest first; one selection with the lanes. `partly` says that it is not all; empty where it is. */
+export function Moments({ moments, partly }: { moments: readonly Moment[]; partly: string }) {
   const chosen = chosenTransport.value;
   const all = useSignal(false);
   const fitting = moments.filter((moment) => isWanted(moment, wantedEvents.value)).reverse();
@@ -30,7 +30,7 @@ export function Moments({ isWhole, moments }: { moments: readonly Moment[]; isWh
           </span>
         </div>
       </header>
-      {!isWhole && <p class="table-hint">{t("moments.partly")}</p>}
+      {partly !== "" && <p class="table-hint">{partly}</p>}
       {fitting.length === 0 && <p class="empty">{t("moments.none")}</p>}
       <ol>
         {shown.map((moment, index) => (

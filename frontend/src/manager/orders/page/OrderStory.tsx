@@ -60,7 +60,7 @@ function Page({ again, kept, story }: { kept: OrderAnswer; story: Story; again: 
       <div class="order-columns">
         <div class="order-main">
           <LanesCard order={order} story={story} />
-          <Moments moments={story.moments} isWhole={story.is_whole} />
+          <Moments moments={story.moments} partly={story.is_whole ? "" : t("moments.partly")} />
         </div>
         <div class="order-side">
           {order.waits !== null && (

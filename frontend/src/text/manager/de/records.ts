@@ -24,7 +24,7 @@ export const records: Catalogue<typeof english> = {
   "promises.title": "Zusagen",
 
   "kpis.title": "Kennzahlen im Verlauf",
-  "filter.findAll": "Im Verlauf suchen",
+  "filter.findAll": "In allem suchen",
   "list.failed": "Die Liste konnte nicht gelesen werden: {reason}. Neuer Versuch läuft.",
   "list.since": "Von",
   "list.until": "Bis",

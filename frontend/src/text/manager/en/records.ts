@@ -21,7 +21,7 @@ export const records = {
   "promises.title": "Promises",
 
   "kpis.title": "Figures over time",
-  "filter.findAll": "Find in history",
+  "filter.findAll": "Find in all",
   "list.failed": "The list could not be read: {reason}. Trying again.",
   "list.since": "From",
   "list.until": "To",

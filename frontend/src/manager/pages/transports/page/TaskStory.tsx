@@ -52,7 +52,7 @@ export function TaskStory() {
           <div class="order-columns">
             <div class="order-main">
               <LanesCard story={story} />
-              <Moments moments={story.moments} isWhole />
+              <Moments moments={story.moments} partly={story.is_whole ? "" : t("called.page.partly")} />
             </div>
             <div class="order-side">
               <Waits story={story} />

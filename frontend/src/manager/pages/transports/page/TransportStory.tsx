@@ -60,7 +60,7 @@ export function TransportStory() {
           <div class="order-columns">
             <div class="order-main">
               <LanesCard transport={found.transport} story={found.story} />
-              <Moments moments={found.story.moments} isWhole />
+              <Moments moments={found.story.moments} partly={found.story.is_whole ? "" : t("called.page.partly")} />
             </div>
             <div class="order-side">
               <Waits transport={found.transport} />
