@@ -159,3 +159,41 @@ def test_a_load_that_is_given_back_while_it_is_taken_leaves_the_dock_open_until_
     assert instructed(rig.on_message("ATV2", loads), CloseDock) == []
     leaves = replace(beat, seq=1001, node="far", task=replace(beat.task, phase=Phase.RETURNING))
     assert instructed(rig.on_message("ATV2", leaves), CloseDock) == SHUT
+
+
+def test_who_loaded_here_once_and_gives_a_later_transport_back_far_away_has_brought_nothing() -> None:
+    rig = BlindRig("M7", {**NO_HOUSINGS, "housing": 6})
+    rig.answers = True
+    rig.start()
+    rig.on_message("M8", StockAsked("M8-1", 1, "housing", 6))
+    rig.on_message("ATV2", Docked("M8-1", 1, "M7", "housing", 6))
+    assert sent(rig.report(DockReady(vehicle="ATV2")), DockOpened)
+    rig.take_goal("G1", production(quantity=24))
+    rig.hire("M7-1", "ATV2")
+    assert instructed(rig.on_message("ATV2", GIVES_BACK), CloseDock) == SHUT
+    assert instructed(beats(rig, None, node="c1"), Book) == []
+
+
+def test_who_was_let_in_by_an_earlier_life_is_not_booked_in_for_what_this_one_does_not_know() -> None:
+    first = unloading()
+    rig = BlindRig("M7", NO_HOUSINGS, incarnation=2)
+    rig.answers, rig.opened, rig.memory = True, ("ATV2",), committed(first.all)
+    rig.start()
+    assert instructed(rig.on_message("ATV2", GIVES_BACK), CloseDock) == []
+    assert instructed(beats(rig, Phase.UNLOADING, aboard=True), CloseDock) == []
+    effects = beats(rig, None)
+    assert (instructed(effects, CloseDock), instructed(effects, Book)) == (SHUT, [])
+
+
+def test_who_has_loaded_is_inside_no_more_once_that_is_booked() -> None:
+    rig = BlindRig("LATHE1", {"bar": 60, "shaft": 12}, plant=shipped_plant("levels"))
+    rig.answers = True
+    rig.start()
+    rig.on_message("PRESS1", StockAsked("PRESS1-1", 1, "shaft", 6))
+    rig.on_message("ATV2", Docked("PRESS1-1", 1, "LATHE1", "shaft", 6))
+    rig.report(DockReady(vehicle="ATV2"))
+    rig.stocked("shaft", -6, "ATV2")
+    # Its next load here is given back before the dock was made ready for it: nobody waits for it to leave.
+    rig.on_message("PRESS1", StockAsked("PRESS1-2", 1, "shaft", 6))
+    rig.on_message("ATV2", Docked("PRESS1-2", 1, "LATHE1", "shaft", 6))
+    assert instructed(rig.on_message("PRESS1", StockFreed("PRESS1-2")), CloseDock) == SHUT

@@ -30,6 +30,7 @@ class Departures:
         subscriptions: whose heartbeats are heard.
         out: where effects go.
         commit: called when the next life must know of something else.
+        left: called with a vehicle that has left.
     """
 
     def __init__(
@@ -38,8 +39,10 @@ class Departures:
         subscriptions: HeartbeatSubscriptions,
         out: list[Effect],
         commit: Callable[[], None],
+        left: Callable[[str], None] = lambda _vehicle: None,
     ) -> None:
         self._node, self._subscriptions, self._out, self._commit = node, subscriptions, out, commit
+        self._left = left
         self._leaving: dict[str, DepartureMemory] = {}
         """By vehicle, what it may have moved."""
 
@@ -94,4 +97,5 @@ class Departures:
         del self._leaving[vehicle]
         self._subscriptions.unfollow(vehicle)
         self._out.append(Instruct(CloseDock(vehicle=vehicle)))
+        self._left(vehicle)
         self._commit()

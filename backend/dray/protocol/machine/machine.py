@@ -290,6 +290,7 @@ class Machine(AgentBase):
 
     def _stock_changed(self, report: StockChanged, now_s: float) -> None:
         is_news = self._supply.change(report.item, report.change, report.seq)
+        self._flow.note_booked(report)
         if not self._goals.products.is_goods(report.item):
             self._flow.on_material(report, now_s)
         else:

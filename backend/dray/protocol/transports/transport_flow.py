@@ -152,7 +152,13 @@ class TransportFlow:
         )
         self.held = HeldTransports(plant, self.tasks)
         self.booking_out = BookingOut(self.subscriptions, out, owner.commit)
-        self.departures = Departures(plant.node_of(place), self.subscriptions, out, owner.commit)
+        self.departures = Departures(
+            plant.node_of(place),
+            self.subscriptions,
+            out,
+            owner.commit,
+            left=lambda vehicle: self.door.note_left(vehicle),  # noqa: PLW0108 - made below
+        )
         self.door = Door(out, ready_within_s(plant, place), self.departures)
         self._dock = Dock(place, self.tasks, stock, self.door, self.departures, out)
         self._handovers = Handovers(
@@ -280,6 +286,11 @@ class TransportFlow:
         """The body has opened the dock for a vehicle."""
         self._dock.on_ready(report.vehicle, now_s)
         self._owner.beat_soon(now_s)
+
+    def note_booked(self, report: StockChanged) -> None:
+        """The body has counted what a vehicle has moved, or has booked it."""
+        if report.vehicle:
+            self.door.note_left(report.vehicle)
 
     def on_material(self, report: StockChanged, now_s: float) -> None:
         """Material has come, or was taken."""
