@@ -11,7 +11,7 @@ from msgspec.structs import replace
 from rigs import Rig
 from spoken import rhb
 
-from dray.body import Book, CloseDock, DockReady, OpenDock, Refill, StockChanged, StorageState
+from dray.body import Book, CloseDock, DockReady, Instruction, OpenDock, Refill, StockChanged, StorageState
 from dray.memory import StationMemory
 from dray.messages import (
     Docked,
@@ -27,7 +27,7 @@ from dray.messages import (
 )
 from dray.messages.heartbeat import DockWait
 from dray.protocol.contract_net.dock import NOT_READY, SAFE_WITHIN_S
-from dray.protocol.runtime.events import Effect, Ignore
+from dray.protocol.runtime.events import Effect, Ignore, Instruct
 from dray.protocol.station.station import Station
 from dray.protocol.transports.reservations import LEASE_S, MAX_ASKED, QUEUED_S
 
@@ -418,3 +418,48 @@ def test_the_next_life_books_in_what_was_brought_back_to_this_one() -> None:
     rig.memory = committed(first.all)
     rig.start()
     assert instructed(returns(rig, aboard=False, ended=True), Book)
+
+
+def cancelled_while_it_loads() -> tuple[StationRig, list[Effect]]:
+    """ATV1 was let in to load 40 shafts for M8; they are given back, and it has them: it asks to put them down where it stands."""
+    rig = StationRig()
+    rig.answers, rig.counts = True, False
+    rig.start()
+    rig.asks("M8-1")
+    rig.docks("ATV1", "M8-1")
+    assert sent(rig.report(DockReady("ATV1")), DockOpened)
+    assert instructed(rig.on_message("M8", StockFreed("M8-1")), CloseDock) == []
+    return rig, rig.on_message("ATV1", BACK)
+
+
+BACK = Docked(task="M8-1", epoch=1, station="S1", item=ITEM, quantity=40, returns=True)
+OUT, IN = Book("ATV1", ITEM, -40, task="M8-1", epoch=1), Book("ATV1", ITEM, 40, task="M8-1", epoch=1)
+
+
+def told(effects: list[Effect]) -> list[Instruction]:
+    """All that the body was told."""
+    return [effect.instruction for effect in effects if isinstance(effect, Instruct)]
+
+
+def test_what_is_put_back_where_it_was_loaded_is_booked_out_before_the_dock_is_opened_for_it() -> None:
+    rig, effects = cancelled_while_it_loads()
+    assert told(effects) == [OUT, OpenDock("ATV1", ITEM, 40)]
+    rig.changes(-40, "ATV1")
+    assert sent(rig.report(DockReady("ATV1")), DockOpened, to="ATV1")
+    # Its forks are inside: nothing more is booked, and the dock stays open.
+    assert told(returns(rig, aboard=True)) == []
+
+
+def test_what_is_put_back_where_it_was_loaded_is_booked_in_again() -> None:
+    rig, _ = cancelled_while_it_loads()
+    rig.changes(-40, "ATV1")
+    rig.report(DockReady("ATV1"))
+    returns(rig, aboard=True)
+    effects = returns(rig, aboard=False, ended=True)
+    assert (instructed(effects, Book), instructed(effects, CloseDock)) == ([IN], [CloseDock("ATV1")])
+
+
+def test_a_vehicle_that_asks_again_to_put_its_load_back_changes_nothing() -> None:
+    rig, _ = cancelled_while_it_loads()
+    rig.changes(-40, "ATV1")
+    assert told(rig.on_message("ATV1", BACK)) == [OpenDock("ATV1", ITEM, 40)]

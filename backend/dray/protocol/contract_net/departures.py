@@ -53,6 +53,16 @@ class Departures:
             self._leaving[load.vehicle] = load
             self._commit()
 
+    def take_back(self, load: DepartureMemory) -> None:
+        """A vehicle that has its load on board stands here to put it down. Harmless when that is known; of what it was watched for before nothing was put down."""
+        known = self._leaving.get(load.vehicle)
+        if known is not None and known != load:
+            if known.item == load.item and known.change < 0:
+                self._book(known)
+            self._leaving[load.vehicle] = load
+            self._commit()
+        self.watch(load)
+
     def note_done(self, vehicle: str, *, aboard: bool) -> None:
         """A vehicle is done here. Harmless when it was not watched.
 
@@ -64,8 +74,7 @@ class Departures:
         if load is None:
             return
         if load.change and aboard is (load.change < 0):
-            book = Book(vehicle, load.item, load.change, task=load.task, epoch=load.epoch)
-            self._out.append(Instruct(book))
+            self._book(load)
         self._close(vehicle)
 
     def on_vehicle(self, heartbeat: AtvHeartbeat) -> None:
@@ -92,6 +101,10 @@ class Departures:
         """Go on listening to whom an earlier life has waited for."""
         for load in memories:
             self.watch(load)
+
+    def _book(self, load: DepartureMemory) -> None:
+        book = Book(load.vehicle, load.item, load.change, task=load.task, epoch=load.epoch)
+        self._out.append(Instruct(book))
 
     def _close(self, vehicle: str) -> None:
         del self._leaving[vehicle]

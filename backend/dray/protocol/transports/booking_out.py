@@ -71,6 +71,12 @@ class BookingOut:
         else:
             self._ask(load, now_s)
 
+    def note_aboard(self, vehicle: str, item: str) -> None:
+        """A vehicle has this on board, by all that it does: it has taken it here if it was let in for it."""
+        load = self._let_in.get(vehicle)
+        if load is not None and load.item == item:
+            self._book(load)
+
     def on_freed(self, sender: str, freed: StockFreed) -> bool:
         """A coordinator counts on pieces no more; one that was asked says so whether they were fetched. Returns whether they are booked out now."""
         for vehicle in list(self._asked_s):

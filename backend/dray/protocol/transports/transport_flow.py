@@ -213,7 +213,9 @@ class TransportFlow:
             self.door.agree(vehicle, docked)
             return
         load = DepartureMemory(vehicle, docked.task, docked.epoch, docked.item, docked.quantity)
-        self.departures.watch(load)
+        # It may have taken it here, and its next heartbeat would say so: with its forks inside, and the dock shut behind it.
+        self.booking_out.note_aboard(vehicle, docked.item)
+        self.departures.take_back(load)
         self.door.open(vehicle, docked, docked.item, docked.quantity, now_s)
 
     def restore_tasks(self, memories: Iterable[TaskMemory], memory: Memory, now_s: float) -> None:
