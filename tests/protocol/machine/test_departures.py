@@ -12,6 +12,7 @@ from dray.body import Book, CloseDock, DockReady
 from dray.memory import DepartureMemory
 from dray.messages import (
     Docked,
+    DockHeld,
     DockOpened,
     Phase,
     Reason,
@@ -23,7 +24,7 @@ from dray.messages import (
 )
 from dray.messages.keys import Keys
 from dray.plant.file.file import shipped_plant
-from dray.protocol.contract_net.departures import Departures
+from dray.protocol.contract_net.departures import UNHEARD_S, Departures
 from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
 from dray.protocol.runtime.events import Effect
 
@@ -54,10 +55,18 @@ def given_back(rig: MachineRig | None = None) -> MachineRig:
     return rig
 
 
-def beats(rig: MachineRig, phase: Phase | None, *, node: str = DOCK, aboard: bool = False) -> list[Effect]:
-    """ATV2 tells what it does."""
+def beats(
+    rig: MachineRig,
+    phase: Phase | None,
+    *,
+    node: str = DOCK,
+    aboard: bool = False,
+    task: str = "M7-1",
+    before: int = 0,
+) -> list[Effect]:
+    """ATV2 tells what it does; `before`: so many heartbeats ago."""
     rig.run(rig.now_s + 1.0)
-    beat = rhb("ATV2", 1000 + int(rig.now_s), rig.now_s, task="M7-1", coordinator="M7")
+    beat = rhb("ATV2", 1000 + int(rig.now_s) - before, rig.now_s, task=task, coordinator="M7")
     assert beat.task is not None
     doing = None if phase is None else replace(beat.task, phase=phase)
     load = ("housing", 24) if aboard else ("", 0)
@@ -78,6 +87,56 @@ def test_what_a_superseded_vehicle_has_put_down_all_the_same_is_booked() -> None
     effects = beats(rig, None)
     assert (instructed(effects, CloseDock), instructed(effects, Book)) == (SHUT, BROUGHT)
     assert instructed(beats(rig, None), CloseDock) == []
+
+
+def test_a_vehicle_that_names_another_task_has_ended_this_one() -> None:
+    rig = given_back()
+    assert instructed(beats(rig, Phase.UNLOADING, aboard=True), CloseDock) == []
+    # It loads the same for another one.
+    effects = beats(rig, Phase.LOADING, task="M8-1", aboard=True)
+    assert (instructed(effects, CloseDock), instructed(effects, Book)) == (SHUT, BROUGHT)
+
+
+def test_what_a_vehicle_may_have_put_down_elsewhere_is_not_booked_in() -> None:
+    rig = given_back()
+    beats(rig, Phase.UNLOADING, aboard=True)
+    rig.run(rig.now_s + 2 * UNHEARD_S)
+    effects = beats(rig, Phase.APPROACHING, task="M8-1")
+    assert (instructed(effects, CloseDock), instructed(effects, Book)) == (SHUT, [])
+
+
+def test_a_load_that_somebody_takes_off_a_vehicle_on_its_way_back_was_not_put_down_here() -> None:
+    rig = given_back()
+    effects = beats(rig, Phase.RETURNING, node="c1")
+    assert (instructed(effects, CloseDock), instructed(effects, Book)) == (SHUT, [])
+
+
+def test_a_heartbeat_of_before_tells_nothing() -> None:
+    rig = given_back()
+    beats(rig, Phase.UNLOADING, aboard=True)
+    assert instructed(beats(rig, Phase.CARRYING, node="c1", aboard=True, before=5), CloseDock) == []
+
+
+def test_what_a_vehicle_may_have_taken_while_it_was_not_heard_is_booked_out() -> None:
+    out: list[Effect] = []
+    departures = Departures(DOCK, HeartbeatSubscriptions(Keys("dray").atv_heartbeat, out), out, lambda: None)
+    departures.restore([DepartureMemory("ATV2", "M7-1", 1, "shaft", -24)])
+    departures.on_vehicle(rhb("ATV2", 1, 0.0), 0.0)
+    assert instructed(out, Book) == [Book("ATV2", "shaft", -24, task="M7-1", epoch=1)]
+
+
+def test_a_vehicle_that_asks_for_the_dock_for_something_else_is_done_though_it_has_to_wait() -> None:
+    rig = BlindRig("LATHE1", {"bar": 60, "shaft": 6}, plant=shipped_plant("levels"))
+    rig.answers = True
+    rig.start()
+    rig.on_message("PRESS1", StockAsked("PRESS1-1", 1, "shaft", 6))
+    rig.on_message("ATV2", Docked("PRESS1-1", 1, "LATHE1", "shaft", 6))
+    rig.report(DockReady(vehicle="ATV2"))
+    assert instructed(rig.on_message("PRESS1", StockFreed("PRESS1-1")), CloseDock) == []
+    rig.on_message("PRESS2", StockAsked("PRESS2-1", 1, "shaft", 6))
+    effects = rig.on_message("ATV2", Docked("PRESS3-1", 1, "LATHE1", "shaft", 6))
+    assert sent(effects, DockHeld, to="ATV2")
+    assert instructed(effects, CloseDock) == SHUT
 
 
 def test_a_silent_vehicle_keeps_the_dock_until_it_is_heard_elsewhere() -> None:

@@ -417,7 +417,18 @@ def test_the_next_life_books_in_what_was_brought_back_to_this_one() -> None:
     rig.answers, rig.counts, rig.opened = True, False, {"ATV1": None}
     rig.memory = committed(first.all)
     rig.start()
+    assert instructed(returns(rig, aboard=True), Book) == []
     assert instructed(returns(rig, aboard=False, ended=True), Book)
+
+
+def test_the_next_life_does_not_book_in_what_it_has_not_seen_at_its_dock() -> None:
+    first, _ = brought_back(counts=False)
+    rig = StationRig(incarnation=2)
+    rig.answers, rig.counts, rig.opened = True, False, {"ATV1": None}
+    rig.memory = committed(first.all)
+    rig.start()
+    effects = returns(rig, aboard=False, ended=True)
+    assert (instructed(effects, Book), instructed(effects, CloseDock)) == ([], [CloseDock("ATV1")])
 
 
 def cancelled_while_it_loads() -> tuple[StationRig, list[Effect]]:

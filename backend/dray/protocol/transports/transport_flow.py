@@ -215,7 +215,7 @@ class TransportFlow:
         load = DepartureMemory(vehicle, docked.task, docked.epoch, docked.item, docked.quantity)
         # It may have taken it here, and its next heartbeat would say so: with its forks inside, and the dock shut behind it.
         self.booking_out.note_aboard(vehicle, docked.item)
-        self.departures.take_back(load)
+        self.departures.take_back(load, now_s)
         self.door.open(vehicle, docked, docked.item, docked.quantity, now_s)
 
     def restore_tasks(self, memories: Iterable[TaskMemory], memory: Memory, now_s: float) -> None:
@@ -331,7 +331,7 @@ class TransportFlow:
         self.tasks.on_heartbeat(heartbeat, now_s)
         self._handovers.on_carrier_heard(heartbeat)
         self.booking_out.on_carrier_heard(heartbeat, now_s)
-        self.departures.on_vehicle(heartbeat)
+        self.departures.on_vehicle(heartbeat, now_s)
         self._recovery.on_heartbeat(heartbeat, now_s)
         self.called.review(now_s)
 
