@@ -102,6 +102,18 @@ def test_what_was_booked_before_a_kill_and_is_told_again_takes_nothing_twice() -
     assert lies_there(rig) == (6, 6)
 
 
+def test_what_was_fetched_is_told_again_by_the_next_life_until_the_body_has_answered() -> None:
+    first = at_the_dock()
+    assert instructed(beats(first, Phase.CARRYING), Book) == [OUT]
+    rig = BlindRig("LATHE1", {"bar": 60, "shaft": 12}, plant=PLANT, incarnation=2)
+    rig.memory = committed(first.all)
+    assert instructed(rig.start(), Book) == [OUT]
+    rig.stocked("shaft", -6, CART)
+    third = BlindRig("LATHE1", {"bar": 60, "shaft": 6}, plant=PLANT, incarnation=3)
+    third.memory = committed(rig.all)
+    assert instructed(third.start(), Book) == []
+
+
 def test_a_body_that_counts_is_told_nothing() -> None:
     rig = at_the_dock(MachineRig("LATHE1", {"bar": 60, "shaft": 12}, plant=PLANT))
     assert instructed(beats(rig, Phase.CARRYING), Book) == []

@@ -24,6 +24,7 @@ from dray.messages import (
 )
 from dray.messages.keys import Keys
 from dray.plant.file.file import shipped_plant
+from dray.protocol.contract_net.bookings import Bookings
 from dray.protocol.contract_net.departures import UNHEARD_S, Departures
 from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
 from dray.protocol.runtime.events import Effect
@@ -73,6 +74,12 @@ def beats(
     return rig.on_message("ATV2", replace(beat, task=doing, node=node, load=load[0], load_quantity=load[1]))
 
 
+def alone(out: list[Effect]) -> Departures:
+    """Of a dock, without an agent."""
+    subscriptions = HeartbeatSubscriptions(Keys("dray").atv_heartbeat, out)
+    return Departures(DOCK, subscriptions, Bookings(out, lambda: None), out, lambda: None)
+
+
 def test_a_vehicle_that_goes_away_with_its_load_has_the_dock_until_it_has_left() -> None:
     rig = given_back()
     assert instructed(beats(rig, Phase.UNLOADING, aboard=True), CloseDock) == []
@@ -119,7 +126,7 @@ def test_a_heartbeat_of_before_tells_nothing() -> None:
 
 def test_what_a_vehicle_may_have_taken_while_it_was_not_heard_is_booked_out() -> None:
     out: list[Effect] = []
-    departures = Departures(DOCK, HeartbeatSubscriptions(Keys("dray").atv_heartbeat, out), out, lambda: None)
+    departures = alone(out)
     departures.restore([DepartureMemory("ATV2", "M7-1", 1, "shaft", -24)])
     departures.on_vehicle(rhb("ATV2", 1, 0.0), 0.0)
     assert instructed(out, Book) == [Book("ATV2", "shaft", -24, task="M7-1", epoch=1)]
@@ -147,7 +154,7 @@ def test_a_silent_vehicle_keeps_the_dock_until_it_is_heard_elsewhere() -> None:
 
 def test_a_vehicle_that_was_carried_away_has_left() -> None:
     out: list[Effect] = []
-    departures = Departures(DOCK, HeartbeatSubscriptions(Keys("dray").atv_heartbeat, out), out, lambda: None)
+    departures = alone(out)
     departures.watch(DepartureMemory("ATV2", "M7-1", 1, "housing", 24))
     departures.on_carried_away("ATV7")
     assert instructed(out, CloseDock) == []
@@ -256,3 +263,16 @@ def test_who_has_loaded_is_inside_no_more_once_that_is_booked() -> None:
     rig.on_message("PRESS1", StockAsked("PRESS1-2", 1, "shaft", 6))
     rig.on_message("ATV2", Docked("PRESS1-2", 1, "LATHE1", "shaft", 6))
     assert instructed(rig.on_message("PRESS1", StockFreed("PRESS1-2")), CloseDock) == SHUT
+
+
+def test_what_was_put_down_is_told_again_by_the_next_life_until_the_body_has_answered() -> None:
+    first = given_back()
+    beats(first, Phase.UNLOADING, aboard=True)
+    assert instructed(beats(first, None), Book) == BROUGHT
+    rig = BlindRig("M7", NO_HOUSINGS, incarnation=2)
+    rig.memory = committed(first.all)
+    assert instructed(rig.start(), Book) == BROUGHT
+    rig.stocked("housing", 24, "ATV2")
+    third = BlindRig("M7", NO_HOUSINGS, incarnation=3)
+    third.memory = committed(rig.all)
+    assert instructed(third.start(), Book) == []

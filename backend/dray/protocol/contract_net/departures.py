@@ -19,9 +19,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 
-from dray.body import Book, CloseDock
+from dray.body import CloseDock
 from dray.memory import DepartureMemory
 from dray.messages import AtvHeartbeat, Phase
+from dray.protocol.contract_net.bookings import Bookings
 from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
 from dray.protocol.runtime.bounded_map import BoundedMap
 from dray.protocol.runtime.events import NEVER_S, Effect, Instruct
@@ -41,6 +42,7 @@ class Departures:
     Args:
         node: where vehicles stand at it.
         subscriptions: whose heartbeats are heard.
+        bookings: what its body is told.
         out: where effects go.
         commit: called when the next life must know of something else.
         left: called with a vehicle that has left.
@@ -50,12 +52,13 @@ class Departures:
         self,
         node: str,
         subscriptions: HeartbeatSubscriptions,
+        bookings: Bookings,
         out: list[Effect],
         commit: Callable[[], None],
         left: Callable[[str], None] = lambda _vehicle: None,
     ) -> None:
         self._node, self._subscriptions, self._out, self._commit = node, subscriptions, out, commit
-        self._left = left
+        self._bookings, self._left = bookings, left
         self._leaving: dict[str, DepartureMemory] = {}
         """By vehicle, what it may have moved."""
         self._newest: BoundedMap[str, tuple[int, int]] = BoundedMap(HEARD_KEPT)
@@ -75,7 +78,7 @@ class Departures:
         known = self._leaving.get(load.vehicle)
         if known is not None and known != load:
             if known.item == load.item and known.change < 0:
-                self._book(known)
+                self._bookings.say(known)
             self._leaving[load.vehicle] = load
             self._commit()
         self._at_task[load.vehicle] = (load.task, load.epoch, now_s)
@@ -135,12 +138,8 @@ class Departures:
     def _end(self, load: DepartureMemory, *, aboard: bool) -> None:
         """A vehicle has left; `aboard`: with its load, or nobody knows."""
         if load.change and aboard is (load.change < 0):
-            self._book(load)
+            self._bookings.say(load)
         self._close(load.vehicle)
-
-    def _book(self, load: DepartureMemory) -> None:
-        book = Book(load.vehicle, load.item, load.change, task=load.task, epoch=load.epoch)
-        self._out.append(Instruct(book))
 
     def _close(self, vehicle: str) -> None:
         del self._leaving[vehicle]

@@ -248,6 +248,7 @@ class Machine(AgentBase):
             put_away_count=self._flow.put_away.count,
             let_in=self._flow.booking_out.memories(),
             leaving=self._flow.departures.memories(),
+            booked=self._flow.bookings.memories(),
         )
 
     def _sense(self, body: BodyState | None, now_s: float) -> None:

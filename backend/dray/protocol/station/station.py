@@ -152,6 +152,7 @@ class Station(AgentBase):
             self._flow.restore_tasks(note.tasks, memory, now_s)
             self._flow.booking_out.restore(note.let_in)
             self._flow.departures.restore(note.leaving)
+            self._flow.bookings.restore(note.booked)
             self._held_loads.restore(note.answered)
             # Tasks without a carrier have a higher epoch now: no life may use one that an earlier one has used.
             self._commit()
@@ -187,6 +188,7 @@ class Station(AgentBase):
             answered=self._held_loads.answered,
             let_in=self._flow.booking_out.memories(),
             leaving=self._flow.departures.memories(),
+            booked=self._flow.bookings.memories(),
         )
 
     def _was_deaf(self, span_s: float) -> None:

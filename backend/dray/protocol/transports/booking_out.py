@@ -15,15 +15,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 
-from dray.body import Book
-from dray.memory import ReservationMemory
+from dray.memory import DepartureMemory, ReservationMemory
 from dray.messages import AtvHeartbeat, StockFreed, StockReserved
 from dray.messages.heartbeat import GOODS_ABOARD
+from dray.protocol.contract_net.bookings import Bookings
+from dray.protocol.contract_net.departures import UNHEARD_S
 from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
-from dray.protocol.runtime.events import Effect, Instruct, Send
-
-UNHEARD_S = 8.0
-"""No vehicle fetches a load, brings it and goes on to something else within this; several heartbeats of one that works come."""
+from dray.protocol.runtime.events import Effect, Send
 
 AGAIN_S = 10.0
 """A coordinator that has not answered is asked again after this."""
@@ -34,14 +32,19 @@ class BookingOut:
 
     Args:
         subscriptions: whose heartbeats are heard.
+        bookings: what its body is told.
         out: where effects go.
         commit: called when the next life must know of something else.
     """
 
     def __init__(
-        self, subscriptions: HeartbeatSubscriptions, out: list[Effect], commit: Callable[[], None]
+        self,
+        subscriptions: HeartbeatSubscriptions,
+        bookings: Bookings,
+        out: list[Effect],
+        commit: Callable[[], None],
     ) -> None:
-        self._subscriptions = subscriptions
+        self._subscriptions, self._bookings = subscriptions, bookings
         self._out, self._commit = out, commit
         self._let_in: dict[str, ReservationMemory] = {}
         """By vehicle, what it may take."""
@@ -112,8 +115,9 @@ class BookingOut:
             self._out.append(Send(load.coordinator, asked))
 
     def _book(self, load: ReservationMemory) -> None:
-        book = Book(load.vehicle, load.item, -load.quantity, task=load.task, epoch=load.opened)
-        self._out.append(Instruct(book))
+        self._bookings.say(
+            DepartureMemory(load.vehicle, load.task, load.opened, load.item, -load.quantity)
+        )
         self._forget(load.vehicle)
 
     def _forget(self, vehicle: str) -> None:

@@ -35,6 +35,7 @@ from dray.messages.fact import Outcome
 from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.protocol.contract_net.auction_rules import AuctionRules
+from dray.protocol.contract_net.bookings import Bookings
 from dray.protocol.contract_net.departures import Departures
 from dray.protocol.contract_net.dock import Door, ready_within_s
 from dray.protocol.contract_net.task import OpenTask
@@ -94,6 +95,7 @@ class TransportFlow:
         held: those for whose loads a person has to look.
         called: what people and programs have asked for.
         door: of its dock, for whoever loads or unloads.
+        bookings: what its body was told of loads, and has not answered.
         booking_out: what others have fetched, where the body does not count.
         departures: vehicles that may still be at its dock though they are not wanted there any more.
         message_handlers: by the type of a message, what to call with (sender, message, now_s).
@@ -151,10 +153,12 @@ class TransportFlow:
             resized=self._resize,
         )
         self.held = HeldTransports(plant, self.tasks)
-        self.booking_out = BookingOut(self.subscriptions, out, owner.commit)
+        self.bookings = Bookings(out, owner.commit)
+        self.booking_out = BookingOut(self.subscriptions, self.bookings, out, owner.commit)
         self.departures = Departures(
             plant.node_of(place),
             self.subscriptions,
+            self.bookings,
             out,
             owner.commit,
             left=lambda vehicle: self.door.note_left(vehicle),  # noqa: PLW0108 - made below
@@ -293,6 +297,7 @@ class TransportFlow:
         """The body has counted what a vehicle has moved, or has booked it."""
         if report.vehicle:
             self.door.note_left(report.vehicle)
+            self.bookings.on_stock_changed(report)
 
     def on_material(self, report: StockChanged, now_s: float) -> None:
         """Material has come, or was taken."""
