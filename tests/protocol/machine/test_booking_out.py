@@ -13,7 +13,7 @@ from dray.body import Book, OpenDock
 from dray.messages import Docked, Phase, StockAsked, StockFreed, StockReserved, StockShort
 from dray.messages.keys import Keys
 from dray.plant.file.file import shipped_plant
-from dray.protocol.runtime.events import Effect
+from dray.protocol.runtime.events import Effect, Instruct
 
 PLANT = shipped_plant("levels")
 TASK, CART = "PRESS1-1", "CART1"
@@ -117,6 +117,24 @@ def test_what_was_fetched_is_told_again_by_the_next_life_until_the_body_has_answ
 def test_a_body_that_counts_is_told_nothing() -> None:
     rig = at_the_dock(MachineRig("LATHE1", {"bar": 60, "shaft": 12}, plant=PLANT))
     assert instructed(beats(rig, Phase.CARRYING), Book) == []
+
+
+def test_a_vehicle_that_comes_for_a_second_load_unheard_has_taken_the_first() -> None:
+    rig = at_the_dock()
+    rig.run(rig.now_s + 60.0)
+    assert sent(rig.on_message("PRESS2", StockAsked("PRESS2-1", 1, "shaft", 4)), StockReserved)
+    effects = rig.on_message(CART, Docked("PRESS2-1", 1, "LATHE1", "shaft", 4))
+    told = [effect.instruction for effect in effects if isinstance(effect, Instruct)]
+    assert told == [OUT, OpenDock(CART, "shaft", 4)]  # A body shuts its dock when it books.
+    second = Book(CART, "shaft", -4, task="PRESS2-1", epoch=1)
+    assert instructed(beats(rig, Phase.CARRYING, task="PRESS2-1"), Book) == [second]
+
+
+def test_a_vehicle_that_was_heard_at_the_dock_and_asks_for_another_load_has_not_taken_the_first() -> None:
+    rig = at_the_dock()
+    beats(rig, Phase.LOADING)
+    assert sent(rig.on_message("PRESS2", StockAsked("PRESS2-1", 1, "shaft", 4)), StockReserved)
+    assert instructed(rig.on_message(CART, Docked("PRESS2-1", 1, "LATHE1", "shaft", 4)), Book) == []
 
 
 # --- after a time in which the vehicle was not heard ---

@@ -16,7 +16,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 
 from dray.memory import DepartureMemory, ReservationMemory
-from dray.messages import AtvHeartbeat, StockFreed, StockReserved
+from dray.messages import AtvHeartbeat, Docked, StockFreed, StockReserved
 from dray.messages.heartbeat import GOODS_ABOARD
 from dray.protocol.contract_net.bookings import Bookings
 from dray.protocol.contract_net.departures import UNHEARD_S
@@ -69,10 +69,23 @@ class BookingOut:
             self._heard_s[load.vehicle] = now_s
             if carries.phase in GOODS_ABOARD:
                 self._book(load)
-        elif now_s - self._heard_s.get(load.vehicle, -UNHEARD_S) < UNHEARD_S:
+        elif self._was_heard(load, now_s):
             self._forget(load.vehicle)
         else:
             self._ask(load, now_s)
+
+    def on_docked(self, vehicle: str, docked: Docked, now_s: float) -> None:
+        """A vehicle stands here: it may be back for something else before it has told of its load.
+
+        Said before the dock is opened for it: a body shuts its dock when it books.
+        """
+        load = self._let_in.get(vehicle)
+        if load is None or (docked.task, docked.epoch) == (load.task, load.opened):
+            return
+        if self._was_heard(load, now_s):
+            self._forget(vehicle)
+        else:
+            self._book(load)
 
     def note_aboard(self, vehicle: str, item: str) -> None:
         """A vehicle has this on board, by all that it does: it has taken it here if it was let in for it."""
@@ -105,6 +118,10 @@ class BookingOut:
         if load.vehicle not in self._let_in:
             self._subscriptions.follow(load.vehicle)
         self._let_in[load.vehicle] = load
+
+    def _was_heard(self, load: ReservationMemory, now_s: float) -> bool:
+        """Whether a vehicle was heard at its task until now."""
+        return now_s - self._heard_s.get(load.vehicle, -UNHEARD_S) < UNHEARD_S
 
     def _ask(self, load: ReservationMemory, now_s: float) -> None:
         if not load.coordinator:

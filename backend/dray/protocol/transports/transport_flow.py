@@ -354,6 +354,8 @@ class TransportFlow:
         if (task := self.tasks.get(message.task)) is not None and self._lacks(task):
             # Nothing would ever make them come: they are lost, and the books do not know.
             self._on_lacking(now_s)
+        if message.station == self._place:
+            self.booking_out.on_docked(sender, message, now_s)
         self._dock.on_docked(sender, message, now_s)
         task = self.tasks.get(message.task)
         if task is None or self._dock.is_opening(sender):
