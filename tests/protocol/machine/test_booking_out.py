@@ -29,11 +29,14 @@ def at_the_dock(rig: MachineRig | None = None) -> MachineRig:
     return rig
 
 
-def beats(rig: MachineRig, phase: Phase, *, task: str = TASK, epoch: int = 1) -> list[Effect]:
+def beats(
+    rig: MachineRig, phase: Phase, *, task: str = TASK, epoch: int = 1, aboard: str = ""
+) -> list[Effect]:
     """The cart tells what it does."""
     rig.run(rig.now_s + 1.0)
     beat = rhb(CART, 1000 + int(rig.now_s), rig.now_s, task=task, coordinator="PRESS1")
     assert beat.task is not None
+    beat = replace(beat, load=aboard, load_quantity=6 if aboard else 0)
     return rig.on_message(CART, replace(beat, task=replace(beat.task, phase=phase, epoch=epoch)))
 
 
@@ -67,6 +70,13 @@ def test_a_vehicle_that_leaves_without_the_load_has_taken_nothing() -> None:
     beats(rig, Phase.APPROACHING, task="PRESS2-7")
     assert instructed(beats(rig, Phase.CARRYING), Book) == []
     assert lies_there(rig) == (12, 12)
+
+
+def test_a_vehicle_that_leaves_for_another_task_with_such_a_load_on_board_has_taken_it() -> None:
+    rig = at_the_dock()
+    assert instructed(beats(rig, Phase.APPROACHING, task="PRESS2-7", aboard="bar"), Book) == []
+    rig = at_the_dock()
+    assert instructed(beats(rig, Phase.APPROACHING, task="PRESS2-7", aboard="shaft"), Book) == [OUT]
 
 
 def test_another_epoch_of_its_task_is_another_load() -> None:

@@ -3,7 +3,7 @@
 A vehicle that was let in to load is listened to.
 
     it names the task, in the same epoch, with the load on board    booked out: the body is told (`Book`)
-    it names the task no more, and was heard at it until then       it has left without
+    it names the task no more, and was heard at it until then       it has left without, unless it has such a load on board
     it names the task no more, after a time in which it was not     its coordinator is asked, as long as it takes: it says whether the
     heard (this agent was down, or deaf)                            load was fetched, or that it cannot know. In doubt it is booked
                                                                     out: nothing is promised that may not lie there
@@ -69,6 +69,8 @@ class BookingOut:
             self._heard_s[load.vehicle] = now_s
             if carries.phase in GOODS_ABOARD:
                 self._book(load)
+        elif heartbeat.load == load.item and heartbeat.load_quantity > 0:
+            self._book(load)
         elif self._was_heard(load, now_s):
             self._forget(load.vehicle)
         else:
