@@ -30,6 +30,7 @@ from dray.protocol.contract_net.dock import NOT_READY, SAFE_WITHIN_S
 from dray.protocol.runtime.events import Effect, Ignore, Instruct
 from dray.protocol.station.station import Station
 from dray.protocol.transports.reservations import LEASE_S, MAX_ASKED, QUEUED_S
+from dray.protocol.transports.transport_flow import NOT_KEPT
 
 SPEC = PLANT.storages["S1"]
 ITEM = "shaft"
@@ -429,6 +430,19 @@ def test_the_next_life_does_not_book_in_what_it_has_not_seen_at_its_dock() -> No
     rig.start()
     effects = returns(rig, aboard=False, ended=True)
     assert (instructed(effects, Book), instructed(effects, CloseDock)) == ([], [CloseDock("ATV1")])
+
+
+@pytest.mark.parametrize(("item", "quantity"), [("ghost", 40), (ITEM, 401), (ITEM, 0)])
+def test_what_cannot_lie_here_is_put_down_and_not_booked(item: str, quantity: int) -> None:
+    rig = StationRig()
+    rig.answers, rig.counts = True, False
+    rig.start()
+    effects = rig.on_message("ATV1", replace(BACK, item=item, quantity=quantity))
+    assert Ignore(NOT_KEPT) in effects
+    assert told(effects) == [OpenDock("ATV1", item, quantity)]
+    assert sent(rig.report(DockReady("ATV1")), DockOpened, to="ATV1")
+    returns(rig, aboard=True)
+    assert told(returns(rig, aboard=False, ended=True)) == [CloseDock("ATV1")]
 
 
 def cancelled_while_it_loads() -> tuple[StationRig, list[Effect]]:

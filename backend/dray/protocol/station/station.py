@@ -245,7 +245,8 @@ class Station(AgentBase):
     def _on_docked(self, sender: str, docked: Docked, now_s: float) -> None:
         """A vehicle stands here and asks to unload what was brought here, or to load for another place."""
         if docked.returns and docked.station == self.id:
-            self._flow.take_back(sender, docked, now_s)
+            is_kept = self._book.holds(docked.item, docked.quantity)
+            self._flow.take_back(sender, docked, now_s, is_kept=is_kept)
         elif docked.station != self.id and not self._flow.knows(docked.task):
             self._out.append(Ignore("asked for the dock of another storage"))
         elif docked.item and docked.station == self.id and not self._flow.knows(docked.task):

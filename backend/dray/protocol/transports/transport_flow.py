@@ -57,6 +57,8 @@ from dray.protocol.transports.transports import Transports
 
 NOT_REMEMBERED = "about a task that may be of a life that has left no notes"
 
+NOT_KEPT = "brought back what is not kept here, or more than can lie here"
+
 HELD_MAX_S = 60.0
 """How long a vehicle may wait for room: two or three cycles, if the machine can work at all."""
 
@@ -211,12 +213,22 @@ class TransportFlow:
         if load is not None and not self._handovers.counts:
             self.booking_out.let_in(load, now_s)
 
-    def take_back(self, vehicle: str, docked: Docked, now_s: float) -> None:
-        """A vehicle stands here with a load that nobody waits for any more; a body that counts takes it without a question."""
+    def take_back(self, vehicle: str, docked: Docked, now_s: float, *, is_kept: bool) -> None:
+        """A vehicle stands here with a load that nobody waits for any more; a body that counts takes it without a question.
+
+        Args:
+            vehicle: which.
+            docked: what it has asked for.
+            now_s: the present time.
+            is_kept: whether so much of it can lie here; else it is taken, and booked nowhere.
+        """
         if self._handovers.counts:
             self.door.agree(vehicle, docked)
             return
-        load = DepartureMemory(vehicle, docked.task, docked.epoch, docked.item, docked.quantity)
+        if not is_kept:
+            self._out.append(Ignore(NOT_KEPT))
+        quantity = docked.quantity if is_kept else 0
+        load = DepartureMemory(vehicle, docked.task, docked.epoch, docked.item, quantity)
         # It may have taken it here, and its next heartbeat would say so: with its forks inside, and the dock shut behind it.
         self.booking_out.note_aboard(vehicle, docked.item)
         self.departures.take_back(load, now_s)
