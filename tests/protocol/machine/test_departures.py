@@ -2,32 +2,43 @@
 
 from __future__ import annotations
 
+import pytest
+from defaults import PLANT
 from effects import committed, instructed, listening, sent
 from m7 import NO_HOUSINGS, docked, handover
 from msgspec.structs import replace
 from rigs import BlindRig, MachineRig
+from seals import FOR_EVER_S, seal
 from spoken import production, rhb
 
+from dray.adapters.security.signing import is_signed
 from dray.body import Book, CloseDock, DockReady
 from dray.memory import DepartureMemory
 from dray.messages import (
     Docked,
     DockHeld,
     DockOpened,
+    Grant,
     Phase,
     Reason,
+    Removal,
+    Removals,
     Resigned,
     Role,
     StockAsked,
     StockFreed,
     Superseded,
 )
+from dray.messages.floor.removal import removed_words
 from dray.messages.keys import Keys
 from dray.plant.file.file import shipped_plant
 from dray.protocol.contract_net.bookings import Bookings
 from dray.protocol.contract_net.departures import UNHEARD_S, Departures
 from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
 from dray.protocol.runtime.events import Effect
+from dray.protocol.traffic.places import Places
+from dray.protocol.traffic.removal_authorisation import LISTEN_S
+from dray.protocol.traffic.traffic_map import TrafficMap
 
 DOCK = "m7"
 GIVES_BACK = Resigned(task="M7-1", epoch=1, role=Role.PRIMARY, reason=Reason.PROBLEM)
@@ -161,6 +172,48 @@ def test_a_vehicle_that_was_carried_away_has_left() -> None:
     departures.on_carried_away("ATV2")
     assert (instructed(out, CloseDock), instructed(out, Book)) == (SHUT, [])
     assert listening(out) == set()
+
+
+def with_books_elsewhere() -> TrafficMap:
+    """Right of way, and only M4 keeps books."""
+    traffic = TrafficMap(PLANT, is_signed)
+    traffic.places = Places(PLANT, keepers=("M4",))
+    return traffic
+
+
+def carried_away(*, everywhere: bool = True, forged: bool = False) -> Removals:
+    """A person has carried ATV2 away."""
+    grant = Grant("mara", FOR_EVER_S, b"", everywhere=everywhere)
+    removal = Removal("ATV2", number=1, life=1, seq=10_000, grant=grant)
+    signature = seal(b"" if forged else removed_words(removal))
+    return Removals((replace(removal, grant=replace(grant, signature=signature)),))
+
+
+@pytest.mark.parametrize("traffic", [None, with_books_elsewhere()], ids=["no right of way", "no books here"])
+def test_a_dock_without_books_hears_that_a_dead_vehicle_was_carried_away(traffic: TrafficMap | None) -> None:
+    rig = given_back(BlindRig("M7", NO_HOUSINGS, traffic=traffic))
+    assert Keys(PLANT.id).removals in listening(rig.all)
+    # It is listened to from the first word on: it may be alive.
+    assert instructed(rig.on_message("GATEWAY", carried_away()), CloseDock) == []
+    rig.run(rig.now_s + LISTEN_S + 1.0)
+    assert instructed(rig.on_message("GATEWAY", carried_away(forged=True)), CloseDock) == []
+    assert instructed(rig.on_message("GATEWAY", carried_away(everywhere=False)), CloseDock) == []
+    effects = rig.on_message("GATEWAY", carried_away())
+    assert (instructed(effects, CloseDock), instructed(effects, Book)) == (SHUT, [])
+
+
+def test_a_dock_without_books_does_not_believe_that_a_vehicle_was_carried_away_which_it_hears() -> None:
+    rig = given_back()
+    rig.on_message("GATEWAY", carried_away())
+    rig.run(rig.now_s + LISTEN_S + 1.0)
+    beats(rig, Phase.UNLOADING, aboard=True)
+    assert instructed(rig.on_message("GATEWAY", carried_away()), CloseDock) == []
+
+
+def test_a_dock_that_opens_at_once_and_keeps_no_books_hears_nobodys_removals() -> None:
+    rig = BlindRig("M7", NO_HOUSINGS)
+    rig.start()
+    assert Keys(PLANT.id).removals not in listening(rig.all)
 
 
 def test_the_next_life_waits_for_it_and_books_what_it_put_down() -> None:

@@ -219,7 +219,7 @@ class Machine(AgentBase):
         self._closures.listen()
         if self.incarnation > 1:
             self._flow.recover(note is None, now_s)
-        self._bookkeeping.start(memory, now_s)
+        self._bookkeeping.start(memory, now_s, dock_answers=self._flow.door.answers)
         self._heartbeat_timer.at_once(now_s)
         self.pursue(now_s)
 

@@ -165,7 +165,7 @@ class Station(AgentBase):
         if self.incarnation > 1:
             self._flow.recover(not memory, now_s)
         self._go_on(now_s)
-        self._bookkeeping.start(memory, now_s)
+        self._bookkeeping.start(memory, now_s, dock_answers=self._flow.door.answers)
         self._heartbeat_timer.at_once(now_s)
 
     def _sense(self, body: BodyState | None, now_s: float) -> None:

@@ -134,9 +134,7 @@ class BookingOut:
             self._out.append(Send(load.coordinator, asked))
 
     def _book(self, load: ReservationMemory) -> None:
-        self._bookings.say(
-            DepartureMemory(load.vehicle, load.task, load.opened, load.item, -load.quantity)
-        )
+        self._bookings.say(DepartureMemory(load.vehicle, load.task, load.opened, load.item, -load.quantity))
         self._forget(load.vehicle)
 
     def _forget(self, vehicle: str) -> None:
