@@ -365,10 +365,10 @@ def test_asked_to_leave_it_promises_nothing_more_and_waits_for_the_vehicle_at_it
 # --- what is brought back ---
 
 
-def brought_back(*, counts: bool) -> tuple[StationRig, list[Effect]]:
-    """ATV1 stands at the dock with 40 shafts that nobody wants any more; the dock makes itself safe."""
+def brought_back(*, counts: bool, answers: bool = True) -> tuple[StationRig, list[Effect]]:
+    """ATV1 stands at the dock with 40 shafts that nobody wants any more; the dock makes itself safe where it answers."""
     rig = StationRig()
-    rig.answers, rig.counts = True, counts
+    rig.answers, rig.counts = answers, counts
     rig.start()
     back = Docked(task="M8-1", epoch=1, station="S1", item=ITEM, quantity=40, returns=True)
     return rig, rig.on_message("ATV1", back)
@@ -386,10 +386,20 @@ def returns(rig: StationRig, *, aboard: bool, ended: bool = False, node: str = "
     return rig.on_message("ATV1", said)
 
 
-def test_a_body_that_counts_takes_what_is_brought_back_without_a_question() -> None:
-    _, effects = brought_back(counts=True)
+def test_a_body_that_counts_and_opens_at_once_takes_what_is_brought_back_without_a_question() -> None:
+    _, effects = brought_back(counts=True, answers=False)
     assert sent(effects, DockOpened, to="ATV1") == [DockOpened("M8-1", 1, "S1")]
     assert instructed(effects, OpenDock) == []
+
+
+def test_a_body_that_counts_and_makes_its_dock_safe_is_asked_for_what_is_brought_back() -> None:
+    rig, effects = brought_back(counts=True)
+    assert (sent(effects, DockOpened), instructed(effects, OpenDock)) == ([], [OpenDock("ATV1", ITEM, 40)])
+    assert sent(rig.report(DockReady("ATV1")), DockOpened, to="ATV1")
+    returns(rig, aboard=True)
+    rig.changes(40, "ATV1")
+    effects = returns(rig, aboard=False, ended=True)
+    assert (instructed(effects, Book), instructed(effects, CloseDock)) == ([], [CloseDock("ATV1")])
 
 
 def test_where_the_body_does_not_count_what_is_brought_back_gets_a_permit_and_is_booked_in() -> None:

@@ -214,7 +214,7 @@ class TransportFlow:
             self.booking_out.let_in(load, now_s)
 
     def take_back(self, vehicle: str, docked: Docked, now_s: float, *, is_kept: bool) -> None:
-        """A vehicle stands here with a load that nobody waits for any more; a body that counts takes it without a question.
+        """A vehicle stands here with a load that nobody waits for any more; a body that counts, and opens at once, takes it without a question.
 
         Args:
             vehicle: which.
@@ -222,12 +222,13 @@ class TransportFlow:
             now_s: the present time.
             is_kept: whether so much of it can lie here; else it is taken, and booked nowhere.
         """
-        if self._handovers.counts:
+        counts = self._handovers.counts
+        if counts and not self.door.answers:
             self.door.agree(vehicle, docked)
             return
-        if not is_kept:
+        if not is_kept and not counts:
             self._out.append(Ignore(NOT_KEPT))
-        quantity = docked.quantity if is_kept else 0
+        quantity = docked.quantity if is_kept and not counts else 0
         load = DepartureMemory(vehicle, docked.task, docked.epoch, docked.item, quantity)
         # It may have taken it here, and its next heartbeat would say so: with its forks inside, and the dock shut behind it.
         self.booking_out.note_aboard(vehicle, docked.item)
