@@ -10,7 +10,17 @@ from rigs import BlindRig, MachineRig
 from spoken import rhb
 
 from dray.body import Book, OpenDock
-from dray.messages import Docked, Phase, StockAsked, StockFreed, StockReserved, StockShort
+from dray.messages import (
+    Docked,
+    Phase,
+    Reason,
+    Resigned,
+    Role,
+    StockAsked,
+    StockFreed,
+    StockReserved,
+    StockShort,
+)
 from dray.messages.keys import Keys
 from dray.plant.file.file import shipped_plant
 from dray.protocol.runtime.events import Effect, Instruct
@@ -196,7 +206,9 @@ def test_a_vehicle_that_was_not_heard_for_a_while_may_have_fetched_it() -> None:
 
 
 @pytest.mark.parametrize(
-    ("epoch", "fetched"), [(1, True), (0, False)], ids=["its epoch", "the epoch of another carrier"]
+    ("epoch", "fetched"),
+    [(1, True), (0, True), (2, False)],
+    ids=["its epoch", "the epoch of an earlier carrier", "an epoch without a carrier"],
 )
 def test_a_coordinator_that_is_asked_says_whether_the_load_was_fetched(epoch: int, fetched: bool) -> None:
     rig = supplied_by("ATV2")
@@ -204,6 +216,16 @@ def test_a_coordinator_that_is_asked_says_whether_the_load_was_fetched(epoch: in
     rig.on_message("ATV2", handover())
     said = rig.on_message("S1", StockReserved("M7-1", epoch, "housing", 24))
     assert sent(said, StockFreed, to="S1") == [StockFreed("M7-1", fetched=fetched)]
+
+
+def test_a_coordinator_that_has_withdrawn_a_load_which_somebody_carries_does_not_say_that_it_lies_there() -> (
+    None
+):
+    rig = supplied_by("ATV2")
+    said = rig.on_message("ATV2", Resigned("M7-1", 1, Role.PRIMARY, Reason.DOCK_HELD, short="S1"))
+    freed = sent(said, StockFreed)
+    assert freed
+    assert all(each.fetched for each in freed if each.task == "M7-1")
 
 
 def test_a_coordinator_that_remembers_nothing_does_not_say_that_the_load_lies_there() -> None:

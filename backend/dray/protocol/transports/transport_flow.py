@@ -269,8 +269,9 @@ class TransportFlow:
         return not (self.tasks.get(task) is None and self.tasks.closed(task) is None)
 
     def _may_be_fetched(self, task: str, epoch: int) -> bool:
+        """Whether a load may have left its place in an epoch: only where no carrier was bound in it is it known that it has not."""
         closed = self.tasks.closed(task)
-        return closed is None or (closed.epoch == epoch and closed.outcome == "delivered")
+        return closed is None or epoch < closed.epoch or (epoch == closed.epoch and bool(closed.carrier))
 
     def seek(self, task: str, work: Transport, deadline_s: float, now_s: float) -> None:
         """Have a load set aside where it is to be fetched, and then fetched."""
