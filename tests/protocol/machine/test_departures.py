@@ -157,6 +157,17 @@ def test_a_vehicle_that_asks_for_the_dock_for_something_else_is_done_though_it_h
     assert instructed(effects, CloseDock) == SHUT
 
 
+def test_where_the_dock_opens_at_once_a_drop_after_the_transport_was_given_back_is_booked() -> None:
+    rig = BlindRig("M7", NO_HOUSINGS)
+    rig.start()
+    rig.take_goal("G1", production(quantity=24))
+    rig.hire("M7-1", "ATV2")
+    assert sent(rig.on_message("ATV2", docked()), DockOpened)
+    assert instructed(rig.on_message("ATV2", GIVES_BACK), CloseDock) == SHUT
+    assert instructed(beats(rig, Phase.UNLOADING, aboard=True), Book) == []
+    assert instructed(beats(rig, None), Book) == BROUGHT
+
+
 def test_a_silent_vehicle_keeps_the_dock_until_it_is_heard_elsewhere() -> None:
     rig = given_back()
     assert instructed(rig.run(rig.now_s + 3_600.0), CloseDock) == []

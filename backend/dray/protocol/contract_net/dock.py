@@ -70,6 +70,7 @@ class Door:
 
     Attributes:
         answers: whether the body says when it has opened (`dray.body.WorkcellState`); else it is open as soon as it is told to.
+        counts: whether the body counts what vehicles bring and take.
     """
 
     def __init__(self, out: list[Effect], patience_s: float, departures: Departures) -> None:
@@ -79,8 +80,9 @@ class Door:
         self._since_s: dict[str, float] = {}
         """Since when each of them is the next one."""
         self._inside: dict[str, tuple[str, int]] = {}
-        """Those that were let in where the body has to make the dock ready, with the task and its epoch: they may be at it."""
+        """Those that were let in, with the task and its epoch: they may be at it. Not where the body counts and opens at once."""
         self.answers = False
+        self.counts = True
 
     def open(self, vehicle: str, asked: Docked, item: str, quantity: int, now_s: float) -> None:
         """Let a vehicle that stands here load or unload, once; it waits where the body has to make the dock ready for it."""
@@ -90,6 +92,8 @@ class Door:
             self._since_s.setdefault(vehicle, now_s)
             self.hold(vehicle, asked, NOT_READY)
         else:
+            if not self.counts:
+                self._inside[vehicle] = (asked.task, asked.epoch)
             self.agree(vehicle, asked)
 
     def is_opening(self, vehicle: str) -> bool:
@@ -137,6 +141,12 @@ class Door:
         """
         self._forget(vehicle)
         let_in = self._inside.pop(vehicle, None)
+        if not self.answers:
+            # Nothing moves that could hurt it: the permit goes at once, and only what it moves is waited for.
+            self._out.append(Instruct(CloseDock(vehicle=vehicle)))
+            if load is not None and load.change and let_in == (load.task, load.epoch):
+                self._departures.watch(load)
+            return
         if load is None and let_in is not None:
             self._departures.watch(DepartureMemory(vehicle))
         elif load is not None and let_in == (load.task, load.epoch):

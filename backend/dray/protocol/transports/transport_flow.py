@@ -205,7 +205,7 @@ class TransportFlow:
     def take_abilities(self, body: WorkcellState | StorageState) -> None:
         """What the body counts and says by itself."""
         self._handovers.counts, self.door.answers = body.counts, body.answers
-        self._dock.counts = body.counts
+        self._dock.counts = self.door.counts = body.counts
         self.door.restore(body.opened)
 
     def note_let_in(self, load: ReservationMemory | None, now_s: float) -> None:
