@@ -115,6 +115,8 @@ class MachineMemory(Part, tag_field="kind", tag="machine", frozen=True):
     """Loads that others' vehicles may have taken, where the body does not count."""
     leaving: tuple[DepartureMemory, ...] = ()
     """Vehicles that may still be at its dock though they are not wanted there any more."""
+    booked: tuple[DepartureMemory, ...] = ()
+    """What its body was told that vehicles have moved, and has not answered yet."""
 
 
 class ProductMemory(Part, frozen=True):
@@ -198,6 +200,8 @@ class StationMemory(Part, tag_field="kind", tag="station", frozen=True):
     let_in: tuple[ReservationMemory, ...] = ()
     """As a machine's."""
     leaving: tuple[DepartureMemory, ...] = ()
+    """As a machine's."""
+    booked: tuple[DepartureMemory, ...] = ()
     """As a machine's."""
 
 

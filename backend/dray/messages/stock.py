@@ -50,4 +50,4 @@ class StockFreed(Message, frozen=True, omit_defaults=True):
 
     task: Id
     fetched: bool = False
-    """They were fetched in the epoch of the `StockReserved` that is answered, or may have been, as far as the coordinator remembers."""
+    """They were fetched in the epoch of the `StockReserved` that is answered, or may have been: a carrier was bound in it, or nobody remembers."""

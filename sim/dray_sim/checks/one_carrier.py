@@ -5,7 +5,7 @@ Its body says for whom the dock is open, and what its station says to vehicles t
 
 from __future__ import annotations
 
-from dray.messages import DockOpened, Message
+from dray.messages import Docked, DockOpened, Message
 from dray_sim.checks.broken import InvariantBroken
 from dray_sim.factory.sim_factory import SimFactory
 
@@ -16,7 +16,9 @@ class OneCarrierAtATime:
     def __init__(self, factory: SimFactory) -> None:
         self._storages = factory.floor.storages
         self._tasks: dict[tuple[str, str], str] = {}
-        """By storage and vehicle, the last task for which its dock was opened."""
+        """By storage and vehicle, the last task whose load it may fetch there."""
+        self._returns: dict[tuple[str, str], None] = {}
+        """Storages and vehicles that have asked last to put a load back there."""
 
     def on_message(self, at_s: float, sender: str, address: str, message: Message) -> None:
         """Note one utterance.
@@ -24,9 +26,16 @@ class OneCarrierAtATime:
         Raises:
             InvariantBroken: two vehicles may fetch the load of one task.
         """
+        if type(message) is Docked:
+            if message.returns:
+                self._returns[message.station, sender] = None
+            else:
+                self._returns.pop((message.station, sender), None)
         if type(message) is not DockOpened or message.station != sender or sender not in self._storages:
             return
         vehicle = address.removeprefix(">")
+        if (sender, vehicle) in self._returns:
+            return
         self._tasks[sender, vehicle] = message.task
         for other in self._storages[sender].sense().opened:
             if other != vehicle and self._tasks.get((sender, other)) == message.task:

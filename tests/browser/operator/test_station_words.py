@@ -9,8 +9,9 @@ import pytest
 from gateway_kit import House
 from heartbeats import station_heartbeat
 from open_house import OpenHouse
-from playwright.sync_api import Page, expect
+from playwright.sync_api import expect
 from puppets import LATER_S, Puppet
+from scanner import scan
 from tablet_kit import LOOKS, TOUCH_PX, Enter
 
 from dray.messages import (
@@ -78,11 +79,6 @@ async def at_storage(house: House) -> Place:
 
 async def at_gate(house: House) -> Place:
     return Place(house, GATE)
-
-
-def scan(page: Page, code: str) -> None:
-    page.keyboard.type(code)
-    page.keyboard.press("Enter")
 
 
 def test_two_touches_confirm_what_was_taken_from_a_storage(

@@ -10,8 +10,9 @@ from complaints import Complaints
 from gateway_kit import House
 from heartbeats import machine_heartbeat
 from open_house import OpenHouse
-from playwright.sync_api import Page, expect
+from playwright.sync_api import expect
 from puppets import LATER_S, Puppet
+from scanner import scan
 from tablet_kit import LOOKS, STATION, TOUCH_PX, Enter, forgive
 
 from dray.messages import (
@@ -80,11 +81,6 @@ class Workplace:
 
 def said(workplace: Workplace) -> list[tuple[MachineCommandKind, str, int, str, bool]]:
     return [(each.kind, each.item, each.quantity, each.vehicle, each.sure) for each in workplace.heard]
-
-
-def scan(page: Page, code: str) -> None:
-    page.keyboard.type(code)
-    page.keyboard.press("Enter")
 
 
 def test_two_touches_confirm_a_load_and_count_a_piece(

@@ -10,10 +10,20 @@ from rigs import BlindRig, MachineRig
 from spoken import rhb
 
 from dray.body import Book, OpenDock
-from dray.messages import Docked, Phase, StockAsked, StockFreed, StockReserved, StockShort
+from dray.messages import (
+    Docked,
+    Phase,
+    Reason,
+    Resigned,
+    Role,
+    StockAsked,
+    StockFreed,
+    StockReserved,
+    StockShort,
+)
 from dray.messages.keys import Keys
 from dray.plant.file.file import shipped_plant
-from dray.protocol.runtime.events import Effect
+from dray.protocol.runtime.events import Effect, Instruct
 
 PLANT = shipped_plant("levels")
 TASK, CART = "PRESS1-1", "CART1"
@@ -29,11 +39,14 @@ def at_the_dock(rig: MachineRig | None = None) -> MachineRig:
     return rig
 
 
-def beats(rig: MachineRig, phase: Phase, *, task: str = TASK, epoch: int = 1) -> list[Effect]:
+def beats(
+    rig: MachineRig, phase: Phase, *, task: str = TASK, epoch: int = 1, aboard: str = ""
+) -> list[Effect]:
     """The cart tells what it does."""
     rig.run(rig.now_s + 1.0)
     beat = rhb(CART, 1000 + int(rig.now_s), rig.now_s, task=task, coordinator="PRESS1")
     assert beat.task is not None
+    beat = replace(beat, load=aboard, load_quantity=6 if aboard else 0)
     return rig.on_message(CART, replace(beat, task=replace(beat.task, phase=phase, epoch=epoch)))
 
 
@@ -69,6 +82,13 @@ def test_a_vehicle_that_leaves_without_the_load_has_taken_nothing() -> None:
     assert lies_there(rig) == (12, 12)
 
 
+def test_a_vehicle_that_leaves_for_another_task_with_such_a_load_on_board_has_taken_it() -> None:
+    rig = at_the_dock()
+    assert instructed(beats(rig, Phase.APPROACHING, task="PRESS2-7", aboard="bar"), Book) == []
+    rig = at_the_dock()
+    assert instructed(beats(rig, Phase.APPROACHING, task="PRESS2-7", aboard="shaft"), Book) == [OUT]
+
+
 def test_another_epoch_of_its_task_is_another_load() -> None:
     rig = at_the_dock()
     assert instructed(beats(rig, Phase.CARRYING, epoch=2), Book) == []
@@ -102,9 +122,39 @@ def test_what_was_booked_before_a_kill_and_is_told_again_takes_nothing_twice() -
     assert lies_there(rig) == (6, 6)
 
 
+def test_what_was_fetched_is_told_again_by_the_next_life_until_the_body_has_answered() -> None:
+    first = at_the_dock()
+    assert instructed(beats(first, Phase.CARRYING), Book) == [OUT]
+    rig = BlindRig("LATHE1", {"bar": 60, "shaft": 12}, plant=PLANT, incarnation=2)
+    rig.memory = committed(first.all)
+    assert instructed(rig.start(), Book) == [OUT]
+    rig.stocked("shaft", -6, CART)
+    third = BlindRig("LATHE1", {"bar": 60, "shaft": 6}, plant=PLANT, incarnation=3)
+    third.memory = committed(rig.all)
+    assert instructed(third.start(), Book) == []
+
+
 def test_a_body_that_counts_is_told_nothing() -> None:
     rig = at_the_dock(MachineRig("LATHE1", {"bar": 60, "shaft": 12}, plant=PLANT))
     assert instructed(beats(rig, Phase.CARRYING), Book) == []
+
+
+def test_a_vehicle_that_comes_for_a_second_load_unheard_has_taken_the_first() -> None:
+    rig = at_the_dock()
+    rig.run(rig.now_s + 60.0)
+    assert sent(rig.on_message("PRESS2", StockAsked("PRESS2-1", 1, "shaft", 4)), StockReserved)
+    effects = rig.on_message(CART, Docked("PRESS2-1", 1, "LATHE1", "shaft", 4))
+    told = [effect.instruction for effect in effects if isinstance(effect, Instruct)]
+    assert told == [OUT, OpenDock(CART, "shaft", 4)]  # A body shuts its dock when it books.
+    second = Book(CART, "shaft", -4, task="PRESS2-1", epoch=1)
+    assert instructed(beats(rig, Phase.CARRYING, task="PRESS2-1"), Book) == [second]
+
+
+def test_a_vehicle_that_was_heard_at_the_dock_and_asks_for_another_load_has_not_taken_the_first() -> None:
+    rig = at_the_dock()
+    beats(rig, Phase.LOADING)
+    assert sent(rig.on_message("PRESS2", StockAsked("PRESS2-1", 1, "shaft", 4)), StockReserved)
+    assert instructed(rig.on_message(CART, Docked("PRESS2-1", 1, "LATHE1", "shaft", 4)), Book) == []
 
 
 # --- after a time in which the vehicle was not heard ---
@@ -156,7 +206,9 @@ def test_a_vehicle_that_was_not_heard_for_a_while_may_have_fetched_it() -> None:
 
 
 @pytest.mark.parametrize(
-    ("epoch", "fetched"), [(1, True), (0, False)], ids=["its epoch", "the epoch of another carrier"]
+    ("epoch", "fetched"),
+    [(1, True), (0, True), (2, False)],
+    ids=["its epoch", "the epoch of an earlier carrier", "an epoch without a carrier"],
 )
 def test_a_coordinator_that_is_asked_says_whether_the_load_was_fetched(epoch: int, fetched: bool) -> None:
     rig = supplied_by("ATV2")
@@ -164,6 +216,16 @@ def test_a_coordinator_that_is_asked_says_whether_the_load_was_fetched(epoch: in
     rig.on_message("ATV2", handover())
     said = rig.on_message("S1", StockReserved("M7-1", epoch, "housing", 24))
     assert sent(said, StockFreed, to="S1") == [StockFreed("M7-1", fetched=fetched)]
+
+
+def test_a_coordinator_that_has_withdrawn_a_load_which_somebody_carries_does_not_say_that_it_lies_there() -> (
+    None
+):
+    rig = supplied_by("ATV2")
+    said = rig.on_message("ATV2", Resigned("M7-1", 1, Role.PRIMARY, Reason.DOCK_HELD, short="S1"))
+    freed = sent(said, StockFreed)
+    assert freed
+    assert all(each.fetched for each in freed if each.task == "M7-1")
 
 
 def test_a_coordinator_that_remembers_nothing_does_not_say_that_the_load_lies_there() -> None:

@@ -2,30 +2,43 @@
 
 from __future__ import annotations
 
+import pytest
+from defaults import PLANT
 from effects import committed, instructed, listening, sent
 from m7 import NO_HOUSINGS, docked, handover
 from msgspec.structs import replace
 from rigs import BlindRig, MachineRig
+from seals import FOR_EVER_S, seal
 from spoken import production, rhb
 
+from dray.adapters.security.signing import is_signed
 from dray.body import Book, CloseDock, DockReady
 from dray.memory import DepartureMemory
 from dray.messages import (
     Docked,
+    DockHeld,
     DockOpened,
+    Grant,
     Phase,
     Reason,
+    Removal,
+    Removals,
     Resigned,
     Role,
     StockAsked,
     StockFreed,
     Superseded,
 )
+from dray.messages.floor.removal import removed_words
 from dray.messages.keys import Keys
 from dray.plant.file.file import shipped_plant
-from dray.protocol.contract_net.departures import Departures
+from dray.protocol.contract_net.bookings import Bookings
+from dray.protocol.contract_net.departures import UNHEARD_S, Departures
 from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
 from dray.protocol.runtime.events import Effect
+from dray.protocol.traffic.places import Places
+from dray.protocol.traffic.removal_authorisation import LISTEN_S
+from dray.protocol.traffic.traffic_map import TrafficMap
 
 DOCK = "m7"
 GIVES_BACK = Resigned(task="M7-1", epoch=1, role=Role.PRIMARY, reason=Reason.PROBLEM)
@@ -54,14 +67,28 @@ def given_back(rig: MachineRig | None = None) -> MachineRig:
     return rig
 
 
-def beats(rig: MachineRig, phase: Phase | None, *, node: str = DOCK, aboard: bool = False) -> list[Effect]:
-    """ATV2 tells what it does."""
+def beats(
+    rig: MachineRig,
+    phase: Phase | None,
+    *,
+    node: str = DOCK,
+    aboard: bool = False,
+    task: str = "M7-1",
+    before: int = 0,
+) -> list[Effect]:
+    """ATV2 tells what it does; `before`: so many heartbeats ago."""
     rig.run(rig.now_s + 1.0)
-    beat = rhb("ATV2", 1000 + int(rig.now_s), rig.now_s, task="M7-1", coordinator="M7")
+    beat = rhb("ATV2", 1000 + int(rig.now_s) - before, rig.now_s, task=task, coordinator="M7")
     assert beat.task is not None
     doing = None if phase is None else replace(beat.task, phase=phase)
     load = ("housing", 24) if aboard else ("", 0)
     return rig.on_message("ATV2", replace(beat, task=doing, node=node, load=load[0], load_quantity=load[1]))
+
+
+def alone(out: list[Effect]) -> Departures:
+    """Of a dock, without an agent."""
+    subscriptions = HeartbeatSubscriptions(Keys("dray").atv_heartbeat, out)
+    return Departures(DOCK, subscriptions, Bookings(out, lambda: None), out, lambda: None)
 
 
 def test_a_vehicle_that_goes_away_with_its_load_has_the_dock_until_it_has_left() -> None:
@@ -80,6 +107,67 @@ def test_what_a_superseded_vehicle_has_put_down_all_the_same_is_booked() -> None
     assert instructed(beats(rig, None), CloseDock) == []
 
 
+def test_a_vehicle_that_names_another_task_has_ended_this_one() -> None:
+    rig = given_back()
+    assert instructed(beats(rig, Phase.UNLOADING, aboard=True), CloseDock) == []
+    # It loads the same for another one.
+    effects = beats(rig, Phase.LOADING, task="M8-1", aboard=True)
+    assert (instructed(effects, CloseDock), instructed(effects, Book)) == (SHUT, BROUGHT)
+
+
+def test_what_a_vehicle_may_have_put_down_elsewhere_is_not_booked_in() -> None:
+    rig = given_back()
+    beats(rig, Phase.UNLOADING, aboard=True)
+    rig.run(rig.now_s + 2 * UNHEARD_S)
+    effects = beats(rig, Phase.APPROACHING, task="M8-1")
+    assert (instructed(effects, CloseDock), instructed(effects, Book)) == (SHUT, [])
+
+
+def test_a_load_that_somebody_takes_off_a_vehicle_on_its_way_back_was_not_put_down_here() -> None:
+    rig = given_back()
+    effects = beats(rig, Phase.RETURNING, node="c1")
+    assert (instructed(effects, CloseDock), instructed(effects, Book)) == (SHUT, [])
+
+
+def test_a_heartbeat_of_before_tells_nothing() -> None:
+    rig = given_back()
+    beats(rig, Phase.UNLOADING, aboard=True)
+    assert instructed(beats(rig, Phase.CARRYING, node="c1", aboard=True, before=5), CloseDock) == []
+
+
+def test_what_a_vehicle_may_have_taken_while_it_was_not_heard_is_booked_out() -> None:
+    out: list[Effect] = []
+    departures = alone(out)
+    departures.restore([DepartureMemory("ATV2", "M7-1", 1, "shaft", -24)])
+    departures.on_vehicle(rhb("ATV2", 1, 0.0), 0.0)
+    assert instructed(out, Book) == [Book("ATV2", "shaft", -24, task="M7-1", epoch=1)]
+
+
+def test_a_vehicle_that_asks_for_the_dock_for_something_else_is_done_though_it_has_to_wait() -> None:
+    rig = BlindRig("LATHE1", {"bar": 60, "shaft": 6}, plant=shipped_plant("levels"))
+    rig.answers = True
+    rig.start()
+    rig.on_message("PRESS1", StockAsked("PRESS1-1", 1, "shaft", 6))
+    rig.on_message("ATV2", Docked("PRESS1-1", 1, "LATHE1", "shaft", 6))
+    rig.report(DockReady(vehicle="ATV2"))
+    assert instructed(rig.on_message("PRESS1", StockFreed("PRESS1-1")), CloseDock) == []
+    rig.on_message("PRESS2", StockAsked("PRESS2-1", 1, "shaft", 6))
+    effects = rig.on_message("ATV2", Docked("PRESS3-1", 1, "LATHE1", "shaft", 6))
+    assert sent(effects, DockHeld, to="ATV2")
+    assert instructed(effects, CloseDock) == SHUT
+
+
+def test_where_the_dock_opens_at_once_a_drop_after_the_transport_was_given_back_is_booked() -> None:
+    rig = BlindRig("M7", NO_HOUSINGS)
+    rig.start()
+    rig.take_goal("G1", production(quantity=24))
+    rig.hire("M7-1", "ATV2")
+    assert sent(rig.on_message("ATV2", docked()), DockOpened)
+    assert instructed(rig.on_message("ATV2", GIVES_BACK), CloseDock) == SHUT
+    assert instructed(beats(rig, Phase.UNLOADING, aboard=True), Book) == []
+    assert instructed(beats(rig, None), Book) == BROUGHT
+
+
 def test_a_silent_vehicle_keeps_the_dock_until_it_is_heard_elsewhere() -> None:
     rig = given_back()
     assert instructed(rig.run(rig.now_s + 3_600.0), CloseDock) == []
@@ -88,13 +176,55 @@ def test_a_silent_vehicle_keeps_the_dock_until_it_is_heard_elsewhere() -> None:
 
 def test_a_vehicle_that_was_carried_away_has_left() -> None:
     out: list[Effect] = []
-    departures = Departures(DOCK, HeartbeatSubscriptions(Keys("dray").atv_heartbeat, out), out, lambda: None)
+    departures = alone(out)
     departures.watch(DepartureMemory("ATV2", "M7-1", 1, "housing", 24))
     departures.on_carried_away("ATV7")
     assert instructed(out, CloseDock) == []
     departures.on_carried_away("ATV2")
     assert (instructed(out, CloseDock), instructed(out, Book)) == (SHUT, [])
     assert listening(out) == set()
+
+
+def with_books_elsewhere() -> TrafficMap:
+    """Right of way, and only M4 keeps books."""
+    traffic = TrafficMap(PLANT, is_signed)
+    traffic.places = Places(PLANT, keepers=("M4",))
+    return traffic
+
+
+def carried_away(*, everywhere: bool = True, forged: bool = False) -> Removals:
+    """A person has carried ATV2 away."""
+    grant = Grant("mara", FOR_EVER_S, b"", everywhere=everywhere)
+    removal = Removal("ATV2", number=1, life=1, seq=10_000, grant=grant)
+    signature = seal(b"" if forged else removed_words(removal))
+    return Removals((replace(removal, grant=replace(grant, signature=signature)),))
+
+
+@pytest.mark.parametrize("traffic", [None, with_books_elsewhere()], ids=["no right of way", "no books here"])
+def test_a_dock_without_books_hears_that_a_dead_vehicle_was_carried_away(traffic: TrafficMap | None) -> None:
+    rig = given_back(BlindRig("M7", NO_HOUSINGS, traffic=traffic))
+    assert Keys(PLANT.id).removals in listening(rig.all)
+    # It is listened to from the first word on: it may be alive.
+    assert instructed(rig.on_message("GATEWAY", carried_away()), CloseDock) == []
+    rig.run(rig.now_s + LISTEN_S + 1.0)
+    assert instructed(rig.on_message("GATEWAY", carried_away(forged=True)), CloseDock) == []
+    assert instructed(rig.on_message("GATEWAY", carried_away(everywhere=False)), CloseDock) == []
+    effects = rig.on_message("GATEWAY", carried_away())
+    assert (instructed(effects, CloseDock), instructed(effects, Book)) == (SHUT, [])
+
+
+def test_a_dock_without_books_does_not_believe_that_a_vehicle_was_carried_away_which_it_hears() -> None:
+    rig = given_back()
+    rig.on_message("GATEWAY", carried_away())
+    rig.run(rig.now_s + LISTEN_S + 1.0)
+    beats(rig, Phase.UNLOADING, aboard=True)
+    assert instructed(rig.on_message("GATEWAY", carried_away()), CloseDock) == []
+
+
+def test_a_dock_that_opens_at_once_and_keeps_no_books_hears_nobodys_removals() -> None:
+    rig = BlindRig("M7", NO_HOUSINGS)
+    rig.start()
+    assert Keys(PLANT.id).removals not in listening(rig.all)
 
 
 def test_the_next_life_waits_for_it_and_books_what_it_put_down() -> None:
@@ -159,3 +289,54 @@ def test_a_load_that_is_given_back_while_it_is_taken_leaves_the_dock_open_until_
     assert instructed(rig.on_message("ATV2", loads), CloseDock) == []
     leaves = replace(beat, seq=1001, node="far", task=replace(beat.task, phase=Phase.RETURNING))
     assert instructed(rig.on_message("ATV2", leaves), CloseDock) == SHUT
+
+
+def test_who_loaded_here_once_and_gives_a_later_transport_back_far_away_has_brought_nothing() -> None:
+    rig = BlindRig("M7", {**NO_HOUSINGS, "housing": 6})
+    rig.answers = True
+    rig.start()
+    rig.on_message("M8", StockAsked("M8-1", 1, "housing", 6))
+    rig.on_message("ATV2", Docked("M8-1", 1, "M7", "housing", 6))
+    assert sent(rig.report(DockReady(vehicle="ATV2")), DockOpened)
+    rig.take_goal("G1", production(quantity=24))
+    rig.hire("M7-1", "ATV2")
+    assert instructed(rig.on_message("ATV2", GIVES_BACK), CloseDock) == SHUT
+    assert instructed(beats(rig, None, node="c1"), Book) == []
+
+
+def test_who_was_let_in_by_an_earlier_life_is_not_booked_in_for_what_this_one_does_not_know() -> None:
+    first = unloading()
+    rig = BlindRig("M7", NO_HOUSINGS, incarnation=2)
+    rig.answers, rig.opened, rig.memory = True, ("ATV2",), committed(first.all)
+    rig.start()
+    assert instructed(rig.on_message("ATV2", GIVES_BACK), CloseDock) == []
+    assert instructed(beats(rig, Phase.UNLOADING, aboard=True), CloseDock) == []
+    effects = beats(rig, None)
+    assert (instructed(effects, CloseDock), instructed(effects, Book)) == (SHUT, [])
+
+
+def test_who_has_loaded_is_inside_no_more_once_that_is_booked() -> None:
+    rig = BlindRig("LATHE1", {"bar": 60, "shaft": 12}, plant=shipped_plant("levels"))
+    rig.answers = True
+    rig.start()
+    rig.on_message("PRESS1", StockAsked("PRESS1-1", 1, "shaft", 6))
+    rig.on_message("ATV2", Docked("PRESS1-1", 1, "LATHE1", "shaft", 6))
+    rig.report(DockReady(vehicle="ATV2"))
+    rig.stocked("shaft", -6, "ATV2")
+    # Its next load here is given back before the dock was made ready for it: nobody waits for it to leave.
+    rig.on_message("PRESS1", StockAsked("PRESS1-2", 1, "shaft", 6))
+    rig.on_message("ATV2", Docked("PRESS1-2", 1, "LATHE1", "shaft", 6))
+    assert instructed(rig.on_message("PRESS1", StockFreed("PRESS1-2")), CloseDock) == SHUT
+
+
+def test_what_was_put_down_is_told_again_by_the_next_life_until_the_body_has_answered() -> None:
+    first = given_back()
+    beats(first, Phase.UNLOADING, aboard=True)
+    assert instructed(beats(first, None), Book) == BROUGHT
+    rig = BlindRig("M7", NO_HOUSINGS, incarnation=2)
+    rig.memory = committed(first.all)
+    assert instructed(rig.start(), Book) == BROUGHT
+    rig.stocked("housing", 24, "ATV2")
+    third = BlindRig("M7", NO_HOUSINGS, incarnation=3)
+    third.memory = committed(rig.all)
+    assert instructed(third.start(), Book) == []

@@ -29,6 +29,7 @@ from dray.messages import (
 from dray.messages.fact import TaskClosed
 from dray.messages.heartbeat import DockWait
 from dray.messages.keys import Keys
+from dray.protocol.contract_net.bookings import Bookings
 from dray.protocol.contract_net.departures import Departures
 from dray.protocol.contract_net.dock import NOT_READY, SAFE_WITHIN_S, Door
 from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
@@ -173,7 +174,8 @@ def test_a_vehicle_that_goes_away_waits_for_no_dock() -> None:
 def test_whoever_stands_behind_another_one_waits_from_its_turn_on() -> None:
     out: list[Effect] = []
     keys = Keys(PLANT.id)
-    departures = Departures("m7", HeartbeatSubscriptions(keys.atv_heartbeat, out), out, lambda: None)
+    subscriptions = HeartbeatSubscriptions(keys.atv_heartbeat, out)
+    departures = Departures("m7", subscriptions, Bookings(out, lambda: None), out, lambda: None)
     door = Door(out, 60.0, departures)
     door.answers = True
     for vehicle in ("ATV1", "ATV2"):

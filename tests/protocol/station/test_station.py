@@ -11,7 +11,7 @@ from msgspec.structs import replace
 from rigs import Rig
 from spoken import rhb
 
-from dray.body import Book, CloseDock, DockReady, OpenDock, Refill, StockChanged, StorageState
+from dray.body import Book, CloseDock, DockReady, Instruction, OpenDock, Refill, StockChanged, StorageState
 from dray.memory import StationMemory
 from dray.messages import (
     Docked,
@@ -27,9 +27,10 @@ from dray.messages import (
 )
 from dray.messages.heartbeat import DockWait
 from dray.protocol.contract_net.dock import NOT_READY, SAFE_WITHIN_S
-from dray.protocol.runtime.events import Effect, Ignore
+from dray.protocol.runtime.events import Effect, Ignore, Instruct
 from dray.protocol.station.station import Station
 from dray.protocol.transports.reservations import LEASE_S, MAX_ASKED, QUEUED_S
+from dray.protocol.transports.transport_flow import NOT_KEPT
 
 SPEC = PLANT.storages["S1"]
 ITEM = "shaft"
@@ -364,10 +365,10 @@ def test_asked_to_leave_it_promises_nothing_more_and_waits_for_the_vehicle_at_it
 # --- what is brought back ---
 
 
-def brought_back(*, counts: bool) -> tuple[StationRig, list[Effect]]:
-    """ATV1 stands at the dock with 40 shafts that nobody wants any more; the dock makes itself safe."""
+def brought_back(*, counts: bool, answers: bool = True) -> tuple[StationRig, list[Effect]]:
+    """ATV1 stands at the dock with 40 shafts that nobody wants any more; the dock makes itself safe where it answers."""
     rig = StationRig()
-    rig.answers, rig.counts = True, counts
+    rig.answers, rig.counts = answers, counts
     rig.start()
     back = Docked(task="M8-1", epoch=1, station="S1", item=ITEM, quantity=40, returns=True)
     return rig, rig.on_message("ATV1", back)
@@ -385,10 +386,20 @@ def returns(rig: StationRig, *, aboard: bool, ended: bool = False, node: str = "
     return rig.on_message("ATV1", said)
 
 
-def test_a_body_that_counts_takes_what_is_brought_back_without_a_question() -> None:
-    _, effects = brought_back(counts=True)
+def test_a_body_that_counts_and_opens_at_once_takes_what_is_brought_back_without_a_question() -> None:
+    _, effects = brought_back(counts=True, answers=False)
     assert sent(effects, DockOpened, to="ATV1") == [DockOpened("M8-1", 1, "S1")]
     assert instructed(effects, OpenDock) == []
+
+
+def test_a_body_that_counts_and_makes_its_dock_safe_is_asked_for_what_is_brought_back() -> None:
+    rig, effects = brought_back(counts=True)
+    assert (sent(effects, DockOpened), instructed(effects, OpenDock)) == ([], [OpenDock("ATV1", ITEM, 40)])
+    assert sent(rig.report(DockReady("ATV1")), DockOpened, to="ATV1")
+    returns(rig, aboard=True)
+    rig.changes(40, "ATV1")
+    effects = returns(rig, aboard=False, ended=True)
+    assert (instructed(effects, Book), instructed(effects, CloseDock)) == ([], [CloseDock("ATV1")])
 
 
 def test_where_the_body_does_not_count_what_is_brought_back_gets_a_permit_and_is_booked_in() -> None:
@@ -417,4 +428,73 @@ def test_the_next_life_books_in_what_was_brought_back_to_this_one() -> None:
     rig.answers, rig.counts, rig.opened = True, False, {"ATV1": None}
     rig.memory = committed(first.all)
     rig.start()
+    assert instructed(returns(rig, aboard=True), Book) == []
     assert instructed(returns(rig, aboard=False, ended=True), Book)
+
+
+def test_the_next_life_does_not_book_in_what_it_has_not_seen_at_its_dock() -> None:
+    first, _ = brought_back(counts=False)
+    rig = StationRig(incarnation=2)
+    rig.answers, rig.counts, rig.opened = True, False, {"ATV1": None}
+    rig.memory = committed(first.all)
+    rig.start()
+    effects = returns(rig, aboard=False, ended=True)
+    assert (instructed(effects, Book), instructed(effects, CloseDock)) == ([], [CloseDock("ATV1")])
+
+
+@pytest.mark.parametrize(("item", "quantity"), [("ghost", 40), (ITEM, 401), (ITEM, 0)])
+def test_what_cannot_lie_here_is_put_down_and_not_booked(item: str, quantity: int) -> None:
+    rig = StationRig()
+    rig.answers, rig.counts = True, False
+    rig.start()
+    effects = rig.on_message("ATV1", replace(BACK, item=item, quantity=quantity))
+    assert Ignore(NOT_KEPT) in effects
+    assert told(effects) == [OpenDock("ATV1", item, quantity)]
+    assert sent(rig.report(DockReady("ATV1")), DockOpened, to="ATV1")
+    returns(rig, aboard=True)
+    assert told(returns(rig, aboard=False, ended=True)) == [CloseDock("ATV1")]
+
+
+def cancelled_while_it_loads() -> tuple[StationRig, list[Effect]]:
+    """ATV1 was let in to load 40 shafts for M8; they are given back, and it has them: it asks to put them down where it stands."""
+    rig = StationRig()
+    rig.answers, rig.counts = True, False
+    rig.start()
+    rig.asks("M8-1")
+    rig.docks("ATV1", "M8-1")
+    assert sent(rig.report(DockReady("ATV1")), DockOpened)
+    assert instructed(rig.on_message("M8", StockFreed("M8-1")), CloseDock) == []
+    return rig, rig.on_message("ATV1", BACK)
+
+
+BACK = Docked(task="M8-1", epoch=1, station="S1", item=ITEM, quantity=40, returns=True)
+OUT, IN = Book("ATV1", ITEM, -40, task="M8-1", epoch=1), Book("ATV1", ITEM, 40, task="M8-1", epoch=1)
+
+
+def told(effects: list[Effect]) -> list[Instruction]:
+    """All that the body was told."""
+    return [effect.instruction for effect in effects if isinstance(effect, Instruct)]
+
+
+def test_what_is_put_back_where_it_was_loaded_is_booked_out_before_the_dock_is_opened_for_it() -> None:
+    rig, effects = cancelled_while_it_loads()
+    assert told(effects) == [OUT, OpenDock("ATV1", ITEM, 40)]
+    rig.changes(-40, "ATV1")
+    assert sent(rig.report(DockReady("ATV1")), DockOpened, to="ATV1")
+    # Its forks are inside: nothing more is booked, and the dock stays open.
+    assert told(returns(rig, aboard=True)) == []
+
+
+def test_what_is_put_back_where_it_was_loaded_is_booked_in_again() -> None:
+    rig, _ = cancelled_while_it_loads()
+    rig.changes(-40, "ATV1")
+    rig.report(DockReady("ATV1"))
+    returns(rig, aboard=True)
+    effects = returns(rig, aboard=False, ended=True)
+    assert (instructed(effects, Book), instructed(effects, CloseDock)) == ([IN], [CloseDock("ATV1")])
+
+
+def test_a_vehicle_that_asks_again_to_put_its_load_back_changes_nothing() -> None:
+    rig, _ = cancelled_while_it_loads()
+    rig.changes(-40, "ATV1")
+    assert told(rig.on_message("ATV1", BACK)) == [OpenDock("ATV1", ITEM, 40)]

@@ -7,17 +7,31 @@ people have carried away is not.
 
 What it has put down or taken meanwhile lies there, or lies there no more, whoever its transport belongs to by now. A body that does not count is
 told so (`Book`).
+
+    it names the task, brings back or has its load on board    it has taken it, or not put it down
+    it names the task, without                                 it has put it down, or not taken it
+    it names the task no more, and was heard at it until then  the same: nobody ends a task with its load on board
+    it names the task no more, after a time in which it was    nobody knows where it has been: what it might have taken is booked
+    not heard                                                  out, what it might have brought is not booked in
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 
-from dray.body import Book, CloseDock
+from dray.body import CloseDock
 from dray.memory import DepartureMemory
 from dray.messages import AtvHeartbeat, Phase
+from dray.protocol.contract_net.bookings import Bookings
 from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
-from dray.protocol.runtime.events import Effect, Instruct
+from dray.protocol.runtime.bounded_map import BoundedMap
+from dray.protocol.runtime.events import NEVER_S, Effect, Instruct
+
+UNHEARD_S = 8.0
+"""No vehicle takes a load away, puts it down elsewhere and ends its task within this; several heartbeats of one that works come."""
+
+HEARD_KEPT = 256
+"""Vehicles of which it is known when they were heard last: more than any dock has to do with at a time."""
 
 _MAY_BE_INSIDE = frozenset({Phase.LOADING, Phase.UNLOADING, Phase.RETURNING})
 
@@ -28,20 +42,29 @@ class Departures:
     Args:
         node: where vehicles stand at it.
         subscriptions: whose heartbeats are heard.
+        bookings: what its body is told.
         out: where effects go.
         commit: called when the next life must know of something else.
+        left: called with a vehicle that has left.
     """
 
     def __init__(
         self,
         node: str,
         subscriptions: HeartbeatSubscriptions,
+        bookings: Bookings,
         out: list[Effect],
         commit: Callable[[], None],
+        left: Callable[[str], None] = lambda _vehicle: None,
     ) -> None:
         self._node, self._subscriptions, self._out, self._commit = node, subscriptions, out, commit
+        self._bookings, self._left = bookings, left
         self._leaving: dict[str, DepartureMemory] = {}
         """By vehicle, what it may have moved."""
+        self._newest: BoundedMap[str, tuple[int, int]] = BoundedMap(HEARD_KEPT)
+        """By vehicle, incarnation and number of its newest heartbeat."""
+        self._at_task: BoundedMap[str, tuple[str, int, float]] = BoundedMap(HEARD_KEPT)
+        """By vehicle, the task and the epoch that it has named last, and when."""
 
     def watch(self, load: DepartureMemory) -> None:
         """A vehicle is not wanted any more, and may be inside. Harmless when that is known."""
@@ -50,29 +73,46 @@ class Departures:
             self._leaving[load.vehicle] = load
             self._commit()
 
-    def note_done(self, vehicle: str, *, aboard: bool) -> None:
-        """A vehicle is done here. Harmless when it was not watched.
+    def take_back(self, load: DepartureMemory, now_s: float) -> None:
+        """A vehicle that has its load on board stands here to put it down. Harmless when that is known; of what it was watched for before nothing was put down."""
+        known = self._leaving.get(load.vehicle)
+        if known is not None and known != load:
+            if known.item == load.item and known.change < 0:
+                self._bookings.say(known)
+            self._leaving[load.vehicle] = load
+            self._commit()
+        self._at_task[load.vehicle] = (load.task, load.epoch, now_s)
+        self.watch(load)
+
+    def note_done(self, vehicle: str, now_s: float, *, aboard: bool) -> None:
+        """A vehicle stands here for something else, and is done with what it was watched for. Harmless when it was not watched.
 
         Args:
             vehicle: which.
-            aboard: whether it has its load on board.
+            now_s: the present time.
+            aboard: whether it has a load on board.
         """
-        load = self._leaving.get(vehicle)
-        if load is None:
-            return
-        if load.change and aboard is (load.change < 0):
-            book = Book(vehicle, load.item, load.change, task=load.task, epoch=load.epoch)
-            self._out.append(Instruct(book))
-        self._close(vehicle)
+        if (load := self._leaving.get(vehicle)) is not None:
+            self._end(load, aboard=aboard or not self._was_heard(load, now_s))
 
-    def on_vehicle(self, heartbeat: AtvHeartbeat) -> None:
+    def on_vehicle(self, heartbeat: AtvHeartbeat, now_s: float) -> None:
         """A vehicle tells where it is, and what it does."""
-        load = self._leaving.get(heartbeat.atv)
-        if load is None:
+        said = (heartbeat.incarnation, heartbeat.seq)
+        if said <= self._newest.get(heartbeat.atv, (-1, 0)):
             return
-        phase = heartbeat.task.phase if heartbeat.task is not None else None
-        if heartbeat.node != self._node or phase not in _MAY_BE_INSIDE:
-            self.note_done(heartbeat.atv, aboard=heartbeat.load == load.item and heartbeat.load_quantity > 0)
+        self._newest[heartbeat.atv] = said
+        load, carries = self._leaving.get(heartbeat.atv), heartbeat.task
+        if load is not None:
+            names = carries is not None and (
+                not load.task or (carries.task, carries.epoch) == (load.task, load.epoch)
+            )
+            phase = carries.phase if carries is not None and names else None
+            if heartbeat.node != self._node or phase not in _MAY_BE_INSIDE:
+                has_it = heartbeat.load == load.item and heartbeat.load_quantity > 0
+                aboard = has_it or phase is Phase.RETURNING if names else not self._was_heard(load, now_s)
+                self._end(load, aboard=aboard)
+        if carries is not None:
+            self._at_task[heartbeat.atv] = (carries.task, carries.epoch, now_s)
 
     def on_carried_away(self, vehicle: str) -> None:
         """People have carried a vehicle away: what it has put down before nobody knows, and nothing is booked."""
@@ -90,8 +130,20 @@ class Departures:
         for load in memories:
             self.watch(load)
 
+    def _was_heard(self, load: DepartureMemory, now_s: float) -> bool:
+        """Whether a vehicle has named the task until now."""
+        task, epoch, at_s = self._at_task.get(load.vehicle, ("", 0, -NEVER_S))
+        return (task, epoch) == (load.task, load.epoch) and now_s - at_s < UNHEARD_S
+
+    def _end(self, load: DepartureMemory, *, aboard: bool) -> None:
+        """A vehicle has left; `aboard`: with its load, or nobody knows."""
+        if load.change and aboard is (load.change < 0):
+            self._bookings.say(load)
+        self._close(load.vehicle)
+
     def _close(self, vehicle: str) -> None:
         del self._leaving[vehicle]
         self._subscriptions.unfollow(vehicle)
         self._out.append(Instruct(CloseDock(vehicle=vehicle)))
+        self._left(vehicle)
         self._commit()

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from msgspec import UNSET, UnsetType
+from msgspec.structs import replace
 
 from dray.body import CloseDock, OpenDock
 from dray.memory import DepartureMemory
@@ -55,6 +56,9 @@ def ready_within_s(plant: Plant, place: str) -> float:
 NOT_READY = "the dock is not ready yet"
 """To a vehicle, while whoever makes the dock safe has not said that it is."""
 
+OF_EARLIER_LIFE = ("", 0)
+"""The task and the epoch for which an earlier life has let somebody in: not known."""
+
 
 class Door:
     """The door of one dock.
@@ -66,6 +70,7 @@ class Door:
 
     Attributes:
         answers: whether the body says when it has opened (`dray.body.WorkcellState`); else it is open as soon as it is told to.
+        counts: whether the body counts what vehicles bring and take.
     """
 
     def __init__(self, out: list[Effect], patience_s: float, departures: Departures) -> None:
@@ -74,9 +79,10 @@ class Door:
         """By vehicle, what it has asked for and waits to be opened."""
         self._since_s: dict[str, float] = {}
         """Since when each of them is the next one."""
-        self._inside: set[str] = set()  # Only ever asked for membership.
-        """Those that were let in where the body has to make the dock ready: they may be at it."""
+        self._inside: dict[str, tuple[str, int]] = {}
+        """Those that were let in, with the task and its epoch: they may be at it. Not where the body counts and opens at once."""
         self.answers = False
+        self.counts = True
 
     def open(self, vehicle: str, asked: Docked, item: str, quantity: int, now_s: float) -> None:
         """Let a vehicle that stands here load or unload, once; it waits where the body has to make the dock ready for it."""
@@ -86,6 +92,8 @@ class Door:
             self._since_s.setdefault(vehicle, now_s)
             self.hold(vehicle, asked, NOT_READY)
         else:
+            if not self.counts:
+                self._inside[vehicle] = (asked.task, asked.epoch)
             self.agree(vehicle, asked)
 
     def is_opening(self, vehicle: str) -> bool:
@@ -104,7 +112,7 @@ class Door:
         asked = self._forget(vehicle)
         if asked is None:
             return False
-        self._inside.add(vehicle)
+        self._inside[vehicle] = (asked.task, asked.epoch)
         self.agree(vehicle, asked)
         # It gets ready: whoever waits behind this one has waited for that one's turn.
         self._since_s = dict.fromkeys(self._since_s, now_s)
@@ -122,7 +130,7 @@ class Door:
     def restore(self, opened: Iterable[str]) -> None:
         """Go on with a dock that an earlier life has opened."""
         if self.answers:
-            self._inside.update(opened)
+            self._inside.update(dict.fromkeys(opened, OF_EARLIER_LIFE))
 
     def shut(self, vehicle: str, load: DepartureMemory | None = None) -> None:
         """A vehicle is not wanted any more: end a transfer that it has begun without effect, or let it leave where it may be inside.
@@ -132,17 +140,32 @@ class Door:
             load: what it may move meanwhile, and nobody else would book; None for nothing.
         """
         self._forget(vehicle)
-        if vehicle in self._inside:
-            self._inside.discard(vehicle)
-            self._departures.watch(load or DepartureMemory(vehicle))
+        let_in = self._inside.pop(vehicle, None)
+        if not self.answers:
+            # Nothing moves that could hurt it: the permit goes at once, and only what it moves is waited for.
+            self._out.append(Instruct(CloseDock(vehicle=vehicle)))
+            if load is not None and load.change and let_in == (load.task, load.epoch):
+                self._departures.watch(load)
+            return
+        if load is None and let_in is not None:
+            self._departures.watch(DepartureMemory(vehicle))
+        elif load is not None and let_in == (load.task, load.epoch):
+            self._departures.watch(load)
+        elif load is not None and let_in == OF_EARLIER_LIFE:
+            # Whether for this load nobody knows: in doubt it is booked out, and never in.
+            self._departures.watch(replace(load, change=min(load.change, 0)))
         else:
             # Also when this life has not opened it: an earlier one may have.
             self._out.append(Instruct(CloseDock(vehicle=vehicle)))
 
     def close(self, vehicle: str) -> None:
         """A vehicle has done what it was let in for."""
-        self._inside.discard(vehicle)
+        self.note_left(vehicle)
         self.shut(vehicle)
+
+    def note_left(self, vehicle: str) -> None:
+        """A vehicle is not at the dock any more: what it has moved is booked, or it was heard elsewhere."""
+        self._inside.pop(vehicle, None)
 
     def _forget(self, vehicle: str) -> Docked | None:
         self._since_s.pop(vehicle, None)

@@ -219,7 +219,7 @@ class Machine(AgentBase):
         self._closures.listen()
         if self.incarnation > 1:
             self._flow.recover(note is None, now_s)
-        self._bookkeeping.start(memory, now_s)
+        self._bookkeeping.start(memory, now_s, dock_answers=self._flow.door.answers)
         self._heartbeat_timer.at_once(now_s)
         self.pursue(now_s)
 
@@ -248,6 +248,7 @@ class Machine(AgentBase):
             put_away_count=self._flow.put_away.count,
             let_in=self._flow.booking_out.memories(),
             leaving=self._flow.departures.memories(),
+            booked=self._flow.bookings.memories(),
         )
 
     def _sense(self, body: BodyState | None, now_s: float) -> None:
@@ -290,6 +291,7 @@ class Machine(AgentBase):
 
     def _stock_changed(self, report: StockChanged, now_s: float) -> None:
         is_news = self._supply.change(report.item, report.change, report.seq)
+        self._flow.note_booked(report)
         if not self._goals.products.is_goods(report.item):
             self._flow.on_material(report, now_s)
         else:

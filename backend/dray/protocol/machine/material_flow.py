@@ -146,6 +146,7 @@ class MaterialFlow(TransportFlow):
         self.restore_tasks(memory.tasks, notes, now_s)
         self.booking_out.restore(memory.let_in)
         self.departures.restore(memory.leaving)
+        self.bookings.restore(memory.booked)
         for load in memory.let_in:
             self._book.restore(load, (load.vehicle,), now_s)
 

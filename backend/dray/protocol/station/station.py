@@ -152,6 +152,7 @@ class Station(AgentBase):
             self._flow.restore_tasks(note.tasks, memory, now_s)
             self._flow.booking_out.restore(note.let_in)
             self._flow.departures.restore(note.leaving)
+            self._flow.bookings.restore(note.booked)
             self._held_loads.restore(note.answered)
             # Tasks without a carrier have a higher epoch now: no life may use one that an earlier one has used.
             self._commit()
@@ -164,7 +165,7 @@ class Station(AgentBase):
         if self.incarnation > 1:
             self._flow.recover(not memory, now_s)
         self._go_on(now_s)
-        self._bookkeeping.start(memory, now_s)
+        self._bookkeeping.start(memory, now_s, dock_answers=self._flow.door.answers)
         self._heartbeat_timer.at_once(now_s)
 
     def _sense(self, body: BodyState | None, now_s: float) -> None:
@@ -187,6 +188,7 @@ class Station(AgentBase):
             answered=self._held_loads.answered,
             let_in=self._flow.booking_out.memories(),
             leaving=self._flow.departures.memories(),
+            booked=self._flow.bookings.memories(),
         )
 
     def _was_deaf(self, span_s: float) -> None:
@@ -243,7 +245,8 @@ class Station(AgentBase):
     def _on_docked(self, sender: str, docked: Docked, now_s: float) -> None:
         """A vehicle stands here and asks to unload what was brought here, or to load for another place."""
         if docked.returns and docked.station == self.id:
-            self._flow.take_back(sender, docked, now_s)
+            is_kept = self._book.holds(docked.item, docked.quantity)
+            self._flow.take_back(sender, docked, now_s, is_kept=is_kept)
         elif docked.station != self.id and not self._flow.knows(docked.task):
             self._out.append(Ignore("asked for the dock of another storage"))
         elif docked.item and docked.station == self.id and not self._flow.knows(docked.task):
@@ -264,6 +267,7 @@ class Station(AgentBase):
 
     def _stock_changed(self, report: StockChanged, now_s: float) -> None:
         self._book.change(report.item, report.change, report.seq)
+        self._flow.note_booked(report)
         self._flow.on_material(report, now_s)
         if report.change < 0:
             self._issuing.on_taken(report.vehicle, report.item)

@@ -3,7 +3,7 @@
 A vehicle that was let in to load is listened to.
 
     it names the task, in the same epoch, with the load on board    booked out: the body is told (`Book`)
-    it names the task no more, and was heard at it until then       it has left without
+    it names the task no more, and was heard at it until then       it has left without, unless it has such a load on board
     it names the task no more, after a time in which it was not     its coordinator is asked, as long as it takes: it says whether the
     heard (this agent was down, or deaf)                            load was fetched, or that it cannot know. In doubt it is booked
                                                                     out: nothing is promised that may not lie there
@@ -15,15 +15,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 
-from dray.body import Book
-from dray.memory import ReservationMemory
-from dray.messages import AtvHeartbeat, StockFreed, StockReserved
+from dray.memory import DepartureMemory, ReservationMemory
+from dray.messages import AtvHeartbeat, Docked, StockFreed, StockReserved
 from dray.messages.heartbeat import GOODS_ABOARD
+from dray.protocol.contract_net.bookings import Bookings
+from dray.protocol.contract_net.departures import UNHEARD_S
 from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
-from dray.protocol.runtime.events import Effect, Instruct, Send
-
-UNHEARD_S = 8.0
-"""No vehicle fetches a load, brings it and goes on to something else within this; several heartbeats of one that works come."""
+from dray.protocol.runtime.events import Effect, Send
 
 AGAIN_S = 10.0
 """A coordinator that has not answered is asked again after this."""
@@ -34,14 +32,19 @@ class BookingOut:
 
     Args:
         subscriptions: whose heartbeats are heard.
+        bookings: what its body is told.
         out: where effects go.
         commit: called when the next life must know of something else.
     """
 
     def __init__(
-        self, subscriptions: HeartbeatSubscriptions, out: list[Effect], commit: Callable[[], None]
+        self,
+        subscriptions: HeartbeatSubscriptions,
+        bookings: Bookings,
+        out: list[Effect],
+        commit: Callable[[], None],
     ) -> None:
-        self._subscriptions = subscriptions
+        self._subscriptions, self._bookings = subscriptions, bookings
         self._out, self._commit = out, commit
         self._let_in: dict[str, ReservationMemory] = {}
         """By vehicle, what it may take."""
@@ -66,10 +69,31 @@ class BookingOut:
             self._heard_s[load.vehicle] = now_s
             if carries.phase in GOODS_ABOARD:
                 self._book(load)
-        elif now_s - self._heard_s.get(load.vehicle, -UNHEARD_S) < UNHEARD_S:
+        elif heartbeat.load == load.item and heartbeat.load_quantity > 0:
+            self._book(load)
+        elif self._was_heard(load, now_s):
             self._forget(load.vehicle)
         else:
             self._ask(load, now_s)
+
+    def on_docked(self, vehicle: str, docked: Docked, now_s: float) -> None:
+        """A vehicle stands here: it may be back for something else before it has told of its load.
+
+        Said before the dock is opened for it: a body shuts its dock when it books.
+        """
+        load = self._let_in.get(vehicle)
+        if load is None or (docked.task, docked.epoch) == (load.task, load.opened):
+            return
+        if self._was_heard(load, now_s):
+            self._forget(vehicle)
+        else:
+            self._book(load)
+
+    def note_aboard(self, vehicle: str, item: str) -> None:
+        """A vehicle has this on board, by all that it does: it has taken it here if it was let in for it."""
+        load = self._let_in.get(vehicle)
+        if load is not None and load.item == item:
+            self._book(load)
 
     def on_freed(self, sender: str, freed: StockFreed) -> bool:
         """A coordinator counts on pieces no more; one that was asked says so whether they were fetched. Returns whether they are booked out now."""
@@ -97,6 +121,10 @@ class BookingOut:
             self._subscriptions.follow(load.vehicle)
         self._let_in[load.vehicle] = load
 
+    def _was_heard(self, load: ReservationMemory, now_s: float) -> bool:
+        """Whether a vehicle was heard at its task until now."""
+        return now_s - self._heard_s.get(load.vehicle, -UNHEARD_S) < UNHEARD_S
+
     def _ask(self, load: ReservationMemory, now_s: float) -> None:
         if not load.coordinator:
             self._book(load)  # Nobody can be asked: only a vehicle has spoken of it.
@@ -106,8 +134,7 @@ class BookingOut:
             self._out.append(Send(load.coordinator, asked))
 
     def _book(self, load: ReservationMemory) -> None:
-        book = Book(load.vehicle, load.item, -load.quantity, task=load.task, epoch=load.opened)
-        self._out.append(Instruct(book))
+        self._bookings.say(DepartureMemory(load.vehicle, load.task, load.opened, load.item, -load.quantity))
         self._forget(load.vehicle)
 
     def _forget(self, vehicle: str) -> None:

@@ -67,13 +67,14 @@ class Dock:
             return
         work = cast(Transport, task.work)
         here = message.station == self._place
+        if here:
+            self._departures.note_done(sender, now_s, aboard=work.destination == self._place)
         held = self._why_held(work) if here else ""
         was_held_s = task.contract.held_s
         task.contract.held_s = min(was_held_s, now_s) if held else NEVER_S
         if held:
             self._door.hold(sender, message, held)
         elif here:
-            self._departures.note_done(sender, aboard=work.destination == self._place)
             self._door.open(sender, message, work.item, work.quantity, now_s)
             if self._door.answers:
                 task.contract.held_s = min(was_held_s, now_s)

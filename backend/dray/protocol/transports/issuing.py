@@ -122,6 +122,8 @@ class Issuing:
 
     def on_docked(self, sender: str, docked: Docked, now_s: float) -> None:
         """A vehicle stands here and asks to load."""
+        self._departures.note_done(sender, now_s, aboard=False)
+        self._booking_out.on_docked(sender, docked, now_s)
         ask = self._book.get(docked.task)
         if ask is None or not ask.reserved:
             ask = self._stand(sender, docked, now_s)
@@ -164,7 +166,6 @@ class Issuing:
             self._door.shut(ask.vehicle)
         ask.vehicle, ask.opened, ask.epoch = vehicle, docked.epoch, max(ask.epoch, docked.epoch)
         self._book.renew(ask, now_s)
-        self._departures.note_done(vehicle, aboard=False)
         self._door.open(vehicle, docked, ask.item, ask.quantity, now_s)
         self._changed(now_s)
 

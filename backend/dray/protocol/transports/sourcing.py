@@ -252,7 +252,9 @@ class Sourcing:
         held = self._held.pop(task.id, None)
         self._timers.clear((RENEW, task.id))
         if _is_material(task, self._place) and not fetched:
-            self._free(task.id, tuple(held or _sources(task)))
+            # A carrier may have it, or may have had it in an earlier epoch: a station that has asked hears that.
+            carried = bool(task.primary) or task.epoch > 1
+            self._free(task.id, tuple(held or _sources(task)), fetched=carried)
 
     # --- how it is done ---
 
@@ -331,8 +333,8 @@ class Sourcing:
         asked = StockAsked(task=task, epoch=epoch, item=work.item, quantity=work.quantity)
         self._out.extend(Send(station, asked) for station in stations)
 
-    def _free(self, task: str, stations: tuple[str, ...] | list[str]) -> None:
-        self._out.extend(Send(station, StockFreed(task=task)) for station in stations)
+    def _free(self, task: str, stations: tuple[str, ...] | list[str], *, fetched: bool = False) -> None:
+        self._out.extend(Send(station, StockFreed(task, fetched=fetched)) for station in stations)
 
 
 def _is_material(task: OpenTask, place: str) -> bool:

@@ -35,6 +35,7 @@ from dray.messages.fact import Outcome
 from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.protocol.contract_net.auction_rules import AuctionRules
+from dray.protocol.contract_net.bookings import Bookings
 from dray.protocol.contract_net.departures import Departures
 from dray.protocol.contract_net.dock import Door, ready_within_s
 from dray.protocol.contract_net.task import OpenTask
@@ -55,6 +56,8 @@ from dray.protocol.transports.sourcing import Need, Sourcing
 from dray.protocol.transports.transports import Transports
 
 NOT_REMEMBERED = "about a task that may be of a life that has left no notes"
+
+NOT_KEPT = "brought back what is not kept here, or more than can lie here"
 
 HELD_MAX_S = 60.0
 """How long a vehicle may wait for room: two or three cycles, if the machine can work at all."""
@@ -94,6 +97,7 @@ class TransportFlow:
         held: those for whose loads a person has to look.
         called: what people and programs have asked for.
         door: of its dock, for whoever loads or unloads.
+        bookings: what its body was told of loads, and has not answered.
         booking_out: what others have fetched, where the body does not count.
         departures: vehicles that may still be at its dock though they are not wanted there any more.
         message_handlers: by the type of a message, what to call with (sender, message, now_s).
@@ -151,8 +155,16 @@ class TransportFlow:
             resized=self._resize,
         )
         self.held = HeldTransports(plant, self.tasks)
-        self.booking_out = BookingOut(self.subscriptions, out, owner.commit)
-        self.departures = Departures(plant.node_of(place), self.subscriptions, out, owner.commit)
+        self.bookings = Bookings(out, owner.commit)
+        self.booking_out = BookingOut(self.subscriptions, self.bookings, out, owner.commit)
+        self.departures = Departures(
+            plant.node_of(place),
+            self.subscriptions,
+            self.bookings,
+            out,
+            owner.commit,
+            left=lambda vehicle: self.door.note_left(vehicle),  # noqa: PLW0108 - made below
+        )
         self.door = Door(out, ready_within_s(plant, place), self.departures)
         self._dock = Dock(place, self.tasks, stock, self.door, self.departures, out)
         self._handovers = Handovers(
@@ -193,7 +205,7 @@ class TransportFlow:
     def take_abilities(self, body: WorkcellState | StorageState) -> None:
         """What the body counts and says by itself."""
         self._handovers.counts, self.door.answers = body.counts, body.answers
-        self._dock.counts = body.counts
+        self._dock.counts = self.door.counts = body.counts
         self.door.restore(body.opened)
 
     def note_let_in(self, load: ReservationMemory | None, now_s: float) -> None:
@@ -201,13 +213,26 @@ class TransportFlow:
         if load is not None and not self._handovers.counts:
             self.booking_out.let_in(load, now_s)
 
-    def take_back(self, vehicle: str, docked: Docked, now_s: float) -> None:
-        """A vehicle stands here with a load that nobody waits for any more; a body that counts takes it without a question."""
-        if self._handovers.counts:
+    def take_back(self, vehicle: str, docked: Docked, now_s: float, *, is_kept: bool) -> None:
+        """A vehicle stands here with a load that nobody waits for any more; a body that counts, and opens at once, takes it without a question.
+
+        Args:
+            vehicle: which.
+            docked: what it has asked for.
+            now_s: the present time.
+            is_kept: whether so much of it can lie here; else it is taken, and booked nowhere.
+        """
+        counts = self._handovers.counts
+        if counts and not self.door.answers:
             self.door.agree(vehicle, docked)
             return
-        load = DepartureMemory(vehicle, docked.task, docked.epoch, docked.item, docked.quantity)
-        self.departures.watch(load)
+        if not is_kept and not counts:
+            self._out.append(Ignore(NOT_KEPT))
+        quantity = docked.quantity if is_kept and not counts else 0
+        load = DepartureMemory(vehicle, docked.task, docked.epoch, docked.item, quantity)
+        # It may have taken it here, and its next heartbeat would say so: with its forks inside, and the dock shut behind it.
+        self.booking_out.note_aboard(vehicle, docked.item)
+        self.departures.take_back(load, now_s)
         self.door.open(vehicle, docked, docked.item, docked.quantity, now_s)
 
     def restore_tasks(self, memories: Iterable[TaskMemory], memory: Memory, now_s: float) -> None:
@@ -244,8 +269,9 @@ class TransportFlow:
         return not (self.tasks.get(task) is None and self.tasks.closed(task) is None)
 
     def _may_be_fetched(self, task: str, epoch: int) -> bool:
+        """Whether a load may have left its place in an epoch: only where no carrier was bound in it is it known that it has not."""
         closed = self.tasks.closed(task)
-        return closed is None or (closed.epoch == epoch and closed.outcome == "delivered")
+        return closed is None or epoch < closed.epoch or (epoch == closed.epoch and bool(closed.carrier))
 
     def seek(self, task: str, work: Transport, deadline_s: float, now_s: float) -> None:
         """Have a load set aside where it is to be fetched, and then fetched."""
@@ -280,6 +306,12 @@ class TransportFlow:
         """The body has opened the dock for a vehicle."""
         self._dock.on_ready(report.vehicle, now_s)
         self._owner.beat_soon(now_s)
+
+    def note_booked(self, report: StockChanged) -> None:
+        """The body has counted what a vehicle has moved, or has booked it."""
+        if report.vehicle:
+            self.door.note_left(report.vehicle)
+            self.bookings.on_stock_changed(report)
 
     def on_material(self, report: StockChanged, now_s: float) -> None:
         """Material has come, or was taken."""
@@ -318,7 +350,7 @@ class TransportFlow:
         self.tasks.on_heartbeat(heartbeat, now_s)
         self._handovers.on_carrier_heard(heartbeat)
         self.booking_out.on_carrier_heard(heartbeat, now_s)
-        self.departures.on_vehicle(heartbeat)
+        self.departures.on_vehicle(heartbeat, now_s)
         self._recovery.on_heartbeat(heartbeat, now_s)
         self.called.review(now_s)
 
@@ -336,6 +368,8 @@ class TransportFlow:
         if (task := self.tasks.get(message.task)) is not None and self._lacks(task):
             # Nothing would ever make them come: they are lost, and the books do not know.
             self._on_lacking(now_s)
+        if message.station == self._place:
+            self.booking_out.on_docked(sender, message, now_s)
         self._dock.on_docked(sender, message, now_s)
         task = self.tasks.get(message.task)
         if task is None or self._dock.is_opening(sender):

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import pytest
 from defaults import PLANT
-from effects import instructed, sent
+from effects import facts, instructed, sent
 from trip import GOODS, ROUTES, Trip
 
 from dray.body import Drive, Drop, Pick
 from dray.messages import (
+    THING,
     Docked,
     Handover,
     Message,
@@ -17,10 +18,12 @@ from dray.messages import (
     Superseded,
     Withdrawn,
 )
+from dray.messages.fact import PhaseEntered
 from dray.protocol.runtime.events import NEVER_S
+from dray.protocol.vehicle.job.job_messages import GIVE_UP_AFTER
 from dray.protocol.vehicle.job.job_moves import RETRY_S
 from dray.protocol.vehicle.job.job_state import JobState
-from dray.protocol.vehicle.job.transport_job import TRIES
+from dray.protocol.vehicle.job.transport_job import REFUGE_HELD_S, TRIES
 
 
 @pytest.mark.parametrize(
@@ -168,6 +171,42 @@ def test_what_is_brought_back_is_put_down_when_the_storage_opens_its_dock() -> N
     assert instructed(trip.out, Drop)[-1].station == refuge(trip)
     trip.done(Drop)
     assert trip.job.ended == Reason.SUPERSEDED
+
+
+def test_where_a_station_lets_nothing_in_for_a_minute_the_load_is_brought_elsewhere() -> None:
+    trip = brought_back()
+    full = refuge(trip)
+    while trip.now_s < REFUGE_HELD_S:
+        assert trip.job.state is JobState.AT_REFUGE
+        trip.held(full)
+        trip.waits()
+    trip.held(full)
+    assert trip.job.state is JobState.RETURNING
+    trip.arrives()
+    assert refuge(trip) != full
+
+
+def test_who_hears_only_that_it_is_superseded_where_it_brings_its_load_back_goes_elsewhere() -> None:
+    trip = brought_back()
+    deaf = refuge(trip)
+    for _ in range(3 * GIVE_UP_AFTER):
+        if trip.job.state is not JobState.AT_REFUGE:
+            break
+        trip.superseded()
+        trip.waits()
+    trip.arrives()
+    assert refuge(trip) != deaf
+
+
+def test_who_comes_back_to_the_only_storage_there_is_says_nothing_new() -> None:
+    trip = Trip(item=THING, quantity=1).to_carrying()
+    trip.takes_back = False
+    trip.superseded()
+    trip.arrives()
+    for _ in range(3 * GIVE_UP_AFTER):
+        trip.waits()
+    assert trip.job.state is JobState.AT_REFUGE
+    assert [fact.station for fact in facts(trip.out, PhaseEntered) if fact.phase is Phase.RETURNING] == ["S3"]
 
 
 def test_where_no_station_answers_the_load_is_brought_elsewhere() -> None:

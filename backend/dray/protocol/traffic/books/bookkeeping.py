@@ -1,4 +1,8 @@
-"""What a machine, or the station of a storage, does for right of way: messages, alarms and notes of the books that it keeps."""
+"""What a machine, or the station of a storage, does for right of way: messages, alarms and notes of the books that it keeps.
+
+Whoever keeps none, and has a dock that makes itself safe, hears all the same whom people have carried away: one that has died there
+would keep the dock for ever.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +28,7 @@ from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.protocol.liveness.failure_detector import EVERYBODY, HeartbeatSubscriptions
 from dray.protocol.liveness.suspicion import WORKING_INTERVAL_S, gone_s
-from dray.protocol.runtime.events import Commit, Effect, Ignore, Subscribe
+from dray.protocol.runtime.events import NEVER_S, Commit, Effect, Ignore, Subscribe
 from dray.protocol.runtime.timers import Timers
 from dray.protocol.runtime.trust import Trusts
 from dray.protocol.traffic.books.copies import Kept
@@ -116,8 +120,16 @@ class Bookkeeping:
             return UNSET
         return tuple(sorted(self._books.awaited(now_s))[:AWAITED_MAX]) or UNSET
 
-    def start(self, memory: Memory, now_s: float) -> None:
-        """Go on with what an earlier life has kept."""
+    def start(self, memory: Memory, now_s: float, *, dock_answers: bool = False) -> None:
+        """Go on with what an earlier life has kept.
+
+        Args:
+            memory: its notes.
+            now_s: the present time.
+            dock_answers: whether the agent's dock makes itself safe.
+        """
+        if self.keeps_books or dock_answers:
+            self._out.append(Subscribe(self._keys.removals))
         traffic = self._traffic
         if traffic is None or not self.keeps_books:
             return
@@ -142,7 +154,6 @@ class Bookkeeping:
             self._out,
             traffic.is_signed,
         )
-        self._out.append(Subscribe(self._keys.removals))
         self._books.start(now_s)
         self._follow(now_s)
 
@@ -171,16 +182,14 @@ class Bookkeeping:
         self, before: Mapping[type[Message], Callable[[str, Any, float], None]]
     ) -> dict[type[Message], Callable[[str, Any, float], None]]:
         """The agent's table of messages with those about books in it; heartbeats are heard by both."""
-        if self._traffic is None:
-            return {**before, **dict.fromkeys(ABOUT_BOOKS, self._on_mixed_settings)}
-        if not self.keeps_books:
-            return dict(before)
-        table = dict(before)
+        table: dict[type[Message], Callable[[str, Any, float], None]] = dict(before)
         watches = before.get(AtvHeartbeat)
         table[AtvHeartbeat] = self._on_vehicle if watches is None else _both(self._on_vehicle, watches)
-        for kind in ABOUT_BOOKS:
-            table[kind] = self._on_message
         table[Removals] = self._on_removals
+        if self._traffic is None:
+            table |= dict.fromkeys(ABOUT_BOOKS, self._on_mixed_settings)
+        elif self.keeps_books:
+            table |= dict.fromkeys(ABOUT_BOOKS, self._on_message)
         return table
 
     @property
@@ -196,11 +205,9 @@ class Bookkeeping:
 
     def _remove(self, removal: Removal, now_s: float) -> str:
         """A person has carried a vehicle away, or puts it back. Returns why that is not believed; empty when it is."""
-        if self._books is None or self._traffic is None:
-            return NOT_KEPT_HERE
         atv = removal.atv
         objection = self._authorisation.objection(removal, self._since_s(atv, now_s), now_s)
-        if objection in ("", TOO_EARLY):
+        if self._books is not None and objection in ("", TOO_EARLY):
             # The one that leads has listened for longer; that a person has said it is known here too.
             self._books.on_carried(atv)
         if objection:
@@ -208,16 +215,20 @@ class Bookkeeping:
                 self._named_s[atv] = now_s
             return objection
         self._named_s[atv] = now_s
-        spoke_s = max(district.spoke_s(atv) for district in self._books.districts.values())
+        districts = self._books.districts.values() if self._books is not None else ()
+        spoke_s = max((district.spoke_s(atv) for district in districts), default=-NEVER_S)
         if now_s - spoke_s < WISHED_S:
             return IS_HEARD
         last = self._neighbours.last(atv)
         was_at = last.route[:1] if last is not None else ()
-        if not self._authorisation.covers(removal, was_at or self._nodes_of(atv)):
+        # Without a book, all that is known of a silent vehicle is that it may be at this dock.
+        nodes = was_at or (self._nodes_of(atv) if districts else (self._plant.node_of(self._me),))
+        if not self._authorisation.covers(removal, nodes):
             return NOT_THERE
         self._neighbours.carry_away(atv, (removal.life, removal.seq))
-        place = self._traffic.places.place_of(removal.node) if removal.node else ""
-        for district in self._books.districts.values():
+        traffic = self._traffic
+        place = traffic.places.place_of(removal.node) if traffic is not None and removal.node else ""
+        for district in districts:
             district.remove(removal, place, now_s)
         self._carried_away(atv)
         return ""
@@ -239,9 +250,11 @@ class Bookkeeping:
 
     def _on_vehicle(self, _sender: str, heartbeat: AtvHeartbeat, now_s: float) -> None:
         atv = heartbeat.atv
-        if self._books is None or (self._hears_all_since_s is None and atv not in self._followed):
+        if self._hears_all_since_s is None and atv not in self._followed:
             return
         is_news = self._neighbours.on_vehicle(heartbeat, now_s)
+        if self._books is None:
+            return
         removal = heartbeat.floor.removal if heartbeat.floor is not UNSET else None
         self._books.on_vehicle(atv, heartbeat.incarnation, removal, now_s, is_news=is_news)
 

@@ -44,6 +44,9 @@ WAITS_AT_LEAST_S = 15.0
 """At a storage that has nothing, beyond what its promise allows: the station may have been started again a moment ago.
 Shorter than what its coordinator takes for standing still (`progress.STALL_S`)."""
 
+REFUGE_HELD_S = 60.0
+"""A storage that has not let a load back in within this does not take it: another one is looked for. As long as a dock may take to get ready."""
+
 TRIES = 3
 """Manoeuvres at one place before another one is looked for."""
 
@@ -74,7 +77,7 @@ class TransportJob(JobWays):
         self._void = contract.cancelled
         """Why the contract is void; None while it binds."""
         self._stands_s = NEVER_S
-        """Since when it waits at its source."""
+        """Since when it waits at its source, or where it brings its load back."""
         self._given_back: Reason | None = None
         """Why the coordinator was asked to let another one carry it."""
         self._may_be_dropping = False
@@ -146,6 +149,7 @@ class TransportJob(JobWays):
                 self._ask_to_unload(now_s)
             case JobState.RETURNING if self._moves.has_station(self._station):
                 self._states.enter(JobState.AT_REFUGE)
+                self._stands_s = now_s
                 self._ask_to_put_back(now_s)
             case JobState.RETURNING:
                 self._drop(JobState.PUTTING_BACK)
@@ -193,12 +197,13 @@ class TransportJob(JobWays):
                 self._states.enter(JobState.RETURNING)
                 self._moves.try_later(now_s)
             case _:
-                self._moves.note_full(self._station)
-                self._return(now_s)
+                self._return_elsewhere(now_s)
 
     def on_answer(self, message: Message, now_s: float) -> None:
         """Take an answer of the coordinator; what is late or doubled changes nothing."""
         if isinstance(message, Superseded) and not 0 < message.epoch < self.epoch:
+            if self.state is JobState.AT_REFUGE:
+                return  # A late word of its coordinator, or one who takes nothing back: no answer to what it asks.
             self.cancel(self._given_back or Reason.SUPERSEDED, now_s)
         elif isinstance(message, Withdrawn):
             self.cancel(self._given_back or Reason.WITHDRAWN, now_s)
@@ -347,7 +352,9 @@ class TransportJob(JobWays):
             self.coordinator,
             self.work.handed_at,
         )
-        if fetches and not self._keeps_promise(now_s) and now_s >= self._stands_s + WAITS_AT_LEAST_S:
+        if self.state is JobState.AT_REFUGE and now_s >= self._stands_s + REFUGE_HELD_S:
+            self._return_elsewhere(now_s)
+        elif fetches and not self._keeps_promise(now_s) and now_s >= self._stands_s + WAITS_AT_LEAST_S:
             self._short = self.source
             self.give_back(Reason.DOCK_HELD, now_s, held.reason)
         else:
@@ -375,8 +382,7 @@ class TransportJob(JobWays):
         if self.state is JobState.HANDING_OVER:
             self._end(Reason.NOT_CONFIRMED)
         elif self.state is JobState.AT_REFUGE:
-            self._moves.note_full(self._station)
-            self._return(now_s)
+            self._return_elsewhere(now_s)
         elif self.state is JobState.AT_SOURCE and self.source not in (self.coordinator, self.work.handed_at):
             self._short = self.source
             self.give_back(Reason.SOURCE_SILENT, now_s, self.source)
@@ -398,8 +404,19 @@ class TransportJob(JobWays):
     def _return(self, now_s: float) -> None:
         """Bring the load to where it is kept."""
         refuge = self._moves.refuge()
-        self._enter(JobState.RETURNING, refuge)
+        if self.phase is Phase.RETURNING and refuge == self._station:
+            # There is no other: it is tried again, and nothing is new to anybody.
+            self._states.enter(JobState.RETURNING)
+            self._messages.answered()
+            self._failed = 0
+        else:
+            self._enter(JobState.RETURNING, refuge)
         self._drive(refuge, now_s)
+
+    def _return_elsewhere(self, now_s: float) -> None:
+        """This place does not take the load."""
+        self._moves.note_full(self._station)
+        self._return(now_s)
 
     def _end(self, reason: Reason) -> None:
         self._states.enter(JobState.ENDED)
