@@ -75,8 +75,10 @@ def floor(tmp_path: Path, *options: str) -> Iterator[dict[str, str]]:
     with process:
         assert process.stdout is not None
         assert process.stdout.readline() == "floor is ready\n"
-        yield {**plain, "DRAY_BUS_PEERS": address}
-        process.kill()
+        try:
+            yield {**plain, "DRAY_BUS_PEERS": address}
+        finally:
+            process.kill()
 
 
 @pytest.mark.slow
@@ -138,4 +140,4 @@ def test_a_machine_of_the_floor_may_have_a_controller_and_then_its_agent_needs_n
             timeout=PATIENCE_S,
         )
         assert refused.returncode == 1
-        assert "it has a controller: start its agent with --body opcua" in refused.stderr
+        assert "start its agent with the --body that the floor was started for" in refused.stderr
