@@ -41,6 +41,7 @@ QUIET = (
 )
 """Works as root and in a container, and speaks to nobody but the page's server."""
 
+
 def where_it_is_ten() -> str:
     """The time zone in which it is between ten and eleven now: an hour more or less is never another day."""
     ahead_h = (22 - datetime.now(UTC).hour) % 24 - 12

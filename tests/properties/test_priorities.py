@@ -15,7 +15,7 @@ from dray.protocol.contract_net.auction_rules import PATIENCE_S, AuctionRules
 from dray.protocol.contract_net.task import OpenTask
 from dray.protocol.contract_net.terms import Place, Terms
 from dray.protocol.machine.production import Goal, GoalBook
-from dray.protocol.transports.backlog import most_urgent, stands_back
+from dray.protocol.transports.transports import most_urgent, stands_back
 
 PLENTY = {"housing": 10_000, "impeller": 10_000, "seal-kit": 10_000, "shaft": 10_000, "bearing": 10_000}
 HOURS_S = st.floats(min_value=0.0, max_value=200_000.0)

@@ -20,7 +20,7 @@ from dray.protocol.traffic.books.bookkeeping import NOTE, WITHOUT_BOOKS, Bookkee
 from dray.protocol.traffic.places import Places
 from dray.protocol.traffic.traffic_map import TrafficMap
 from dray.protocol.vehicle.atv import Atv
-from dray.protocol.vehicle.drivers.alone_among_others import PROBLEM
+from dray.protocol.vehicle.drivers.traffic_handling import PROBLEM
 from dray_sim.bodies.floor import Floor
 from dray_sim.checks.floor.overlaps import Overlaps
 from dray_sim.clock.loop import JUMP, clock, run

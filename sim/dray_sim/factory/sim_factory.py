@@ -8,7 +8,7 @@ effects; its body and its journal stay, and the next life starts from them. With
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from hashlib import sha256
 from math import hypot
@@ -23,15 +23,18 @@ from dray.messages.speakers import Kind
 from dray.plant import Plant, with_machine
 from dray.plant.model import MachineSpec, VehicleSpec
 from dray.ports import Bus, Clock
+from dray.protocol.gate.gate import DeliveryGate
 from dray.protocol.machine.machine import Machine
 from dray.protocol.runtime.running import Running
 from dray.protocol.runtime.trust import Trusts
 from dray.protocol.station.station import Station
+from dray.protocol.strategist.gated import GatedStrategist
 from dray.protocol.traffic.driving.wishes import unsigned
 from dray.protocol.traffic.traffic_map import TrafficMap
 from dray.protocol.vehicle.atv import Atv
 from dray.worker.worker import Worker
 from dray_sim.bodies.floor import FIRST_STOCK_FRAC, Floor
+from dray_sim.bodies.gate import Gate
 from dray_sim.bodies.vehicle.vehicle import SimVehicle
 from dray_sim.bodies.workcell import SimWorkcell
 from dray_sim.clock.computer import ComputerClock
@@ -47,12 +50,32 @@ from dray_sim.factory.installation import (
     itself,
 )
 from dray_sim.factory.journal import HeldJournal
-from dray_sim.factory.strategists import with_gate
 from dray_sim.factory.wish_keys import WishKeys
 from dray_sim.network.coverage import Coverage
 from dray_sim.network.latency import WLAN, Latency
 from dray_sim.network.listeners import Listener
 from dray_sim.network.sim_network import SimNetwork
+
+
+def with_gate(
+    plant: Plant, gate: Gate, strategists: tuple[str, ...]
+) -> Iterator[tuple[str, Kind, MakeAgent, MakeBody]]:
+    """The gate and each strategist: how its agent is made, and its body. Strategists have none."""
+    yield (
+        GATE,
+        Kind.GATE,
+        lambda life, software, _probation: DeliveryGate(plant, incarnation=life, software=software),
+        always(gate),
+    )
+    for strategist in strategists:
+        yield strategist, Kind.STRATEGIST, _maker(plant, strategist, strategists), always(None)
+
+
+def _maker(plant: Plant, agent: str, strategists: tuple[str, ...]) -> MakeAgent:
+    others = tuple(other for other in strategists if other != agent)
+    return lambda life, _software, _probation: GatedStrategist(
+        plant, agent=agent, incarnation=life, others=others
+    )
 
 
 class SimFactory:

@@ -9,7 +9,7 @@ from heartbeats import atv_heartbeat, machine_heartbeat
 from wall_clock import NOW_S
 
 from dray.gateway.live.projection import Projection
-from dray.gateway.live.projection.auctions.carriers import MAX_CARRIERS
+from dray.gateway.live.projection.auctions.tasks import MAX_CARRIERS
 from dray.gateway.live.projection.news import NEWS_KEPT
 from dray.gateway.live.views import CauseView, TaskView
 from dray.messages import HelpWanted, Link, Phase, Reason, Role, TaskBrief

@@ -12,8 +12,7 @@ from spoken import bid
 
 from dray.messages import Award, Release, Role, TaskAnnounced
 from dray.messages.fact import RoundFailed, TaskOpened
-from dray.protocol.contract_net.auction import Stage
-from dray.protocol.contract_net.bids import BIDS_KEPT
+from dray.protocol.contract_net.auction import BIDS_KEPT, Stage
 
 # --- late bids --------------------------------------------------------------------------------------
 

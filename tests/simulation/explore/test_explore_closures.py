@@ -6,7 +6,7 @@ import pytest
 from variants import variants
 
 from dray.protocol.vehicle.idle_positioning import IdlePositioning
-from dray.protocol.vehicle.job.job_ways import JobWays
+from dray.protocol.vehicle.job.transport_job import TransportJob
 from dray_sim.explore.play import play, try_seed
 from dray_sim.explore.run import FAULTS_UNTIL_S, draw
 
@@ -29,7 +29,7 @@ def test_all_closures_of_a_run_have_ended_before_the_quiet_phase() -> None:
     assert {closing.closure.kind.value for closing in drawn} == {"closed", "slow", "one_way"}
 
 
-@pytest.mark.parametrize(("role", "first"), [(JobWays, 34), (IdlePositioning, 4)])
+@pytest.mark.parametrize(("role", "first"), [(TransportJob, 34), (IdlePositioning, 4)])
 def test_a_vehicle_that_goes_on_as_before_is_found(
     role: type, first: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:

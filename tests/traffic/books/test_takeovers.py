@@ -23,8 +23,7 @@ from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
 from dray.protocol.runtime.events import Effect, Record, Send
 from dray.protocol.runtime.timers import Timers
 from dray.protocol.traffic.books.bookkeeping import NOTE, Bookkeeping
-from dray.protocol.traffic.books.district import OUTBID_S, District
-from dray.protocol.traffic.books.refusals import REFUSED_OFTEN
+from dray.protocol.traffic.books.district import OUTBID_S, REFUSED_OFTEN, District
 from dray.protocol.traffic.books.turns import DOUBT_S
 from dray.protocol.traffic.places import Places
 from dray.protocol.traffic.traffic_map import TrafficMap

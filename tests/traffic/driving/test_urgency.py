@@ -18,7 +18,7 @@ from dray.messages.keys import Keys
 from dray.plant import load_plant
 from dray.protocol.runtime.events import Effect, Send
 from dray.protocol.runtime.timers import Timers
-from dray.protocol.traffic.driving.place_requests import (
+from dray.protocol.traffic.driving.right_of_way import (
     AGES_BY_S,
     AGES_EVERY_S,
     HELD_UP,
@@ -26,8 +26,8 @@ from dray.protocol.traffic.driving.place_requests import (
     SHUT_OUT_S,
     WITH_TASK,
     Errand,
+    RightOfWay,
 )
-from dray.protocol.traffic.driving.right_of_way import RightOfWay
 from dray.protocol.traffic.surroundings import Surroundings
 from dray.protocol.traffic.traffic_map import TrafficMap
 

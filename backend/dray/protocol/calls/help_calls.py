@@ -29,10 +29,11 @@ from dray.messages.people.call import CALL_WAIT_MAX_S
 from dray.plant import Plant
 from dray.plant.people import people_from_s
 from dray.protocol.calls.call_rules import ANSWER_S, LATE_S, SAY_EVERY_S, is_there_for, next_asked, rest_s
+from dray.protocol.calls.call_state import TRANSITIONS
 from dray.protocol.calls.on_duty import OnDuty
-from dray.protocol.calls.open_call import Call, EndedCall
 from dray.protocol.runtime.events import Effect, Ignore, Publish, Record, Subscribe
 from dray.protocol.runtime.timers import Timers
+from dray.states import States
 
 CALL = "call"
 """The alarm ``(CALL, goods)`` of an open call: something is to be said or done."""
@@ -44,6 +45,45 @@ TAKEN_BEFORE = "answered a call that another one has taken"
 NO_CALL = "answered a call that is over, or never was"
 NO_PROMISE = "took a call without a time that can be promised"
 NOT_ON_DUTY = "answered a call without being on duty"
+
+
+class Call:
+    """An open call."""
+
+    def __init__(
+        self,
+        name: str,
+        goods: str,
+        problem: Problem,
+        reason: str,
+        now_s: float,
+        place_m: tuple[float, float] | None,
+    ) -> None:
+        self.name, self.goods, self.since_s = name, goods, now_s
+        self.problem, self.reason, self.place_m = problem, reason, place_m
+        # Before anybody was asked it rests.
+        self.states = States("a call", TRANSITIONS, CallState.RESTING)
+        self.said = False
+        self.round = 1
+        self.rounds = self.passes = self.turn = 0
+        self.asked: tuple[str, ...] = ()
+        self.until_s: float | None = None
+        self.taken_by = ""
+        self.turn_s = 0.0
+        """When the present one has taken it."""
+        self.taken_s: float | None = None
+        """When it was taken first."""
+        self.spared: set[str] = set()
+        """Who is not asked again in this pass."""
+        self.cannot: set[str] = set()
+        self.ever_asked: set[str] = set()
+
+
+class EndedCall:
+    """A call that is over."""
+
+    def __init__(self, told: HelpCall) -> None:
+        self.told, self.said = told, 1
 
 
 class Caller(Protocol):

@@ -14,7 +14,7 @@ One whose handover was disputed twice is held instead of announced a third time,
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Iterable
 from typing import cast
 
 from dray.memory import TaskMemory
@@ -48,11 +48,41 @@ from dray.protocol.runtime.events import Effect, Ignore, Send
 from dray.protocol.runtime.timers import Timers
 from dray.protocol.takeover.failover import Failover
 from dray.protocol.takeover.secondaries import Secondaries
-from dray.protocol.transports.backlog import most_urgent, stands_back
 from dray.protocol.transports.carrier_waits import ONE_AFTER_ANOTHER_S, CarrierWaits
 
 RECOVERY_WAIT_S = 10.0
 """How long a coordinator that was started again listens for vehicles that work for it: many heartbeats."""
+
+
+def stands_back(task: OpenTask, others: Iterable[OpenTask]) -> bool:
+    """Whether the same vehicles were sought in vain for something more urgent, which waits for them."""
+    wanted, urgency = _wanted(task), _urgency(task)
+    return any(
+        other.auction.was_in_vain and _wanted(other) == wanted and _urgency(other) < urgency
+        for other in others
+    )
+
+
+def most_urgent(tasks: Iterable[OpenTask], atv: str, abilities: Collection[str]) -> OpenTask | None:
+    """What a vehicle with these abilities should be offered first; None where nothing waits for it."""
+    waiting = [
+        task
+        for task in tasks
+        if task.auction.waits
+        and _wanted(task)[1] in ("", atv)
+        and all(ability in abilities for ability in _wanted(task)[0])
+    ]
+    return min(waiting, key=_urgency, default=None)
+
+
+def _wanted(task: OpenTask) -> tuple[tuple[str, ...], str]:
+    """The abilities that a vehicle needs for it, and the only one that may carry it; empty for any."""
+    work = cast(Transport, task.work)
+    return work.needed, work.vehicle
+
+
+def _urgency(task: OpenTask) -> tuple[float, str]:
+    return task.auction.needed_s, task.id
 
 
 class Transports(Coordinator):

@@ -49,14 +49,13 @@ from dray.protocol.contract_net.trust.disbelief import Reproach
 from dray.protocol.liveness.suspicion import interval_s
 from dray.protocol.people.command_authorisation import CommandAuthorisation
 from dray.protocol.runtime.agent import AgentBase
-from dray.protocol.runtime.events import Publish, Record
+from dray.protocol.runtime.events import Effect, Publish, Record, Subscribe, Unsubscribe
 from dray.protocol.runtime.heartbeat_timer import BEAT, HeartbeatTimer
 from dray.protocol.runtime.shutdown import CARRIER_LEAVES_WITHIN_S
 from dray.protocol.runtime.trust import Trusts, trusts_nobody
 from dray.protocol.traffic.driving.right_of_way import RightOfWay
 from dray.protocol.traffic.driving.wishes import Sign, unsigned
 from dray.protocol.traffic.traffic_map import TrafficMap
-from dray.protocol.vehicle.cell_subscription import CellSubscription
 from dray.protocol.vehicle.charging import Charging
 from dray.protocol.vehicle.closure_handling import ClosureHandling
 from dray.protocol.vehicle.contracts import Contracts
@@ -68,6 +67,35 @@ from dray.protocol.vehicle.people.assistance import Assistance
 from dray.protocol.vehicle.people.command_handling import CommandHandling
 from dray.protocol.vehicle.people.problem_handling import ProblemHandling
 from dray.protocol.vehicle.status_report import StatusReport
+
+
+class CellSubscription:
+    """The announcements that one vehicle hears: those for the cell that it is in.
+
+    Args:
+        plant: its cells.
+        keys: the plant's bus keys.
+        out: where effects go.
+    """
+
+    __slots__ = ("_cell", "_keys", "_out", "_plant")
+
+    def __init__(self, plant: Plant, keys: Keys, out: list[Effect]) -> None:
+        self._plant = plant
+        self._keys = keys
+        self._out = out
+        self._cell = ""
+        """Empty before the vehicle knows where it is."""
+
+    def move(self, x_m: float, y_m: float) -> None:
+        """The vehicle is here now."""
+        cell = self._plant.cell_of(x_m, y_m)
+        if cell == self._cell:
+            return
+        if self._cell:
+            self._out.append(Unsubscribe(self._keys.transports(self._cell)))
+        self._out.append(Subscribe(self._keys.transports(cell)))
+        self._cell = cell
 
 
 class Atv(AgentBase):

@@ -29,7 +29,7 @@ from dray.protocol.closures.known_floor import KnownFloor
 from dray.protocol.runtime.events import Effect, Ignore, Publish, Subscribe
 from dray.protocol.runtime.timers import Timers
 from dray.protocol.takeover.standby import WATCHED_SILENCE
-from dray.protocol.traffic.driving.place_requests import ShutOut
+from dray.protocol.traffic.driving.right_of_way import ShutOut
 from dray.protocol.vehicle.contracts import Contracts
 from dray.protocol.vehicle.drivers.driver import Driver
 from dray.protocol.vehicle.idle_positioning import IdlePositioning

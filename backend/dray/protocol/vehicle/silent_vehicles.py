@@ -15,7 +15,7 @@ from dray.protocol.closures.obstacles import Obstacles
 from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
 from dray.protocol.runtime.bounded_map import BoundedMap
 from dray.protocol.runtime.events import Effect, Subscribe, Unsubscribe
-from dray.protocol.traffic.driving.place_requests import SHUT_OUT_S
+from dray.protocol.traffic.driving.right_of_way import SHUT_OUT_S
 
 STANDS = frozenset({AtvStatus.ERROR, AtvStatus.STOPPED})
 """A vehicle stands until a person has seen to it."""

@@ -20,8 +20,7 @@ from dray.protocol.traffic.books.copies import Kept
 from dray.protocol.traffic.books.district import BOOK_TICK
 from dray.protocol.traffic.books.districts import Districts
 from dray.protocol.traffic.books.impostors import Impostors
-from dray.protocol.traffic.driving.place_requests import HELD_UP, IDLE, LOOK, WITH_TASK
-from dray.protocol.traffic.driving.right_of_way import RESTED, RightOfWay
+from dray.protocol.traffic.driving.right_of_way import HELD_UP, IDLE, LOOK, RESTED, WITH_TASK, RightOfWay
 from dray.protocol.traffic.driving.wishes import WISH_AGAIN
 from dray.protocol.traffic.neighbours import Neighbours
 from dray.protocol.traffic.places import Places

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from math import cos, hypot, sin
 
 from dray.protocol.traffic.books.district import District
-from dray.protocol.traffic.driving.place_requests import Errand
+from dray.protocol.traffic.driving.right_of_way import Errand
 from dray.protocol.traffic.driving.yielding import LAPSE_S
 from dray.protocol.traffic.places import Footprint, Places
 from dray_sim.bench.traffic.air import Air

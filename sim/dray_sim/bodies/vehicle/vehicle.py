@@ -34,26 +34,58 @@ from dray.body import (
     Report,
     Unhold,
     VehicleState,
+    WayBlocked,
     WayDone,
+    WayFree,
 )
 from dray.messages import NOTHING_KNOWN, Link, Problem
 from dray.plant import Plant
 from dray.plant.model import VehicleSpec, VehicleType
 from dray.ports import Clock
 from dray_sim.bodies.chargers import Chargers
-from dray_sim.bodies.obstacles import Obstacles
+from dray_sim.bodies.obstacles import Ends, Obstacles
 from dray_sim.bodies.reporter import Reporter
 from dray_sim.bodies.stores import Place
 from dray_sim.bodies.vehicle.condition import LOAD_SHIFTED, SHIFTED, Condition
 from dray_sim.bodies.vehicle.course import Course
 from dray_sim.bodies.vehicle.handling import Action, Handling
-from dray_sim.bodies.vehicle.obstacle_detection import ObstacleDetection
 from dray_sim.bodies.vehicle.odometer import Activity, Odometer
 from dray_sim.bodies.vehicle.power import Power
 from dray_sim.bodies.vehicle.travel import NEVER_S, Travel
 from dray_sim.bodies.vehicle.way import Way
 
 MOVED_BY_HAND = "moved by hand"
+
+
+class ObstacleDetection:
+    """Of one vehicle.
+
+    Args:
+        vehicle: its id.
+        travel: its movement.
+        reporter: its reports.
+    """
+
+    def __init__(self, vehicle: str, travel: Travel, reporter: Reporter) -> None:
+        self._vehicle, self._travel, self._reporter = vehicle, travel, reporter
+        self._seen: tuple[int, Ends] | None = None
+
+    def look(self) -> None:
+        """Its motion has changed, or what is in its way."""
+        travel = self._travel
+        if travel.doors is not None:
+            travel.doors.heed(self._vehicle, travel.enters, travel.asks)
+        lane = travel.blocked
+        seen = None if travel.way is None or lane is None else (travel.way.order, lane)
+        before, self._seen = self._seen, seen
+        if seen == before:
+            return
+        if before is not None and travel.is_clear(before[1]):
+            order, (start, end) = before
+            self._reporter.say(WayFree(order=order, start=start, end=end))
+        if seen is not None:
+            order, (start, end) = seen
+            self._reporter.say(WayBlocked(order=order, start=start, end=end, entered=travel.entered))
 
 
 class SimVehicle:

@@ -9,8 +9,7 @@ from makings import making
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.projection.auctions import tasks as tasks_module
 from dray.gateway.live.projection.auctions.bids import MAX_BIDS
-from dray.gateway.live.projection.auctions.reorder_buffer import EARLY_KEPT
-from dray.gateway.live.projection.auctions.tasks import CLOSED_KEPT
+from dray.gateway.live.projection.auctions.tasks import CLOSED_KEPT, EARLY_KEPT
 from dray.messages import OrderTaken, Phase, ProductionCost, Reason, Role
 from dray.messages.fact import ContractTaken, GoalWaits, MachineFailure, PieceMade, RoundFailed, WatchLost
 

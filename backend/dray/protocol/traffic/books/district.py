@@ -11,6 +11,7 @@ from collections.abc import Iterator, Sequence
 from msgspec.structs import replace
 
 from dray.messages import Message, Removal
+from dray.messages.fact import BookRefused
 from dray.messages.floor.traffic import (
     UNSIGNED,
     Blocked,
@@ -23,7 +24,8 @@ from dray.messages.floor.traffic import (
     PlaceWished,
     YieldAsked,
 )
-from dray.protocol.runtime.events import NEVER_S, Effect, Ignore, Send
+from dray.protocol.runtime.events import NEVER_S, Effect, Ignore, Record, Send
+from dray.protocol.runtime.throttle import Throttle
 from dray.protocol.runtime.timers import Timers
 from dray.protocol.traffic.books.allotment import FREE, Hindrance, allot
 from dray.protocol.traffic.books.book import Book
@@ -33,7 +35,6 @@ from dray.protocol.traffic.books.floor_report import NEWS_S, FloorReport
 from dray.protocol.traffic.books.impostors import Impostors
 from dray.protocol.traffic.books.late_tellers import LateTellers
 from dray.protocol.traffic.books.reach import Reach
-from dray.protocol.traffic.books.refusals import Refusals
 from dray.protocol.traffic.books.roll_call import RollCall
 from dray.protocol.traffic.books.turns import ASK_S, Turns
 from dray.protocol.traffic.neighbours import Neighbours
@@ -50,6 +51,30 @@ OUTBID_S = 30.0
 
 TICK_S = 1.0
 """A holder is asked to make room, and a copy that was not answered for is sent, once in so long."""
+
+
+TAKES_PLACES = "a book that takes a place from a vehicle without its word"
+
+REFUSED_OFTEN = 5
+"""In a row, a second apart: a keeper that has started again may have lost the word of a vehicle, which is asked for it."""
+
+
+class Refusals:
+    """Of one agent's copies.
+
+    Args:
+        out: where effects go.
+    """
+
+    def __init__(self, out: list[Effect]) -> None:
+        self._out = out
+        self._throttle = Throttle()
+
+    def tell(self, keeper: str, in_a_row: int, now_s: float) -> None:
+        """A keeper's book was not copied, so often in a row."""
+        self._out.append(Ignore(TAKES_PLACES))
+        if in_a_row >= REFUSED_OFTEN and self._throttle.passes(keeper, now_s):
+            self._out.append(Record(BookRefused(keeper)))
 
 
 class District:

@@ -7,9 +7,14 @@ carries out its instructions to the body, and tells where the vehicle is (`sense
 
 from __future__ import annotations
 
+from collections.abc import Callable, Collection
+from enum import Enum
 from itertools import pairwise
 
+import msgspec
+
 from dray.messages.floor.traffic import (
+    FIRST_S,
     ROUTE_MAX,
     Blocked,
     HoldsAsked,
@@ -19,21 +24,76 @@ from dray.messages.floor.traffic import (
     YieldAsked,
     YieldRefused,
 )
-from dray.protocol.runtime.events import Ignore, Instruct
-from dray.protocol.traffic.driving.place_requests import (
-    AGES_BY_S,
-    AGES_EVERY_S,
-    HELD_UP,
-    RESTING,
-    Errand,
-    PlaceRequests,
-)
+from dray.plant.restrictions import OPEN, Ends, Restrictions
+from dray.protocol.runtime.events import Effect, Ignore, Instruct
+from dray.protocol.runtime.timers import Timers, spread_frac
+from dray.protocol.traffic.driving.reserved_way import ReservedWay
+from dray.protocol.traffic.driving.wheels import Wheels
+from dray.protocol.traffic.driving.wishes import Sign, State, Wishes, unsigned
+from dray.protocol.traffic.driving.yielding import Yielding
+from dray.protocol.traffic.neighbours import Seen
+from dray.protocol.traffic.places import Places
+from dray.protocol.traffic.prices import Outlook
+from dray.protocol.traffic.surroundings import Surroundings
+from dray.protocol.traffic.ways import Ways
 
+LOOK = "look"
+HELD_UP = "held up"
 RESTED = "rested"
 
+REROUTE_S, REROUTE_MORE_S = 3.0, 2.0
+"""Held up for so long, a vehicle looks for another way; the second part follows from its name."""
 
-class RightOfWay(PlaceRequests):
-    """One vehicle's right of way. Its alarms are those of its requests, and `RESTED`.
+AGES_EVERY_S, AGES_BY_S = 30.0, 240.0
+"""Who has been held up for so long counts as so much longer on its leg: else one that stands where many pass waits for all that have
+begun before it."""
+
+SHUT_OUT_S = 30.0
+"""Whoever has waited so long for a silent vehicle counts on no way that leads past it: most that were switched off for a moment are back."""
+
+WITH_TASK, IDLE, RESTING = 0, 1, 2
+"""Classes of rank. Who rests makes room for everybody who drives: else one that has rested for long would be in the way of those who begin
+to look for a place to rest."""
+
+
+class Errand(Enum):
+    """Why the vehicle drives where it drives."""
+
+    OWN = "own"
+    """To where it was told to go."""
+    REFUGE = "refuge"
+    """Out of somebody's way."""
+    REST = "rest"
+    """It stands at a refuge for a while."""
+
+
+class ShutOut(msgspec.Struct, frozen=True):
+    """A silent vehicle holds what another one needs, and no way leads round it."""
+
+    by: str
+    """The silent vehicle."""
+    lanes: tuple[Ends, ...]
+    """Those that lead into the place that it holds; first the one on which the other one would come."""
+    waited_s: float
+    """How long the other one has waited for it."""
+
+
+class RightOfWay:
+    """One vehicle's right of way: its requests for places, and what follows from the answers for its body.
+
+    Args:
+        atv: the vehicle.
+        life: its incarnation.
+        places, ways: of the plant.
+        surroundings: what is known of others.
+        timers: the agent's alarms; this one's are `LOOK`, `HELD_UP`, `RESTED` and those of `Wishes`.
+        out: where effects go.
+        node, next_node: where the vehicle stands, or the lane that it is on; its way ends with that lane.
+        top_mps, acceleration_mps2: of the vehicle.
+        next_order: numbers ways.
+        restrictions: what people have closed or made slow, as far as the vehicle knows now.
+        obstructed: lanes on which something lies, likewise.
+        sign: signs what it says to keepers of books.
 
     Attributes:
         is_denied: it was driving when it heard that it had been carried away: it drives on what is not its own.
@@ -43,12 +103,167 @@ class RightOfWay(PlaceRequests):
     is_denied = False
     is_doubled = False
 
-    # --- what its owner asks ---------------------------------------------------------------------
+    def __init__(
+        self,
+        atv: str,
+        life: int,
+        places: Places,
+        ways: Ways,
+        surroundings: Surroundings,
+        timers: Timers,
+        out: list[Effect],
+        *,
+        node: str,
+        next_node: str = "",
+        top_mps: float,
+        acceleration_mps2: float,
+        next_order: Callable[[], int],
+        restrictions: Callable[[], Restrictions] = lambda: OPEN,
+        obstructed: Callable[[], frozenset[Ends]] = frozenset,
+        sign: Sign = unsigned,
+    ) -> None:
+        self.atv = atv
+        self.way = ReservedWay(places, node, next_node)
+        self.wishes = Wishes(life, places.keepers_of, timers, out, sign)
+        self.errand = Errand.OWN
+        self.goal = next_node or node
+        self.docked = False
+        self.stuck = False
+        """It cannot move until a person has seen to it: it asks for nothing, and is asked in vain."""
+        self._obeys = True
+        """The body was seen to drive the way that it was given last: it goes nowhere else. Until then what was held before is kept."""
+        self._rests = True
+        """It was told no goal: wherever it stands is as good."""
+        self._places = places
+        self._ways = ways
+        self._timers = timers
+        self._out = out
+        self._wheels = Wheels(top_mps, acceleration_mps2, next_order, restrictions)
+        self._rank: Rank = (IDLE, 0.0, atv)
+        self._surroundings = surroundings
+        self._outlook = Outlook(surroundings, restrictions, obstructed)
+        self._yielding = Yielding(atv, ways, self._outlook, out)
+        self._speed_mps = 0.0
+        self._went_round: frozenset[str] = frozenset()
+        """Places of silent vehicles for which it has looked for another way on this leg."""
+        self._held_up_s: float | None = None
+        """Since when it stands and waits for its next group."""
+        self._aged_s = 0.0
+        """When that has made it more urgent last."""
+        self.waited_at_goal_s = 0.0
+        """How long it has stood on this leg for nothing but the goal itself: for whoever was at the dock before it."""
+        self._blocked, self._blocked_by, self._blocked_at = Blocked.NO, "", ""
+        """Why it was not granted that, who is in the way and where, as the book has told last."""
+        self._silent_since_s = 0.0
+        """Since when that is a silent vehicle, where it is one."""
+        self.removal = 0
+        """The newest time that it was carried away, as far as it knows: what it was granted before is void."""
+        self._asked = set(self.way.held)
+        """Places where the body is, or is about to be, and that no book has told to be its own yet: it drives nowhere before."""
+
+    # --- how things stand ------------------------------------------------------------------------
+
+    @property
+    def stands(self) -> bool:
+        """Whether it may not drive anywhere: it stands, or has come to its last place."""
+        return self.way.stands
+
+    @property
+    def is_finishing(self) -> bool:
+        """Whether the body was told to end its way, and has not said that it has."""
+        return self._wheels.is_finishing
+
+    @property
+    def holds(self) -> tuple[str, ...]:
+        """The places that are its own."""
+        return tuple(place for place in self.way.held if place not in self._asked)
+
+    @property
+    def is_placed(self) -> bool:
+        """Whether the places where it is are its own; else it asks for them."""
+        return not self._asked
+
+    def knows(self, order: int) -> bool:
+        """Whether the body was given a way of this number lately."""
+        return self._wheels.knows(order)
+
+    @property
+    def own_rank(self) -> Rank:
+        """Its rank, without what it has inherited.
+
+        Who waits for a silent vehicle goes behind all that have a task: it may wait for ever, and must not stand in their way meanwhile.
+        Nobody is more urgent than one that asks for where it stands.
+        """
+        if self._asked:
+            return (WITH_TASK, FIRST_S, self.atv)
+        if self._held_up_s is not None and self._blocked is Blocked.SILENT:
+            return (max(self._rank[0], IDLE), *self._rank[1:])
+        return self._rank
+
+    def rank(self, now_s: float) -> Rank:
+        """Its rank, or the one of whom it makes room for."""
+        rank = self.own_rank
+        inherited = self._yielding.of(now_s)
+        return rank if inherited is None else min(rank, inherited.rank)
+
+    @property
+    def is_hindered(self) -> bool:
+        """Whether it waits for a place, or makes room for somebody: it does not come nearer to its goal, and cannot help it."""
+        return self._held_up_s is not None or self.errand is not Errand.OWN
+
+    @property
+    def waits_for(self) -> str:
+        """Who holds what it needs, or goes first; empty where it waits for nobody, or does not know."""
+        return self._blocked_by if self._held_up_s is not None else ""
+
+    @property
+    def waits_at(self) -> str:
+        """The place that it needs and another one has; empty where it waits for none, or does not know."""
+        return self._blocked_at if self._held_up_s is not None else ""
+
+    @property
+    def held_up_since_s(self) -> float | None:
+        """Since when it stands and waits for a place; None when it does not."""
+        return self._held_up_s
+
+    def shut_out(self, now_s: float) -> ShutOut | None:
+        """Who is silent and has kept it from its goal for `SHUT_OUT_S`, with no way round; None for nobody."""
+        since_s, at = self._held_up_s, self._blocked_at
+        if since_s is None or self._blocked is not Blocked.SILENT or not self.is_placed:
+            return None
+        waited_s = now_s - max(since_s, self._silent_since_s)
+        if self.errand is not Errand.OWN or waited_s < SHUT_OUT_S:
+            return None
+        ahead = pairwise((self.way.base_end, *self.way.beyond))
+        first = [lane for lane in ahead if at in self._places.needs(*lane)][:1]
+        if not first or not any(at in group for group in self._groups()):
+            return None
+        lanes = dict.fromkeys((*first, *self._places.entries(at)))
+        return ShutOut(self._blocked_by, tuple(lanes), waited_s)
+
+    def shut_out_by(self, by: str, holds: Collection[str]) -> ShutOut | None:
+        """A vehicle that stands until a person has seen to it holds these places: what it is in the way of; None for nothing of this vehicle's."""
+        for lane in pairwise((self.way.base_end, *self.way.beyond)):
+            for place in self._places.needs(*lane):
+                if place in holds:
+                    return ShutOut(by, tuple(dict.fromkeys((lane, *self._places.entries(place)))), 0.0)
+        return None
 
     @property
     def has_arrived(self) -> bool:
         """Whether it stands at its goal, on its own errand."""
         return self.errand is Errand.OWN and self.way.stands and self.way.node == self.goal
+
+    def hint(self, now_s: float) -> Seen:
+        """What others are told with a heartbeat."""
+        return Seen(
+            at_s=now_s,
+            holds=self.holds,
+            stands=self.way.stands,
+            docked=self.docked,
+            rank=self.rank(now_s),
+            route=(self.way.node, *self.way.ahead)[:ROUTE_MAX],
+        )
 
     # --- what its owner tells --------------------------------------------------------------------
 
@@ -169,6 +384,15 @@ class RightOfWay(PlaceRequests):
             self.stuck = stuck
             self._settle(now_s)
 
+    def sense(self, past_m: float, speed_mps: float) -> None:
+        """The vehicle is so far past its last node, at this speed; told before anything else of the same moment."""
+        self._speed_mps = speed_mps
+        self.way.move(past_m)
+
+    def look(self, now_s: float) -> None:
+        """The alarm `LOOK` has come: its owner has told before where the vehicle is."""
+        self._settle(now_s)
+
     # --- messages --------------------------------------------------------------------------------
 
     def on_granted(self, sender: str, granted: PlaceGranted, now_s: float) -> None:
@@ -210,7 +434,9 @@ class RightOfWay(PlaceRequests):
         self._take_missed(confirmed.district, now_s)
 
     def repeat_wish(self, district: str, now_s: float) -> None:
-        super().repeat_wish(district, now_s)
+        """No answer has come from a district."""
+        groups = self._groups_in(district, self._groups())
+        self.wishes.repeat(district, self._holds_in(district), groups, self._state(now_s), now_s)
         self._take_missed(district, now_s)
 
     def _take_missed(self, district: str, now_s: float) -> bool:
@@ -373,3 +599,133 @@ class RightOfWay(PlaceRequests):
         """It stands at its goal: the body is to know that there is nothing more to drive."""
         if self.has_arrived and self._wheels.has_more(self.way):
             self._out.append(Instruct(self._wheels.finish(self.way)))
+
+    # --- driving ---------------------------------------------------------------------------------
+
+    def _drive_on(self, now_s: float) -> None:
+        """The base has grown: let the body drive it."""
+        self._note_wait(now_s)
+        self._out.append(Instruct(self._wheels.drive(self.way, self._speed_mps)))
+
+    def _note_hindrance(self, granted: PlaceGranted, now_s: float) -> None:
+        """A book has told why it does not grant what is wanted next."""
+        groups = self._groups()
+        if groups and self._places.district_of[groups[0][0]] == granted.district:
+            if self._blocked is not Blocked.SILENT or self._blocked_by != granted.by:
+                self._silent_since_s = now_s
+            self._blocked, self._blocked_by, self._blocked_at = granted.blocked, granted.by, granted.at
+
+    def _note_wait(self, now_s: float) -> None:
+        if self._held_up_s is not None:
+            waited_s = now_s - self._held_up_s
+            if self.way.base_end == self.goal:
+                self.waited_at_goal_s += waited_s
+            if waited_s > 1.0 and self.way.base:
+                self._outlook.waited(self._places.place_of(self.way.base[0]), waited_s, now_s)
+            self._held_up_s = None
+            self._timers.clear(HELD_UP)
+
+    # --- wishes ----------------------------------------------------------------------------------
+
+    def _settle(self, now_s: float, *, anew: bool = False, anew_in: str = "") -> None:
+        """Give back what it is clear of, ask for what comes next, and look again in time."""
+        self.way.give_back()
+        self._asked &= self.way.held.keys()
+        if self.way.stands and self.is_placed and self.way.take(()):
+            # Back over a place that it was not clear of yet: no book has to grant it.
+            self._drive_on(now_s)
+        groups = self._groups()
+        wanted_in = self._places.district_of[groups[0][0]] if groups else ""
+        if self.way.stands and groups:
+            if self._held_up_s is None:
+                self._held_up_s = now_s
+                self._timers.set(HELD_UP, now_s + self._patience_s)
+        elif self._held_up_s is not None:
+            self._held_up_s = None
+            self._timers.clear(HELD_UP)
+        state = self._state(now_s)
+        districts = dict.fromkeys(self._places.district_of[place] for place in self.way.held)
+        told = dict.fromkeys((*districts, wanted_in, *self.wishes.districts, anew_in))
+        told.pop("", None)
+        for district in told:
+            self.wishes.say(
+                district,
+                self._holds_in(district),
+                self._groups_in(district, groups),
+                state,
+                now_s,
+                anew=anew or district == anew_in,
+            )
+        self._surroundings.listen(() if self._is_in_no_hurry(now_s) else districts, now_s)
+        self._look_again(now_s)
+
+    def _tell(self, district: str, keeper: str, now_s: float) -> None:
+        """Answer a roll call: how things stand in one district, and nothing else."""
+        groups = self._groups_in(district, self._groups())
+        holds = self._holds_in(district)
+        self.wishes.say(district, holds, groups, self._state(now_s), now_s, anew=True, to=keeper)
+
+    def _is_in_no_hurry(self, now_s: float) -> bool:
+        """Whether it rests at its own place, and nobody has asked it for room: it need not know who is around."""
+        return (
+            self._rests
+            and self.way.stands
+            and self.errand is Errand.OWN
+            and not self._asked
+            and self._yielding.of(now_s) is None
+        )
+
+    def _groups(self) -> tuple[tuple[str, ...], ...]:
+        """What it wants next: first of all where it is."""
+        if self._asked:
+            first = next(place for place in self.way.held if place in self._asked)
+            return self._asked_in(self._places.district_of[first])
+        if self.docked or self.stuck or self.errand is Errand.REST:
+            return ()
+        return tuple(self.way.groups(self._wheels.needs_m(self._speed_mps, self.wishes.round_s)))
+
+    def _holds_in(self, district: str) -> tuple[str, ...]:
+        district_of = self._places.district_of
+        return tuple(sorted(place for place in self.holds if district_of[place] == district))
+
+    def _asked_in(self, district: str) -> tuple[tuple[str, ...], ...]:
+        district_of = self._places.district_of
+        asked = tuple(sorted(place for place in self._asked if district_of[place] == district))
+        return (asked,) if asked else ()
+
+    def _groups_in(self, district: str, groups: tuple[tuple[str, ...], ...]) -> tuple[tuple[str, ...], ...]:
+        if self._asked:
+            return self._asked_in(district)
+        if groups and self._places.district_of[groups[0][0]] == district:
+            return groups
+        return ()
+
+    def _state(self, now_s: float) -> State:
+        inherited = self._yielding.of(now_s)
+        route = (self.way.node, *self.way.ahead)[:ROUTE_MAX]
+        if inherited is None:
+            return State(
+                self.rank(now_s), self.way.stands, self.docked, route, (), self.removal, bool(self._asked)
+            )
+        avoid = tuple(dict.fromkeys((*route, *inherited.avoid)))[: 2 * ROUTE_MAX]
+        return State(
+            self.rank(now_s),
+            self.way.stands,
+            self.docked,
+            avoid,
+            inherited.chain,
+            self.removal,
+            bool(self._asked),
+        )
+
+    def _look_again(self, now_s: float) -> None:
+        """Set the alarm for the moment when it may be clear of a place, or needs the next one."""
+        when_s = self._wheels.look_in_s(self.way, self._speed_mps, self.wishes.round_s)
+        if when_s is None:
+            self._timers.clear(LOOK)
+        else:
+            self._timers.set(LOOK, now_s + when_s)
+
+    @property
+    def _patience_s(self) -> float:
+        return REROUTE_S + REROUTE_MORE_S * spread_frac(self.atv)

@@ -19,7 +19,7 @@ from dray.messages import AtvHeartbeat, Pose
 from dray.messages.heartbeat import FloorBrief
 from dray.plant import Plant, Routes
 from dray.protocol.runtime.events import Effect, Instruct
-from dray.protocol.traffic.driving.place_requests import ShutOut
+from dray.protocol.traffic.driving.right_of_way import ShutOut
 
 ORDERS_PER_LIFE = 1_000_000
 """Numbers of ways and actions: what the body still reports to an earlier life is recognised."""

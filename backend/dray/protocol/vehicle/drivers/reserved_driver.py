@@ -16,8 +16,7 @@ from dray.messages.keys import Keys
 from dray.plant import Plant
 from dray.protocol.runtime.events import Effect, Publish
 from dray.protocol.runtime.timers import Timers
-from dray.protocol.traffic.driving.place_requests import IDLE, WITH_TASK, Errand, ShutOut
-from dray.protocol.traffic.driving.right_of_way import RightOfWay
+from dray.protocol.traffic.driving.right_of_way import IDLE, WITH_TASK, Errand, RightOfWay, ShutOut
 from dray.protocol.traffic.driving.wishes import Sign
 from dray.protocol.traffic.surroundings import Surroundings
 from dray.protocol.traffic.traffic_map import TrafficMap

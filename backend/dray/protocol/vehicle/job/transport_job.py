@@ -8,18 +8,20 @@ still bring. A coordinator that answers nothing for `job_messages.GIVE_UP_AFTER`
 Who has taken a task over drives before its coordinator has confirmed that. Who gives a task back that is not on board yet
 stands until its coordinator has superseded it: until then it is bound.
 
-This module decides what is next. What the vehicle does then is in `job_moves` and `job_ways`, what it says in `job_messages`,
-and what it tells of itself in `job_status`.
+What the vehicle does for it is in `job_moves`, and what it says in `job_messages`.
 """
 
 from __future__ import annotations
 
-from typing import cast
+from math import inf
+from typing import Any, cast
 
 import msgspec
 
+from dray.errors import NoWay
 from dray.memory import Contract
 from dray.messages import (
+    Brief,
     Confirmed,
     DockHeld,
     DockOpened,
@@ -27,6 +29,7 @@ from dray.messages import (
     Message,
     Phase,
     Reason,
+    Role,
     Superseded,
     Withdrawn,
 )
@@ -37,12 +40,15 @@ from dray.protocol.runtime.timers import Timers
 from dray.protocol.vehicle.drivers.driver import Driver
 from dray.protocol.vehicle.job.job_messages import JobMessages
 from dray.protocol.vehicle.job.job_moves import JobMoves
-from dray.protocol.vehicle.job.job_state import LOADED, MANOEUVRES, JobState
-from dray.protocol.vehicle.job.job_ways import JobWays
+from dray.protocol.vehicle.job.job_state import LOADED, MANOEUVRES, VOID, JobState, JobStates
+from dray.protocol.vehicle.people.assistance import Waiting
 
 WAITS_AT_LEAST_S = 15.0
 """At a storage that has nothing, beyond what its promise allows: the station may have been started again a moment ago.
 Shorter than what its coordinator takes for standing still (`progress.STALL_S`)."""
+
+ASKS_AGAIN_S = 300.0
+"""Who has a contract for a load that was only to be had behind a silent vehicle gives it back after this: by then others may have it."""
 
 REFUGE_HELD_S = 60.0
 """A storage that has not let a load back in within this does not take it: another one is looked for. As long as a dock may take to get ready."""
@@ -51,7 +57,7 @@ TRIES = 3
 """Manoeuvres at one place before another one is looked for."""
 
 
-class TransportJob(JobWays):
+class TransportJob:
     """One transport of one vehicle: what happens to it, and what is next.
 
     Args:
@@ -60,6 +66,12 @@ class TransportJob(JobWays):
         driver: the vehicle's place on the lanes.
         timers: the vehicle's alarms.
         out: where effects go.
+
+    Attributes:
+        due_s: when it now expects to hand over (plant clock).
+        ended: why it is over; None while it lasts.
+        detail: the same in the words of whoever has held it up; empty where nobody has.
+        number: of the award that binds it; 0 for a takeover.
     """
 
     def __init__(
@@ -71,9 +83,29 @@ class TransportJob(JobWays):
         timers: Timers,
         out: list[Effect],
     ) -> None:
-        super().__init__(contract, JobMoves(contract, plant, vehicle_type, driver, timers))
+        self._contract = contract
+        self.task = contract.task
+        self.epoch = contract.epoch
+        self.work = contract.work
+        self.coordinator = contract.coordinator
+        self.source = contract.source
+        self.promised_s = contract.promised_s
+        self.due_s = contract.promised_s
+        self.ended: Reason | None = None
+        self.detail = ""
+        self.number = contract.number
         self._out = out
+        self._states = JobStates(contract.phase)
+        self._moves = JobMoves(contract, plant, vehicle_type, driver, timers)
         self._messages = JobMessages(contract, timers, out)
+        self._station = contract.source
+        """Where it drives to, or stands."""
+        self._cut_off = False
+        """What is closed leaves no way to its station: it stands elsewhere, and waits."""
+        self._was_shut_out = self._moves.is_shut_out_of(contract.source)
+        """Something was known to be in the way to the source when the contract was made: nobody else had the load then."""
+        self._short = ""
+        """The storage that had none of the load, or cannot be reached, which is why it was given back."""
         self._void = contract.cancelled
         """Why the contract is void; None while it binds."""
         self._stands_s = NEVER_S
@@ -86,6 +118,52 @@ class TransportJob(JobWays):
         """Manoeuvres that failed at this station."""
         self._refused = contract.refused
         """How often the gate has not let the load in, over all lives of the vehicle."""
+
+    @property
+    def state(self) -> JobState:
+        """How far it has come."""
+        return self._states.now
+
+    @property
+    def phase(self) -> Phase:
+        """The same, as others hear it."""
+        return self._states.phase
+
+    @property
+    def is_void(self) -> bool:
+        """Whether it is over but for the load, which is on its way back."""
+        return self.state in VOID
+
+    @property
+    def is_given_back(self) -> bool:
+        """Whether it ends as soon as the coordinator has answered."""
+        return self.state is JobState.GIVING_BACK
+
+    @property
+    def slack_s(self) -> float:
+        """How much later than now expected it may be done."""
+        return self._contract.deadline_s - self.due_s
+
+    def answers_at(self, station: str) -> str:
+        """Who says whether it may load or unload at a place where it stands: where people hand the load over, its coordinator."""
+        return self.coordinator if station == self.work.handed_at else station
+
+    def is_meant_by(self, message: Any) -> bool:
+        """Whether a coordinator speaks of this contract; a Superseded speaks of another epoch."""
+        return self.task == message.task and (type(message) is Superseded or message.epoch == self.epoch)
+
+    def brief(self) -> Brief:
+        """What the vehicle tells about it in its heartbeat."""
+        return Brief(
+            task=self.task,
+            epoch=self.epoch,
+            role=Role.PRIMARY,
+            coordinator=self.coordinator,
+            phase=self.phase,
+            item=self.work.item,
+            quantity=self.work.quantity,
+            due_s=self.due_s,
+        )
 
     def memory(self) -> Contract:
         """What the vehicle's next life must know of it."""
@@ -153,6 +231,43 @@ class TransportJob(JobWays):
                 self._ask_to_put_back(now_s)
             case JobState.RETURNING:
                 self._drop(JobState.PUTTING_BACK)
+
+    def floor_changed(self, now_s: float) -> None:
+        """People have closed or opened something: go on by what is open. Whoever is at a dock finishes there first."""
+        if self.state in (JobState.APPROACHING, JobState.CARRYING, JobState.RETURNING):
+            self._drive_on(now_s)
+        elif self.is_given_back:
+            self._moves.halt(now_s)
+
+    def shut_out(self, by: str, waited_s: float, now_s: float) -> None:
+        """A silent vehicle is in its way, and none leads round: the load is fetched elsewhere, or brought elsewhere.
+
+        What is only to be had there, or is to be brought there, waits.
+
+        Args:
+            by: the silent vehicle.
+            waited_s: how long it has been waited for.
+            now_s: the present time.
+        """
+        waits_s = ASKS_AGAIN_S if self._was_shut_out else 0.0
+        if self.state is JobState.APPROACHING and waited_s >= waits_s and self._moves.can_fetch_elsewhere():
+            self._short = self.source
+            self.give_back(Reason.WAY_BLOCKED, now_s, by)
+        elif self.state is JobState.RETURNING and (refuge := self._moves.refuge()) != self._station:
+            self._station = refuge
+            self._drive(refuge, now_s)
+
+    def waiting(self, now_s: float) -> Waiting:
+        """What it means for the task that the vehicle cannot go on."""
+        loaded = self.state in LOADED
+        relief_s = 0.0
+        if loaded:
+            try:
+                relief_s = self._moves.from_source_s() - max(0.0, self.due_s - now_s)
+            except NoWay:
+                relief_s = inf
+        goods_aboard = loaded and bool(self.work.goal)
+        return Waiting(self.task, self.slack_s, relief_s, irreplaceable=goods_aboard or self.is_void)
 
     def way_refused(self, now_s: float) -> None:
         """The vehicle could not take the way: try again from where it is then."""
@@ -281,6 +396,47 @@ class TransportJob(JobWays):
             self._go_on(now_s)
 
     # --- how it is done ---
+
+    def _drive(self, station: str, now_s: float) -> None:
+        """Drive to a station; it has arrived at once where it stands there."""
+        self._cut_off = False
+        try:
+            there_s = self._moves.drive(station, now_s)
+            arrives_s = now_s if there_s is None else there_s
+            if self.state is JobState.APPROACHING:
+                self.due_s = arrives_s + self._moves.from_source_s()
+                self._moves.expect_to_load(arrives_s)
+                self._moves.expect_to_unload(self.due_s - self._moves.unloading_s())
+            elif self.state is JobState.CARRYING:
+                self.due_s = arrives_s + self._moves.unloading_s()
+                self._moves.expect_to_unload(arrives_s)
+        except NoWay:
+            self._wait_for_way(now_s)
+            return
+        if there_s is None:
+            self.arrived(now_s)
+
+    def _drive_on(self, now_s: float) -> None:
+        """Drive to its station, or to another one that keeps the load where that was closed."""
+        if self._cut_off and self.state is JobState.RETURNING:
+            self._station = self._moves.refuge()
+        self._drive(self._station, now_s)
+
+    def _wait_for_way(self, now_s: float) -> None:
+        """What is closed leaves no way: another one is to fetch the load, and what is on board waits with the vehicle."""
+        self._cut_off = True
+        if self.state is JobState.APPROACHING:
+            self.give_back(Reason.CLOSED, now_s)
+        else:
+            self._moves.halt(now_s)
+            self._moves.try_later(now_s)
+
+    def _keeps_promise(self, now_s: float) -> bool:
+        """Whether it would be done in time if it were loaded now."""
+        try:
+            return now_s + self._moves.from_source_s() <= self.promised_s
+        except NoWay:
+            return False
 
     def _go_on(self, now_s: float) -> None:
         """Do again what the present state waits for."""
