@@ -5,7 +5,7 @@ Usage: python stepped_up.py [options of `dray up`]
 The clock on the wall of this process, by which the factory is paced and the gateway tells the time, stands until it is moved
 over a socket of its own: lines of JSON, each answered by one. `{"advance_s": 2.5}` lets so much factory time pass,
 `{"goes": true}` lets it pass as real time does at the factory's speed until `{"goes": false}`. The answer tells the plant's
-clock once all has been said and heard that was to be by then.
+clock once all has been said, heard and written into history that was to be by then.
 """
 
 from __future__ import annotations
@@ -18,10 +18,12 @@ import sys
 import time
 from contextlib import suppress
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from dray.cli import main as run
+from dray.cli.runtime.gateway import service
 from dray.cli.simulation import one_process
+from dray.store.historian import Historian
 from dray_sim.clock.wall import Wall
 
 if TYPE_CHECKING:
@@ -75,6 +77,12 @@ class SteppedClock:
         self._moves = asyncio.Lock()
         self._going: asyncio.Task[None] | None = None
         self._serving: asyncio.Task[None] | None = None
+        self._historian: Historian | None = None
+
+    def historian(self, **options: Any) -> Historian:
+        """Make the historian of this process: it writes at once what it hears."""
+        self._historian = Historian(**(options | {"linger_s": 0.0}))
+        return self._historian
 
     def _met(self, factory: VirtualLoop, outbound: Crossing) -> None:
         self._factory, self._outbound = factory, outbound
@@ -122,6 +130,16 @@ class SteppedClock:
                 least_s = moved_s / self._speed / WALL_PER_REAL
                 await asyncio.sleep(max(0.0, began_s + least_s - time.monotonic()))
             await self._move(0.0)
+        await self._kept()
+
+    async def _kept(self) -> None:
+        """Return when what was heard is written; a database that cannot be written is not waited for."""
+        if (historian := self._historian) is None:
+            return
+        written = asyncio.create_task(historian.written())
+        while not written.done() and not historian.failing and not self._factory.is_closed():
+            await asyncio.wait({written}, timeout=1.0)
+        written.cancel()
 
     @property
     def _speed(self) -> float:
@@ -152,6 +170,7 @@ def main() -> None:
     sys.stdout.write(f"Clock {clock.address}\n")
     sys.stdout.flush()
     one_process.run_service = partial(one_process.run_service, wall=clock.wall)
+    service.Historian = clock.historian
     sys.argv[1:1] = ["up"]
     run()
 
