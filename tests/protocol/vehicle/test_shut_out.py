@@ -94,6 +94,18 @@ def test_where_all_is_shut_out_the_contract_waits() -> None:
     assert not sent(shut_out(rig, ShutOut("ATV7", lanes, SHUT_OUT_S)), Resigned)
 
 
+def test_who_is_shut_in_itself_gives_back_what_others_can_come_to() -> None:
+    rig = parked()
+    assert isinstance(rig.agent, Atv)
+    assert sent(rig.on_message("M8", award()), Accepted)
+    rig.run(rig.now_s + 1.0)
+    here = rig.heartbeats(AtvHeartbeat)[-1].node
+    out = tuple((lane.start, lane.end) for lane in PLANT.roads.leaving[here])
+    [resigned] = sent(shut_out(rig, ShutOut("ATV7", out, SHUT_OUT_S)), Resigned, to="M8")
+    assert (resigned.reason, resigned.detail) == (Reason.WAY_BLOCKED, "ATV7")
+    assert not resigned.short, "its source can be reached"
+
+
 def test_a_contract_for_what_was_only_to_be_had_there_waits_longer() -> None:
     rig = parked()
     rig.on_message("ATV5", ObstacleSeen(atv="ATV5", start=MOUTH, end=DOCK, there=True, forget_in_s=500.0))

@@ -71,6 +71,13 @@ class JobMoves:
             if other != self._source
         )
 
+    def is_shut_in(self) -> bool:
+        """Whether something is known to lie on every way from here to the source, and on none from the destination to there: another vehicle may come."""
+        source = self._dock(self._source)
+        return self.is_shut_out_of(self._source) and self._routes.leads_round(
+            self._dock(self._work.destination), source
+        )
+
     @property
     def _keepers(self) -> tuple[str, ...]:
         """Where the load may be had: a contract that was passed on names only one place."""

@@ -240,9 +240,9 @@ class TransportJob:
             self._moves.halt(now_s)
 
     def shut_out(self, by: str, waited_s: float, now_s: float) -> None:
-        """A silent vehicle is in its way, and none leads round: the load is fetched elsewhere, or brought elsewhere.
+        """A silent vehicle is in its way, and none leads round: the load is fetched elsewhere or by another vehicle, or brought elsewhere.
 
-        What is only to be had there, or is to be brought there, waits.
+        What nobody else can fetch, or is to be brought there, waits.
 
         Args:
             by: the silent vehicle.
@@ -250,9 +250,12 @@ class TransportJob:
             now_s: the present time.
         """
         waits_s = ASKS_AGAIN_S if self._was_shut_out else 0.0
-        if self.state is JobState.APPROACHING and waited_s >= waits_s and self._moves.can_fetch_elsewhere():
-            self._short = self.source
-            self.give_back(Reason.WAY_BLOCKED, now_s, by)
+        if self.state is JobState.APPROACHING and waited_s >= waits_s:
+            if self._moves.can_fetch_elsewhere():
+                self._short = self.source
+                self.give_back(Reason.WAY_BLOCKED, now_s, by)
+            elif self._moves.is_shut_in():
+                self.give_back(Reason.WAY_BLOCKED, now_s, by)
         elif self.state is JobState.RETURNING and (refuge := self._moves.refuge()) != self._station:
             self._station = refuge
             self._drive(refuge, now_s)
