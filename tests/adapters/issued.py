@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from dray.adapters.security.certificates import Authority
-from dray.messages.speakers import Kind
+from dray.messages.kinds import Kind
 
 
 def issued(folder: Path, agents: Mapping[str, Kind]) -> Path:

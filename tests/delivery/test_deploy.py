@@ -20,7 +20,7 @@ from dray.cli import app
 from dray.cli.compose.document import compose_text, targets_text
 from dray.cli.runtime.roster import agents_of
 from dray.errors import SettingsError
-from dray.messages.speakers import Kind
+from dray.messages.kinds import Kind
 from dray.plant import Plant, default_plant, plant_yaml, shipped_plant
 from dray.settings import PREFIX, Settings, host_and_port
 from dray_sim.plants.generator import generate_plant

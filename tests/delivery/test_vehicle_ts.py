@@ -44,7 +44,7 @@ from dray.messages import (
 )
 from dray.messages.fact import OrderFulfilled
 from dray.messages.keys import STRATEGIST, Keys
-from dray.messages.speakers import Kind
+from dray.messages.kinds import Kind
 from dray.plant import load_plant
 
 HERE = Path(__file__).parent

@@ -9,6 +9,10 @@ How messages become bytes is `dray.codec`; when they are said is `dray.protocol`
 
 from __future__ import annotations
 
+from functools import reduce
+from operator import or_
+from typing import TYPE_CHECKING
+
 from dray.messages.base import WIRE_VERSION, Message, Part
 from dray.messages.contract import (
     Accepted,
@@ -150,83 +154,11 @@ from dray.messages.transport import (
 Heartbeat = AtvHeartbeat | MachineHeartbeat
 """Of those who bid."""
 
-AnyMessage = (
-    AtvHeartbeat
-    | MachineHeartbeat
-    | StationHeartbeat
-    | StrategistHeartbeat
-    | OperatorHeartbeat
-    | HelpCall
-    | CallAnswered
-    | TaskAnnounced
-    | Bid
-    | Award
-    | Accepted
-    | Confirmed
-    | Declined
-    | Release
-    | Resigned
-    | TakenOver
-    | Docked
-    | DockOpened
-    | DockHeld
-    | DockExpected
-    | Handover
-    | HandoverAccepted
-    | Superseded
-    | Withdrawn
-    | GoalClosed
-    | GoalRevised
-    | GoalRevisionTaken
-    | Disbelieved
-    | OrderReleased
-    | OrderTaken
-    | HolderChanged
-    | OrderCancelled
-    | CancellationTaken
-    | OrderRevoked
-    | RevocationTaken
-    | VehicleCommand
-    | MachineCommand
-    | CommandAnswered
-    | DwellPointClaimed
-    | ProblemEnded
-    | ObstacleSeen
-    | ObstacleCleared
-    | WorkSought
-    | Event
-    | EventsAsked
-    | EventsKept
-    | ShutOut
-    | Closures
-    | Removals
-    | StockAsked
-    | StockReserved
-    | StockShort
-    | TransportOrdered
-    | TransportCancelled
-    | TransportAnswered
-    | StockFreed
-    | PlaceWished
-    | PlaceGranted
-    | PlaceConfirmed
-    | FloorTold
-    | YieldAsked
-    | YieldRefused
-    | HoldsAsked
-    | PlaceBooked
-    | BookKept
-    | BookAsked
-    | BookTold
-    | GateAsked
-    | GateTold
-    | AdmissionAsked
-    | GoodsCounted
-    | CountHeard
-    | OrderClaimed
-    | HolderTold
-    | HolderHeard
-)
+if TYPE_CHECKING:
+    AnyMessage = Message
+else:
+    # What bytes may be read as.
+    AnyMessage = reduce(or_, sorted(Message.__subclasses__(), key=lambda kind: kind.__name__))
 
 __all__ = [
     "NOTHING_KNOWN",

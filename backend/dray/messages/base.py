@@ -6,10 +6,12 @@ keep out what would do harm (a negative quantity, an id that is a wildcard), not
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any, ClassVar
 
 import msgspec
 from msgspec import Meta
+
+from dray.messages.kinds import NOBODY, Kind
 
 WIRE_VERSION = 2
 """Raised when a receiver of the older version could misunderstand; new optional fields do not raise it."""
@@ -81,8 +83,35 @@ class Part(msgspec.Struct, frozen=True, gc=False):
     """A part of a message: an immutable value with no name of its own on the wire."""
 
 
-class Message(msgspec.Struct, frozen=True, gc=False, tag_field="type", tag=True):
+class MessageType(msgspec.StructMeta):
+    """The type of messages: each says where it is defined who may say it."""
+
+    def __new__(
+        cls,
+        name: str,
+        bases: tuple[type, ...],
+        namespace: dict[str, Any],
+        *,
+        said_by: frozenset[Kind] = NOBODY,
+        signed: str = "",
+        radio: bool = False,
+        **config: Any,
+    ) -> Any:
+        said = {"said_by": said_by, "signed": signed, "radio": radio}
+        return super().__new__(cls, name, bases, namespace | said, **config)
+
+
+class Message(msgspec.Struct, metaclass=MessageType, frozen=True, gc=False, tag_field="type", tag=True):
     """One utterance: immutable, named on the wire by its class name in `type`.
 
     Fields that a receiver does not know are ignored, so an agent of a newer software may add some.
+
+    Attributes:
+        said_by: the kinds of agents that may say it.
+        signed: its field that says who speaks; empty where none does.
+        radio: whether it goes over the radio between vehicles when there is no WLAN.
     """
+
+    said_by: ClassVar[frozenset[Kind]]
+    signed: ClassVar[str]
+    radio: ClassVar[bool]

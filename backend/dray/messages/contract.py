@@ -14,6 +14,7 @@ from msgspec import UNSET, Meta, UnsetType
 from dray.messages.base import Count, Id, IdOrNone, Message, Metres, Part, Seconds, Text
 from dray.messages.cost import Cost
 from dray.messages.heartbeat import Role
+from dray.messages.kinds import BIDDERS, COORDINATORS, DOCKS, STRATEGISTS, VEHICLES
 from dray.messages.product import ProductDefinition
 from dray.messages.reason import Implausible, Reason
 
@@ -77,7 +78,7 @@ class DockTime(Part, frozen=True):
     """From then on the next one can be there."""
 
 
-class DockExpected(Message, frozen=True):
+class DockExpected(Message, said_by=VEHICLES, frozen=True):
     """A vehicle with right of way tells whoever hires vehicles for a place when it will be at the dock there.
 
     Said when the contract is taken, whenever the vehicle knows better, when it stands there and when it is done.
@@ -101,7 +102,7 @@ class Wait(Part, frozen=True, omit_defaults=True):
     """Who is expected at the dock there, as these vehicles have told."""
 
 
-class TaskAnnounced(Message, frozen=True):
+class TaskAnnounced(Message, said_by=COORDINATORS, signed="coordinator", frozen=True):
     """A coordinator asks for bids. Published to everybody within the radius."""
 
     task: Id
@@ -128,7 +129,7 @@ class TaskAnnounced(Message, frozen=True):
     """How long vehicles have waited lately at the sources and at the destination, as the coordinator has seen it."""
 
 
-class WorkSought(Message, frozen=True):
+class WorkSought(Message, said_by=VEHICLES, signed="atv", frozen=True):
     """A vehicle that had no time when everybody was asked is free: what waits?
 
     Every coordinator whose transports wait answers with the `TaskAnnounced` of the most urgent one that such a vehicle can
@@ -140,7 +141,7 @@ class WorkSought(Message, frozen=True):
     """What it can carry."""
 
 
-class Bid(Message, frozen=True):
+class Bid(Message, said_by=BIDDERS, frozen=True):
     """A contractor's price, sent straight to the coordinator."""
 
     task: Id
@@ -159,7 +160,7 @@ class Bid(Message, frozen=True):
     it is measured."""
 
 
-class Award(Message, frozen=True):
+class Award(Message, said_by=COORDINATORS, frozen=True):
     """The coordinator asks one bidder to take the contract."""
 
     task: Id
@@ -194,7 +195,7 @@ class Refusal(StrEnum):
     """Asked to watch itself."""
 
 
-class Accepted(Message, frozen=True):
+class Accepted(Message, said_by=BIDDERS, frozen=True):
     """The contract stands."""
 
     task: Id
@@ -215,7 +216,7 @@ class Brought(Part, frozen=True):
     pieces: Count
 
 
-class Confirmed(Message, frozen=True):
+class Confirmed(Message, said_by=COORDINATORS, radio=True, frozen=True):
     """The coordinator has heard that a contract was taken: `Accepted` of a goal, or `TakenOver`.
 
     A machine begins a goal only then, and repeats `Accepted` until then. Otherwise a goal whose
@@ -233,7 +234,7 @@ class Confirmed(Message, frozen=True):
     """People count at the gate, later than goods come: carriers go on by their own word."""
 
 
-class Declined(Message, frozen=True):
+class Declined(Message, said_by=BIDDERS, radio=True, frozen=True):
     """Not available any more; the coordinator asks the next one."""
 
     task: Id
@@ -244,7 +245,7 @@ class Declined(Message, frozen=True):
     """Of the award that this answers."""
 
 
-class Release(Message, frozen=True):
+class Release(Message, said_by=COORDINATORS, radio=True, frozen=True):
     """The coordinator lets a contractor go; whoever is not bound by this award ignores it."""
 
     task: Id
@@ -255,7 +256,7 @@ class Release(Message, frozen=True):
     """Of the award that binds no more; 0 where none was given, as for a takeover."""
 
 
-class Resigned(Message, frozen=True):
+class Resigned(Message, said_by=VEHICLES, radio=True, frozen=True):
     """A contractor gives the contract back."""
 
     task: Id
@@ -268,7 +269,7 @@ class Resigned(Message, frozen=True):
     """The storage that did not give it what it was to fetch, though it has waited as long as its promise allowed."""
 
 
-class TakenOver(Message, frozen=True):
+class TakenOver(Message, said_by=VEHICLES, radio=True, frozen=True):
     """A secondary has become the carrier, with a higher epoch. Repeated until it is answered.
 
     The answer is `Confirmed`; or `Release` when the coordinator still hears the one it replaces, or
@@ -288,7 +289,7 @@ class TakenOver(Message, frozen=True):
     """When it was said, by the same clock; times in it are understood from here. None where a software does not tell."""
 
 
-class Disbelieved(Message, frozen=True):
+class Disbelieved(Message, said_by=COORDINATORS, frozen=True):
     """The coordinator does not believe a bid, a promise or a handover, and says why, so that somebody can put it right.
 
     It binds nobody and ends nothing.
@@ -301,7 +302,7 @@ class Disbelieved(Message, frozen=True):
     """How far the receiver's clock is ahead of the sender's, behind if negative; 0 where `reason` is another one."""
 
 
-class Docked(Message, frozen=True):
+class Docked(Message, said_by=VEHICLES, radio=True, frozen=True):
     """A carrier stands at the source or the destination and asks to load or to unload.
 
     Every transfer asks first: this is where the epoch fences. A load that nobody waits for any
@@ -318,7 +319,7 @@ class Docked(Message, frozen=True):
     """It brings a load that nobody waits for any more back to a storage."""
 
 
-class DockOpened(Message, frozen=True):
+class DockOpened(Message, said_by=DOCKS, radio=True, frozen=True):
     """Load or unload now."""
 
     task: Id
@@ -326,7 +327,7 @@ class DockOpened(Message, frozen=True):
     station: Id
 
 
-class DockHeld(Message, frozen=True):
+class DockHeld(Message, said_by=DOCKS, radio=True, frozen=True):
     """Wait: the right vehicle at the right place, but there is no room or nothing to fetch yet."""
 
     task: Id
@@ -335,7 +336,7 @@ class DockHeld(Message, frozen=True):
     reason: Text
 
 
-class Handover(Message, frozen=True):
+class Handover(Message, said_by=VEHICLES, radio=True, frozen=True):
     """The load is down. Repeated until it is answered; handing over twice is harmless."""
 
     task: Id
@@ -343,14 +344,14 @@ class Handover(Message, frozen=True):
     quantity: Count
 
 
-class HandoverAccepted(Message, frozen=True):
+class HandoverAccepted(Message, said_by=DOCKS, radio=True, frozen=True):
     """The task is done; the vehicle is free."""
 
     task: Id
     epoch: Count
 
 
-class Superseded(Message, frozen=True):
+class Superseded(Message, said_by=COORDINATORS, radio=True, frozen=True):
     """Somebody else carries this task, or nobody needs to: your epoch is over."""
 
     task: Id
@@ -358,7 +359,7 @@ class Superseded(Message, frozen=True):
     """The epoch that is right now."""
 
 
-class Withdrawn(Message, frozen=True):
+class Withdrawn(Message, said_by=COORDINATORS, radio=True, frozen=True):
     """The coordinator does not need the task any more."""
 
     task: Id
@@ -366,7 +367,7 @@ class Withdrawn(Message, frozen=True):
     reason: Reason = Reason.NOT_NEEDED
 
 
-class GoalClosed(Message, frozen=True):
+class GoalClosed(Message, said_by=STRATEGISTS, frozen=True):
     """The strategist has noted that a goal is delivered; the machine may forget it."""
 
     goal: Id

@@ -12,6 +12,7 @@ from msgspec import Meta
 
 from dray.messages.base import Count, Id, IdOrNone, Message, Part
 from dray.messages.contract import Brought
+from dray.messages.kinds import GATES, STRATEGISTS
 
 HELD_TOLD = 500
 """Orders in one `GateTold`: some ten kilobytes."""
@@ -60,7 +61,7 @@ class HeldOrder(Part, frozen=True):
     epoch: Count
 
 
-class GateAsked(Message, frozen=True):
+class GateAsked(Message, said_by=STRATEGISTS, frozen=True):
     """A strategist begins its life, or has heard that the gate has: what does it hold? Repeated until the gate answers."""
 
     forgotten: bool = False
@@ -69,7 +70,7 @@ class GateAsked(Message, frozen=True):
     """Only orders after this one, by name: a long list is told in parts."""
 
 
-class GateTold(Message, frozen=True):
+class GateTold(Message, said_by=GATES, frozen=True):
     """The gate answers `GateAsked`."""
 
     after: IdOrNone
@@ -81,7 +82,7 @@ class GateTold(Message, frozen=True):
     """The life of the gate in which its notes begin: with another one than before it has lost all that it was told."""
 
 
-class AdmissionAsked(Message, frozen=True, omit_defaults=True):
+class AdmissionAsked(Message, said_by=STRATEGISTS, frozen=True, omit_defaults=True):
     """Let in as many pieces of this goal, those that have arrived included, and no more. Repeated until `GoodsCounted` answers it."""
 
     goal: Id
@@ -95,7 +96,7 @@ class AdmissionAsked(Message, frozen=True, omit_defaults=True):
     """With which epoch its order is held; 0 where a plant has one strategist."""
 
 
-class GoodsCounted(Message, frozen=True, omit_defaults=True):
+class GoodsCounted(Message, said_by=GATES, frozen=True, omit_defaults=True):
     """How many pieces of a goal are in. The gate alone says so: as an answer, and after each arrival until `CountHeard` answers that."""
 
     goal: Id
@@ -111,14 +112,14 @@ class GoodsCounted(Message, frozen=True, omit_defaults=True):
     """People count, later than goods come."""
 
 
-class CountHeard(Message, frozen=True):
+class CountHeard(Message, said_by=STRATEGISTS, frozen=True):
     """A strategist has heard so many pieces of a goal."""
 
     goal: Id
     arrived: Count
 
 
-class OrderClaimed(Message, frozen=True, omit_defaults=True):
+class OrderClaimed(Message, said_by=STRATEGISTS, frozen=True, omit_defaults=True):
     """A strategist wants to hold an order, or tells that one which it holds has ended. Repeated until `HolderTold` answers it."""
 
     order: Id
@@ -127,13 +128,13 @@ class OrderClaimed(Message, frozen=True, omit_defaults=True):
     """Releases up to this one have ended: nothing is to be made of them any more, whoever takes the order over."""
 
 
-class HolderTold(Message, frozen=True):
+class HolderTold(Message, said_by=GATES, frozen=True):
     """Who holds an order: an answer; to a holder that has lost it also unasked, until `HolderHeard` answers that."""
 
     held: OrderHeld
 
 
-class HolderHeard(Message, frozen=True):
+class HolderHeard(Message, said_by=STRATEGISTS, frozen=True):
     """A strategist has heard that another one holds an order."""
 
     order: Id

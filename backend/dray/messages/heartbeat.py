@@ -25,6 +25,7 @@ from dray.messages.base import (
     Text,
 )
 from dray.messages.floor.traffic import NO_RANK, Places, Rank
+from dray.messages.kinds import GATES, MACHINES, STATIONS, VEHICLES
 from dray.messages.link import Link, LostWlan
 from dray.messages.problem import HelpWanted, Problem, StrandedGoods
 from dray.messages.product import DOCUMENTS_TOLD, DocumentBrief
@@ -174,7 +175,7 @@ class BodyWait(Part, frozen=True, omit_defaults=True):
     """What ends it; empty where the driver does not know."""
 
 
-class AtvHeartbeat(Message, frozen=True, omit_defaults=True):
+class AtvHeartbeat(Message, said_by=VEHICLES, signed="atv", frozen=True, omit_defaults=True):
     """RHB: what an ATV tells everybody (paper, 3.2).
 
     Idle 0.2 Hz, 1 Hz working or with a problem, and at once when the status changes.
@@ -394,7 +395,7 @@ class PeopleAsBody(Part, frozen=True, omit_defaults=True):
     """Of the gate: what is to come, the quietest first."""
 
 
-class StationHeartbeat(Message, frozen=True, omit_defaults=True):
+class StationHeartbeat(Message, said_by=STATIONS | GATES, signed="station", frozen=True, omit_defaults=True):
     """What the agent of a storage or source warehouse tells everybody, at 0.2 Hz and when it changes: what lies there, what is promised."""
 
     station: Id
@@ -415,7 +416,7 @@ class StationHeartbeat(Message, frozen=True, omit_defaults=True):
     """Left out where its body is not people."""
 
 
-class MachineHeartbeat(Message, frozen=True, omit_defaults=True):
+class MachineHeartbeat(Message, said_by=MACHINES, signed="machine", frozen=True, omit_defaults=True):
     """MHB: what a machine tells everybody (paper, 3.2).
 
     Idle 0.2 Hz, 1 Hz working or with a problem, and at once when the status changes. A goal stays in `goals` until the strategist has closed it, who so misses nothing.

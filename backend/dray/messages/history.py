@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dray.messages.base import Count, Id, Message, Seconds
 from dray.messages.fact import AnyFact
+from dray.messages.kinds import GATEWAYS, HISTORIANS, TELLERS
 
 EVENTS_PER_ANSWER = 200
 """Events that one answer to `EventsAsked` holds at most."""
@@ -17,7 +18,7 @@ HISTORY_KEPT = 10_000
 come and go tells a thousand facts in minutes, and what it forgets before the historian is back is gone for good."""
 
 
-class EventsAsked(Message, frozen=True):
+class EventsAsked(Message, said_by=GATEWAYS | HISTORIANS, frozen=True):
     """Tell again what was missed.
 
     Answered to the asker alone, with those `Event`s that the agent still has, `EVENTS_PER_ANSWER` at most,
@@ -30,7 +31,7 @@ class EventsAsked(Message, frozen=True):
     """Both included."""
 
 
-class EventsKept(Message, frozen=True):
+class EventsKept(Message, said_by=TELLERS, frozen=True):
     """Which numbers of one of its lives an agent can still tell: all from `first` to `last`.
 
     What is asked for and lies before `first` is gone for good. None are kept when `last` is below `first`.
@@ -44,7 +45,7 @@ class EventsKept(Message, frozen=True):
     """The one that answers: of those before it there will be no more."""
 
 
-class Event(Message, frozen=True):
+class Event(Message, said_by=TELLERS, signed="agent", frozen=True):
     """One numbered line of an agent's history."""
 
     agent: Id

@@ -7,6 +7,7 @@ from typing import Annotated
 from msgspec import Meta
 
 from dray.messages.base import Count, Id, Message, Part, Seconds
+from dray.messages.kinds import GATEWAYS, MACHINES, STRATEGISTS
 from dray.messages.product import PartDefinition, ProductDefinition
 
 PARTS_MAX = 200
@@ -26,7 +27,7 @@ class OrderItem(Part, frozen=True):
     """Parts on all levels below it, as far as their master data have them; all others are made as the plant file says."""
 
 
-class OrderReleased(Message, frozen=True):
+class OrderReleased(Message, said_by=GATEWAYS, frozen=True):
     """Make this. Repeated until the strategist answers; the same order twice is one order.
 
     `items` hold what is outstanding: after a restart less than was ordered. One with a higher `change` than what is in work changes that.
@@ -42,7 +43,7 @@ class OrderReleased(Message, frozen=True):
     """How often people have changed it."""
 
 
-class OrderTaken(Message, frozen=True):
+class OrderTaken(Message, said_by=STRATEGISTS, frozen=True):
     """The strategist has the order and will see to it."""
 
     order: Id
@@ -56,19 +57,19 @@ class OrderTaken(Message, frozen=True):
     """Per item, all that will have been delivered; empty where it was asked for without a change, or is not known any more."""
 
 
-class OrderCancelled(Message, frozen=True):
+class OrderCancelled(Message, said_by=GATEWAYS, frozen=True):
     """Stop working at this order: its goals are withdrawn. Repeated until the strategist answers."""
 
     order: Id
 
 
-class CancellationTaken(Message, frozen=True):
+class CancellationTaken(Message, said_by=STRATEGISTS, frozen=True):
     """The strategist does not work at this order, and will not begin to."""
 
     order: Id
 
 
-class OrderRevoked(Message, frozen=True):
+class OrderRevoked(Message, said_by=GATEWAYS, frozen=True):
     """Take back the start of an order: its goals are withdrawn. Repeated until the strategist answers."""
 
     order: Id
@@ -76,7 +77,7 @@ class OrderRevoked(Message, frozen=True):
     """Which release is meant; a later one stays."""
 
 
-class RevocationTaken(Message, frozen=True):
+class RevocationTaken(Message, said_by=STRATEGISTS, frozen=True):
     """The strategist does not work at this release of an order any more, and will not begin to.
 
     Said only when the gate of the delivery warehouses is shut for all of its goals and has counted.
@@ -89,7 +90,7 @@ class RevocationTaken(Message, frozen=True):
     the strategist did not work at this release: it has ended, or never came."""
 
 
-class StrategistHeartbeat(Message, frozen=True):
+class StrategistHeartbeat(Message, said_by=STRATEGISTS, signed="strategist", frozen=True):
     """What a strategist tells the others of its plant, once a second: that it is there, and how much it has in work."""
 
     strategist: Id
@@ -100,7 +101,7 @@ class StrategistHeartbeat(Message, frozen=True):
     """Orders that it works at: its bid for the next one."""
 
 
-class HolderChanged(Message, frozen=True):
+class HolderChanged(Message, said_by=STRATEGISTS, frozen=True):
     """Another strategist has taken an order over: from now on it speaks for all goals of that order. Said again until the machine's heartbeat shows it."""
 
     order: Id
@@ -108,7 +109,7 @@ class HolderChanged(Message, frozen=True):
     """With which it holds the order; a lower one than is known counts for nothing."""
 
 
-class GoalRevised(Message, frozen=True):
+class GoalRevised(Message, said_by=STRATEGISTS, frozen=True):
     """The strategist changes a goal: less of it is wanted, or at another time. Said again until the machine's heartbeat shows it."""
 
     task: Id
@@ -119,7 +120,7 @@ class GoalRevised(Message, frozen=True):
     """When it should be done now (plant clock)."""
 
 
-class GoalRevisionTaken(Message, frozen=True):
+class GoalRevisionTaken(Message, said_by=MACHINES, frozen=True):
     """What a machine makes of a goal after that: what it has begun it keeps."""
 
     task: Id

@@ -5,6 +5,7 @@ from __future__ import annotations
 from enum import StrEnum
 
 from dray.messages.base import Id, IdOrNone, Message, Part, Seconds, Text
+from dray.messages.kinds import BIDDERS
 
 
 class ProblemKind(StrEnum):
@@ -51,7 +52,7 @@ NOTHING_KNOWN = Problem()
 """A problem of which there are only words."""
 
 
-class ProblemEnded(Message, frozen=True):
+class ProblemEnded(Message, said_by=BIDDERS, signed="agent", frozen=True):
     """A problem is over: said once to all of its kind, so that they know how long such problems last."""
 
     agent: Id

@@ -1,7 +1,7 @@
 """What goes over the radio between vehicles when there is no WLAN (paper, case 3).
 
-Heartbeats, what a transport that is under way needs to come to its end, who may drive where, and calls for help. No negotiation: bids, announcements,
-awards, claims and history do not fit.
+That is vehicles' heartbeats, in parts, and each message that is defined with `radio`: what a transport that is under way needs to
+come to its end, who may drive where, and calls for help. No negotiation: bids, announcements, awards, claims and history do not fit.
 
 The radio itself (range, hops, length of a frame) is hardware, and not said here.
 """
@@ -15,60 +15,14 @@ from msgspec import UNSET
 from msgspec.structs import replace
 
 from dray.messages.base import Message
-from dray.messages.contract import (
-    Confirmed,
-    Declined,
-    Docked,
-    DockHeld,
-    DockOpened,
-    Handover,
-    HandoverAccepted,
-    Release,
-    Resigned,
-    Superseded,
-    TakenOver,
-    Withdrawn,
-)
 from dray.messages.floor.traffic import (
-    HoldsAsked,
-    PlaceConfirmed,
-    PlaceGranted,
     PlaceWished,
     YieldAsked,
     YieldRefused,
 )
 from dray.messages.heartbeat import AtvHeartbeat
 from dray.messages.link import Link
-from dray.messages.people.call import CallAnswered, HelpCall
-from dray.messages.people.command import CommandAnswered, VehicleCommand
-
-CARRIED_BY_RADIO: frozenset[type[Message]] = frozenset(
-    {
-        CallAnswered,
-        CommandAnswered,
-        Confirmed,
-        Declined,
-        DockHeld,
-        DockOpened,
-        Docked,
-        Handover,
-        HandoverAccepted,
-        HelpCall,
-        HoldsAsked,
-        PlaceConfirmed,
-        PlaceGranted,
-        PlaceWished,
-        Release,
-        Resigned,
-        Superseded,
-        TakenOver,
-        VehicleCommand,
-        Withdrawn,
-        YieldAsked,
-        YieldRefused,
-    }
-)
-"""What may go by radio beside heartbeats, in both directions."""
+from dray.messages.people.call import HelpCall
 
 DISPENSABLE: tuple[dict[str, Any], ...] = (
     {"way": ()},

@@ -12,13 +12,14 @@ from typing import Annotated
 from msgspec import Meta
 
 from dray.messages.base import Count, Id, Message
+from dray.messages.kinds import GATEWAYS
 
 MAX_SHUT_OUT = 256
 """Agents that are shut out at once: a large plant's. With ids of the greatest length the message is still half of
 what a bus carries (`dray.codec.MAX_BYTES`)."""
 
 
-class ShutOut(Message, frozen=True):
+class ShutOut(Message, said_by=GATEWAYS, frozen=True):
     """Everybody who is shut out at present; whoever is not named is heard."""
 
     number: Count

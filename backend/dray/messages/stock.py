@@ -7,9 +7,10 @@ asks for it again, so that whoever has failed holds nothing back for long.
 from __future__ import annotations
 
 from dray.messages.base import Count, Id, Message
+from dray.messages.kinds import DOCKS
 
 
-class StockAsked(Message, frozen=True):
+class StockAsked(Message, said_by=DOCKS, frozen=True):
     """A coordinator asks a station to set pieces aside for one task.
 
     Said again, it renews the reservation, or the place in the queue.
@@ -22,7 +23,7 @@ class StockAsked(Message, frozen=True):
     quantity: Count
 
 
-class StockReserved(Message, frozen=True):
+class StockReserved(Message, said_by=DOCKS, frozen=True):
     """The pieces are set aside for this task. It lapses some time after it was asked for last."""
 
     task: Id
@@ -31,7 +32,7 @@ class StockReserved(Message, frozen=True):
     quantity: Count
 
 
-class StockShort(Message, frozen=True):
+class StockShort(Message, said_by=DOCKS, frozen=True):
     """There is not enough that is promised to nobody.
 
     The task is in the queue as long as it is asked for again; `StockReserved` follows when its turn has come. Also
@@ -45,7 +46,7 @@ class StockShort(Message, frozen=True):
     """Pieces that lie there and are promised to nobody."""
 
 
-class StockFreed(Message, frozen=True, omit_defaults=True):
+class StockFreed(Message, said_by=DOCKS, frozen=True, omit_defaults=True):
     """The coordinator does not count on pieces for this task any more."""
 
     task: Id

@@ -10,6 +10,7 @@ from enum import StrEnum
 from typing import Final
 
 from dray.messages.base import Count, Id, IdOrNone, Message, Seconds
+from dray.messages.kinds import DOCKS, GATEWAYS, MACHINES
 
 THING: Final = ".thing"
 """As an item: one thing without master data (a text at whoever has called for it). It is carried as everything else and counted in no stock: it needs a
@@ -56,7 +57,7 @@ class TransportRefusal(StrEnum):
     """It is more than one load."""
 
 
-class TransportOrdered(Message, frozen=True):
+class TransportOrdered(Message, said_by=GATEWAYS | MACHINES, frozen=True):
     """Have this brought to you. Repeated until it is answered; the same transport twice is one."""
 
     transport: Id
@@ -75,13 +76,13 @@ class TransportOrdered(Message, frozen=True):
     """What its vehicle must be able to carry, beside what the load asks for; empty for nothing. Of a `THING` it is what the load asks for."""
 
 
-class TransportCancelled(Message, frozen=True):
+class TransportCancelled(Message, said_by=GATEWAYS | MACHINES, frozen=True):
     """Do not have it brought, unless it is on board. Repeated until it is answered."""
 
     transport: Id
 
 
-class TransportAnswered(Message, frozen=True):
+class TransportAnswered(Message, said_by=DOCKS, frozen=True):
     """How far a transport is, in answer to either."""
 
     transport: Id

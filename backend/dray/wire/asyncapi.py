@@ -6,7 +6,6 @@ import re
 from typing import Any
 
 from dray.messages import WIRE_VERSION, Message
-from dray.messages.speakers import SPEAKERS
 from dray.wire.channels import CHANNELS, Channel
 from dray.wire.schemas import MESSAGES, envelope, parts
 
@@ -71,13 +70,13 @@ def _channel(channel: Channel) -> dict[str, Any]:
 
 
 def _operation(channel: Channel, kind: type[Message]) -> dict[str, Any]:
-    speakers = " or ".join(sorted(SPEAKERS[kind]))
+    speakers = " or ".join(sorted(kind.said_by))
     return {
         "action": "send",
         "channel": {"$ref": f"#/channels/{channel.name}"},
         "messages": [{"$ref": f"#/channels/{channel.name}/messages/{kind.__name__}"}],
         "summary": f"Said by {speakers}.",
-        "x-speakers": sorted(SPEAKERS[kind]),
+        "x-speakers": sorted(kind.said_by),
     }
 
 

@@ -27,7 +27,7 @@ from dray.cli.fleet.process_registry import Member
 from dray.cli.runtime.roster import FLOOR
 from dray.errors import UnavailableError
 from dray.messages import OrderItem
-from dray.messages.speakers import Kind
+from dray.messages.kinds import Kind
 from dray.plant import Plant
 from dray_sim.bench.losses.customer import Customer
 from dray_sim.bench.losses.fleet import Fleet, running

@@ -11,7 +11,7 @@ from dray.adapters.system_clock import SLEW_FRAC
 from dray.errors import DrayError
 from dray.messages import AtvHeartbeat, Event, Message
 from dray.messages.fact import TaskClosed, TookOver
-from dray.messages.speakers import Kind
+from dray.messages.kinds import Kind
 from dray.protocol.liveness.suspicion import IDLE_INTERVAL_S, gone_s
 from dray_sim.bodies.vehicle.condition import BATTERY_EMPTY
 from dray_sim.checks.bounds import Bounds

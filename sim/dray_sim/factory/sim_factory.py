@@ -19,7 +19,7 @@ from msgspec.structs import replace
 from dray import __version__
 from dray.adapters.security.signing import SigningKey, TrustedKeys
 from dray.messages.keys import GATE, Keys, strategists_of
-from dray.messages.speakers import Kind
+from dray.messages.kinds import Kind
 from dray.plant import Plant, with_machine
 from dray.plant.model import MachineSpec, VehicleSpec
 from dray.ports import Bus, Clock

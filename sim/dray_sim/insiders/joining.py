@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from itertools import count
 
-from dray.messages.speakers import Kind
+from dray.messages.kinds import Kind
 from dray.plant import Plant
 from dray.plant.model import VehicleSpec
 from dray.ports import Bus

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 
 from dray.codec import encode
 from dray.messages import AtvHeartbeat
-from dray.messages.radio import CARRIED_BY_RADIO, shortened, shortened_word
+from dray.messages.radio import shortened, shortened_word
 from dray_sim.network.latency import QUANTILE_BITS, Latency
 
 if TYPE_CHECKING:
@@ -136,7 +136,7 @@ class Radio:
 
         The frame's own header (who, to whom, over whom) is not counted.
         """
-        if type(message) is not AtvHeartbeat and type(message) not in CARRIED_BY_RADIO:
+        if not message.radio and type(message) is not AtvHeartbeat:
             self._lost[UNFIT] += 1
             return None
         shorter = shortened(message) if isinstance(message, AtvHeartbeat) else shortened_word(message)

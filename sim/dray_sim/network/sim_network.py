@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from dray.messages import Message, Pose
-    from dray.messages.speakers import Kind
+    from dray.messages.kinds import Kind
     from dray.ports import Receive
     from dray_sim.clock.loop import VirtualClock
     from dray_sim.network.faults import NetworkFault

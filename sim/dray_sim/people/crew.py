@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from random import Random
 from typing import TYPE_CHECKING
 
-from dray.messages.speakers import Kind
+from dray.messages.kinds import Kind
 from dray_sim.people.areas import EVERYWHERE
 from dray_sim.people.floor_office import FloorOffice
 from dray_sim.people.habits import Habits

@@ -19,8 +19,8 @@ from typing import TYPE_CHECKING
 from msgspec import UNSET
 
 from dray.messages import CommandRefusal, MachineCommandKind, MachineHeartbeat, ProblemKind
+from dray.messages.kinds import Kind
 from dray.messages.people.command import PROMISE_MAX_S
-from dray.messages.speakers import Kind
 from dray.plant.people import people_of
 from dray_sim.people.areas import EVERYWHERE, area_at
 from dray_sim.people.duty import PersonOnDuty

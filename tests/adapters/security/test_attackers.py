@@ -32,7 +32,8 @@ from dray.messages import (
     Role,
 )
 from dray.messages.fact import GoodsDelivered
-from dray.messages.speakers import FOREIGN_FACT, FOREIGN_NAME, Kind
+from dray.messages.kinds import Kind
+from dray.messages.speakers import FOREIGN_FACT, FOREIGN_NAME
 
 AGENTS: Mapping[str, Kind] = {
     "ATV1": Kind.ATV,

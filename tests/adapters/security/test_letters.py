@@ -22,7 +22,7 @@ from dray.adapters.security.letters import Letters, Place
 from dray.adapters.security.register import KNOWN, Register
 from dray.adapters.security.seals import FRESH_S, Seals
 from dray.errors import SealError
-from dray.messages.speakers import Kind
+from dray.messages.kinds import Kind
 
 AGENTS: Mapping[str, Kind] = {"ATV1": Kind.ATV, "ATV2": Kind.ATV, "M1": Kind.MACHINE}
 HERE = Place("M1", life=3, number=7)

@@ -15,7 +15,7 @@ from dray.adapters.security.identity import Identity
 from dray.adapters.security.revocations import FILE, LOOK_EVERY_S, Revocations, call_back
 from dray.adapters.security.seals import Seals
 from dray.errors import SealError, SettingsError
-from dray.messages.speakers import Kind
+from dray.messages.kinds import Kind
 
 
 @pytest.fixture

@@ -25,7 +25,8 @@ from dray.adapters.zenoh.links import Links
 from dray.cli.runtime.telemetry.bus_meter import BusMeter
 from dray.errors import SealError, SettingsError
 from dray.messages import AtvHeartbeat, AtvStatus, Handover, HandoverAccepted, Message, Pose
-from dray.messages.speakers import FOREIGN_KEY, FOREIGN_WORD, Kind
+from dray.messages.kinds import Kind
+from dray.messages.speakers import FOREIGN_KEY, FOREIGN_WORD
 
 AGENTS: Mapping[str, Kind] = {"M1": Kind.MACHINE, "ATV1": Kind.ATV, "ATV2": Kind.ATV}
 ACCEPTED = HandoverAccepted(task="M1-1", epoch=1)

@@ -18,7 +18,8 @@ from dray.gateway.access.principal import ADMIN
 from dray.gateway.live.timescale import TimeScale
 from dray.gateway.stop.sender import StopSender
 from dray.messages import CommandAnswered, Message, VehicleCommand
-from dray.messages.speakers import Kind, names_of, stop_sender_of
+from dray.messages.kinds import Kind
+from dray.messages.speakers import names_of, stop_sender_of
 
 
 @pytest.fixture

@@ -22,7 +22,8 @@ from dray.adapters.zenoh.stamp import Stamp, Tally, write_stamp
 from dray.codec import encode
 from dray.messages import Event
 from dray.messages.fact import MemoryLost
-from dray.messages.speakers import SHUT_OUT, Kind
+from dray.messages.kinds import Kind
+from dray.messages.speakers import SHUT_OUT
 
 KINDS = {"M1": Kind.MACHINE, "ATV1": Kind.ATV, "ATV9": Kind.ATV}
 

@@ -27,7 +27,8 @@ from dray.messages import (
     OperatorHeartbeat,
 )
 from dray.messages.keys import Keys
-from dray.messages.speakers import Kind, names_of
+from dray.messages.kinds import Kind
+from dray.messages.speakers import names_of
 
 KEYS = Keys("p")
 

@@ -17,7 +17,7 @@ from dray.adapters.security.identity import Identity
 from dray.adapters.zenoh.access import Apart
 from dray.adapters.zenoh.links import Links
 from dray.cli.runtime.surroundings import links_of
-from dray.messages.speakers import Kind
+from dray.messages.kinds import Kind
 from dray.plant import default_plant
 from dray.settings import Settings
 

@@ -18,8 +18,9 @@ from dray.adapters.zenoh.bus import UNSEALED, ZenohBus
 from dray.adapters.zenoh.exclusions import Exclusions
 from dray.adapters.zenoh.links import Links
 from dray.messages import HandoverAccepted, Message, ShutOut
+from dray.messages.kinds import Kind
 from dray.messages.shutout import MAX_SHUT_OUT
-from dray.messages.speakers import FOREIGN_WORD, SHUT_OUT, Kind
+from dray.messages.speakers import FOREIGN_WORD, SHUT_OUT
 
 KINDS = {"M1": Kind.MACHINE, "ATV1": Kind.ATV, "gateway": Kind.GATEWAY}
 HELLO = HandoverAccepted(task="M1-1", epoch=1)

@@ -22,7 +22,7 @@ from dray.cli.runtime.surroundings import Surroundings
 from dray.cli.simulation.floor_process import serve_floor
 from dray.errors import UnavailableError
 from dray.memory import WHOLE, AtvMemory
-from dray.messages.speakers import Kind
+from dray.messages.kinds import Kind
 from dray.plant import default_plant, plant_yaml
 from dray.settings import Settings
 from dray_sim.plants.generator import generate_plant

@@ -13,7 +13,8 @@ from cryptography.hazmat.primitives import serialization
 from dray.adapters.security.certificates import read_key
 from dray.adapters.security.identity import Identity
 from dray.adapters.security.seals import Seals
-from dray.messages.speakers import Kind, names_of
+from dray.messages.kinds import Kind
+from dray.messages.speakers import names_of
 from dray.plant import default_plant, plant_yaml
 
 Dray = Callable[..., tuple[int, str, str]]

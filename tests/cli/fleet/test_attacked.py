@@ -20,7 +20,8 @@ from dray.adapters.zenoh.bus import UNREADABLE
 from dray.cli.fleet.folder import CERTIFICATES
 from dray.messages import AtvHeartbeat, AtvStatus, Event, Message
 from dray.messages.fact import NameMisused, OrderFulfilled
-from dray.messages.speakers import Kind, names_of
+from dray.messages.kinds import Kind
+from dray.messages.speakers import names_of
 from dray.protocol.traffic.books.reach import RUN_MAX
 from dray.protocol.traffic.places import Places
 from dray.protocol.vehicle.people.problem_handling import DOUBLED

@@ -39,7 +39,7 @@ from dray.cli.runtime.ready.people import people_and_keys
 from dray.cli.runtime.roster import certified_of
 from dray.messages import MachineHeartbeat, MachineStatus
 from dray.messages.keys import GATE
-from dray.messages.speakers import Kind
+from dray.messages.kinds import Kind
 from dray.plant import shipped_plant
 from dray.settings import Settings
 from dray.store import open_store

@@ -15,7 +15,7 @@ from zenoh_kit import Row
 
 from dray.adapters.security.identity import Identity
 from dray.messages import Pose
-from dray.messages.speakers import Kind
+from dray.messages.kinds import Kind
 from dray.ports import Bus, Receive, Session
 from dray_sim.clock.loop import VirtualLoop, clock, paced, run
 from dray_sim.faults import LinkTrouble, Partition, WlanCut

@@ -27,7 +27,7 @@ from dray.cli.runtime.telemetry.body_meter import BodyMeter
 from dray.cli.runtime.telemetry.bus_meter import BusMeter
 from dray.cli.runtime.telemetry.clock_meter import ClockMeter
 from dray.cli.simulation.factory_meter import FactoryMeter
-from dray.messages.speakers import Kind
+from dray.messages.kinds import Kind
 from dray.plant import default_plant
 from dray_sim.clock.loop import VirtualClock
 from dray_sim.factory.sim_factory import SimFactory

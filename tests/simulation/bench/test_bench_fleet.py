@@ -9,7 +9,7 @@ import time
 from dray.adapters.zenoh.bus import ZenohBus
 from dray.adapters.zenoh.links import Links
 from dray.messages import OrderTaken
-from dray.messages.speakers import Kind
+from dray.messages.kinds import Kind
 from dray_sim.bench.fleet import FLOOR, Listener, Observed, Size, _rows
 from dray_sim.bench.network.bus import HEARTBEAT
 from dray_sim.bench.usage import Usage

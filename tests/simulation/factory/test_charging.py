@@ -17,7 +17,7 @@ from variants import in_campaigns
 
 from dray.body import VehicleState
 from dray.messages import DwellPointClaimed, Message
-from dray.messages.speakers import Kind
+from dray.messages.kinds import Kind
 from dray.plant import Plant, VehicleSpec, load_plant
 from dray.protocol.vehicle.charging import Charging
 from dray.protocol.vehicle.dwell_points import BLOCKED_S

@@ -22,7 +22,7 @@ from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
 
 from dray.errors import SettingsError
-from dray.messages.speakers import Kind
+from dray.messages.kinds import Kind
 from dray.plant.model import ID_RULE, is_id
 
 AUTHORITY = "authority"

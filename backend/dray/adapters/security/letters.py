@@ -23,7 +23,7 @@ from cryptography.hazmat.primitives.kdf.hkdf import HKDF
 from dray.adapters.security.register import Certified
 from dray.adapters.security.seals import Milliseconds, Seals
 from dray.errors import SealError
-from dray.messages.speakers import Kind
+from dray.messages.kinds import Kind
 
 SECRETS = 2000
 """Kept: a gateway's with each agent of a plant of three hundred, both ways, and as many again. Another one is worked

@@ -15,7 +15,8 @@ from cryptography.x509.verification import PolicyBuilder, Store, VerificationErr
 
 from dray.adapters.security.certificates import agents_of
 from dray.errors import SealError
-from dray.messages.speakers import Kind, kind_in
+from dray.messages.kinds import Kind
+from dray.messages.speakers import kind_in
 
 KNOWN = 1000
 """Certificates whose examination is remembered, and agents whose certificate is: three times those of a large plant.

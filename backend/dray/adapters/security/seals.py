@@ -32,7 +32,7 @@ from dray.adapters.security.register import Certified, Register
 from dray.adapters.security.revocations import FILE as REVOKED
 from dray.adapters.security.revocations import Revocations
 from dray.errors import SealError, SettingsError
-from dray.messages.speakers import Kind
+from dray.messages.kinds import Kind
 
 FRESH_S = 30.0
 """How old a message may be: the slowest link of the paper takes 5 s, and clocks agree within 0.1 s."""

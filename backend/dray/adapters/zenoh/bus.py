@@ -44,7 +44,7 @@ from dray.supervision import Failures
 if TYPE_CHECKING:
     from dray.adapters.zenoh.links import Links
     from dray.messages import Message
-    from dray.messages.speakers import Kind
+    from dray.messages.kinds import Kind
     from dray.ports import Receive
 
 log = logging.getLogger(__name__)

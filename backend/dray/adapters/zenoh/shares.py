@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable
 
 from dray.adapters.zenoh.stamp import Stamp, Tally
-from dray.messages.speakers import Kind
+from dray.messages.kinds import Kind
 
 SAID_PER_S = 100.0
 """Messages that one agent may say to another one, by the plant's clock. The most that was seen in a second of a small fleet, start and attack

@@ -10,7 +10,8 @@ from dray.adapters.security.certificates import AUTHORITY, REVOKED, Authority
 from dray.cli.compose.document import services_of
 from dray.errors import SettingsError, UnavailableError
 from dray.messages.keys import STRATEGISTS
-from dray.messages.speakers import Kind, names_of
+from dray.messages.kinds import Kind
+from dray.messages.speakers import names_of
 from dray.plant import Plant
 
 USER = 10001

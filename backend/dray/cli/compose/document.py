@@ -13,7 +13,7 @@ from jinja2 import Environment, StrictUndefined
 from dray.cli.runtime.roster import agents_of
 from dray.errors import SettingsError
 from dray.messages.keys import strategists_of
-from dray.messages.speakers import Kind
+from dray.messages.kinds import Kind
 from dray.plant import Plant
 
 COMPOSE_MIN = "2.26"

@@ -15,7 +15,8 @@ from dray.cli.fleet.processes import PROC
 from dray.cli.runtime.options import load_settings
 from dray.cli.runtime.roster import FLOOR, agents_of
 from dray.errors import UnavailableError
-from dray.messages.speakers import Kind, names_of
+from dray.messages.kinds import Kind
+from dray.messages.speakers import names_of
 from dray.plant import Plant
 from dray.settings import PREFIX, Settings
 

@@ -15,7 +15,7 @@ from dray.cli.fleet.addresses import free_addresses
 from dray.cli.fleet.folder import CONTROLLERS, GATEWAY, HISTORIAN, LOGS
 from dray.cli.runtime.roster import FLOOR, agents_of
 from dray.messages.keys import GATE, STRATEGIST
-from dray.messages.speakers import Kind
+from dray.messages.kinds import Kind
 from dray.plant import Plant
 from dray.settings import PREFIX
 

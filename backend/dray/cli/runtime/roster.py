@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from dray.messages.keys import GATE, HISTORIAN
-from dray.messages.speakers import Kind, names_of
+from dray.messages.kinds import Kind
+from dray.messages.speakers import names_of
 from dray.plant import Plant
 
 FLOOR = "floor"

@@ -6,6 +6,10 @@ and asked for again is in `dray.messages.history`.
 
 from __future__ import annotations
 
+from functools import reduce
+from operator import or_
+from typing import TYPE_CHECKING
+
 from dray.messages.fact.base import (
     Fact,
     MemoryLost,
@@ -74,57 +78,11 @@ from dray.messages.fact.vehicle import (
     PhaseEntered,
 )
 
-AnyFact = (
-    TaskOpened
-    | BidReceived
-    | AwardGiven
-    | AwardAnswered
-    | RoundFailed
-    | WatchLost
-    | TaskClosed
-    | PrimarySuspected
-    | CarrierChanged
-    | ContractorRated
-    | WordDisbelieved
-    | NameMisused
-    | BookRefused
-    | HandoverDisputed
-    | TransportProgressed
-    | NotBelieved
-    | TookOver
-    | LinkChanged
-    | HelpAsked
-    | HelpCallEnded
-    | HelpPromised
-    | BidSent
-    | BidRefused
-    | ContractTaken
-    | ContractEnded
-    | PhaseEntered
-    | AtvStatusChanged
-    | CommandObeyed
-    | ClosuresKnown
-    | MachineStatusChanged
-    | PieceMade
-    | PieceScrapped
-    | SparePieceMade
-    | PlacesFreed
-    | PlaceKept
-    | GoodsDelivered
-    | OrderAccepted
-    | OrderChanged
-    | GoalContracted
-    | GoalLost
-    | GoalReduced
-    | GoalWithdrawn
-    | GoalWaits
-    | OrderProgressed
-    | OrderFulfilled
-    | OrderDropped
-    | OrderReturned
-    | OrderTakenOver
-    | MemoryLost
-)
+if TYPE_CHECKING:
+    AnyFact = Fact
+else:
+    # What bytes may be read as.
+    AnyFact = reduce(or_, sorted(Fact.__subclasses__(), key=lambda kind: kind.__name__))
 
 __all__ = [
     "Answer",

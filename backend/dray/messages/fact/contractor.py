@@ -6,10 +6,11 @@ from dray.messages.base import Count, Id, Seconds, Text
 from dray.messages.contract import Refusal
 from dray.messages.fact.base import Fact
 from dray.messages.heartbeat import Role
+from dray.messages.kinds import BIDDERS, VEHICLES
 from dray.messages.reason import Implausible, Reason
 
 
-class BidSent(Fact, frozen=True):
+class BidSent(Fact, told_by=BIDDERS, frozen=True):
     """The vehicle or machine made a bid; the bid itself is the coordinator's fact."""
 
     task: Id
@@ -18,7 +19,7 @@ class BidSent(Fact, frozen=True):
     total_s: Seconds
 
 
-class BidRefused(Fact, frozen=True):
+class BidRefused(Fact, told_by=BIDDERS, frozen=True):
     """It did not bid, and why (protocol, step 2)."""
 
     task: Id
@@ -28,7 +29,7 @@ class BidRefused(Fact, frozen=True):
     detail: Text = ""
 
 
-class ContractTaken(Fact, frozen=True):
+class ContractTaken(Fact, told_by=BIDDERS, frozen=True):
     """It has taken a contract."""
 
     task: Id
@@ -37,7 +38,7 @@ class ContractTaken(Fact, frozen=True):
     coordinator: Id
 
 
-class ContractEnded(Fact, frozen=True):
+class ContractEnded(Fact, told_by=BIDDERS, frozen=True):
     """It is free of this contract."""
 
     task: Id
@@ -48,7 +49,7 @@ class ContractEnded(Fact, frozen=True):
     """In the words of whoever has held it up, for people."""
 
 
-class NotBelieved(Fact, frozen=True):
+class NotBelieved(Fact, told_by=BIDDERS, frozen=True):
     """A coordinator has said that it does not believe this agent, and why. Told once a minute of each."""
 
     by: Id
@@ -56,7 +57,7 @@ class NotBelieved(Fact, frozen=True):
     reason: Implausible
 
 
-class TookOver(Fact, frozen=True):
+class TookOver(Fact, told_by=VEHICLES, frozen=True):
     """A secondary carries the task from now on, because its primary has failed."""
 
     task: Id

@@ -11,6 +11,7 @@ from dray.messages.contract import Refusal, Work
 from dray.messages.cost import Cost
 from dray.messages.fact.base import Fact
 from dray.messages.heartbeat import Role
+from dray.messages.kinds import COORDINATORS, DOCKS, VEHICLES
 from dray.messages.reason import Implausible, Reason
 from dray.messages.transport import TransportRefusal, TransportState, TransportWait
 
@@ -21,7 +22,7 @@ Answer = Literal["accepted", "declined", "silent"]
 """What became of an award."""
 
 
-class TaskOpened(Fact, frozen=True):
+class TaskOpened(Fact, told_by=COORDINATORS, frozen=True):
     """A round of bidding began (round 1 of epoch 1 is the birth of the task)."""
 
     task: Id
@@ -34,7 +35,7 @@ class TaskOpened(Fact, frozen=True):
     bids_until_s: Seconds
 
 
-class BidReceived(Fact, frozen=True):
+class BidReceived(Fact, told_by=COORDINATORS, frozen=True):
     """A bid came in time."""
 
     task: Id
@@ -52,7 +53,7 @@ class BidReceived(Fact, frozen=True):
     """As the bid has said it."""
 
 
-class AwardGiven(Fact, frozen=True):
+class AwardGiven(Fact, told_by=COORDINATORS, frozen=True):
     """A bidder was asked to take the contract; `rank` is 1 for the cheapest."""
 
     task: Id
@@ -62,7 +63,7 @@ class AwardGiven(Fact, frozen=True):
     rank: Count
 
 
-class AwardAnswered(Fact, frozen=True):
+class AwardAnswered(Fact, told_by=COORDINATORS, frozen=True):
     """What became of an award: accepted, declined with a reason, or silent."""
 
     task: Id
@@ -74,7 +75,7 @@ class AwardAnswered(Fact, frozen=True):
     """Why it was declined."""
 
 
-class RoundFailed(Fact, frozen=True):
+class RoundFailed(Fact, told_by=COORDINATORS, frozen=True):
     """Nobody was contracted in this round; the next one begins at `next_round_s`."""
 
     task: Id
@@ -85,7 +86,7 @@ class RoundFailed(Fact, frozen=True):
     next_round_s: Seconds
 
 
-class WatchLost(Fact, frozen=True):
+class WatchLost(Fact, told_by=DOCKS, frozen=True):
     """A task has no secondary any more; another one is sought."""
 
     task: Id
@@ -94,7 +95,7 @@ class WatchLost(Fact, frozen=True):
     reason: Reason
 
 
-class TaskClosed(Fact, frozen=True):
+class TaskClosed(Fact, told_by=COORDINATORS, frozen=True):
     """A task ended: `delivered` or `withdrawn` (invariant 1)."""
 
     task: Id
@@ -105,7 +106,7 @@ class TaskClosed(Fact, frozen=True):
     """When the carrier had promised to be done (plant clock); 0 when nobody had."""
 
 
-class PrimarySuspected(Fact, frozen=True):
+class PrimarySuspected(Fact, told_by=VEHICLES | DOCKS, frozen=True):
     """Nothing was heard of a task's primary for longer than the suspicion bound."""
 
     task: Id
@@ -114,7 +115,7 @@ class PrimarySuspected(Fact, frozen=True):
     silent_s: Seconds
 
 
-class CarrierChanged(Fact, frozen=True):
+class CarrierChanged(Fact, told_by=DOCKS, frozen=True):
     """A task has another carrier, or is without one and put up for auction again."""
 
     task: Id
@@ -128,7 +129,7 @@ class CarrierChanged(Fact, frozen=True):
     """How long nothing had been heard of the one that was replaced."""
 
 
-class ContractorRated(Fact, frozen=True):
+class ContractorRated(Fact, told_by=DOCKS, frozen=True):
     """What a coordinator has learned of a contractor, from its own contracts with it."""
 
     contractor: Id
@@ -144,7 +145,7 @@ class ContractorRated(Fact, frozen=True):
     """How much later than promised it was done, where that is the reason."""
 
 
-class WordDisbelieved(Fact, frozen=True):
+class WordDisbelieved(Fact, told_by=COORDINATORS, frozen=True):
     """A coordinator does not believe what a contractor has said: it cannot be. Told once a minute of each."""
 
     contractor: Id
@@ -154,19 +155,19 @@ class WordDisbelieved(Fact, frozen=True):
     """How far the contractor's clock is ahead of the coordinator's, behind if negative; 0 where that is not the reason."""
 
 
-class NameMisused(Fact, frozen=True):
+class NameMisused(Fact, told_by=DOCKS, frozen=True):
     """Somebody wishes for places in the name of a vehicle that holds some, and has not signed with its key. Told once a minute of each."""
 
     atv: Id
 
 
-class BookRefused(Fact, frozen=True):
+class BookRefused(Fact, told_by=DOCKS, frozen=True):
     """A keeper's book is not copied: it takes places from vehicles that have not given them back. Told once a minute of each."""
 
     keeper: Id
 
 
-class HandoverDisputed(Fact, frozen=True):
+class HandoverDisputed(Fact, told_by=DOCKS, frozen=True):
     """A contractor says that a load is down, and the dock where it was to go has counted something else."""
 
     task: Id
@@ -181,7 +182,7 @@ class HandoverDisputed(Fact, frozen=True):
     """The place whose dock has counted."""
 
 
-class TransportProgressed(Fact, frozen=True):
+class TransportProgressed(Fact, told_by=DOCKS, frozen=True):
     """A plain transport that somebody has asked for is otherwise than before."""
 
     transport: Id

@@ -5,9 +5,10 @@ from __future__ import annotations
 from dray.messages.base import Count, Id, IdOrNone, Text
 from dray.messages.fact.base import Fact
 from dray.messages.heartbeat import MachineStatus
+from dray.messages.kinds import MACHINES
 
 
-class MachineStatusChanged(Fact, frozen=True):
+class MachineStatusChanged(Fact, told_by=MACHINES, frozen=True):
     """The machine began, starved, was blocked, broke or stopped."""
 
     status: MachineStatus
@@ -15,7 +16,7 @@ class MachineStatusChanged(Fact, frozen=True):
     reason: Text = ""
 
 
-class PieceScrapped(Fact, frozen=True):
+class PieceScrapped(Fact, told_by=MACHINES, frozen=True):
     """One cycle ended with a bad piece: what it has used is used, and the piece is made again."""
 
     product: Id
@@ -23,7 +24,7 @@ class PieceScrapped(Fact, frozen=True):
     """Empty where the goal has ended meanwhile."""
 
 
-class PieceMade(Fact, frozen=True):
+class PieceMade(Fact, told_by=MACHINES, frozen=True):
     """One cycle ended well."""
 
     goal: Id
@@ -34,7 +35,7 @@ class PieceMade(Fact, frozen=True):
     """No cycle has ended: pieces that lay there serve this goal."""
 
 
-class SparePieceMade(Fact, frozen=True):
+class SparePieceMade(Fact, told_by=MACHINES, frozen=True):
     """One cycle ended well, and its goal had ended before: the piece serves the next one."""
 
     product: Id

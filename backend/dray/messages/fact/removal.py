@@ -5,9 +5,10 @@ from __future__ import annotations
 from dray.messages.base import Count, Id
 from dray.messages.fact.base import Fact
 from dray.messages.floor.traffic import Places
+from dray.messages.kinds import DOCKS
 
 
-class PlacesFreed(Fact, frozen=True):
+class PlacesFreed(Fact, told_by=DOCKS, frozen=True):
     """A vehicle was carried away: what it held here is free."""
 
     atv: Id
@@ -18,7 +19,7 @@ class PlacesFreed(Fact, frozen=True):
     places: Places
 
 
-class PlaceKept(Fact, frozen=True):
+class PlaceKept(Fact, told_by=DOCKS, frozen=True):
     """A vehicle is being put back: the place is its own, and nobody drives into it."""
 
     atv: Id

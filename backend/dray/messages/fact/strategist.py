@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from dray.messages.base import Count, Id, IdOrNone, Part, Seconds
 from dray.messages.fact.base import Fact
+from dray.messages.kinds import STRATEGISTS
 from dray.messages.reason import Reason
 
 
-class OrderAccepted(Fact, frozen=True):
+class OrderAccepted(Fact, told_by=STRATEGISTS, frozen=True):
     """The strategist split an order into goals."""
 
     order: Id
@@ -16,7 +17,7 @@ class OrderAccepted(Fact, frozen=True):
     """The epoch with which it holds the order; 0 where a plant has one strategist."""
 
 
-class OrderTakenOver(Fact, frozen=True):
+class OrderTakenOver(Fact, told_by=STRATEGISTS, frozen=True):
     """The strategist goes on with an order whose holder was silent."""
 
     order: Id
@@ -26,7 +27,7 @@ class OrderTakenOver(Fact, frozen=True):
     """Those that machines go on with, and new ones for what nobody makes."""
 
 
-class GoalContracted(Fact, frozen=True):
+class GoalContracted(Fact, told_by=STRATEGISTS, frozen=True):
     """A machine took a goal."""
 
     goal: Id
@@ -42,7 +43,7 @@ class GoalContracted(Fact, frozen=True):
     """The epoch with which its order is held; see `OrderAccepted`. Whoever holds it next tells with a higher one."""
 
 
-class GoodsDelivered(Fact, frozen=True):
+class GoodsDelivered(Fact, told_by=STRATEGISTS, frozen=True):
     """Finished goods of a goal reached the delivery warehouse."""
 
     goal: Id
@@ -55,7 +56,7 @@ class GoodsDelivered(Fact, frozen=True):
     """Of this goal, with these."""
 
 
-class GoalLost(Fact, frozen=True):
+class GoalLost(Fact, told_by=STRATEGISTS, frozen=True):
     """A machine has failed with a goal; what had not arrived is announced again under another name."""
 
     goal: Id
@@ -68,7 +69,7 @@ class GoalLost(Fact, frozen=True):
     """See `GoalContracted`."""
 
 
-class GoalWithdrawn(Fact, frozen=True):
+class GoalWithdrawn(Fact, told_by=STRATEGISTS, frozen=True):
     """A machine need not make a goal any more: its order was taken back.
 
     A goal of parts also because its order has ended, or its machine has failed: what is lacking then is another goal.
@@ -82,7 +83,7 @@ class GoalWithdrawn(Fact, frozen=True):
     """See `GoalContracted`."""
 
 
-class GoalReduced(Fact, frozen=True):
+class GoalReduced(Fact, told_by=STRATEGISTS, frozen=True):
     """Less of a goal is wanted, and its machine has agreed to make no more than this."""
 
     goal: Id
@@ -95,7 +96,7 @@ class GoalReduced(Fact, frozen=True):
     """See `GoalContracted`."""
 
 
-class OrderChanged(Fact, frozen=True):
+class OrderChanged(Fact, told_by=STRATEGISTS, frozen=True):
     """A change of an order is done, as far as it was still possible."""
 
     order: Id
@@ -113,7 +114,7 @@ class MachineFailure(Part, frozen=True):
     """`SILENT` or `BROKEN`."""
 
 
-class GoalWaits(Fact, frozen=True):
+class GoalWaits(Fact, told_by=STRATEGISTS, frozen=True):
     """Nobody who lives can make this goal; only its order waits (paper, case 1)."""
 
     goal: Id
@@ -122,7 +123,7 @@ class GoalWaits(Fact, frozen=True):
     """All that could make it."""
 
 
-class OrderProgressed(Fact, frozen=True):
+class OrderProgressed(Fact, told_by=STRATEGISTS, frozen=True):
     """How much of an order is made and delivered, over all its goals."""
 
     order: Id
@@ -131,19 +132,19 @@ class OrderProgressed(Fact, frozen=True):
     quantity: Count
 
 
-class OrderFulfilled(Fact, frozen=True):
+class OrderFulfilled(Fact, told_by=STRATEGISTS, frozen=True):
     """All of an order is in the delivery warehouse."""
 
     order: Id
 
 
-class OrderDropped(Fact, frozen=True):
+class OrderDropped(Fact, told_by=STRATEGISTS, frozen=True):
     """A cancelled order left the strategist's books."""
 
     order: Id
 
 
-class OrderReturned(Fact, frozen=True):
+class OrderReturned(Fact, told_by=STRATEGISTS, frozen=True):
     """An order that was taken back left the strategist's books; it may be released again."""
 
     order: Id

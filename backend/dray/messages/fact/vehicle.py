@@ -5,18 +5,19 @@ from __future__ import annotations
 from dray.messages.base import Count, Id, IdOrNone, Seconds, Text
 from dray.messages.fact.base import Fact
 from dray.messages.heartbeat import AtvStatus, Phase
+from dray.messages.kinds import BIDDERS, GATES, STATIONS, VEHICLES
 from dray.messages.link import Link
 from dray.messages.problem import NOTHING_KNOWN, Problem, ProblemKind
 from dray.messages.reason import CommandRefusal
 
 
-class LinkChanged(Fact, frozen=True):
+class LinkChanged(Fact, told_by=VEHICLES, frozen=True):
     """The vehicle is on the WLAN again, or left with its radio (paper, case 3)."""
 
     link: Link
 
 
-class HelpAsked(Fact, frozen=True):
+class HelpAsked(Fact, told_by=BIDDERS, frozen=True):
     """The vehicle has a problem that a person can solve (paper, case 4)."""
 
     task: IdOrNone
@@ -25,14 +26,14 @@ class HelpAsked(Fact, frozen=True):
     problem: Problem = NOTHING_KNOWN
 
 
-class HelpPromised(Fact, frozen=True):
+class HelpPromised(Fact, told_by=BIDDERS, frozen=True):
     """A person is on the way, and the takeover is held back until then."""
 
     until_s: Seconds
     promised_by: Text
 
 
-class HelpCallEnded(Fact, frozen=True):
+class HelpCallEnded(Fact, told_by=BIDDERS | STATIONS, frozen=True):
     """A call for help is over: how many were asked and how long it took. Nobody is named."""
 
     call: Id
@@ -48,7 +49,7 @@ class HelpCallEnded(Fact, frozen=True):
     """Until it was taken first; None where it never was."""
 
 
-class PhaseEntered(Fact, frozen=True):
+class PhaseEntered(Fact, told_by=VEHICLES, frozen=True):
     """A transport went one step further."""
 
     task: Id
@@ -57,14 +58,14 @@ class PhaseEntered(Fact, frozen=True):
     station: IdOrNone = ""
 
 
-class AtvStatusChanged(Fact, frozen=True):
+class AtvStatusChanged(Fact, told_by=VEHICLES, frozen=True):
     """The vehicle's state machine took a step."""
 
     status: AtvStatus
     reason: Text = ""
 
 
-class CommandObeyed(Fact, frozen=True):
+class CommandObeyed(Fact, told_by=BIDDERS | STATIONS | GATES, frozen=True):
     """A person's command was carried out, or refused with a reason."""
 
     command: Id
@@ -76,7 +77,7 @@ class CommandObeyed(Fact, frozen=True):
     issued_by: Text = ""
 
 
-class ClosuresKnown(Fact, frozen=True):
+class ClosuresKnown(Fact, told_by=VEHICLES, frozen=True):
     """From now on the vehicle drives by another list of closures (`dray.messages.floor.closure`)."""
 
     number: Count

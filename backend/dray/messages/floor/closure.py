@@ -15,6 +15,7 @@ import msgspec
 from msgspec import Meta
 
 from dray.messages.base import Count, Id, IdOrNone, Message, Metres, Part, Seconds
+from dray.messages.kinds import GATEWAYS
 
 MAX_CLOSURES = 64
 """At once. Whoever has closed more of a floor than that has shut the plant; with ids of the greatest length the message is
@@ -64,7 +65,7 @@ class Closure(Part, frozen=True):
     """From then on it does not hold (plant clock), whether anybody says so or not; None for until it is opened."""
 
 
-class Closures(Message, frozen=True):
+class Closures(Message, said_by=GATEWAYS, frozen=True):
     """All closures at present; what is not named is open."""
 
     number: Count

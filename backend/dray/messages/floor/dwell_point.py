@@ -11,9 +11,10 @@ Who stands at a charger and has enough leaves it to somebody who needs it more: 
 from __future__ import annotations
 
 from dray.messages.base import Fraction, Id, Message
+from dray.messages.kinds import VEHICLES
 
 
-class DwellPointClaimed(Message, frozen=True):
+class DwellPointClaimed(Message, said_by=VEHICLES, signed="atv", frozen=True):
     """I stand in this dwell point, or want to."""
 
     dwell_point: Id

@@ -11,6 +11,7 @@ from typing import Annotated
 from msgspec import Meta
 
 from dray.messages.base import Id, Message, Part
+from dray.messages.kinds import GATEWAYS, VEHICLES
 
 FORGOTTEN_S = 60.0
 """An obstacle that was seen once is forgotten after this, and somebody looks again."""
@@ -24,7 +25,7 @@ MOST = 64
 MOST_OF_ONE = 8
 
 
-class ObstacleSeen(Message, frozen=True):
+class ObstacleSeen(Message, said_by=VEHICLES, signed="atv", frozen=True):
     """A vehicle has something in its way on a lane, or has driven where something was."""
 
     atv: Id
@@ -37,7 +38,7 @@ class ObstacleSeen(Message, frozen=True):
     """From then on nobody counts on it: whoever comes there looks again."""
 
 
-class ObstacleCleared(Message, frozen=True):
+class ObstacleCleared(Message, said_by=GATEWAYS, frozen=True):
     """A person says that a lane is free again."""
 
     start: Id

@@ -16,6 +16,7 @@ import msgspec
 from msgspec import Meta
 
 from dray.messages.base import Count, Id, IdOrNone, Message, Part
+from dray.messages.kinds import GATEWAYS
 from dray.messages.people.command import Grant
 
 MAX_REMOVALS = 64
@@ -36,7 +37,7 @@ class Removal(Part, frozen=True):
     """Where it is being put back: the place is kept for it. Empty while it is off the floor."""
 
 
-class Removals(Message, frozen=True):
+class Removals(Message, said_by=GATEWAYS, frozen=True):
     """Vehicles that are off the floor, or on their way back to it. Who is not named is not meant."""
 
     removals: Annotated[tuple[Removal, ...], Meta(max_length=MAX_REMOVALS)]

@@ -16,6 +16,7 @@ import msgspec
 from msgspec import Meta
 
 from dray.messages.base import Count, Id, IdOrNone, Message, Part, Seconds
+from dray.messages.kinds import DOCKS, VEHICLES
 
 ROUTE_MAX = 64
 """Nodes of a way that are told: nobody looks farther ahead for a place to make room."""
@@ -70,7 +71,7 @@ class Blocked(StrEnum):
     """Nobody has heard of its holder for a while."""
 
 
-class PlaceWished(Message, frozen=True):
+class PlaceWished(Message, said_by=VEHICLES, radio=True, frozen=True):
     """All that a vehicle holds and wants in a district. Answered with `PlaceGranted`, and repeated until it is."""
 
     district: Id
@@ -135,7 +136,7 @@ class Removed(Part, frozen=True):
 AllRemoved = Annotated[tuple[Removed, ...], Meta(max_length=DISTRICT_MAX)]
 
 
-class PlaceGranted(Message, frozen=True):
+class PlaceGranted(Message, said_by=DOCKS, radio=True, frozen=True):
     """All that the book says of one vehicle: the answer to every wish, and said anew when something is granted."""
 
     district: Id
@@ -156,7 +157,7 @@ class PlaceGranted(Message, frozen=True):
     """Of the wishes that are answered, or `UNSIGNED`: whoever has another key is not meant. Empty where all of that name are."""
 
 
-class PlaceConfirmed(Message, frozen=True):
+class PlaceConfirmed(Message, said_by=DOCKS, radio=True, frozen=True):
     """The witness of a book, the keeper whose turn is next, has these lines of one vehicle in its copy: no grant is believed without.
 
     Said when it has written new ones, and to a vehicle that asks by saying its wish to it.
@@ -185,7 +186,7 @@ class OnFloor(Part, frozen=True):
     """The node where it is and the next ones of its way."""
 
 
-class FloorTold(Message, frozen=True):
+class FloorTold(Message, said_by=DOCKS, frozen=True):
     """What the keeper of a book knows of the vehicles in its district: to all that drive there or close by.
 
     Said when it has changed, twice a second at most, and again every few seconds while there is a vehicle.
@@ -198,7 +199,7 @@ class FloorTold(Message, frozen=True):
     vehicles: Annotated[tuple[OnFloor, ...], Meta(max_length=DISTRICT_MAX)]
 
 
-class YieldAsked(Message, frozen=True):
+class YieldAsked(Message, said_by=DOCKS, radio=True, frozen=True):
     """The holder of a place is asked to make room. Whether it does is its own decision."""
 
     district: Id
@@ -211,7 +212,7 @@ class YieldAsked(Message, frozen=True):
     """Those whom `waiting` itself makes room for, the first one first."""
 
 
-class YieldRefused(Message, frozen=True):
+class YieldRefused(Message, said_by=VEHICLES, radio=True, frozen=True):
     """There is nowhere to go: make room yourself."""
 
     avoid: Nodes
@@ -219,7 +220,7 @@ class YieldRefused(Message, frozen=True):
     holds: Places
 
 
-class HoldsAsked(Message, frozen=True):
+class HoldsAsked(Message, said_by=DOCKS, radio=True, frozen=True):
     """The book of a district is kept by somebody else from now on: tell it what you hold, as a wish."""
 
     district: Id
@@ -236,7 +237,7 @@ class GivenBack(Part, frozen=True):
     """Without `avoid`, which is not signed."""
 
 
-class PlaceBooked(Message, frozen=True):
+class PlaceBooked(Message, said_by=DOCKS, frozen=True):
     """The whole book of a district, for those who keep a copy. A grant counts when a majority has it."""
 
     district: Id
@@ -248,7 +249,7 @@ class PlaceBooked(Message, frozen=True):
     """By which lines were struck out that counted before: nobody copies a book that takes a place from a vehicle without its word."""
 
 
-class BookKept(Message, frozen=True):
+class BookKept(Message, said_by=DOCKS, frozen=True):
     """A copy is kept up to this version; with a higher epoch: somebody else keeps the book."""
 
     district: Id
@@ -256,7 +257,7 @@ class BookKept(Message, frozen=True):
     version: Count
 
 
-class BookAsked(Message, frozen=True):
+class BookAsked(Message, said_by=DOCKS, frozen=True):
     """Somebody means to keep the book of a district, or has lost its copy: what have you?"""
 
     district: Id
@@ -264,7 +265,7 @@ class BookAsked(Message, frozen=True):
     """Under which it means to keep the book; 0 for one that only wants to know."""
 
 
-class BookTold(Message, frozen=True):
+class BookTold(Message, said_by=DOCKS, frozen=True):
     """The copy that somebody has, and the epoch by which it goes, or under which it means to keep the book itself."""
 
     district: Id

@@ -12,6 +12,7 @@ from typing import Annotated
 from msgspec import Meta
 
 from dray.messages.base import Count, Id, IdOrNone, Message, Metres, Seconds, Text
+from dray.messages.kinds import BIDDERS, OPERATORS, STATIONS
 from dray.messages.problem import NOTHING_KNOWN, Problem
 
 ASKED_MAX = 32
@@ -44,7 +45,7 @@ class CallAnswer(StrEnum):
     """Not at all: this operator is not asked again in this call."""
 
 
-class HelpCall(Message, frozen=True):
+class HelpCall(Message, said_by=BIDDERS | STATIONS, signed="caller", radio=True, frozen=True):
     """A call as its caller tells it to everybody."""
 
     call: Id
@@ -82,7 +83,7 @@ class HelpCall(Message, frozen=True):
         return self.caller, self.goods
 
 
-class CallAnswered(Message, frozen=True):
+class CallAnswered(Message, said_by=OPERATORS, signed="operator", radio=True, frozen=True):
     """An operator's word on a call, to the caller."""
 
     call: Id

@@ -15,6 +15,7 @@ import msgspec
 from msgspec import Meta
 
 from dray.messages.base import Count, Fraction, Id, IdOrNone, Message, Part, Seconds, Text
+from dray.messages.kinds import BIDDERS, GATES, GATEWAYS, STATIONS
 from dray.messages.reason import CommandRefusal
 
 MAX_AREAS = 64
@@ -77,7 +78,7 @@ class Grant(Part, frozen=True):
     """In all of the plant, whatever areas there are."""
 
 
-class VehicleCommand(Message, frozen=True):
+class VehicleCommand(Message, said_by=GATEWAYS, radio=True, frozen=True):
     """A person's command to one vehicle."""
 
     command: Id
@@ -168,7 +169,7 @@ WORDS = frozenset(
 )
 
 
-class MachineCommand(Message, frozen=True):
+class MachineCommand(Message, said_by=GATEWAYS, frozen=True):
     """A person's command to one machine. A station obeys those about transports that are held, too."""
 
     command: Id
@@ -201,7 +202,7 @@ class MachineCommand(Message, frozen=True):
     """Without one it is refused."""
 
 
-class CommandAnswered(Message, frozen=True):
+class CommandAnswered(Message, said_by=BIDDERS | STATIONS | GATES, radio=True, frozen=True):
     """The word of whom a command was given to: done, or refused with a reason."""
 
     command: Id

@@ -12,6 +12,7 @@ from typing import Annotated
 from msgspec import Meta
 
 from dray.messages.base import Count, Id, IdOrNone, Message, Seconds, Text
+from dray.messages.kinds import OPERATORS
 from dray.messages.people.command import MAX_AREAS
 from dray.messages.problem import ProblemKind
 
@@ -28,7 +29,7 @@ class DutyStatus(StrEnum):
     """There, and not to be asked."""
 
 
-class OperatorHeartbeat(Message, frozen=True):
+class OperatorHeartbeat(Message, said_by=OPERATORS, signed="operator", frozen=True):
     """What an operator on duty tells everybody: a whole state, every few seconds and at once when it changes."""
 
     operator: Id

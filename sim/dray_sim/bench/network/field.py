@@ -21,7 +21,7 @@ from dray.adapters.security.certificates import Authority
 from dray.messages import AtvHeartbeat, MachineHeartbeat, OrderItem, TaskBrief
 from dray.messages.fact import CarrierChanged, PrimarySuspected, TookOver
 from dray.messages.keys import GATE, STRATEGIST
-from dray.messages.speakers import Kind
+from dray.messages.kinds import Kind
 from dray.plant import Plant, plant_yaml
 from dray.plant.model import BillLine
 from dray_sim.bench.network.computers import RADIO_NETWORK, Computers

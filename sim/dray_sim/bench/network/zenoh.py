@@ -33,7 +33,7 @@ from dray.cli.fleet.addresses import free_addresses
 from dray.codec import decode, encode
 from dray.errors import UnavailableError
 from dray.messages import AtvHeartbeat
-from dray.messages.speakers import Kind
+from dray.messages.kinds import Kind
 from dray.ports import Session
 from dray_sim.bench.network.bus import HEARTBEAT
 from dray_sim.bench.row import Row, rates

@@ -76,7 +76,8 @@ def issue(
     """Make a certificate for one agent, with the authority of that folder and for its plant."""
     from dray.adapters.security.certificates import DAYS, Authority
     from dray.cli.runtime.output import one_of
-    from dray.messages.speakers import Kind, names_of
+    from dray.messages.kinds import Kind
+    from dray.messages.speakers import names_of
 
     chosen = one_of({str(each): each for each in Kind}, kind, "KIND")
     authority = Authority.load(folder)

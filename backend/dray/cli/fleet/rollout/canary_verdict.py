@@ -40,7 +40,7 @@ from dray.messages.fact import (
     GoalLost,
     TaskClosed,
 )
-from dray.messages.speakers import Kind
+from dray.messages.kinds import Kind
 
 BIDS_KEPT = 100
 """Bids of one vehicle of which nobody has told yet what became of them: it makes one every few seconds."""

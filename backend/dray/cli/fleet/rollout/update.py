@@ -35,7 +35,7 @@ from dray.cli.fleet.software import Software
 from dray.cli.runtime.output import one_of
 from dray.cli.runtime.signals import stopped_by_signals
 from dray.errors import SettingsError, UnavailableError
-from dray.messages.speakers import Kind
+from dray.messages.kinds import Kind
 
 ORDER: Sequence[str] = (Kind.ATV, Kind.STATION, Kind.MACHINE, Kind.GATE, Kind.STRATEGIST, HISTORIAN, GATEWAY)
 """A vehicle first: there are others for its work. The floor stands for hardware, and has no software of ours."""

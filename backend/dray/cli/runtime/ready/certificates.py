@@ -13,7 +13,7 @@ from dray.adapters.security.certificates import AUTHORITY, agents_of
 from dray.adapters.security.revocations import FILE, Revocations
 from dray.cli.runtime.ready.finding import Finding, missing, named, ok
 from dray.errors import SettingsError
-from dray.messages.speakers import Kind
+from dray.messages.kinds import Kind
 from dray.settings import Settings
 
 SOON_DAYS = 30
