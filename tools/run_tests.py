@@ -5,7 +5,8 @@ Usage: python tools/run_tests.py NAME [options of pytest]
 A failure beside other tests may say that the machine was busy. A failure alone, twice in a row, is one of the
 test or of what it tests. So the tests that fail in the parallel run are run again after it, on one worker,
 at most `TRIES_ALONE` times. Tests that pass then are `unsteady`: they are named loudly at the end and kept in
-`artifacts/unsteady.json`, by the run's NAME, and the run is green.
+`artifacts/unsteady.json`, by the run's NAME, and the run is green. How long each module took in the parallel run stands in
+`artifacts/durations.json`, by the run's NAME, the longest first.
 
 A test that hangs is a failure once pytest's `timeout` ends it. A test whose process dies is a failure of that test;
 pytest-xdist starts another worker.
@@ -15,6 +16,7 @@ from __future__ import annotations
 
 import json
 import sys
+from collections import Counter
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -30,6 +32,9 @@ FAILED_MAX = 40
 UNSTEADY = Path("artifacts/unsteady.json")
 """Per name of a run its unsteady tests, each with the first line of its first failure."""
 
+DURATIONS = Path("artifacts/durations.json")
+"""Per name of a run its modules, with the seconds that their tests took and waited in all."""
+
 
 class Failures:
     """A plugin of pytest that keeps what failed.
@@ -37,15 +42,18 @@ class Failures:
     Attributes:
         tests: per failed test the first line of its first failure.
         is_collected: whether every module was read.
+        took_s: per module how long its tests took, with what they set up.
     """
 
     def __init__(self, again: Iterable[str] = ()) -> None:
         """Start with the tests that are run again: each has failed until it passes."""
         self.tests = dict.fromkeys(again, "did not run again")
         self.is_collected = True
+        self.took_s: Counter[str] = Counter()
         self._failed: set[str] = set()
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+        self.took_s[report.nodeid.partition("::")[0]] += report.duration
         if report.failed and report.nodeid not in self._failed:
             self._failed.add(report.nodeid)
             self.tests[report.nodeid] = first_line(report)
@@ -75,6 +83,7 @@ def main(name: str, options: list[str]) -> int:
         _say(f"{len(failed.tests)} failed: again alone, {attempt} of {TRIES_ALONE}")
         failed = Failures(failed.tests)
         code = int(pytest.main([*options, *AGAIN, "-n", "1"], plugins=[failed])) or int(bool(failed.tests))
+    _note(DURATIONS, name, {module: round(took_s, 1) for module, took_s in first.took_s.most_common()})
     unsteady = {test: reason for test, reason in first.tests.items() if test not in failed.tests}
     keep(name, unsteady)
     _say(f"unsteady: {len(unsteady)}", unsteady)
@@ -94,10 +103,13 @@ def may_be_chance(code: int, failures: Failures) -> bool:
 
 def keep(name: str, unsteady: dict[str, str]) -> None:
     """Write the unsteady tests of this run beside those of runs of other names."""
-    UNSTEADY.parent.mkdir(exist_ok=True)
-    runs = json.loads(UNSTEADY.read_text(encoding="utf-8")) if UNSTEADY.exists() else {}
-    told = [{"test": test, "first_failure": reason} for test, reason in unsteady.items()]
-    UNSTEADY.write_text(json.dumps(runs | {name: told}, indent=2) + "\n", encoding="utf-8")
+    _note(UNSTEADY, name, [{"test": test, "first_failure": reason} for test, reason in unsteady.items()])
+
+
+def _note(file: Path, name: str, told: object) -> None:
+    file.parent.mkdir(exist_ok=True)
+    runs = json.loads(file.read_text(encoding="utf-8")) if file.exists() else {}
+    file.write_text(json.dumps(runs | {name: told}, indent=2) + "\n", encoding="utf-8")
 
 
 def _say(title: str, tests: dict[str, str] | None = None) -> None:
