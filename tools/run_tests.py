@@ -16,7 +16,6 @@ from __future__ import annotations
 
 import json
 import sys
-from collections import Counter
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -49,11 +48,12 @@ class Failures:
         """Start with the tests that are run again: each has failed until it passes."""
         self.tests = dict.fromkeys(again, "did not run again")
         self.is_collected = True
-        self.took_s: Counter[str] = Counter()
+        self.took_s: dict[str, float] = {}
         self._failed: set[str] = set()
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
-        self.took_s[report.nodeid.partition("::")[0]] += report.duration
+        module = report.nodeid.partition("::")[0]
+        self.took_s[module] = self.took_s.get(module, 0.0) + report.duration
         if report.failed and report.nodeid not in self._failed:
             self._failed.add(report.nodeid)
             self.tests[report.nodeid] = first_line(report)
@@ -83,7 +83,8 @@ def main(name: str, options: list[str]) -> int:
         _say(f"{len(failed.tests)} failed: again alone, {attempt} of {TRIES_ALONE}")
         failed = Failures(failed.tests)
         code = int(pytest.main([*options, *AGAIN, "-n", "1"], plugins=[failed])) or int(bool(failed.tests))
-    _note(DURATIONS, name, {module: round(took_s, 1) for module, took_s in first.took_s.most_common()})
+    longest = sorted(first.took_s.items(), key=lambda each: -each[1])
+    _note(DURATIONS, name, {module: round(took_s, 1) for module, took_s in longest})
     unsteady = {test: reason for test, reason in first.tests.items() if test not in failed.tests}
     keep(name, unsteady)
     _say(f"unsteady: {len(unsteady)}", unsteady)
