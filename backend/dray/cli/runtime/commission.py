@@ -24,7 +24,8 @@ from dray.cli.runtime.bodies.vda5050 import RealVehicle, linked
 from dray.cli.runtime.output import one_of
 from dray.cli.runtime.surroundings import Surroundings
 from dray.errors import SettingsError
-from dray.plant.model import VehicleType
+from dray.plant.model import MachineSpec, VehicleType
+from dray.plant.model import Storage as StorageSpec
 
 if TYPE_CHECKING:
     from dray.adapters.opcua.commissioning import Commissioning as MachineCommissioning
@@ -108,7 +109,8 @@ async def commission_machine(
         controller = RealController.of(where.settings, lambda mapping: mapping.check_store(items))
     else:
         controller = RealController.of(where.settings, SignalMapping.check_machine)
-    spec = one_of({**plant.machines, **plant.stores}, name, "NAME")
+    choices: dict[str, MachineSpec | StorageSpec] = {**plant.machines, **plant.stores}
+    spec = one_of(choices, name, "NAME")
     wanted, clock, mapping = Acting(cycle, dock), where.clock(), controller.mapping
     done: MachineCommissioning | MqttCommissioning
     if isinstance(mapping, MqttMapping):
