@@ -300,7 +300,8 @@ def test_who_loaded_here_once_and_gives_a_later_transport_back_far_away_has_brou
     assert sent(rig.report(DockReady(vehicle="ATV2")), DockOpened)
     rig.take_goal("G1", production(quantity=24))
     rig.hire("M7-1", "ATV2")
-    assert instructed(rig.on_message("ATV2", GIVES_BACK), CloseDock) == SHUT
+    # It may be inside still, for what it was let in for.
+    assert instructed(rig.on_message("ATV2", GIVES_BACK), CloseDock) == []
     assert instructed(beats(rig, None, node="c1"), Book) == []
 
 

@@ -304,3 +304,15 @@ def test_a_load_of_before_that_is_answered_late_is_not_the_one_that_a_vehicle_is
     door.note_moved("ATV2", DepartureMemory("ATV2", answered, 1, "housing", 24))
     door.shut("ATV2", DepartureMemory("ATV2", "M7-2", 1, "housing", 24))
     assert departures.waits_for("ATV2") is waits
+
+
+def test_the_end_of_another_transport_shuts_no_dock_in_which_its_vehicle_stands_for_this_one() -> None:
+    door, departures, out = alone()
+    door.open("ATV2", docked("M7-2"), "housing", 24, 0.0)
+    door.on_ready("ATV2", 5.0)
+    # It had another one before, whose loss is noticed only now.
+    door.shut("ATV2", DepartureMemory("ATV2", "M7-1", 1, "housing", 24))
+    assert (instructed(out, CloseDock), departures.waits_for("ATV2")) == ([], False)
+    this_one = DepartureMemory("ATV2", "M7-2", 1, "housing", 24)
+    door.shut("ATV2", this_one)
+    assert (instructed(out, CloseDock), departures.memories()) == ([], (this_one,))

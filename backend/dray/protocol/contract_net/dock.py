@@ -139,8 +139,16 @@ class Door:
             vehicle: which.
             load: what it may move meanwhile, and nobody else would book; None for nothing.
         """
-        self._forget(vehicle)
-        let_in = self._inside.pop(vehicle, None)
+        asked, let_in = self._forget(vehicle), self._inside.pop(vehicle, None)
+        if (
+            load is not None
+            and asked is None
+            and let_in not in (None, OF_EARLIER_LIFE)
+            and let_in[0] != load.task
+        ):
+            # It is inside for something else, whose own end shuts the dock.
+            self._inside[vehicle] = let_in
+            return
         if not self.answers:
             # Nothing moves that could hurt it: the permit goes at once, and only what it moves is waited for.
             self._out.append(Instruct(CloseDock(vehicle=vehicle)))
