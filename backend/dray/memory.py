@@ -213,6 +213,8 @@ class DepartureMemory(Part, frozen=True):
     epoch: int = 0
     item: str = ""
     change: int = 0
+    let_in: bool = True
+    """Whether the dock was opened for it; before that it has put nothing down."""
 
 
 class ReservationMemory(Part, frozen=True):

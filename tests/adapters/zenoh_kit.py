@@ -24,6 +24,10 @@ T = TypeVar("T")
 PATIENCE_S = 90.0
 """For what takes milliseconds on a machine with nothing else to do."""
 
+LEASE_S = PATIENCE_S
+"""A link that is silent for two seconds is closed in a factory, and what is under way on it is lost: whoever has said it says it again. A test says it
+once, and a computer that is busy elsewhere keeps its links silent for as long: no test here is about that."""
+
 AGAIN_S = 0.1
 """A marker that found no way yet is sent again after this; it is an upper bound of a wait for an event."""
 
@@ -97,6 +101,15 @@ class Row:
                 with suppress(TimeoutError):
                     await asyncio.wait_for(self._complete.wait(), AGAIN_S)
 
+    def told(self) -> str:
+        """What each computer has counted, for whoever looks into a test that has failed."""
+        lines = [
+            f"{place}: delivered {bus.delivered}, missed {bus.missed}, refused {dict(bus.refused)}, unsaid {bus.unsaid}, "
+            f"unaddressed {bus.unaddressed}, dropped {bus.arrivals.dropped_messages}, failures {bus.failures.total}"
+            for place, bus in enumerate(self.buses)
+        ]
+        return "\n".join(lines)
+
     def close(self) -> None:
         for marker in self._markers:
             with suppress(zenoh.ZError):  # its bus is closed already
@@ -124,7 +137,8 @@ def _listening(plant: str, peers: tuple[str, ...], identity: Identity | None) ->
     """A computer on a free port, and its address."""
 
     def listen(own: str) -> tuple[ZenohBus, str]:
-        links = Links(listen=(own,), peers=peers, identity=identity, plain=identity is None)
+        plain = identity is None
+        links = Links(listen=(own,), peers=peers, identity=identity, plain=plain, lease_s=LEASE_S)
         return ZenohBus(links, plant), own
 
     with suppress(UnavailableError):  # somebody else was quicker

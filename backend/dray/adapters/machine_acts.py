@@ -1,4 +1,4 @@
-"""Commissioning of a machine: the steps in which it works, whatever its controller is."""
+"""Commissioning of a machine, or of a storage's dock: the steps in which it works, whatever its controller is."""
 
 from __future__ import annotations
 
@@ -11,10 +11,12 @@ import msgspec
 
 from dray.adapters.commissioning_step import Step, Steps
 from dray.adapters.signals.signal import LinkListener, Signal, SignalMapping, is_told
+from dray.adapters.signals.store import KeptStore, SignalledStore
 from dray.adapters.signals.workcell import Kept, SignalledWorkcell
 from dray.body import CloseDock, CycleDone, CycleFailed, DockReady, OpenDock, Report, StartCycle
 from dray.plant import Plant
-from dray.plant.model import MachineSpec
+from dray.plant.model import MachineSpec, Making
+from dray.plant.model import Storage as StorageSpec
 from dray.ports import Clock
 
 M = TypeVar("M", bound=SignalMapping)
@@ -60,9 +62,9 @@ class Wanted:
 
 
 class At(Protocol):
-    """The machine that is commissioned."""
+    """The machine or the storage that is commissioned."""
 
-    spec: MachineSpec
+    spec: MachineSpec | StorageSpec
     plant: Plant
     clock: Clock
 
@@ -87,7 +89,7 @@ async def after(
         wanted: how far to go.
         mapping: its signals.
         link_by: makes a link to its controller for those signals that are needed.
-        machine: which.
+        machine: which; or a storage.
     """
     if not steps.passed:
         return
@@ -99,10 +101,10 @@ async def after(
 
 @dataclass
 class Acts:
-    """Of one machine.
+    """Of one machine, or of a storage, which makes nothing.
 
     Args:
-        spec: the machine.
+        spec: which.
         plant: where it is.
         mapping: its signals.
         clock: the plant's.
@@ -110,7 +112,7 @@ class Acts:
         link: to its controller.
     """
 
-    spec: MachineSpec
+    spec: MachineSpec | StorageSpec
     plant: Plant
     mapping: SignalMapping
     clock: Clock
@@ -120,22 +122,21 @@ class Acts:
 
     async def run(self) -> AsyncIterator[Step]:
         """Walk through all steps; a machine that is not ready to work ends it."""
-        bills = (line for making in self.spec.makes for line in self.plant.products[making.product].bill)
-        plenty = {line.material: 10 * line.quantity for line in bills}
-        mapping = msgspec.structs.replace(self.mapping, stock=plenty)
-        body = SignalledWorkcell(self.spec, self.plant, mapping, self.clock, _World(self.link))
+        body = self._body()
         body.attach(self._heard.append)
         running = asyncio.create_task(self.link.run(body))
+        what = "machine" if isinstance(body, SignalledWorkcell) else "storage"
         try:
-            ready = await self._until(lambda: not body.sense().broken, LINK_S)
-            yield Step("machine", ready, "nothing keeps it from working" if ready else body.sense().broken)
+            ready = await self._until(lambda: not _why_not(body), LINK_S)
+            yield Step(what, ready, "nothing keeps it from working" if ready else _why_not(body))
             if not ready:
                 return
-            yield (
-                await self._cycle(body)
-                if self.wanted.cycle
-                else Step("cycle", None, "left out: give --cycle, and it makes a piece")
-            )
+            if isinstance(body, SignalledWorkcell) and isinstance(self.spec, MachineSpec):
+                yield (
+                    await self._cycle(body, self.spec.makes[0])
+                    if self.wanted.cycle
+                    else Step("cycle", None, "left out: give --cycle, and it makes a piece")
+                )
             yield (
                 await self._dock(body)
                 if self.wanted.dock
@@ -145,8 +146,17 @@ class Acts:
             running.cancel()
             await asyncio.gather(running, return_exceptions=True)
 
-    async def _cycle(self, body: SignalledWorkcell) -> Step:
-        making, begun_s = self.spec.makes[0], self.clock.now_s()
+    def _body(self) -> SignalledWorkcell | SignalledStore:
+        world, spec = _World(self.link), self.spec
+        if isinstance(spec, StorageSpec):
+            return SignalledStore(spec, self.mapping, self.clock, world)
+        bills = (line for making in spec.makes for line in self.plant.products[making.product].bill)
+        plenty = {line.material: 10 * line.quantity for line in bills}
+        mapping = msgspec.structs.replace(self.mapping, stock=plenty)
+        return SignalledWorkcell(spec, self.plant, mapping, self.clock, world)
+
+    async def _cycle(self, body: SignalledWorkcell, making: Making) -> Step:
+        begun_s = self.clock.now_s()
         body.instruct(StartCycle(product=making.product))
         longest_s = max(60.0, CYCLES * making.cycle_s)
         await self._until(
@@ -169,13 +179,15 @@ class Acts:
             f"no piece was counted in {longest_s:.0f} s: {body.sense().broken or 'it does not begin'}",
         )
 
-    async def _dock(self, body: SignalledWorkcell) -> Step:
+    async def _dock(self, body: SignalledWorkcell | SignalledStore) -> Step:
         if Signal.DOCK_READY not in self.mapping.signals:
             return Step(
                 "dock", None, "it has no `dock_ready`: vehicles are let in as soon as they stand there"
             )
         begun_s = self.clock.now_s()
-        body.instruct(OpenDock(vehicle=VEHICLE, item=self.spec.makes[0].product, quantity=1))
+        spec = self.spec
+        item = spec.stocks[0].material if isinstance(spec, StorageSpec) else spec.makes[0].product
+        body.instruct(OpenDock(vehicle=VEHICLE, item=item, quantity=1))
         opened = await self._until(lambda: DockReady(vehicle=VEHICLE) in self._heard, DOCK_S)
         took_s = self.clock.now_s() - begun_s
         body.instruct(CloseDock(vehicle=VEHICLE))
@@ -209,5 +221,10 @@ class _World:
     def __init__(self, link: Link) -> None:
         self.write = link.write
 
-    def remember(self, kept: Kept) -> None:
+    def remember(self, kept: Kept | KeptStore) -> None:
         """Nobody comes after it."""
+
+
+def _why_not(body: SignalledWorkcell | SignalledStore) -> str:
+    """What keeps it from working; empty for nothing."""
+    return body.sense().broken if isinstance(body, SignalledWorkcell) else body.away

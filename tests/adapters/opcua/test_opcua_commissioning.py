@@ -6,6 +6,7 @@ import asyncio
 import socket
 from pathlib import Path
 
+import msgspec
 import pytest
 from plc import Plc, mapping
 from signals_rig import PLANT, PRODUCT, SPEC
@@ -14,7 +15,7 @@ from dray.adapters.machine_acts import Wanted
 from dray.adapters.mapping_file import parse_mapping
 from dray.adapters.opcua.commissioning import Commissioning
 from dray.adapters.opcua.mapping_file import OpcUaMapping
-from dray.adapters.signals.signal import Signal
+from dray.adapters.signals.signal import LEVEL, Signal
 from dray.adapters.system_clock import SystemClock
 
 SIGNALS = tuple(
@@ -110,6 +111,54 @@ def test_a_controller_that_is_not_there_is_said(tmp_path: Path, free_port: int) 
         steps = await seen(done)
         assert list(steps) == ["connection"]
         assert steps["connection"][0] is False
+
+    asyncio.run(story())
+
+
+STORE = PLANT.storages["S1"]
+ITEM = STORE.stocks[0].material
+
+
+def of_a_store(url: str, folder: Path, wanted: Wanted, level: Signal) -> Commissioning:
+    """Of a storage whose controller tells a level where it tells another signal."""
+    at_a_dock = mapping((Signal.DOCK_READY, Signal.DOCK_PERMIT, Signal.DOCK_VEHICLE))
+    said = {"url": url, "signals": at_a_dock, "levels": {ITEM: mapping((level,))[level.value]}}
+    clock = SystemClock(asyncio.get_running_loop())
+    return Commissioning(msgspec.convert(said, OpcUaMapping), folder, "", STORE, PLANT, clock, wanted)
+
+
+def test_a_storage_shows_its_levels_and_opens_its_dock(tmp_path: Path) -> None:
+    async def open_dock(plc: Plc) -> None:
+        await plc.until(Signal.DOCK_PERMIT, True)
+        assert await plc.read(Signal.DOCK_VEHICLE) == "check"
+        await plc.put(Signal.DOCK_READY, True)
+        await plc.until(Signal.DOCK_PERMIT, False)
+        await plc.put(Signal.DOCK_READY, False)
+
+    async def story() -> None:
+        async with Plc(pieces=120) as plc:
+            dock = asyncio.create_task(open_dock(plc))
+            done = of_a_store(plc.url, tmp_path, Wanted(dock=True), Signal.PIECES)
+            steps = await seen(done)
+            await dock
+        assert [name for name, (passed, _) in steps.items() if not passed] == []
+        assert list(steps)[-3:] == [LEVEL + ITEM, "storage", "dock"]
+        assert "shows 120" in steps[LEVEL + ITEM][1]
+        assert "ready after" in steps["dock"][1]
+        # A storage has no signals of a machine.
+        assert "pieces:" not in done.report()
+
+    asyncio.run(story())
+
+
+def test_a_level_that_is_no_number_fails_the_check_of_a_storage(tmp_path: Path) -> None:
+    async def story() -> None:
+        async with Plc() as plc:
+            steps = await seen(of_a_store(plc.url, tmp_path, Wanted(dock=True), Signal.PRODUCT))
+            assert await plc.read(Signal.DOCK_PERMIT) is False
+        assert steps[LEVEL + ITEM][0] is False
+        assert "that is no number of pieces" in steps[LEVEL + ITEM][1]
+        assert "dock" not in steps
 
     asyncio.run(story())
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import msgspec
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from msgspec.structs import replace
 from people_rig import BILL, CYCLE_S, FULL, ITEM, KIND, PRODUCT, PeopleRig
 
-from dray.adapters.people.words import LOADS_KEPT, WORDS_KEPT
+from dray.adapters.people.words import LOADS_KEPT, WORDS_KEPT, Visit
 from dray.adapters.people.workcell import DAMAGED, PIECES_MAX
 from dray.body import (
     Book,
@@ -131,7 +133,6 @@ def test_a_second_person_who_confirms_the_same_load_is_told_that_there_is_none()
 def test_a_load_of_a_vehicle_that_was_not_let_in_is_none() -> None:
     rig = PeopleRig()
     assert rig.says(KIND.ARRIVED, 12, ITEM, vehicle=ATV) == (REFUSED.NO_LOAD, "")
-    rig.body.instruct(OpenDock(ATV, ITEM, 12))
     rig.body.instruct(CloseDock(ATV))
     assert rig.says(KIND.ARRIVED, 12, ITEM, vehicle=ATV) == (REFUSED.NO_LOAD, "")
     assert rig.state.stock[ITEM] == FULL[ITEM]
@@ -149,6 +150,83 @@ def test_what_people_say_of_a_vehicle_at_the_dock_counts_for_its_own_word_over_l
     rig.book(ATV, ITEM, 12)
     assert rig.heard() == [StockChanged(ITEM, 11, rig.state.seq, ATV)]
     assert (rig.state.loads, rig.state.stock[ITEM]) == ((), 31)
+
+
+@pytest.mark.parametrize("vehicle", ["", ATV])
+def test_a_load_that_is_put_down_though_its_transport_was_taken_over_counts_once(vehicle: str) -> None:
+    rig = PeopleRig()
+    rig.body.instruct(OpenDock(ATV, ITEM, 12))
+    rig.body.instruct(CloseDock(ATV))
+    rig.begin()
+    assert rig.state.opened == ()
+    # The word comes before its vehicle's.
+    assert rig.says(KIND.ARRIVED, 11, ITEM, vehicle=vehicle) == (None, "")
+    assert rig.heard() == [StockChanged(ITEM, 11, rig.state.seq)]
+    rig.book(ATV, ITEM, 12)
+    assert rig.heard() == [StockChanged(ITEM, 0, rig.state.seq, ATV)]
+    assert (rig.state.loads, rig.state.stock[ITEM]) == ((), 31)
+
+
+def test_a_word_that_was_said_before_the_transport_was_taken_over_counts_for_the_load() -> None:
+    rig = PeopleRig()
+    rig.body.instruct(OpenDock(ATV, ITEM, 12))
+    assert rig.says(KIND.ARRIVED, 11, ITEM) == (None, "")
+    rig.body.instruct(CloseDock(ATV))
+    rig.body.instruct(CloseDock(ATV))
+    rig.book(ATV, ITEM, 12)
+    assert (rig.state.loads, rig.state.stock[ITEM]) == ((), 31)
+
+
+def test_a_vehicle_that_has_left_with_its_load_keeps_nobody_from_saying_what_comes_by_hand() -> None:
+    rig = PeopleRig()
+    rig.body.instruct(OpenDock(ATV, ITEM, 12))
+    rig.body.instruct(CloseDock(ATV))
+    assert rig.says(KIND.ARRIVED, 4, ITEM) == (None, "")
+    assert rig.says(KIND.ARRIVED, 12, ITEM) == (None, "")
+    assert rig.state.stock[ITEM] == 36
+    # What it brings later is another load.
+    rig.body.instruct(OpenDock(ATV, ITEM, 12))
+    rig.book(ATV, ITEM, 12)
+    assert rig.state.stock[ITEM] == 48
+
+
+def test_more_than_a_vehicle_had_that_is_not_wanted_any_more_was_brought_by_hand() -> None:
+    rig = PeopleRig({ITEM: 0})
+    rig.body.instruct(OpenDock(ATV, ITEM, 2))
+    rig.body.instruct(CloseDock(ATV))
+    assert rig.says(KIND.ARRIVED, 10, ITEM) == (None, "")
+    rig.book(ATV, ITEM, 2)
+    assert rig.state.stock[ITEM] == 12
+
+
+def test_a_count_has_what_was_said_of_a_load_that_its_vehicle_tells_of_later() -> None:
+    rig = PeopleRig()
+    rig.body.instruct(OpenDock(ATV, ITEM, 12))
+    assert rig.says(KIND.ARRIVED, 12, ITEM) == (None, "")
+    rig.body.instruct(CloseDock(ATV))
+    assert rig.says(KIND.STOCK_IS, 32, ITEM, sure=True) == (None, "")
+    rig.book(ATV, ITEM, 12)
+    assert rig.state.stock[ITEM] == 32
+
+
+def test_the_dock_is_told_to_be_open_for_whom_it_was_opened_so_that_the_next_life_can_shut_it() -> None:
+    rig = PeopleRig()
+    rig.body.instruct(OpenDock(ATV, ITEM, 12))
+    rig.begin()
+    assert rig.state.opened == (ATV,)
+
+
+def test_a_word_that_an_older_version_has_kept_goes_where_its_vehicle_says() -> None:
+    rig = PeopleRig({**FULL, PRODUCT: 10})
+    rig.body.instruct(OpenDock(ATV, PRODUCT, 8))
+    assert rig.says(KIND.TAKEN, 7, PRODUCT) == (None, "")
+    assert rig.kept is not None
+    [visit] = msgspec.to_builtins(rig.kept.visits)
+    del visit["goes"]
+    rig.kept = replace(rig.kept, visits=msgspec.convert([visit], tuple[Visit, ...]))
+    rig.begin()
+    rig.book(ATV, PRODUCT, -8)
+    assert rig.state.stock[PRODUCT] == 3
 
 
 def test_a_load_that_an_agent_that_was_killed_says_again_is_answered_and_not_booked_again() -> None:

@@ -77,6 +77,10 @@ class World(ABC):
     @abstractmethod
     def refused(self) -> Mapping[str, int]: ...
 
+    def told(self) -> str:
+        """What was counted on the bus, for whoever looks into a test that has failed."""
+        return f"refused: {dict(self.refused)}"
+
     @abstractmethod
     def run(self, test: Coroutine[Any, Any, None]) -> None:
         """Run a test with the bus."""
@@ -178,6 +182,9 @@ class OnZenoh(World):
     @property
     def refused(self) -> Mapping[str, int]:
         return sum((bus.refused for bus in self._row.buses), Counter[str]())
+
+    def told(self) -> str:
+        return self._row.told()
 
     def run(self, test: Coroutine[Any, Any, None]) -> None:
         async def main() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Generator
 from pathlib import Path
 
 import pytest
@@ -28,3 +29,13 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def world(request: pytest.FixtureRequest, folder: Path) -> World:
     made: World = request.param(folder)
     return made
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    """A test that fails tells what its bus has counted: what was refused, and what was lost on the way."""
+    report = yield
+    world = getattr(item, "funcargs", {}).get("world")
+    if report.failed and isinstance(world, World):
+        report.sections.append(("the bus", world.told()))
+    return report

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from effects import committed, instructed, listening, sent
-from m7 import docked, handover, supplied_by
+from m7 import NO_HOUSINGS, docked, handover, m7, supplied_by
 from msgspec.structs import replace
 from rigs import BlindRig, MachineRig
 from spoken import rhb
@@ -207,8 +207,8 @@ def test_a_vehicle_that_was_not_heard_for_a_while_may_have_fetched_it() -> None:
 
 @pytest.mark.parametrize(
     ("epoch", "fetched"),
-    [(1, True), (0, True), (2, False)],
-    ids=["its epoch", "the epoch of an earlier carrier", "an epoch without a carrier"],
+    [(1, True), (0, True), (2, True)],
+    ids=["its epoch", "the epoch of an earlier carrier", "the epoch of one who took over unheard"],
 )
 def test_a_coordinator_that_is_asked_says_whether_the_load_was_fetched(epoch: int, fetched: bool) -> None:
     rig = supplied_by("ATV2")
@@ -232,3 +232,11 @@ def test_a_coordinator_that_remembers_nothing_does_not_say_that_the_load_lies_th
     rig = supplied_by("ATV2")
     said = rig.on_message("S1", StockReserved("M7-99", 1, "housing", 24))
     assert sent(said, StockFreed, to="S1") == [StockFreed("M7-99", fetched=True)]
+
+
+def test_a_load_for_which_nobody_was_ever_bound_lies_there_still() -> None:
+    rig = m7(NO_HOUSINGS, goal=24)
+    for station in ("S1", "S2", "S6", "S7"):
+        rig.on_message(station, StockShort("M7-1", 1, "housing", 0))
+    said = rig.on_message("S1", StockReserved("M7-1", 1, "housing", 24))
+    assert sent(said, StockFreed, to="S1") == [StockFreed("M7-1")]

@@ -12,7 +12,7 @@ from seals import FOR_EVER_S, seal
 from spoken import production, rhb
 
 from dray.adapters.security.signing import is_signed
-from dray.body import Book, CloseDock, DockReady
+from dray.body import Book, CloseDock, DockReady, StockChanged
 from dray.memory import DepartureMemory
 from dray.messages import (
     Docked,
@@ -300,7 +300,8 @@ def test_who_loaded_here_once_and_gives_a_later_transport_back_far_away_has_brou
     assert sent(rig.report(DockReady(vehicle="ATV2")), DockOpened)
     rig.take_goal("G1", production(quantity=24))
     rig.hire("M7-1", "ATV2")
-    assert instructed(rig.on_message("ATV2", GIVES_BACK), CloseDock) == SHUT
+    # It may be inside still, for what it was let in for.
+    assert instructed(rig.on_message("ATV2", GIVES_BACK), CloseDock) == []
     assert instructed(beats(rig, None, node="c1"), Book) == []
 
 
@@ -340,3 +341,47 @@ def test_what_was_put_down_is_told_again_by_the_next_life_until_the_body_has_ans
     third = BlindRig("M7", NO_HOUSINGS, incarnation=3)
     third.memory = committed(rig.all)
     assert instructed(third.start(), Book) == []
+
+
+def test_a_load_is_booked_when_its_vehicle_says_that_it_is_down_though_it_was_not_heard_for_a_while() -> None:
+    rig = given_back()
+    beats(rig, Phase.UNLOADING, aboard=True)
+    rig.run(rig.now_s + 2 * UNHEARD_S)
+    effects = rig.on_message("ATV2", handover())
+    assert (instructed(effects, CloseDock), instructed(effects, Book)) == (SHUT, BROUGHT)
+    assert sent(effects, Superseded, to="ATV2")
+    # Said again, and told by its heartbeat, it is booked no more.
+    assert instructed(rig.on_message("ATV2", handover()) + beats(rig, None), Book) == []
+
+
+def test_no_more_is_booked_than_its_vehicle_was_given() -> None:
+    out: list[Effect] = []
+    departures = alone(out)
+    departures.watch(DepartureMemory("ATV2", "M7-1", 1, "housing", 24))
+    departures.on_put_down("ATV2", "M7-1", 2, 24)
+    departures.on_put_down("ATV2", "M8-1", 1, 24)
+    assert instructed(out, Book) == []
+    departures.on_put_down("ATV2", "M7-1", 1, 240)
+    assert instructed(out, Book) == BROUGHT
+
+
+def test_what_a_carrier_has_handed_over_is_told_again_by_the_next_life_until_the_body_has_answered() -> None:
+    first = unloading()
+    assert instructed(first.on_message("ATV2", handover()), Book) == BROUGHT
+    rig = BlindRig("M7", NO_HOUSINGS, incarnation=2)
+    rig.answers, rig.memory = True, committed(first.all)
+    assert instructed(rig.start(), Book) == BROUGHT
+
+
+def test_a_body_that_has_answered_one_word_of_a_vehicle_has_not_answered_the_next() -> None:
+    out: list[Effect] = []
+    bookings = Bookings(out, lambda: None)
+    loads = [
+        DepartureMemory("ATV2", f"M7-{number}", 1, "housing", change) for number, change in ((1, 24), (2, -6))
+    ]
+    for load in loads:
+        bookings.say(load)
+    bookings.on_stock_changed(StockChanged("housing", 24, 1, "ATV2"))
+    assert bookings.memories() == (loads[1],)
+    bookings.on_stock_changed(StockChanged("housing", -6, 2, "ATV2"))
+    assert bookings.memories() == ()

@@ -11,6 +11,7 @@ from rigs import MachineRig
 from spoken import production, rhb
 
 from dray.body import CloseDock, DockReady, OpenDock
+from dray.memory import DepartureMemory
 from dray.messages import (
     Docked,
     DockHeld,
@@ -34,6 +35,17 @@ from dray.protocol.contract_net.departures import Departures
 from dray.protocol.contract_net.dock import NOT_READY, SAFE_WITHIN_S, Door
 from dray.protocol.liveness.failure_detector import HeartbeatSubscriptions
 from dray.protocol.runtime.events import Effect
+
+
+def alone() -> tuple[Door, Departures, list[Effect]]:
+    """The door of a dock that makes itself safe, without an agent; who is waited for at it, and its effects."""
+    out: list[Effect] = []
+    subscriptions = HeartbeatSubscriptions(Keys(PLANT.id).atv_heartbeat, out)
+    departures = Departures("m7", subscriptions, Bookings(out, lambda: None), out, lambda: None)
+    door = Door(out, 60.0, departures)
+    door.answers = True
+    return door, departures, out
+
 
 # --- the dock ---------------------------------------------------------------------------------------
 
@@ -172,12 +184,7 @@ def test_a_vehicle_that_goes_away_waits_for_no_dock() -> None:
 
 
 def test_whoever_stands_behind_another_one_waits_from_its_turn_on() -> None:
-    out: list[Effect] = []
-    keys = Keys(PLANT.id)
-    subscriptions = HeartbeatSubscriptions(keys.atv_heartbeat, out)
-    departures = Departures("m7", subscriptions, Bookings(out, lambda: None), out, lambda: None)
-    door = Door(out, 60.0, departures)
-    door.answers = True
+    door, _, _ = alone()
     for vehicle in ("ATV1", "ATV2"):
         door.open(vehicle, docked(), "housing", 24, 0.0)
     door.on_ready("ATV1", 50.0)
@@ -271,3 +278,41 @@ def test_what_is_handed_over_is_on_order_no_longer() -> None:
     last = rig.heartbeats(MachineHeartbeat)[-1]
     assert rig.stock_told()[0][0].on_order == 0
     assert last.tasks == ()
+
+
+# --- one vehicle, more than once ---
+
+
+def test_a_dock_at_which_a_vehicle_is_waited_for_stays_open_however_often_it_is_not_wanted() -> None:
+    door, departures, out = alone()
+    door.open("ATV2", docked(), "housing", 24, 0.0)
+    door.on_ready("ATV2", 5.0)
+    door.shut("ATV2")
+    door.shut("ATV2")
+    assert instructed(out, CloseDock) == []
+    departures.on_carried_away("ATV2")
+    assert instructed(out, CloseDock) == [CloseDock("ATV2")]
+
+
+@pytest.mark.parametrize(("answered", "waits"), [("M7-1", True), ("M7-2", False)])
+def test_a_load_of_before_that_is_answered_late_is_not_the_one_that_a_vehicle_is_let_in_for(
+    answered: str, waits: bool
+) -> None:
+    door, departures, _ = alone()
+    door.answers, door.counts = False, False
+    door.open("ATV2", docked("M7-2"), "housing", 24, 0.0)
+    door.note_moved("ATV2", DepartureMemory("ATV2", answered, 1, "housing", 24))
+    door.shut("ATV2", DepartureMemory("ATV2", "M7-2", 1, "housing", 24))
+    assert departures.waits_for("ATV2") is waits
+
+
+def test_the_end_of_another_transport_shuts_no_dock_in_which_its_vehicle_stands_for_this_one() -> None:
+    door, departures, out = alone()
+    door.open("ATV2", docked("M7-2"), "housing", 24, 0.0)
+    door.on_ready("ATV2", 5.0)
+    # It had another one before, whose loss is noticed only now.
+    door.shut("ATV2", DepartureMemory("ATV2", "M7-1", 1, "housing", 24))
+    assert (instructed(out, CloseDock), departures.waits_for("ATV2")) == ([], False)
+    this_one = DepartureMemory("ATV2", "M7-2", 1, "housing", 24)
+    door.shut("ATV2", this_one)
+    assert (instructed(out, CloseDock), departures.memories()) == ([], (this_one,))

@@ -424,6 +424,7 @@ def test_a_vehicle_that_goes_elsewhere_with_what_it_brings_back_is_not_booked_in
 
 def test_the_next_life_books_in_what_was_brought_back_to_this_one() -> None:
     first, _ = brought_back(counts=False)
+    first.report(DockReady("ATV1"))
     rig = StationRig(incarnation=2)
     rig.answers, rig.counts, rig.opened = True, False, {"ATV1": None}
     rig.memory = committed(first.all)
@@ -498,3 +499,60 @@ def test_a_vehicle_that_asks_again_to_put_its_load_back_changes_nothing() -> Non
     rig, _ = cancelled_while_it_loads()
     rig.changes(-40, "ATV1")
     assert told(rig.on_message("ATV1", BACK)) == [OpenDock("ATV1", ITEM, 40)]
+
+
+def test_a_vehicle_that_gives_up_waiting_for_the_dock_is_no_alarm_any_more() -> None:
+    rig, _ = brought_back(counts=False)
+    rig.run(rig.now_s + SAFE_WITHIN_S + 10.0)
+    assert isinstance(rig.heartbeats(StationHeartbeat)[-1].dock_wait, DockWait)
+    assert told(returns(rig, aboard=True, node="c1")) == [CloseDock("ATV1")]
+    rig.run(rig.now_s + 10.0)
+    assert rig.heartbeats(StationHeartbeat)[-1].dock_wait is UNSET
+    assert sent(rig.report(DockReady("ATV1")), DockOpened) == []
+
+
+def test_what_a_person_takes_off_a_vehicle_before_the_dock_is_ready_was_not_put_down_there() -> None:
+    rig, _ = brought_back(counts=False)
+    returns(rig, aboard=True)
+    effects = returns(rig, aboard=False, ended=True)
+    assert (instructed(effects, Book), instructed(effects, CloseDock)) == ([], [CloseDock("ATV1")])
+
+
+def test_what_is_put_down_is_booked_also_where_the_vehicle_has_asked_again_or_its_agent_was_killed() -> None:
+    first, _ = brought_back(counts=False)
+    first.report(DockReady("ATV1"))
+    first.on_message("ATV1", BACK)
+    rig = StationRig(incarnation=2)
+    rig.answers, rig.counts, rig.opened = True, False, {"ATV1": None}
+    rig.memory = committed(first.all)
+    rig.start()
+    returns(rig, aboard=True)
+    assert instructed(returns(rig, aboard=False, ended=True), Book) == [IN]
+
+
+def test_what_was_not_let_in_is_not_booked_by_the_next_life_either() -> None:
+    first, _ = brought_back(counts=False)
+    rig = StationRig(incarnation=2)
+    rig.answers, rig.counts, rig.opened = True, False, {"ATV1": None}
+    rig.memory = committed(first.all)
+    rig.start()
+    returns(rig, aboard=True)
+    assert instructed(returns(rig, aboard=False, ended=True), Book) == []
+
+
+def test_who_puts_back_something_else_keeps_the_dock_until_it_has_whatever_is_heard_of_its_load_before() -> (
+    None
+):
+    rig = StationRig()
+    rig.answers, rig.counts = True, False
+    rig.start()
+    rig.asks("M8-1")
+    rig.docks("ATV1", "M8-1")
+    rig.report(DockReady("ATV1"))
+    rig.run(rig.now_s + 60.0)
+    rig.on_message("ATV1", rhb("ATV1", 100, rig.now_s, task="M9-1"))
+    # Nobody has said yet whether it has fetched the load for M8. It is booked before the dock is opened: a body that books shuts its dock.
+    effects = rig.on_message("ATV1", replace(BACK, task="M9-1", item="other"))
+    assert told(effects) == [OUT, OpenDock("ATV1", "other", 40)]
+    rig.report(DockReady("ATV1"))
+    assert told(rig.on_message("M8", StockFreed("M8-1", fetched=True))) == []

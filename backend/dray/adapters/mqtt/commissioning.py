@@ -1,4 +1,4 @@
-"""Commissioning of a machine whose sensors are topics of a broker: each is waited for, and shown with what it says."""
+"""Commissioning of a machine or a storage whose sensors are topics of a broker: each is waited for, and shown with what it says."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from dray.adapters.signals.signal import Quality, Signal, Tag, is_told
 from dray.adapters.vda5050.link import BrokerAddress, MqttLink
 from dray.plant import Plant
 from dray.plant.model import MachineSpec
+from dray.plant.model import Storage as StorageSpec
 from dray.ports import Clock
 
 HEAR_S = 60.0
@@ -25,12 +26,12 @@ CLIENT = "dray-check"
 
 @dataclass
 class MqttCommissioning:
-    """Of one machine.
+    """Of one machine or storage.
 
     Args:
         mapping: its topics.
         broker: where they are.
-        spec: the machine.
+        spec: which.
         plant: where it is.
         clock: the plant's.
         wanted: how far to go.
@@ -42,7 +43,7 @@ class MqttCommissioning:
 
     mapping: MqttMapping
     broker: BrokerAddress
-    spec: MachineSpec
+    spec: MachineSpec | StorageSpec
     plant: Plant
     clock: Clock
     wanted: Wanted

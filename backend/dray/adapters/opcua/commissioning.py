@@ -1,4 +1,4 @@
-"""Commissioning of a machine's controller: it is walked through all that the machine's agent will want of it, and each step is written down.
+"""Commissioning of the controller of a machine, or of a storage's dock: it is walked through all that its agent will want of it, and each step is written down.
 
 Nothing moves before it is asked for: the first steps only read. What is found out becomes a mapping.
 """
@@ -6,6 +6,7 @@ Nothing moves before it is asked for: the first steps only read. What is found o
 from __future__ import annotations
 
 import asyncio
+import math
 from collections.abc import AsyncIterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -18,9 +19,10 @@ from dray.adapters.commissioning_step import Step, Steps
 from dray.adapters.machine_acts import Wanted, after
 from dray.adapters.opcua.link import OpcUaLink, connection, find, sample_of, words
 from dray.adapters.opcua.mapping_file import OpcUaMapping
-from dray.adapters.signals.signal import READ, Quality, Signal, Tag
+from dray.adapters.signals.signal import AT_A_DOCK, LEVEL, Quality, Signal, Tag, is_told
 from dray.plant import Plant
 from dray.plant.model import MachineSpec
+from dray.plant.model import Storage as StorageSpec
 from dray.ports import Clock
 
 LINK_S = 15.0
@@ -44,13 +46,13 @@ HINTS = {
 
 @dataclass
 class Commissioning:
-    """Of one machine.
+    """Of one machine or storage.
 
     Args:
         mapping: where its controller is, and its nodes.
         folder: of the mapping file.
         password: of its user.
-        spec: the machine.
+        spec: which.
         plant: where it is.
         clock: the plant's.
         wanted: how far to go.
@@ -62,7 +64,7 @@ class Commissioning:
     mapping: OpcUaMapping
     folder: Path
     password: str
-    spec: MachineSpec
+    spec: MachineSpec | StorageSpec
     plant: Plant
     clock: Clock
     wanted: Wanted
@@ -93,8 +95,8 @@ class Commissioning:
             yield self.steps.note(
                 Step("connection", True, f"{self.mapping.url} answers after {took_s:.1f} s{safe}")
             )
-            for signal, tag in self.mapping.signals.items():
-                yield self.steps.note(await self._node(client, signal, tag))
+            for name, tag in self.mapping.tags.items():
+                yield self.steps.note(await self._node(client, name, tag))
             await self._guess(client)
         finally:
             await client.disconnect()
@@ -128,8 +130,8 @@ class Commissioning:
 
     # --- steps that only read ---
 
-    async def _node(self, client: Client, signal: Signal, tag: Tag) -> Step:
-        name = signal.value
+    async def _node(self, client: Client, name: str, tag: Tag) -> Step:
+        name = str(name)
         try:
             node = await find(client, tag.node)
             kind = await node.read_data_type_as_variant_type()
@@ -140,11 +142,13 @@ class Commissioning:
         shown = f"{tag.node}, {kind.name}, shows {sample.value!r}"
         if sample.quality is not Quality.GOOD:
             return Step(name, False, f"{tag.node}, {kind.name}: {sample.reason}")
-        if signal not in READ and ua.AccessLevel.CurrentWrite not in access:
+        if not is_told(name) and ua.AccessLevel.CurrentWrite not in access:
             return Step(name, False, f"{shown}, and may not be written by {self.mapping.user or 'us'}")
-        if signal in (Signal.PIECES, Signal.BAD) and (tag.edge is not None) != (
-            kind is ua.VariantType.Boolean
+        if name.startswith(LEVEL) and (
+            isinstance(sample.value, bool | str) or not math.isfinite(sample.value) or sample.value < 0
         ):
+            return Step(name, False, f"{shown}: that is no number of pieces")
+        if name in (Signal.PIECES, Signal.BAD) and (tag.edge is not None) != (kind is ua.VariantType.Boolean):
             what = (
                 "is a pulse: say `edge: rising` or `falling`"
                 if tag.edge is None
@@ -171,6 +175,8 @@ class Commissioning:
                     name = (await child.read_browse_name()).Name or ""
                     found.setdefault(name.lower(), child.nodeid.to_string())
         for signal, hints in HINTS.items():
+            if isinstance(self.spec, StorageSpec) and signal not in AT_A_DOCK:
+                continue
             for hint in hints:
                 names = sorted((name for name in found if hint in name), key=len)
                 if names and found[names[0]] not in self._guesses.values():

@@ -64,7 +64,7 @@ class PeopleStore:
         return StorageState(
             stock=dict(kept.stock),
             seq=kept.seq,
-            opened=tuple(visit.vehicle for visit in kept.visits),
+            opened=self._words.opened,
             counts=False,
             people=True,
             loads=kept.loads,

@@ -3,6 +3,8 @@
     word                          is reported as                     is refused
     arrived N, a load waits       the difference to what was booked  unlikely: far from what was booked
     arrived N of V at the dock    nothing; V's load is booked as N   unlikely: far from what V was let in for
+    the same, V is wanted no more StockChanged by N; what V says     the same
+                                  of it changes nothing then
     arrived N of V, no such load  nothing                            no load: V has brought none that waits for a word
     arrived N, by hand            StockChanged by N                  unlikely: more than finds room (no vehicle is named, and none
                                                                      stands there with it)
@@ -54,8 +56,10 @@ class Visit(Struct, frozen=True, omit_defaults=True):
     quantity: int
     said: int | None = None
     """What people say that it was; None while they have said nothing."""
-    goes: bool = False
-    """Whether they say that it was taken; else that it has arrived."""
+    goes: bool | None = None
+    """Whether they say that it was taken, else that it has arrived; None where that was not remembered: what its vehicle says it has done."""
+    shut: bool = False
+    """Its vehicle is not wanted there any more. It may still say that it has brought or taken the load, or has left with it."""
 
 
 class KeptStock(Struct, frozen=True):
@@ -141,17 +145,24 @@ class Words(Generic[K]):
 
     # --- vehicles ---
 
+    @property
+    def opened(self) -> tuple[str, ...]:
+        """Those that were let in and are wanted there."""
+        return tuple(visit.vehicle for visit in self.kept.visits if not visit.shut)
+
     def let_in(self, opened: OpenDock) -> None:
         """A vehicle stands at the dock; harmless when it does already."""
         visit = Visit(opened.vehicle, opened.item, opened.quantity)
         visits = self.kept.visits
-        if all((each.vehicle, each.item) != (visit.vehicle, visit.item) for each in visits):
+        if all(each.shut or (each.vehicle, each.item) != (visit.vehicle, visit.item) for each in visits):
             others = tuple(each for each in visits if each.vehicle != visit.vehicle)
             self.keep(visits=(*others, visit))
 
     def let_out(self, vehicle: str) -> None:
-        """It is there no more."""
-        visits = tuple(each for each in self.kept.visits if each.vehicle != vehicle)
+        """It is not wanted there any more, or has left; what people have said of its load is kept for its word."""
+        visits = tuple(
+            replace(each, shut=True) if each.vehicle == vehicle else each for each in self.kept.visits
+        )
         if visits != self.kept.visits:
             self.keep(visits=visits)
 
@@ -168,9 +179,10 @@ class Words(Generic[K]):
         kept, change = self.kept, book.change
         visit = next((each for each in kept.visits if _is_of(each, book.vehicle, book.item)), None)
         loads = kept.loads
-        said = 0 if visit is None or visit.said is None else -visit.said if visit.goes else visit.said
+        goes = change < 0 if visit is None or visit.goes is None else visit.goes
+        said = 0 if visit is None or visit.said is None else -visit.said if goes else visit.said
         # A word of the other direction was not of this load.
-        is_of_it = visit is not None and visit.said is not None and visit.goes is (change < 0)
+        is_of_it = visit is not None and visit.said is not None and goes is (change < 0)
         by_hand = 0 if is_of_it else said
         if is_of_it:
             change = said
@@ -218,14 +230,17 @@ class Words(Generic[K]):
 
     def _judge_count(self, word: Word) -> Judged[K]:
         kept, item = self.kept, word.item
-        if any(visit.item == item for visit in kept.visits):
+        if any(visit.item == item and not visit.shut for visit in kept.visits):
             return CommandRefusal.DOCK_OPEN, "", [], kept
         believed = kept.stock[item]
         if not word.sure and is_far(word.quantity, believed):
             return CommandRefusal.UNLIKELY, str(believed), [], kept
-        # What is counted settles what vehicles have brought and taken before.
+        # What is counted settles what vehicles have brought and taken before, and what people have said of loads that are not booked yet.
         loads = tuple(load for load in kept.loads if load.item != item)
-        after = replace(kept, loads=loads)
+        visits = tuple(
+            replace(each, said=0) if each.item == item and each.said else each for each in kept.visits
+        )
+        after = replace(kept, loads=loads, visits=visits)
         return None, "", *self._corrected(after, item, word.quantity - believed)
 
     def _judge_load(self, word: Word) -> Judged[K]:
@@ -234,9 +249,12 @@ class Words(Generic[K]):
             if load.goes is goes and _is_of(load, word.vehicle, word.item):
                 return self._confirmed(word, load)
         is_its = self._is_its(word.kind, word.item)
-        for visit in kept.visits:
+        # Those that stand there come first: of a vehicle that has left long ago this may be no word.
+        for visit in sorted(kept.visits, key=lambda each: each.shut):
             vehicle = word.vehicle or (visit.vehicle if is_its else "")
-            if _is_of(visit, vehicle, word.item) and visit.said is None:
+            if not _is_of(visit, vehicle, word.item) or visit.said is not None:
+                continue
+            if word.vehicle or not visit.shut or not is_far(word.quantity, visit.quantity):
                 return self._said_early(word, visit)
         if word.vehicle:
             return CommandRefusal.NO_LOAD, "", [], kept
@@ -246,6 +264,13 @@ class Words(Generic[K]):
         most = there if goes else max(0, self._room.get(word.item, COUNT_MAX) - there)
         if word.quantity > most and not word.sure:
             return CommandRefusal.UNLIKELY, str(most), [], kept
+        return self._by_hand(word)
+
+    def _by_hand(self, word: Word) -> Judged[K]:
+        """It is so at once."""
+        kept = self.kept
+        there = kept.stock[word.item]
+        goes = word.kind is MachineCommandKind.TAKEN
         change = -min(word.quantity, there) if goes else word.quantity
         seq = kept.seq + 1
         report = StockChanged(item=word.item, change=change, seq=seq)
@@ -261,13 +286,15 @@ class Words(Generic[K]):
         return None, "", *self._corrected(after, load.item, -more if load.goes else more)
 
     def _said_early(self, word: Word, visit: Visit) -> Judged[K]:
-        """Of a vehicle at the dock: its load is booked by this when it says that it is done."""
-        kept = self.kept
+        """Of a vehicle at the dock: its load is booked by this when it says that it is done. Of one that may never say so it is booked at once."""
         if not word.sure and is_far(word.quantity, visit.quantity):
-            return CommandRefusal.UNLIKELY, str(visit.quantity), [], kept
-        said = replace(visit, said=word.quantity, goes=word.kind is MachineCommandKind.TAKEN)
-        visits = tuple(said if each is visit else each for each in kept.visits)
-        return None, "", [], replace(kept, visits=visits)
+            return CommandRefusal.UNLIKELY, str(visit.quantity), [], self.kept
+        refused, detail, reports, kept = self._by_hand(word) if visit.shut else (None, "", [], self.kept)
+        said = 0 if visit.shut else word.quantity
+        goes = word.kind is MachineCommandKind.TAKEN
+        now = replace(visit, said=said, goes=goes)
+        visits = tuple(now if each is visit else each for each in kept.visits)
+        return refused, detail, reports, replace(kept, visits=visits)
 
     # --- stock ---
 

@@ -140,6 +140,7 @@ class PeopleWorkcell:
             resettable=bool(kept.doubt),
             people=True,
             loads=kept.loads,
+            opened=self._words.opened,
         )
 
     def attach(self, report: Callable[[Report], None]) -> None:

@@ -148,6 +148,11 @@ class SignalledStore:
         """See `dray.ports.Body`."""
         self._report = report
 
+    @property
+    def is_dock_shut(self) -> bool:
+        """Whether nobody is let in, and the controller works on."""
+        return self._dock.state is DockState.SHUT
+
     # --- the listener of a link ---
 
     def on_link(self) -> None:

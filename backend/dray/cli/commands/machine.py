@@ -19,7 +19,9 @@ def machine() -> None:
 
 @app.command()
 def check(
-    name: Annotated[str, typer.Argument(help="Its id in the plant, as M8.")],
+    name: Annotated[
+        str, typer.Argument(help="Its id in the plant, as M8; or a storage's or a warehouse's, as S3.")
+    ],
     mapping: Annotated[
         Path | None,
         typer.Option(
@@ -41,7 +43,7 @@ def check(
     out: Annotated[Path | None, typer.Option(help="Write the report there, too (Markdown).")] = None,
     settings: SettingsFile = None,
 ) -> None:
-    """Commission a machine's controller: connection, each signal and its type; and, if you let it work, one piece and its dock.
+    """Commission the controller of a machine, or of a storage's dock: connection, each signal and its type; and, if you let it work, one piece and its dock.
 
     Without --cycle and --dock it only reads. Exit code 1: a step has failed.
     """

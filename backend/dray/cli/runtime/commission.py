@@ -23,7 +23,9 @@ from dray.cli.runtime.bodies.signals import RealController
 from dray.cli.runtime.bodies.vda5050 import RealVehicle, linked
 from dray.cli.runtime.output import one_of
 from dray.cli.runtime.surroundings import Surroundings
-from dray.plant.model import VehicleType
+from dray.errors import SettingsError
+from dray.plant.model import MachineSpec, VehicleType
+from dray.plant.model import Storage as StorageSpec
 
 if TYPE_CHECKING:
     from dray.adapters.opcua.commissioning import Commissioning as MachineCommissioning
@@ -87,11 +89,11 @@ async def commission(
 async def commission_machine(
     where: Surroundings, name: str, *, cycle: bool, dock: bool, say: Callable[[str], None]
 ) -> MachineCommissioning | MqttCommissioning:
-    """Walk a machine's controller through its commissioning.
+    """Walk the controller of a machine, or of a storage's dock, through its commissioning.
 
     Args:
         where: the settings name the mapping.
-        name: the machine's id.
+        name: the id of a machine, a storage or a source warehouse.
         cycle: it may make a piece.
         dock: it may open its dock.
         say: tells people.
@@ -99,8 +101,16 @@ async def commission_machine(
     Raises:
         SettingsError: something is missing, or cannot be used.
     """
-    controller = RealController.of(where.settings, SignalMapping.check_machine)
-    spec = one_of(where.plant.machines, name, "NAME")
+    plant = where.plant
+    if (store := plant.stores.get(name)) is not None:
+        if cycle:
+            raise SettingsError("--cycle", f"{name} is a storage: it makes nothing")
+        items = {line.material for line in store.stocks}
+        controller = RealController.of(where.settings, lambda mapping: mapping.check_store(items))
+    else:
+        controller = RealController.of(where.settings, SignalMapping.check_machine)
+    choices: dict[str, MachineSpec | StorageSpec] = {**plant.machines, **plant.stores}
+    spec = one_of(choices, name, "NAME")
     wanted, clock, mapping = Acting(cycle, dock), where.clock(), controller.mapping
     done: MachineCommissioning | MqttCommissioning
     if isinstance(mapping, MqttMapping):

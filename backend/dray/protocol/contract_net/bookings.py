@@ -10,7 +10,11 @@ from collections.abc import Callable, Iterable
 
 from dray.body import Book, StockChanged
 from dray.memory import DepartureMemory
+from dray.protocol.runtime.bounded_map import BoundedMap
 from dray.protocol.runtime.events import Effect, Instruct
+
+WORDS_KEPT = 256
+"""Words that are said again: as many as a body remembers."""
 
 
 class Bookings:
@@ -23,20 +27,29 @@ class Bookings:
 
     def __init__(self, out: list[Effect], commit: Callable[[], None]) -> None:
         self._out, self._commit = out, commit
-        self._said: dict[tuple[str, str], DepartureMemory] = {}
-        """By vehicle and item, what was said last and is not answered."""
+        self._said: BoundedMap[tuple[str, str, str, int, bool], DepartureMemory] = BoundedMap(WORDS_KEPT)
+        """What was said and is not answered, by what names a word, the oldest first."""
 
     def say(self, load: DepartureMemory) -> None:
         """Tell the body what a vehicle has put down or taken."""
-        self._said[load.vehicle, load.item] = load
+        self._said[load.vehicle, load.item, load.task, load.epoch, load.change > 0] = load
         book = Book(load.vehicle, load.item, load.change, task=load.task, epoch=load.epoch)
         self._out.append(Instruct(book))
         self._commit()
 
-    def on_stock_changed(self, report: StockChanged) -> None:
-        """The body has booked something."""
-        if self._said.pop((report.vehicle, report.item), None) is not None:
-            self._commit()
+    def on_stock_changed(self, report: StockChanged) -> DepartureMemory | None:
+        """The body has booked something.
+
+        Returns:
+            The word that it has answered: of that vehicle's about that item the oldest, for it answers in the order in which they were said. None
+            for no word that waits for an answer.
+        """
+        told = (report.vehicle, report.item)
+        word = next((each for each in self._said if each[:2] == told), None)
+        if word is None:
+            return None
+        self._commit()
+        return self._said.pop(word)
 
     def memories(self) -> tuple[DepartureMemory, ...]:
         """For the next life, which says them again."""

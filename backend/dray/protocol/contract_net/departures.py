@@ -11,6 +11,7 @@ told so (`Book`).
     it names the task, brings back or has its load on board    it has taken it, or not put it down
     it names the task, without                                 it has put it down, or not taken it
     it names the task no more, and was heard at it until then  the same: nobody ends a task with its load on board
+    it has brought its load back, and was not let in           it has put nothing down, whoever has taken its load off it
     it names the task no more, after a time in which it was    nobody knows where it has been: what it might have taken is booked
     not heard                                                  out, what it might have brought is not booked in
 """
@@ -18,6 +19,8 @@ told so (`Book`).
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+
+from msgspec.structs import replace
 
 from dray.body import CloseDock
 from dray.memory import DepartureMemory
@@ -74,15 +77,30 @@ class Departures:
             self._commit()
 
     def take_back(self, load: DepartureMemory, now_s: float) -> None:
-        """A vehicle that has its load on board stands here to put it down. Harmless when that is known; of what it was watched for before nothing was put down."""
+        """A vehicle that has its load on board stands here to put it down, once it is let in (`note_let_in`).
+
+        Harmless when that is known; of what it was watched for before nothing was put down.
+        """
         known = self._leaving.get(load.vehicle)
-        if known is not None and known != load:
+        load = replace(load, let_in=False)
+        if known is not None and replace(known, let_in=False) != load:
             if known.item == load.item and known.change < 0:
                 self._bookings.say(known)
             self._leaving[load.vehicle] = load
             self._commit()
         self._at_task[load.vehicle] = (load.task, load.epoch, now_s)
         self.watch(load)
+
+    def waits_for(self, vehicle: str) -> bool:
+        """Whether a vehicle may still be inside, and the dock is shut once it has left."""
+        return vehicle in self._leaving
+
+    def note_let_in(self, vehicle: str, task: str, epoch: int) -> None:
+        """The dock was opened for a vehicle: it may put down what it has brought back. Harmless when it was not watched for that."""
+        load = self._leaving.get(vehicle)
+        if load is not None and (load.task, load.epoch) == (task, epoch) and not load.let_in:
+            self._leaving[vehicle] = replace(load, let_in=True)
+            self._commit()
 
     def note_done(self, vehicle: str, now_s: float, *, aboard: bool) -> None:
         """A vehicle stands here for something else, and is done with what it was watched for. Harmless when it was not watched.
@@ -94,6 +112,16 @@ class Departures:
         """
         if (load := self._leaving.get(vehicle)) is not None:
             self._end(load, aboard=aboard or not self._was_heard(load, now_s))
+
+    def on_put_down(self, vehicle: str, task: str, epoch: int, quantity: int) -> None:
+        """A vehicle says that its load is down, so many pieces of it. Harmless when it was not watched for them.
+
+        Its own word counts though it was not heard for a while: nobody says this of a load that lies elsewhere.
+        """
+        load = self._leaving.get(vehicle)
+        if load is not None and (load.task, load.epoch) == (task, epoch) and load.change > 0:
+            # No vehicle brings more than it was given.
+            self._end(replace(load, change=min(load.change, quantity)), aboard=False)
 
     def on_vehicle(self, heartbeat: AtvHeartbeat, now_s: float) -> None:
         """A vehicle tells where it is, and what it does."""
@@ -137,7 +165,7 @@ class Departures:
 
     def _end(self, load: DepartureMemory, *, aboard: bool) -> None:
         """A vehicle has left; `aboard`: with its load, or nobody knows."""
-        if load.change and aboard is (load.change < 0):
+        if load.let_in and load.change and aboard is (load.change < 0):
             self._bookings.say(load)
         self._close(load.vehicle)
 

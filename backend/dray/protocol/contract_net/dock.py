@@ -93,7 +93,7 @@ class Door:
             self.hold(vehicle, asked, NOT_READY)
         else:
             if not self.counts:
-                self._inside[vehicle] = (asked.task, asked.epoch)
+                self._let_in(vehicle, asked)
             self.agree(vehicle, asked)
 
     def is_opening(self, vehicle: str) -> bool:
@@ -112,7 +112,7 @@ class Door:
         asked = self._forget(vehicle)
         if asked is None:
             return False
-        self._inside[vehicle] = (asked.task, asked.epoch)
+        self._let_in(vehicle, asked)
         self.agree(vehicle, asked)
         # It gets ready: whoever waits behind this one has waited for that one's turn.
         self._since_s = dict.fromkeys(self._since_s, now_s)
@@ -139,8 +139,16 @@ class Door:
             vehicle: which.
             load: what it may move meanwhile, and nobody else would book; None for nothing.
         """
-        self._forget(vehicle)
-        let_in = self._inside.pop(vehicle, None)
+        asked, let_in = self._forget(vehicle), self._inside.pop(vehicle, None)
+        if (
+            load is not None
+            and asked is None
+            and let_in not in (None, OF_EARLIER_LIFE)
+            and let_in[0] != load.task
+        ):
+            # It is inside for something else, whose own end shuts the dock.
+            self._inside[vehicle] = let_in
+            return
         if not self.answers:
             # Nothing moves that could hurt it: the permit goes at once, and only what it moves is waited for.
             self._out.append(Instruct(CloseDock(vehicle=vehicle)))
@@ -154,18 +162,34 @@ class Door:
         elif load is not None and let_in == OF_EARLIER_LIFE:
             # Whether for this load nobody knows: in doubt it is booked out, and never in.
             self._departures.watch(replace(load, change=min(load.change, 0)))
-        else:
+        elif not self._departures.waits_for(vehicle):
             # Also when this life has not opened it: an earlier one may have.
             self._out.append(Instruct(CloseDock(vehicle=vehicle)))
 
     def close(self, vehicle: str) -> None:
         """A vehicle has done what it was let in for."""
-        self.note_left(vehicle)
+        self._inside.pop(vehicle, None)
         self.shut(vehicle)
 
-    def note_left(self, vehicle: str) -> None:
-        """A vehicle is not at the dock any more: what it has moved is booked, or it was heard elsewhere."""
+    def note_moved(self, vehicle: str, word: DepartureMemory | None = None) -> None:
+        """What a vehicle has moved is booked: it is inside no more, unless it was let in for something else since. What it has asked for still waits.
+
+        Args:
+            vehicle: which.
+            word: what its agent had told the body of it; None where the body has counted it by itself.
+        """
+        let_in = self._inside.get(vehicle)
+        if word is None or let_in in (OF_EARLIER_LIFE, (word.task, word.epoch)):
+            self._inside.pop(vehicle, None)
+
+    def forget(self, vehicle: str) -> None:
+        """A vehicle has gone away: it waits for nothing here any more."""
         self._inside.pop(vehicle, None)
+        self._forget(vehicle)
+
+    def _let_in(self, vehicle: str, asked: Docked) -> None:
+        self._inside[vehicle] = (asked.task, asked.epoch)
+        self._departures.note_let_in(vehicle, asked.task, asked.epoch)
 
     def _forget(self, vehicle: str) -> Docked | None:
         self._since_s.pop(vehicle, None)

@@ -5,13 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import cast
 
-from dray.body import Book, StockChanged
+from dray.body import StockChanged
+from dray.memory import DepartureMemory
 from dray.messages import AtvHeartbeat, Handover, Reason, Transport
 from dray.messages.fact import HandoverDisputed
 from dray.messages.heartbeat import GOODS_ABOARD
+from dray.protocol.contract_net.bookings import Bookings
 from dray.protocol.contract_net.task import OpenTask
 from dray.protocol.contract_net.task_state import TaskState
-from dray.protocol.runtime.events import NEVER_S, Effect, Ignore, Instruct, Record
+from dray.protocol.runtime.events import NEVER_S, Effect, Ignore, Record
 from dray.protocol.transports.dock import Dock
 from dray.protocol.transports.receiving import GateCount, Verdict, verdict_on
 from dray.protocol.transports.transports import Transports
@@ -28,6 +30,7 @@ class Handovers:
         tasks: its open transports.
         goal_of: what the gate has counted of a goal, by its name; None for what no goal wants.
         dock: where loads come and go.
+        bookings: what a body that does not count is told.
         out: where effects go.
         ask: called with a goal of which the gate may have counted more than is known, and now_s.
         settled: called when a transport has ended well, with its task, its carrier, the pieces that were counted, and now_s.
@@ -42,6 +45,7 @@ class Handovers:
         tasks: Transports,
         goal_of: Callable[[str], GateCount | None],
         dock: Dock,
+        bookings: Bookings,
         out: list[Effect],
         *,
         ask: Callable[[str, float], None],
@@ -50,7 +54,7 @@ class Handovers:
         self._place = place
         self._tasks = tasks
         self._goal_of = goal_of
-        self._dock = dock
+        self._dock, self._bookings = dock, bookings
         self._out = out
         self._ask = ask
         self._settled = settled
@@ -158,4 +162,4 @@ class Handovers:
             task.contract.receipt.booked = True
             # No vehicle brings more than it was given: what it says beyond that is disputed.
             change = min(task.contract.receipt.said, work.quantity) if comes else -work.quantity
-            self._out.append(Instruct(Book(task.primary, work.item, change, task=task.id, epoch=task.epoch)))
+            self._bookings.say(DepartureMemory(task.primary, task.id, task.epoch, work.item, change))

@@ -163,7 +163,7 @@ class TransportFlow:
             self.bookings,
             out,
             owner.commit,
-            left=lambda vehicle: self.door.note_left(vehicle),  # noqa: PLW0108 - made below
+            left=lambda vehicle: self.door.forget(vehicle),  # noqa: PLW0108 - made below
         )
         self.door = Door(out, ready_within_s(plant, place), self.departures)
         self._dock = Dock(place, self.tasks, stock, self.door, self.departures, out)
@@ -172,6 +172,7 @@ class TransportFlow:
             self.tasks,
             self._counted_of,
             self._dock,
+            self.bookings,
             out,
             ask=self._ask_for_count,
             settled=self._settle_counted,
@@ -232,6 +233,7 @@ class TransportFlow:
         load = DepartureMemory(vehicle, docked.task, docked.epoch, docked.item, quantity)
         # It may have taken it here, and its next heartbeat would say so: with its forks inside, and the dock shut behind it.
         self.booking_out.note_aboard(vehicle, docked.item)
+        self.booking_out.on_docked(vehicle, docked, now_s)
         self.departures.take_back(load, now_s)
         self.door.open(vehicle, docked, docked.item, docked.quantity, now_s)
 
@@ -271,7 +273,7 @@ class TransportFlow:
     def _may_be_fetched(self, task: str, epoch: int) -> bool:
         """Whether a load may have left its place in an epoch: only where no carrier was bound in it is it known that it has not."""
         closed = self.tasks.closed(task)
-        return closed is None or epoch < closed.epoch or (epoch == closed.epoch and bool(closed.carrier))
+        return closed is None or epoch != closed.epoch or bool(closed.carrier)
 
     def seek(self, task: str, work: Transport, deadline_s: float, now_s: float) -> None:
         """Have a load set aside where it is to be fetched, and then fetched."""
@@ -310,8 +312,7 @@ class TransportFlow:
     def note_booked(self, report: StockChanged) -> None:
         """The body has counted what a vehicle has moved, or has booked it."""
         if report.vehicle:
-            self.door.note_left(report.vehicle)
-            self.bookings.on_stock_changed(report)
+            self.door.note_moved(report.vehicle, self.bookings.on_stock_changed(report))
 
     def on_material(self, report: StockChanged, now_s: float) -> None:
         """Material has come, or was taken."""
