@@ -113,6 +113,7 @@ function LanesCard({ order, story }: { order: OrderView; story: Story }) {
       )}
       {groups.length > 0 && <Legend kinds={drawn} />}
       {transport && <Told transport={transport} />}
+      {!transport && chosenTransport.value !== "" && <p class="muted" role="status">{t("lanes.unknown")}</p>}
     </Card>
   );
 }
