@@ -3,7 +3,7 @@ import { useEffect } from "preact/hooks";
 import { fetchOrders } from "../../../api/client";
 import type { OrderView } from "../../../api/types";
 import { Table } from "../../../parts/Table";
-import { world } from "../../../stream/stream";
+import { nowS, world } from "../../../stream/stream";
 import { speakAlso } from "../../../text/speech";
 import { format, t, tables, word } from "../../../text/views/order";
 import { AskedChoice, AskedDay, AskedOnly, AskedWords } from "../../parts/filters/Asked";
@@ -167,7 +167,7 @@ function Row({ ahead, order }: { order: OrderView; ahead: OrderView | undefined 
       <td>
         <DueText order={order} bare />
         {order.delivered_at_s !== null && (
-          <small class="muted line">{t("orders.deliveredAt", { at: format.clock(order.delivered_at_s) })}</small>
+          <small class="muted line">{t("orders.deliveredAt", { at: format.when(order.delivered_at_s, nowS.value) })}</small>
         )}
       </td>
       <td>

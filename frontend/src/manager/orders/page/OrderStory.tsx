@@ -136,7 +136,7 @@ export function Told({ transport }: { transport: Transport }) {
   const carrier = transport.legs.at(-1)?.carrier ?? "";
   return (
     <div class="order-told" role="status">
-      <p>{transportText(transport)}</p>
+      <p>{transportText(transport, nowS.value)}</p>
       {world.value?.atvs.has(carrier) === true && (
         <button
           type="button"
