@@ -38,7 +38,9 @@ def hands() -> Iterator[Any]:
         ("mouse", "keyboard"), enumerate(LOCALES), THEMES, enumerate(WIDTHS_PX)
     ):
         way = (by, language, theme, width_px)
-        is_one = (by == "keyboard") == ((of + at) % 2 == 0) and (theme == "light") == ((of + at // 2) % 2 == 0)
+        is_one = (by == "keyboard") == ((of + at) % 2 == 0) and (theme == "light") == (
+            (of + at // 2) % 2 == 0
+        )
         later = [] if way in SOON else [pytest.mark.slow if is_one else pytest.mark.campaign]
         yield pytest.param(*way, marks=later)
 
