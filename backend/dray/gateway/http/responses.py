@@ -74,7 +74,7 @@ def read_cursor(cursor: str | None, shape: type[Place]) -> Place | None:
         return None
     try:
         padded = cursor + "=" * (-len(cursor) % 4)
-        place = msgspec.json.decode(urlsafe_b64decode(padded), type=shape)
+        place: Place = msgspec.json.decode(urlsafe_b64decode(padded), type=shape)
         # No text that is kept has a NUL in it, and PostgreSQL takes none.
         if not any(isinstance(part, str) and "\0" in part for part in place):
             return place
