@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+import sqlite3
+from collections.abc import Callable, Iterator
+from contextlib import closing
+from datetime import datetime
+from itertools import product
 from pathlib import Path
 from typing import Any
 
 import pytest
 from accessibility import violations
-from looks import LOCALES
+from looks import LOCALES, THEMES
 from manager_kit import iso
 from playwright.sync_api import Locator, Page, expect
 
@@ -21,13 +25,25 @@ REFERENCE = "PO-TUESDAY"
 STEPS_MOST = 200
 """Presses of Tab to anything on a page: what is further is not reached by anybody."""
 
-HANDS = (
-    ("keyboard", "en", "light", 1440),
-    ("mouse", "en", "dark", 2560),
-    ("mouse", "de", "dark", 1024),
-    ("keyboard", "es", "light", 390),
-)
-"""By what, in which language and theme, and how wide, in pixels: every one of each once at least."""
+WIDTHS_PX = (390, 1024, 1440, 2560)
+
+SOON = (("keyboard", "es", "light", 390), ("mouse", "en", "dark", 2560))
+"""In `make test`."""
+
+
+def hands() -> Iterator[Any]:
+    """By what, in which language and theme, and how wide (pixels): two ways in `make test`; in `make test-long` so many that every two of these
+    have met; all of them in `make campaign`."""
+    for by, (of, language), theme, (at, width_px) in product(
+        ("mouse", "keyboard"), enumerate(LOCALES), THEMES, enumerate(WIDTHS_PX)
+    ):
+        way = (by, language, theme, width_px)
+        is_one = (by == "keyboard") == ((of + at) % 2 == 0) and (theme == "light") == (
+            (of + at // 2) % 2 == 0
+        )
+        later = [] if way in SOON else [pytest.mark.slow if is_one else pytest.mark.campaign]
+        yield pytest.param(*way, marks=later)
+
 
 WORDS = {
     "en": {"late": "late", "took over": " over from ", "taken back": "This link was taken back"},
@@ -68,6 +84,14 @@ class Hands:
         else:
             self.page.keyboard.press(key)
 
+    def write_day(self, there: Locator, day: datetime) -> None:
+        """Write into a field of a day. Its parts stand as the browser itself writes a day, not the page: month, day, year."""
+        if self._by == "mouse":
+            there.click(position={"x": 12, "y": 12})
+        else:
+            self.reach(there)
+        self.page.keyboard.type(f"{day:%m%d%Y}")
+
     def write(self, there: Locator, text: str) -> None:
         """Write into a field, letter by letter."""
         if self._by == "mouse":
@@ -77,29 +101,52 @@ class Hands:
         self.page.keyboard.type(text)
 
 
+DAY = """atS => {
+    const at = new Date(atS * 1000);
+    return [at.getFullYear(), at.getMonth() + 1, at.getDate()].map(part => String(part).padStart(2, "0")).join("-");
+}"""
+"""The day of a moment where the browser is."""
+
+WEEK_S = 7 * 86_400.0
+
+
 @pytest.fixture(scope="module")
-def late(quiet: Any) -> str:
-    """An order that is late because its carrier fell silent on its way; its id."""
-    product = quiet.ask("/api/products")["items"][0]["id"]
-    wanted = {"customer": "Waterworks South", "reference": REFERENCE, "due_at": iso(quiet.wall_s + 2.0)}
-    order = str(quiet.ask("/api/orders", wanted | {"items": [{"product": product, "quantity": 2}]})["id"])
+def factory(start_dray: Callable[..., Any], tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
+    """A factory with an order that is late because its carrier fell silent on its way. Another one of the same customer is late, too: it was placed a week before."""
+    file = tmp_path_factory.mktemp("journeys") / "dray.db"
+    dray = start_dray("--speed", "20", "--no-demand", url=f"sqlite:///{file}", stepped=True)
+    # Everybody has been heard.
+    dray.advance(5.0)
+    stored = place(dray, f"{REFERENCE}-BEFORE", release=False)
+    with closing(sqlite3.connect(file)) as base, base:
+        earlier = "UPDATE orders SET created_at_s = created_at_s - ?1, due_at_s = due_at_s - ?1 WHERE id = ?2"
+        base.execute(earlier, (WEEK_S, stored))
+    late = place(dray, REFERENCE)
 
     def carrier() -> str:
         """Who carries for it, or is on its way to fetch."""
-        ways = quiet.ask(f"/api/orders/{order}/timeline")["transports"]
+        ways = dray.ask(f"/api/orders/{late}/timeline")["transports"]
         legs = [leg for way in ways for leg in way["legs"] if leg["until_at_s"] is None]
         return str(next((leg["carrier"] for leg in legs), ""))
 
-    quiet.advance_until(lambda: carrier() != "", step_s=2.0)
-    quiet.ask("/api/faults", {"kind": "powered_off", "agent": carrier()})
-    quiet.advance_until(lambda: quiet.ask(f"/api/orders/{order}")["status"] == "delivered")
-    return order
+    dray.advance_until(lambda: carrier() != "", step_s=6.0)
+    dray.ask("/api/faults", {"kind": "powered_off", "agent": carrier()})
+    dray.advance_until(lambda: dray.ask(f"/api/orders/{late}")["status"] == "delivered", step_s=10.0)
+    yield dray
+    assert dray.stop() == 0, dray.output()
 
 
-@pytest.mark.parametrize(("by", "language", "theme", "width_px"), HANDS)
+def place(dray: Any, reference: str, **more: Any) -> str:
+    """Place an order that is due too soon; its id."""
+    items = [{"product": dray.ask("/api/products")["items"][0]["id"], "quantity": 2}]
+    due = iso(dray.wall_s + 2.0)
+    wanted = {"customer": "Waterworks South", "reference": reference, "due_at": due, "items": items}
+    return str(dray.ask("/api/orders", wanted | more)["id"])
+
+
+@pytest.mark.parametrize(("by", "language", "theme", "width_px"), list(hands()))
 def test_a_late_order_is_found_and_told_why_shown_to_a_colleague_and_to_its_customer(
-    quiet: Any,
-    late: str,
+    factory: Any,
     open_page: OpenPage,
     screenshot: Screenshot,
     by: str,
@@ -112,16 +159,23 @@ def test_a_late_order_is_found_and_told_why_shown_to_a_colleague_and_to_its_cust
         "color_scheme": theme,
         "viewport": {"width": width_px, "height": 900},
     }
-    page = open_page(quiet.url, permissions=["clipboard-read", "clipboard-write"], **look)
+    page = open_page(factory.url, permissions=["clipboard-read", "clipboard-write"], **look)
     hands, says = Hands(page, by), WORDS[language]
     kept = f"journey-{by}-{language}-{theme}-{width_px}"
 
     # Find the order of that day, and say why it was late.
     hands.use(page.locator(".top a[href='#orders']"))
     hands.write(page.locator("main input[type=search]"), "tuesday")
+    rows = page.locator("main tbody tr")
+    expect(rows).to_have_count(2)
+    day = datetime.fromisoformat(page.evaluate(DAY, factory.wall_s))
+    since, until = (page.locator("main input[type=date]").nth(at) for at in (0, 1))
+    hands.write_day(since, day)
+    expect(rows).to_have_count(1)
+    hands.write_day(until, day)
+    expect(page).to_have_url(re.compile(rf"since={day:%F}&until={day:%F}"))
     hands.use(page.locator("label", has_text=says["late"]).locator("input[type=checkbox]"), "Space")
     expect(page).to_have_url(re.compile(r"late=yes"))
-    rows = page.locator("main tbody tr")
     expect(rows).to_have_count(1)
     screenshot(page, f"{kept}-list")
     hands.use(rows.get_by_role("link", name=REFERENCE))

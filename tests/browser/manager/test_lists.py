@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from complaints import Complaints
 from looks import LOCALES, THEMES, WIDTHS_PX, in_every_look
 from playwright.sync_api import Page, expect
 
@@ -49,6 +50,23 @@ def test_an_order_is_found_behind_a_hundred_others_and_the_address_says_how(
     again = open_page(page.url)
     expect(again.locator("tbody tr")).to_have_count(1)
     expect(again.get_by_role("searchbox", name="Find in all")).to_have_value("d5 hall")
+
+
+def test_a_link_to_a_page_that_there_is_not_says_so_instead_of_the_list_before_it(
+    factory: Any, open_page: OpenPage, complaints: Complaints
+) -> None:
+    page = open_page(f"{factory.url}/#orders?status=stored")
+    rows = page.locator("tbody tr")
+    expect(rows).to_have_count(50)
+    page.goto(f"{factory.url}/#orders?after=nonsense")
+    expect(page.locator("main")).to_contain_text("cursor: it is not from this list")
+    expect(rows.filter(has_text="PO-")).to_have_count(0)
+    page.get_by_role("navigation", name="Pages").get_by_role("button", name="Back").click()
+    expect(rows).to_have_count(50)
+    # The browser tells of each refusal by itself.
+    page.goto("about:blank")
+    assert all("status of 422" in each for each in complaints)
+    complaints.clear()
 
 
 def test_pages_and_sorting_are_steps_that_the_browser_goes_back(

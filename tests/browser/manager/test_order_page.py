@@ -161,6 +161,10 @@ def test_what_is_chosen_on_it_stands_in_its_address(quiet: Any, factory: str, op
     other = open_page(sent)
     expect(other.locator(".lane-transport").first).to_have_attribute("aria-pressed", "true")
     expect(other.get_by_role("button", name="Problems")).to_have_attribute("aria-pressed", "true")
+    # One that names something else says so.
+    other.goto(f"{sent.partition('?')[0]}?transport=M4-999")
+    expect(other.get_by_text("The transport that the link names is not known here.")).to_be_visible()
+    expect(other.locator(".order-told")).to_have_count(0)
 
 
 def test_links_for_the_customer_are_made_and_taken_back_there(

@@ -7,7 +7,7 @@ import pytest
 from answers import problem
 from gateway_kit import House
 
-from dray.gateway.http.responses import write_cursor
+from dray.gateway.http.responses import CURSOR_MOST, write_cursor
 
 pytestmark = pytest.mark.anyio
 
@@ -94,12 +94,15 @@ async def test_a_page_has_between_1_and_500_items(house: House, noun: str, limit
         "nonsense",
         "ä",
         "!!!!",
-        "x" * 513,
+        "x" * (CURSOR_MOST + 1),
         write_cursor(),
         write_cursor("a", "b", "c"),
         write_cursor(10**30),
         write_cursor(-1),
         write_cursor(1e308, 5),
+        write_cursor(1.0, "\0"),
+        write_cursor("\0"),
+        write_cursor("a\0", "b"),
     ],
 )
 async def test_a_cursor_that_is_not_from_this_list_is_refused(house: House, noun: str, cursor: str) -> None:

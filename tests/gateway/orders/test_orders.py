@@ -218,8 +218,23 @@ async def test_orders_are_found_by_what_people_know_of_them(house: House) -> Non
     assert await found(product=OTHER_PRODUCT) == [second["id"]]
     assert await found(due_before="2030-03-19T00:00:00Z") == [first["id"]]
     assert await found(due_before="2030-03-19T02:00:00+01:00") == [second["id"], first["id"]]
+    day = {"created_since": second["created_at"], "created_before": third["created_at"]}
+    assert await found(**day) == [second["id"]]
+    assert await found(**day, reference="PO-17") == []
     assert await found(updated_since=second["updated_at"]) == [third["id"], second["id"]]
     assert await found(updated_since=third["updated_at"], customer="Hall 3") == []
+
+
+async def test_a_page_goes_on_behind_the_longest_names(house: House) -> None:
+    for customer in ("顧" * 200, '"' * 200, "é" * 199 + "z"):
+        await house.place(customer=customer, reference=customer)
+    for sort in ("customer", "reference"):
+        pages, cursor = [], {}
+        while cursor is not None:
+            page = await house.get("/api/orders", sort=sort, limit=1, **cursor)
+            pages += [order[sort] for order in page["items"]]
+            cursor = {"cursor": page["next_cursor"]} if page["next_cursor"] else None
+        assert pages == ['"' * 200, "é" * 199 + "z", "顧" * 200]
 
 
 async def test_who_follows_changes_by_their_newest_time_misses_none(house: House) -> None:

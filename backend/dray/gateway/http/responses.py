@@ -14,10 +14,17 @@ from dray.gateway.http.problems import FieldError, unusable
 
 T = TypeVar("T")
 
+Place = TypeVar("Place", bound=tuple[Any, ...])
+
 Limit = Annotated[int, Query(ge=1, le=500, description="Items per page")]
 """Items per page: 500 tasks with their bids are some 5 MB, which a browser can still take."""
 
-Cursor = Annotated[str | None, Query(max_length=512, description="`next_cursor` of the page before; opaque")]
+CURSOR_MOST = 2_048
+"""Letters of a cursor. The longest says a customer of 200 letters, each of which JSON may write as six, and the id of an order."""
+
+Cursor = Annotated[
+    str | None, Query(max_length=CURSOR_MOST, description="`next_cursor` of the page before; opaque")
+]
 
 PAGE = 100
 """Items per page when nobody asks for another number."""
@@ -53,7 +60,7 @@ def write_cursor(*position: str | float) -> str:
     return urlsafe_b64encode(msgspec.json.encode(position)).decode().rstrip("=")
 
 
-def read_cursor(cursor: str | None, shape: type[T]) -> T | None:
+def read_cursor(cursor: str | None, shape: type[Place]) -> Place | None:
     """What `write_cursor` was given.
 
     Args:
@@ -67,10 +74,15 @@ def read_cursor(cursor: str | None, shape: type[T]) -> T | None:
         return None
     try:
         padded = cursor + "=" * (-len(cursor) % 4)
-        return msgspec.json.decode(urlsafe_b64decode(padded), type=shape)
+        place: Place = msgspec.json.decode(urlsafe_b64decode(padded), type=shape)
+        # No text that is kept has a NUL in it, and PostgreSQL takes none.
+        if not any(isinstance(part, str) and "\0" in part for part in place):
+            return place
     except (ValueError, msgspec.MsgspecError):
-        reason = "it is not from this list; take next_cursor of the page before, or leave it out"
-        raise unusable(FieldError("cursor", reason)) from None
+        pass
+    raise unusable(
+        FieldError("cursor", "it is not from this list; take next_cursor of the page before, or leave it out")
+    )
 
 
 def page(items: Sequence[T], name: Callable[[T], str], cursor: str | None, limit: int) -> Json:

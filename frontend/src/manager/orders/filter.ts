@@ -10,8 +10,8 @@ const SORTED = ["work", "reference", "customer", "due", "created"] as const;
 /** What the gateway is asked for: only what was filled in. Without an order of their own they come as people work at them. */
 export function queryOf(said: Asked): OrdersQuery {
   const sort = SORTED.find((each) => each === said.sort) ?? "work";
-  const since = momentOf(said.since);
-  const until = momentOf(said.until);
+  const since = dayOf(said.since);
+  const until = dayOf(said.until, 1);
   const status = statusesOf(said.status ?? "");
   return {
     ...(said.q ? { q: said.q } : {}),
@@ -37,10 +37,33 @@ export function pairsOf(query: Readonly<Record<string, unknown>>): URLSearchPara
   );
 }
 
+/** Of a day as 2030-06-03. */
+const DAY_LETTERS = 10;
+
+/** The last moment that ISO 8601 and the gateway can name: the end of the year 9999. */
+export const LAST_S = 253_402_300_799;
+
 /** In ISO 8601; null for what is no time. */
 export function momentOf(said: string | undefined): string | null {
-  const ms = new Date(said ?? "").getTime();
-  return Number.isNaN(ms) ? null : new Date(ms).toISOString();
+  return isoOf(new Date(said ?? ""));
+}
+
+/**
+ * When a day of the reader's zone begins, in ISO 8601; null for what is no day.
+ *
+ * @param said a day, as 2030-06-03; a time after it does not count
+ * @param later so many days later
+ */
+export function dayOf(said: string | undefined, later = 0): string | null {
+  const day = new Date(`${(said ?? "").slice(0, DAY_LETTERS)}T00:00`);
+  day.setDate(day.getDate() + later);
+  return isoOf(day);
+}
+
+/** Nothing was before 1970, and a year that is still being typed is no fault. */
+function isoOf(at: Date): string | null {
+  const ms = at.getTime();
+  return Number.isNaN(ms) ? null : new Date(Math.min(Math.max(ms, 0), LAST_S * 1000)).toISOString();
 }
 
 function statusesOf(said: string): Status[] {

@@ -3,10 +3,10 @@ import { useEffect } from "preact/hooks";
 import { fetchOrders } from "../../../api/client";
 import type { OrderView } from "../../../api/types";
 import { Table } from "../../../parts/Table";
-import { world } from "../../../stream/stream";
+import { nowS, world } from "../../../stream/stream";
 import { speakAlso } from "../../../text/speech";
 import { format, t, tables, word } from "../../../text/views/order";
-import { AskedChoice, AskedMoment, AskedOnly, AskedWords } from "../../parts/filters/Asked";
+import { AskedChoice, AskedDay, AskedOnly, AskedWords } from "../../parts/filters/Asked";
 import { CsvLink } from "../../parts/filters/CsvLink";
 import { Pages } from "../../parts/pages/Pages";
 import { PrintButton } from "../../parts/paper/PrintButton";
@@ -117,8 +117,8 @@ function Filters() {
       <AskedWords />
       <AskedChoice name="status" label={t("orders.status")} options={statuses} />
       <AskedChoice name="product" label={t("publish.product")} options={plant.value?.products ?? []} />
-      <AskedMoment name="since" label={t("list.since")} />
-      <AskedMoment name="until" label={t("list.until")} />
+      <AskedDay name="since" label={t("list.since")} />
+      <AskedDay name="until" label={t("list.until")} />
       <AskedOnly name="late" label={t("orders.late")} />
       <CsvLink href={tableOf(asked.value)} />
     </>
@@ -167,7 +167,7 @@ function Row({ ahead, order }: { order: OrderView; ahead: OrderView | undefined 
       <td>
         <DueText order={order} bare />
         {order.delivered_at_s !== null && (
-          <small class="muted line">{t("orders.deliveredAt", { at: format.clock(order.delivered_at_s) })}</small>
+          <small class="muted line">{t("orders.deliveredAt", { at: format.when(order.delivered_at_s, nowS.value) })}</small>
         )}
       </td>
       <td>

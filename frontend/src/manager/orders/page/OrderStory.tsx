@@ -113,6 +113,7 @@ function LanesCard({ order, story }: { order: OrderView; story: Story }) {
       )}
       {groups.length > 0 && <Legend kinds={drawn} />}
       {transport && <Told transport={transport} />}
+      {!transport && chosenTransport.value !== "" && <p class="muted" role="status">{t("lanes.unknown")}</p>}
     </Card>
   );
 }
@@ -135,7 +136,7 @@ export function Told({ transport }: { transport: Transport }) {
   const carrier = transport.legs.at(-1)?.carrier ?? "";
   return (
     <div class="order-told" role="status">
-      <p>{transportText(transport)}</p>
+      <p>{transportText(transport, nowS.value)}</p>
       {world.value?.atvs.has(carrier) === true && (
         <button
           type="button"

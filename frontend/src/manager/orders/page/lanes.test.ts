@@ -97,12 +97,14 @@ test("the expected range is one bar from the earliest to the latest", () => {
 describe("in words", () => {
   test("a transport says who was replaced, and who goes on", () => {
     const legs = [leg({ carrier: "ATV3", until_at_s: 220, replaced: "silent" }), leg({ aboard_at_s: 240 })];
-    expect(transportText(transport(legs))).toMatch(/^ATV3 was replaced at .+: silent\. ATV1 carries it since .+\.$/);
-    expect(transportText(transport([]))).toBe("Nobody carries it yet.");
-    expect(transportText(transport([leg({ until_at_s: 210, replaced: "silent" })]))).toContain("Nobody carries it yet.");
-    expect(transportText(transport([], { outcome: "withdrawn", closed_at_s: 300 }))).toBe("It was withdrawn.");
+    expect(transportText(transport(legs), 400)).toMatch(/^ATV3 was replaced at .+: silent\. ATV1 carries it since .+\.$/);
+    expect(transportText(transport([]), 400)).toBe("Nobody carries it yet.");
+    // Of last Tuesday the hour alone says nothing.
+    expect(transportText(transport([leg({ until_at_s: 210 })]), 210 + 5 * 86_400)).toMatch(/^ATV1 handed it over at OUT at [A-Z][a-z]{2} \d\d:\d\d\./);
+    expect(transportText(transport([leg({ until_at_s: 210, replaced: "silent" })]), 400)).toContain("Nobody carries it yet.");
+    expect(transportText(transport([], { outcome: "withdrawn", closed_at_s: 300 }), 400)).toBe("It was withdrawn.");
     const under = transport([leg({ carrier: "ATV1", aboard_at_s: 240, until_at_s: 300 })], { outcome: "withdrawn", closed_at_s: 300 });
-    expect(transportText(under)).toMatch(/^ATV1 worked on it until .+\. It was withdrawn\.$/);
+    expect(transportText(under, 400)).toMatch(/^ATV1 worked on it until .+\. It was withdrawn\.$/);
   });
 
   test("an event says why", () => {

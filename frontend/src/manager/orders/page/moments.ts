@@ -40,18 +40,18 @@ export function momentText(moment: Moment): string {
     : t("moment.becauseSilent", { text, reason, age: format.age(moment.silent_s) });
 }
 
-/** Who carried it and who carries it now, in one sentence or two. */
-export function transportText(transport: Transport): string {
+/** Who carried it and who carries it now, in one sentence or two; what was on another day says its day. */
+export function transportText(transport: Transport, nowS: number): string {
   const told = transport.legs.map((leg) => {
     if (leg.replaced !== "") {
-      return t("leg.replaced", { carrier: leg.carrier, at: format.clock(leg.until_at_s ?? leg.since_at_s), reason: word("reason.why", leg.replaced) });
+      return t("leg.replaced", { carrier: leg.carrier, at: format.when(leg.until_at_s ?? leg.since_at_s, nowS), reason: word("reason.why", leg.replaced) });
     }
     if (leg.until_at_s !== null) {
       const key = transport.outcome === "withdrawn" ? "leg.ended" : "leg.done";
-      return t(key, { carrier: leg.carrier, at: format.clock(leg.until_at_s), to: placeOf(transport.destination) });
+      return t(key, { carrier: leg.carrier, at: format.when(leg.until_at_s, nowS), to: placeOf(transport.destination) });
     }
-    if (leg.aboard_at_s !== null) return t("leg.carries", { carrier: leg.carrier, at: format.clock(leg.aboard_at_s) });
-    return t("leg.fetches", { carrier: leg.carrier, at: format.clock(leg.since_at_s), from: placeOf(transport.source) });
+    if (leg.aboard_at_s !== null) return t("leg.carries", { carrier: leg.carrier, at: format.when(leg.aboard_at_s, nowS) });
+    return t("leg.fetches", { carrier: leg.carrier, at: format.when(leg.since_at_s, nowS), from: placeOf(transport.source) });
   });
   if (transport.outcome === "withdrawn") told.push(t("leg.withdrawn"));
   else if (transport.closed_at_s === null && transport.legs.every((leg) => leg.until_at_s !== null)) told.push(t("leg.nobody"));

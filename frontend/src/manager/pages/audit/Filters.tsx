@@ -43,7 +43,7 @@ function Moment({ name }: { name: "since" | "until" }) {
   return (
     <label class="narrow" data-said={filter.value[name] === "" ? undefined : ""}>
       <span>{t(`audit.${name}`)}</span>
-      <input type="datetime-local" value={filter.value[name]} onChange={(event) => { narrow({ [name]: event.currentTarget.value }); }} />
+      <input type="datetime-local" max="9999-12-31T23:59" value={filter.value[name]} onChange={(event) => { narrow({ [name]: event.currentTarget.value }); }} />
     </label>
   );
 }

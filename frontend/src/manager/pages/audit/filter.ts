@@ -1,5 +1,6 @@
 /** Which lines of the audit log are wanted, as a person fills it in, and as the gateway is asked for them. Pure. */
 import type { AuditQuery } from "../../../api/client";
+import { LAST_S } from "../../orders/filter";
 import type { Asked } from "../../views";
 
 export interface Filter {
@@ -45,5 +46,5 @@ export function tableOf(filter: Filter, oldestFirst = false): string {
 }
 
 function secondsOf(moment: string): number {
-  return new Date(moment).getTime() / 1000;
+  return Math.min(Math.max(new Date(moment).getTime() / 1000, 0), LAST_S);
 }

@@ -58,15 +58,33 @@ export function AskedOnly({ label, name }: { name: string; label: string }) {
 }
 
 /** A day and time, in the reader's zone. */
-export function AskedMoment({ label, name }: { name: string; label: string }) {
+export function AskedMoment(props: TimeProps) {
+  return <AskedTime {...props} type="datetime-local" last="9999-12-31T23:59" />;
+}
+
+/** A day, in the reader's zone. */
+export function AskedDay(props: TimeProps) {
+  return <AskedTime {...props} type="date" last="9999-12-31" />;
+}
+
+interface TimeProps {
+  name: string;
+  label: string;
+}
+
+/** @param props.last with it a year has four digits, and who has typed them goes on to what comes after it */
+function AskedTime({ label, last, name, type }: TimeProps & { type: "date" | "datetime-local"; last: string }) {
+  const said = asked.value[name] ?? "";
   return (
-    <label class="narrow" data-said={(asked.value[name] ?? "") === "" ? undefined : ""}>
+    <label class="narrow" data-said={said === "" ? undefined : ""}>
       <span>{label}</span>
       <input
-        type="datetime-local"
-        value={asked.value[name] ?? ""}
-        onChange={(event) => {
-          narrow({ [name]: event.currentTarget.value });
+        type={type}
+        max={last}
+        value={type === "date" ? said.slice(0, last.length) : said}
+        onInput={(event) => {
+          // Each digit of a year makes another time: no steps to go back over.
+          narrow({ [name]: event.currentTarget.value }, "replace");
         }}
       />
     </label>

@@ -38,15 +38,34 @@ describe("orders", () => {
     );
   });
 
-  test("are asked for within times, and not where these are none", () => {
-    const since = "2030-06-01T14:00";
-    expect(orders.queryOf({ since, until: "soon" })).toEqual({
-      created_since: new Date(since).toISOString(), sort: "work", descending: false,
+  test("are asked for by days of the reader, the last one included, and not where these are none", () => {
+    const begins = (day: string): string => new Date(`${day}T00:00`).toISOString();
+    expect(orders.queryOf({ since: "2030-05-28", until: "2030-05-31" })).toEqual({
+      created_since: begins("2030-05-28"), created_before: begins("2030-06-01"), sort: "work", descending: false,
     });
+    // An address from before says times, too.
+    expect(orders.queryOf({ since: "2030-05-28T14:00", until: "soon" })).toEqual({
+      created_since: begins("2030-05-28"), sort: "work", descending: false,
+    });
+  });
+
+  test("are asked for while a year is still typed, and of no time that the gateway cannot name", () => {
+    expect(orders.queryOf({ since: "0002-05-28", until: "9999-12-31" })).toEqual({
+      created_since: "1970-01-01T00:00:00.000Z", created_before: "9999-12-31T23:59:59.000Z", sort: "work", descending: false,
+    });
+    expect(orders.dayOf("2030-13-01")).toBeNull();
   });
 });
 
 describe("tasks", () => {
+  test("are asked for within times, and not where these are none", () => {
+    const since = "2030-06-01T14:00";
+    expect(tasks.queryOf({ since, until: "soon" })).toEqual({ since: new Date(since).toISOString(), sort: "work", descending: true });
+    expect(tasks.queryOf({ since: "0020-06-01T14:00", until: "+275760-09-13T00:00Z" })).toMatchObject({
+      since: "1970-01-01T00:00:00.000Z", before: "9999-12-31T23:59:59.000Z",
+    });
+  });
+
   test("are asked for by what the address says, open ones first", () => {
     expect(tasks.queryOf({})).toEqual({ sort: "work", descending: true });
     expect(tasks.queryOf({ state: "withdrawn", kind: "transport", item: "g2", late: "yes", sort: "late", down: "no" })).toEqual({

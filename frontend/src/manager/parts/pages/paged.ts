@@ -59,7 +59,9 @@ export function usePaged<T>(fetchPage: (said: Asked, place: Place) => Promise<Pa
     if (whole.value) return whole.value;
     const found = answer.value;
     // Where a page of another list ended is no place in this one: it is not turned before this one has come.
-    return found && (found.said === asked.value ? found.page : { ...found.page, next_cursor: null });
+    if (found === null || found.said === asked.value) return found?.page ?? null;
+    // Nor are its rows what is asked for, when that cannot be read.
+    return failed.value === null ? { ...found.page, next_cursor: null } : null;
   });
   const fetchAfter = (after: string): Promise<PageOf<T>> => fetchPage(asked.peek(), placeOf(after, PAGE_MOST));
   return { again, failed, page, printing: { fetchAfter, whole } };

@@ -33,6 +33,7 @@ export const order: Catalogue<typeof en> = {
   "lanes.promised": "zugesagt bis {at}",
   "lanes.transport": "{load}: {from} → {to}",
   "lanes.nobody": "noch niemand",
+  "lanes.unknown": "Der Transport, den der Link nennt, ist hier nicht bekannt.",
   "lanes.onMap": "{carrier} auf der Karte zeigen",
   "lanes.now": "jetzt {at}",
   "lanes.due": "fällig {at}",

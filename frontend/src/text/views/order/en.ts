@@ -30,6 +30,7 @@ export const order = {
   "lanes.promised": "promised by {at}",
   "lanes.transport": "{load}: {from} → {to}",
   "lanes.nobody": "nobody yet",
+  "lanes.unknown": "The transport that the link names is not known here.",
   "lanes.onMap": "Show {carrier} on the map",
   "lanes.now": "now {at}",
   "lanes.due": "due {at}",

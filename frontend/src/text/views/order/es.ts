@@ -33,6 +33,7 @@ export const order: Catalogue<typeof en> = {
   "lanes.promised": "prometido para las {at}",
   "lanes.transport": "{load}: {from} → {to}",
   "lanes.nobody": "nadie todavía",
+  "lanes.unknown": "El transporte que nombra el enlace no se conoce aquí.",
   "lanes.onMap": "Mostrar {carrier} en el mapa",
   "lanes.now": "ahora {at}",
   "lanes.due": "plazo {at}",
