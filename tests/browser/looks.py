@@ -16,6 +16,15 @@ WIDTHS_PX = (390, 800, 1024, 1440, 2560)
 """A telephone, a tablet upright and lying, a laptop, and a wall."""
 
 
+CUT = """(card) => {
+  const clip = card.querySelector(".card-body").getBoundingClientRect();
+  return [...card.querySelectorAll(".kpi, .spark, .card-foot, .status-row")].filter((row) => {
+    const { bottom, top } = row.getBoundingClientRect();
+    return top < clip.bottom - 0.5 && bottom > clip.bottom + 0.5;
+  }).map((row) => row.className);
+}"""
+"""The figures of which a part is in sight, and the rest below what scrolls."""
+
 EACH_ONCE = (("en", "light"), ("de", "dark"), ("es", "light"))
 """Every language and every theme."""
 

@@ -47,7 +47,7 @@ class Order:
         return order_wanted_s(self.priority, self.at_s, self.due_s)
 
 
-def orders(plant: Plant, random: Random, *, load: float, until_s: float) -> Iterator[Order]:
+def orders(plant: Plant, random: Random, *, load: float, until_s: float, first: int = 1) -> Iterator[Order]:
     """Orders in the order of their times.
 
     Args:
@@ -55,9 +55,10 @@ def orders(plant: Plant, random: Random, *, load: float, until_s: float) -> Iter
         random: the only source of chance.
         load: part of all machines' time that the orders take, above 0.
         until_s: no order is placed later (plant clock).
+        first: number of the first order; ids are `D1`, `D2`, and so on.
     """
     products = plant.ordered
-    now_s, number = FIRST_ORDER_S, 0
+    now_s, number = FIRST_ORDER_S, first - 1
     while now_s < until_s:
         number += 1
         chosen = random.sample(products, k=min(random.choice((1, 1, 1, 2)), len(products)))

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from looks import LOCALES, WIDTHS_PX, in_every_look
+from looks import CUT, LOCALES, WIDTHS_PX, in_every_look
 from manager_kit import BEAT_S, GoingWall, as_manager
 from open_house import OpenHouse, open_house
 from playwright.sync_api import Locator, Page, expect
@@ -161,6 +161,7 @@ def test_an_alarm_and_a_closure_move_no_button_and_are_in_sight(
     take = page.locator(".inbox").get_by_role("button", name=re.compile("^Take: M8"))
     expect(take).to_be_in_viewport(ratio=1.0)
     assert [button.bounding_box() for button in buttons] == before
+    assert page.locator(".factory").evaluate(CUT) == []
     close(page, {"kind": "closed", "place": "M5", "reason": "oil on the floor"})
     expect(page.get_by_role("button", name="Open M5")).to_be_visible()
     assert [button.bounding_box() for button in buttons] == before

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from looks import LOCALES
+from looks import CUT, LOCALES
 from playwright.sync_api import Page, expect
 
 SIZES_PX = ((1440, 900), (1024, 768))
@@ -26,6 +26,37 @@ ROWS_IN_SIGHT = """(card) => {
   return [...card.querySelectorAll("li.order, .kpi, .status-row, dt, .bid, .field")].filter(inside).length;
 }"""
 """How many rows of a card are whole within it, within what scrolls around it, and within the window."""
+
+
+LAPTOPS_PX = ((1440, 900), (1240, 800), (1280, 800), (1366, 768), (1536, 864))
+
+TOPS = "all => new Set(all.map(each => each.getBoundingClientRect().top)).size"
+
+
+@pytest.mark.parametrize("language", LOCALES)
+def test_on_a_laptop_layers_are_one_line_no_figure_is_cut_and_the_field_find_opens(
+    busy: Any, open_page: Callable[..., Page], screenshot: Callable[..., Path], language: str
+) -> None:
+    page = open_page(busy.url, viewport={"width": 1440, "height": 900}, locale=LOCALES[language])
+    expect(page.locator(".factory .duty-row")).to_be_visible()
+    figures, chips, field = (
+        page.locator(".factory"),
+        page.locator(".map .chip"),
+        page.locator(".finder input"),
+    )
+    for width_px, height_px in LAPTOPS_PX:
+        page.set_viewport_size({"width": width_px, "height": height_px})
+        assert chips.evaluate_all(TOPS) == 1, width_px
+        assert figures.evaluate(CUT) == [], (width_px, height_px)
+        line = chips.first.bounding_box()
+        field.focus()
+        box = field.bounding_box()
+        assert box is not None
+        assert box["width"] >= 110, width_px
+        assert chips.first.bounding_box() == line, "nothing moves by it"
+        if width_px == 1280:
+            screenshot(page, f"laptop-{language}")
+        field.blur()
 
 
 @pytest.mark.parametrize(("width_px", "height_px"), SIZES_PX)
@@ -49,9 +80,6 @@ def test_each_card_shows_three_of_its_rows(
             # The page scrolls there; no card within it has to.
             card.evaluate("(card) => card.scrollIntoView()")
         assert card.evaluate(ROWS_IN_SIGHT) >= 3, card.get_attribute("class")
-    if width_px == SIZES_PX[0][0]:
-        tops = "all => new Set(all.map(each => each.getBoundingClientRect().top)).size"
-        assert page.locator(".map .chip").evaluate_all(tops) == 1, "what is shown on the map is one line"
     screenshot(page, f"cards-{language}-{width_px}")
 
 

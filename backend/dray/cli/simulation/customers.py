@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import logging
+import re
+from collections.abc import Iterable
 from datetime import UTC, datetime
 from random import Random
 
@@ -32,6 +34,9 @@ stopped the vehicles must not drown in orders."""
 
 CUSTOMER = "Simulated demand"
 
+REFERENCE = re.compile(r"D([0-9]{1,18})")
+"""Of an order of the demand, with its number."""
+
 _log = logging.getLogger(__name__)
 
 
@@ -51,16 +56,19 @@ def customers_of(plant: Plant, *, speed: float, seed: int) -> Customers:
 
 
 async def place_demand(placement: OrderPlacement, plant: Plant, *, speed: float, seed: int) -> None:
-    """Place orders until cancelled.
+    """Place orders until cancelled. References go on after those that the database has.
 
     Args:
         placement: where to.
         plant: what can be ordered.
         speed: factory seconds per real second.
-        seed: the same orders at the same times follow from it.
+        seed: the same orders at the same times follow from it, and from the number of the first one.
     """
     began_s = placement.now_s + FIRST_S
-    for order in demand.orders(plant, Random(f"{seed} demand"), load=LOAD, until_s=FOREVER_S):
+    # So many may have been placed at one moment, of which none is the newest.
+    first = _number_after(await placement.newest_references(CUSTOMER, MAX_OPEN))
+    random = Random(f"{seed} demand" if first == 1 else f"{seed} demand from {first}")
+    for order in demand.orders(plant, random, load=LOAD, until_s=FOREVER_S, first=first):
         at_s = max(0.0, order.at_s - HEAD_START_S)
         await wait_until(began_s + at_s / speed, lambda: placement.now_s)
         if placement.open >= MAX_OPEN:
@@ -79,3 +87,8 @@ async def place_demand(placement: OrderPlacement, plant: Plant, *, speed: float,
         except Problem as problem:
             # A customer who is refused comes back with the next order.
             _log.warning("simulated order %s was refused: %s", order.id, problem)
+
+
+def _number_after(references: Iterable[str]) -> int:
+    found = filter(None, map(REFERENCE.fullmatch, references))
+    return max((int(each[1]) for each in found), default=0) + 1

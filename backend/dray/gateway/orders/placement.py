@@ -223,6 +223,11 @@ class OrderPlacement:
         async with self._store.read() as work:
             return await work.orders.referred_to(references, self._wall_s() - LATELY_S)
 
+    async def newest_references(self, customer: str, count: int) -> list[str]:
+        """The references of a customer's newest orders that nobody is known to have placed, newest first."""
+        async with self._store.read() as work:
+            return await work.orders.newest_references(customer, "", count)
+
     async def look_twice(self, draft: OrderDraft) -> tuple[FieldError, ...]:
         """A hint where another order of the last hour has the customer and reference of this one; the newest is named."""
         if draft.reference is None:

@@ -207,6 +207,22 @@ class Orders:
             found += [Referred(*row) for row in reversed(rows)]
         return found
 
+    async def newest_references(self, customer: str, caller: str, count: int) -> list[str]:
+        """The references of the newest orders of a customer that somebody has placed, newest first.
+
+        Args:
+            customer: whose orders.
+            caller: kind and id of who has placed them; empty for nobody.
+            count: how many at most.
+        """
+        query = (
+            select(orders.c.reference)
+            .where(orders.c.customer == customer, orders.c.caller == caller, orders.c.reference.is_not(None))
+            .order_by(orders.c.created_at_s.desc(), orders.c.id.desc())
+            .limit(count)
+        )
+        return list((await self._connection.execute(query)).scalars())
+
     async def open(self) -> list[Order]:
         """All orders that the factory works at, oldest first."""
         found = await self._select(orders.c.status.in_(OPEN))

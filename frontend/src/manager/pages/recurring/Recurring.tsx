@@ -10,7 +10,8 @@ import { problemText } from "../../problem-text";
 import { useRefreshed } from "../../refreshed";
 import { names } from "../../state";
 import { addressOf, addressOfTransport } from "../../views";
-import { dayName, shown, timesOf } from "./draft";
+import { calendarText } from "./calendar-text";
+import { shown } from "./draft";
 import { begin } from "./form";
 import "./recurring.css";
 import { FORM, RecurringForm } from "./RecurringForm";
@@ -78,9 +79,6 @@ export function Recurring() {
 
 function Row({ act, schedule }: { schedule: Schedule; act: (what: Promise<unknown>) => Promise<void> }) {
   const { calendar, name, next_runs, paused, skipped, time_zone } = schedule;
-  const times = timesOf(schedule);
-  const named = times?.days.map((day) => dayName(day, language.value)) ?? [];
-  const days = named.length > 0 ? named.join(", ") : t("recurring.everyDay");
   const at = (moment: string): string => shown(moment, time_zone, language.value);
   const [next, ...later] = next_runs;
   const leaveOut = (moments: readonly string[]): void => void act(changeSchedule(schedule, { skipped: [...moments] }));
@@ -95,7 +93,7 @@ function Row({ act, schedule }: { schedule: Schedule; act: (what: Promise<unknow
         <What schedule={schedule} />
       </td>
       <td>
-        {times === null ? <code>{calendar}</code> : t("recurring.daysAt", { days, time: times.time })}
+        {calendarText(calendar, language.value) ?? <code>{calendar}</code>}
         <small class="line muted">{time_zone}</small>
       </td>
       <td>

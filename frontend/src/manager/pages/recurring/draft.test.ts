@@ -1,6 +1,6 @@
 import { describe, expect, test } from "vitest";
 import type { Schedule } from "../../../api/schedules";
-import { calendarOf, dayName, draftOf, empty, partOf, shown, timesOf, writtenOf } from "./draft";
+import { calendarOf, dayName, draftOf, empty, partOf, shown, writtenOf } from "./draft";
 
 const schedule: Schedule = {
   id: "S-1", etag: '"1-0-0"', name: "Shafts", calendar: "45 5 * * 1,2,3", time_zone: "Europe/Berlin", holidays: ["2030-12-25"], skipped: [],
@@ -22,15 +22,6 @@ describe("a calendar", () => {
   test.each(["45 5 * * 1,2,3", "0 22 * * *", "*/30 * * * *", "0 6 1 * *", "0 6 * * MON-FRI"])("of %s comes back as it was", (calendar) => {
     expect(calendarOf(writtenOf({ ...schedule, calendar }))).toBe(calendar);
   });
-});
-
-test.each([
-  ["45 5 * * 3,1", { days: ["1", "3"], time: "05:45" }],
-  ["0 22 * * *", { days: [], time: "22:00" }],
-  ["0 22 * * 0,1,2,3,4,5,6", { days: [], time: "22:00" }],
-  ["0 6 1 * *", null],
-])("the days and the time of %s", (calendar, times) => {
-  expect(timesOf({ ...schedule, calendar })).toEqual(times);
 });
 
 test("what is there is sent as it was", () => {

@@ -159,13 +159,6 @@ export function shown(moment: string, zone: string, language: string): string {
   return new Intl.DateTimeFormat(language === "en" ? "en-GB" : language, options).format(new Date(moment));
 }
 
-/** The days and the time of a schedule, or none where only cron's fields can tell them. No days are all of them. */
-export function timesOf(schedule: Schedule): { readonly days: readonly string[]; readonly time: string } | null {
-  const { cron, days, time } = writtenOf(schedule);
-  if (cron !== "") return null;
-  return { days: days.length === DAYS.length ? [] : DAYS.filter((day) => days.includes(day)), time };
-}
-
 /** The short name of a day of the week. */
 export function dayName(day: string, language: string): string {
   // The 4th of January 1970 was a Sunday.

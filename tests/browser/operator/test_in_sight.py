@@ -1,0 +1,115 @@
+"""What a hand and an eye need on the tablet and the phone is in sight, wherever somebody has scrolled."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+from calling_kit import asks, vehicle_calls
+from open_house import OpenHouse, open_house
+from playwright.sync_api import Page, expect
+from puppets import Puppet
+from tablet_kit import IN_AREA, LYING, PHONE, UPRIGHT, Enter, card, stop_of
+
+Screenshot = Callable[..., Path]
+
+TO_THE_END = (
+    """() => document.querySelectorAll("main, html").forEach(each => each.scrollTo(0, each.scrollHeight))"""
+)
+
+CARDS = """() => [...document.querySelectorAll(".station, .vehicle, .duty, .place .map")]
+    .filter(each => each.checkVisibility())
+    .map(each => each.getBoundingClientRect())
+    .map(({left, right}) => [Math.round(left), Math.round(right)])"""
+"""Left and right of each card."""
+
+CUT = """all => all.filter(each => each.scrollWidth > each.clientWidth).map(each => each.textContent)"""
+
+TONES = """
+    window.tones = 0;
+    const start = OscillatorNode.prototype.start;
+    OscillatorNode.prototype.start = function (...at) {
+        document.documentElement.dataset.tones = ++window.tones;
+        return start.apply(this, at);
+    };
+"""
+"""Counts the tones that a page plays."""
+
+LINE_PX = 96.0
+"""A button for a finger in a glove, and what is around it."""
+
+
+@pytest.fixture
+def house(sqlite_url: str) -> Iterator[OpenHouse]:
+    """A gateway at which people can be on duty."""
+    with open_house(sqlite_url, duty=True) as house:
+        yield house
+
+
+def test_on_a_phone_stop_stays_in_sight_and_all_else_is_one_column(
+    vehicles: dict[str, Puppet], enter: Enter, screenshot: Screenshot
+) -> None:
+    page = enter(viewport=PHONE)
+    expect(page.locator(".vehicle")).to_have_count(len(IN_AREA))
+    material = page.locator(".station .stock li > :first-child")
+    expect(material).to_have_text(["Housing", "Shaft"])
+    assert material.evaluate_all(CUT) == []
+    edges = page.evaluate(CARDS)
+    assert len(edges) >= 3 + len(IN_AREA)
+    assert len({tuple(each) for each in edges}) == 1, edges
+    assert 0 <= edges[0][0] < edges[0][1] <= PHONE["width"]
+    screenshot(page, "in-sight-phone")
+    for move in ("() => {}", TO_THE_END):
+        page.evaluate(move)
+        for vehicle in vehicles:
+            expect(stop_of(page, vehicle)).to_be_in_viewport(ratio=1)
+
+
+def test_on_a_tablet_vehicles_and_material_stand_above_the_fold_and_duty_is_a_line(
+    vehicles: dict[str, Puppet], enter: Enter, screenshot: Screenshot
+) -> None:
+    page = enter(viewport=LYING)
+    for vehicle in vehicles:
+        expect(card(page, vehicle).get_by_role("heading")).to_be_in_viewport(ratio=1)
+        expect(card(page, vehicle).locator(".steps button").last).to_be_in_viewport(ratio=1)
+    for row in page.locator(".station .stock li").all():
+        expect(row).to_be_in_viewport(ratio=1)
+    duty = page.locator(".duty").bounding_box()
+    assert duty is not None
+    assert duty["height"] <= LINE_PX
+    screenshot(page, "in-sight-tablet")
+
+
+@pytest.mark.parametrize("size", [LYING, UPRIGHT, PHONE], ids=["lying", "upright", "phone"])
+def test_a_call_stays_in_sight_is_heard_and_named_by_the_tab(
+    house: OpenHouse,
+    vehicles: dict[str, Puppet],
+    enter: Enter,
+    screenshot: Screenshot,
+    size: dict[str, int],
+    request: pytest.FixtureRequest,
+) -> None:
+    calling = vehicle_calls(house, vehicles["ATV2"])
+    page: Page = enter(viewport=size, before=lambda page: page.add_init_script(TONES))
+    on = page.locator(".duty-choices button").first
+    on.tap()
+    expect(on).to_have_attribute("aria-pressed", "true")
+    sound = page.get_by_role("group", name="A sound when somebody calls you?")
+    sound.get_by_role("button", name="With sound").tap()
+    expect(page.locator("html")).to_have_attribute("data-tones", "2")
+    # Asked for once.
+    expect(sound).to_have_count(0)
+    page.evaluate(TO_THE_END)
+    asks(house, calling)
+    call = page.locator(".call")
+    expect(call.get_by_role("heading")).to_be_in_viewport(ratio=1)
+    expect(call.locator(".call-left")).to_be_in_viewport(ratio=1)
+    for answer in ("I take it within 5 min", "Pass"):
+        expect(call.get_by_role("button", name=answer)).to_be_in_viewport(ratio=1)
+    for vehicle in vehicles:
+        expect(stop_of(page, vehicle)).to_be_in_viewport(ratio=1)
+    expect(page.locator("html")).to_have_attribute("data-tones", "4")
+    expect(page).to_have_title(re.compile("^ATV2 asks you "))
+    screenshot(page, f"in-sight-call-{request.node.callspec.id}")
