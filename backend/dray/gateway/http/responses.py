@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import asyncio
 from base64 import urlsafe_b64decode, urlsafe_b64encode
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 from datetime import UTC, datetime
 from typing import Annotated, Any, TypeVar
 
 import msgspec
 from fastapi import Query, Response
+from fastapi.responses import StreamingResponse
 
 from dray.gateway.http.problems import FieldError, unusable
 
@@ -47,15 +48,20 @@ def listing(items: Sequence[object], next_cursor: str | None) -> Json:
     return Json({"items": items, "next_cursor": next_cursor})
 
 
-async def listing_in_turns(items: Sequence[object], next_cursor: str | None) -> Json:
-    """The same, encoded with others' turns between: of what has much in it, as tasks have bids."""
-    parts = []
-    for at in range(0, len(items), AT_ONCE):
-        parts.append(b",".join(map(msgspec.json.encode, items[at : at + AT_ONCE])))
-        await asyncio.sleep(0)
-    return Json(
-        b'{"items":[' + b",".join(parts) + b'],"next_cursor":' + msgspec.json.encode(next_cursor) + b"}"
-    )
+def listing_in_turns(items: Sequence[object], next_cursor: str | None) -> Response:
+    """The same, of what may have much in it, as tasks have bids: a long page is written piece by piece, with others' turns between, and has no `ETag`."""
+    if len(items) <= PAGE:
+        return listing(items, next_cursor)
+
+    async def pieces() -> AsyncIterator[bytes]:
+        yield b'{"items":['
+        for at in range(0, len(items), AT_ONCE):
+            encoded = b",".join(map(msgspec.json.encode, items[at : at + AT_ONCE]))
+            yield b"," + encoded if at else encoded
+            await asyncio.sleep(0)
+        yield b'],"next_cursor":' + msgspec.json.encode(next_cursor) + b"}"
+
+    return StreamingResponse(pieces(), media_type=Json.media_type)
 
 
 def counted(items: Sequence[object], next_cursor: str | None, total: int | None) -> Json:

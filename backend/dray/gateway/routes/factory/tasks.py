@@ -69,7 +69,7 @@ async def list_tasks(
         if (not state or task.state in state) and (after is None or _place(task) < after)
     ]
     last = wanted[limit - 1] if len(wanted) > limit else None
-    return await listing_in_turns(wanted[:limit], None if last is None else write_cursor(*_place(last)))
+    return listing_in_turns(wanted[:limit], None if last is None else write_cursor(*_place(last)))
 
 
 @router.get(
