@@ -24,7 +24,7 @@ from dray.gateway.http.assets import PREFIX, STATIC, BuiltFiles, Panels
 from dray.gateway.http.compression import Compression
 from dray.gateway.http.conditional import Conditional
 from dray.gateway.http.hosts import Hosts, KnownHost
-from dray.gateway.http.middleware import BodyLimit, SameOrigin, SecurityHeaders
+from dray.gateway.http.middleware import BodyLimit, Readable, SameOrigin, SecurityHeaders, WholeCharacters
 from dray.gateway.http.provided import provide
 from dray.gateway.live.timescale import TimeScale
 from dray.gateway.metrics import Stopwatch
@@ -126,6 +126,7 @@ def create_app(
 
 def _add_middleware(app: FastAPI, settings: Settings) -> None:
     """What every request passes before it reaches a router; the last one added is the outermost."""
+    app.add_middleware(WholeCharacters, takes_files=takes_files)
     app.add_middleware(BodyLimit, bulk_bytes=settings.body_limit_bytes, takes_files=takes_files)
     app.add_middleware(Conditional)
     app.add_middleware(Compression)
@@ -133,6 +134,7 @@ def _add_middleware(app: FastAPI, settings: Settings) -> None:
     app.add_middleware(Gate)
     app.add_middleware(SameOrigin)
     app.add_middleware(KnownHost, hosts=Hosts.of(settings))
+    app.add_middleware(Readable)
     # FastAPI's own handler of bugs stands outside of all middleware: its answers would lack the headers.
     app.add_middleware(ServerErrorMiddleware, handler=problems.on_bug)
     app.add_middleware(SecurityHeaders)

@@ -15,12 +15,13 @@ from zenoh_kit import Row
 
 from dray.adapters.security import seals
 from dray.adapters.security.identity import Identity
+from dray.adapters.security.letters import Letters, Place
 from dray.adapters.zenoh import bus as bus_module
 from dray.adapters.zenoh.bus import UNSEALED, ZenohBus
 from dray.adapters.zenoh.shares import AT_ONCE_S, SAID_PER_S, TALKATIVE, Shares, ShareSpentError
 from dray.adapters.zenoh.stamp import Stamp, Tally, write_stamp
 from dray.codec import encode
-from dray.messages import Event
+from dray.messages import Accepted, Event, Role
 from dray.messages.fact import MemoryLost
 from dray.messages.kinds import Kind
 from dray.messages.speakers import SHUT_OUT
@@ -29,6 +30,10 @@ KINDS = {"M1": Kind.MACHINE, "ATV1": Kind.ATV, "ATV9": Kind.ATV}
 
 MANY = 300
 """Lives of one agent, each with a token that it has signed."""
+
+
+LETTER = Accepted("M1-1", 1, Role.PRIMARY, finish_s=60.0)
+"""What a vehicle says to a machine alone."""
 
 
 @pytest.fixture
@@ -105,6 +110,72 @@ def test_what_an_agent_says_that_is_shut_out_costs_no_signature(
             assert heard == ["ATV9"]
             assert machine.refused == {SHUT_OUT: MANY}
             assert len(examined) == before
+
+    asyncio.run(main())
+
+
+@pytest.fixture
+def opened(monkeypatch: pytest.MonkeyPatch) -> list[Place]:
+    """Letters that were decrypted."""
+    read = Letters.read
+    found: list[Place] = []
+
+    def count(self: Letters, seal: bytes, place: Place, letter: bytes) -> tuple[str, Kind, bytes]:
+        found.append(place)
+        return read(self, seal, place, letter)
+
+    monkeypatch.setattr(Letters, "read", count)
+    return found
+
+
+def test_letters_of_an_agent_that_is_shut_out_are_not_opened(tmp_path: Path, opened: list[Place]) -> None:
+    async def main() -> None:
+        folder = issued(tmp_path, KINDS)
+        row = Row(2, identities=[Identity.in_folder(folder, name) for name in ("M1", "ATV9")])
+        with closing(row):
+            machine, talkative = row.buses
+            heard: list[str] = []
+            machine.join("M1", lambda sender, _message: heard.append(sender))
+            speaker = talkative.join("ATV9", lambda *_: None)
+            await row.settle()
+            speaker.send("M1", LETTER)
+            await row.settle()
+            assert heard == ["ATV9"]
+            assert len(opened) == 1
+            machine.shut_out = frozenset({"ATV9"})
+            for _ in range(MANY):
+                speaker.send("M1", LETTER)
+            await row.settle()
+            assert heard == ["ATV9"]
+            assert machine.refused == {SHUT_OUT: MANY}
+            assert len(opened) == 1
+
+    asyncio.run(main())
+
+
+def test_letters_of_an_agent_that_writes_too_many_are_not_opened(
+    tmp_path: Path, opened: list[Place], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(bus_module, "Shares", partial(Shares, now_s=lambda: 0.0))
+    share = round(SAID_PER_S * AT_ONCE_S) + 1
+
+    async def main() -> None:
+        folder = issued(tmp_path, KINDS)
+        row = Row(2, identities=[Identity.in_folder(folder, name) for name in ("M1", "ATV9")])
+        with closing(row):
+            machine, talkative = row.buses
+            heard: list[str] = []
+            machine.join("M1", lambda sender, _message: heard.append(sender))
+            speaker = talkative.join("ATV9", lambda *_: None)
+            await row.settle()
+            for number in range(1, share + MANY + 1):
+                speaker.send("M1", LETTER)
+                if number % 100 == 0:
+                    await row.settle()
+            await row.settle()
+            assert heard == ["ATV9"] * share
+            assert len(opened) == share
+            assert machine.refused == {TALKATIVE: MANY}
 
     asyncio.run(main())
 

@@ -25,7 +25,6 @@ def house(quiet_house: House) -> House:
     ("path", "kind"),
     [
         ("/api/orders/O-1", "unknown-order"),
-        ("/api/orders/%00", "unknown-order"),
         ("/api/orders/%FF", "unknown-order"),
         ("/api/orders/" + "x" * 5000, "unknown-order"),
         ("/api/orders/' OR 1=1 --", "unknown-order"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Any, cast
 
@@ -10,7 +11,7 @@ from fastapi import FastAPI
 from gateway_kit import House, draft, gateway
 
 from dray.gateway.access.rules import PUBLIC, RULES, Rule
-from dray.gateway.http.middleware import CONTENT_POLICY, HEADERS
+from dray.gateway.http.middleware import CONTENT_POLICY, HEADERS, whole_characters
 
 NOBODY = {"Authorization": ""}
 
@@ -83,3 +84,20 @@ async def test_the_documentation_alone_has_a_style_within_its_page_and_names_its
     policy = (await house.client.get("/api/docs")).headers["content-security-policy"]
     assert policy.startswith(f"{CONTENT_POLICY}; style-src 'sha256-")
     assert "unsafe" not in policy
+
+
+@pytest.mark.parametrize(
+    ("body", "taken"),
+    [
+        (rb'{"a": "\ud83d\ude00"}', {"a": "\U0001f600"}),
+        (rb'{"a": "\ud83d"}', {"a": "\0"}),
+        (rb'{"\ude00": 1}', {"\0": 1}),
+        (rb'["\ude00\ud83d\ud83d\ude00"]', ["\0\0\U0001f600"]),
+        (rb'["\\ud800", "\\\ud800", "\n\u00fc"]', ["\\ud800", "\\\0", "\n\xfc"]),
+        ('["\ud800", "ü"]'.encode("utf-8", "surrogatepass"), ["\0", "ü"]),
+        (r'["\ud800", "ü"]'.encode("utf-16"), ["\0", "ü"]),
+        (b'["plain"]', ["plain"]),
+    ],
+)
+def test_no_half_of_a_character_comes_in_with_json(body: bytes, taken: object) -> None:
+    assert json.loads(whole_characters(body)) == taken

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import asyncio
 from typing import Any
 
 import pytest
 from answers import problem
 from gateway_kit import House
 from gateway_kit import draft as order_draft
+from recurring_kit import DAY_S, SIX_S, look
 from recurring_kit import DRAFT as SCHEDULE
 
 from dray.gateway.access.principal import Scope
 from dray.gateway.http.shares import share_of
+from dray.gateway.schedules.scheduler import Scheduler
 
 pytestmark = pytest.mark.anyio
 
@@ -49,6 +52,43 @@ async def test_one_caller_begins_a_share_of_all_recurring_work(
     changed = await greedy.patch(f"{path}/{answer.json()['id']}", json={"paused": True}, headers=ours)
     assert changed.status_code == 200, changed.text
     assert (await house.client.post(path, json=SCHEDULE | {"name": "A third"})).status_code == 429
+
+
+@pytest.mark.parametrize(
+    ("work", "bound", "most", "path"),
+    [
+        ({}, "dray.gateway.orders.transports.OPEN_MAX", 8, "/api/transports"),
+        (
+            {"transport": None, "order": order_draft()},
+            "dray.gateway.orders.placement.MAX_OPEN_ORDERS",
+            4,
+            "/api/orders",
+        ),
+    ],
+    ids=["transports", "orders"],
+)
+async def test_all_recurring_work_of_one_caller_has_its_share_and_not_one_each(
+    house: House, monkeypatch: pytest.MonkeyPatch, work: dict[str, Any], bound: str, most: int, path: str
+) -> None:
+    monkeypatch.setattr(Scheduler, "run", lambda _: asyncio.Event().wait())
+    monkeypatch.setattr(bound, most)
+    _, header = await house.key(Scope.FLOOR_WRITE, Scope.FACTORY_READ, Scope.ORDERS_WRITE)
+    greedy = house.visitor(**header)
+    draft = {name: value for name, value in (SCHEDULE | work).items() if value is not None}
+    for number in range(4):
+        begun = await greedy.post("/api/schedules", json=draft | {"name": f"{number}"})
+        assert begun.status_code == 201, begun.text
+    await look(house, SIX_S)
+    assert len((await house.get(path))["items"]) == 2
+    refused = [each["last"]["refused"] for each in (await house.get("/api/schedules"))["items"]]
+    assert [None if why is None else "one caller may have 2" in why for why in sorted(refused, key=bool)] == [
+        *(None, None),
+        *(True, True),
+    ]
+    # Others are not held up by it.
+    assert (await house.client.post("/api/schedules", json=draft | {"name": "Another's"})).status_code == 201
+    await look(house, SIX_S + DAY_S)
+    assert len((await house.get(path))["items"]) == 3
 
 
 async def test_one_caller_has_half_of_all_open_orders(house: House, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -22,7 +22,8 @@ from cryptography.hazmat.primitives.kdf.hkdf import HKDF
 
 from dray.adapters.security.register import Certified
 from dray.adapters.security.seals import Milliseconds, Seals
-from dray.errors import SealError
+from dray.codec import MAX_BYTES
+from dray.errors import SealError, WireError
 from dray.messages.kinds import Kind
 
 SECRETS = 2000
@@ -30,6 +31,9 @@ SECRETS = 2000
 out in a tenth of a millisecond."""
 
 SECRET_BYTES = 32
+
+TAG_BYTES = 16
+"""Behind the words: by these AES-GCM shows that a letter is as it was written."""
 
 NONCE_BYTES = 12
 """Random. Who writes a hundred letters a second to one reader until the certificates end, after a year, has used one of
@@ -90,16 +94,24 @@ class Letters:
         letter = secret.encrypt(nonce, words, place.bound(at_ms))
         return letter, _write(_Cover(self._seals.certificate, sender, at_ms, nonce))
 
+    def named(self, seal: bytes, letter: bytes) -> str:
+        """Who says to have written a letter. Only `read` shows that it is so.
+
+        Raises:
+            SealError: its seal says nothing.
+        """
+        return _cover(seal, letter).sender
+
     def read(self, seal: bytes, place: Place, letter: bytes) -> tuple[str, Kind, bytes]:
         """Who has written a letter to an agent of ours, what that is, and the words.
 
         Raises:
             SealError: nobody whom we know has, or not to this reader, not here, not now.
+            WireError: it is longer than any message.
         """
-        try:
-            cover = _read(seal)
-        except (msgspec.MsgspecError, ValueError) as fault:
-            raise SealError(f"no letter's seal: {fault}", letter) from fault
+        cover = _cover(seal, letter)
+        if len(letter) > MAX_BYTES + TAG_BYTES:
+            raise WireError(f"{len(letter)} bytes, more than {MAX_BYTES}", letter)
         sender, kind = self._seals.register.certified(cover.certificate, cover.sender, letter)
         self._seals.check_age(cover.at_ms, letter)
         secret = self._secret(cover.sender, place.reader, sender)
@@ -123,3 +135,10 @@ class Letters:
             self._secrets.clear()
         self._secrets[place] = secret
         return secret
+
+
+def _cover(seal: bytes, letter: bytes) -> _Cover:
+    try:
+        return _read(seal)
+    except (msgspec.MsgspecError, ValueError) as fault:
+        raise SealError(f"no letter's seal: {fault}", letter) from fault

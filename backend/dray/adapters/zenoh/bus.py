@@ -38,7 +38,7 @@ from dray.adapters.zenoh.tokens import NO_LIFE, Tokens
 from dray.codec import decode_with_context, encode
 from dray.errors import NewerVersion, ProtocolViolation, SealError, SettingsError, WireError
 from dray.messages.keys import Keys
-from dray.messages.speakers import kind_in, objection
+from dray.messages.speakers import SHUT_OUT, kind_in, objection
 from dray.supervision import Failures
 
 if TYPE_CHECKING:
@@ -60,6 +60,10 @@ UNREADABLE = "no message of ours"
 NEWER = "a newer wire version"
 UNSEALED = "not signed by its sender"
 FAILED = "a fault of ours"
+
+
+class _ShutOutError(Exception):
+    """A message came in from an agent that nobody hears any more."""
 
 
 class Heard(NamedTuple):
@@ -342,6 +346,8 @@ class ZenohBus:
             )
         except ShareSpentError:
             reason = TALKATIVE
+        except _ShutOutError:
+            reason = SHUT_OUT
         except NewerVersion:
             reason = NEWER
         except SealError:
@@ -359,10 +365,12 @@ class ZenohBus:
     def _open(
         self, key: str, stamp: Stamp, data: bytes, shut_out: frozenset[str], shares: Shares
     ) -> tuple[Kind | None, str, Message, str]:
-        """What its sender is, who has really said it, the message, and its context; of whoever is not heard without a look at who it was.
+        """What its sender is, who has really said it, the message, and its context.
 
         Raises:
             ShareSpentError: its sender has said all that it may.
+            _ShutOutError: its sender is shut out. Nobody hears it, whoever has said it: however much that is, it costs neither a signature
+                nor an encryption.
             WireError: it cannot be read, or somebody else has said it, or nobody.
         """
         reader = self.keys.addressee(key)
@@ -370,17 +378,19 @@ class ZenohBus:
             return None, *decode_with_context(data)
         if not reader:
             sender, message, context = decode_with_context(data)
-            shares.check(sender, key, stamp)
             if sender in shut_out:
-                # Nobody hears it, whoever has said it: however much that is, it costs no signature.
-                return None, sender, message, context
+                raise _ShutOutError
+            shares.check(sender, key, stamp)
             kind = self.seals.examine(stamp.seal, sender, key, stamp.life, stamp.number, data)
             return kind, sender, message, context
+        writer = self.letters.named(stamp.seal, data)
+        if writer in shut_out:
+            raise _ShutOutError
+        shares.check(writer, key, stamp)
         writer, kind, words = self.letters.read(stamp.seal, Place(reader, stamp.life, stamp.number), data)
         sender, message, context = decode_with_context(words)
         if sender != writer:
             raise SealError(f"{writer} has written it", data)
-        shares.check(sender, key, stamp)
         return kind, sender, message, context
 
     def _meet(self, sample: zenoh.Sample) -> None:

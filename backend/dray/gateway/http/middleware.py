@@ -6,6 +6,8 @@ do with our answers.
 
 from __future__ import annotations
 
+import json
+import re
 from collections.abc import Callable
 from contextlib import suppress
 from http import HTTPStatus
@@ -40,6 +42,11 @@ HEADERS = {
     "Cross-Origin-Resource-Policy": "same-origin",
     "Permissions-Policy": "camera=(), geolocation=(), microphone=()",
 }
+
+_HALF = re.compile(
+    r"\\u[dD][89abAB][0-9a-fA-F]{2}\\u[dD][c-fC-F][0-9a-fA-F]{2}|(\\u[dD][89a-fA-F][0-9a-fA-F]{2}|[\ud800-\udfff])|\\."
+)
+"""Of JSON: a character in two halves, or one half of one (in the group), or anything else that stands behind a backslash."""
 
 _RAW_HEADERS = [(name.lower().encode(), value.encode()) for name, value in HEADERS.items()]
 
@@ -110,6 +117,70 @@ def _too_large(limit_bytes: int) -> ASGIApp:
         await problem.response(scope["path"])(scope, receive, send)
 
     return refuse
+
+
+class WholeCharacters:
+    """Lets no half of a character in with a body of JSON, which can hold one.
+
+    It can be written nowhere, not even in the answer that refuses it. A NUL stands for it: no field of ours takes one in a name, and it can be written.
+
+    Args:
+        app: what it stands before; it is given the whole body at once.
+        takes_files: whether a request came to a route whose body may be a file: those read their bodies beside the gateway.
+    """
+
+    def __init__(self, app: ASGIApp, takes_files: Callable[[Scope], bool]) -> None:
+        self._app, self._takes_files = app, takes_files
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] != "http" or self._takes_files(scope):
+            await self._app(scope, receive, send)
+            return
+        parts, is_whole = list[bytes](), False
+
+        async def whole() -> Message:
+            nonlocal is_whole
+            while not is_whole:
+                message = await receive()
+                if message["type"] != "http.request":
+                    return message
+                parts.append(message.get("body", b""))
+                is_whole = not message.get("more_body", False)
+                if is_whole:
+                    return {**message, "body": whole_characters(b"".join(parts))}
+            return await receive()
+
+        await self._app(scope, whole, send)
+
+
+def whole_characters(body: bytes) -> bytes:
+    """JSON as it is, but for halves of characters."""
+    if body.isascii() and b"\\u" not in body:
+        return body
+    try:
+        text = body.decode(json.detect_encoding(body), "surrogatepass")
+    except UnicodeDecodeError:
+        return body  # It is refused as what it is.
+    return _HALF.sub(_whole, text).encode("utf-8", "replace")
+
+
+def _whole(found: re.Match[str]) -> str:
+    return found[0] if found[1] is None else r"\u0000"
+
+
+class Readable:
+    """Makes an address one that a database can be asked for.
+
+    A NUL, which PostgreSQL has in no text, becomes U+FFFD, as bytes do that are no UTF-8: nothing is there under it, and nothing fails at it.
+    """
+
+    def __init__(self, app: ASGIApp) -> None:
+        self._app = app
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if "\0" in scope.get("path", ""):
+            scope = {**scope, "path": scope["path"].replace("\0", "\ufffd")}
+        await self._app(scope, receive, send)
 
 
 class SameOrigin:

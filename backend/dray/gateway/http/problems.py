@@ -6,6 +6,7 @@ problem, so that a program can tell them apart without reading.
 
 from __future__ import annotations
 
+import json
 import logging
 from collections.abc import Iterable, Mapping, Sequence
 from http import HTTPStatus
@@ -21,6 +22,7 @@ from starlette.types import Scope
 
 from dray.errors import DrayError, UnavailableError
 from dray.gateway.http.fault_codes import code_of, text_of, words_of
+from dray.messages.base import encodable
 
 MEDIA_TYPE = "application/problem+json"
 
@@ -111,9 +113,12 @@ class Problem(DrayError):
             instance=path,
             errors=self.errors,
         )
-        return Response(
-            msgspec.json.encode(details), self.status, headers=self.headers, media_type=MEDIA_TYPE
-        )
+        try:
+            body = msgspec.json.encode(details)
+        except UnicodeEncodeError:
+            # What a file held that was refused, half a character say, is told in its faults.
+            body = encodable(json.dumps(msgspec.to_builtins(details), ensure_ascii=False)).encode()
+        return Response(body, self.status, headers=self.headers, media_type=MEDIA_TYPE)
 
 
 def unusable(*errors: FieldError) -> Problem:

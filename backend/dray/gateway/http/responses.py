@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import asyncio
 from base64 import urlsafe_b64decode, urlsafe_b64encode
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 from datetime import UTC, datetime
 from typing import Annotated, Any, TypeVar
 
 import msgspec
 from fastapi import Query, Response
+from fastapi.responses import StreamingResponse
 
 from dray.gateway.http.problems import FieldError, unusable
 
@@ -25,6 +27,9 @@ CURSOR_MOST = 2_048
 Cursor = Annotated[
     str | None, Query(max_length=CURSOR_MOST, description="`next_cursor` of the page before; opaque")
 ]
+
+AT_ONCE = 50
+"""Items that are encoded in one step of the event loop: some milliseconds, with all the bids that a task may have."""
 
 PAGE = 100
 """Items per page when nobody asks for another number."""
@@ -48,6 +53,22 @@ def iso(wall_s: float) -> str:
 def listing(items: Sequence[object], next_cursor: str | None) -> Json:
     """One page of a list."""
     return Json({"items": items, "next_cursor": next_cursor})
+
+
+def listing_in_turns(items: Sequence[object], next_cursor: str | None) -> Response:
+    """The same, of what may have much in it, as tasks have bids: a long page is written piece by piece, with others' turns between, and has no `ETag`."""
+    if len(items) <= PAGE:
+        return listing(items, next_cursor)
+
+    async def pieces() -> AsyncIterator[bytes]:
+        yield b'{"items":['
+        for at in range(0, len(items), AT_ONCE):
+            encoded = b",".join(map(msgspec.json.encode, items[at : at + AT_ONCE]))
+            yield b"," + encoded if at else encoded
+            await asyncio.sleep(0)
+        yield b'],"next_cursor":' + msgspec.json.encode(next_cursor) + b"}"
+
+    return StreamingResponse(pieces(), media_type=Json.media_type)
 
 
 def counted(items: Sequence[object], next_cursor: str | None, total: int | None) -> Json:
@@ -97,10 +118,21 @@ def page(items: Sequence[T], name: Callable[[T], str], cursor: str | None, limit
     Raises:
         Problem: the cursor is not one of ours.
     """
+    return listing(*part(items, name, cursor, limit))
+
+
+def part(
+    items: Sequence[T], name: Callable[[T], str], cursor: str | None, limit: int
+) -> tuple[Sequence[T], str | None]:
+    """What is on one page of a list that is in memory, and the cursor of the next one: see `page`.
+
+    Raises:
+        Problem: the cursor is not one of ours.
+    """
     after = read_cursor(cursor, tuple[str])
     rest = [item for item in items if after is None or name(item) > after[0]]
     last = rest[limit - 1] if len(rest) > limit else None
-    return listing(rest[:limit], None if last is None else write_cursor(name(last)))
+    return rest[:limit], None if last is None else write_cursor(name(last))
 
 
 def described(shape: type[object], description: str, example: object | None = None) -> dict[str, Any]:

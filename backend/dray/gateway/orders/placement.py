@@ -133,7 +133,13 @@ class OrderPlacement:
         Raises:
             Problem: as `place`.
         """
-        return self._prepared([draft], lambda _orders: b"", caller).orders[0]
+        self._coming[caller] += 1
+        try:
+            return self._prepared([draft], lambda _orders: b"", caller).orders[0]
+        finally:
+            self._coming[caller] -= 1
+            if not self._coming[caller]:
+                del self._coming[caller]
 
     async def keep(self, work: Work, order: Order, key: str) -> None:
         """Take an order in a transaction, under a key that nobody else has; `publish` is for after it."""

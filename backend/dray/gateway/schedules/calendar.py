@@ -66,6 +66,16 @@ class Calendar:
         """The first moment after another one, in seconds since 1970; None when there is none any more."""
         return next(self._moments(wall_s), None)
 
+    def has(self, wall_s: float) -> bool:
+        """Whether this is one of its moments."""
+        found = next(CronSim(self._expression, self.local(wall_s - 1.0)), None)
+        return (
+            found is not None
+            and found.timestamp() == wall_s
+            and found.date() not in self._holidays
+            and wall_s not in self._skipped
+        )
+
     def preview(self, wall_s: float, count: int) -> list[float]:
         """The first moments after another one."""
         return list(islice(self._moments(wall_s), count))

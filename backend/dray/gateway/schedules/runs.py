@@ -73,9 +73,9 @@ class Runs:
         """
         if row.order_draft:
             draft = RecurringOrder.model_validate_json(row.order_draft).draft(begin_s)
-            return _OrderRun(self._orders, self._orders.order(draft, principal(row).key))
-        transport = TransportDraft.model_validate_json(row.transport)
-        return _TransportRun(self._transports, self._transports.row(transport, principal(row)))
+            return _OrderRun(self._orders, self._orders.order(draft, _whose(row)))
+        transport = self._transports.row(TransportDraft.model_validate_json(row.transport), principal(row))
+        return _TransportRun(self._transports, msgspec.structs.replace(transport, caller=_whose(row)))
 
     def check(self, row: ScheduleRow, now_s: float) -> None:
         """Refuse what could not be done now.
@@ -98,6 +98,11 @@ def principal(row: ScheduleRow) -> Principal:
     """Who asks for what a schedule asks for."""
     scope = Scope.ORDERS_WRITE if row.order_draft else Scope.TRANSPORTS_CALL
     return Principal(kind="schedule", id=row.id, name=row.name, scopes=frozenset({scope}))
+
+
+def _whose(row: ScheduleRow) -> str:
+    """Whose share what it asks for takes: that of whoever has begun it, however many schedules that one has."""
+    return row.owner or principal(row).key
 
 
 class _TransportRun:

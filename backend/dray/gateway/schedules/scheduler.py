@@ -246,7 +246,7 @@ class Scheduler:
         calendar = calendar_of(msgspec.structs.replace(row, skipped="[]"))
         skipped = []
         for index, moment_s in enumerate(known if wanted is None else wanted):
-            if moment_s > now_s and calendar.after(moment_s - 1.0) == moment_s:
+            if moment_s > now_s and calendar.has(moment_s):
                 skipped.append(moment_s)
             elif wanted is not None and moment_s not in known:
                 next_s = calendar.after(now_s)

@@ -101,6 +101,7 @@ async def running(
     demand: bool = False,
     traffic: bool | None = None,
     traffic_log: Path | None = None,
+    stop_port: int | None = None,
 ) -> AsyncIterator[Fleet]:
     """A fleet; it has ended when the context has.
 
@@ -114,6 +115,7 @@ async def running(
         demand: whether it places orders itself.
         traffic: whether vehicles drive with right of way; None: as `dray fleet up` does.
         traffic_log: where agents write down what they say of right of way; None for nowhere.
+        stop_port: where its gateway takes stops; None for the port behind its own, or any other.
 
     Raises:
         UnavailableError: it does not start.
@@ -128,6 +130,8 @@ async def running(
         options.append("--traffic" if traffic else "--no-traffic")
     if traffic_log is not None:
         own[f"{PREFIX}TRAFFIC_LOG"] = str(traffic_log)
+    if stop_port is not None:
+        own[f"{PREFIX}STOP_PORT"] = str(stop_port)
     # Our own settings may name a database that is in service: no order of ours belongs there.
     others = {name: value for name, value in os.environ.items() if not name.startswith(PREFIX)}
     process = await asyncio.create_subprocess_exec(

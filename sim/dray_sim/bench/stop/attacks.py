@@ -17,6 +17,8 @@ from multiprocessing.sharedctypes import Synchronized
 from typing import TypeVar
 
 from dray.gateway.http.csv_rows import MAX_ROWS
+from dray.gateway.orders.drafts import MAX_ITEMS
+from dray.gateway.schedules.drafts import RUNS_MAX
 from dray.plant import default_plant
 
 T = TypeVar("T")
@@ -58,13 +60,13 @@ class Target:
         port: the gateway's.
         stop_port: that of the stop path.
         token: the administrator's.
-        cookie: of a manager's session.
+        folder: of a fleet, whose bus can be attacked; empty for a plant in one process.
     """
 
     port: int
     stop_port: int
     token: str
-    cookie: str
+    folder: str = ""
 
     def head(self, method: str, path: str, length: int, kind: str = "application/json") -> bytes:
         """The head of a request by the administrator."""
@@ -75,9 +77,15 @@ class Target:
 
 
 _tries: Synchronized[int] | None = None
-"""How many connections this process has opened."""
+"""How many connections this process has opened, or how often it has spoken."""
 
 Attack = Callable[[Target], Awaitable[None]]
+
+
+def count(tries: int = 1) -> None:
+    """Note that the attack has tried so often more."""
+    if _tries is not None:
+        _tries.value += tries
 
 
 async def half_open(target: Target) -> None:
@@ -142,11 +150,7 @@ async def big_bodies(target: Target) -> None:
 
 async def large_drafts(target: Target) -> None:
     """Drafts of plants as large as a file may be: kept, judged, made plant files and played, by several callers."""
-    draft = json.loads(await _ask(target, "POST", "/api/plant-drafts", b'{"name": "attacked"}'))["id"]
-    nodes = f"[{','.join(['[]'] * 300_000)}]"
-    changed = f'{{"name": "x", "data": {{"nodes": {nodes}}}}}'.encode()
-    path = f"/api/plant-drafts/{draft}"
-    await _ask(target, "PUT", path, changed, more='If-Match: "1"\r\n')
+    path, changed, nodes = await _large_draft(target)
     asked = [
         ("GET", f"{path}/file", b""),
         ("GET", path, b""),
@@ -155,6 +159,24 @@ async def large_drafts(target: Target) -> None:
         ("POST", "/api/plant-drafts", json.dumps({"name": "x", "file": f"nodes: {nodes}"}).encode()),
     ]
     await _by_callers(target, asked)
+
+
+async def readers_questions(target: Target) -> None:
+    """What several keys may ask that only read: the largest draft as a file, tables, the past, rare days, changes to be waited for."""
+    path, _, _ = await _large_draft(target)
+    rare = {"calendar": "0 0 29 2 MON", "time_zone": "Europe/Berlin", "count": RUNS_MAX}
+    asked = [
+        ("GET", f"{path}/file", b""),
+        ("POST", "/api/schedules/preview", json.dumps(rare).encode()),
+        ("GET", "/api/tasks/history?format=csv", b""),
+        ("GET", "/api/tasks?format=csv", b""),
+        ("GET", "/api/tasks/unknown", b""),
+        ("GET", "/api/changes?since=0&wait=30", b""),
+        ("GET", "/api/spells", b""),
+        ("GET", "/api/replay/film", b""),
+        ("GET", path, b""),
+    ]
+    await _by_callers(target, asked, ("factory:read", "orders:read"))
 
 
 async def longest_files(target: Target) -> None:
@@ -198,9 +220,14 @@ async def login_flood(target: Target) -> None:
 
 
 async def tracking_flood(target: Target) -> None:
-    """Customers' pages, with links that nobody has given them."""
-    paths = [("GET", path + "x" * 32, b"") for path in ("/api/track/", "/track/")]
-    await _each(2 * WORKERS, lambda _: _ask_all(target, paths))
+    """Customers' pages: one of a large order, and links that nobody has given them."""
+    products = list(default_plant().products)
+    items = [{"product": products[at % len(products)], "quantity": 1} for at in range(MAX_ITEMS)]
+    order = json.dumps({"customer": "a customer", "items": items}).encode()
+    placed = json.loads(await _ask(target, "POST", "/api/orders", order))
+    page = placed["tracking_url"].partition("/track/")[2]
+    paths = [("GET", path + token, b"") for token in ("x" * 32, page) for path in ("/api/track/", "/track/")]
+    await _each(2 * WORKERS, lambda worker: _ask_all(target, _turned(paths, worker)))
 
 
 async def lists_flood(target: Target) -> None:
@@ -222,7 +249,7 @@ async def lists_flood(target: Target) -> None:
 async def strange_stops(target: Target) -> None:
     """Stops of strangers, on the stop path itself."""
     body = b'{"kind": "stop"}'
-    stranger = Target(target.stop_port, target.stop_port, "dray_guess", "")
+    stranger = Target(target.stop_port, target.stop_port, "dray_guess")
     await _each(WORKERS, lambda _: _ask_all(stranger, [("POST", "/api/atvs/ATV1/commands", body)]))
 
 
@@ -244,6 +271,7 @@ ATTACKS: dict[str, Attack] = {
     "hostile CSV files": hostile_files,
     "drafts of a megabyte by four callers": large_drafts,
     "the longest files by four callers": longest_files,
+    "four keys that only read": readers_questions,
     "big JSON bodies to every route": big_bodies,
     "a flood of streams": stream_flood,
     "a flood of logins": login_flood,
@@ -260,7 +288,7 @@ def under_attack(attack: Attack, target: Target) -> Iterator[Callable[[], int]]:
     """Attack as long as the context lasts, and not for longer than `LONGEST_S`.
 
     Returns:
-        Tells how many connections the attackers have opened, once they have begun.
+        Tells how often the attackers have tried, once they have begun.
     """
     spawned = multiprocessing.get_context("spawn")
     tries = spawned.Value("Q", 0)
@@ -293,8 +321,8 @@ async def _connect(
 ) -> tuple[asyncio.StreamReader, asyncio.StreamWriter]:
     """Open a connection; one that only prepares an attack is not counted, so that nobody takes it for begun."""
     connected = await asyncio.open_connection(HOST, port, limit=limit)
-    if _tries is not None and counted:
-        _tries.value += 1
+    if counted:
+        count()
     return connected
 
 
@@ -336,11 +364,25 @@ async def _drip(port: int, begun: bytes, drop: bytes) -> None:
         writer.close()
 
 
-async def _by_callers(target: Target, asked: list[tuple[str, str, bytes]]) -> None:
+async def _large_draft(target: Target) -> tuple[str, bytes, str]:
+    """Make a draft as large as a file may be; its path, the body that made it so, and its places."""
+    draft = json.loads(await _ask(target, "POST", "/api/plant-drafts", b'{"name": "attacked"}'))["id"]
+    nodes = f"[{','.join(['[]'] * 300_000)}]"
+    changed = f'{{"name": "x", "data": {{"nodes": {nodes}}}}}'.encode()
+    path = f"/api/plant-drafts/{draft}"
+    await _ask(target, "PUT", path, changed)
+    return path, changed, nodes
+
+
+async def _by_callers(
+    target: Target,
+    asked: list[tuple[str, str, bytes]],
+    scopes: Sequence[str] = ("orders:write", "factory:read", "floor:write"),
+) -> None:
     """Ask these on `WORKERS` connections, by keys of `CALLERS` systems."""
     callers = []
     for number in range(CALLERS):
-        wish = {"name": f"caller {number}", "scopes": ["orders:write", "factory:read", "floor:write"]}
+        wish = {"name": f"{scopes[0]} {number}", "scopes": list(scopes)}
         made = json.loads(await _ask(target, "POST", "/api/keys", json.dumps(wish).encode()))
         callers.append(replace(target, token=made["token"]))
     await _each(WORKERS, lambda worker: _ask_all(callers[worker % CALLERS], _turned(asked, worker)))
@@ -360,14 +402,13 @@ async def _ask(
     path: str,
     body: bytes,
     kind: str = "application/json",
-    more: str = "",
     counted: bool = False,
 ) -> bytes:
-    """The body of an answer, asked for on a connection of its own with some more headers."""
+    """The body of an answer, asked for on a connection of its own. What is changed is changed whatever version it has."""
     reader, writer = await _connect(target.port, counted=counted)
     try:
         head = target.head(method, path, len(body), kind)
-        writer.write(head.replace(b"\r\n\r\n", f"\r\n{more}Connection: close\r\n\r\n".encode()) + body)
+        writer.write(head.replace(b"\r\n\r\n", b"\r\nIf-Match: *\r\nConnection: close\r\n\r\n") + body)
         return (await reader.read()).partition(b"\r\n\r\n")[2]
     finally:
         writer.close()

@@ -10,18 +10,22 @@ import sqlite3
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
-from contextlib import ExitStack, closing, contextmanager, suppress
+from collections.abc import AsyncIterator, Iterator
+from contextlib import ExitStack, asynccontextmanager, closing, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from urllib.parse import urlsplit
 
 from dray.cli.fleet.addresses import free_addresses
 from dray.errors import UnavailableError
 from dray.gateway.access.gate import COOKIE
 from dray.plant import default_plant
+from dray_sim.bench.losses.fleet import running
+from dray_sim.bench.losses.watch import gathered
 from dray_sim.bench.postgres import PostgresServer, installed
 from dray_sim.bench.stop.attacks import HOST, Target
+from dray_sim.plants.generator import generate_plant
 
 START_S, END_S = 90.0, 20.0
 """Longest waits for the process: ten times what a busy machine takes."""
@@ -29,21 +33,27 @@ START_S, END_S = 90.0, 20.0
 AGAIN_S = 0.2
 """From one look whether it answers to the next."""
 
+JOIN_S = 240.0
+"""Until all processes of a fleet are on the bus, on a computer that is busy elsewhere."""
+
+SMALL = generate_plant(1, machines=2, vehicles=2)
+"""Of a fleet: a dozen processes share the computer's cores with the attackers."""
+
 
 @dataclass(frozen=True, slots=True)
 class Tablet:
-    """A browser that has a session.
+    """Somebody who may stop vehicles.
 
     Attributes:
-        cookie: of the session.
+        known_by: the header that says who it is.
     """
 
-    cookie: str
+    known_by: tuple[str, str]
 
     def stop(self, port: int, atv: str, patience_s: float) -> bool:
         """Send a Stop on a connection of its own; whether the vehicle has answered."""
         connection = http.client.HTTPConnection(HOST, port, timeout=patience_s)
-        headers = {"Content-Type": "application/json", "Cookie": f"{COOKIE}={self.cookie}"}
+        headers = dict([("Content-Type", "application/json"), self.known_by])
         with closing(connection), suppress(OSError, http.client.HTTPException, ValueError):
             connection.request("POST", f"/api/atvs/{atv}/commands", b'{"kind": "stop"}', headers)
             answer = connection.getresponse()
@@ -57,7 +67,7 @@ class House:
 
     Attributes:
         target: where it is attacked.
-        tablet: whose Stops are measured.
+        tablet: whose stops are measured.
         vehicles: which ones there are.
         database: what it is kept in.
     """
@@ -114,8 +124,26 @@ def open_house() -> Iterator[House]:
         )
         stack.callback(_end, process)
         link = _link_in(process, folder / "log")
-        target = Target(port, stop_port, "bench", log_in(port, link))
-        yield House(target, Tablet(target.cookie), tuple(default_plant().fleet), database)
+        tablet = Tablet(("Cookie", f"{COOKIE}={log_in(port, link)}"))
+        yield House(Target(port, stop_port, "bench"), tablet, tuple(default_plant().fleet), database)
+
+
+@asynccontextmanager
+async def open_fleet() -> AsyncIterator[House]:
+    """Start a small plant of processes with certificates, whose bus can be attacked; a system with the administrator's token stops.
+
+    Raises:
+        UnavailableError: it does not start.
+    """
+    stop_port = int(free_addresses(1)[0].rpartition(":")[2])
+    with TemporaryDirectory() as name:
+        folder = Path(name)
+        async with running(folder, SMALL, speed=1.0, plain=False, demand=True, stop_port=stop_port) as fleet:
+            with fleet.bus() as bus:
+                await gathered(fleet, bus, JOIN_S)
+            target = Target(urlsplit(fleet.url).port or 0, stop_port, fleet.token, name)
+            tablet = Tablet(("Authorization", f"Bearer {fleet.token}"))
+            yield House(target, tablet, tuple(SMALL.fleet), folder / "dray.db")
 
 
 def _link_in(process: subprocess.Popen[bytes], log: Path) -> str:

@@ -263,9 +263,10 @@ async def put_plan(
 ) -> Json:
     """Lay a floor plan under a draft: PNG, SVG or DXF, which becomes SVG. Where it lies is in the draft's `plan`."""
     request = await side_work.do(caller.key, floor_plan, body)
-    note.target, note.detail["media_type"] = draft, request.media_type
+    note.target = draft
     if request.media_type not in PLANS:
         raise unusable(FieldError("media_type", f"is none of {', '.join(PLANS)}"))
+    note.detail["media_type"] = request.media_type
     try:
         content = base64.b64decode(request.base64, validate=True)
     except (binascii.Error, ValueError):

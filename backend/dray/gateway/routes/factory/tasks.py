@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import asyncio
+from collections.abc import AsyncIterator
 from typing import Annotated, Literal
 
 from fastapi import APIRouter, Query, Response
@@ -16,13 +18,14 @@ from dray.gateway.http.responses import (
     Limit,
     described,
     list_of,
-    listing,
+    listing_in_turns,
     problems,
     read_cursor,
     write_cursor,
 )
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.views import TaskView
+from dray.gateway.live.visibility import Visibility
 from dray.gateway.routes.parameters import Visible
 
 router = APIRouter(tags=["factory"])
@@ -33,6 +36,9 @@ COLUMNS = (
     *("opened_at_s", "contracted_at_s", "promised_at_s", "deadline_at_s", "closed_at_s"),
     *("goal", "order", "trouble"),
 )
+
+AT_ONCE = 500
+"""Tasks that are looked at in one step of the event loop: some milliseconds."""
 
 State = Literal["bidding", "contracted", "delivered", "withdrawn"]
 
@@ -52,7 +58,7 @@ async def list_tasks(
 ) -> Response:
     """Open tasks and the last fifty that ended; the whole history is in `/api/events`."""
     after = read_cursor(cursor, tuple[float, str])
-    tasks = [view for each in projection.tasks.views() if (view := visible.task(each))]
+    tasks = [view async for view in _seen(projection, visible)]
     tasks.sort(key=_place, reverse=True)
     if format == "csv":
         rows = (row_of(COLUMNS, task) for task in tasks if not state or task.state in state)
@@ -63,7 +69,7 @@ async def list_tasks(
         if (not state or task.state in state) and (after is None or _place(task) < after)
     ]
     last = wanted[limit - 1] if len(wanted) > limit else None
-    return listing(wanted[:limit], None if last is None else write_cursor(*_place(last)))
+    return listing_in_turns(wanted[:limit], None if last is None else write_cursor(*_place(last)))
 
 
 @router.get(
@@ -75,11 +81,25 @@ async def get_task(projection: Provided[Projection], visible: Visible, task: str
     """One task, open or lately ended."""
     whole = projection.tasks.view(task)
     # Whoever may not read orders knows goals by other names, and asks by these.
-    views = projection.tasks.views() if whole is None else (whole,)
-    view = next((seen for each in views if (seen := visible.task(each)) and seen.id == task), None)
-    if view is None:
-        raise not_found("task", task, "GET /api/tasks")
-    return Json(view)
+    if whole is not None:
+        view = visible.task(whole)
+        if view is not None and view.id == task:
+            return Json(view)
+    else:
+        async for view in _seen(projection, visible):
+            if view.id == task:
+                return Json(view)
+    raise not_found("task", task, "GET /api/tasks")
+
+
+async def _seen(projection: Projection, visible: Visibility) -> AsyncIterator[TaskView]:
+    """All tasks as the caller sees them, with others' turns between: there may be thousands."""
+    for number, task in enumerate(projection.tasks.ids(), 1):
+        whole = projection.tasks.view(task)
+        if whole is not None and (view := visible.task(whole)) is not None:
+            yield view
+        if number % AT_ONCE == 0:
+            await asyncio.sleep(0)
 
 
 def _place(task: TaskView) -> tuple[float, str]:

@@ -47,6 +47,9 @@ ONLY = frozenset({Scope.TRANSPORTS_CALL})
 FIELDS = 8
 """In a form of this page, which has four."""
 
+DIGITS = 9
+"""Of a quantity: more than may be called for. Python refuses to make a number of some thousands of them."""
+
 Item = Annotated[str, Query(max_length=32, pattern=r"^[^\x00]*$")]
 
 
@@ -124,7 +127,7 @@ async def call(
     item, quantity = form.get("item", ""), form.get("quantity", "")
     end = "from" if form.get("way") == "take" else "to"
     try:
-        wanted = {"item": item, "quantity": int(quantity) if quantity.isdecimal() else 0, end: caller.station}
+        wanted = {"item": item, "quantity": _pieces(quantity), end: caller.station}
         draft = TransportDraft.model_validate(wanted)
         note.detail |= draft.model_dump(mode="json", exclude_none=True, by_alias=True)
         kept, _ = await transports.call(
@@ -164,6 +167,11 @@ async def call_off(
     if found is None:
         note.result = "refused"
     return _back(token)
+
+
+def _pieces(written: str) -> int:
+    """How many somebody has written; 0, which nobody may call for, where it is no number or more than anybody writes."""
+    return int(written) if written.isdecimal() and len(written) <= DIGITS else 0
 
 
 async def _caller(access: Access, request: Request, token: str) -> Principal | None:

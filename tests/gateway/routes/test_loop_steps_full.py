@@ -1,0 +1,147 @@
+"""What is only asked for costs the event loop no long step either, however much the plant has to tell, its history has, and its calendars hold."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import AsyncIterator, Iterator
+from datetime import UTC, datetime, timedelta
+
+import pytest
+from databases import Files
+from gateway_kit import BEARER, House, gateway
+from heartbeats import events
+from loop_monitor import Asked, ask, loop_monitor
+from msgspec.structs import replace
+from wall_clock import NOW_S
+
+from dray.gateway.access.principal import Scope
+from dray.gateway.access.rules import RULES
+from dray.gateway.live.projection.auctions.bids import MAX_BIDS
+from dray.gateway.live.projection.auctions.tasks import MAX_OPEN, MAX_OPEN_EACH
+from dray.gateway.routes.history.tasks import EVENTS_MOST
+from dray.gateway.schedules.drafts import HOLIDAYS_MAX
+from dray.gateway.schedules.scheduler import SCHEDULES_MAX
+from dray.messages import Phase, Role, Transport, TransportCost
+from dray.messages.fact import AnyFact, BidReceived, PhaseEntered, TaskOpened
+from dray.store.orders.schedules import ScheduleRow
+
+pytestmark = pytest.mark.anyio
+
+STEP_MS = 20.0
+"""Processor time that a step may take (`test_loop_steps`)."""
+
+TRIES = 4
+
+TASK = "M8.1-1"
+"""One that has more events than are read of it."""
+
+ELSEWHERE = ("/api/stream", "/api/replay", "/api/replay/film")
+"""What is told of everything: looked at in `test_loop_steps`, with a recorder that has been told all."""
+
+LIVE = [
+    template
+    for method, template in RULES
+    if method == "GET" and "{" not in template and template.startswith("/api/") and template not in ELSEWHERE
+]
+"""Lists and figures, as they are without a word of what is wanted."""
+
+HISTORY_ROWS = 1_000
+"""Tasks that have ended: as many as are read at once for a table."""
+
+
+async def longest_ms(house: House, method: str, path: str, query: str, headers: dict[str, str]) -> float:
+    least_ms = float("inf")
+    for _ in range(TRIES):
+        asked = Asked(method, path, b"", tuple((BEARER | headers).items()), query)
+        with loop_monitor() as monitor:
+            status, _ = await ask(house.app, asked, path)
+        assert status in (200, 403, 404, 409), (
+            status
+        )  # what this caller may not see, or a real plant has not, is refused
+        least_ms = min(least_ms, 1e3 * monitor.longest_s[path])
+        if least_ms < STEP_MS / 2:
+            break
+    return least_ms
+
+
+def work() -> Transport:
+    return Transport("shaft", 40, ("S1",), "M8", "")
+
+
+def tasks_of(coordinator: str, count: int, bids: int) -> Iterator[AnyFact]:
+    """A coordinator opens so many tasks, and gets so many bids for each."""
+    cost = TransportCost(1.0, 2.0, 3.0, 4.0)
+    for task in (f"{coordinator}-{each}" for each in range(count)):
+        yield TaskOpened(task, 1, Role.PRIMARY, 1, work(), 10.0, 1000.0, 200.0)
+        bid = BidReceived(task, 1, Role.PRIMARY, 1, "ATV1", cost, 10.0, 100.0)
+        yield from (replace(bid, bidder=f"ATV{each}") for each in range(bids))
+
+
+def schedules() -> Iterator[ScheduleRow]:
+    """As many as may be, by calendars that fall on days off as often as they may."""
+    first = datetime.fromtimestamp(NOW_S, UTC).date() - timedelta(days=1)
+    # Every other day, so that no two can be passed over at once.
+    days = json.dumps([(first + timedelta(days=2 * each)).isoformat() for each in range(HOLIDAYS_MAX)])
+    minutes = ",".join(map(str, range(30)))
+    for number in range(SCHEDULES_MAX):
+        yield ScheduleRow(
+            id=f"S-{number:012d}",
+            name=f"{number}",
+            calendar=f"{minutes} 6 1-31/2 * *",
+            time_zone="Europe/Berlin",
+            holidays=days,
+            make_up=False,
+            paused=False,
+            revision=1,
+            transport='{"from":"S3","to":"M8","item":"shaft","quantity":40}',
+            next_at_s=NOW_S,
+            owner="admin admin",
+            by="Manager",
+            at_s=NOW_S,
+        )
+
+
+@pytest.fixture(scope="module")
+async def fullest(files: Files, tmp_path_factory: pytest.TempPathFactory) -> AsyncIterator[House]:
+    """A gateway with as many open tasks as it keeps, a long history, and as many schedules as may be."""
+    async with gateway(files.new(tmp_path_factory.mktemp("fullest"))) as house:
+        for coordinator in range(MAX_OPEN // MAX_OPEN_EACH):
+            for event in events(f"M{coordinator}", *tasks_of(f"M{coordinator}", MAX_OPEN_EACH, MAX_BIDS)):
+                house.projection.fold(event)
+        assert len(house.projection.tasks.ids()) == MAX_OPEN
+        told = [TaskOpened(TASK, 1, Role.PRIMARY, 1, work(), 20.0, 300.0, 5.0)]
+        told += [PhaseEntered(TASK, 1, Phase.APPROACHING, "S3")] * (EVENTS_MOST + 1)
+        await house.say(events("M8", *told))
+        async with house.store.write() as work_:
+            for row in schedules():
+                assert await work_.schedules.add(row)
+        yield house
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("template", LIVE)
+@pytest.mark.parametrize("scopes", [(), (Scope.FACTORY_READ,)], ids=["all of it", "without orders"])
+async def test_no_step_is_long_however_much_there_is_to_tell(
+    fullest: House, template: str, scopes: tuple[Scope, ...]
+) -> None:
+    headers = (await fullest.key(*scopes))[1] if scopes else {}
+    found = {}
+    for query in ("", "limit=500", "format=csv"):
+        if query and query.partition("=")[0] not in parameters(fullest, template):
+            continue
+        found[query] = await longest_ms(fullest, "GET", template, query, headers)
+    print(f"\nGET {template} | {found}")  # noqa: T201 - for who runs pytest with -s
+    assert max(found.values()) <= STEP_MS
+
+
+def parameters(house: House, template: str) -> set[str]:
+    operation = house.app.openapi()["paths"].get(template, {}).get("get", {})
+    return {each["name"] for each in operation.get("parameters", ())}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("path", [f"/api/tasks/{TASK}/timeline", "/api/tasks/unknown", "/api/tasks/M1-999"])
+async def test_no_step_is_long_of_one_task(fullest: House, path: str) -> None:
+    took_ms = await longest_ms(fullest, "GET", path, "", {})
+    print(f"\nGET {path} | {took_ms}")  # noqa: T201 - for who runs pytest with -s
+    assert took_ms <= STEP_MS
