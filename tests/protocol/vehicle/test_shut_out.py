@@ -94,16 +94,29 @@ def test_where_all_is_shut_out_the_contract_waits() -> None:
     assert not sent(shut_out(rig, ShutOut("ATV7", lanes, SHUT_OUT_S)), Resigned)
 
 
-def test_who_is_shut_in_itself_gives_back_what_others_can_come_to() -> None:
-    rig = parked()
-    assert isinstance(rig.agent, Atv)
-    assert sent(rig.on_message("M8", award()), Accepted)
+def shut_in(rig: VehicleRig, waited_s: float = SHUT_OUT_S) -> list[Effect]:
+    """ATV7 holds the only way out of where it stands."""
     rig.run(rig.now_s + 1.0)
     here = rig.heartbeats(AtvHeartbeat)[-1].node
-    out = tuple((lane.start, lane.end) for lane in PLANT.roads.leaving[here])
-    [resigned] = sent(shut_out(rig, ShutOut("ATV7", out, SHUT_OUT_S)), Resigned, to="M8")
+    lanes = tuple((lane.start, lane.end) for lane in PLANT.roads.leaving[here])
+    return shut_out(rig, ShutOut("ATV7", lanes, waited_s))
+
+
+def test_who_is_shut_in_itself_gives_back_what_others_can_come_to() -> None:
+    rig = contracted()
+    [resigned] = sent(shut_in(rig), Resigned, to="M8")
     assert (resigned.reason, resigned.detail) == (Reason.WAY_BLOCKED, "ATV7")
     assert not resigned.short, "its source can be reached"
+
+
+def test_who_has_just_taken_over_waits_for_the_silent_one_first() -> None:
+    assert not sent(shut_in(contracted(), 0.0), Resigned)
+
+
+def test_nobody_gives_back_what_it_alone_may_carry() -> None:
+    rig = parked()
+    assert sent(rig.on_message("M8", award(work=transport(vehicle="ATV1"))), Accepted)
+    assert not sent(shut_in(rig), Resigned)
 
 
 def test_a_contract_for_what_was_only_to_be_had_there_waits_longer() -> None:

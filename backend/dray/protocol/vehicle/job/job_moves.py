@@ -72,11 +72,10 @@ class JobMoves:
         )
 
     def is_shut_in(self) -> bool:
-        """Whether something is known to lie on every way from here to the source, and on none from the destination to there: another vehicle may come."""
-        source = self._dock(self._source)
-        return self.is_shut_out_of(self._source) and self._routes.leads_round(
-            self._dock(self._work.destination), source
-        )
+        """Whether others may fetch the load that this vehicle cannot: something is known to lie on every way from here, and on none from the destination."""
+        if self._work.vehicle or not self.is_shut_out_of(self._source):
+            return False
+        return self._routes.leads_round(self._dock(self._work.destination), self._dock(self._source))
 
     @property
     def _keepers(self) -> tuple[str, ...]:

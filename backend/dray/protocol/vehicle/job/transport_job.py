@@ -37,6 +37,7 @@ from dray.messages.fact import PhaseEntered
 from dray.plant import Plant
 from dray.protocol.runtime.events import NEVER_S, Effect, Ignore, Record
 from dray.protocol.runtime.timers import Timers
+from dray.protocol.traffic.driving.right_of_way import SHUT_OUT_S
 from dray.protocol.vehicle.drivers.driver import Driver
 from dray.protocol.vehicle.job.job_messages import JobMessages
 from dray.protocol.vehicle.job.job_moves import JobMoves
@@ -254,7 +255,7 @@ class TransportJob:
             if self._moves.can_fetch_elsewhere():
                 self._short = self.source
                 self.give_back(Reason.WAY_BLOCKED, now_s, by)
-            elif self._moves.is_shut_in():
+            elif waited_s >= SHUT_OUT_S and self._moves.is_shut_in():
                 self.give_back(Reason.WAY_BLOCKED, now_s, by)
         elif self.state is JobState.RETURNING and (refuge := self._moves.refuge()) != self._station:
             self._station = refuge
