@@ -6,7 +6,7 @@ from math import inf
 
 from dray.errors import NoWay
 from dray.memory import Contract
-from dray.messages import Reason
+from dray.messages import THING, Reason
 from dray.protocol.vehicle.job.job_moves import JobMoves
 from dray.protocol.vehicle.job.job_state import LOADED, JobState
 from dray.protocol.vehicle.job.job_status import JobStatus
@@ -70,8 +70,8 @@ class JobWays(JobStatus):
                 relief_s = self._moves.from_source_s() - max(0.0, self.due_s - now_s)
             except NoWay:
                 relief_s = inf
-        goods_aboard = loaded and bool(self.work.goal)
-        return Waiting(self.task, self.slack_s, relief_s, irreplaceable=goods_aboard or self.is_void)
+        once = loaded and (bool(self.work.goal) or self.work.item == THING)
+        return Waiting(self.task, self.slack_s, relief_s, irreplaceable=once or self.is_void)
 
     def arrived(self, now_s: float) -> None:
         """The vehicle stands where it was sent."""

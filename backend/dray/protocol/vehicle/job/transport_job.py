@@ -20,6 +20,7 @@ import msgspec
 
 from dray.memory import Contract
 from dray.messages import (
+    THING,
     Confirmed,
     DockHeld,
     DockOpened,
@@ -395,7 +396,8 @@ class TransportJob(JobWays):
             self._end(cast(Reason, self._void))
         elif self._may_be_dropping and self.state is JobState.AT_DESTINATION:
             self._hand_over(now_s)
-        elif self.work.goal:
+        elif self.work.goal or self.work.item == THING:
+            # It exists once: its coordinator decides where it is looked for.
             self._messages.resign(Reason.LOAD_GONE)
             self._end(Reason.LOAD_GONE)
         else:
