@@ -634,8 +634,9 @@ def test_a_vehicle_that_is_heard_again_goes_on_with_its_thing() -> None:
     rig.run(rig.now_s + 10.0)
     [brief] = rig.heartbeats(StationHeartbeat)[-1].tasks
     assert isinstance(brief.stranded, StrandedGoods)
-    thing_beats(rig, "ATV1", 2)
-    rig.run(rig.now_s + 2.0)
+    for seq in range(2, 8):
+        thing_beats(rig, "ATV1", seq)
+        rig.run(rig.now_s + 1.0)
     [brief] = rig.heartbeats(StationHeartbeat)[-1].tasks
     assert (brief.stranded, brief.primary, brief.epoch) == (msgspec.UNSET, "ATV1", 1)
 
