@@ -98,6 +98,7 @@ async def test_two_touches_without_a_script_call_once_and_the_page_tells_how_far
     assert "M8" in first.text
     assert "<button" not in first.text.partition("<details")[0]
     assert first.headers["Cache-Control"] == "no-store"
+    assert first.headers["Referrer-Policy"] == "same-origin"
     second = await opened(house, token, item="shaft")
     assert house.bus.sent_to("M8", TransportOrdered) == []
     for _ in range(2):  # The same form, sent again by an impatient thumb.

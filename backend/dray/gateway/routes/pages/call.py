@@ -39,7 +39,9 @@ from dray.store.orders.transports import TransportFilter
 
 router = APIRouter(include_in_schema=False)
 
-HEADERS = {"Cache-Control": "no-store", "Vary": "Accept-Language, Cookie", "Referrer-Policy": "no-referrer"}
+HEADERS = {"Cache-Control": "no-store", "Vary": "Accept-Language, Cookie", "Referrer-Policy": "same-origin"}
+"""No other site is told the address, which holds the key. With `no-referrer` browsers would not say either that a form of this page is ours
+(`Origin: null`), and it would be refused."""
 
 NOT_BUILT = "This page cannot be shown at the moment. Please try again later.\n"
 
