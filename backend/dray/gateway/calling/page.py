@@ -88,7 +88,8 @@ def choices(
     if caller.calls is not None and caller.calls.items:
         return None
     plant = projection.site.plant
-    named = {each.id: each.name for each in (*plant.stores.values(), *plant.machines.values())}
+    named = {place: spec.name for place, spec in plant.stores.items()}
+    named |= {place: spec.name for place, spec in plant.machines.items()}
     places = tuple(
         (place, place if name in ("", place) else f"{place} · {name}")
         for place, name in named.items()
