@@ -233,6 +233,21 @@ def test_it_is_called_off_until_it_is_on_board() -> None:
     assert late.asks(TransportCancelled("T-1")) == TransportAnswered("T-1", TransportState.ON_BOARD)
 
 
+def test_it_is_called_off_while_it_is_loaded_and_stays_so_when_it_is_on_board() -> None:
+    rig = started()
+    rig.asks()
+    rig.carried()
+    rig.beats_in(Phase.LOADING)
+    effects = rig.on_message("gateway", TransportCancelled("T-1"))
+    assert sent(effects, Withdrawn, to="ATV1")
+    assert sent(effects, TransportAnswered) == [TransportAnswered("T-1", TransportState.CANCELLED)]
+    for phase in (Phase.CARRYING, Phase.RETURNING):
+        rig.beats_in(phase)
+    assert rig.asks() == TransportAnswered("T-1", TransportState.CANCELLED)
+    assert not instructed(rig.on_message("ATV1", Docked(TASK, 1, "S1")), OpenDock)
+    assert rig.states[-1] is TransportState.CANCELLED
+
+
 def test_one_that_is_called_off_before_it_was_heard_of_is_not_begun() -> None:
     rig = started()
     assert rig.asks(TransportCancelled("T-1")) == TransportAnswered("T-1", TransportState.CANCELLED)
@@ -552,8 +567,8 @@ def thing_beats(
     rig.on_message(atv, msgspec.structs.replace(rhb(atv, seq, rig.now_s), task=brief))
 
 
-def with_thing_aboard() -> StorageRig:
-    """ATV1 has a thing for S1 on board, which it has fetched at M8."""
+def with_thing_aboard(phase: Phase = Phase.CARRYING) -> StorageRig:
+    """ATV1 has a thing for S1 on board, which it has fetched at M8; or loads it."""
     rig = started()
     rig.asks(PUMP)
     rig.on_message("M8", StockReserved(THING_TASK, 1, THING, 1))
@@ -561,7 +576,7 @@ def with_thing_aboard() -> StorageRig:
     rig.on_message("ATV1", msgspec.structs.replace(offered, source="M8"))
     rig.run(rig.now_s + 1.2)
     rig.on_message("ATV1", accepted(THING_TASK, number=award_number(rig.all, "ATV1", THING_TASK)))
-    thing_beats(rig, "ATV1", 1)
+    thing_beats(rig, "ATV1", 1, phase=phase)
     return rig
 
 
@@ -591,6 +606,20 @@ def test_a_thing_whose_vehicle_has_failed_is_not_looked_for_where_it_was_and_peo
     assert (call.goods, call.caller) == (THING_TASK, "S1")
     answer = sent(rig.on_message("gateway", TransportCancelled("T-9")), TransportAnswered)[-1]
     assert answer.state is TransportState.ON_BOARD
+
+
+def test_a_thing_that_is_called_off_while_it_is_loaded_is_waited_for_by_nobody_when_its_vehicle_fails() -> (
+    None
+):
+    """Nobody wants it any more: its vehicle brings it back, and whoever sees to the vehicle finds it on board."""
+    rig = with_thing_aboard(Phase.LOADING)
+    answer = sent(rig.on_message("gateway", TransportCancelled("T-9")), TransportAnswered)[-1]
+    assert answer.state is TransportState.CANCELLED
+    thing_beats(rig, "ATV1", 2)
+    rig.run(rig.now_s + 2.0 * WRITTEN_OFF_AFTER_S)
+    assert rig.heartbeats(StationHeartbeat)[-1].tasks == ()
+    assert published(rig.all, HelpCall) == []
+    assert rig.states[-1] is TransportState.CANCELLED
 
 
 @pytest.mark.parametrize("restart", [False, True], ids=["in one life", "in the next life"])
