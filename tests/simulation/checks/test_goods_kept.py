@@ -23,7 +23,7 @@ from dray.messages import (
     Transport,
     TransportCancelled,
 )
-from dray.messages.fact import TaskClosed
+from dray.messages.fact import MemoryLost, TaskClosed
 from dray.messages.heartbeat import TaskBrief
 from dray.protocol.takeover.left_aboard import WRITTEN_OFF_AFTER_S
 from dray_sim.checks.broken import InvariantBroken
@@ -74,6 +74,12 @@ def test_material_lies_elsewhere_too() -> None:
 def test_by_somebodys_word_it_may_be_given_up(word: Message) -> None:
     dead = Dead(A_THING)
     dead.hears(110.0, "gateway", word)
+    dead.given_up(20.0)
+
+
+def test_who_has_lost_its_memory_may_give_up_what_it_does_not_know() -> None:
+    dead = Dead(A_THING)
+    dead.hears(110.0, "S1", event("S1", MemoryLost(reason="damaged")))
     dead.given_up(20.0)
 
 

@@ -42,8 +42,8 @@ class GoodsKept:
 
     def __init__(self, factory: SimFactory) -> None:
         self._factory = factory
-        self._goods: dict[str, str] = {}
-        """By open task of goods or of a thing, what is carried."""
+        self._goods: dict[str, tuple[str, str]] = {}
+        """By open task of goods or of a thing, what is carried, and who coordinates it."""
         self._heard_s: dict[str, float] = {}
         """When each vehicle has spoken last."""
         self._words: dict[str, None] = {}
@@ -62,14 +62,14 @@ class GoodsKept:
             fact = message.fact
             if type(fact) is TaskOpened:
                 if isinstance(fact.work, Transport) and (fact.work.goal or fact.work.item == THING):
-                    self._goods[fact.task] = fact.work.item
+                    self._goods[fact.task] = (fact.work.item, sender)
             elif type(fact) is TaskClosed:
-                item = self._goods.pop(fact.task, "")
+                item, _ = self._goods.pop(fact.task, ("", ""))
                 if item and fact.outcome == "withdrawn":
                     self._check(fact, item, at_s)
             elif type(fact) is MemoryLost:
                 # It may have taken up tasks since of which it knows less.
-                self._goods = {task: item for task, item in self._goods.items() if not _is_of(task, sender)}
+                self._goods = {task: goods for task, goods in self._goods.items() if goods[1] != sender}
 
     def _note_word(self, about: str) -> None:
         self._words[about] = None
@@ -80,7 +80,7 @@ class GoodsKept:
         vehicle = self._factory.vehicles.get(fact.carrier)
         if vehicle is None or not vehicle.off or vehicle.sense().load != item:
             return
-        if fact.task in self._words or any(_is_of(fact.task, word) for word in self._words):
+        if fact.task in self._words or any(_is_attempt(fact.task, word) for word in self._words):
             return
         silent_s = at_s - self._heard_s.get(fact.carrier, 0.0)
         if silent_s < WRITTEN_OFF_AFTER_S:
@@ -138,6 +138,5 @@ class GoodsCalledFor:
                 raise InvariantBroken(27, at_s, seen)
 
 
-def _is_of(task: str, owner: str) -> bool:
-    """Whether a task is a machine's, or an attempt at a transport."""
-    return task.startswith((f"{owner}-", f"{owner}."))
+def _is_attempt(task: str, transport: str) -> bool:
+    return task.startswith((f"{transport}-", f"{transport}."))
