@@ -41,9 +41,9 @@ class TransportWait(StrEnum):
     SHORT = "short"
     """Where it is to be fetched there is not enough, or nobody answers."""
     NO_BID = "no_bid"
-    """All vehicles were asked, and none could take it; they have told why."""
+    """All vehicles were asked, and none could take it; they have told why. It stays so while it is offered again."""
     UNDECIDED = "undecided"
-    """It is being offered."""
+    """It is being offered for the first time."""
 
 
 class TransportRefusal(StrEnum):

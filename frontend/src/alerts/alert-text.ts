@@ -1,5 +1,6 @@
 /** An alert in words. */
 import type { AlertView } from "../api/types";
+import { THING } from "../plant/names";
 import { format, t } from "../text";
 import { vehicleName } from "../text/elsewhere";
 import { causeText } from "../text/failure";
@@ -11,7 +12,7 @@ export function whatText(alert: AlertView, nowS: number, speed: number): string 
   const { agents, call, cause, goods } = alert;
   let said = kindText(alert, nowS, speed);
   if (cause !== null) said += `: ${cause.wait !== null && agents.length > 0 ? jamText(agents, cause.wait) : causeText(cause)}`;
-  if (goods !== null) said += `; ${t("alerts.what.goods_kept", { at: format.due(alert.until_at_s ?? nowS, nowS) })}`;
+  if (goods !== null) said += `; ${t(goods.item === THING ? "alerts.what.thing_kept" : "alerts.what.goods_kept", { at: format.due(alert.until_at_s ?? nowS, nowS) })}`;
   return call === null ? said : `${said}; ${t(`alerts.call.${call}`)}`;
 }
 
@@ -67,6 +68,10 @@ function kindText(alert: AlertView, nowS: number, speed: number): string {
     case "atv_mesh":
       return meshText(alert, nowS);
     case "goods_stranded":
+      if (goods?.item === THING) {
+        const { machine: place, handed_at: node } = goods;
+        return t(node ? "alerts.what.thing_handed" : "alerts.what.thing_stranded", { place, node });
+      }
       return t(goods?.handed_at ? "alerts.what.goods_handed" : "alerts.what.goods_stranded", {
         quantity: format.count(goods?.quantity ?? 0),
         item: goods?.name ?? "",

@@ -66,6 +66,13 @@ describe("an alert says", () => {
     expect(chosenOf(alert(left), new Map())).toEqual({ kind: "task", id: "M8-7" });
   });
 
+  test("where a thing without master data was to go that is left on board", () => {
+    const goods = { item: ".thing", name: ".thing", quantity: 1, machine: "S3", order_name: "", node: "c3", handed_at: "" };
+    const left = { kind: "goods_stranded", agent: "ATV2", task: "T-9-1", goods, until_at_s: 700 } as const;
+    expect(said(left)).toMatch(/^Has a thing for S3 on board and does not go on; waited for until .*, then looked for where it was fetched$/);
+    expect(said({ ...left, goods: { ...goods, handed_at: "c4" } })).toContain("A thing for S3: another vehicle fetches it at c4");
+  });
+
   test("why nobody comes, after what is wrong", () => {
     const called = alert({ cause: cause({ detail: "spindle" }), call: "call_nobody", response: "send_somebody" });
     expect(whatText(called, 100, 1)).toBe("Stopped by a fault: spindle; nobody is on duty there");

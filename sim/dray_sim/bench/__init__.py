@@ -40,6 +40,7 @@ BENCHES: dict[str, Bench] = {
     "history": history.measure,
     "replay": replay.measure,
     "losses": losses.measure,
+    "calls": losses.measure_calls,
     "stop": stop.measure,
     "traffic": traffic.measure,
     "vda5050": vda5050.measure,
@@ -52,12 +53,13 @@ DRIVEN: dict[str, Callable[..., list[Row]]] = {
     "sim": sim.measure,
     "fleet": fleet.measure,
     "losses": losses.measure,
+    "calls": losses.measure_calls,
     "work": rest_work.measure,
 }
 """Those with a whole factory, whose vehicles can drive with right of way or without (`traffic`). `wired` has it
 always, `traffic` compares."""
 
-LONG = frozenset({"history", "losses", "replay", "stop", "traffic", "wired", "work"})
+LONG = frozenset({"calls", "history", "losses", "replay", "stop", "traffic", "wired", "work"})
 """Those that take some minutes or more, or all of the computer: they run only when they are asked for by name."""
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from dray.messages import (
+    THING,
     AtvHeartbeat,
     AtvStatus,
     Event,
@@ -115,7 +116,7 @@ class ReplacedInTime:
         DELAY_S + MISSES_MAX * WORKING_INTERVAL_S + LATENESS_MAX_S
 
     How much earlier it is on a good link is measured elsewhere; here nobody knows how good links were.
-    Left out are a secondary that is stopped or in error, for it cannot drive, and goods that may be on
+    Left out are a secondary that is stopped or in error, for it cannot drive, and goods and things that may be on
     board of the dead vehicle, for nobody else can fetch them.
     """
 
@@ -145,7 +146,9 @@ class ReplacedInTime:
                 self._unfit.pop(agent, None)
         elif type(fact) is TaskOpened:
             if type(fact.work) is Transport:
-                self._tasks.setdefault(fact.task, _Carried(bool(fact.work.goal), agent))
+                self._tasks.setdefault(
+                    fact.task, _Carried(bool(fact.work.goal) or fact.work.item == THING, agent)
+                )
         elif type(fact) is MemoryLost:
             # What a coordinator does not know it cannot give to others.
             self._tasks = {

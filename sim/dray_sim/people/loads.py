@@ -1,7 +1,7 @@
 """What an operator does with the load of a dead vehicle: brings it back by hand, or hands goods to another vehicle.
 
-goods      FETCH_GOODS -> hold them out -> taken; else as everything else
-all else   carry it to where it belongs; goods that lie where nobody fetches them are written off (WRITE_OFF)
+goods, things  FETCH_GOODS -> hold them out -> taken; else as everything else
+all else       carry it to where it belongs; goods that lie where nobody fetches them are written off (WRITE_OFF)
 """
 
 from __future__ import annotations
@@ -61,7 +61,8 @@ class Loads:
         """
         brief = heartbeat.task
         machine = brief.coordinator if brief is not None else ""
-        is_goods = item not in self._plant.materials and machine in self._plant.machines
+        places = (*self._plant.machines, *self._plant.stores)
+        is_goods = item not in self._plant.materials and machine in places
         task = brief.task if brief is not None and is_goods else ""
         if task and self._habits.hands_over_frac and self._chance.random() < self._habits.hands_over_frac:
             node = self._hands.node_beside(atv)

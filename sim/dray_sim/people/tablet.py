@@ -180,10 +180,17 @@ class Tablet:
         for call in self._open_calls():
             beat = self.machines.get(call.caller)
             briefs = () if beat is None else beat.tasks
+            if call.goods and call.caller not in self.machines and self._carries(atv, call.goods):
+                return call  # A station's: the vehicle's own last word says what it has on board.
             for brief in briefs:
                 if brief.task == call.goods and brief.stranded is not UNSET and brief.stranded.atv == atv:
                     return call
         return None
+
+    def _carries(self, atv: str, task: str) -> bool:
+        heard = self.heard.get(atv)
+        brief = None if heard is None else heard.heartbeat.task
+        return brief is not None and brief.task == task
 
     def _open_calls(self) -> Iterator[HelpCall]:
         """What the tablet shows."""

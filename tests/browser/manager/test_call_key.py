@@ -79,3 +79,29 @@ def test_a_sign_needs_no_script_and_fits_a_phone(
     expect(sign.get_by_text(words)).to_be_visible()
     expect(sign.get_by_text(url)).to_be_visible()
     screenshot(sign, f"call-sign-{locale}", whole=True)
+
+
+@pytest.mark.parametrize(
+    ("locale", "words", "bring", "called"),
+    [
+        ("en-GB", "Something else, as an empty container", "Bring it here", "called"),
+        ("de-DE", "Etwas anderes, zum Beispiel ein leerer Behälter", "Hierher bringen", "gerufen"),
+        ("es-ES", "Otra cosa, por ejemplo un contenedor vacío", "Traer aquí", "pedido"),
+    ],
+)
+def test_a_thing_is_called_for_on_a_phone_without_a_script(
+    forms: Any, open_page: OpenPage, screenshot: Screenshot, locale: str, words: str, bring: str, called: str
+) -> None:
+    wanted = {"name": "Button", "scopes": ["transports:call"], "places": ["M8"]}
+    url = forms.ask("/api/keys", wanted)["page_url"]
+    page = open_page(url, who=None, locale=locale, viewport=PHONE, java_script_enabled=False)
+    page.locator("summary", has_text=words).click()
+    form = page.locator(".call-thing form")
+    screenshot(page, f"call-thing-{locale}", whole=True)
+    form.locator("input[name=thing]").fill("pump housing <Meier>")
+    form.locator("select[name=place]").select_option("S3")
+    form.get_by_role("button", name=bring).click()
+    job = page.locator(".call-list li", has_text="pump housing <Meier>")
+    expect(job).to_contain_text(called)
+    job.get_by_role("button").click()
+    screenshot(page, f"call-thing-called-{locale}", whole=True)

@@ -72,8 +72,33 @@ async def test_a_number_that_is_not_believed_is_told_with_the_expected_one(house
 
 
 @pytest.mark.parametrize(
+    ("body", "node"), [({"kind": "fetch_goods", "node": "b2"}, "b2"), ({"kind": "write_off"}, "")]
+)
+async def test_what_becomes_of_a_thing_on_board_of_a_failed_vehicle_is_passed_on(
+    house: House, body: dict[str, Any], node: str
+) -> None:
+    heard = obedient(house)
+    answer = await ask(house, body | {"task": "T-9-1"})
+    assert (answer.status_code, answer.json()["done"]) == (200, True)
+    [said] = heard
+    assert (said.kind.value, said.task, said.node, said.item, said.quantity) == (
+        body["kind"],
+        "T-9-1",
+        node,
+        "",
+        0,
+    )
+
+
+@pytest.mark.parametrize(
     "body",
     [
+        {"kind": "fetch_goods"},
+        {"kind": "write_off", "task": "T-9-1", "node": "b2"},
+        {"kind": "write_off", "task": "T-9-1", "item": "shaft"},
+        {"kind": "write_off", "task": "T-9-1", "item": "shaft", "quantity": 1},
+        {"kind": "arrived", "item": "shaft", "quantity": 1, "task": "T-9-1"},
+        {"kind": "arrived", "item": "shaft", "quantity": 1, "node": "b2"},
         {"kind": "made", "item": "shaft", "quantity": 1},
         {"kind": "take_out"},
         {"kind": "arrived", "quantity": 1},

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import re
 from typing import Any
 
@@ -9,11 +10,22 @@ import httpx
 import pytest
 from answers import problem
 from gateway_kit import HOME, NOW_S, House
+from heartbeats import events, machine_heartbeat
 
 from dray.gateway.access.principal import Scope
 from dray.gateway.calling.code import drawn
 from dray.gateway.calling.texts import TEXTS
-from dray.messages import TransportOrdered
+from dray.messages import (
+    THING,
+    Role,
+    StrandedGoods,
+    TaskBrief,
+    Transport,
+    TransportCancelled,
+    TransportOrdered,
+    TransportState,
+)
+from dray.messages.fact import TaskOpened, TransportProgressed
 
 pytestmark = pytest.mark.anyio
 
@@ -84,8 +96,9 @@ async def test_two_touches_without_a_script_call_once_and_the_page_tells_how_far
     first = await opened(house, token)
     assert first.status_code == 200
     assert "M8" in first.text
-    assert "<button" not in first.text
+    assert "<button" not in first.text.partition("<details")[0]
     assert first.headers["Cache-Control"] == "no-store"
+    assert first.headers["Referrer-Policy"] == "same-origin"
     second = await opened(house, token, item="shaft")
     assert house.bus.sent_to("M8", TransportOrdered) == []
     for _ in range(2):  # The same form, sent again by an impatient thumb.
@@ -197,3 +210,144 @@ async def test_who_makes_the_key_of_one_place_is_told_its_page(
     assert url == (f"{HOME}/call/{token}" if has else None)
     page = await house.visitor().get(f"/call/{token}")
     assert page.status_code == (200 if has else 404)
+
+
+async def test_a_touch_that_comes_twice_at_once_is_one_call_and_no_refusal(house: House) -> None:
+    token, _ = await key_of(house, Scope.TRANSPORTS_CALL, places="M8")
+    page = (await opened(house, token, item="shaft")).text
+    answers = await asyncio.gather(*(pressed(house, token, page, "bring") for _ in range(6)))
+    assert {answer.status_code for answer in answers} == {303}
+    assert len(house.bus.sent_to("M8", TransportOrdered)) == 1
+
+
+async def test_a_page_that_was_gone_back_to_and_sent_with_something_else_is_another_call(
+    house: House,
+) -> None:
+    token, header = await key_of(house, Scope.TRANSPORTS_CALL, places="M8")
+    page = (await opened(house, token, item="shaft")).text
+    for way in ("bring", "take"):
+        assert (await pressed(house, token, page, way)).status_code == 303
+    rows = (await house.visitor(**header).get(PATH)).json()["items"]
+    assert sorted(row["from"] == "M8" for row in rows) == [False, True]
+
+
+async def test_the_key_of_another_place_calls_nothing_off_and_sees_nothing_of_it(house: House) -> None:
+    token, _ = await key_of(house, Scope.TRANSPORTS_CALL, places="M8")
+    page = (await opened(house, token, item="shaft")).text
+    await pressed(house, token, page, "bring")
+    [asked] = house.bus.sent_to("M8", TransportOrdered)
+    other, header = await key_of(house, Scope.TRANSPORTS_CALL, places="M9")
+    assert (await house.visitor().post(f"/call/{other}/{asked.transport}/cancel", data={})).status_code == 303
+    assert house.bus.sent_to("M8", TransportCancelled) == []
+    assert "Call off" not in (await opened(house, other)).text
+    visitor = house.visitor(**header)
+    assert (await visitor.get(f"{PATH}/{asked.transport}")).status_code == 404
+    assert (await visitor.post(f"{PATH}/{asked.transport}/cancel")).status_code == 404
+
+
+# --- things without master data ---
+
+BOX = {"thing": "pump housing for Meier", "place": "S3", "ability": "tote", "key": "k1"}
+
+
+async def asked_for(house: House, token: str, **fields: str) -> httpx.Response:
+    return await house.visitor().post(f"/call/{token}", data=BOX | fields, headers={"Accept-Language": "en"})
+
+
+@pytest.mark.parametrize(("way", "ends"), [("bring", ("S3", "M8")), ("take", ("M8", "S3"))])
+async def test_a_thing_is_called_for_without_a_script_once(
+    house: House, way: str, ends: tuple[str, str]
+) -> None:
+    token, header = await key_of(house, Scope.TRANSPORTS_CALL, places="M8")
+    page = (await opened(house, token)).text
+    form = page[page.index('<details class="call-thing"') :]
+    assert set(re.findall(r'name="(\w+)"', form[: form.index("</details>")])) >= {
+        "thing",
+        "place",
+        "key",
+        "way",
+    }
+    assert '<option value="M8"' not in page
+    for _ in range(2):
+        answer = await asked_for(house, token, way=way)
+        assert (answer.status_code, answer.headers["Location"]) == (303, f"/call/{token}")
+    [asked] = house.bus.sent_to(ends[1], TransportOrdered)
+    assert (asked.item, asked.quantity, asked.source, asked.ability) == (THING, 1, ends[0], "tote")
+    [row] = (await house.visitor(**header).get(PATH)).json()["items"]
+    assert (row["thing"], row["from"], row["to"]) == (BOX["thing"], *ends)
+    assert "pump housing for Meier" in (await opened(house, token)).text
+
+
+@pytest.mark.parametrize(
+    "fields",
+    [
+        {"thing": " "},
+        {"place": ""},
+        {"place": "M8"},
+        {"place": "nowhere"},
+        {"ability": "magic"},
+        {"thing": "a\u202eb"},
+    ],
+)
+async def test_a_thing_that_cannot_be_is_refused_in_words_and_what_was_written_stays(
+    house: House, fields: dict[str, str]
+) -> None:
+    token, _ = await key_of(house, Scope.TRANSPORTS_CALL, places="M8")
+    answer = await asked_for(house, token, way="bring", **fields)
+    assert answer.status_code == 422
+    assert 'role="alert"' in answer.text
+    if "thing" not in fields:
+        assert 'value="pump housing for Meier"' in answer.text
+        assert '<details class="call-thing" open>' in answer.text
+    assert house.bus.sent_to("M8", TransportOrdered) == []
+
+
+async def test_a_key_for_named_materials_calls_for_no_things(house: House) -> None:
+    token, _ = await key_of(house, Scope.TRANSPORTS_CALL, places="M8", items="shaft")
+    assert "call-thing" not in (await opened(house, token)).text
+    assert (await asked_for(house, token, way="bring")).status_code == 422
+
+
+async def test_what_people_write_is_text_on_the_page(house: House) -> None:
+    token, _ = await key_of(house, Scope.TRANSPORTS_CALL, places="M8")
+    assert (await asked_for(house, token, way="bring", thing="<b>\"x'")).status_code == 303
+    page = (await opened(house, token)).text
+    assert "<b>" not in page
+    assert "&lt;b&gt;" in page
+
+
+@pytest.mark.parametrize(
+    ("node", "handed", "told"),
+    [
+        ("c2", "", "on board of ATV2, which has failed at c2"),
+        ("", "", "on board of ATV2, which has failed"),
+        ("c2", "b2", "it is handed over at b2"),
+    ],
+)
+async def test_the_page_tells_where_a_thing_is_whose_vehicle_has_failed(
+    house: House, node: str, handed: str, told: str
+) -> None:
+    token, _ = await key_of(house, Scope.TRANSPORTS_CALL, places="M8")
+    await asked_for(house, token, way="bring")
+    [asked] = house.bus.sent_to("M8", TransportOrdered)
+    task = f"{asked.transport}-1"
+    work = Transport(THING, 1, ("S3",), "M8", "tote")
+    aboard = TransportProgressed(
+        asked.transport, TransportState.ON_BOARD, THING, 1, "S3", "M8", task=task, carrier="ATV2"
+    )
+    opened_task = TaskOpened(task, 1, Role.PRIMARY, 1, work, 20.0, 900.0, 105.0)
+    await house.say(events("M8", opened_task, aboard))
+    left = StrandedGoods(atv="ATV2", node=node, until_s=NOW_S + 800.0, handed_at=handed)
+    brief = TaskBrief(
+        task=task,
+        epoch=1,
+        item=THING,
+        quantity=1,
+        source="S3",
+        destination="M8",
+        deadline_s=900.0,
+        primary="ATV2",
+        stranded=left,
+    )
+    await house.say([machine_heartbeat("M8", tasks=(brief,))])
+    assert told in (await opened(house, token)).text

@@ -7,6 +7,7 @@ import csv
 import io
 from datetime import datetime
 from typing import Any
+from zoneinfo import ZoneInfo
 
 import pytest
 from answers import problem
@@ -80,6 +81,38 @@ async def test_two_gateways_use_a_moment_once(url: str) -> None:
         wall.now_s = SIX_S
         await asyncio.gather(*(provided(each.app, Scheduler).look() for each in (house, other) * 5))
         assert len(await brought(house)) == 1
+
+
+BEFORE_CLOCKS_ARE_SET = {
+    "Europe/Berlin": ("2030-03-30", "2030-10-26"),
+    "America/New_York": ("2030-03-09", "2030-11-02"),
+    "Australia/Lord_Howe": ("2030-04-06", "2030-10-05"),
+}
+
+
+@pytest.mark.parametrize(
+    ("zone", "eve"), [(zone, eve) for zone, eves in BEFORE_CLOCKS_ARE_SET.items() for eve in eves]
+)
+async def test_in_a_night_in_which_clocks_are_set_a_run_is_done_once_though_gateways_start_anew(
+    url: str, zone: str, eve: str
+) -> None:
+    first = datetime.fromisoformat(f"{eve}T22:00:00").replace(tzinfo=ZoneInfo(zone)).timestamp()
+    wall = Wall(first)
+    async with gateway(url, wall=wall) as house:
+        await added(house, calendar="30 2 * * *", time_zone=zone)
+    for life, begin_s in enumerate(range(0, 2 * int(DAY_S), 3600), 2):
+        if not 4 * 3600 <= begin_s % DAY_S <= 5 * 3600:
+            continue  # Nothing is planned then.
+        async with (
+            gateway(url, wall=wall, incarnation=life) as house,
+            gateway(url, wall=wall, bus=FakeBus(), incarnation=life + 1000) as other,
+        ):
+            for minute in range(0, 60, 10):
+                wall.now_s = first + begin_s + minute * 60.0
+                await asyncio.gather(*(provided(each.app, Scheduler).look() for each in (house, other)))
+            runs = await brought(house)
+    days = [datetime.fromisoformat(run["created_at"]).astimezone(ZoneInfo(zone)).date() for run in runs]
+    assert len(days) == len(set(days)) == 2
 
 
 async def test_a_death_before_the_end_of_the_transaction_leaves_the_moment_to_the_next_life(

@@ -38,6 +38,7 @@ from dray.messages import (
     StationHeartbeat,
     StockAsked,
     StockReserved,
+    StrandedGoods,
     TaskAnnounced,
     Transport,
     TransportAnswered,
@@ -45,12 +46,14 @@ from dray.messages import (
     TransportOrdered,
     TransportRefusal,
     TransportState,
+    TransportWait,
     Withdrawn,
 )
 from dray.messages.fact import TransportProgressed
 from dray.protocol.machine.machine import Machine
 from dray.protocol.runtime.events import Effect, Ignore
 from dray.protocol.station.station import Station
+from dray.protocol.takeover.left_aboard import WRITTEN_OFF_AFTER_S
 from dray.protocol.transports.called import LOOK_AGAIN_S, OPEN_MAX
 from dray.protocol.transports.receiving import COUNT_S
 
@@ -228,6 +231,21 @@ def test_it_is_called_off_until_it_is_on_board() -> None:
     late.carried()
     late.beats_in(Phase.CARRYING)
     assert late.asks(TransportCancelled("T-1")) == TransportAnswered("T-1", TransportState.ON_BOARD)
+
+
+def test_it_is_called_off_while_it_is_loaded_and_stays_so_when_it_is_on_board() -> None:
+    rig = started()
+    rig.asks()
+    rig.carried()
+    rig.beats_in(Phase.LOADING)
+    effects = rig.on_message("gateway", TransportCancelled("T-1"))
+    assert sent(effects, Withdrawn, to="ATV1")
+    assert sent(effects, TransportAnswered) == [TransportAnswered("T-1", TransportState.CANCELLED)]
+    for phase in (Phase.CARRYING, Phase.RETURNING):
+        rig.beats_in(phase)
+    assert rig.asks() == TransportAnswered("T-1", TransportState.CANCELLED)
+    assert not instructed(rig.on_message("ATV1", Docked(TASK, 1, "S1")), OpenDock)
+    assert rig.states[-1] is TransportState.CANCELLED
 
 
 def test_one_that_is_called_off_before_it_was_heard_of_is_not_begun() -> None:
@@ -535,3 +553,153 @@ def test_a_storage_hands_a_thing_out_and_counts_nothing() -> None:
     rig.run(rig.now_s + 10.0)
     told = {stock.item: stock.level for stock in published(rig.all, StationHeartbeat)[-1].stocks}
     assert told["shaft"] == 5
+
+
+# --- a thing on board of a vehicle that has failed ---
+
+THING_TASK = "T-9-1"
+
+
+def thing_beats(
+    rig: StorageRig, atv: str, seq: int, *, epoch: int = 1, phase: Phase = Phase.CARRYING
+) -> None:
+    brief = Brief(THING_TASK, epoch, Role.PRIMARY, "S1", phase=phase, item=THING, quantity=1)
+    rig.on_message(atv, msgspec.structs.replace(rhb(atv, seq, rig.now_s), task=brief))
+
+
+def with_thing_aboard(phase: Phase = Phase.CARRYING) -> StorageRig:
+    """ATV1 has a thing for S1 on board, which it has fetched at M8; or loads it."""
+    rig = started()
+    rig.asks(PUMP)
+    rig.on_message("M8", StockReserved(THING_TASK, 1, THING, 1))
+    offered = bid(200.0, task=THING_TASK, finish_s=rig.now_s + 300.0)
+    rig.on_message("ATV1", msgspec.structs.replace(offered, source="M8"))
+    rig.run(rig.now_s + 1.2)
+    rig.on_message("ATV1", accepted(THING_TASK, number=award_number(rig.all, "ATV1", THING_TASK)))
+    thing_beats(rig, "ATV1", 1, phase=phase)
+    return rig
+
+
+def silent_with_thing() -> StorageRig:
+    rig = with_thing_aboard()
+    rig.run(rig.now_s + 100.0)
+    return rig
+
+
+def thing_word(rig: StorageRig, kind: MachineCommandKind, node: str = "") -> CommandRefusal | None:
+    command = MachineCommand(
+        command=f"C{len(rig.all)}", kind=kind, task=THING_TASK, node=node, issued_by="Maria"
+    )
+    [answer] = sent(rig.on_message("gateway", granted("S1", command)), CommandAnswered)
+    return answer.reason
+
+
+def test_a_thing_whose_vehicle_has_failed_is_not_looked_for_where_it_was_and_people_are_told_where_it_is() -> (
+    None
+):
+    rig = silent_with_thing()
+    assert {each.epoch for each in published(rig.all, TaskAnnounced)} == {1}
+    [brief] = rig.heartbeats(StationHeartbeat)[-1].tasks
+    assert isinstance(brief.stranded, StrandedGoods)
+    assert (brief.primary, brief.stranded.atv, brief.stranded.node) == ("ATV1", "ATV1", "a1")
+    call = published(rig.all, HelpCall)[-1]
+    assert (call.goods, call.caller) == (THING_TASK, "S1")
+    answer = sent(rig.on_message("gateway", TransportCancelled("T-9")), TransportAnswered)[-1]
+    assert answer.state is TransportState.ON_BOARD
+
+
+def test_a_thing_that_is_called_off_while_it_is_loaded_is_waited_for_by_nobody_when_its_vehicle_fails() -> (
+    None
+):
+    """Nobody wants it any more: its vehicle brings it back, and whoever sees to the vehicle finds it on board."""
+    rig = with_thing_aboard(Phase.LOADING)
+    answer = sent(rig.on_message("gateway", TransportCancelled("T-9")), TransportAnswered)[-1]
+    assert answer.state is TransportState.CANCELLED
+    thing_beats(rig, "ATV1", 2)
+    rig.run(rig.now_s + 2.0 * WRITTEN_OFF_AFTER_S)
+    assert rig.heartbeats(StationHeartbeat)[-1].tasks == ()
+    assert published(rig.all, HelpCall) == []
+    assert rig.states[-1] is TransportState.CANCELLED
+
+
+@pytest.mark.parametrize("restart", [False, True], ids=["in one life", "in the next life"])
+def test_a_thing_is_fetched_where_a_person_hands_it_over(restart: bool) -> None:
+    rig = silent_with_thing()
+    if restart:
+        rig = restarted(rig)
+    asked = len(sent(rig.all, StockAsked))
+    assert thing_word(rig, MachineCommandKind.FETCH_GOODS, "b2") is None
+    rig.run(rig.now_s + 200.0)
+    work = published(rig.all, TaskAnnounced)[-1].work
+    assert isinstance(work, Transport)
+    assert (work.sources, work.handed_at, work.item) == (("b2",), "b2", THING)
+    assert len(sent(rig.all, StockAsked)) == asked
+    offered = bid(200.0, task=THING_TASK, epoch=2, finish_s=rig.now_s + 300.0)
+    effects = rig.on_message("ATV2", msgspec.structs.replace(offered, source="b2"))
+    while not sent(effects, Award, to="ATV2"):
+        effects += rig.run(rig.now_s + 0.5)
+    rig.on_message("ATV2", accepted(THING_TASK, epoch=2, number=award_number(effects, "ATV2", THING_TASK)))
+    opened = sent(rig.on_message("ATV2", Docked(THING_TASK, 2, "b2")), DockOpened, to="ATV2")
+    assert [each.station for each in opened] == ["b2"]
+    thing_beats(rig, "ATV2", 1, epoch=2)
+    rig.on_message("ATV2", Docked(THING_TASK, 2, "S1"))
+    rig.seq += 1
+    rig.report(StockChanged(item=THING, change=1, seq=rig.seq, vehicle="ATV2"))
+    rig.on_message("ATV2", Handover(THING_TASK, 2, 1))
+    assert rig.states[-1] is TransportState.DELIVERED
+
+
+def test_a_thing_is_looked_for_where_it_was_when_nobody_has_said_anything_or_it_was_written_off() -> None:
+    for kind in (None, MachineCommandKind.WRITE_OFF):
+        rig = silent_with_thing()
+        if kind is not None:
+            assert thing_word(rig, kind) is None
+        rig.run(rig.now_s + (WRITTEN_OFF_AFTER_S if kind is None else 1.0))
+        assert [each.task for each in sent(rig.all, StockAsked, to="M8")][-1] == "T-9-2"
+
+
+def test_a_vehicle_that_is_heard_again_goes_on_with_its_thing() -> None:
+    rig = with_thing_aboard()
+    rig.run(rig.now_s + 10.0)
+    [brief] = rig.heartbeats(StationHeartbeat)[-1].tasks
+    assert isinstance(brief.stranded, StrandedGoods)
+    for seq in range(2, 8):
+        thing_beats(rig, "ATV1", seq)
+        rig.run(rig.now_s + 1.0)
+    [brief] = rig.heartbeats(StationHeartbeat)[-1].tasks
+    assert (brief.stranded, brief.primary, brief.epoch) == (msgspec.UNSET, "ATV1", 1)
+
+
+def test_a_vehicle_that_lives_and_has_the_thing_no_more_lets_it_be_looked_for_where_it_was() -> None:
+    rig = with_thing_aboard()
+    rig.on_message("ATV1", Resigned(THING_TASK, 1, Role.PRIMARY, Reason.LOAD_GONE))
+    rig.run(rig.now_s + 30.0)
+    work = published(rig.all, TaskAnnounced)[-1].work
+    assert isinstance(work, Transport)
+    assert work.sources == ("M8",)
+
+
+def test_a_vehicle_that_comes_back_without_its_thing_ends_the_wait_for_a_person() -> None:
+    rig = silent_with_thing()
+    for seq in range(2, 40):
+        rig.on_message("ATV1", rhb("ATV1", seq, rig.now_s))
+        rig.run(rig.now_s + 1.0)
+    [brief] = rig.heartbeats(StationHeartbeat)[-1].tasks
+    assert (brief.stranded, brief.primary, brief.epoch) == (msgspec.UNSET, "", 2)
+    rig.run(rig.now_s + 2.0 * WRITTEN_OFF_AFTER_S)
+    assert {each.task for each in published(rig.all, TaskAnnounced)} == {THING_TASK}
+
+
+# --- since when nobody bids ---
+
+
+def test_a_call_that_nobody_bids_for_says_so_once_however_often_it_is_offered() -> None:
+    rig = started()
+    rig.asks()
+    rig.reserved()
+    rig.run(900.0)
+    rounds = [each for each in published(rig.all, TaskAnnounced) if each.task == TASK]
+    assert len(rounds) > 5
+    waits = [fact.wait for fact in facts(rig.all, TransportProgressed)]
+    assert waits[-1] is TransportWait.NO_BID
+    assert waits.count(TransportWait.NO_BID) == 1

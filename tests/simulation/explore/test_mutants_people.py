@@ -10,7 +10,7 @@ from mutants import Find
 
 from dray.messages import CallState
 from dray.protocol.calls.help_calls import CALL, HelpCalls
-from dray.protocol.machine.goods_recovery import GoodsRecovery
+from dray.protocol.transports.goods_recovery import GoodsRecovery
 from dray_sim.explore.run import draw
 
 Mutant = Callable[[pytest.MonkeyPatch], None]

@@ -236,6 +236,26 @@ def test_words_are_said_with_the_book_until_all_have_copied_it() -> None:
     )
 
 
+def test_they_are_kept_over_an_epoch_that_its_writer_begins_anew() -> None:
+    """The witness has not copied the book before, and the vehicle has started again: it has seen no grant, and cannot say its word once more."""
+    floor = Floor()
+    leader = floor.keepers["M1"]
+    leader.write(1, line("A", 1, mark=b"A"))
+    floor.carry()
+    floor.cut = {"M2"}
+    word = replace(floor.vehicles["A"].said, seen=1)
+    leader.note_word("A", word, struck=True)
+    leader.write(2, ())
+    floor.carry()
+    floor.lead("M1")
+    floor.cut = set()
+    leader.write(3, line("B", 3, mark=b"B"))
+    leader.note_word("A", replace(word, life=2, seen=0, groups=()), struck=False)
+    leader.repeat()
+    floor.carry()
+    assert floor.keepers["M2"].kept.version == 3
+
+
 def test_a_vehicle_asks_the_witness_and_goes_on_without_it_when_that_one_does_not_answer() -> None:
     vehicle = Vehicle("A", 3)
     vehicle.out.clear()

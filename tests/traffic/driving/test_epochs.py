@@ -104,6 +104,17 @@ def test_who_calls_the_roll_is_told_and_grants_nothing_before_another_one_tells_
     assert vehicle.granted("M2", 4) == ("b3",)
 
 
+def test_one_that_has_nothing_there_answers_a_copy_that_asks_alone_and_no_keeper_that_takes_the_book_over() -> (
+    None
+):
+    """A copy asks when it misses the word by which a place was given back. Who takes the book over asks all vehicles of the plant."""
+    vehicle = Correspondence()
+    vehicle.wishes.say("D", (), (), STATE, 1.0)
+    vehicle.wishes.on_granted("M1", PlaceGranted(district="D", epoch=3, life=1, upto=2, grants=()), 1.0)
+    assert not vehicle.asked("M2", 4)
+    assert vehicle.asked("M1", 5)
+
+
 def test_where_one_alone_keeps_the_book_its_word_is_enough() -> None:
     wishes = Wishes(1, {"D": ("M1",)}, Timers(), [])
     wishes.say("D", (), WANTED, STATE, 0.0)

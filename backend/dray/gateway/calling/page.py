@@ -9,6 +9,7 @@ import msgspec
 
 from dray.gateway.access.principal import Principal
 from dray.gateway.live.projection import Projection
+from dray.gateway.live.views import StrandedView
 from dray.messages import TransportState
 from dray.store.orders.transports import TransportRow
 
@@ -25,6 +26,18 @@ class Tile(msgspec.Struct, frozen=True):
     """How much of it is there; empty where that is not known."""
     chosen: bool
     lot: int
+
+
+class Choices(msgspec.Struct, frozen=True):
+    """What can be chosen for a thing without master data, and what was sent last."""
+
+    places: tuple[tuple[str, str], ...]
+    """Where it can come from or go to: the id of each, and what people call it."""
+    abilities: tuple[str, ...]
+    """What it can be carried as."""
+    thing: str = ""
+    place: str = ""
+    ability: str = ""
 
 
 class Called(msgspec.Struct, frozen=True):
@@ -61,6 +74,30 @@ def tiles(
     )
 
 
+def choices(
+    projection: Projection, caller: Principal, abilities: tuple[str, ...], sent: Mapping[str, str]
+) -> Choices | None:
+    """What can be chosen for a thing; None where the key calls for materials only.
+
+    Args:
+        projection: what stands where.
+        caller: the key.
+        abilities: what vehicles can carry.
+        sent: the fields of a form that was refused; empty where none was.
+    """
+    if caller.calls is not None and caller.calls.items:
+        return None
+    plant = projection.site.plant
+    named = {place: spec.name for place, spec in plant.stores.items()}
+    named |= {place: spec.name for place, spec in plant.machines.items()}
+    places = tuple(
+        (place, place if name in ("", place) else f"{place} · {name}")
+        for place, name in named.items()
+        if place != caller.station
+    )
+    return Choices(places, abilities, sent.get("thing", ""), sent.get("place", ""), sent.get("ability", ""))
+
+
 def called(
     rows: Iterable[TransportRow], projection: Projection, place: str, now_s: float, texts: Mapping[str, str]
 ) -> tuple[Called, ...]:
@@ -84,6 +121,9 @@ def _called(
     if row.expected_at_s is not None and not row.has_ended:
         minutes = round((row.expected_at_s - now_s) / 60)
         why = texts["minutes"].format(n=minutes) if minutes >= 1 else texts["soon"]
+    task = projection.tasks.view(row.task) if row.task and not row.has_ended else None
+    if task is not None and task.stranded is not None:
+        why = _left_aboard(task.stranded, texts)
     return Called(
         id=row.id,
         what=what,
@@ -91,6 +131,15 @@ def _called(
         why=why,
         open=is_open and not ending,
     )
+
+
+def _left_aboard(left: StrandedView, texts: Mapping[str, str]) -> str:
+    """Where a thing is whose vehicle has failed."""
+    if left.handed_at:
+        return texts["handed"].format(node=left.handed_at)
+    if not left.node:
+        return texts["left_nowhere"].format(vehicle=left.atv)
+    return texts["left"].format(vehicle=left.atv, node=left.node)
 
 
 def until(caller: Principal, texts: Mapping[str, str]) -> str:

@@ -32,6 +32,16 @@ _KEYS = (
     "sign_code",
     "sign_scan",
     "sign_print",
+    "thing",
+    "thing_what",
+    "thing_place",
+    "thing_choose",
+    "thing_carried",
+    "thing_bring",
+    "thing_take",
+    "left",
+    "left_nowhere",
+    "handed",
 )
 
 _STATES = ("waiting", "assigned", "on_board", "delivered", "cancelled", "being_cancelled")
@@ -52,7 +62,7 @@ TEXTS: Mapping[str, Mapping[str, str]] = {
         Call
         Call a vehicle
         What?
-        Nothing can be called here: this place keeps no material.
+        This place keeps no material.
         {level} here
         {item}: how much?
         Choose first what; nothing is sent by that.
@@ -73,7 +83,17 @@ TEXTS: Mapping[str, Mapping[str, str]] = {
         Not called: {reason}
         QR code of the page on which to call
         Scan this with a phone to have something brought here or taken away.
-        Print this page and hang it up here. A phone must reach the address above; whoever has it can call.""",
+        Print this page and hang it up here. A phone must reach the address above; whoever has it can call.
+        Something else, as an empty container
+        What
+        To or from
+        Choose…
+        Carried as
+        Bring it here
+        Take it away from here
+        on board of {vehicle}, which has failed at {node}
+        on board of {vehicle}, which has failed
+        it is handed over at {node}""",
         """called
         taken by a vehicle
         on board
@@ -92,7 +112,7 @@ TEXTS: Mapping[str, Mapping[str, str]] = {
         Rufen
         Ein Fahrzeug rufen
         Was?
-        Hier kann man nichts rufen: an diesem Platz liegt kein Material.
+        An diesem Platz liegt kein Material.
         {level} hier
         {item}: wie viel?
         Erst wählen, was; damit ist noch nichts gesendet.
@@ -113,7 +133,17 @@ TEXTS: Mapping[str, Mapping[str, str]] = {
         Nicht gerufen: {reason}
         QR-Code der Seite, auf der man ruft
         Mit dem Handy einlesen, um hierher etwas bringen oder von hier etwas abholen zu lassen.
-        Diese Seite ausdrucken und hier aufhängen. Das Handy muss die Adresse oben erreichen; wer sie hat, kann rufen.""",
+        Diese Seite ausdrucken und hier aufhängen. Das Handy muss die Adresse oben erreichen; wer sie hat, kann rufen.
+        Etwas anderes, zum Beispiel ein leerer Behälter
+        Was
+        Wohin oder woher
+        Wählen…
+        Getragen als
+        Hierher bringen
+        Von hier wegbringen
+        an Bord von {vehicle}, das bei {node} ausgefallen ist
+        an Bord von {vehicle}, das ausgefallen ist
+        es wird bei {node} übergeben""",
         """gerufen
         von einem Fahrzeug übernommen
         an Bord
@@ -132,7 +162,7 @@ TEXTS: Mapping[str, Mapping[str, str]] = {
         Llamar
         Llamar a un vehículo
         ¿Qué?
-        Aquí no se puede pedir nada: en este puesto no hay material.
+        En este puesto no hay material.
         {level} aquí
         {item}: ¿cuánto?
         Primero elija qué; con eso no se envía nada.
@@ -153,7 +183,17 @@ TEXTS: Mapping[str, Mapping[str, str]] = {
         No pedido: {reason}
         Código QR de la página en la que se llama
         Escanéelo con un móvil para que traigan algo aquí o se lo lleven.
-        Imprima esta página y cuélguela aquí. El móvil debe llegar a la dirección de arriba; quien la tiene puede llamar.""",
+        Imprima esta página y cuélguela aquí. El móvil debe llegar a la dirección de arriba; quien la tiene puede llamar.
+        Otra cosa, por ejemplo un contenedor vacío
+        Qué
+        Adónde o de dónde
+        Elegir…
+        Se lleva como
+        Traer aquí
+        Retirar de aquí
+        a bordo de {vehicle}, que ha fallado en {node}
+        a bordo de {vehicle}, que ha fallado
+        se entrega en {node}""",
         """pedido
         lo tomó un vehículo
         a bordo

@@ -17,6 +17,9 @@ from dray.store.orders.idempotency_keys import KeptAnswer
 KEYS_KEPT_S = 7 * 86_400.0
 """How long an Idempotency-Key is remembered: longer than any client tries again."""
 
+AT_WORK = "key-at-work"
+"""The problem of a request whose key is just being answered."""
+
 Key = Annotated[
     str | None,
     Header(
@@ -72,7 +75,7 @@ def key_at_work() -> Problem:
     """Another request with the key is being answered: 409."""
     return Problem(
         HTTPStatus.CONFLICT,
-        "key-at-work",
+        AT_WORK,
         "A request with this Idempotency-Key is still being answered",
         "wait for its answer, or send the same request again in a second",
         headers={"Retry-After": "1"},

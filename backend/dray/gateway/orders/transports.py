@@ -13,6 +13,7 @@ import asyncio
 import hashlib
 import logging
 import math
+from collections import Counter
 from collections.abc import Callable
 from contextlib import nullcontext, suppress
 from datetime import UTC, datetime
@@ -191,6 +192,11 @@ class PlainTransports:
             for place in (*plant.machines, *plant.stores)
             if not areas.isdisjoint(plant.areas_near(*plant.position_of(place), 0.0))
         )
+
+    def abilities(self) -> tuple[str, ...]:
+        """What a thing can be carried as: what vehicles of the plant can carry, what most types carry first."""
+        counts = Counter(each for has in self._abilities() for each in has)
+        return tuple(sorted(counts, key=lambda each: (-counts[each], each)))
 
     # --- what places answer ---
 

@@ -178,6 +178,8 @@ class Auction:
         self._numbers = count(1) if numbers is None else numbers
         self._vain = 0
         """Rounds that have found nobody."""
+        self.found_nobody = False
+        """Everybody was asked in vain at least once; later rounds change nothing of that."""
 
     @property
     def has_asked(self) -> bool:
@@ -434,6 +436,7 @@ class Auction:
         self.winning_bid = None
         # Also when somebody has bid: who bids and takes nothing must not keep a deadline that nobody else can meet.
         self._vain += 1
+        self.found_nobody = self.found_nobody or reaches_all
         terms = self.terms
         failed = RoundFailed(
             task=terms.task,

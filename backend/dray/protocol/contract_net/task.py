@@ -7,7 +7,7 @@ from typing import cast
 from msgspec import UNSET
 
 from dray.memory import TaskMemory
-from dray.messages import Bid, Phase, Reason, StrandedGoods, TaskBrief, Transport, Work
+from dray.messages import THING, Bid, Phase, Reason, StrandedGoods, TaskBrief, Transport, Work
 from dray.messages.fact import Outcome
 from dray.protocol.contract_net.auction import Auction
 from dray.protocol.contract_net.task_state import TRANSITIONS, TaskState
@@ -193,7 +193,7 @@ class OpenTask:
 
     @property
     def is_loaded(self) -> bool:
-        """Whether goods are on board of its carrier, whether or not that can go on."""
+        """Whether goods, or a thing, are on board of its carrier, whether or not that can go on."""
         return self.state in (TaskState.IN_TRANSIT, TaskState.STRANDED)
 
     @property
@@ -220,6 +220,16 @@ class OpenTask:
     def is_of_goods(self) -> bool:
         """Whether products are carried away, of which each piece exists once."""
         return isinstance(self.work, Transport) and bool(self.work.goal)
+
+    @property
+    def exists_once(self) -> bool:
+        """Whether nobody could fetch its load again while it is on board: products that are carried away, and a thing without master data."""
+        return self.is_of_goods or self.is_thing
+
+    @property
+    def is_thing(self) -> bool:
+        """Whether its load has no master data."""
+        return isinstance(self.work, Transport) and self.work.item == THING
 
     @property
     def is_changing_hands(self) -> bool:

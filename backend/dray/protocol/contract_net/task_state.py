@@ -60,14 +60,16 @@ TRANSITIONS: Transitions[TaskState] = {
         _S.WITHDRAWN: "not needed any more",
     },
     _S.IN_TRANSIT: {
-        _S.UNASSIGNED: "the goods are back",
+        _S.UNASSIGNED: "the goods are back, or its primary has a thing no more",
         _S.DELIVERED: "handed over",
         _S.STRANDED: "its primary has failed",
+        _S.COUNTED: "a thing is counted",
         _S.HELD: "its handover is disputed again",
         _S.WITHDRAWN: "lost, or not needed any more",
     },
     _S.STRANDED: {
         _S.IN_TRANSIT: "its primary goes on",
+        _S.COUNTED: "a thing is counted",
         _S.UNASSIGNED: "they can be handed over, or are back",
         _S.DELIVERED: "handed over",
         _S.HELD: "its handover is disputed again",

@@ -20,7 +20,6 @@ from dray.plant import Plant
 from dray.protocol.contract_net.auction_rules import AuctionRules
 from dray.protocol.contract_net.task import OpenTask
 from dray.protocol.machine.finished_goods import FinishedGoods
-from dray.protocol.machine.goods_recovery import GoodsRecovery
 from dray.protocol.machine.production import Goal, GoalBook
 from dray.protocol.machine.put_away import PutAway
 from dray.protocol.machine.supply import Supply
@@ -70,7 +69,6 @@ class MaterialFlow(TransportFlow):
     Attributes:
         task_count: how many tasks of its own were named, over all lives.
         goods: those that wait to be fetched.
-        stranded: those that failed vehicles have on board.
         put_away: parts that nobody here needs.
         cycling: the product of the running cycle; empty for none.
     """
@@ -110,7 +108,6 @@ class MaterialFlow(TransportFlow):
         self.goods = FinishedGoods(
             machine, plant, goals, supply, self.tasks, send=self._send_goods, lose=owner.miss_goods
         )
-        self.goods_recovery = GoodsRecovery(plant, self.tasks, self.held, goals)
         self.cycling = ""
         self.put_away = PutAway(
             machine, plant, timers, out, owner.commit, self._put_away, incarnation=incarnation
@@ -182,7 +179,7 @@ class MaterialFlow(TransportFlow):
 
     def note_stock(self, now_s: float) -> None:
         """What lies in the buffers may be other than before: what others count on follows from it."""
-        self.goods_recovery.review()
+        self._review_stranded()
         for part in self._goals.products.parts():
             self._book.keep(part, self._plant.machines[self._place].goods_capacity)
         for material in self._supply.materials:
@@ -237,6 +234,13 @@ class MaterialFlow(TransportFlow):
         """Have goods fetched."""
         self._announce(self._next_task(), self._docked_here(work), deadline_s, now_s)
 
+    def _review_stranded(self) -> None:
+        """Tell each goal how many of its pieces wait for a word: nobody else makes them meanwhile."""
+        waiting = [task for task in self.tasks if task.stranded is not None or task.left]
+        works = [cast(Transport, task.work) for task in waiting]
+        for goal in self._goals:
+            goal.stranded = sum(work.quantity for work in works if work.goal == goal.id)
+
     def _next_task(self) -> str:
         self.task_count += 1
         return f"{self._place}{self._life}-{self.task_count}"
@@ -286,7 +290,7 @@ class MaterialFlow(TransportFlow):
     def _on_carrier_changed(self, task: OpenTask, now_s: float) -> None:
         super()._on_carrier_changed(task, now_s)
         if task.is_held:
-            self.goods_recovery.review()
+            self._review_stranded()
         self.goods.keep_unwanted()
 
     def _on_restored(self, work: Transport) -> None:

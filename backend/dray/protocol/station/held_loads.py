@@ -1,4 +1,4 @@
-"""People at a station: whom it calls to look for a load that was disputed twice, and whose word it takes about that.
+"""People at a station: whom it calls to look for a load that was disputed twice, or for a thing that a failed vehicle has on board, and whose word it takes about that.
 
 A station has no other commands; where its body is people, it hears what they say has happened (`PassedWords`). It begins to hear who is on duty when it calls somebody for the first time.
 """
@@ -10,7 +10,7 @@ from typing import Any
 
 from dray.body import StorageState
 from dray.memory import CommandMemory
-from dray.messages import CommandRefusal, Grant, MachineCommand, Message, PeopleAsBody
+from dray.messages import CommandRefusal, Grant, MachineCommand, MachineCommandKind, Message, PeopleAsBody
 from dray.messages.heartbeat import LOADS_TOLD
 from dray.plant import Plant
 from dray.protocol.calls.help_calls import HelpCalls
@@ -19,6 +19,7 @@ from dray.protocol.people.granted_commands import GrantedCommands
 from dray.protocol.people.words import PassedWords
 from dray.protocol.runtime.events import Effect
 from dray.protocol.runtime.timers import Timers
+from dray.protocol.transports.goods_recovery import GoodsRecovery
 from dray.protocol.transports.held import HeldTransports
 
 ONLY_LOADS = "a station takes a person's word about loads alone"
@@ -46,6 +47,7 @@ class HeldLoads:
         incarnation: of its agent.
         plant: where areas and places are.
         held: its transports that are held.
+        aboard: things for it that failed vehicles have on board.
         authority: whom it obeys.
         timers: its alarms, as for `HelpCalls`.
         out: where effects go.
@@ -62,11 +64,12 @@ class HeldLoads:
         incarnation: int,
         plant: Plant,
         held: HeldTransports,
+        aboard: GoodsRecovery,
         authority: CommandAuthorisation,
         timers: Timers,
         out: list[Effect],
     ) -> None:
-        self._held = held
+        self._held, self._aboard = held, aboard
         self._place_m = plant.position_of(station)
         self._granted = GrantedCommands[MachineCommand](authority, self._try, _detail, out)
         self.words = PassedWords(self._granted, out)
@@ -92,7 +95,8 @@ class HeldLoads:
         if command.kind.is_word and self.people is not None:
             self.words.pass_on(sender, command, (self._place_m,), now_s)
             return
-        self._granted.on_command(sender, command, self._held.place_m(command.task) or self._place_m, now_s)
+        load = self._aboard if command.kind.is_about_goods else self._held
+        self._granted.on_command(sender, command, load.place_m(command.task) or self._place_m, now_s)
 
     def sense(self, body: StorageState) -> bool:
         """Take note of what waits for people's words; whether that is news."""
@@ -101,23 +105,22 @@ class HeldLoads:
         return is_news
 
     def update_calls(self, now_s: float, *, expected: bool) -> None:
-        """Call somebody for each load that is to be looked for, and nobody longer than that.
+        """Call somebody for each load that is to be looked for, or handed over, and nobody longer than that.
 
         Args:
             now_s: the present time.
             expected: False for a station that leaves: its next life calls.
         """
-        held = self._held.names() if expected else ()
-        for goods in [each for each in self._calls.goods if each not in held]:
-            self._calls.close(now_s, goods=goods)
-        if not held:
-            return
-        if not self._listens:
+        if expected and not self._listens and (self._held.names() or self._aboard.names(now_s)):
             self._listens = True
             self._calls.listen()
-        self._held.call(self._calls, now_s)
+        self._aboard.update_calls(self._calls, now_s, expected=expected)
 
     def _try(self, command: MachineCommand, _grant: Grant, now_s: float) -> CommandRefusal | None:
+        if command.kind is MachineCommandKind.FETCH_GOODS:
+            return self._aboard.fetch(command.task, command.node, now_s)
+        if command.kind is MachineCommandKind.WRITE_OFF:
+            return self._aboard.write_off(command.task, now_s)
         if not command.kind.is_about_held:
             return CommandRefusal.NOT_SUPPORTED
         return self._held.obey(command, now_s)

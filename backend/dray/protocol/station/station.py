@@ -103,7 +103,14 @@ class Station(AgentBase):
         )
         authority = CommandAuthorisation(storage, plant, trusts)
         self._held_loads = HeldLoads(
-            storage, incarnation, plant, self._flow.held, authority, self._timers, self._out
+            storage,
+            incarnation,
+            plant,
+            self._flow.held,
+            self._flow.goods_recovery,
+            authority,
+            self._timers,
+            self._out,
         )
         self._fills_itself = spec.refill == "itself"
         self._refilling = Refilling(spec, plant, self._book, self._flow, incarnation)

@@ -13,8 +13,8 @@ believes to be it.
 
 A carrier that lives and does not come nearer has failed too (`progress`), but its secondary does not see that: it is asked.
 
-Finished goods that have left their machine exist only once: nobody else can carry them, so their task waits for
-its carrier, or for a person's word (`left_aboard`). A load that was seen in the buffer is delivered, whether or
+Finished goods that have left their machine exist only once, and so does a thing without master data: nobody else can carry
+them, so their task waits for its carrier, or for a person's word (`left_aboard`). A load that was seen in the buffer is delivered, whether or
 not its carrier lives to say so.
 """
 
@@ -135,8 +135,8 @@ class Failover:
         task.clear_trouble()
 
     def note_loaded(self, task: OpenTask) -> None:
-        """Finished goods are on board of their carrier. Whoever watches it goes on: it is asked first if they can be handed over."""
-        if not task.is_loaded:
+        """Finished goods, or a thing, are on board of their carrier. Whoever watches it goes on: it is asked first if they can be handed over."""
+        if not task.is_loaded and not task.is_counted:
             task.states.enter(TaskState.IN_TRANSIT)
             self.aboard.forget(task)
             self._secondaries.seek_no_more(task)
@@ -153,7 +153,7 @@ class Failover:
         brief = heartbeat.task
         if brief is not None and brief.task == task.id and brief.epoch == task.epoch:
             task.contract.unnamed_s = NEVER_S
-            if task.is_of_goods and brief.phase in GOODS_ABOARD and self._may_have_left(task):
+            if task.exists_once and brief.phase in GOODS_ABOARD and self._may_have_left(task):
                 self.note_loaded(task)
             self._look_at_progress(task, heartbeat, now_s)
             if not detector.failure(now_s) and not self._is_stuck(task):
@@ -254,8 +254,9 @@ class Failover:
             task.states.enter(TaskState.ASSIGNED)
 
     def _may_have_left(self, task: OpenTask) -> bool:
-        """Whether goods may be on board, as their carrier says: this coordinator was away, or misses them, or they were elsewhere."""
-        return not task.witnessed or bool(cast(Transport, task.work).handed_at) or self._is_missing(task)
+        """Whether a load may be on board, as its carrier says: this coordinator was away, or misses it, or it was elsewhere."""
+        elsewhere = task.is_thing or bool(cast(Transport, task.work).handed_at)
+        return elsewhere or not task.witnessed or self._is_missing(task)
 
     def _is_stuck(self, task: OpenTask) -> bool:
         """Whether its carrier does not come nearer."""
@@ -295,5 +296,9 @@ class Failover:
         if detector.failure(now_s):
             self.aboard.strand(task, now_s)
             self._remedies.wait(task, reason, now_s)
-        else:
+        elif task.is_of_goods or cast(Transport, task.work).handed_at:
             self._remedies.give_up(task, now_s)
+        else:
+            # Its carrier lives and has no thing any more: it is looked for where it was.
+            self.aboard.forget(task)
+            self._remedies.reopen(task, reason, now_s)

@@ -1,7 +1,7 @@
 """Finished goods on board of a vehicle that has failed: they wait for a person's word, and are made again only then.
 
 Each piece exists once, so nobody else can carry them as long as they are on board, and nobody makes them again while they may still
-come. Their task keeps its carrier, its epoch and its secondary:
+come. A thing without master data exists once, too: it waits likewise, and when it is given up it is looked for where it was fetched. Their task keeps its carrier, its epoch and its secondary:
 
     IN_TRANSIT --its carrier has failed--> STRANDED --heard again--> IN_TRANSIT
                                               |

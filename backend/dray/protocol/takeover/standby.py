@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from msgspec.structs import replace
 
-from dray.messages import AtvHeartbeat, Award, Brief, Reason, Release, Resigned, Role, Transport
+from dray.messages import THING, AtvHeartbeat, Award, Brief, Reason, Release, Resigned, Role, Transport
 from dray.messages.fact import ContractEnded, ContractTaken, PrimarySuspected
 from dray.messages.heartbeat import GOODS_ABOARD
 from dray.protocol.liveness.failure_detector import FailureDetector, HeartbeatSubscriptions
@@ -39,9 +39,9 @@ class Watch:
 
     @property
     def can_be_taken_over(self) -> bool:
-        """Whether the load can still be fetched: goods that have left their machine exist only once."""
+        """Whether the load can still be fetched: goods that have left their machine exist only once, and things."""
         work, last = self.award.work, self.detector.last
-        if not isinstance(work, Transport) or not work.goal:
+        if not isinstance(work, Transport) or not (work.goal or work.item == THING):
             return True
         brief = last.task if last is not None else None
         return brief is None or brief.task != self.award.task or brief.phase not in GOODS_ABOARD

@@ -361,7 +361,9 @@ class CalledTransports:
 
     def _is_on_board(self, called: CalledTransport) -> bool:
         task = self._flow.tasks.get(called.task)
-        return task is not None and (task.contract.phase in _ON_BOARD or task.is_counted)
+        if task is None:
+            return False
+        return task.contract.phase in _ON_BOARD or task.is_counted or task.is_loaded
 
     def _tell(self, called: CalledTransport) -> None:
         task = self._flow.tasks.get(called.task)
@@ -374,7 +376,8 @@ class CalledTransports:
 
     def _wait(self, called: CalledTransport, task: OpenTask | None) -> TransportWait:
         if task is not None:
-            return TransportWait.NO_BID if task.auction.was_in_vain else TransportWait.UNDECIDED
+            # It stays so while it is offered again: what is told since when is the first round in vain.
+            return TransportWait.NO_BID if task.auction.found_nobody else TransportWait.UNDECIDED
         if not called.task:
             return TransportWait.NO_ROOM
         waits = any(need.task == called.task and need.waits for need in self._flow.sourcing)

@@ -318,7 +318,7 @@ class Sourcing:
 
     def _renew(self, task_id: str, now_s: float) -> None:
         task = self._task_of(task_id)
-        if task is None or _was_fetched(task):
+        if task is None or _was_fetched(task) or not _is_material(task, self._place):
             return
         self._ask(task_id, task.epoch, _work(task), tuple(self._held.get(task_id) or _sources(task)))
         self._timers.set((RENEW, task_id), now_s + RENEW_S)
@@ -338,8 +338,9 @@ class Sourcing:
 
 
 def _is_material(task: OpenTask, place: str) -> bool:
+    """Whether a place gives the load: not people, who hand over what a failed vehicle had on board."""
     work = task.work
-    return isinstance(work, Transport) and work.destination == place
+    return isinstance(work, Transport) and work.destination == place and not work.handed_at
 
 
 def _work(task: OpenTask) -> Transport:

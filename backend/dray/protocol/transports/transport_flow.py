@@ -47,6 +47,7 @@ from dray.protocol.runtime.timers import Timers
 from dray.protocol.transports.booking_out import BookingOut
 from dray.protocol.transports.called import CalledTransports
 from dray.protocol.transports.dock import Dock, Stock
+from dray.protocol.transports.goods_recovery import GoodsRecovery
 from dray.protocol.transports.handovers import Handovers
 from dray.protocol.transports.held import HeldTransports
 from dray.protocol.transports.lead_time import first_lead_s
@@ -95,6 +96,7 @@ class TransportFlow:
         tasks: its open transports.
         sourcing: what is waited for before anybody is hired.
         held: those for whose loads a person has to look.
+        goods_recovery: the goods and things that failed vehicles have on board.
         called: what people and programs have asked for.
         door: of its dock, for whoever loads or unloads.
         bookings: what its body was told of loads, and has not answered.
@@ -155,6 +157,7 @@ class TransportFlow:
             resized=self._resize,
         )
         self.held = HeldTransports(plant, self.tasks)
+        self.goods_recovery = GoodsRecovery(plant, self.tasks, self.held)
         self.bookings = Bookings(out, owner.commit)
         self.booking_out = BookingOut(self.subscriptions, self.bookings, out, owner.commit)
         self.departures = Departures(

@@ -166,14 +166,17 @@ function why(call: TransportAnswer): string {
   if (call.refused !== null) return t("calling.refused");
   if (call.cancel_at !== null && call.ended_at === null) return t("calling.beingOff");
   if (call.ended_at !== null) return "";
+  const left = world.value?.tasks.get(call.task ?? "")?.stranded;
+  if (left) {
+    const node = left.node === "" ? t("goods.nowhere") : left.node;
+    return left.handed_at ? t("calling.handed", { node: left.handed_at }) : t("calling.left", { atv: vehicleName(left.atv), node });
+  }
   if (call.status === "waiting") {
     const { not_before: begin, vehicle, vehicle_waits: waits } = call;
     if (call.wait === "not_before" && begin !== null) return t("calling.begins", { at: format.due(Date.parse(begin) / 1000, moment.value.nowS) });
     if (vehicle !== null && waits !== null && call.wait !== "no_room" && call.wait !== "short")
       return t("calling.wait.vehicle", { vehicle, why: word("unwilling", waits) });
     if (call.wait !== "no_room" && call.wait !== "short" && call.wait !== "no_bid") return t("calling.wait.undecided");
-    // Between two auctions that found nobody it is being offered: since when is not told.
-    if (call.wait === "no_bid") return t("calling.wait.no_bid");
     return t("calling.waitsSince", { why: t(`calling.wait.${call.wait}`), at: format.due(Date.parse(call.updated_at) / 1000, moment.value.nowS) });
   }
   const at = call.expected_at === null ? "" : ` · ${t("card.there", { at: format.due(Date.parse(call.expected_at) / 1000, moment.value.nowS) })}`;

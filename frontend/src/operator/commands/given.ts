@@ -1,8 +1,8 @@
 /** The commands that were given on this page, and what has become of them. */
 import { computed, signal } from "@preact/signals";
-import { commandAtv, commandMachine, loadSeen, newKey } from "../../api/client";
+import { commandAtv, commandMachine, commandStation, loadSeen, newKey } from "../../api/client";
 import { NOT_SENT, Problem } from "../../api/problem";
-import type { CommandAnswer, CommandRequest, CommandView, MachineCommandRequest } from "../../api/types";
+import type { CommandAnswer, CommandRequest, CommandView, MachineCommandRequest, StationCommandRequest } from "../../api/types";
 import { serverNowS, world } from "../../stream/stream";
 import { t } from "../../text/operator";
 import { problemText } from "../problem-text";
@@ -52,6 +52,11 @@ export async function give(atv: string, request: CommandRequest): Promise<void> 
 /** The same to a machine. */
 export async function giveMachine(machine: string, request: MachineCommandRequest): Promise<void> {
   await follow(machine, request, (command) => commandMachine(machine, { ...request, command }));
+}
+
+/** The same to the station of a storage or warehouse. */
+export async function giveStation(station: string, request: StationCommandRequest): Promise<void> {
+  await follow(station, request, (command) => commandStation(station, { ...request, command }));
 }
 
 /** What somebody has seen of a load that was disputed, to the machine or station that waits for that word. */

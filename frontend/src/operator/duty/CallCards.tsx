@@ -2,6 +2,7 @@ import { useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import type { CallView } from "../../api/types";
 import { Tag } from "../../parts/Tag";
+import { THING } from "../../plant/names";
 import { vehicleName } from "../../text/elsewhere";
 import { failureText } from "../../text/failure";
 import { format, t, word } from "../../text/operator";
@@ -108,7 +109,7 @@ function wrongText({ goods, problem, reason }: CallView) {
   if (goods !== "") {
     const task = world.value?.tasks.get(goods);
     if (task !== undefined && isHeld(task)) return <b>{`${heldText(task)} ${t("held.look")}`}</b>;
-    return <b>{task?.stranded ? `${t("goods.title", { atv: vehicleName(task.stranded.atv) })}: ${goodsText(task)}` : t("goods.called")}</b>;
+    return <b>{task?.stranded ? `${t(task.item === THING ? "goods.titleThing" : "goods.title", { atv: vehicleName(task.stranded.atv) })}: ${goodsText(task)}` : t("goods.called")}</b>;
   }
   return (
     <>

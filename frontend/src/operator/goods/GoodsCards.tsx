@@ -3,13 +3,14 @@ import type { TaskView } from "../../api/types";
 import { Tag } from "../../parts/Tag";
 import { freshness, world } from "../../stream/stream";
 import { isPast } from "../../stream/freshness";
+import { THING } from "../../plant/names";
 import { vehicleName } from "../../text/elsewhere";
 import { format, t } from "../../text/operator";
 import { CommandLine } from "../commands/CommandLine";
-import { giveMachine } from "../commands/given";
+import { giveMachine, giveStation } from "../commands/given";
 import { HoldButton } from "../cards/HoldButton";
 import { ended } from "../session/session";
-import { moment, names } from "../state";
+import { moment, names, plant } from "../state";
 import { strandedOf } from "./stranded";
 
 /** Goods on board of failed vehicles: somebody hands them over, or writes them off; that is held, for nothing takes it back. */
@@ -32,6 +33,11 @@ function GoodsCard({ task }: { task: TaskView }) {
     if (location.hash === `#goods-${encodeURIComponent(id)}`) document.getElementById(`goods-${id}`)?.scrollIntoView({ block: "nearest" });
   }, [id]);
   if (stranded === null) return null;
+  const isThing = task.item === THING;
+  const say = (kind: "fetch_goods" | "write_off"): void => {
+    const toStation = plant.value?.machines.every((machine) => machine.id !== coordinator) ?? false;
+    void (toStation ? giveStation : giveMachine)(coordinator, { kind, task: id });
+  };
   const disabled = ended.value !== null || isPast(freshness.value) || freshness.value === "connecting";
   const said = stranded.handed_at;
   const until = format.due(stranded.until_at_s, moment.value.nowS);
@@ -39,12 +45,12 @@ function GoodsCard({ task }: { task: TaskView }) {
     <li class="vehicle card machine-need need-help" id={`goods-${id}`}>
       <div class="vehicle-body">
         <header>
-          <h2>{t("goods.title", { atv: vehicleName(stranded.atv) })}</h2>
+          <h2>{t(isThing ? "goods.titleThing" : "goods.title", { atv: vehicleName(stranded.atv) })}</h2>
           <Tag tone="warn">{id}</Tag>
         </header>
         <div class="vehicle-now">
           <p class="help-what">{goodsText(task)}</p>
-          <p class="doing">{said === "" ? t("goods.waits", { at: until }) : t("goods.fetched", { node: said })}</p>
+          <p class="doing">{said === "" ? t(isThing ? "goods.waitsThing" : "goods.waits", { at: until }) : t("goods.fetched", { node: said })}</p>
         </div>
         <div class="vehicle-acts">
           {said === "" && (
@@ -52,7 +58,7 @@ function GoodsCard({ task }: { task: TaskView }) {
               type="button"
               class="button fault-gone primary"
               disabled={disabled}
-              onClick={() => void giveMachine(coordinator, { kind: "fetch_goods", task: id })}
+              onClick={() => { say("fetch_goods"); }}
             >
               <b>{t("command.fetch_goods")}</b>
               <small>{t("goods.more.fetch_goods")}</small>
@@ -61,10 +67,10 @@ function GoodsCard({ task }: { task: TaskView }) {
           <HoldButton
             class="button fault-gone"
             disabled={disabled}
-            onHeld={() => void giveMachine(coordinator, { kind: "write_off", task: id })}
+            onHeld={() => { say("write_off"); }}
           >
             <b>{t("command.write_off")}</b>
-            <small>{t("goods.more.write_off")}</small>
+            <small>{t(isThing ? "goods.more.writeOffThing" : "goods.more.write_off")}</small>
           </HoldButton>
         </div>
         <CommandLine atv={coordinator} stopped={false} />
@@ -78,5 +84,6 @@ export function goodsText({ coordinator: machine, item, quantity, stranded }: Ta
   const order = stranded?.order_name ?? "";
   const node = stranded?.node ?? "";
   const said = { quantity: format.count(quantity), item: names.value(item), machine, order, node: node === "" ? t("goods.nowhere") : node };
+  if (item === THING) return t("goods.whatThing", said);
   return t(order === "" ? "goods.what" : "goods.whatFor", said);
 }

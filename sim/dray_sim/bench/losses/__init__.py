@@ -12,6 +12,7 @@ histories, database and floor hold. The baseline is the same fleet before the fi
     history      all that agents have told
     judgement    what must not be
     works, cost  what became of the victims' work
+    calling      who has something brought meanwhile (benchmark `calls`)
     figures      of all that
 """
 
@@ -22,13 +23,14 @@ import contextlib
 import logging
 import shutil
 import tempfile
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 from dray.cli.simulation.customers import HEAD_START_S, LOAD
 from dray.plant import default_plant
-from dray_sim.bench.losses.campaign import Campaign, play
-from dray_sim.bench.losses.figures import rows
+from dray_sim.bench.losses.campaign import Campaign, Outcome, play
+from dray_sim.bench.losses.figures import rows, rows_with_calls
 from dray_sim.bench.postgres import MISSING, PostgresServer, installed
 from dray_sim.bench.row import Row
 
@@ -36,6 +38,10 @@ QUICK = 10
 """A quick run has a tenth of the kills."""
 
 _log = logging.getLogger(__name__)
+
+
+CALLS, RECURRING = 500, 20
+"""Of the benchmark `calls`."""
 
 
 def measure(quick: bool, traffic: bool | None = None) -> list[Row]:
@@ -51,8 +57,29 @@ def measure(quick: bool, traffic: bool | None = None) -> list[Row]:
     Raises:
         UnavailableError: the fleet does not start, or too little was carried to tell anything.
     """
+    return _played(campaign_of(quick, traffic), rows)
+
+
+def measure_calls(quick: bool, traffic: bool | None = None) -> list[Row]:
+    """The same, while people and programs have something brought: benchmark `calls`.
+
+    Args:
+        quick: a tenth of the kills and of the calls.
+        traffic: whether vehicles drive with right of way; None: as `dray fleet up` does.
+
+    Raises:
+        UnavailableError: the fleet does not start, or does not recover from what is killed.
+    """
     share = QUICK if quick else 1
-    campaign = Campaign(
+    calls, recurring = CALLS // share, RECURRING // share
+    campaign = replace(campaign_of(quick, traffic), calls=calls, recurring=recurring)
+    return _played(campaign, rows_with_calls)
+
+
+def campaign_of(quick: bool, traffic: bool | None) -> Campaign:
+    """What is done; a quick one has a tenth of the kills."""
+    share = QUICK if quick else 1
+    return Campaign(
         plant=default_plant(),
         speed=10.0,
         plain=False,
@@ -72,10 +99,13 @@ def measure(quick: bool, traffic: bool | None = None) -> list[Row]:
         seed=1,
         traffic=traffic,
     )
+
+
+def _played(campaign: Campaign, figures: Callable[[Outcome], list[Row]]) -> list[Row]:
     folder = Path(tempfile.mkdtemp(prefix="dray-losses-"))
     with contextlib.ExitStack() as stack:
         server = server_in(stack)
-        found = rows(asyncio.run(play(campaign, folder, server)))
+        found = figures(asyncio.run(play(campaign, folder, server)))
         if all(row.met for row in found):
             shutil.rmtree(folder)
             return found

@@ -5,8 +5,8 @@ from __future__ import annotations
 import asyncio
 import time
 from collections import Counter
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from random import Random
 
@@ -17,6 +17,8 @@ from dray.store import Store, open_store
 from dray.store.orders.order_filter import EVERY_ORDER
 from dray.store.orders.orders import Order
 from dray.store.orders.progress import OrderStatus
+from dray.store.orders.transports import TransportFilter
+from dray_sim.bench.losses.calling import Called, Calling
 from dray_sim.bench.losses.cost import Kill
 from dray_sim.bench.losses.customer import Customer
 from dray_sim.bench.losses.fleet import Fleet, running
@@ -45,6 +47,9 @@ JOIN_S = 240.0
 
 RETURN_S = 240.0
 """Longest that nobody can be killed, because those that were are not back: as long as all need to join."""
+
+ROWS = 100_000
+"""Transports that are read at the end: all."""
 
 LOOK_S = 1.0
 """How often it is looked whether all orders have been delivered."""
@@ -91,6 +96,12 @@ class Campaign:
     drain_s: float
     seed: int
     traffic: bool | None = None
+    calls: int = 0
+    """Plain transports that are called for meanwhile, and..."""
+    recurring: int = 0
+    """...those that come by a calendar, once each."""
+    call_every_s: float = 2.4
+    """Real seconds from one call to the next."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,6 +115,8 @@ class Outcome:
         quiet_s, killing_s: when nobody was killed, and when everybody was: from and to (plant clock).
         answered_s: until the slowest order was answered, in real seconds.
         after: what is left.
+        called: what was called for meanwhile; None for nothing.
+        asked_s: by transport that was called for, when (plant clock).
     """
 
     campaign: Campaign
@@ -113,6 +126,8 @@ class Outcome:
     killing_s: tuple[float, float]
     answered_s: float
     after: Aftermath
+    called: Called | None = None
+    asked_s: Mapping[str, float] = field(default_factory=dict)
 
 
 async def play(campaign: Campaign, folder: Path, server: PostgresServer | None = None) -> Outcome:
@@ -141,11 +156,11 @@ async def play(campaign: Campaign, folder: Path, server: PostgresServer | None =
             with fleet.bus() as bus:
                 watch = await gathered(fleet, bus, JOIN_S)
                 first = await count_pieces(bus.inner, plant.id)
-                field = _Field(campaign, fleet, watch, store, server)
-                quiet_s, killing_s = await field.play()
+                field_ = _Field(campaign, fleet, watch, store, server)
+                quiet_s, killing_s = await field_.play()
                 last = await count_pieces(bus.inner, plant.id)
                 await caught_up(fleet, watch, store)
-                kills, registry = field.kills, fleet.registry
+                kills, registry = field_.kills, fleet.registry
                 heartbeats = list(watch.heard.machines.values())
         finally:
             await store.close()
@@ -157,21 +172,27 @@ async def play(campaign: Campaign, folder: Path, server: PostgresServer | None =
         unwritten = history.lacking(event for event in journalled if event.at_s < killing_s[1])
         history.add(journalled)
         orders = await _all_orders(store)
+        async with store.read() as work:
+            rows = [] if field_.calling is None else await work.transports.page(TransportFilter(), None, ROWS)
     finally:
         await store.close()
+    asked_s = {row.id: fleet.time.to_plant_s(row.created_at_s) for row in rows}
     after = Aftermath(
         history=history,
         unwritten=unwritten,
         heartbeats=heartbeats,
-        accepted=field.customer.accepted,
-        refused=field.customer.refused,
+        accepted=field_.customer.accepted,
+        refused=field_.customer.refused,
         orders=orders,
         first=first,
         last=last,
         starts={member.name: member.starts for member in registry.members},
         kills=Counter(kill.victim.name for kill in kills),
     )
-    return Outcome(campaign, kills, field.outages, quiet_s, killing_s, field.customer.waited_s, after)
+    called = None if field_.calling is None else field_.calling.called
+    return Outcome(
+        campaign, kills, field_.outages, quiet_s, killing_s, field_.customer.waited_s, after, called, asked_s
+    )
 
 
 class _Field:
@@ -187,6 +208,11 @@ class _Field:
     ) -> None:
         self._campaign, self._fleet, self._watch, self._store = campaign, fleet, watch, store
         self.customer = Customer(fleet.url, fleet.token, fleet.time)
+        self.calling: Calling | None = None
+        if campaign.calls:
+            self.calling = Calling(
+                fleet, campaign.plant, campaign.calls, campaign.recurring, campaign.call_every_s
+            )
         self.outages: list[Outage] = []
         self._breaker: Breaker | None = None
         if server is not None:
@@ -204,17 +230,28 @@ class _Field:
         begun_s = self._now_s() - campaign.head_start_s
         # No group of tasks: it would wrap what is wrong with the fleet, which is said as it is.
         placing = asyncio.create_task(self.customer.place(orders, begun_s))
+        calling: asyncio.Task[None] | None = None
         try:
             await asyncio.sleep(campaign.warm_s)
             began_s = self._now_s()
             await asyncio.sleep(campaign.quiet_s)
+            if self.calling is not None:
+                await self.calling.prepare()
             kill_s = self._now_s()
+            if self.calling is not None:
+                calling = asyncio.create_task(self.calling.call())
             await self._kill_all()
             ended_s = self._now_s()
+            if self.calling is not None and calling is not None:
+                await calling
+                # Orders go on: what is called back to a storage needs room there.
+                await self.calling.see_out(campaign.drain_s)
             self.customer.stop()
             await placing
         finally:
             placing.cancel()
+            if calling is not None:
+                calling.cancel()
         await self._drain()
         return (began_s, kill_s), (kill_s, ended_s)
 

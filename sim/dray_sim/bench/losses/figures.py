@@ -8,6 +8,7 @@ from statistics import median, quantiles
 
 from dray.cli.fleet.process_supervisor import REST_S
 from dray.errors import UnavailableError
+from dray_sim.bench.losses.calling import rows_of
 from dray_sim.bench.losses.campaign import Outcome
 from dray_sim.bench.losses.cost import Kill, fates
 from dray_sim.bench.losses.judgement import Finding, judge
@@ -47,6 +48,18 @@ def rows(outcome: Outcome) -> list[Row]:
         *(row for kind in Kind for row in _kind(kind, outcome, works, median(quiet_s))),
         *outages_of(outcome.outages, outcome.campaign.dark_s),
     ]
+
+
+def rows_with_calls(outcome: Outcome) -> list[Row]:
+    """What must not be, and what has become of the calls."""
+    found = [*map(_finding, judge(outcome.after))]
+    if outcome.called is None:
+        return found
+    killed = Counter(kill.victim.kind.value for kill in outcome.kills)
+    killed["database"] += len(outcome.outages)
+    kills = ", ".join(f"{count} x {kind}" for kind, count in killed.items() if count)
+    events = outcome.after.history.events
+    return [*found, *rows_of(outcome.called, events, outcome.asked_s, f"killed: {kills}")]
 
 
 def _finding(finding: Finding) -> Row:

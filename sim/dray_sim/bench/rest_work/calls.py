@@ -151,10 +151,10 @@ async def call_all(calls: int, recurring: int, traffic: bool | None, *, on_s: fl
     async with open_house(plant, shift, script, speed=SPEED, traffic=traffic) as house:
         who = {
             "a program": house.admin,
-            "a tablet": await _tablet(house, plant),
-            "a call button": await _button(house),
+            "a tablet": await tablet(house.port, house.database_url, plant),
+            "a call button": await button(house.port, house.database_url),
         }
-        schedules = await _plan(house, plant, recurring, calls * EVERY_S / SPEED)
+        schedules = await plan(house.admin, plant, recurring, calls * EVERY_S / SPEED)
         callers = await _call(house, plant, who, calls)
         told = await house.told
         ended = {"delivered", "cancelled"}
@@ -177,14 +177,25 @@ async def _call(house: House[Told], plant: Plant, who: dict[str, Client], calls:
                 await asyncio.sleep(AGAIN_S)
             priority = ("normal", "high", "urgent", "low")[number // 3 % 4]
             draft = next(wanted) | {"priority": priority}
-            group.create_task(_one(callers, name, who[name], f"work-{number}", draft))
+            group.create_task(call_once(callers, name, who[name], f"work-{number}", draft))
     return callers
 
 
-async def _one(callers: Callers, name: str, client: Client, key: str, draft: dict[str, Any]) -> None:
-    """One call, sent until it is answered, and once more: that is the same call."""
+async def call_once(
+    callers: Callers, name: str, client: Client, key: str, draft: dict[str, Any], tries: int = 20
+) -> None:
+    """One call, sent until it is answered, and once more: that is the same call.
+
+    Args:
+        callers: what was answered is noted here.
+        name: who calls.
+        client: likewise.
+        key: the Idempotency-Key.
+        draft: what is called for.
+        tries: how often it is sent in vain, a second apart.
+    """
     began_s = time.monotonic()
-    for _ in range(20):
+    for _ in range(tries):
         status, answer = await asyncio.to_thread(
             client.ask, "POST", "/api/transports", draft, **{"Idempotency-Key": key}
         )
@@ -204,8 +215,12 @@ async def _one(callers: Callers, name: str, client: Client, key: str, draft: dic
     callers.refused.append(f"{name}: {status} {answer}")
 
 
-async def _plan(house: House[Told], plant: Plant, count: int, within_s: float) -> list[str]:
-    """Recurring transports, each of which comes once in this run; returns their ids."""
+async def plan(admin: Client, plant: Plant, count: int, within_s: float) -> list[str]:
+    """Recurring transports, each of which comes once in this run; returns their ids.
+
+    Raises:
+        UnavailableError: one is not taken.
+    """
     wanted, names = loads(plant, Random("recurring")), []
     first = datetime.now(UTC) + timedelta(minutes=2)
     for number in range(count):
@@ -216,16 +231,16 @@ async def _plan(house: House[Told], plant: Plant, count: int, within_s: float) -
             "time_zone": "UTC",
             "transport": next(wanted),
         }
-        status, answer = await asyncio.to_thread(house.admin.ask, "POST", "/api/schedules", draft)
+        status, answer = await asyncio.to_thread(admin.ask, "POST", "/api/schedules", draft)
         if status != HTTPStatus.CREATED:
             raise UnavailableError("a schedule", f"was answered with {status}: {answer}", "see why")
         names.append(answer["id"])
     return names
 
 
-async def _tablet(house: House[Told], plant: Plant) -> Client:
+async def tablet(port: int, database_url: str, plant: Plant) -> Client:
     """The tablet of an operator who answers for all areas, and has logged in."""
-    store = await open_store(house.database_url)
+    store = await open_store(database_url)
     try:
         async with store.write() as access:
             [operator, *_] = [each for each in await access.people.all() if each.areas]
@@ -233,13 +248,13 @@ async def _tablet(house: House[Told], plant: Plant) -> Client:
             link = await invite(access, operator.id, time.time())
     finally:
         await store.close()
-    return Client(house.port, Cookie=f"{COOKIE}={await asyncio.to_thread(log_in, house.port, link)}")
+    return Client(port, Cookie=f"{COOKIE}={await asyncio.to_thread(log_in, port, link)}")
 
 
-async def _button(house: House[Told]) -> Client:
+async def button(port: int, database_url: str) -> Client:
     """A call button: its key may call transports and nothing else."""
     token = new_key()
-    store = await open_store(house.database_url)
+    store = await open_store(database_url)
     try:
         async with store.write() as access:
             key = ApiKey(
@@ -251,7 +266,7 @@ async def _button(house: House[Told]) -> Client:
             await access.api_keys.add(token, key)
     finally:
         await store.close()
-    return Client(house.port, Authorization=f"Bearer {token}")
+    return Client(port, Authorization=f"Bearer {token}")
 
 
 def _rows(

@@ -1,4 +1,4 @@
-"""Invariant 27: goods on board of a dead vehicle are given up by a person's word, for which one is asked, or after the stated time.
+"""Invariant 27: goods and things on board of a dead vehicle are given up by a person's word, for which one is asked, or after the stated time.
 
 A check like those of `dray_sim.checks.invariants`: it hears what is said, looks at what bodies have on board, and takes no part.
 """
@@ -8,6 +8,7 @@ from __future__ import annotations
 from msgspec import UNSET
 
 from dray.messages import (
+    THING,
     AtvHeartbeat,
     CallState,
     Event,
@@ -16,7 +17,9 @@ from dray.messages import (
     MachineCommandKind,
     MachineHeartbeat,
     Message,
+    StationHeartbeat,
     Transport,
+    TransportCancelled,
 )
 from dray.messages.fact import MemoryLost, TaskClosed, TaskOpened
 from dray.protocol.takeover.left_aboard import WRITTEN_OFF_AFTER_S
@@ -24,14 +27,14 @@ from dray_sim.checks.broken import InvariantBroken
 from dray_sim.factory.sim_factory import SimFactory
 
 WORDS_KEPT = 1000
-"""Tasks about whose goods somebody has said something; a word is said until it is answered, and then no more."""
+"""Tasks about whose loads somebody has said something; a word is said until it is answered, and then no more."""
 
 ASKED_WITHIN_S = 60.0
 """Goods are called for at once, and again every 5 s."""
 
 
 class GoodsKept:
-    """No coordinator gives goods up that a vehicle has on board which is off.
+    """No coordinator gives goods up, or a thing, that a vehicle has on board which is off.
 
     Args:
         factory: what is watched.
@@ -39,12 +42,12 @@ class GoodsKept:
 
     def __init__(self, factory: SimFactory) -> None:
         self._factory = factory
-        self._goods: dict[str, str] = {}
-        """By open task of goods, what is carried."""
+        self._goods: dict[str, tuple[str, str]] = {}
+        """By open task of goods or of a thing, what is carried, and who coordinates it."""
         self._heard_s: dict[str, float] = {}
         """When each vehicle has spoken last."""
         self._words: dict[str, None] = {}
-        """Tasks whose goods somebody has written off."""
+        """Tasks whose loads somebody has written off, and transports that somebody has called off."""
 
     def on_message(self, at_s: float, sender: str, _address: str, message: Message) -> None:
         """Note one utterance."""
@@ -52,41 +55,48 @@ class GoodsKept:
             self._heard_s[message.atv] = at_s
         elif type(message) is MachineCommand:
             if message.kind is MachineCommandKind.WRITE_OFF:
-                self._words[message.task] = None
-                if len(self._words) > WORDS_KEPT:
-                    del self._words[next(iter(self._words))]
+                self._note_word(message.task)
+        elif type(message) is TransportCancelled:
+            self._note_word(message.transport)
         elif type(message) is Event:
             fact = message.fact
             if type(fact) is TaskOpened:
-                if isinstance(fact.work, Transport) and fact.work.goal:
-                    self._goods[fact.task] = fact.work.item
+                if isinstance(fact.work, Transport) and (fact.work.goal or fact.work.item == THING):
+                    self._goods[fact.task] = (fact.work.item, sender)
             elif type(fact) is TaskClosed:
-                item = self._goods.pop(fact.task, "")
+                item, _ = self._goods.pop(fact.task, ("", ""))
                 if item and fact.outcome == "withdrawn":
                     self._check(fact, item, at_s)
             elif type(fact) is MemoryLost:
                 # It may have taken up tasks since of which it knows less.
-                self._goods = {task: item for task, item in self._goods.items() if not _is_of(task, sender)}
+                self._goods = {task: goods for task, goods in self._goods.items() if goods[1] != sender}
+
+    def _note_word(self, about: str) -> None:
+        self._words[about] = None
+        if len(self._words) > WORDS_KEPT:
+            del self._words[next(iter(self._words))]
 
     def _check(self, fact: TaskClosed, item: str, at_s: float) -> None:
         vehicle = self._factory.vehicles.get(fact.carrier)
-        if vehicle is None or fact.task in self._words or not vehicle.off or vehicle.sense().load != item:
+        if vehicle is None or not vehicle.off or vehicle.sense().load != item:
+            return
+        if fact.task in self._words or any(_is_attempt(fact.task, word) for word in self._words):
             return
         silent_s = at_s - self._heard_s.get(fact.carrier, 0.0)
         if silent_s < WRITTEN_OFF_AFTER_S:
-            seen = f"{fact.task} was given up with its goods on board of {fact.carrier}, which is dead for {silent_s:.0f} s"
+            seen = f"{fact.task} was given up with its load on board of {fact.carrier}, which is dead for {silent_s:.0f} s"
             raise InvariantBroken(27, at_s, seen)
 
 
 class GoodsCalledFor:
-    """Invariant 27, too: a machine that tells of goods which wait for a person calls one, until one has handed them over.
+    """Invariant 27, too: a machine or station that tells of a load which waits for a person calls one, until one has handed it over.
 
     Not while their vehicle is heard and has a problem: that one calls itself.
     """
 
     def __init__(self) -> None:
         self._since_s: dict[str, dict[str, float]] = {}
-        """By machine and its transport whose goods wait: since when, or since they were called for last."""
+        """By coordinator and its transport whose load waits: since when, or since it was called for last."""
         self._aboard: dict[str, str] = {}
         """By such a transport, the vehicle."""
         self._lives: dict[str, int] = {}
@@ -105,26 +115,28 @@ class GoodsCalledFor:
             for since_s in self._since_s.values():
                 since_s.update((goods, at_s) for goods in since_s if self._aboard.get(goods) == sender)
         elif type(message) is MachineHeartbeat:
-            self._note(message, at_s)
+            self._note(message.machine, message, at_s)
+        elif type(message) is StationHeartbeat:
+            self._note(message.station, message, at_s)
 
-    def _note(self, heartbeat: MachineHeartbeat, at_s: float) -> None:
-        machine, life = heartbeat.machine, heartbeat.incarnation
-        before_s = self._since_s.get(machine, {}) if self._lives.get(machine) == life else {}
-        self._lives[machine] = life
+    def _note(self, place: str, heartbeat: MachineHeartbeat | StationHeartbeat, at_s: float) -> None:
+        life = heartbeat.incarnation
+        before_s = self._since_s.get(place, {}) if self._lives.get(place) == life else {}
+        self._lives[place] = life
         waiting = {
             brief.task: brief.stranded.atv
             for brief in heartbeat.tasks
             if brief.stranded is not UNSET and not brief.stranded.handed_at and not heartbeat.draining
         }
-        self._since_s[machine] = {goods: before_s.get(goods, at_s) for goods in waiting}
+        self._since_s[place] = {goods: before_s.get(goods, at_s) for goods in waiting}
         for gone in [goods for goods in before_s if goods not in waiting]:
             self._aboard.pop(gone, None)
         self._aboard |= waiting
-        for goods, since_s in self._since_s[machine].items():
+        for goods, since_s in self._since_s[place].items():
             if at_s - since_s > ASKED_WITHIN_S:
-                seen = f"{machine} has {goods} on board of a failed vehicle for {at_s - since_s:.0f} s and calls nobody"
+                seen = f"{place} has {goods} on board of a failed vehicle for {at_s - since_s:.0f} s and calls nobody"
                 raise InvariantBroken(27, at_s, seen)
 
 
-def _is_of(task: str, machine: str) -> bool:
-    return task.startswith((f"{machine}-", f"{machine}."))
+def _is_attempt(task: str, transport: str) -> bool:
+    return task.startswith((f"{transport}-", f"{transport}."))

@@ -74,6 +74,25 @@ def test_a_contract_that_is_void_while_it_loads_ends_after_the_load_is_back() ->
     assert trip.job.ended == Reason.SUPERSEDED
 
 
+@pytest.mark.parametrize(("fetched", "back"), [("S3", "S3"), ("M8", "S5")])
+def test_a_thing_that_is_called_off_while_it_is_loaded_goes_back_to_its_storage_or_the_nearest(
+    fetched: str, back: str
+) -> None:
+    trip = Trip(source=fetched, sources=(fetched,), destination="S1", item=THING, quantity=1).to_loading()
+    if fetched == "M8":
+        trip.opened("M8")
+    trip.hears(Withdrawn(task="M8-1", epoch=1, reason=Reason.NOT_NEEDED))
+    assert trip.job.ended is None
+    trip.done(Pick)
+    assert trip.job.phase is Phase.RETURNING
+    if not instructed(trip.out, Drop):
+        trip.arrives()
+    assert instructed(trip.out, Drop)[-1].station == back
+    trip.done(Drop)
+    assert trip.job.ended == Reason.WITHDRAWN
+    assert sent(trip.out, Handover) == []
+
+
 def test_a_contract_that_is_void_while_a_pick_fails_ends() -> None:
     trip = Trip().to_loading()
     trip.superseded()

@@ -141,11 +141,11 @@ async def command_machine(
     """Promise help, clear a fault, hand goals over, slow down, restart, take out of service, fetch goods, write them off, or say what has happened; waits for its word."""
     note.detail |= command.model_dump(mode="json", exclude_none=True)
     note.waits = True
-    goods_m = _goods_m(projection, machine, command)
-    if goods_m is None:
+    place_m = goods_m(projection, machine, command.kind, command.task)
+    if place_m is None:
         _area_rule(projection, caller, machine)
-    elif caller.areas is not None and caller.areas.isdisjoint(_areas_near(projection, *goods_m)):
-        raise forbidden(f"the goods of {command.task} are not in your areas ({_named(caller.areas)})")
+    elif caller.areas is not None and caller.areas.isdisjoint(areas_near(projection, *place_m)):
+        raise forbidden(f"the goods of {command.task} are not in your areas ({named(caller.areas)})")
     must_be_heard(projection, machine, "The machine is shut out", "; readmit it first")
     said = MachineCommand(
         command=command.command or commands.new_name(),
@@ -166,22 +166,24 @@ async def command_machine(
     return answered(answer, note, visible)
 
 
-def _goods_m(
-    projection: Projection, machine: str, command: MachineCommandRequest
+def goods_m(
+    projection: Projection, place: str, kind: MachineCommandKind, task: str
 ) -> tuple[float, float] | None:
-    """Where the goods wait that a command is about: who answers for that place may give it, and nobody else. None where nobody knows."""
-    view = projection.tasks.view(command.task) if command.kind.is_about_goods else None
-    if view is None or view.coordinator != machine or view.stranded is None:
+    """Where the goods wait, or the thing, that a command is about: who answers for that place may give it, and nobody else. None where nobody knows."""
+    view = projection.tasks.view(task) if kind.is_about_goods else None
+    if view is None or view.coordinator != place or view.stranded is None:
         return None
     spot = projection.site.plant.nodes.get(view.stranded.node)
     return None if spot is None else (spot.x_m, spot.y_m)
 
 
-def _areas_near(projection: Projection, x_m: float, y_m: float) -> frozenset[str]:
+def areas_near(projection: Projection, x_m: float, y_m: float) -> frozenset[str]:
+    """The areas around a place (m)."""
     return frozenset(projection.site.plant.areas_near(x_m, y_m, 0.0))
 
 
-def _named(areas: frozenset[str]) -> str:
+def named(areas: frozenset[str]) -> str:
+    """Areas in words, for people."""
     return ", ".join(sorted(areas)) or "none"
 
 
@@ -197,6 +199,6 @@ def _area_rule(projection: Projection, caller: Principal, machine: str) -> None:
             raise not_found("machine", machine, "GET /api/machines")
         return
     here = machine in plant.machines
-    near = _areas_near(projection, *plant.position_of(machine)) if here else frozenset[str]()
+    near = areas_near(projection, *plant.position_of(machine)) if here else frozenset[str]()
     if caller.areas.isdisjoint(near):
-        raise forbidden(f"{machine} is not in your areas ({_named(caller.areas)})")
+        raise forbidden(f"{machine} is not in your areas ({named(caller.areas)})")

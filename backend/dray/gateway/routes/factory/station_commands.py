@@ -1,4 +1,4 @@
-"""What people say has happened at a station whose body is people: a storage's, a source warehouse's, or the delivery gate."""
+"""What people say to a station: what has happened where they are its body (a storage's, a source warehouse's, or the delivery gate), and what becomes of a thing that a failed vehicle has on board."""
 
 from __future__ import annotations
 
@@ -19,7 +19,13 @@ from dray.gateway.http.responses import Json, described, problems
 from dray.gateway.live.places import areas_of
 from dray.gateway.live.projection import Projection
 from dray.gateway.routes.factory.command_answers import CommandAnswer, CommandName, answered, must_be_heard
-from dray.gateway.routes.factory.machine_commands import NAME, QUANTITY_MAX
+from dray.gateway.routes.factory.machine_commands import (
+    NAME,
+    QUANTITY_MAX,
+    areas_near,
+    goods_m,
+    named,
+)
 from dray.gateway.routes.parameters import Visible
 from dray.messages import MachineCommand, MachineCommandKind
 from dray.messages.keys import GATE
@@ -38,17 +44,23 @@ class StationCommandRequest(BaseModel):
                 {"kind": "taken", "item": "shaft", "quantity": 12},
                 {"kind": "arrived", "item": "order-7-1.1", "quantity": 4},
                 {"kind": "stock_is", "item": "shaft", "quantity": 40, "sure": True},
+                {"kind": "fetch_goods", "task": "T-1M9K3X2A4-K7QM-1", "node": "c2"},
+                {"kind": "write_off", "task": "T-1M9K3X2A4-K7QM-1"},
             ]
         },
     )
 
-    kind: Literal["arrived", "taken", "stock_is"]
-    item: Annotated[str, Field(min_length=1, pattern=NAME)]
-    """The material; at the gate, the goal that stands on the label."""
-    quantity: Annotated[int, Field(strict=True, ge=0, le=QUANTITY_MAX)]
-    """Pieces."""
+    kind: Literal["arrived", "taken", "stock_is", "fetch_goods", "write_off"]
+    item: Annotated[str, Field(pattern=NAME)] = ""
+    """For `arrived`, `taken` and `stock_is`: the material; at the gate, the goal that stands on the label."""
+    quantity: Annotated[int | None, Field(strict=True, ge=0, le=QUANTITY_MAX)] = None
+    """Likewise: pieces."""
     vehicle: Annotated[str, Field(pattern=NAME)] = ""
     """For `arrived` and `taken`: who has brought or fetched them; left out for by hand."""
+    task: Annotated[str, Field(max_length=64)] = ""
+    """For `fetch_goods` and `write_off`: the transport whose thing a failed vehicle has on board."""
+    node: Annotated[str, Field(max_length=64)] = ""
+    """For `fetch_goods` only: where a person hands it over; left out for the nearest node beside the vehicle."""
     sure: bool = False
     """The number is right, however far it is from the expected one."""
     command: CommandName = None
@@ -60,6 +72,21 @@ class StationCommandRequest(BaseModel):
             raise ValueError("vehicle may be given with kind arrived and taken, and with no other")
         return self
 
+    @model_validator(mode="after")
+    def _fields_belong_to_their_kinds(self) -> Self:
+        is_word = MachineCommandKind(self.kind).is_word
+        if is_word != (bool(self.item) and self.quantity is not None):
+            raise ValueError(
+                "item and quantity are given with arrived, taken and stock_is, and with no other"
+            )
+        if is_word == bool(self.task):
+            raise ValueError("task is given with fetch_goods and write_off, and with no other")
+        if self.node and self.kind != "fetch_goods":
+            raise ValueError("node may be given with kind fetch_goods, and with no other")
+        if not is_word and (self.item or self.quantity is not None or self.vehicle or self.sure):
+            raise ValueError("item, quantity, vehicle and sure are given with words, and with no other")
+        return self
+
 
 @router.post(
     "/stations/{station}/commands",
@@ -67,7 +94,7 @@ class StationCommandRequest(BaseModel):
     responses={
         200: described(CommandAnswer, "The station's word", CommandAnswer("gateway.1-7", done=True)),
         **problems(
-            p403="The station is not in the caller's areas",
+            p403="The station, or the thing that it is about, is not in the caller's areas",
             p404="There is no such station",
             p409="The name of the command was used for another one, or the station is shut out",
             p503="Too many commands wait for an answer",
@@ -85,16 +112,23 @@ async def command_station(
     station: str,
     command: StationCommandRequest,
 ) -> Json:
-    """Say what has arrived at a storage, a warehouse or the gate (station `gate`), was taken there, or lies there; waits for its word."""
+    """Say what has arrived at a storage, a warehouse or the gate (station `gate`), was taken there, or lies there, or what becomes of a thing on board of a failed vehicle; waits for its word."""
     note.detail |= command.model_dump(mode="json", exclude_none=True)
     note.waits = True
-    _area_rule(projection, caller, station)
+    kind = MachineCommandKind(command.kind)
+    place_m = goods_m(projection, station, kind, command.task)
+    if place_m is None:
+        _area_rule(projection, caller, station)
+    elif caller.areas is not None and caller.areas.isdisjoint(areas_near(projection, *place_m)):
+        raise forbidden(f"what {command.task} carries is not in your areas ({named(caller.areas)})")
     must_be_heard(projection, station, "The station is shut out", "; readmit it first")
     said = MachineCommand(
         command=command.command or commands.new_name(),
-        kind=MachineCommandKind(command.kind),
+        kind=kind,
         item=command.item,
-        quantity=command.quantity,
+        quantity=command.quantity or 0,
+        task=command.task,
+        node=command.node,
         vehicle=command.vehicle,
         sure=command.sure,
         issued_by=caller.name,

@@ -1,11 +1,12 @@
 """The page of a call key: a plain form for a phone or a screen at a machine, whole without a script.
 
 The key is in the address, as that of a customer's page is. So it opens only with a key that may call for transports at one place
-and nothing else: whoever finds the address can have one place's material brought and taken away, and sees nothing of the plant.
+and nothing else: whoever finds the address can have things brought to one place and taken away, and sees of the plant how its places are called.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from http import HTTPStatus
 from typing import Annotated, Any
 
@@ -20,7 +21,7 @@ from dray.gateway.access.audit_recorder import address_of
 from dray.gateway.access.principal import Principal, Scope
 from dray.gateway.access.tokens import new_token
 from dray.gateway.calling.code import drawn
-from dray.gateway.calling.page import SHOWN, called, tiles, until
+from dray.gateway.calling.page import SHOWN, called, choices, tiles, until
 from dray.gateway.calling.texts import TEXTS
 from dray.gateway.http.assets import NotBuilt, Panels
 from dray.gateway.http.language import language_of, remember_language, switches
@@ -29,8 +30,8 @@ from dray.gateway.http.provided import Now, Provided
 from dray.gateway.http.public_urls import BaseUrl
 from dray.gateway.http.request_bodies import read_form
 from dray.gateway.live.projection import Projection
-from dray.gateway.orders.idempotency import own_key
-from dray.gateway.orders.transport_draft import TransportDraft
+from dray.gateway.orders.idempotency import AT_WORK, own_key
+from dray.gateway.orders.transport_draft import THING_MAX, TransportDraft
 from dray.gateway.orders.transports import PlainTransports
 from dray.gateway.routes.orders.transports import transport_answer
 from dray.store import Store
@@ -38,14 +39,16 @@ from dray.store.orders.transports import TransportFilter
 
 router = APIRouter(include_in_schema=False)
 
-HEADERS = {"Cache-Control": "no-store", "Vary": "Accept-Language, Cookie", "Referrer-Policy": "no-referrer"}
+HEADERS = {"Cache-Control": "no-store", "Vary": "Accept-Language, Cookie", "Referrer-Policy": "same-origin"}
+"""No other site is told the address, which holds the key. With `no-referrer` browsers would not say either that a form of this page is ours
+(`Origin: null`), and it would be refused."""
 
 NOT_BUILT = "This page cannot be shown at the moment. Please try again later.\n"
 
 ONLY = frozenset({Scope.TRANSPORTS_CALL})
 
 FIELDS = 8
-"""In a form of this page, which has four."""
+"""In a form of this page, which has five at most."""
 
 DIGITS = 9
 """Of a quantity: more than may be called for. Python refuses to make a number of some thousands of them."""
@@ -59,6 +62,7 @@ async def call_page(
     access: Provided[Access],
     projection: Provided[Projection],
     panels: Provided[Panels],
+    transports: Provided[PlainTransports],
     now_s: Now,
     request: Request,
     token: str,
@@ -68,7 +72,7 @@ async def call_page(
     caller = await _caller(access, request, token)
     if caller is None:
         return _page(panels, request, HTTPStatus.NOT_FOUND, "call-gone.html")
-    return await _shown(store, projection, panels, request, caller, now_s, item=item)
+    return await _shown(store, projection, panels, transports, request, caller, now_s, {"item": item})
 
 
 @router.api_route("/call/{token}/sign", methods=["GET", "HEAD"])
@@ -124,22 +128,22 @@ async def call(
         note.result = "refused"
         return _page(panels, request, HTTPStatus.NOT_FOUND, "call-gone.html")
     form = await read_form(request, FIELDS)
-    item, quantity = form.get("item", ""), form.get("quantity", "")
-    end = "from" if form.get("way") == "take" else "to"
     try:
-        wanted = {"item": item, "quantity": _pieces(quantity), end: caller.station}
-        draft = TransportDraft.model_validate(wanted)
+        draft = TransportDraft.model_validate(_wanted(form, caller.station))
         note.detail |= draft.model_dump(mode="json", exclude_none=True, by_alias=True)
         kept, _ = await transports.call(
             draft,
             caller,
-            own_key(caller, f"transport {form.get('key') or new_token()}"),
+            # The same page, gone back to and sent with something else, is another call.
+            own_key(caller, f"transport {form.get('key') or new_token()} {draft.text()}"),
             lambda row: msgspec.json.encode(transport_answer(row)),
         )
     except (Problem, ValidationError) as error:
+        if isinstance(error, Problem) and error.kind == AT_WORK:
+            return _back(token)  # The same touch twice: the other request is just doing it.
         note.result = "refused"
         reason = error.detail if isinstance(error, Problem) else error.errors()[0]["msg"]
-        return await _shown(store, projection, panels, request, caller, now_s, item=item, refused=reason)
+        return await _shown(store, projection, panels, transports, request, caller, now_s, form, reason)
     note.target = kept.order_id
     return _back(token)
 
@@ -169,6 +173,15 @@ async def call_off(
     return _back(token)
 
 
+def _wanted(form: Mapping[str, str], station: str) -> dict[str, object]:
+    """What a form asks for: a material in pieces, or a thing that somebody has named."""
+    end, other = ("from", "to") if form.get("way") == "take" else ("to", "from")
+    if "thing" in form:
+        place, ability = form.get("place") or None, form.get("ability") or None
+        return {"thing": form["thing"], "ability": ability, other: place, end: station}
+    return {"item": form.get("item", ""), "quantity": _pieces(form.get("quantity", "")), end: station}
+
+
 def _pieces(written: str) -> int:
     """How many somebody has written; 0, which nobody may call for, where it is no number or more than anybody writes."""
     return int(written) if written.isdecimal() and len(written) <= DIGITS else 0
@@ -190,25 +203,27 @@ async def _shown(
     store: Store,
     projection: Projection,
     panels: Panels,
+    transports: PlainTransports,
     request: Request,
     caller: Principal,
     now_s: float,
-    *,
-    item: str = "",
+    sent: Mapping[str, str],
     refused: str = "",
 ) -> Response:
     texts = TEXTS[language_of(request)]
     async with store.read() as work:
         rows = await work.transports.page(TransportFilter(caller=caller.key), None, SHOWN)
-    choices = tiles(projection, caller, item, texts)
-    chosen = next((tile for tile in choices if tile.chosen), None)
+    kept = tiles(projection, caller, sent.get("item", ""), texts)
+    chosen = next((tile for tile in kept if tile.chosen), None)
     return _page(
         panels,
         request,
         HTTPStatus.UNPROCESSABLE_ENTITY if refused else HTTPStatus.OK,
         "call.html",
         place=caller.station,
-        tiles=choices,
+        tiles=kept,
+        things=choices(projection, caller, transports.abilities(), sent),
+        longest=THING_MAX,
         chosen=chosen,
         called=called(rows, projection, caller.station, now_s, texts),
         until=until(caller, texts),

@@ -106,7 +106,7 @@ class Copies:
         """Districts -> the version that it has under this epoch."""
         self._witness = Witness(district, is_signed)
         self._given_back: dict[str, tuple[int, PlaceWished]] = {}
-        """While it leads: vehicle -> its word by which lines were struck out, and the first version without them."""
+        """Vehicle -> its word by which lines were struck out while `me` led, and the first version without them. Kept until all have that version."""
         self._copied = False
         """It has copied a book in this life: what is written from then on is examined."""
         self._began = 0
@@ -421,7 +421,8 @@ class Copies:
                 self.kept = msgspec.structs.replace(self.kept, epoch=self._sought)
                 self._sought = 0
                 self.leads = True
-                self._has, self._given_back = {}, {}
+                # Words stay true in every epoch, and perhaps somebody has not copied what was written by them.
+                self._has = {}
                 self.counted = 0
         elif self.lost and len(self._told) == len(self._others):
             remember = [told for told in self._told.values() if not told.lost]

@@ -432,7 +432,10 @@ class Wishes:
         if not self._is_agreed(line, sender, asked.district, asked.epoch):
             if line.lives or line.unanswered:
                 self._say_to_all(line, "")
-            return False
+                return False
+            # A copy misses the word by which something was given back, and nobody else may ask for that.
+            keepers = self._keepers_of[asked.district]
+            return keepers[asked.epoch % len(keepers)] != sender
         line.epoch, line.turn = asked.epoch, 0
         return not line.asked_all
 

@@ -21,6 +21,7 @@ import msgspec
 from dray.errors import NoWay
 from dray.memory import Contract
 from dray.messages import (
+    THING,
     Brief,
     Confirmed,
     DockHeld,
@@ -270,8 +271,8 @@ class TransportJob:
                 relief_s = self._moves.from_source_s() - max(0.0, self.due_s - now_s)
             except NoWay:
                 relief_s = inf
-        goods_aboard = loaded and bool(self.work.goal)
-        return Waiting(self.task, self.slack_s, relief_s, irreplaceable=goods_aboard or self.is_void)
+        once = loaded and (bool(self.work.goal) or self.work.item == THING)
+        return Waiting(self.task, self.slack_s, relief_s, irreplaceable=once or self.is_void)
 
     def way_refused(self, now_s: float) -> None:
         """The vehicle could not take the way: try again from where it is then."""
@@ -555,7 +556,8 @@ class TransportJob:
             self._end(cast(Reason, self._void))
         elif self._may_be_dropping and self.state is JobState.AT_DESTINATION:
             self._hand_over(now_s)
-        elif self.work.goal:
+        elif self.work.goal or self.work.item == THING:
+            # It exists once: its coordinator decides where it is looked for.
             self._messages.resign(Reason.LOAD_GONE)
             self._end(Reason.LOAD_GONE)
         else:

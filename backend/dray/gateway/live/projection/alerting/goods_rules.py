@@ -1,4 +1,4 @@
-"""Goods that failed vehicles have on board: one alert for each, until a person has handed them over or written them off. Pure rules."""
+"""Goods and things that failed vehicles have on board: one alert for each, until a person has handed them over or written them off. Pure rules."""
 
 from __future__ import annotations
 

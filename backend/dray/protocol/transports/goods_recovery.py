@@ -1,6 +1,6 @@
-"""Goods of a machine that failed vehicles have on board: people are asked to hand them over, and say what becomes of them.
+"""Goods and things that failed vehicles have on board: people are asked to hand them over, and say what becomes of them.
 
-For each of these goods the machine calls for help where they are (`protocol.calls`), until a person has handed them over or written them off,
+For each of them their coordinator calls for help where they are (`protocol.calls`), until a person has handed them over or written them off,
 they go on, or are given up (`takeover.left_aboard`). Where their vehicle is heard and calls somebody itself, nobody is asked twice.
 """
 
@@ -13,7 +13,6 @@ from dray.messages import CommandRefusal, Problem, ProblemKind, Reason, Transpor
 from dray.plant import Plant
 from dray.protocol.calls.help_calls import HelpCalls
 from dray.protocol.contract_net.task import OpenTask
-from dray.protocol.machine.production import GoalBook
 from dray.protocol.transports.held import HeldTransports
 from dray.protocol.transports.transports import Transports
 
@@ -22,34 +21,25 @@ LEFT_ABOARD = Problem(kind=ProblemKind.LOAD, needs_person=True)
 
 
 class GoodsRecovery:
-    """For one machine.
+    """For one coordinator.
 
     Args:
         plant: where vehicles can be sent.
         tasks: its transports.
         held: those for whose loads a person has to look; they are called for in the same way.
-        goals: whose pieces these are.
     """
 
-    def __init__(self, plant: Plant, tasks: Transports, held: HeldTransports, goals: GoalBook) -> None:
+    def __init__(self, plant: Plant, tasks: Transports, held: HeldTransports) -> None:
         self._held = held
         self._plant = plant
         self._tasks = tasks
-        self._goals = goals
         self._aboard = tasks.failover.aboard
 
-    def review(self) -> None:
-        """Tell each goal how many of its pieces wait for a word: nobody else makes them meanwhile."""
-        waiting = [task for task in self._tasks if task.stranded is not None or task.left]
-        works = [cast(Transport, task.work) for task in waiting]
-        for goal in self._goals:
-            goal.stranded = sum(work.quantity for work in works if work.goal == goal.id)
-
     def update_calls(self, calls: HelpCalls, now_s: float, *, expected: bool) -> None:
-        """Call somebody for each of these goods while a person is needed, and nobody longer than that.
+        """Call somebody for each of these loads while a person is needed, and nobody longer than that.
 
         Args:
-            calls: the machine's.
+            calls: the coordinator's.
             now_s: the present time.
             expected: False for one that leaves: its next life calls.
         """
@@ -62,8 +52,13 @@ class GoodsRecovery:
             self._held.call(calls, now_s)
         for task in waiting:
             atv = task.primary if task.stranded is None else task.stranded.atv
-            reason = f"{cast(Transport, task.work).quantity} {task.work_item} on board of {atv}"
+            what = "a thing" if task.is_thing else f"{cast(Transport, task.work).quantity} {task.work_item}"
+            reason = f"{what} on board of {atv}"
             calls.open(LEFT_ABOARD, reason, now_s, goods=task.id, place_m=self.place_m(task.id))
+
+    def names(self, now_s: float) -> tuple[str, ...]:
+        """The transports whose loads wait for a person who is not asked yet by their vehicle."""
+        return tuple(task.id for task in self._tasks if _needs_person(task, now_s))
 
     def fetch(self, task: str, node: str, now_s: float) -> CommandRefusal | None:
         """A person hands them over at a node; why that changes nothing, None when they are fetched there now.

@@ -1,0 +1,203 @@
+"""People and programs who have something brought while processes are killed, and what has become of it."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import cycle
+from random import Random
+from typing import Any
+from urllib.parse import urlsplit
+
+from dray.errors import UnavailableError
+from dray.messages import Event, TransportState
+from dray.plant import Plant
+from dray_sim.bench.losses.fleet import Fleet
+from dray_sim.bench.rest_work.calls import PIECES, Callers, Watch, button, call_once, loads, plan, tablet
+from dray_sim.bench.rest_work.house import Client
+from dray_sim.bench.row import Row
+from dray_sim.run.observer import percentile
+
+TRIES = 180
+"""Seconds for one call: a gateway that was killed is started again in some, on a busy computer in some dozens."""
+
+ENDED = frozenset({"delivered", "cancelled"})
+
+LOOK_S = 2.0
+"""Real seconds between two looks whether all has been brought."""
+
+
+@dataclass(slots=True)
+class Called:
+    """What was called for, and what has become of it.
+
+    Attributes:
+        calls, recurring: how many were to be called, and how many were to come by a calendar.
+        callers: what was answered.
+        schedules: the recurring ones.
+        found: all transports, as REST tells of them in the end.
+        runs: the recurring ones that have come, likewise.
+        asked_s: by transport, when it was taken (plant clock).
+    """
+
+    calls: int
+    recurring: int
+    callers: Callers = field(default_factory=Callers)
+    schedules: list[str] = field(default_factory=list)
+    found: Sequence[Mapping[str, Any]] = ()
+    runs: Sequence[Mapping[str, Any]] = ()
+    asked_s: dict[str, float] = field(default_factory=dict)
+
+
+class Calling:
+    """Calls over REST and tablets.
+
+    Args:
+        fleet: whose gateway is asked.
+        plant: what there is to be brought.
+        calls: how many.
+        recurring: how many come by a calendar, once each.
+        every_s: real seconds from one call to the next.
+    """
+
+    def __init__(self, fleet: Fleet, plant: Plant, calls: int, recurring: int, every_s: float) -> None:
+        self._fleet, self._plant, self._every_s = fleet, plant, every_s
+        self._port = urlsplit(fleet.url).port or 0
+        self._admin = Client(self._port, Authorization=f"Bearer {fleet.token}")
+        self.called = Called(calls, recurring)
+        self._who: dict[str, Client] = {}
+
+    async def prepare(self) -> None:
+        """Log a tablet in, make a key, and plan what recurs.
+
+        Raises:
+            UnavailableError: the gateway refuses one of these.
+        """
+        called, url = self.called, self._fleet.database_url
+        self._who = {
+            "a program": self._admin,
+            "a tablet": await tablet(self._port, url, self._plant),
+            "a call button": await button(self._port, url),
+        }
+        called.schedules = await plan(
+            self._admin, self._plant, called.recurring, called.calls * self._every_s + 240.0
+        )
+
+    async def call(self) -> None:
+        """Call all of it, one after the other."""
+        called, who = self.called, self._who
+        wanted, began_s = loads(self._plant, Random("calls")), time.monotonic()
+        async with asyncio.TaskGroup() as group:
+            for number, name in zip(range(called.calls), cycle(who), strict=False):
+                await asyncio.sleep(max(0.0, began_s + number * self._every_s - time.monotonic()))
+                draft = next(wanted) | {"priority": ("normal", "high", "urgent", "low")[number // 3 % 4]}
+                key = f"calls-{number}"
+                group.create_task(call_once(called.callers, name, who[name], key, draft, TRIES))
+
+    async def see_out(self, patience_s: float) -> None:
+        """Wait until all of it has ended; or nothing more of it has, for so many real seconds."""
+        ended, since_s = -1, time.monotonic()
+        while time.monotonic() < since_s + patience_s:
+            await asyncio.sleep(LOOK_S)
+            try:
+                await self._look()
+            except UnavailableError:
+                continue  # The gateway is away.
+            now = sum(each["status"] in ENDED for each in self.called.found)
+            came = len(self.called.runs) >= self.called.recurring
+            if came and now == len(self.called.found) >= self.called.calls:
+                return
+            if now > ended:
+                ended, since_s = now, time.monotonic()
+
+    async def _look(self) -> None:
+        called = self.called
+        called.found = await self._admin.all("/api/transports")
+        schedules = await self._admin.all("/api/schedules")
+        called.runs = [each for each in schedules if each["last"] and each["id"] in called.schedules]
+
+
+def rows_of(called: Called, events: Iterable[Event], asked_s: Mapping[str, float], kills: str) -> list[Row]:
+    """The figures.
+
+    Args:
+        called: what was called for.
+        events: all that agents have told.
+        asked_s: by transport, when the gateway has taken it (plant clock).
+        kills: how many of what were killed, in words.
+    """
+    watch = Watch()
+    for event in events:
+        watch.on_message(event.at_s, event.agent, "", event)
+    told = {each["id"] for each in called.found if each["status"] == "delivered"}
+    brought = {
+        name
+        for name, ends in watch.ends.items()
+        if name in told and ends == [TransportState.DELIVERED] and watch.counted[name] == PIECES
+    }
+    answered = [name for names in called.callers.accepted.values() for name in names]
+    of_calendar = [each["last"]["transport"] for each in called.runs]
+    ended_s = {each.fact.transport: each.at_s for each in _ends(events)}
+    won_s = [at_s - asked_s[name] for name, at_s in watch.won_s.items() if name in asked_s]
+    done_s = [at_s - asked_s[name] for name, at_s in ended_s.items() if name in asked_s and name in brought]
+    by = ", ".join(f"{len(names)} by {name}" for name, names in called.callers.accepted.items())
+    refused = called.callers.refused
+    return [
+        Row(
+            "calls: answered with 201, brought once",
+            len(brought.intersection(answered)),
+            "loads",
+            called.calls,
+            "all calls",
+            target=called.calls,
+            note=f"{by}; {len(refused)} refused{': ' + refused[0] if refused else ''}; {kills}",
+        ),
+        Row(
+            "calls: recurring, brought once",
+            len(brought.intersection(of_calendar)),
+            "loads",
+            max(1, called.recurring),
+            "all moments",
+            target=called.recurring,
+        ),
+        Row(
+            "calls: transports that nobody has called",
+            len({each["id"] for each in called.found}.difference(answered, of_calendar)),
+            "loads",
+            called.calls + called.recurring,
+            "all calls",
+            target=0,
+            less=True,
+        ),
+        _times("calls: from call to bid won, p95", won_s),
+        _times("calls: from call to delivery, p95", done_s),
+        Row(
+            "calls: from call to 201, p95",
+            percentile(called.callers.waits_s, 0.95),
+            "s",
+            max(1e-9, percentile(called.callers.waits_s, 0.5)),
+            "the median",
+            note=f"real time; longest {max(called.callers.waits_s, default=0.0):.1f} s",
+            less=True,
+        ),
+    ]
+
+
+def _ends(events: Iterable[Event]) -> Iterable[Any]:
+    for event in events:
+        if getattr(event.fact, "state", None) is TransportState.DELIVERED:
+            yield event
+
+
+def _times(name: str, took_s: Sequence[float]) -> Row:
+    return Row(
+        name,
+        percentile(took_s, 0.95),
+        "s",
+        max(1e-9, percentile(took_s, 0.5)),
+        "the median",
+        note=f"of the plant's clock; of {len(took_s)}; longest {max(took_s, default=0.0):.0f} s",
+        less=True,
+    )
