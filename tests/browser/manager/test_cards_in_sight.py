@@ -35,6 +35,9 @@ ON_TOP = """(button) => {
   return button.contains(document.elementFromPoint(left + width / 2, top + height / 2));
 }"""
 
+SHOWN_OVER = """(icon, field) => Number(getComputedStyle(icon).zIndex) > Number(getComputedStyle(field).zIndex)"""
+"""Not by what lies at that point: a sign lets a pointer through."""
+
 LAPTOPS_PX = ((1440, 900), (1240, 800), (1280, 800), (1366, 768), (1536, 864))
 
 TOPS = "all => new Set(all.map(each => each.getBoundingClientRect().top)).size"
@@ -84,6 +87,7 @@ def test_on_a_small_laptop_the_field_find_stays_in_its_line_and_what_is_written_
         assert edges(field) == edges(tail), width_px
         assert edges(field)[0] <= edges(legend)[0], width_px
         assert field.evaluate("field => field.scrollWidth <= field.clientWidth"), width_px
+        assert page.locator(".finder > .icon").evaluate(SHOWN_OVER, field.element_handle()), width_px
         # Who comes to it with the keys sees what has the focus.
         page.keyboard.press("Shift+Tab")
         legend.focus()
