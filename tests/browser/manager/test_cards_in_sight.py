@@ -35,7 +35,9 @@ ON_TOP = """(button) => {
   return button.contains(document.elementFromPoint(left + width / 2, top + height / 2));
 }"""
 
-SHOWN_OVER = """(icon, field) => Number(getComputedStyle(icon).zIndex) > Number(getComputedStyle(field).zIndex)"""
+SHOWN_OVER = (
+    """(icon, field) => Number(getComputedStyle(icon).zIndex) > Number(getComputedStyle(field).zIndex)"""
+)
 """Not by what lies at that point: a sign lets a pointer through."""
 
 LAPTOPS_PX = ((1440, 900), (1240, 800), (1280, 800), (1366, 768), (1536, 864))
