@@ -1,4 +1,5 @@
-import { type Signal, useSignal, useSignalEffect } from "@preact/signals";
+import { batch, type Signal, useSignal, useSignalEffect } from "@preact/signals";
+import { useRef } from "preact/hooks";
 import { problemText } from "./problem-text";
 
 export interface Refreshed<T> {
@@ -17,25 +18,39 @@ export function useRefreshed<T>(ask: () => Promise<T>, everyMs: number): Refresh
   const answer = useSignal<T | null>(null);
   const failed = useSignal<string | null>(null);
   const turn = useSignal(0);
-  useSignalEffect(() => {
-    let timer: ReturnType<typeof setTimeout> | undefined;
-    const mine = turn.value;
-    let shown = true;
-    const refresh = async (): Promise<void> => {
-      try {
-        const found = await ask();
-        if (shown && mine === turn.peek()) answer.value = found;
-        failed.value = null;
-      } catch (error) {
-        failed.value = problemText(error);
-      }
-      if (shown) timer = setTimeout(() => void refresh(), everyMs);
-    };
-    void refresh();
-    return () => {
-      shown = false;
-      clearTimeout(timer);
-    };
-  });
-  return { answer, failed, again: () => turn.value++ };
+  const turnBefore = useRef(0);
+  useSignalEffect(() => refreshing(ask, everyMs, { answer, failed, turn, turnBefore }));
+  return { answer, failed, again: () => (turn.value = turn.peek() + 1) };
+}
+
+interface Told<T> extends Pick<Refreshed<T>, "answer" | "failed"> {
+  /** Counts how often somebody asked at once. */
+  readonly turn: Signal<number>;
+  readonly turnBefore: { current: number };
+}
+
+/** Asks, as an effect: again after a while, and anew when a signal changes that `ask` reads. Returns what ends it. */
+export function refreshing<T>(ask: () => Promise<T>, everyMs: number, { answer, failed, turn, turnBefore }: Told<T>): () => void {
+  let timer: ReturnType<typeof setTimeout> | undefined;
+  const mine = turn.value;
+  let shown = true;
+  /** Another question may be asked by the time that this one is answered. */
+  const isAsked = (): boolean => shown && mine === turn.peek();
+  const refresh = async (): Promise<void> => {
+    try {
+      const found = await ask();
+      if (isAsked()) batch(() => ([answer.value, failed.value] = [found, null]));
+    } catch (error) {
+      if (isAsked()) failed.value = problemText(error);
+    }
+    if (shown) timer = setTimeout(() => void refresh(), everyMs);
+  };
+  // Why another question had no answer says nothing of this one; of the same one, asked at once, it does.
+  if (mine === turnBefore.current) failed.value = null;
+  turnBefore.current = mine;
+  void refresh();
+  return () => {
+    shown = false;
+    clearTimeout(timer);
+  };
 }

@@ -63,8 +63,10 @@ export function PlantMap({ aside, followed, onMoved, over, plant }: Props) {
     }}>
       <div class="map-head">
         <LayerSwitches />
-        {aside}
-        <Finder plant={plant} onChosen={goTo} />
+        <div class="map-tail">
+          {aside}
+          <Finder plant={plant} onChosen={goTo} />
+        </div>
       </div>
       <PlantSurface
         plant={plant}

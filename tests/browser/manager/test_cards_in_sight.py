@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 from looks import CUT, LOCALES
-from playwright.sync_api import Page, expect
+from playwright.sync_api import Locator, Page, expect
 
 SIZES_PX = ((1440, 900), (1024, 768))
 """A laptop, on which nothing scrolls, and a tablet, whose page does."""
@@ -27,6 +27,18 @@ ROWS_IN_SIGHT = """(card) => {
 }"""
 """How many rows of a card are whole within it, within what scrolls around it, and within the window."""
 
+
+SMALL_LAPTOPS_PX = (1181, 1210, 1240, 1280, 1310, 1340)
+
+ON_TOP = """(button) => {
+  const { left, top, height, width } = button.getBoundingClientRect();
+  return button.contains(document.elementFromPoint(left + width / 2, top + height / 2));
+}"""
+
+SHOWN_OVER = (
+    """(icon, field) => Number(getComputedStyle(icon).zIndex) > Number(getComputedStyle(field).zIndex)"""
+)
+"""Not by what lies at that point: a sign lets a pointer through."""
 
 LAPTOPS_PX = ((1440, 900), (1240, 800), (1280, 800), (1366, 768), (1536, 864))
 
@@ -57,6 +69,40 @@ def test_on_a_laptop_layers_are_one_line_no_figure_is_cut_and_the_field_find_ope
         if width_px == 1280:
             screenshot(page, f"laptop-{language}")
         field.blur()
+
+
+@pytest.mark.parametrize("language", LOCALES)
+def test_on_a_small_laptop_the_field_find_stays_in_its_line_and_what_is_written_in_it_stays_in_sight(
+    busy: Any, open_page: Callable[..., Page], language: str
+) -> None:
+    page = open_page(busy.url, viewport={"width": 1280, "height": 800}, locale=LOCALES[language])
+    tail, field = page.locator(".map-tail"), page.locator(".finder input")
+    legend = tail.locator(".pop-button")
+    expect(page.locator(".factory .duty-row")).to_be_visible()
+    for width_px in SMALL_LAPTOPS_PX:
+        page.set_viewport_size({"width": width_px, "height": 800})
+        assert edges(field) == edges(page.locator(".finder")), width_px
+        assert edges(legend)[1] <= edges(field)[0], width_px
+        field.fill("ATV8")
+        field.blur()
+        # All of what lies below it, so that half a button is not left.
+        assert edges(field) == edges(tail), width_px
+        assert edges(field)[0] <= edges(legend)[0], width_px
+        assert field.evaluate("field => field.scrollWidth <= field.clientWidth"), width_px
+        assert page.locator(".finder > .icon").evaluate(SHOWN_OVER, field.element_handle()), width_px
+        # Who comes to it with the keys sees what has the focus.
+        page.keyboard.press("Shift+Tab")
+        legend.focus()
+        assert legend.evaluate(ON_TOP), width_px
+        field.fill("")
+        field.blur()
+
+
+def edges(of: Locator) -> tuple[float, float]:
+    """Where something begins and ends from left to right, in pixels."""
+    box = of.bounding_box()
+    assert box is not None
+    return round(box["x"], 1), round(box["x"] + box["width"], 1)
 
 
 @pytest.mark.parametrize(("width_px", "height_px"), SIZES_PX)

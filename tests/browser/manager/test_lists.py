@@ -166,6 +166,11 @@ def test_the_audit_log_is_asked_for_by_its_address(
     expect(page).to_have_url(re.compile("target=O-"))
     expect(rows).to_have_count(1)
     page.go_back()
+    # A time that is typed, digit by digit, is no step.
+    page.get_by_label("From", exact=True).click(position={"x": 12, "y": 12})
+    page.keyboard.type("010220200304AM")
+    expect(page).to_have_url(re.compile("since=2020-01-02T03%3A04"))
+    expect(rows).to_have_count(1)
     page.go_back()
     expect(rows).to_have_count(2)
 

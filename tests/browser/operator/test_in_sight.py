@@ -110,6 +110,7 @@ def test_a_call_stays_in_sight_is_heard_and_named_by_the_tab(
         expect(call.get_by_role("button", name=answer)).to_be_in_viewport(ratio=1)
     for vehicle in vehicles:
         expect(stop_of(page, vehicle)).to_be_in_viewport(ratio=1)
-    expect(page.locator("html")).to_have_attribute("data-tones", "4")
+    # Two more at once, and two each few seconds for as long as nobody answers.
+    expect(page.locator("html")).to_have_attribute("data-tones", re.compile(r"^([4-9]|\d\d+)$"))
     expect(page).to_have_title(re.compile("^ATV2 asks you "))
     screenshot(page, f"in-sight-call-{request.node.callspec.id}")

@@ -37,8 +37,8 @@ export function pairsOf(query: Readonly<Record<string, unknown>>): URLSearchPara
   );
 }
 
-/** Of a day as 2030-06-03. */
-const DAY_LETTERS = 10;
+/** A day as 2030-06-03; what comes after it does not count. */
+const DAY = /^(\d{4})-(\d\d)-(\d\d)/;
 
 /** The last moment that ISO 8601 and the gateway can name: the end of the year 9999. */
 export const LAST_S = 253_402_300_799;
@@ -55,9 +55,17 @@ export function momentOf(said: string | undefined): string | null {
  * @param later so many days later
  */
 export function dayOf(said: string | undefined, later = 0): string | null {
-  const day = new Date(`${(said ?? "").slice(0, DAY_LETTERS)}T00:00`);
-  day.setDate(day.getDate() + later);
-  return isoOf(day);
+  const [year = NaN, month = NaN, date = NaN] = DAY.exec(said ?? "")?.slice(1).map(Number) ?? [];
+  const day = beginOf(year, month, date);
+  return day.getMonth() + 1 === month && day.getDate() === date ? isoOf(beginOf(year, month, date + later)) : null;
+}
+
+/** The first moment of a day. Not each has a midnight: where clocks change at midnight, one begins at 01:00. */
+function beginOf(year: number, month: number, date: number): Date {
+  const day = new Date(2000, 0, 1);
+  // Unlike the constructor it takes a year below 100 as it is.
+  day.setFullYear(year, month - 1, date);
+  return day;
 }
 
 /** Nothing was before 1970, and a year that is still being typed is no fault. */

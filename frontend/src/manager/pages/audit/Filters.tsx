@@ -1,7 +1,7 @@
 import { Later } from "../../../parts/Later";
 import { t, word } from "../../../text/views/records";
 import { narrow } from "../../parts/pages/paged";
-import { AskedWords } from "../../parts/filters/Asked";
+import { AskedMoment, AskedWords } from "../../parts/filters/Asked";
 import { Choice } from "../../parts/filters/Choice";
 import { CsvLink } from "../../parts/filters/CsvLink";
 import { ACTIONS, NOTHING, RESULTS, tableOf } from "./filter";
@@ -12,8 +12,8 @@ export function Filters() {
   return (
     <>
       <AskedWords />
-      <Moment name="since" />
-      <Moment name="until" />
+      <AskedMoment name="since" label={t("audit.since")} />
+      <AskedMoment name="until" label={t("audit.until")} />
       <Words name="who" />
       <Words name="target" />
       <Choice
@@ -36,15 +36,6 @@ export function Filters() {
       <CsvLink href={tableOf(filter.value, oldestFirst.value)} />
       <Later load={async () => (await import("../../parts/kept/KeptSheet")).load()} />
     </>
-  );
-}
-
-function Moment({ name }: { name: "since" | "until" }) {
-  return (
-    <label class="narrow" data-said={filter.value[name] === "" ? undefined : ""}>
-      <span>{t(`audit.${name}`)}</span>
-      <input type="datetime-local" max="9999-12-31T23:59" value={filter.value[name]} onChange={(event) => { narrow({ [name]: event.currentTarget.value }); }} />
-    </label>
   );
 }
 

@@ -26,6 +26,10 @@ describe("in English", () => {
     ["0 * * * *", "every day, every hour"],
     ["15 * * * *", "every day, every hour from 00:15 to 23:15"],
     ["0 */2 * * 1", "Mon, every 2 hours"],
+    ["0 6-6/2 * * *", "every day, every 2 hours from 06:00 to 22:00"],
+    ["0 6 * * 1-1/3", "Mon, Thu, Sun at 06:00"],
+    ["5-5/10 6 * * *", "every day, every 10 minutes from 06:05 to 06:55"],
+    ["0 6 * MAR-MAR/4 *", "every day at 06:00, only in March, July, November"],
     ["0 6 1 * *", "on day 1 of each month at 06:00"],
     ["0 6 1,15 * *", "on days 1, 15 of each month at 06:00"],
     ["0 6 24 12 *", "on day 24 of each month at 06:00, only in December"],
@@ -54,21 +58,22 @@ test.each([
   expect(calendarText(expression, "en")).toBeNull();
 });
 
-/** Whether a field of cron takes a number, read by itself. */
+/** Whether a field of cron takes a number, read by itself: a range of one number with a step goes on to the end of the field. */
 function takes(field: string, value: number, most: number): boolean {
   return field.split(",").some((part) => {
     const [span = "", by = "1"] = part.split("/");
-    const [first = "", last = part.includes("/") ? String(most) : first] = span === "*" ? [String(most > 31 || most === 23 || most === 7 ? 0 : 1), String(most)] : span.split("-");
-    return value >= Number(first) && value <= Number(last) && (value - Number(first)) % Number(by) === 0;
+    const [first = "", end = first] = span === "*" ? [String(most > 31 || most === 23 || most === 7 ? 0 : 1), String(most)] : span.split("-");
+    const last = first === end && part.includes("/") ? most : Number(end);
+    return value >= Number(first) && value <= last && (value - Number(first)) % Number(by) === 0;
   });
 }
 
 const SHAPES = {
-  minute: ["0", "15", "*/5", "*/20", "*/30", "*/7", "*", "0,30", "5,20,35,50", "10-50/10", "3/10"],
-  hour: ["6", "*", "*/2", "*/5", "6-21", "8-18/2", "6,14,22", "0-5,22-23", "12-13"],
-  date: ["*", "1", "1,15", "10-12"],
-  month: ["*", "3", "1-6/2", "11-12"],
-  day: ["*", "1-5", "0", "7", "6,0", "*/2", "1-5/2", "2-7"],
+  minute: ["0", "15", "*/5", "*/20", "*/30", "*/7", "*", "0,30", "5,20,35,50", "10-50/10", "3/10", "5-5/10"],
+  hour: ["6", "*", "*/2", "*/5", "6-21", "8-18/2", "6,14,22", "0-5,22-23", "12-13", "6-6/2"],
+  date: ["*", "1", "1,15", "10-12", "7-7/9"],
+  month: ["*", "3", "1-6/2", "11-12", "3-3/2"],
+  day: ["*", "1-5", "0", "7", "6,0", "*/2", "1-5/2", "2-7", "1-1/3"],
 };
 
 const numbers = (least: number, most: number): number[] => Array.from({ length: most - least + 1 }, (_, i) => least + i);

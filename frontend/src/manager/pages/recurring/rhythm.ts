@@ -74,7 +74,9 @@ function valuesOf(field: string, least: number, most: number, names: readonly st
   for (const part of field.split(",")) {
     const [, from = "", to, by] = /^(\*|\w+)(?:-(\w+))?(?:\/(\d+))?$/.exec(part) ?? [];
     const first = from === "*" ? least : numberOf(from, least, names);
-    const last = from === "*" || (to === undefined && by !== undefined) ? most : numberOf(to ?? from, least, names);
+    const end = from === "*" ? most : numberOf(to ?? from, least, names);
+    // With a step, a single number goes on to the end of the field, also as a range of itself: 6/2 and 6-6/2.
+    const last = by !== undefined && end === first ? most : end;
     const step = Number(by ?? 1);
     if (first === null || last === null || step < 1 || first < least || last > most || first > last) return null;
     if (from === "*" && to !== undefined) return null;

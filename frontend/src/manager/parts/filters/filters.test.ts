@@ -1,4 +1,4 @@
-import { describe, expect, test } from "vitest";
+import { describe, expect, test, vi } from "vitest";
 import * as orders from "../../orders/filter";
 import * as tasks from "../../pages/tasks/filter";
 import { askedFrom, addressWith, namedIn, viewFrom } from "../../views";
@@ -53,7 +53,28 @@ describe("orders", () => {
     expect(orders.queryOf({ since: "0002-05-28", until: "9999-12-31" })).toEqual({
       created_since: "1970-01-01T00:00:00.000Z", created_before: "9999-12-31T23:59:59.000Z", sort: "work", descending: false,
     });
-    expect(orders.dayOf("2030-13-01")).toBeNull();
+    expect(orders.dayOf("0099-05-28")).toBe("1970-01-01T00:00:00.000Z");
+    for (const none of ["2030-13-01", "2030-02-30", "2030-00-10", "2030-06-00", "2030-6-3", "soon", "", undefined]) {
+      expect(orders.dayOf(none), none).toBeNull();
+      expect(orders.dayOf(none, 1), none).toBeNull();
+    }
+  });
+
+  test.each([
+    ["America/Santiago", "2026-09-06", "2026-09-06T04:00:00.000Z", "2026-09-07T03:00:00.000Z"],
+    ["Asia/Beirut", "2026-03-29", "2026-03-28T22:00:00.000Z", "2026-03-29T21:00:00.000Z"],
+    ["Africa/Cairo", "2026-04-24", "2026-04-23T22:00:00.000Z", "2026-04-24T21:00:00.000Z"],
+    ["America/Havana", "2026-03-08", "2026-03-08T05:00:00.000Z", "2026-03-09T04:00:00.000Z"],
+    ["Europe/Berlin", "2026-03-29", "2026-03-28T23:00:00.000Z", "2026-03-29T22:00:00.000Z"],
+    ["Europe/Berlin", "2026-10-25", "2026-10-24T22:00:00.000Z", "2026-10-25T23:00:00.000Z"],
+    ["America/Havana", "2026-11-01", "2026-11-01T04:00:00.000Z", "2026-11-02T05:00:00.000Z"],
+  ])("are asked for by whole days where clocks change: in %s on %s", (zone, day, begins, ends) => {
+    vi.stubEnv("TZ", zone);
+    try {
+      expect([orders.dayOf(day), orders.dayOf(day, 1)]).toEqual([begins, ends]);
+    } finally {
+      vi.unstubAllEnvs();
+    }
   });
 });
 

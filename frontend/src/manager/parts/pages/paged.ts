@@ -1,5 +1,6 @@
 /** A list of all there ever was, page by page, as the address asks for it. */
-import { type ReadonlySignal, signal, useComputed, useSignal } from "@preact/signals";
+import { type ReadonlySignal, signal, useComputed, useSignal, useSignalEffect } from "@preact/signals";
+import { useRef } from "preact/hooks";
 import type { Printing } from "../paper/PrintAll";
 import { type Refreshed, useRefreshed } from "../../refreshed";
 import { ask, type Asked, asked } from "../../views";
@@ -52,8 +53,14 @@ function placeOf(after: string, limit: number): Place {
 export function usePaged<T>(fetchPage: (said: Asked, place: Place) => Promise<PageOf<T>>, newest: ReadonlySignal<string> = NOTHING_NEW): Paged<T> {
   const { again, answer, failed } = useRefreshed(async () => {
     const said = asked.value;
-    return { said, newest: newest.value, page: await fetchPage(said, placeOf(said.after ?? "", PAGE)) };
+    return { said, page: await fetchPage(said, placeOf(said.after ?? "", PAGE)) };
   }, AGAIN_MS);
+  const seen = useRef(newest.peek());
+  useSignalEffect(() => {
+    if (newest.value === seen.current) return;
+    seen.current = newest.value;
+    again();
+  });
   const whole = useSignal<PageOf<T> | null>(null);
   const page = useComputed(() => {
     if (whole.value) return whole.value;

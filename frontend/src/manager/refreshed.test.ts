@@ -1,0 +1,74 @@
+import { effect, signal } from "@preact/signals";
+import { afterEach, beforeEach, describe, expect, test, vi } from "vitest";
+import { refreshing } from "./refreshed";
+
+const EVERY_MS = 5000;
+
+/** A view that asks, and how its questions are answered, in the order in which they were asked. */
+function view() {
+  const [answer, failed, turn] = [signal<string | null>(null), signal<string | null>(null), signal(0)];
+  const about = signal("orders");
+  const open: { readonly about: string; answer: (found: string) => void; fail: (why: string) => void }[] = [];
+  const ask = (): Promise<string> => {
+    const said = about.value;
+    return new Promise((answerIt, failIt) => open.push({ about: said, answer: answerIt, fail: failIt }));
+  };
+  const told = { answer, failed, turn, turnBefore: { current: 0 } };
+  const leave = effect(() => refreshing(ask, EVERY_MS, told));
+  return { about, answer, failed, leave, open, turn };
+}
+
+const passed = async (ms = 0): Promise<void> => { await vi.advanceTimersByTimeAsync(ms); };
+
+describe("an answer that is asked for again and again", () => {
+  beforeEach(() => { vi.useFakeTimers(); });
+  afterEach(() => { vi.useRealTimers(); });
+
+  test("stays while a later question has none, and says why", async () => {
+    const { answer, failed, leave, open } = view();
+    open[0]?.answer("three");
+    await passed();
+    await passed(EVERY_MS);
+    open[1]?.fail("gone");
+    await passed();
+    expect([answer.value, failed.value, open.length]).toEqual(["three", "gone", 2]);
+    await passed(EVERY_MS);
+    open[2]?.answer("four");
+    await passed();
+    expect([answer.value, failed.value]).toEqual(["four", null]);
+    leave();
+    await passed(EVERY_MS);
+    expect(open).toHaveLength(3);
+  });
+
+  test("of a question that nobody asks any more says nothing, whichever way it comes", async () => {
+    const { about, answer, failed, open } = view();
+    about.value = "tasks";
+    expect(open.map((each) => each.about)).toEqual(["orders", "tasks"]);
+    open[1]?.answer("tasks");
+    await passed();
+    open[0]?.fail("refused");
+    await passed();
+    expect([answer.value, failed.value]).toEqual(["tasks", null]);
+  });
+
+  test("of a question that nobody asks any more does not hide why the one that is asked has none", async () => {
+    const { answer, failed, open, turn } = view();
+    turn.value++;
+    open[1]?.fail("refused");
+    await passed();
+    open[0]?.answer("late");
+    await passed();
+    expect([answer.value, failed.value]).toEqual([null, "refused"]);
+  });
+
+  test("does not have the fault of the question before it, unless that was the same", async () => {
+    const { about, failed, open, turn } = view();
+    open[0]?.fail("refused");
+    await passed();
+    turn.value++;
+    expect([failed.value, open.length]).toEqual(["refused", 2]);
+    about.value = "tasks";
+    expect(failed.value).toBeNull();
+  });
+});
