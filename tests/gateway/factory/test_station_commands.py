@@ -14,6 +14,7 @@ from wall_clock import NOW_S
 
 from dray.adapters.security.signing import TrustedKeys
 from dray.gateway.access.principal import Role
+from dray.gateway.factory.commands import WORDS_TRIES
 from dray.gateway.live.views import AlertView
 from dray.gateway.live.visibility import AreaVisibility
 from dray.messages import (
@@ -211,3 +212,19 @@ async def test_loads_that_wait_for_a_word_are_told_where_the_body_is_people(hous
     assert view.unconfirmed is not None
     [told] = view.unconfirmed
     assert (told.vehicle, told.item, told.quantity, told.goes) == ("ATV3", "shaft", 12, True)
+
+
+async def test_nobody_says_more_words_to_a_place_than_anybody_can_count(house: House) -> None:
+    heard = obedient(house)
+    for number in range(WORDS_TRIES):
+        assert (await ask(house, ARRIVED | {"command": f"word-{number}"})).status_code == 200
+    refused = await ask(house, ARRIVED | {"command": "one-more"})
+    problem(refused, 429, "too-many-tries")
+    assert refused.headers["Retry-After"] == "1"
+    assert len(heard) == WORDS_TRIES
+    # What was said before may be asked for again, and others are not held up by it.
+    assert (await ask(house, ARRIVED | {"command": "word-7"})).status_code == 200
+    other = await house.log_in("maria")
+    assert (await other.post("/api/stations/S1/commands", json=ARRIVED)).status_code == 200
+    house.wall.now_s += 60
+    assert (await ask(house, ARRIVED | {"command": "one-more"})).status_code == 200

@@ -9,14 +9,25 @@ import pytest
 from answers import problem
 from gateway_kit import House
 from gateway_kit import draft as order_draft
-from recurring_kit import DAY_S, SIX_S, look
+from recurring_kit import BRING, DAY_S, SIX_S, look
 from recurring_kit import DRAFT as SCHEDULE
 
 from dray.gateway.access.principal import Scope
+from dray.gateway.http.problems import Problem
 from dray.gateway.http.shares import share_of
+from dray.gateway.orders.drafts import OrderDraft
+from dray.gateway.orders.placement import OrderPlacement
 from dray.gateway.schedules.scheduler import Scheduler
+from dray.store.orders.orders import Order
+from dray.store.work import Work
 
 pytestmark = pytest.mark.anyio
+
+
+@pytest.fixture(autouse=True)
+def asked_by_the_test_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Only the test looks at what recurs, and nobody besides when it is new."""
+    monkeypatch.setattr(Scheduler, "run", lambda _: asyncio.Event().wait())
 
 
 def test_a_share_is_a_part_and_never_nothing() -> None:
@@ -70,7 +81,6 @@ async def test_one_caller_begins_a_share_of_all_recurring_work(
 async def test_all_recurring_work_of_one_caller_has_its_share_and_not_one_each(
     house: House, monkeypatch: pytest.MonkeyPatch, work: dict[str, Any], bound: str, most: int, path: str
 ) -> None:
-    monkeypatch.setattr(Scheduler, "run", lambda _: asyncio.Event().wait())
     monkeypatch.setattr(bound, most)
     _, header = await house.key(Scope.FLOOR_WRITE, Scope.FACTORY_READ, Scope.ORDERS_WRITE)
     greedy = house.visitor(**header)
@@ -89,6 +99,102 @@ async def test_all_recurring_work_of_one_caller_has_its_share_and_not_one_each(
     assert (await house.client.post("/api/schedules", json=draft | {"name": "Another's"})).status_code == 201
     await look(house, SIX_S + DAY_S)
     assert len((await house.get(path))["items"]) == 3
+
+
+def recurring(work: dict[str, Any]) -> dict[str, Any]:
+    return {name: value for name, value in (SCHEDULE | work).items() if value is not None}
+
+
+ORDERS = {"transport": None, "order": order_draft()}
+
+
+async def test_recurring_work_may_be_planned_by_who_has_used_its_share(
+    house: House, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("dray.gateway.orders.placement.MAX_OPEN_ORDERS", 2)
+    _, header = await house.key(Scope.FACTORY_READ, Scope.FLOOR_WRITE, Scope.ORDERS_WRITE)
+    greedy = house.visitor(**header)
+    assert (await greedy.post("/api/orders", json=order_draft())).status_code == 201
+    problem(await greedy.post("/api/orders", json=order_draft()), 429, "share-used")
+    begun = await greedy.post("/api/schedules", json=recurring(ORDERS))
+    assert begun.status_code == 201, begun.text
+    changed = await greedy.patch(
+        f"/api/schedules/{begun.json()['id']}",
+        json={"order": order_draft(customer="Another")},
+        headers={"If-Match": begun.json()["etag"]},
+    )
+    assert changed.status_code == 200, changed.text
+
+
+async def test_an_order_that_recurs_counts_until_it_is_published(
+    house: House, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("dray.gateway.orders.placement.MAX_OPEN_ORDERS", 2)
+    _, header = await house.key(Scope.FACTORY_READ, Scope.FLOOR_WRITE, Scope.ORDERS_WRITE)
+    greedy = house.visitor(**header)
+    assert (await greedy.post("/api/schedules", json=recurring(ORDERS))).status_code == 201
+    keep, meanwhile = OrderPlacement.keep, []
+
+    async def slowly(self: OrderPlacement, work: Work, order: Order, key: str) -> None:
+        with (
+            pytest.raises(Problem) as refused,
+            self.order(OrderDraft.model_validate(order_draft()), order.caller),
+        ):
+            pass
+        meanwhile.append(refused.value.kind)
+        await keep(self, work, order, key)
+
+    monkeypatch.setattr(OrderPlacement, "keep", slowly)
+    await look(house, SIX_S)
+    assert (meanwhile, await house.orders_kept()) == (["share-used"], 1)
+    # One that was refused counts no longer.
+    [order] = (await house.get("/api/orders"))["items"]
+    monkeypatch.setattr(OrderPlacement, "keep", keep)
+    await look(house, SIX_S + DAY_S)
+    assert (await house.client.post(f"/api/orders/{order['id']}/cancel")).status_code == 200
+    assert (await greedy.post("/api/orders", json=order_draft())).status_code == 201
+
+
+async def test_recurring_work_belongs_to_who_has_said_last_what_is_done(house: House) -> None:
+    _, header = await house.key(Scope.FLOOR_WRITE, Scope.TRANSPORTS_CALL)
+    button = house.visitor(**header)
+    begun = await button.post("/api/schedules", json=SCHEDULE)
+    assert begun.status_code == 201, begun.text
+
+    async def seen() -> int:
+        return len((await button.get("/api/transports")).json()["items"])
+
+    await look(house, SIX_S)
+    assert await seen() == 1
+    # Another moment is no other work: it is the button's still.
+    path = f"/api/schedules/{begun.json()['id']}"
+    same, other = {"calendar": "0 6,7 * * *", "transport": BRING}, {"transport": BRING | {"quantity": 20}}
+    for change, more in ((same, 1), (other, 0)):
+        at_s, before = house.wall.now_s, await seen()
+        answer = await house.client.patch(path, json=change, headers={"If-Match": "*"})
+        assert answer.status_code == 200, answer.text
+        await look(house, at_s + DAY_S)
+        assert await seen() == before + more
+    transports = (await house.get("/api/transports"))["items"]
+    assert len(transports) == 3
+    [anothers] = [each["id"] for each in transports if each["quantity"] == 20]
+    assert (await button.post(f"/api/transports/{anothers}/cancel")).status_code == 404
+
+
+async def test_who_takes_on_recurring_work_has_its_share_of_that(
+    house: House, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("dray.gateway.schedules.scheduler.SCHEDULES_MAX", 4)
+    _, header = await house.key(Scope.FLOOR_WRITE, Scope.FACTORY_READ)
+    greedy, path = house.visitor(**header), "/api/schedules"
+    assert (await greedy.post(path, json=SCHEDULE | {"name": "One"})).status_code == 201
+    another = await house.client.post(path, json=SCHEDULE | {"name": "Another's"})
+    taken = await greedy.patch(
+        f"{path}/{another.json()['id']}",
+        json={"transport": BRING | {"quantity": 20}},
+        headers={"If-Match": "*"},
+    )
+    problem(taken, 429, "share-used")
 
 
 async def test_one_caller_has_half_of_all_open_orders(house: House, monkeypatch: pytest.MonkeyPatch) -> None:

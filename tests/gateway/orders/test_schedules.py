@@ -9,6 +9,7 @@ from datetime import datetime
 from typing import Any
 from zoneinfo import ZoneInfo
 
+import msgspec
 import pytest
 from answers import problem
 from fake_bus import FakeBus
@@ -395,3 +396,52 @@ async def test_all_of_it_is_a_table_with_a_row_for_each_item(house: House) -> No
     # No program takes it for a formula.
     assert pump["customer"] == "'=Hall 3"
     assert pump["last"] == ""
+
+
+@pytest.mark.parametrize("how", ["key taken back", "key run out", "person out"])
+async def test_what_belongs_to_who_may_do_nothing_any_more_pauses_and_says_so(house: House, how: str) -> None:
+    if how == "person out":
+        owner = await house.log_in("maria")
+    else:
+        expires = {"expires_at_s": SIX_S - 1} if how == "key run out" else {}
+        key, header = await house.key(Scope.FLOOR_WRITE, Scope.FACTORY_READ, **expires)
+        owner = house.visitor(**header)
+    begun = await owner.post(PATH, json=DRAFT)
+    assert begun.status_code == 201, begun.text
+    place = f"{PATH}/{begun.json()['id']}"
+    assert begun.json()["owner_gone"] is False
+    if how == "person out":
+        assert (await house.client.post("/api/people/maria/disable")).status_code == 200
+    elif how == "key taken back":
+        assert (await house.client.post(f"/api/keys/{key.id}/revoke")).status_code < 300
+    await look(house, SIX_S)
+    assert await brought(house) == []
+    stopped = await house.get(place)
+    assert (stopped["paused"], stopped["owner_gone"], stopped["next_runs"]) == (True, True, [])
+    [listed] = (await house.get(PATH))["items"]
+    assert listed == stopped
+    [line] = [each for each in await house.audit(action="schedule.change") if each.who_kind == "schedule"]
+    assert how.partition(" ")[0] in msgspec.json.decode(line.detail)["owner_gone"]
+    await look(house, SIX_S + 1)
+    assert await house.get(place) == stopped
+    # A name is no reason to go on. Whoever lets it go on has it from then on.
+    renamed = await change(house, stopped, name="Shafts for M8")
+    assert (renamed["paused"], renamed["owner_gone"]) == (True, True)
+    going = await change(house, renamed, paused=False)
+    assert (going["paused"], going["owner_gone"]) == (False, False)
+    await look(house, SIX_S + DAY_S)
+    assert len(await brought(house)) == 1
+
+
+async def test_who_may_place_no_orders_takes_on_none(house: House) -> None:
+    key, header = await house.key(Scope.FLOOR_WRITE, Scope.FACTORY_READ, Scope.ORDERS_WRITE)
+    order = {"customer": "Hall 3", "items": [{"product": PRODUCT, "quantity": 1}]}
+    draft = {name: value for name, value in DRAFT.items() if name != "transport"} | {"order": order}
+    begun = await house.visitor(**header).post(PATH, json=draft)
+    assert (await house.client.post(f"/api/keys/{key.id}/revoke")).status_code < 300
+    await look(house, SIX_S)
+    _, header = await house.key(Scope.FLOOR_WRITE, Scope.FACTORY_READ)
+    asked = await house.visitor(**header).patch(
+        f"{PATH}/{begun.json()['id']}", json={"paused": False}, headers={"If-Match": "*"}
+    )
+    problem(asked, 403, "not-allowed")

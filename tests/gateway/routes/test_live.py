@@ -13,6 +13,7 @@ from makings import making
 from wall_clock import NOW_S
 
 from dray.gateway.access.principal import Scope
+from dray.gateway.routes.factory import tasks as tasks_route
 from dray.messages import (
     AtvStatus,
     Brief,
@@ -366,3 +367,29 @@ async def test_what_stands_in_the_plant_and_was_never_heard_is_not_told_as_if_it
     house: House, path: str
 ) -> None:
     problem(await house.client.get(path), 404, f"unknown-{path.split('/')[2][:-1]}")
+
+
+@pytest.mark.parametrize("count", [50, 150])
+@pytest.mark.parametrize("query", ["", "&format=csv"])
+async def test_a_page_of_one_state_tells_no_task_that_has_left_it_meanwhile(
+    house: House, monkeypatch: pytest.MonkeyPatch, count: int, query: str
+) -> None:
+    for event in events("M1", *(opened(f"M1-{number}") for number in range(count))):
+        house.projection.fold(event)
+    name = "table" if query else "listing_in_turns"
+    write = getattr(tasks_route, name)
+
+    def others_meanwhile(*args: Any) -> Any:
+        """Others have their turn between the search and the answer."""
+        answered = AwardAnswered(task="M1-7", epoch=1, role=Role.PRIMARY, bidder="ATV2", answer="accepted")
+        for event in events("M1", answered, first=1_000):
+            house.projection.fold(event)
+        return write(*args)
+
+    monkeypatch.setattr(tasks_route, name, others_meanwhile)
+    answer = await house.client.get(f"/api/tasks?state=bidding&limit=500{query}")
+    assert answer.status_code == 200
+    assert "M1-8" in answer.text
+    assert "M1-7," not in answer.text.replace('"', "")
+    if not query:
+        assert len(answer.json()["items"]) == count - 1

@@ -49,10 +49,21 @@ HISTORY_ROWS = 1_000
 """Tasks that have ended: as many as are read at once for a table."""
 
 
+GZIP = {"Accept-Encoding": "gzip"}
+"""As every browser sends it: compressing is work of the loop, too."""
+
+
+def at_first_sight(house: House) -> None:
+    """As if every task had changed since anybody looked: why it stands as it does is to be found anew."""
+    tasks = house.projection.tasks
+    tasks._unexplained.update(tasks.ids())
+
+
 async def longest_ms(house: House, method: str, path: str, query: str, headers: dict[str, str]) -> float:
     least_ms = float("inf")
     for _ in range(TRIES):
-        asked = Asked(method, path, b"", tuple((BEARER | headers).items()), query)
+        asked = Asked(method, path, b"", tuple((BEARER | GZIP | headers).items()), query)
+        at_first_sight(house)
         with loop_monitor() as monitor:
             status, _ = await ask(house.app, asked, path)
         assert status in (200, 403, 404, 409), (

@@ -15,6 +15,7 @@ from http import HTTPStatus
 from typing import Any, TypeVar, cast
 
 from dray.adapters.security.signing import SigningKey
+from dray.gateway.access.limits import Limit
 from dray.gateway.access.principal import Principal, Scope
 from dray.gateway.http.problems import Problem
 from dray.gateway.live.places import areas_of
@@ -35,6 +36,10 @@ PENDING_EACH = 400
 
 NAMES_KEPT = 2_000
 """Commands that are known by their names when they are sent again: more than may wait at once."""
+
+WORDS_TRIES, WORDS_HZ = 60, 1.0
+"""Words that one caller may say to one place at once, and a second for long: more than anybody counts loads. Each is written to that
+place's disk, and so many are known when they come again (`dray.adapters.people`)."""
 
 C = TypeVar("C", VehicleCommand, MachineCommand)
 
@@ -97,6 +102,7 @@ class Commands:
         """By their names, the oldest first."""
         self._waiting: Counter[str] = Counter()
         """How many wait, by who asked."""
+        self._words = Limit(wall_s, tries=WORDS_TRIES, rate_hz=WORDS_HZ)
         self._count = 0
 
     async def order(
@@ -149,11 +155,13 @@ class Commands:
             by: who asks.
 
         Raises:
-            Problem: see `order`.
+            Problem: see `order`; 429 for a new word, when so many were said to it that nobody counts as fast.
         """
         name, person = said.command, f"{by.kind}:{by.id}"
         sent = self._sent.get(name)
         if sent is None:
+            if isinstance(said, MachineCommand) and said.kind.is_word:
+                self._words.take(f"{person} {agent}")
             sent = self._say(agent, said, person, by)
         elif (sent.agent, sent.person, sent.said) != (agent, person, said):
             raise name_used(name)

@@ -55,16 +55,27 @@ def listing(items: Sequence[object], next_cursor: str | None) -> Json:
     return Json({"items": items, "next_cursor": next_cursor})
 
 
-def listing_in_turns(items: Sequence[object], next_cursor: str | None) -> Response:
-    """The same, of what may have much in it, as tasks have bids: a long page is written piece by piece, with others' turns between, and has no `ETag`."""
-    if len(items) <= PAGE:
-        return listing(items, next_cursor)
+def listing_in_turns(
+    names: Sequence[str], now: Callable[[str], object | None], next_cursor: str | None
+) -> Response:
+    """The same, of what may have much in it, as tasks have bids: a long page is written piece by piece, with others' turns between, and has no `ETag`.
+
+    Args:
+        names: of its items.
+        now: an item as it is at this moment; None when it does not belong there any more.
+        next_cursor: of the next page.
+    """
+    if len(names) <= PAGE:
+        return listing([item for name in names if (item := now(name)) is not None], next_cursor)
 
     async def pieces() -> AsyncIterator[bytes]:
         yield b'{"items":['
-        for at in range(0, len(items), AT_ONCE):
-            encoded = b",".join(map(msgspec.json.encode, items[at : at + AT_ONCE]))
-            yield b"," + encoded if at else encoded
+        before = b""
+        for at in range(0, len(names), AT_ONCE):
+            items = [item for name in names[at : at + AT_ONCE] if (item := now(name)) is not None]
+            if items:
+                yield before + b",".join(map(msgspec.json.encode, items))
+                before = b","
             await asyncio.sleep(0)
         yield b'],"next_cursor":' + msgspec.json.encode(next_cursor) + b"}"
 

@@ -10,8 +10,8 @@ from __future__ import annotations
 import asyncio
 import hashlib
 from collections import Counter
-from collections.abc import Callable, Collection, Sequence
-from contextlib import nullcontext
+from collections.abc import Callable, Collection, Iterator, Sequence
+from contextlib import contextmanager, nullcontext
 from http import HTTPStatus
 
 from dray.gateway.access.audit_log import Note
@@ -127,19 +127,25 @@ class OrderPlacement:
         orders, _ = await self._placed(wish, 1, caller)
         return orders[0]
 
-    def order(self, draft: OrderDraft, caller: str) -> Order:
+    def check(self, draft: OrderDraft) -> None:
+        """Refuse a draft that could not be an order now, however many are open.
+
+        Raises:
+            Problem: names the fields.
+        """
+        self._refuse_nonsense(draft, self._wall_s())
+
+    @contextmanager
+    def order(self, draft: OrderDraft, caller: str) -> Iterator[Order]:
         """What a draft of somebody comes to now, for who keeps it in a transaction of its own; not kept yet.
+
+        It counts to its caller's share as long as the context lasts: until it is published, or has failed.
 
         Raises:
             Problem: as `place`.
         """
-        self._coming[caller] += 1
-        try:
-            return self._prepared([draft], lambda _orders: b"", caller).orders[0]
-        finally:
-            self._coming[caller] -= 1
-            if not self._coming[caller]:
-                del self._coming[caller]
+        with self._counted(caller, 1):
+            yield self._prepared([draft], lambda _orders: b"", caller).orders[0]
 
     async def keep(self, work: Work, order: Order, key: str) -> None:
         """Take an order in a transaction, under a key that nobody else has; `publish` is for after it."""
@@ -248,23 +254,29 @@ class OrderPlacement:
 
     async def _placed(self, wish: Wish, count: int, caller: str) -> tuple[Sequence[Order], KeptAnswer]:
         """Have so many orders written, and let panels and the strategist know."""
-        self._coming[caller] += count
-        try:
+        with self._counted(caller, count):
             orders, kept = await self._placing.place(wish)
             for at, order in enumerate(orders, 1):
                 self._projection.orders.put(order)
                 if at % BATCH == 0:
                     await asyncio.sleep(0)
-        finally:
-            self._coming[caller] -= count
-            if not self._coming[caller]:
-                del self._coming[caller]
         for at, order in enumerate(orders, 1):
             if order.status is OrderStatus.RELEASED:
                 self._outbox.release(order)
             if at % BATCH == 0:
                 await asyncio.sleep(0)
         return orders, kept
+
+    @contextmanager
+    def _counted(self, caller: str, count: int) -> Iterator[None]:
+        """So many orders of somebody are being written."""
+        self._coming[caller] += count
+        try:
+            yield
+        finally:
+            self._coming[caller] -= count
+            if not self._coming[caller]:
+                del self._coming[caller]
 
     def _prepared(
         self, drafts: Sequence[OrderDraft], render: Callable[[Sequence[Order]], bytes], caller: str

@@ -6,6 +6,8 @@ when that is on disk, and told again by who keeps transports and orders, should 
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Protocol
 
 import msgspec
@@ -61,8 +63,9 @@ class Runs:
     def __init__(self, transports: PlainTransports, orders: OrderPlacement) -> None:
         self._transports, self._orders = transports, orders
 
-    def run(self, row: ScheduleRow, begin_s: float) -> Run:
-        """What a schedule asks for at a moment.
+    @contextmanager
+    def run(self, row: ScheduleRow, begin_s: float) -> Iterator[Run]:
+        """What a schedule asks for at a moment; it counts to its owner's share as long as the context lasts.
 
         Args:
             row: the schedule.
@@ -73,18 +76,23 @@ class Runs:
         """
         if row.order_draft:
             draft = RecurringOrder.model_validate_json(row.order_draft).draft(begin_s)
-            return _OrderRun(self._orders, self._orders.order(draft, _whose(row)))
-        transport = self._transports.row(TransportDraft.model_validate_json(row.transport), principal(row))
-        return _TransportRun(self._transports, msgspec.structs.replace(transport, caller=_whose(row)))
+            with self._orders.order(draft, _whose(row)) as order:
+                yield _OrderRun(self._orders, order)
+            return
+        transport = msgspec.structs.replace(self._transport(row), caller=_whose(row))
+        yield _TransportRun(self._transports, transport)
 
     def check(self, row: ScheduleRow, now_s: float) -> None:
-        """Refuse what could not be done now.
+        """Refuse what could not be done now, however much is open: its first moment may be next week.
 
         Raises:
             Problem: names the fields as a schedule has them.
         """
         try:
-            self.run(row, now_s)
+            if row.order_draft:
+                self._orders.check(RecurringOrder.model_validate_json(row.order_draft).draft(now_s))
+            else:
+                self._transport(row)
         except Problem as problem:
             if not problem.errors:
                 raise
@@ -92,6 +100,9 @@ class Runs:
             raise unusable(
                 *(msgspec.structs.replace(each, field=f"{part}.{each.field}") for each in problem.errors)
             ) from None
+
+    def _transport(self, row: ScheduleRow) -> TransportRow:
+        return self._transports.row(TransportDraft.model_validate_json(row.transport), principal(row))
 
 
 def principal(row: ScheduleRow) -> Principal:
@@ -101,7 +112,7 @@ def principal(row: ScheduleRow) -> Principal:
 
 
 def _whose(row: ScheduleRow) -> str:
-    """Whose share what it asks for takes: that of whoever has begun it, however many schedules that one has."""
+    """Whose it is what it asks for, and whose share that takes: its owner's, however many schedules that one has."""
     return row.owner or principal(row).key
 
 

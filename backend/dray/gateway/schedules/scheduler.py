@@ -19,7 +19,8 @@ from http import HTTPStatus
 import msgspec
 
 from dray.errors import UnavailableError
-from dray.gateway.access.principal import Principal
+from dray.gateway.access.gate import forbidden
+from dray.gateway.access.principal import Principal, Scope
 from dray.gateway.http.problems import FieldError, Problem, unusable
 from dray.gateway.http.shares import share_of, share_used
 from dray.gateway.http.versions import changed_since, check_version
@@ -68,7 +69,7 @@ class Scheduler:
 
         Raises:
             Problem: 422 its calendar or its work cannot be, 409 its name is taken or there are too many, 429 too many are this
-                caller's.
+                caller's, 403 it orders and this caller may not.
         """
         now_s = self._wall_s()
         row = ScheduleRow(
@@ -87,14 +88,12 @@ class Scheduler:
             next_at_s=None,
             owner=by.key,
         )
+        _refuse_orders(row, by)
         row = self._begun(row, now_s)
         self._runs.check(row, now_s)
         async with self._store.write() as work:
             kept = await work.schedules.all()
-            if sum(each.owner == row.owner for each in kept) >= share_of(SCHEDULES_MAX):
-                raise share_used(
-                    "pieces of recurring work", SCHEDULES_MAX, "remove one (GET /api/schedules lists them)"
-                )
+            _refuse_beyond_share(kept, row.owner)
             if len(kept) >= SCHEDULES_MAX:
                 raise _too_many()
             if await work.schedules.named(row.name) is not None or not await work.schedules.add(row):
@@ -103,9 +102,11 @@ class Scheduler:
         return row
 
     async def change(
-        self, schedule: str, change: ScheduleChange, version: str | None, by: str
+        self, schedule: str, change: ScheduleChange, version: str | None, by: Principal
     ) -> ScheduleRow | None:
         """Change one. When its calendar is another one, or it goes on after a pause, it begins with the first moment from now on.
+
+        Whoever changes what it asks for is its owner from then on, and so is who lets it go on when its owner may do nothing any more.
 
         Returns:
             It as it is now; None when there is none.
@@ -118,7 +119,10 @@ class Scheduler:
             if row is None:
                 return None
             check_version(row.revision, version, changed_since("schedule", row.id))
-            after = self._changed(row, change, by)
+            is_orphan = row.owner in await work.schedules.owners_gone(self._wall_s())
+            after = self._changed(row, change, by, is_orphan=is_orphan)
+            if after.owner != row.owner:
+                _refuse_beyond_share(await work.schedules.all(), after.owner)
             if after.name != row.name and await work.schedules.named(after.name) is not None:
                 raise _name_taken(after.name)
             if not await work.schedules.change(row, after):
@@ -141,7 +145,9 @@ class Scheduler:
                 raise changed_since("schedule", row.id)
         return True
 
-    def _changed(self, row: ScheduleRow, change: ScheduleChange, by: str) -> ScheduleRow:
+    def _changed(
+        self, row: ScheduleRow, change: ScheduleChange, by: Principal, *, is_orphan: bool
+    ) -> ScheduleRow:
         now_s = self._wall_s()
         fields = change.model_dump(exclude_none=True, exclude={"transport", "order", "missed", "skipped"})
         if change.holidays is not None:
@@ -152,7 +158,11 @@ class Scheduler:
             fields["order_draft"] = _kept_order(change.order)
         if change.missed is not None:
             fields["make_up"] = change.missed == "catch_up"
-        after = msgspec.structs.replace(row, **fields, revision=row.revision + 1, by=by, at_s=now_s)
+        after = msgspec.structs.replace(row, **fields, revision=row.revision + 1, by=by.name, at_s=now_s)
+        if _asked(after) != _asked(row) or (is_orphan and change.paused is False):
+            after = msgspec.structs.replace(after, owner=by.key)
+        if other_work or after.owner != row.owner:
+            _refuse_orders(after, by)
         if _moments(after) != _moments(row):
             after = self._begun(after, now_s)
         wanted = None if change.skipped is None else [moment.timestamp() for moment in change.skipped]
@@ -179,16 +189,29 @@ class Scheduler:
                     await wait_until(math.inf if next_s is None else next_s, self._wall_s, self._news)
 
     async def look(self) -> None:
-        """Use every moment that has come.
+        """Use every moment that has come, but pause what belongs to somebody who may do nothing any more.
 
         Raises:
             UnavailableError: the database cannot be read or written.
         """
         now_s = self._wall_s()
+        await self._pause_orphans(now_s)
         async with self._store.read() as work:
             due = await work.schedules.due(now_s)
         for row in due:
             await self._use(row, now_s)
+
+    async def _pause_orphans(self, now_s: float) -> None:
+        async with self._store.read() as work:
+            gone = await work.schedules.owners_gone(now_s)
+            rows = [row for row in await work.schedules.all() if row.owner in gone] if gone else []
+        for row in rows:
+            if row.paused:
+                continue
+            after = msgspec.structs.replace(row, paused=True, next_at_s=None, revision=row.revision + 1)
+            async with self._store.write() as work:
+                if await work.schedules.change(row, after):
+                    await work.audit.add(_paused_line(row, now_s))
 
     async def _use(self, row: ScheduleRow, now_s: float) -> None:
         try:
@@ -214,21 +237,20 @@ class Scheduler:
         )
         key = own_key(principal(row), f"{moment_s:.0f}")
         try:
-            run = self._runs.run(row, moment_s if now_s - moment_s <= PUNCTUAL_S else now_s)
-            async with self._store.write() as work:
-                # A clock that was set back leads to a moment again that is used.
-                known = await run.known(work, key)
-                if not await work.schedules.change(row, run.of(after, known or run.id)):
-                    return
+            with self._runs.run(row, moment_s if now_s - moment_s <= PUNCTUAL_S else now_s) as run:
+                async with self._store.write() as work:
+                    # A clock that was set back leads to a moment again that is used.
+                    known = await run.known(work, key)
+                    if not await work.schedules.change(row, run.of(after, known or run.id)):
+                        return
+                    if known is None:
+                        await run.keep(work, key)
+                        await work.audit.add(_line(row, run, moment_s, now_s))
                 if known is None:
-                    await run.keep(work, key)
-                    await work.audit.add(_line(row, run, moment_s, now_s))
+                    run.begin()
         except Problem as problem:
             _log.warning("recurring work %s (%s) is refused: %s", row.id, row.name, problem.detail)
             await self._move(row, msgspec.structs.replace(after, last_refused=problem.detail[:REFUSED_MAX]))
-            return
-        if known is None:
-            run.begin()
 
     async def _move(self, row: ScheduleRow, after: ScheduleRow) -> None:
         async with self._store.write() as work:
@@ -293,6 +315,10 @@ def _moments(row: ScheduleRow) -> tuple[str, str, str, bool]:
     return row.calendar, row.time_zone, row.holidays, row.paused
 
 
+def _asked(row: ScheduleRow) -> tuple[str, str]:
+    return row.transport, row.order_draft
+
+
 def _kept_days(days: list[date]) -> str:
     return msgspec.json.encode(sorted(set(days))).decode()
 
@@ -320,6 +346,43 @@ def _line(row: ScheduleRow, run: Run, moment_s: float, now_s: float) -> AuditRow
         result="done",
         detail={"schedule": row.name, "planned_at_s": moment_s},
     )
+
+
+def _paused_line(row: ScheduleRow, now_s: float) -> AuditRow:
+    """Likewise of one that has paused because of its owner."""
+    return AuditRow(
+        at_s=now_s,
+        who=row.id,
+        who_kind="schedule",
+        action="schedule.change",
+        target=row.id,
+        result="done",
+        detail={"schedule": row.name, "paused": True, "owner_gone": row.owner},
+    )
+
+
+def _refuse_orders(row: ScheduleRow, owner: Principal) -> None:
+    """Refuse recurring orders of who may place none.
+
+    Raises:
+        Problem: 403.
+    """
+    if row.order_draft and not owner.may(Scope.ORDERS_WRITE):
+        raise forbidden(
+            f"an order that recurs asks for the right {Scope.ORDERS_WRITE.value}; ask somebody who may place orders"
+        )
+
+
+def _refuse_beyond_share(kept: Iterable[ScheduleRow], owner: str) -> None:
+    """Refuse one more schedule of who has as many as one caller may have.
+
+    Raises:
+        Problem: 429.
+    """
+    if sum(each.owner == owner for each in kept) >= share_of(SCHEDULES_MAX):
+        raise share_used(
+            "pieces of recurring work", SCHEDULES_MAX, "remove one (GET /api/schedules lists them)"
+        )
 
 
 def _name_taken(name: str) -> Problem:

@@ -19,16 +19,20 @@ from sqlalchemy import (
     Table,
     Text,
     UniqueConstraint,
+    and_,
     delete,
+    exists,
     func,
     insert,
+    literal,
+    or_,
     select,
     update,
 )
 from sqlalchemy.exc import IntegrityError
 from sqlalchemy.ext.asyncio import AsyncConnection
 
-from dray.store.tables import Id, metadata
+from dray.store.tables import Id, api_keys, metadata, people
 
 schedules = Table(
     "schedules",
@@ -96,7 +100,7 @@ class ScheduleRow(msgspec.Struct, frozen=True, kw_only=True, gc=False):
     missed_at_s: float | None = None
     """The last moment that was left out because it was past."""
     owner: str = ""
-    """Kind and id of who has begun it; empty where nobody knows."""
+    """Kind and id of who has begun it, or has changed what it asks for since; empty where nobody knows."""
     skipped: str = "[]"
     """JSON: a list of moments of its calendar at which nothing is done."""
 
@@ -120,6 +124,20 @@ class Schedules:
         c = schedules.c
         query = select(*_COLUMNS).where(c.next_at_s <= now_s).order_by(c.next_at_s, c.id)
         return [_row(row) for row in await self._connection.execute(query)]
+
+    async def owners_gone(self, now_s: float) -> frozenset[str]:
+        """Owners who may do nothing any more: keys that were taken back or have run out, and people who may not log in."""
+        owner, key = schedules.c.owner, api_keys.c
+        has_key = exists().where(
+            literal("key ") + key.id == owner,
+            key.revoked_at_s.is_(None),
+            or_(key.expires_at_s.is_(None), key.expires_at_s > now_s),
+        )
+        may_log_in = exists().where(
+            literal("person ") + people.c.id == owner, people.c.disabled_at_s.is_(None)
+        )
+        gone = or_(and_(owner.startswith("key "), ~has_key), and_(owner.startswith("person "), ~may_log_in))
+        return frozenset((await self._connection.execute(select(owner).distinct().where(gone))).scalars())
 
     async def next_s(self) -> float | None:
         """When the next moment of any of them is."""

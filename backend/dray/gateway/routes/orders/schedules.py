@@ -12,8 +12,6 @@ from fastapi import APIRouter, Depends, Header, Path, Response
 
 from dray.gateway.access.audit_log import Noted
 from dray.gateway.access.caller import Caller
-from dray.gateway.access.gate import forbidden
-from dray.gateway.access.principal import Principal, Scope
 from dray.gateway.http.csv_tables import Format, Row, table, with_csv
 from dray.gateway.http.problems import not_found, unusable
 from dray.gateway.http.provided import Now, Provided
@@ -32,7 +30,7 @@ from dray.gateway.http.responses import (
 )
 from dray.gateway.http.versions import version_tag
 from dray.gateway.schedules.calendar import Calendar, CalendarError
-from dray.gateway.schedules.drafts import PreviewDraft, RecurringOrder, ScheduleChange, ScheduleDraft
+from dray.gateway.schedules.drafts import PreviewDraft, ScheduleChange, ScheduleDraft
 from dray.gateway.schedules.scheduler import Scheduler, calendar_of, days_of, skipped_of
 from dray.store import Store
 from dray.store.orders.schedules import ScheduleRow
@@ -117,6 +115,9 @@ class ScheduleAnswer(msgspec.Struct, frozen=True, kw_only=True):
     """...or the order that is placed: one of both."""
     next_runs: tuple[str, ...]
     """In the calendar's time zone; none while it is paused."""
+    owner_gone: bool = False
+    """Its owner may do nothing any more: the key was taken back or has run out, or the person may not log in. It has paused then, until
+    somebody lets it go on, whose it is from then on."""
     last: LastRun | None = None
     missed_at: str | None = None
     """The last moment that was left out because it was past."""
@@ -177,6 +178,7 @@ COLUMNS = (
 )
 async def list_schedules(
     store: Provided[Store],
+    now_s: Now,
     cursor: Cursor = None,
     limit: Limit = PAGE,
     format: Format = "json",  # noqa: A002 - the word that others use
@@ -187,10 +189,11 @@ async def list_schedules(
     """
     async with store.read() as work:
         rows = await work.schedules.all()
+        gone = await work.schedules.owners_gone(now_s)
     if format == "csv":
-        return table("recurring", COLUMNS, _rows(rows))
+        return table("recurring", COLUMNS, _rows(rows, gone))
     shown, next_cursor = part(rows, lambda row: row.id, cursor, limit)
-    return listing([answer async for answer in _answers(shown)], next_cursor)
+    return listing([answer async for answer in _answers(shown, gone)], next_cursor)
 
 
 @router.post(
@@ -214,7 +217,6 @@ async def add_schedule(
     Sent twice it is refused the second time: no two have the same name.
     """
     note.detail |= draft.model_dump(mode="json", exclude_none=True, by_alias=True)
-    _admit(caller, draft.order)
     row = await scheduler.define(draft, caller)
     note.target = row.id
     headers = {"Location": f"/api/schedules/{row.id}", "ETag": version_tag(row.revision)}
@@ -246,13 +248,14 @@ async def preview_runs(now_s: Now, draft: PreviewDraft) -> Json:
     },
     response_class=Json,
 )
-async def get_schedule(store: Provided[Store], schedule: ScheduleId) -> Json:
+async def get_schedule(store: Provided[Store], now_s: Now, schedule: ScheduleId) -> Json:
     """One schedule; its `ETag` is for changing it."""
     async with store.read() as work:
         row = await work.schedules.get(schedule)
+        gone = await work.schedules.owners_gone(now_s)
     if row is None:
         raise not_found("schedule", schedule, LISTED)
-    return Json(_answer(row), headers={"ETag": version_tag(row.revision)})
+    return Json(_answer(row, gone), headers={"ETag": version_tag(row.revision)})
 
 
 @router.patch(
@@ -270,21 +273,27 @@ async def get_schedule(store: Provided[Store], schedule: ScheduleId) -> Json:
     response_class=Json,
 )
 async def change_schedule(
+    store: Provided[Store],
     scheduler: Provided[Scheduler],
     caller: Caller,
     note: Noted,
+    now_s: Now,
     schedule: ScheduleId,
     draft: ScheduleChange,
     if_match: IfMatch = None,
 ) -> Json:
-    """Change a schedule, leave out single moments, pause it or let it go on. What passes while it is paused is never made up for."""
+    """Change a schedule, leave out single moments, pause it or let it go on. What passes while it is paused is never made up for.
+
+    Whoever changes what it asks for is its owner from then on; so is who lets it go on when its owner was gone (`owner_gone`).
+    """
     note.target = schedule
     note.detail |= draft.model_dump(mode="json", exclude_none=True, by_alias=True)
-    _admit(caller, draft.order)
-    row = await scheduler.change(schedule, draft, if_match, caller.name)
+    row = await scheduler.change(schedule, draft, if_match, caller)
     if row is None:
         raise not_found("schedule", schedule, LISTED)
-    return Json(_answer(row), headers={"ETag": version_tag(row.revision)})
+    async with store.read() as work:
+        gone = await work.schedules.owners_gone(now_s)
+    return Json(_answer(row, gone), headers={"ETag": version_tag(row.revision)})
 
 
 @router.delete(
@@ -308,32 +317,21 @@ async def remove_schedule(
     return Response(status_code=HTTPStatus.NO_CONTENT)
 
 
-def _admit(caller: Principal, order: RecurringOrder | None) -> None:
-    """Refuse recurring orders of who may place none.
-
-    Raises:
-        Problem: 403.
-    """
-    if order is not None and not caller.may(Scope.ORDERS_WRITE):
-        raise forbidden(
-            f"an order that recurs asks for the right {Scope.ORDERS_WRITE.value}; ask somebody who may place orders"
-        )
-
-
-async def _answers(rows: Sequence[ScheduleRow]) -> AsyncIterator[ScheduleAnswer]:
+async def _answers(rows: Sequence[ScheduleRow], gone: frozenset[str]) -> AsyncIterator[ScheduleAnswer]:
     """One after the other, with others' turns between: to find the next moments of a calendar that has many days off takes milliseconds."""
     for row in rows:
-        yield _answer(row)
+        yield _answer(row, gone)
         await asyncio.sleep(0)
 
 
-async def _rows(rows: Sequence[ScheduleRow]) -> AsyncIterator[Row]:
-    async for answer in _answers(rows):
+async def _rows(rows: Sequence[ScheduleRow], gone: frozenset[str]) -> AsyncIterator[Row]:
+    async for answer in _answers(rows, gone):
         for line in _lines(answer):
             yield line
 
 
-def _answer(row: ScheduleRow) -> ScheduleAnswer:
+def _answer(row: ScheduleRow, gone: frozenset[str] = frozenset()) -> ScheduleAnswer:
+    """It as its readers see it; `gone` are the owners who may do nothing any more."""
     last = None
     if row.last_at_s is not None:
         last = LastRun(
@@ -355,6 +353,7 @@ def _answer(row: ScheduleRow) -> ScheduleAnswer:
         transport=msgspec.json.decode(row.transport, type=RecurringTransport) if row.transport else None,
         order=msgspec.json.decode(row.order_draft, type=RecurringOrderAnswer) if row.order_draft else None,
         next_runs=_next_runs(row),
+        owner_gone=row.owner in gone,
         last=last,
         missed_at=None if row.missed_at_s is None else iso(row.missed_at_s),
         changed_by=row.by,

@@ -78,7 +78,7 @@ export function Recurring() {
 }
 
 function Row({ act, schedule }: { schedule: Schedule; act: (what: Promise<unknown>) => Promise<void> }) {
-  const { calendar, name, next_runs, paused, skipped, time_zone } = schedule;
+  const { calendar, name, next_runs, owner_gone, paused, skipped, time_zone } = schedule;
   const at = (moment: string): string => shown(moment, time_zone, language.value);
   const [next, ...later] = next_runs;
   const leaveOut = (moments: readonly string[]): void => void act(changeSchedule(schedule, { skipped: [...moments] }));
@@ -98,6 +98,7 @@ function Row({ act, schedule }: { schedule: Schedule; act: (what: Promise<unknow
       </td>
       <td>
         {paused && <Tag tone="warn">{t("recurring.paused")}</Tag>}
+        {owner_gone && <small class="line complaint">{t("recurring.ownerGone")}</small>}
         {!paused && (next === undefined ? "–" : at(next))}
         {next !== undefined && (
           <button type="button" class="link recurring-omit" aria-label={t("recurring.omitOf", { at: at(next), name })} onClick={() => { leaveOut([...skipped, next]); }}>

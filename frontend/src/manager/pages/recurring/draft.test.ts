@@ -4,7 +4,7 @@ import { calendarOf, dayName, draftOf, empty, partOf, shown, writtenOf } from ".
 
 const schedule: Schedule = {
   id: "S-1", etag: '"1-0-0"', name: "Shafts", calendar: "45 5 * * 1,2,3", time_zone: "Europe/Berlin", holidays: ["2030-12-25"], skipped: [],
-  missed: "catch_up", paused: false, transport: { from: "S3", to: "M8", item: "shaft", thing: null, quantity: 40, priority: "high", vehicle: "ATV3", vehicle_only: false, ability: "pallet" },
+  missed: "catch_up", paused: false, owner_gone: false, transport: { from: "S3", to: "M8", item: "shaft", thing: null, quantity: 40, priority: "high", vehicle: "ATV3", vehicle_only: false, ability: "pallet" },
   order: null,
   next_runs: [], last: null, missed_at: null, changed_by: "Mia", changed_at: "2030-01-01T00:00:00.000Z",
 };

@@ -70,6 +70,7 @@ export const recurring: Catalogue<typeof en> = {
   "recurring.kept": "{name} ist gespeichert.",
   "recurring.failed": "Nicht getan: {reason}",
   "recurring.paused": "angehalten",
+  "recurring.ownerGone": "Für wen sie war, darf nichts mehr anfordern: Der Schlüssel ist zurückgenommen oder abgelaufen, oder die Person darf sich nicht mehr anmelden. Wer sie fortsetzt, dem gehört sie von da an.",
   "recurring.omit": "Auslassen",
   "recurring.omitOf": "{at} von {name} auslassen",
   "recurring.omitted": "ausgelassen: {at}",

@@ -70,6 +70,7 @@ export const recurring: Catalogue<typeof en> = {
   "recurring.kept": "{name} está guardado.",
   "recurring.failed": "No se ha hecho: {reason}",
   "recurring.paused": "en pausa",
+  "recurring.ownerGone": "Quien lo pidió ya no puede pedir nada: la clave se retiró o caducó, o la persona ya no puede iniciar sesión. Quien lo reanude lo tendrá desde entonces.",
   "recurring.omit": "Omitir",
   "recurring.omitOf": "Omitir {at} de {name}",
   "recurring.omitted": "omitido: {at}",
